@@ -1,0 +1,36 @@
+// Seam structs between haptics, actuation and device.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "service/base/limits.h"
+#include "service/base/vec.h"
+
+namespace omni::base {
+
+// Force and torque on the tool about `point_base_m`, in B.
+struct Wrench {
+  Vec3 force_N;
+  Vec3 torque_Nm;
+  Vec3 point_base_m;
+};
+
+struct CoilCurrents {
+  std::array<double, kCoilCount> current_A{};
+};
+
+// What actuation can do at one pose and temperature, handed to haptics by loop.
+// A force f (N, in B) needs the currents I = ampere_per_newton f + bias_A; it is feasible if |I_k| <= current_max_A[k].
+// valid = false (pose unknown or out of reach): nothing may be rendered.
+struct ForceLimit {
+  bool valid = false;
+  std::array<double, 9> ampere_per_newton{};  // row-major 3x3
+  std::array<double, kCoilCount> bias_A{};    // cancels the core's pull on the magnet, 0 when not compensated
+  std::array<double, kCoilCount> current_max_A{};
+  double force_max_N = 0;                     // hard cap of |f|, whatever the currents allow
+};
+static_assert(std::is_trivially_copyable_v<Wrench> && std::is_trivially_copyable_v<ForceLimit>);
+
+}  // namespace omni::base

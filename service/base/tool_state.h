@@ -1,0 +1,40 @@
+// What the tracker knows of the tool at one instant.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "service/base/vec.h"
+
+namespace omni::base {
+
+enum class TrackingStatus : std::uint8_t {
+  kAbsent = 0,   // no magnet in reach: pose fields are the last known ones, not valid before the first fix
+  kLost = 1,     // was tracked, this scan did not fit: pose is the last good one
+  kTracking = 2  // pose belongs to this scan
+};
+
+// Frame B: origin at the core's centre, +z up, right handed, metres.
+// The tool's axis u is the unit vector along the magnetic moment, from the magnet's centre to the tip.
+// The device point (HIP) is position + tip_offset_m * axis.
+struct ToolState {
+  std::int64_t t_ns = 0;  // CLOCK_MONOTONIC of the Hall sample this state belongs to
+  TrackingStatus status = TrackingStatus::kAbsent;
+  bool ever_tracked = false;
+  Vec3 position_base_m;                 // magnet centre
+  Vec3 axis_base{0, 0, -1};             // u, |u| = 1
+  Vec3 velocity_base_m_s;               // of the magnet centre
+  Vec3 angular_velocity_base_rad_s;     // perpendicular to u: roll about u is not observable
+  Vec3 device_point_base_m;
+  Vec3 device_point_velocity_base_m_s;
+  double gap_m = 0;                     // nearest point of the magnet to the hull; < 0: inside
+  // Covariance of (position 3, tangent of u 2), row-major 5x5, SI.
+  std::array<double, 25> covariance{};
+  double chi2 = 0;                      // of this scan's fit, `dof` degrees of freedom
+  int dof = 0;
+  int iterations = 0;
+};
+static_assert(std::is_trivially_copyable_v<ToolState>);
+
+}  // namespace omni::base

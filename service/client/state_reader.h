@@ -1,0 +1,39 @@
+// Read-only view of omnid's state memory. No system call after construction; any number of threads may read.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "service/protocol/state_memory.h"
+
+namespace omni::client {
+
+class StateReader {
+ public:
+  // Takes ownership of `fd`. Checks seals (F_SEAL_SHRINK, GROW, SEAL and FUTURE_WRITE), size, magic and version before
+  // it maps. Null on failure, `error` says why.
+  static std::shared_ptr<const StateReader> Map(int fd, std::uint32_t announced_bytes, std::string* error);
+  ~StateReader();
+  StateReader(const StateReader&) = delete;
+  StateReader& operator=(const StateReader&) = delete;
+
+  std::uint64_t service_instance() const noexcept;
+
+  // Newest published sample. False: nothing published yet, or torn kMaxTornReads times.
+  bool Newest(protocol::ToolSample& sample) const noexcept;
+
+  // The two samples around t_ns: before.t_ns <= t_ns <= after.t_ns. t_ns past the newest: both are the newest;
+  // before the oldest kept: both are the oldest. False as for Newest.
+  bool Around(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
+
+  bool Inputs(protocol::InputSnapshot& inputs) const noexcept;
+
+ private:
+  StateReader(const protocol::StateMemory* memory, std::size_t bytes) : memory_(memory), bytes_(bytes) {}
+  bool ReadSlot(std::uint64_t index, protocol::ToolSample& sample) const noexcept;
+  const protocol::StateMemory* memory_;
+  std::size_t bytes_;
+};
+
+}  // namespace omni::client

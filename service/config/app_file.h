@@ -1,0 +1,38 @@
+// manifests/apps.d/*.toml: which scene an OpenXR application gets, and with what options. User files in
+// $XDG_CONFIG_HOME/omni/apps.d come first and win; files are read in name order; the first glob that matches wins.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/base/vec.h"
+
+namespace omni::config {
+
+enum class Placement { kAsAuthored, kFit };  // kFit: scaled and moved into reach of the device
+
+struct AppEntry {
+  std::string file;               // where it came from, for messages
+  std::string application_glob;   // fnmatch pattern on XrApplicationInfo::applicationName
+  std::string scene;              // absolute path after loading (relative paths are relative to the scenes folder)
+  Placement placement = Placement::kAsAuthored;
+  base::Vec3 offset_base_m;
+  double scale = 1;
+  double force_scale = 1;         // [0, 1]
+  std::string hand = "right";     // "right" or "left"
+};
+
+struct AppTable {
+  std::vector<AppEntry> entries;
+  std::vector<std::string> problems;  // files that were skipped, and why (the others stay in force)
+};
+
+// Folders in order of precedence. Missing folders are fine.
+AppTable LoadAppTable(const std::vector<std::string>& folders, const std::string& scenes_folder);
+
+// Null: no entry matches.
+const AppEntry* FindApp(const AppTable& table, const std::string& application);
+
+}  // namespace omni::config

@@ -1,0 +1,16 @@
+// manifests/device/*.toml -> DeviceGeometry. Errors name the file, the key, the value and the allowed range.
+#pragma once
+
+#include <string>
+
+#include "service/base/device_geometry.h"
+#include "service/base/result.h"
+
+namespace omni::config {
+
+base::Result<base::DeviceGeometry> LoadDeviceFile(const std::string& path);
+
+// The geometry built into the binary: the same numbers as manifests/device/omni.toml (embedded at build).
+const base::DeviceGeometry& DefaultDevice();
+
+}  // namespace omni::config

@@ -1,0 +1,47 @@
+// Transport: what carries scans from a base and currents to it. Two calls; the twin, a real device and a recording
+// all stand behind it, and one contract test suite runs over every implementation.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "service/base/actuation_types.h"
+#include "service/base/hall_scan.h"
+
+namespace omni::device {
+
+enum class ReadStatus : std::uint8_t {
+  kScan = 0,     // `scan` is filled
+  kTimeout = 1,  // nothing arrived in time
+  kGone = 2,     // the device is gone; the daemon decides whether to open it again
+  kEnd = 3       // a recording or a virtual run is over
+};
+
+struct TransportInfo {
+  std::string name;          // for people: "twin", "usb 1209:0001", "replay FILE"
+  std::string serial;
+  bool simulation = false;   // every figure made with it is named as simulated
+  bool virtual_time = false; // Read never waits: time comes from the scans
+};
+
+struct TransportCounters {
+  std::uint64_t received = 0;
+  std::uint64_t missed = 0;        // gaps in the device's sequence
+  std::uint64_t bad_frames = 0;    // CRC, size, magic or version
+  std::uint64_t sent = 0;
+  std::uint64_t send_failed = 0;
+};
+
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  // Waits at most timeout_ns for the next scan. No allocation.
+  virtual ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept = 0;
+  // Sends set-points with their time to live; never waits. Non-finite values are refused (false, nothing sent).
+  virtual bool Write(const base::CoilCurrents& currents) noexcept = 0;
+  virtual const TransportInfo& info() const noexcept = 0;
+  virtual TransportCounters counters() const noexcept = 0;
+};
+
+}  // namespace omni::device

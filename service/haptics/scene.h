@@ -1,0 +1,114 @@
+// Scene: immutable, one relocatable block (offsets, no pointers, no vtables), so that a confined process can build it
+// later and so that it can be swapped in at a tick and freed elsewhere. All that changes lives in haptics::State.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/base/vec.h"
+#include "service/haptics/material.h"
+#include "service/haptics/scene_input.h"
+
+namespace omni::haptics {
+
+inline constexpr std::uint32_t kMaxObjects = 64;           // more: BuildScene refuses, with the number
+inline constexpr std::uint32_t kMaxRegions = 16;           // extrude regions; further ones stay rigid, with a report line
+inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene
+inline constexpr std::uint32_t kNoIndex = 0xFFFFFFFF;
+
+struct Vertex {
+  double x, y, z;           // rest position, base frame, m
+  std::uint32_t region;     // extrude region it moves with, or kNoIndex
+  std::uint32_t first_triangle;  // one triangle that uses it
+};
+
+// `vertex` counter-clockwise from outside; neighbour[k] is across the edge vertex[k] -> vertex[(k+1)%3], kNoIndex: border.
+struct Triangle {
+  std::uint32_t vertex[3];
+  std::uint32_t neighbour[3];
+  std::uint32_t object;
+  std::uint32_t material;
+};
+
+struct BvhNode {
+  float lower[3];
+  std::uint32_t first;      // leaf: first index into `leaf_triangles`; inner: left child (right = left + 1)
+  float upper[3];
+  std::uint32_t count;      // 0: inner node
+};
+
+struct Object {
+  std::uint32_t first_triangle, triangle_count;
+  std::uint32_t root;       // BVH node
+  std::uint32_t flags;      // kDoubleSided ...
+  char name[48];
+};
+enum ObjectFlag : std::uint32_t { kDoubleSided = 1, kCollidable = 2, kCarWall = 4, kClosed = 8 };
+
+// Triangles of one connected extrudable face; its vertices move along `normal` by the offset kept in State.
+struct Region {
+  base::Vec3 normal;        // unit, outwards
+  base::Vec3 centroid_base_m;
+  std::uint32_t material;
+  std::uint32_t object;
+};
+
+struct SceneHeader {
+  std::uint32_t magic;
+  std::uint32_t version;
+  std::uint64_t bytes;
+  std::uint64_t content_hash;
+  std::uint32_t vertex_count, triangle_count, node_count, leaf_count, object_count, region_count, material_count;
+  std::uint32_t has_joystick, has_vehicle, reserved;
+  std::uint64_t vertices, triangles, nodes, leaf_triangles, objects, regions, materials;  // offsets from the block's start
+  JoystickInput joystick;
+  VehicleInput vehicle;
+  base::Vec3 lower_base_m, upper_base_m;  // bounds of all collidable objects
+  char name[64];
+};
+
+class Scene {
+ public:
+  Scene() = default;  // empty scene: nothing to touch, zero cost
+  explicit Scene(std::vector<std::byte> block) : block_(std::move(block)) {}
+
+  bool empty() const noexcept { return block_.empty(); }
+  // Precondition for all below: !empty().
+  const SceneHeader& header() const noexcept { return *reinterpret_cast<const SceneHeader*>(block_.data()); }
+  std::span<const Vertex> vertices() const noexcept { return View<Vertex>(header().vertices, header().vertex_count); }
+  std::span<const Triangle> triangles() const noexcept { return View<Triangle>(header().triangles, header().triangle_count); }
+  std::span<const BvhNode> nodes() const noexcept { return View<BvhNode>(header().nodes, header().node_count); }
+  std::span<const std::uint32_t> leaf_triangles() const noexcept {
+    return View<std::uint32_t>(header().leaf_triangles, header().leaf_count);
+  }
+  std::span<const Object> objects() const noexcept { return View<Object>(header().objects, header().object_count); }
+  std::span<const Region> regions() const noexcept { return View<Region>(header().regions, header().region_count); }
+  std::span<const Material> materials() const noexcept { return View<Material>(header().materials, header().material_count); }
+  std::size_t bytes() const noexcept { return block_.size(); }
+
+ private:
+  template <class T>
+  std::span<const T> View(std::uint64_t offset, std::uint32_t count) const noexcept {
+    return {reinterpret_cast<const T*>(block_.data() + offset), count};
+  }
+  std::vector<std::byte> block_;
+};
+
+// What BuildScene did to the input, a line each, for `omni scene explain`.
+struct BuildReport {
+  std::vector<std::string> lines;
+  std::uint32_t welded_vertices = 0, dropped_triangles = 0, flipped_objects = 0;
+  double build_ms = 0;
+};
+
+// Welds vertices, drops degenerate and non-finite triangles, orients closed objects outwards, finds neighbours and extrude
+// regions, builds the BVH. Bounds of nodes include every offset an extrude region can take.
+base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report);
+
+}  // namespace omni::haptics

@@ -1,0 +1,71 @@
+// The control plane: one epoll thread that owns the socket, the clients and their signs of life.
+// Never on the tick thread. Decides nothing about force: it reports to a ServerHandler.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "service/base/result.h"
+#include "service/protocol/control.h"
+
+namespace omni::ipc {
+
+using ClientId = std::uint64_t;
+
+struct ClientInfo {
+  ClientId id = 0;
+  protocol::ClientRole role = protocol::ClientRole::kApplication;
+  int pid = 0;
+  std::string application;
+  std::string engine;
+};
+
+// Called on the control thread only. Calls must be short.
+class ServerHandler {
+ public:
+  virtual ~ServerHandler() = default;
+  virtual void OnClient(const ClientInfo& client) = 0;
+  virtual void OnGone(ClientId id) = 0;  // socket end, process death (pidfd), or protocol error
+  virtual void OnSession(ClientId id, protocol::SessionState state) = 0;
+  virtual void OnHaptic(ClientId id, const protocol::Haptic& haptic) = 0;
+  virtual void OnHapticStop(ClientId id) = 0;
+  // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
+  virtual void OnPeriod(std::int64_t now_ns) = 0;
+  virtual std::string StatusJson() = 0;
+};
+
+struct ServerOptions {
+  std::string socket_path;           // empty: same rule as client::DefaultSocketPath
+  std::int64_t period_ns = 10'000'000;
+  int max_clients = 32;              // further ones are rejected with a reason
+  std::uint64_t service_instance = 0;
+  int state_fd = -1;                 // passed to every client; stays the caller's
+};
+
+class Server {
+ public:
+  // Makes the folder (0700, owned by us, no symlink; else refused), takes the lock file beside the socket (a second omnid
+  // is refused with the pid of the first), binds and listens.
+  static base::Result<std::unique_ptr<Server>> Open(const ServerOptions& options, ServerHandler& handler);
+  ~Server();  // stops the thread, closes all
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  void Start();
+  void Stop();
+
+  // Control thread only (from within handler calls).
+  std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client
+  void SendNotice(ClientId id, int level, const std::string& text);
+
+  const std::string& socket_path() const;
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace omni::ipc

@@ -1,0 +1,108 @@
+// Tick: the one function that owns the millisecond.
+//
+//   HallScan -> tracker -> ToolState -> haptics -> Wrench -> actuation -> CoilCurrents
+//
+// The daemon, replay, tests and benchmarks all call it. noexcept, no allocation, no lock, no system call: time comes from
+// the scan's stamps. Only this module knows the order of the stages; they never include each other.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "service/actuation/actuation.h"
+#include "service/base/hall_scan.h"
+#include "service/base/input_state.h"
+#include "service/base/tool_state.h"
+#include "service/haptics/haptics.h"
+#include "service/loop/inputs.h"
+#include "service/tracker/tracker.h"
+
+namespace omni::loop {
+
+// Prepared off the tick from DeviceGeometry and settings; constant while a loop runs.
+struct TickConfig {
+  tracker::Config tracker;
+  actuation::Config actuation;
+  haptics::Config haptics;
+  InputConfig inputs;
+  double gate_ramp_s = 0.010;           // force fades to zero over this when the owner is gone or hands over
+  double silent_ramp_s = 0.100;         // fade after an owner gave no sign of life for 250 ms
+  std::int64_t command_timeout_ns = 100'000'000;  // commands older than this: the control thread is stuck, fade
+  double haptic_pulse_force_N = 0.5;    // amplitude 1 of xrApplyHapticFeedback
+  double haptic_pulse_min_s = 0.020;    // XR_MIN_HAPTIC_DURATION
+  double haptic_frequency_Hz = 80;      // XR_FREQUENCY_UNSPECIFIED
+};
+
+enum class ForceGate : std::uint8_t {
+  kClosed = 0,  // no owner, or it is gone: zero within gate_ramp_s
+  kSilent = 1,  // owner gives no sign of life: fade over silent_ramp_s
+  kOpen = 2
+};
+
+// xrApplyHapticFeedback of the owner. A new id starts it; the same id goes on; active = false stops it.
+struct HapticWaveform {
+  std::uint64_t id = 0;
+  bool active = false;
+  double duration_s = 0;   // < 0: shortest
+  double amplitude = 0;    // 0..1
+  double frequency_Hz = 0; // 0: best
+};
+
+// Fixed-size snapshot of what clients want, handed over by Latest<Commands>.
+struct Commands {
+  std::int64_t t_ns = 0;                // when the control thread wrote it (CLOCK_MONOTONIC)
+  ForceGate gate = ForceGate::kClosed;
+  std::uint64_t owner = 0;              // client id, 0: none
+  std::uint64_t scene_generation = 0;   // the scene that should be current; the tick ramps out and asks for it
+  HapticWaveform haptic;
+};
+static_assert(std::is_trivially_copyable_v<Commands>);
+
+struct LoopState {
+  tracker::State tracker;
+  haptics::State haptics;
+  actuation::State actuation;
+  InputTracker inputs;
+  std::int64_t t_ns = 0;                // of the last scan
+  std::uint64_t tick = 0;
+  double gate = 0;                      // 0..1 gain on everything rendered
+  std::uint64_t scene_generation = 0;   // of the scene passed to Tick
+  std::uint64_t haptic_id = 0;          // waveform being played
+  double haptic_time_s = 0;
+  bool haptic_playing = false;
+  std::array<double, 4> orientation_wxyz{1, 0, 0, 0};  // tool frame, roll by minimal twist
+};
+static_assert(std::is_trivially_copyable_v<LoopState>);
+
+struct TickOutput {
+  std::uint64_t tick = 0;
+  base::ToolState tool;
+  base::Quat orientation_base_tool;     // frame T: -z out of the tip
+  haptics::Output haptics;
+  base::Wrench wrench;                  // after all gates
+  base::CoilCurrents currents;          // the last word, finite, within limits
+  base::InputState inputs;
+  bool wants_scene = false;             // ramped out: the caller may now swap to commands.scene_generation
+  std::uint64_t haptic_pulses = 0;      // waveforms that reached the coil command so far
+  std::uint32_t faults = 0;             // TickFault bits of this tick
+  double gate = 0;
+};
+static_assert(std::is_trivially_copyable_v<TickOutput>);
+
+enum TickFault : std::uint32_t {
+  kFaultDevice = 1,        // the device reports faults
+  kFaultTracking = 2,      // not tracking
+  kFaultTime = 4,          // stamp went back or jumped
+  kFaultNotFinite = 8,     // a stage produced a non-finite value; currents are zero
+  kFaultCommandsStale = 16
+};
+
+// `state.scene_generation` names `scene`. When a caller swaps the scene it calls EnterScene first.
+void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& commands, const haptics::Scene& scene,
+          LoopState& state, TickOutput& output) noexcept;
+
+// Call between two ticks, when the last output said wants_scene (or before the first tick).
+void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept;
+
+}  // namespace omni::loop

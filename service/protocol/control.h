@@ -1,0 +1,100 @@
+// Control messages between omnid and its clients, over a Unix seqpacket socket (one message = one packet).
+// Plain data, std only. Every message starts with MessageHeader; `size` is the whole packet.
+// A receiver refuses a wrong magic, a size that does not fit the type, and an unterminated string.
+// Version rule: equal `kProtocolVersion` or the server answers Reject (its version, a text) and closes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace omni::protocol {
+
+inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
+inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr std::size_t kMaxMessageBytes = 65536;
+inline constexpr std::size_t kMaxSocketPathBytes = 107;
+
+enum class MessageType : std::uint16_t {
+  kHello = 1,          // client -> server, first message
+  kWelcome = 2,        // server -> client, with two descriptors: state memory (read only), life page (read/write)
+  kReject = 3,         // server -> client, then close
+  kSession = 4,        // client -> server: the application's session changed
+  kHaptic = 5,         // client -> server
+  kHapticStop = 6,     // client -> server
+  kStatusRequest = 7,  // client -> server
+  kStatusReply = 8,    // server -> client: JSON text after the header
+  kNotice = 9          // server -> client: something a person should read (e.g. a scene that did not load)
+};
+
+struct MessageHeader {
+  std::uint32_t magic = kMessageMagic;
+  std::uint16_t version = kProtocolVersion;
+  MessageType type = MessageType::kHello;
+  std::uint32_t size = 0;
+  std::uint32_t reserved = 0;
+};
+
+// What kind of client: only kApplication can own the force.
+enum class ClientRole : std::uint32_t { kApplication = 1, kMonitor = 2 };
+
+struct Hello {
+  MessageHeader header{.type = MessageType::kHello, .size = sizeof(Hello)};
+  ClientRole role = ClientRole::kApplication;
+  std::uint32_t api_version_major = 1;
+  std::uint32_t api_version_minor = 0;
+  std::uint32_t reserved = 0;
+  char application[128] = {};  // XrApplicationInfo::applicationName, UTF-8, terminated
+  char engine[128] = {};
+};
+
+struct Welcome {
+  MessageHeader header{.type = MessageType::kWelcome, .size = sizeof(Welcome)};
+  std::uint64_t client_id = 0;         // unique in this service instance, never 0
+  std::uint64_t service_instance = 0;  // random, changes when omnid restarts
+  std::uint32_t state_bytes = 0;       // size of the state memory
+  std::uint32_t life_bytes = 0;        // size of the life page
+};
+
+struct Reject {
+  MessageHeader header{.type = MessageType::kReject, .size = sizeof(Reject)};
+  std::uint32_t server_version = kProtocolVersion;
+  std::uint32_t reserved = 0;
+  char reason[248] = {};
+};
+
+// Only kFocused makes a client an owner; leaving it, or the end of the socket, takes the force away.
+enum class SessionState : std::uint32_t { kNone = 0, kBegun = 1, kFocused = 2 };
+
+struct Session {
+  MessageHeader header{.type = MessageType::kSession, .size = sizeof(Session)};
+  SessionState state = SessionState::kNone;
+  std::uint32_t reserved = 0;
+};
+
+struct Haptic {
+  MessageHeader header{.type = MessageType::kHaptic, .size = sizeof(Haptic)};
+  std::int64_t duration_ns = 0;  // -1: shortest pulse the device can make
+  float amplitude = 0;           // 0..1
+  float frequency_Hz = 0;        // 0: the device's best
+};
+
+struct HapticStop {
+  MessageHeader header{.type = MessageType::kHapticStop, .size = sizeof(HapticStop)};
+};
+
+struct StatusRequest {
+  MessageHeader header{.type = MessageType::kStatusRequest, .size = sizeof(StatusRequest)};
+};
+
+struct Notice {
+  MessageHeader header{.type = MessageType::kNotice, .size = sizeof(Notice)};
+  std::uint32_t level = 0;  // 0 info, 1 warning, 2 error
+  std::uint32_t reserved = 0;
+  char text[1000] = {};
+};
+
+static_assert(std::is_trivially_copyable_v<Hello> && std::is_trivially_copyable_v<Notice>);
+static_assert(sizeof(MessageHeader) == 16 && sizeof(Hello) == 288 && sizeof(Welcome) == 40 && sizeof(Reject) == 272);
+
+}  // namespace omni::protocol

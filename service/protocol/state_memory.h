@@ -1,0 +1,101 @@
+// The state memory: a memfd written by omnid's tick thread, mapped read-only by clients.
+//
+//   [StateHeader][InputBlock][RingSlot x kRingCapacity]
+//
+// Every shared word is a lock-free std::atomic<uint64_t>. A slot is a seqlock: `sequence` is odd while the writer
+// is inside, and 2 * (publication index + 1) when slot `index % kRingCapacity` holds publication `index`.
+// Readers copy the words (acquire loads), check the sequence again and give up after 3 torn reads.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <type_traits>
+
+namespace omni::protocol {
+
+inline constexpr std::uint32_t kStateMagic = 0x54534D4F;  // "OMST"
+inline constexpr std::uint32_t kStateVersion = 1;
+inline constexpr std::uint32_t kRingCapacity = 512;  // >= 250 ms at 1 kHz
+inline constexpr int kMaxTornReads = 3;
+
+enum ToolFlag : std::uint32_t {
+  kToolPoseValid = 1u << 0,    // there is a pose (maybe the last known one)
+  kToolTracked = 1u << 1,      // this sample was measured
+  kToolContact = 1u << 2,      // force is being rendered
+  kToolJoystick = 1u << 3,     // the scene in force says joystick: thumbstick components are live
+  kToolAligned = 1u << 4       // base pose in the headset's space is known (else the default placement holds)
+};
+
+// Frame T of the tool: origin at the device point (tip), -Z out of the tip along the pen's axis; roll about the axis
+// is not observable and is carried on by minimal twist. Frame B: base, see docs/conventions.md. SI.
+struct ToolSample {
+  std::int64_t t_ns = 0;  // CLOCK_MONOTONIC of the Hall sample
+  std::uint32_t flags = 0;
+  std::uint32_t reserved = 0;
+  std::array<double, 3> position_base_m{};         // device point
+  std::array<double, 4> orientation_base_wxyz{1, 0, 0, 0};
+  std::array<double, 3> linear_velocity_base_m_s{};   // of the device point
+  std::array<double, 3> angular_velocity_base_rad_s{};
+  std::array<double, 3> force_base_N{};            // commanded to the tool
+  double position_sigma_m = 0;                     // 1 sigma of the tracker, norm over axes
+  double gap_m = 0;
+};
+static_assert(std::is_trivially_copyable_v<ToolSample> && sizeof(ToolSample) % 8 == 0);
+
+// Mirrors base::InputState: what the layer snapshots at xrSyncActions. Index = InputIndex.
+enum class InputIndex : std::uint32_t {
+  kTipForce = 0, kSelect, kSecondary, kMenu, kSqueeze, kThumbstickX, kThumbstickY, kThumbstickClick, kDocked, kCount
+};
+inline constexpr std::uint32_t kInputCount = static_cast<std::uint32_t>(InputIndex::kCount);
+
+struct InputValue {
+  float value = 0;
+  std::uint32_t press_count = 0;    // edges over 0.5, since the service started
+  std::uint32_t release_count = 0;
+  std::uint32_t reserved = 0;
+  std::int64_t t_change_ns = 0;     // physical time of the last change
+};
+struct InputSnapshot {
+  std::int64_t t_ns = 0;
+  std::array<InputValue, kInputCount> components{};
+};
+static_assert(std::is_trivially_copyable_v<InputSnapshot> && sizeof(InputSnapshot) % 8 == 0);
+
+using Word = std::atomic<std::uint64_t>;
+static_assert(Word::is_always_lock_free && sizeof(Word) == 8);
+
+template <class T>
+struct SeqlockCell {
+  static constexpr std::size_t kWords = sizeof(T) / 8;
+  Word sequence{0};
+  std::array<Word, kWords> words{};
+};
+
+using RingSlot = SeqlockCell<ToolSample>;
+using InputBlock = SeqlockCell<InputSnapshot>;
+
+struct StateHeader {
+  std::uint32_t magic = kStateMagic;
+  std::uint32_t version = kStateVersion;
+  std::uint32_t total_bytes = 0;
+  std::uint32_t ring_capacity = kRingCapacity;
+  std::uint32_t slot_bytes = sizeof(RingSlot);
+  std::uint32_t input_bytes = sizeof(InputBlock);
+  std::uint64_t service_instance = 0;
+  Word published{0};  // number of samples published so far; newest index = published - 1
+};
+
+struct StateMemory {
+  StateHeader header;
+  alignas(64) InputBlock inputs;
+  alignas(64) std::array<RingSlot, kRingCapacity> ring;
+};
+
+// A client's own writable page. Every intercepted call adds one to `beat`: a sign of life without a system call.
+struct LifePage {
+  Word beat{0};
+};
+inline constexpr std::uint32_t kLifePageBytes = 4096;
+
+}  // namespace omni::protocol
