@@ -6,9 +6,12 @@
 # its sub-folders (main.cc excepted); header-only folders become interface libraries. PRIVATE: libraries that stay
 # behind our headers.
 function(omni_module name)
-  cmake_parse_arguments(ARG "" "" "DEPS;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "EXCLUDE" "DEPS;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc ${CMAKE_CURRENT_SOURCE_DIR}/*/*.cc)
   list(FILTER sources EXCLUDE REGEX "main\\.cc$")
+  if(ARG_EXCLUDE)
+    list(FILTER sources EXCLUDE REGEX "${ARG_EXCLUDE}")
+  endif()
   if(sources)
     add_library(omni_${name} STATIC ${sources})
     target_include_directories(omni_${name} PUBLIC ${CMAKE_SOURCE_DIR})
@@ -20,10 +23,10 @@ function(omni_module name)
   endif()
 endfunction()
 
-# omni_test(NAME [DEPS targets...] [LABELS ...]): test_NAME from tests/*/NAME.cc and tests/*/NAME_*.cc,
-# registered with ctest test by test.
+# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [SERIAL]): test_NAME from tests/*/NAME.cc and
+# tests/*/NAME_*.cc, registered with ctest test by test. SERIAL: nothing else runs meanwhile.
 function(omni_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "DEPS;LABELS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/unit/${name}.cc ${CMAKE_SOURCE_DIR}/tests/unit/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/property/${name}.cc ${CMAKE_SOURCE_DIR}/tests/property/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/scenario/${name}.cc ${CMAKE_SOURCE_DIR}/tests/scenario/${name}_*.cc
@@ -39,5 +42,5 @@ function(omni_test name)
     set(ARG_TIMEOUT 120)
   endif()
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
-                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}" RUN_SERIAL ${ARG_SERIAL})
 endfunction()

@@ -29,7 +29,7 @@ struct ForceLimit {
   std::array<double, 9> ampere_per_newton{};  // row-major 3x3
   std::array<double, kCoilCount> bias_A{};    // cancels the core's pull on the magnet, 0 when not compensated
   std::array<double, kCoilCount> current_max_A{};
-  double force_max_N = 0;                     // hard cap of |f|, whatever the currents allow
+  double force_max_N = 0;  // hard cap of |f|, whatever the currents allow
 };
 static_assert(std::is_trivially_copyable_v<Wrench> && std::is_trivially_copyable_v<ForceLimit>);
 

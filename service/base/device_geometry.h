@@ -43,16 +43,16 @@ struct DeviceGeometry {
   std::array<CoilGeometry, kCoilCount> coils;
   MagnetGeometry magnet;
   double core_radius_m = 0;
-  double core_kappa = 1;           // (mu_r - 1) / (mu_r + 2)
+  double core_kappa = 1;  // (mu_r - 1) / (mu_r + 2)
   double hull_radius_m = 0;
-  double sensor_range_T = 0;       // full scale
+  double sensor_range_T = 0;  // full scale
   double sensor_lsb_T = 0;
   std::array<double, 3> sensor_noise_T{};  // rms per axis at 1 kHz
   double current_max_A = 0;
   double current_slew_A_s = 0;
   double force_max_N = 0;
-  double temperature_max_C = 0;    // currents are derated to zero here
-  double temperature_derate_C = 0; // derating starts here
+  double temperature_max_C = 0;     // currents are derated to zero here
+  double temperature_derate_C = 0;  // derating starts here
   double supply_V = 0;
 };
 

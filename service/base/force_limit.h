@@ -9,7 +9,8 @@
 
 namespace omni::base {
 
-// Largest s in [0, 1] such that s * force is feasible under `limit`; 0 if the limit is invalid or anything is not finite.
+// Largest s in [0, 1] such that s * force is feasible under `limit`; 0 if the limit is invalid or anything is not
+// finite.
 inline double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexcept {
   const double norm_N = std::sqrt(force_N.x * force_N.x + force_N.y * force_N.y + force_N.z * force_N.z);
   if (!limit.valid || !(norm_N <= 1e6)) return 0;

@@ -13,13 +13,13 @@
 namespace omni::base {
 
 struct HallScan {
-  std::int64_t t_ns = 0;            // CLOCK_MONOTONIC of the newest Hall sample of this scan
-  std::uint64_t sequence = 0;       // device tick counter
+  std::int64_t t_ns = 0;       // CLOCK_MONOTONIC of the newest Hall sample of this scan
+  std::uint64_t sequence = 0;  // device tick counter
   // Calibrated flux density in each sensor's own frame S, tesla. Not finite = unusable.
   std::array<Vec3, kSensorCount> field_sensor_T{};
-  std::array<std::int64_t, kSensorCount> age_ns{};  // t_ns - (time of that sensor's sample), >= 0
-  std::uint32_t fresh_mask = 0;      // bit i: sensor i has a new sample since the last scan
-  std::uint32_t saturated_mask = 0;  // bit 3 i + axis: that axis is at its limit
+  std::array<std::int64_t, kSensorCount> age_ns{};      // t_ns - (time of that sensor's sample), >= 0
+  std::uint32_t fresh_mask = 0;                         // bit i: sensor i has a new sample since the last scan
+  std::uint32_t saturated_mask = 0;                     // bit 3 i + axis: that axis is at its limit
   std::array<double, kCoilCount> coil_current_A{};      // measured
   std::array<double, kCoilCount> coil_temperature_C{};  // estimated by the device
   double supply_V = 0;

@@ -8,13 +8,13 @@
 namespace omni::base {
 
 enum class InputComponent : std::uint8_t {
-  kTipForce = 0,       // 0..1, normal force on the tip over 2 N
-  kSelect = 1,         // 0 or 1: tip force over its threshold, with hysteresis
-  kSecondary = 2,      // 0 or 1
-  kMenu = 3,           // 0 or 1
-  kSqueeze = 4,        // 0..1
-  kThumbstickX = 5,    // -1..1
-  kThumbstickY = 6,    // -1..1
+  kTipForce = 0,     // 0..1, normal force on the tip over 2 N
+  kSelect = 1,       // 0 or 1: tip force over its threshold, with hysteresis
+  kSecondary = 2,    // 0 or 1
+  kMenu = 3,         // 0 or 1
+  kSqueeze = 4,      // 0..1
+  kThumbstickX = 5,  // -1..1
+  kThumbstickY = 6,  // -1..1
   kThumbstickClick = 7,
   kDocked = 8,
   kCount = 9

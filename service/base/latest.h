@@ -17,7 +17,8 @@ class Latest {
   // Writer thread only.
   void Write(const T& value) noexcept {
     slots_[writer_] = value;
-    const std::uint8_t previous = exchange_.exchange(static_cast<std::uint8_t>(writer_ | kFresh), std::memory_order_acq_rel);
+    const std::uint8_t previous =
+        exchange_.exchange(static_cast<std::uint8_t>(writer_ | kFresh), std::memory_order_acq_rel);
     writer_ = previous & kIndex;
   }
 

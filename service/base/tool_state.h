@@ -22,16 +22,16 @@ struct ToolState {
   std::int64_t t_ns = 0;  // CLOCK_MONOTONIC of the Hall sample this state belongs to
   TrackingStatus status = TrackingStatus::kAbsent;
   bool ever_tracked = false;
-  Vec3 position_base_m;                 // magnet centre
-  Vec3 axis_base{0, 0, -1};             // u, |u| = 1
-  Vec3 velocity_base_m_s;               // of the magnet centre
-  Vec3 angular_velocity_base_rad_s;     // perpendicular to u: roll about u is not observable
+  Vec3 position_base_m;              // magnet centre
+  Vec3 axis_base{0, 0, -1};          // u, |u| = 1
+  Vec3 velocity_base_m_s;            // of the magnet centre
+  Vec3 angular_velocity_base_rad_s;  // perpendicular to u: roll about u is not observable
   Vec3 device_point_base_m;
   Vec3 device_point_velocity_base_m_s;
-  double gap_m = 0;                     // nearest point of the magnet to the hull; < 0: inside
+  double gap_m = 0;  // nearest point of the magnet to the hull; < 0: inside
   // Covariance of (position 3, tangent of u 2), row-major 5x5, SI.
   std::array<double, 25> covariance{};
-  double chi2 = 0;                      // of this scan's fit, `dof` degrees of freedom
+  double chi2 = 0;  // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;
 };

@@ -10,9 +10,9 @@
 namespace omni::loop {
 
 struct InputConfig {
-  double tip_force_full_N = 2.0;   // tip force 1.0
-  double select_press_N = 0.30;    // select goes down here ...
-  double select_release_N = 0.15;  // ... and up here
+  double tip_force_full_N = 2.0;         // tip force 1.0
+  double select_press_N = 0.30;          // select goes down here ...
+  double select_release_N = 0.15;        // ... and up here
   double value_resolution = 1.0 / 1024;  // smaller changes of analogue values are not changes
 };
 

@@ -2,8 +2,8 @@
 //
 //   HallScan -> tracker -> ToolState -> haptics -> Wrench -> actuation -> CoilCurrents
 //
-// The daemon, replay, tests and benchmarks all call it. noexcept, no allocation, no lock, no system call: time comes from
-// the scan's stamps. Only this module knows the order of the stages; they never include each other.
+// The daemon, replay, tests and benchmarks all call it. noexcept, no allocation, no lock, no system call: time comes
+// from the scan's stamps. Only this module knows the order of the stages; they never include each other.
 #pragma once
 
 #include <array>
@@ -26,12 +26,15 @@ struct TickConfig {
   actuation::Config actuation;
   haptics::Config haptics;
   InputConfig inputs;
-  double gate_ramp_s = 0.010;           // force fades to zero over this when the owner is gone or hands over
-  double silent_ramp_s = 0.100;         // fade after an owner gave no sign of life for 250 ms
+  double tip_offset_m = 0;       // device point = magnet centre + tip_offset_m * axis
+  double open_ramp_s = 0.100;    // force fades in over this when an owner appears or a scene becomes current
+  double gate_ramp_s = 0.010;    // force fades to zero over this when the owner is gone or hands over
+  double silent_ramp_s = 0.100;  // fade after an owner gave no sign of life for 250 ms
   std::int64_t command_timeout_ns = 100'000'000;  // commands older than this: the control thread is stuck, fade
-  double haptic_pulse_force_N = 0.5;    // amplitude 1 of xrApplyHapticFeedback
-  double haptic_pulse_min_s = 0.020;    // XR_MIN_HAPTIC_DURATION
-  double haptic_frequency_Hz = 80;      // XR_FREQUENCY_UNSPECIFIED
+  double predict_s = 2e-3;            // the renderer sees the pose this far ahead: about when the current acts
+  double haptic_pulse_force_N = 0.5;  // amplitude 1 of xrApplyHapticFeedback
+  double haptic_pulse_min_s = 0.020;  // XR_MIN_HAPTIC_DURATION
+  double haptic_frequency_Hz = 80;    // XR_FREQUENCY_UNSPECIFIED
 };
 
 enum class ForceGate : std::uint8_t {
@@ -44,17 +47,19 @@ enum class ForceGate : std::uint8_t {
 struct HapticWaveform {
   std::uint64_t id = 0;
   bool active = false;
-  double duration_s = 0;   // < 0: shortest
-  double amplitude = 0;    // 0..1
-  double frequency_Hz = 0; // 0: best
+  double duration_s = 0;    // < 0: shortest
+  double amplitude = 0;     // 0..1
+  double frequency_Hz = 0;  // 0: best
 };
 
 // Fixed-size snapshot of what clients want, handed over by Latest<Commands>.
 struct Commands {
-  std::int64_t t_ns = 0;                // when the control thread wrote it (CLOCK_MONOTONIC)
+  std::int64_t t_ns = 0;  // when the control thread wrote it (CLOCK_MONOTONIC)
   ForceGate gate = ForceGate::kClosed;
-  std::uint64_t owner = 0;              // client id, 0: none
-  std::uint64_t scene_generation = 0;   // the scene that should be current; the tick ramps out and asks for it
+  bool idle = true;                    // no client at all: the thread tracks at a low rate
+  std::uint64_t owner = 0;             // client id, 0: none
+  std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
+  double force_scale = 1;               // [0, 1], from apps.d
   HapticWaveform haptic;
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
@@ -64,37 +69,40 @@ struct LoopState {
   haptics::State haptics;
   actuation::State actuation;
   InputTracker inputs;
-  std::int64_t t_ns = 0;                // of the last scan
+  std::int64_t t_ns = 0;  // of the last scan
   std::uint64_t tick = 0;
-  double gate = 0;                      // 0..1 gain on everything rendered
-  std::uint64_t scene_generation = 0;   // of the scene passed to Tick
-  std::uint64_t haptic_id = 0;          // waveform being played
-  double haptic_time_s = 0;
+  double gate = 0;                     // 0..1 gain on everything rendered
+  std::uint64_t scene_generation = 0;  // of the scene passed to Tick
+  std::uint64_t haptic_id = 0;         // last waveform taken up
+  double haptic_time_s = 0;            // since it started
   bool haptic_playing = false;
+  bool haptic_counted = false;  // it has reached the coil command
+  std::uint64_t haptic_pulses = 0;
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};  // tool frame, roll by minimal twist
 };
 static_assert(std::is_trivially_copyable_v<LoopState>);
 
 struct TickOutput {
   std::uint64_t tick = 0;
+  std::int64_t t_ns = 0;                // of the scan
   base::ToolState tool;
-  base::Quat orientation_base_tool;     // frame T: -z out of the tip
+  base::Quat orientation_base_tool;  // frame T: -z out of the tip
   haptics::Output haptics;
-  base::Wrench wrench;                  // after all gates
-  base::CoilCurrents currents;          // the last word, finite, within limits
+  base::Wrench wrench;          // after all gates
+  base::CoilCurrents currents;  // the last word, finite, within limits
   base::InputState inputs;
-  bool wants_scene = false;             // ramped out: the caller may now swap to commands.scene_generation
-  std::uint64_t haptic_pulses = 0;      // waveforms that reached the coil command so far
-  std::uint32_t faults = 0;             // TickFault bits of this tick
+  bool wants_scene = false;         // ramped out: the caller may now swap to commands.scene_generation
+  std::uint64_t haptic_pulses = 0;  // waveforms that reached the coil command so far
+  std::uint32_t faults = 0;         // TickFault bits of this tick
   double gate = 0;
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
 
 enum TickFault : std::uint32_t {
-  kFaultDevice = 1,        // the device reports faults
-  kFaultTracking = 2,      // not tracking
-  kFaultTime = 4,          // stamp went back or jumped
-  kFaultNotFinite = 8,     // a stage produced a non-finite value; currents are zero
+  kFaultDevice = 1,     // the device reports faults
+  kFaultTracking = 2,   // not tracking
+  kFaultTime = 4,       // stamp went back or jumped
+  kFaultNotFinite = 8,  // a stage produced a non-finite value; currents are zero
   kFaultCommandsStale = 16
 };
 

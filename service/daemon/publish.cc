@@ -1,0 +1,51 @@
+#include "service/daemon/publish.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace omni::daemon {
+namespace {
+
+static_assert(protocol::kInputCount == base::kInputComponentCount);
+
+std::array<double, 3> ToArray(const base::Vec3& v) noexcept { return {v.x, v.y, v.z}; }
+
+std::uint32_t Flags(const loop::TickOutput& output) noexcept {
+  std::uint32_t flags = 0;
+  const bool absent = output.tool.status == base::TrackingStatus::kAbsent;
+  if (output.tool.ever_tracked && !absent) flags |= protocol::kToolPoseValid;
+  if (output.tool.status == base::TrackingStatus::kTracking) flags |= protocol::kToolTracked;
+  if (output.haptics.in_contact && output.gate > 0) flags |= protocol::kToolContact;
+  if (output.haptics.joystick) flags |= protocol::kToolJoystick;
+  return flags;
+}
+
+}  // namespace
+
+void PublishSink::Publish(const loop::TickOutput& output) noexcept {
+  const base::ToolState& tool = output.tool;
+  const base::Quat& q = output.orientation_base_tool;
+  protocol::ToolSample sample;
+  sample.t_ns = output.t_ns;
+  sample.flags = Flags(output);
+  sample.position_base_m = ToArray(tool.device_point_base_m);
+  sample.orientation_base_wxyz = {q.w, q.x, q.y, q.z};
+  sample.linear_velocity_base_m_s = ToArray(tool.device_point_velocity_base_m_s);
+  sample.angular_velocity_base_rad_s = ToArray(tool.angular_velocity_base_rad_s);
+  sample.force_base_N = ToArray(output.wrench.force_N);
+  sample.position_sigma_m = std::sqrt(std::max(0.0, tool.covariance[0] + tool.covariance[6] + tool.covariance[12]));
+  sample.gap_m = tool.gap_m;
+  protocol::InputSnapshot inputs;
+  inputs.t_ns = output.t_ns;
+  for (std::size_t i = 0; i < inputs.components.size(); ++i) {
+    const base::InputValue& from = output.inputs.components[i];
+    inputs.components[i] = {.value = from.value,
+                            .press_count = from.press_count,
+                            .release_count = from.release_count,
+                            .reserved = 0,
+                            .t_change_ns = from.t_change_ns};
+  }
+  publisher_.Publish(sample, inputs);
+}
+
+}  // namespace omni::daemon

@@ -1,0 +1,185 @@
+#include "service/daemon/service.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "service/base/clock.h"
+#include "service/daemon/status.h"
+
+namespace omni::daemon {
+namespace {
+
+constexpr std::size_t kMaxProblems = 20;  // the oldest goes when full
+
+}  // namespace
+
+Service::Service(ServiceOptions options)
+    : options_(std::move(options)), start_ns_(base::MonotonicNow_ns()), builder_(options_.hull_radius_m) {
+  for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
+}
+
+Service::~Service() = default;
+
+void Service::Attach(loop::TickThread& loop, const device::Transport& transport) {
+  const std::lock_guard lock(loop_mutex_);
+  loop_ = &loop;
+  transport_ = &transport;
+}
+
+void Service::Detach(const std::string& why) {
+  const std::lock_guard lock(loop_mutex_);
+  loop_ = nullptr;
+  transport_ = nullptr;
+  device_absent_why_ = why;
+}
+
+void Service::OnClient(const ipc::ClientInfo& client) {
+  owners_.Add(client.id, client.role);
+  clients_[client.id] = {.info = client, .app = config::FindApp(options_.apps, client.application), .scene = nullptr};
+  if (client.role != protocol::ClientRole::kApplication) return;
+  spdlog::info("client {}: application \"{}\" (pid {})", client.id, client.application, client.pid);
+}
+
+void Service::OnGone(ipc::ClientId id) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end()) return;
+  const bool application = found->second.info.role == protocol::ClientRole::kApplication;
+  if (application) spdlog::info("client {} is gone", id);
+  DropScene(found->second);
+  clients_.erase(found);
+  owners_.Remove(id);
+  if (application) WriteCommands(base::MonotonicNow_ns());  // a dead owner's force goes now, not at the next period
+}
+
+void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end() || found->second.info.role != protocol::ClientRole::kApplication) return;
+  Client& client = found->second;
+  const bool began = owners_.session(id) == protocol::SessionState::kNone && state != protocol::SessionState::kNone;
+  const std::uint64_t owner_before = owners_.owner();
+  owners_.SetSession(id, state);
+  if (owners_.owner() != owner_before) haptic_.active = false;
+  if (began && client.app != nullptr) builder_.Request(id, *client.app);
+  if (began && client.app == nullptr) {
+    Problem(id, 0, "no scene for application \"" + client.info.application + "\": add a file to apps.d to give it one");
+  }
+  if (state == protocol::SessionState::kNone) DropScene(client);
+  WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) {
+  if (id != owners_.owner()) return;  // only the owner is felt
+  haptic_ = {.id = haptic_.id + 1,
+             .active = true,
+             .duration_s = haptic.duration_ns < 0 ? -1.0 : static_cast<double>(haptic.duration_ns) * 1e-9,
+             .amplitude = static_cast<double>(haptic.amplitude),
+             .frequency_Hz = static_cast<double>(haptic.frequency_Hz)};
+  WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnHapticStop(ipc::ClientId id) {
+  if (id != owners_.owner()) return;
+  haptic_.active = false;
+  WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnPeriod(std::int64_t now_ns) {
+  TakeBuiltScenes();
+  WriteCommands(now_ns);
+  ReleaseScenes();
+}
+
+void Service::TakeBuiltScenes() {
+  while (std::optional<BuiltScene> built = builder_.TakeResult()) {
+    const auto found = clients_.find(built->client);
+    if (found == clients_.end()) continue;
+    for (const std::string& warning : built->warnings) spdlog::warn("{}", warning);
+    if (built->scene == nullptr) {
+      Problem(built->client, 2, built->error);  // the client's previous scene, if any, lives on
+      continue;
+    }
+    spdlog::info("client {}: scene {} ({} triangles, built in {:.1f} ms)", built->client, built->file,
+                 built->scene->header().triangle_count, built->report.build_ms);
+    if (found->second.scene != nullptr) retired_.push_back(found->second.scene);
+    found->second.scene = std::make_shared<const BuiltScene>(std::move(*built));
+  }
+}
+
+void Service::DropScene(Client& client) {
+  builder_.Cancel(client.info.id);
+  if (client.scene != nullptr) retired_.push_back(std::exchange(client.scene, nullptr));
+}
+
+void Service::WriteCommands(std::int64_t now_ns) {
+  const std::uint64_t owner = owners_.owner();
+  const auto found = clients_.find(owner);
+  const Client* client = found == clients_.end() ? nullptr : &found->second;
+  const std::shared_ptr<const BuiltScene> scene = client == nullptr ? nullptr : client->scene;
+  if (wanted_ != nullptr && wanted_ != scene) retired_.push_back(wanted_);
+  wanted_ = scene;
+
+  const std::uint64_t generation = scene == nullptr ? 0 : scene->generation;
+  const std::int64_t beat_ns = owner == 0 || server_ == nullptr ? 0 : server_->LastBeat_ns(owner);
+  loop::Commands commands{.t_ns = now_ns,
+                          .gate = owners_.Gate(now_ns, beat_ns),
+                          .idle = owners_.empty(),
+                          .owner = owner,
+                          .scene_generation = generation,
+                          .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
+                          .haptic = haptic_};
+  const std::lock_guard lock(loop_mutex_);
+  if (loop_ == nullptr) return;
+  loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation});
+  loop_->commands().Write(commands);
+}
+
+// Frees what the tick can no longer reach: neither the scene it acknowledged nor the one it is asked to take.
+void Service::ReleaseScenes() {
+  std::uint64_t in_use = 0;
+  {
+    const std::lock_guard lock(loop_mutex_);
+    if (loop_ != nullptr) in_use = loop_->statistics().scene_generation.load(std::memory_order_acquire);
+  }
+  std::erase_if(retired_, [&](const auto& scene) { return scene->generation != in_use && scene != wanted_; });
+}
+
+void Service::Problem(ipc::ClientId id, int level, const std::string& text) {
+  if (level == 0) {
+    spdlog::info("{}", text);
+  } else {
+    spdlog::warn("{}", text);
+    if (problems_.size() == kMaxProblems) problems_.erase(problems_.begin());
+    problems_.push_back(text);
+  }
+  if (id != 0 && server_ != nullptr) server_->SendNotice(id, level, text);
+}
+
+std::string Service::StatusJson() {
+  StatusInput input{.version = options_.version,
+                    .instance = options_.instance,
+                    .uptime_s = static_cast<double>(base::MonotonicNow_ns() - start_ns_) * 1e-9,
+                    .problems = problems_};
+  for (const auto& [id, client] : clients_) {
+    input.clients.push_back({.id = id,
+                             .pid = client.info.pid,
+                             .application = client.info.application,
+                             .monitor = client.info.role == protocol::ClientRole::kMonitor,
+                             .session = owners_.session(id),
+                             .owner = id == owners_.owner(),
+                             .scene = client.scene == nullptr ? "" : client.scene->file});
+  }
+  if (wanted_ != nullptr) {
+    input.scene_file = wanted_->file;
+    input.scene_generation = wanted_->generation;
+    input.scene_triangles = wanted_->scene->header().triangle_count;
+  }
+  const std::lock_guard lock(loop_mutex_);
+  input.loop = loop_;
+  input.transport = transport_;
+  input.device_absent_why = device_absent_why_;
+  return WriteStatus(input);
+}
+
+}  // namespace omni::daemon

@@ -1,0 +1,76 @@
+// The service: joins clients (ipc), scenes (builder) and the loop. All its state belongs to the control thread, except
+// the loop, which the main thread attaches and detaches under a mutex when a device comes and goes.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "service/config/app_file.h"
+#include "service/daemon/owner.h"
+#include "service/daemon/scene_builder.h"
+#include "service/device/transport.h"
+#include "service/ipc/server.h"
+#include "service/loop/tick_thread.h"
+
+namespace omni::daemon {
+
+struct ServiceOptions {
+  std::string version;
+  std::uint64_t instance = 0;
+  config::AppTable apps;
+  double hull_radius_m = 0;
+};
+
+class Service : public ipc::ServerHandler {
+ public:
+  explicit Service(ServiceOptions options);
+  ~Service() override;
+
+  void SetServer(ipc::Server* server) { server_ = server; }  // before the server starts
+
+  // Any thread. Both outlive the attachment; Detach returns when the control thread no longer uses them.
+  void Attach(loop::TickThread& loop, const device::Transport& transport);
+  void Detach(const std::string& why);
+
+  void OnClient(const ipc::ClientInfo& client) override;
+  void OnGone(ipc::ClientId id) override;
+  void OnSession(ipc::ClientId id, protocol::SessionState state) override;
+  void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
+  void OnHapticStop(ipc::ClientId id) override;
+  void OnPeriod(std::int64_t now_ns) override;
+  std::string StatusJson() override;
+
+ private:
+  struct Client {
+    ipc::ClientInfo info;
+    const config::AppEntry* app = nullptr;  // null: no entry matches
+    std::shared_ptr<const BuiltScene> scene;
+  };
+  void TakeBuiltScenes();
+  void ReleaseScenes();
+  void WriteCommands(std::int64_t now_ns);
+  void DropScene(Client& client);
+  void Problem(ipc::ClientId id, int level, const std::string& text);
+
+  const ServiceOptions options_;
+  const std::int64_t start_ns_;
+  ipc::Server* server_ = nullptr;
+  OwnerTable owners_;
+  std::map<ipc::ClientId, Client> clients_;
+  SceneBuilder builder_;
+  std::shared_ptr<const BuiltScene> wanted_;                // of the owner; null: empty
+  std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick acknowledges another one
+  loop::HapticWaveform haptic_;
+  std::vector<std::string> problems_;  // newest last, at most kMaxProblems
+
+  std::mutex loop_mutex_;
+  loop::TickThread* loop_ = nullptr;
+  const device::Transport* transport_ = nullptr;
+  std::string device_absent_why_ = "not opened yet";
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,84 @@
+#include "service/daemon/status.h"
+
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+namespace omni::daemon {
+namespace {
+
+using nlohmann::json;
+
+const char* SessionName(protocol::SessionState state) {
+  switch (state) {
+    case protocol::SessionState::kBegun:
+      return "begun";
+    case protocol::SessionState::kFocused:
+      return "focused";
+    case protocol::SessionState::kNone:
+      break;
+  }
+  return "none";
+}
+
+json Device(const StatusInput& input) {
+  if (input.transport == nullptr) return {{"name", nullptr}, {"absent", input.device_absent_why}};
+  const device::TransportCounters counters = input.transport->counters();
+  const device::TransportInfo& info = input.transport->info();
+  return {{"name", info.name},
+          {"serial", info.serial},
+          {"simulation", info.simulation},
+          {"received", counters.received},
+          {"missed", counters.missed},
+          {"bad_frames", counters.bad_frames},
+          {"sent", counters.sent},
+          {"send_failed", counters.send_failed}};
+}
+
+json Ticks(const loop::TickThread& loop) {
+  const loop::TickStatistics& s = loop.statistics();
+  const loop::RealtimeStatus& realtime = loop.realtime();
+  return {{"count", s.ticks.load()},
+          {"late", s.late.load()},
+          {"timeouts", s.timeouts.load()},
+          {"us_median", s.tick_time.Quantile_us(0.5)},
+          {"us_p99", s.tick_time.Quantile_us(0.99)},
+          {"us_max", s.tick_time.max_us()},
+          {"latency_us_median", s.latency.Quantile_us(0.5)},
+          {"latency_us_p99", s.latency.Quantile_us(0.99)},
+          {"realtime", realtime.fifo && realtime.memory_locked},
+          {"realtime_reason", realtime.reason}};
+}
+
+json Clients(const StatusInput& input) {
+  json rows = json::array();
+  for (const StatusInput::ClientRow& row : input.clients) {
+    rows.push_back({{"id", row.id},
+                    {"pid", row.pid},
+                    {"application", row.application},
+                    {"monitor", row.monitor},
+                    {"session", SessionName(row.session)},
+                    {"owner", row.owner},
+                    {"scene", row.scene}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string WriteStatus(const StatusInput& input) {
+  json status = {
+      {"service",
+       {{"version", input.version}, {"pid", getpid()}, {"uptime_s", input.uptime_s}, {"instance", input.instance}}},
+      {"device", Device(input)},
+      {"clients", Clients(input)},
+      {"scene",
+       {{"name", input.scene_file}, {"generation", input.scene_generation}, {"triangles", input.scene_triangles}}},
+      {"aligned", false},  // alignment is not measured yet: the base is assumed in front of the user
+      {"problems", input.problems}};
+  if (input.loop != nullptr) status["tick"] = Ticks(*input.loop);
+  // Names come from other programs: invalid UTF-8 is replaced, never thrown on.
+  return status.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace omni::daemon

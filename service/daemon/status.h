@@ -1,0 +1,39 @@
+// The service's status as JSON text, for `omni status` and the monitor.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/device/transport.h"
+#include "service/loop/tick_thread.h"
+#include "service/protocol/control.h"
+
+namespace omni::daemon {
+
+struct StatusInput {
+  struct ClientRow {
+    std::uint64_t id = 0;
+    int pid = 0;
+    std::string application;
+    bool monitor = false;
+    protocol::SessionState session = protocol::SessionState::kNone;
+    bool owner = false;
+    std::string scene;
+  };
+  std::string version;
+  std::uint64_t instance = 0;
+  double uptime_s = 0;
+  std::vector<std::string> problems;
+  std::vector<ClientRow> clients;
+  std::string scene_file;
+  std::uint64_t scene_generation = 0;
+  std::uint32_t scene_triangles = 0;
+  const loop::TickThread* loop = nullptr;  // null: no device
+  const device::Transport* transport = nullptr;
+  std::string device_absent_why;
+};
+
+std::string WriteStatus(const StatusInput& input);
+
+}  // namespace omni::daemon

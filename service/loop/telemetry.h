@@ -1,0 +1,43 @@
+// What the tick thread tells others: the record of each tick (ring), and running statistics.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "service/base/spsc_ring.h"
+#include "service/loop/histogram.h"
+#include "service/loop/tick.h"
+
+namespace omni::loop {
+
+struct TickRecord {
+  TickOutput output;
+  base::HallScan scan;
+  std::int64_t done_ns = 0;  // CLOCK_MONOTONIC after the currents were sent
+  bool late = false;
+};
+
+// About 2 s at 1 kHz. When full, records are dropped and counted; the tick never waits.
+using TelemetryRing = base::SpscRing<TickRecord, 2048>;
+
+// A tick is late when its currents were sent more than one period after the Hall sample they answer.
+inline constexpr std::int64_t kLate_ns = base::kTickPeriod_ns;
+
+struct TickStatistics {
+  Histogram tick_time;  // Tick alone
+  Histogram latency;    // Hall sample -> currents sent
+  std::atomic<std::uint64_t> ticks{0};
+  std::atomic<std::uint64_t> late{0};
+  std::atomic<std::uint64_t> timeouts{0};  // the source had no telemetry in time
+  std::atomic<std::uint64_t> dropped_records{0};
+  std::atomic<std::uint64_t> scene_generation{0};  // acknowledged: the scene that ticks use now
+};
+
+// Receives every tick on the tick thread: must not block, allocate or call the system.
+class TickSink {
+ public:
+  virtual ~TickSink() = default;
+  virtual void Publish(const TickOutput& output) noexcept = 0;
+};
+
+}  // namespace omni::loop

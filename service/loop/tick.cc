@@ -1,0 +1,145 @@
+#include "service/loop/tick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "service/base/eigen.h"
+#include "service/base/force_limit.h"
+#include "service/base/limits.h"
+
+namespace omni::loop {
+namespace {
+
+constexpr double kMaxStep_s = 5e-3;  // a longer gap counts as this much: nothing integrates over a hole
+
+bool IsFinite(const base::Vec3& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
+
+// Seconds since the last scan, in [0, kMaxStep_s].
+double Advance(const base::HallScan& scan, LoopState& state, TickOutput& output) noexcept {
+  if (state.tick++ == 0) {
+    state.t_ns = scan.t_ns;
+    return base::kTickPeriod_s;
+  }
+  const double elapsed_s = static_cast<double>(scan.t_ns - state.t_ns) * 1e-9;
+  if (!(elapsed_s > 0 && elapsed_s <= kMaxStep_s)) output.faults |= kFaultTime;
+  state.t_ns = scan.t_ns;
+  return std::clamp(elapsed_s, 0.0, kMaxStep_s);
+}
+
+// The gain on everything rendered: opens slowly, closes fast, and fades when the owner falls silent.
+void MoveGate(const TickConfig& config, const Commands& commands, std::int64_t t_ns, double dt_s, LoopState& state,
+              TickOutput& output) noexcept {
+  const bool stale = t_ns - commands.t_ns > config.command_timeout_ns;
+  if (stale) output.faults |= kFaultCommandsStale;
+  const bool swap = commands.scene_generation != state.scene_generation;
+  if (output.faults & kFaultDevice || swap || commands.gate == ForceGate::kClosed) {
+    state.gate = std::max(0.0, state.gate - dt_s / config.gate_ramp_s);
+  } else if (stale || commands.gate == ForceGate::kSilent) {
+    state.gate = std::max(0.0, state.gate - dt_s / config.silent_ramp_s);
+  } else {
+    state.gate = std::min(1.0, state.gate + dt_s / config.open_ramp_s);
+  }
+  output.wants_scene = swap && state.gate == 0;
+  output.gate = state.gate;
+}
+
+// Tool frame by minimal twist: the smallest rotation that takes the old axis to the new one.
+void CarryOrientation(const base::ToolState& tool, LoopState& state, TickOutput& output) noexcept {
+  const auto& held = state.orientation_wxyz;
+  Eigen::Quaterniond R_BT(held[0], held[1], held[2], held[3]);
+  const Eigen::Vector3d z_old = R_BT * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d z_new = -base::ToEigen(tool.axis_base);
+  if (tool.ever_tracked) R_BT = (Eigen::Quaterniond::FromTwoVectors(z_old, z_new) * R_BT).normalized();
+  state.orientation_wxyz = {R_BT.w(), R_BT.x(), R_BT.y(), R_BT.z()};
+  output.orientation_base_tool = base::FromEigen(R_BT);
+}
+
+haptics::Input MakeHapticInput(const TickConfig& config, const base::ToolState& tool, const base::ForceLimit& limit,
+                               double dt_s) noexcept {
+  const base::ToolState ahead =
+      tracker::Predict(tool, tool.t_ns + static_cast<std::int64_t>(config.predict_s * 1e9), config.tip_offset_m);
+  return {.t_ns = tool.t_ns,
+          .dt_s = dt_s,
+          .tracked = tool.status == base::TrackingStatus::kTracking,
+          .device_point_base_m = ahead.device_point_base_m,
+          .velocity_base_m_s = ahead.device_point_velocity_base_m_s,
+          .position_sigma_m = std::sqrt(std::max(0.0, tool.covariance[0] + tool.covariance[6] + tool.covariance[12])),
+          .limit = limit};
+}
+
+// Force of the application's vibration, along the pen's axis: A F sin(2 pi f t) while it lasts.
+base::Vec3 PlayWaveform(const TickConfig& config, const HapticWaveform& waveform, const base::ToolState& tool,
+                        double dt_s, LoopState& state) noexcept {
+  if (waveform.id != state.haptic_id) {
+    state.haptic_id = waveform.id;
+    state.haptic_time_s = 0;
+    state.haptic_playing = waveform.active;
+    state.haptic_counted = false;
+  }
+  const double duration_s = waveform.duration_s < 0 ? config.haptic_pulse_min_s : waveform.duration_s;
+  if (!waveform.active || !(state.haptic_time_s < duration_s)) state.haptic_playing = false;
+  if (!state.haptic_playing) return {};
+  const double frequency_Hz = waveform.frequency_Hz > 0 ? waveform.frequency_Hz : config.haptic_frequency_Hz;
+  state.haptic_time_s += dt_s;
+  const double phase = 2 * std::numbers::pi * frequency_Hz * state.haptic_time_s;
+  return Scaled(tool.axis_base,
+                std::clamp(waveform.amplitude, 0.0, 1.0) * config.haptic_pulse_force_N * std::sin(phase));
+}
+
+// Adds contact and vibration under the gate; counts a waveform once when it reaches the command.
+base::Vec3 Mix(const base::Vec3& contact_N, const base::Vec3& vibration_N, const base::ForceLimit& limit,
+               double force_scale, LoopState& state) noexcept {
+  const base::Vec3 wanted{contact_N.x + vibration_N.x, contact_N.y + vibration_N.y, contact_N.z + vibration_N.z};
+  const double gain = state.gate * std::clamp(force_scale, 0.0, 1.0);
+  const base::Vec3 force_N = Scaled(wanted, gain * base::FeasibleScale(limit, wanted));
+  const bool vibrates = vibration_N != base::Vec3{};
+  if (vibrates && !state.haptic_counted && force_N != base::Vec3{}) {
+    state.haptic_counted = true;
+    ++state.haptic_pulses;
+  }
+  return force_N;
+}
+
+}  // namespace
+
+void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept {
+  haptics::Enter(scene, state.haptics);
+  state.scene_generation = generation;
+}
+
+void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& commands, const haptics::Scene& scene,
+          LoopState& state, TickOutput& output) noexcept {
+  output = TickOutput{};
+  output.tick = state.tick;
+  output.t_ns = scan.t_ns;
+  const double dt_s = Advance(scan, state, output);
+  if (scan.device_faults != 0) output.faults |= kFaultDevice;
+
+  tracker::Update(config.tracker, scan, state.tracker, output.tool);
+  const bool tracked = output.tool.status == base::TrackingStatus::kTracking;
+  if (!tracked) output.faults |= kFaultTracking;
+  CarryOrientation(output.tool, state, output);
+  MoveGate(config, commands, scan.t_ns, dt_s, state, output);
+
+  const base::ForceLimit limit = actuation::ComputeForceLimit(config.actuation, output.tool, scan.coil_temperature_C);
+  haptics::Step(config.haptics, scene, MakeHapticInput(config, output.tool, limit, dt_s), state.haptics,
+                output.haptics);
+  const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, output.tool, dt_s, state);
+
+  base::Vec3 force_N = Mix(output.haptics.force_base_N, vibration_N, limit, commands.force_scale, state);
+  if (!IsFinite(force_N)) {
+    output.faults |= kFaultNotFinite;
+    force_N = {};
+  }
+  output.wrench = {.force_N = force_N, .torque_Nm = {}, .point_base_m = output.tool.position_base_m};
+  actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);
+
+  UpdateInputs(config.inputs, output.haptics, tracked && state.gate > 0, scan.t_ns, state.inputs);
+  output.inputs = state.inputs.inputs;
+  output.haptic_pulses = state.haptic_pulses;
+}
+
+}  // namespace omni::loop

@@ -1,0 +1,17 @@
+// TickConfig from a device's geometry: everything the tick reads is prepared here, off the tick.
+#pragma once
+
+#include "service/base/device_geometry.h"
+#include "service/loop/tick.h"
+
+namespace omni::loop {
+
+inline TickConfig MakeTickConfig(const base::DeviceGeometry& device) {
+  TickConfig config;
+  config.tracker = tracker::MakeConfig(device);
+  config.actuation = actuation::MakeConfig(device);
+  config.tip_offset_m = device.magnet.tip_offset_m;
+  return config;
+}
+
+}  // namespace omni::loop

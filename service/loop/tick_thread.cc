@@ -1,0 +1,79 @@
+#include "service/loop/tick_thread.h"
+
+#include "service/base/clock.h"
+#include "service/loop/denormals.h"
+
+namespace omni::loop {
+
+TickThread::TickThread(const TickConfig& config, const Options& options, TickSource& source, TickSink& sink)
+    : config_(config),
+      options_(options),
+      source_(source),
+      sink_(sink),
+      statistics_(std::make_unique<TickStatistics>()),
+      telemetry_(std::make_unique<TelemetryRing>()) {}
+
+TickThread::~TickThread() { Stop(); }
+
+void TickThread::Start() {
+  thread_ = std::thread([this] { Run(); });
+  started_.wait(false, std::memory_order_acquire);
+}
+
+void TickThread::Stop() {
+  stop_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void TickThread::Run() {
+  if (options_.realtime) realtime_ = RequestRealtime(options_.priority);
+  FlushDenormals();
+  started_.store(true, std::memory_order_release);
+  started_.notify_all();
+  base::HallScan scan;
+  WaitStatus status = WaitStatus::kTick;
+  while (!stop_.load(std::memory_order_acquire)) {
+    status = source_.Wait(scan);
+    if (status == WaitStatus::kTick) {
+      Once(scan);
+    } else if (status == WaitStatus::kTimeout) {
+      statistics_->timeouts.fetch_add(1, std::memory_order_relaxed);
+    } else {
+      break;
+    }
+  }
+  source_.Apply({});
+  end_status_.store(status, std::memory_order_release);
+  finished_.store(true, std::memory_order_release);
+}
+
+void TickThread::TakeScene(const Commands& commands) noexcept {
+  const SceneRef& next = scenes_.Read();
+  if (next.generation != commands.scene_generation) return;  // not handed over yet: stay at zero force
+  scene_ = next.scene != nullptr ? next.scene : &empty_;
+  EnterScene(*scene_, next.generation, state_);
+  statistics_->scene_generation.store(next.generation, std::memory_order_release);
+}
+
+void TickThread::Once(const base::HallScan& scan) noexcept {
+  const Commands& commands = commands_.Read();
+  if (commands.idle && scan.sequence % static_cast<std::uint64_t>(options_.idle_divider) != 0) return;
+  const std::int64_t begin_ns = base::MonotonicNow_ns();
+  Tick(config_, scan, commands, *scene_, state_, record_.output);
+  const std::int64_t end_ns = base::MonotonicNow_ns();
+  source_.Apply(record_.output.currents);
+  record_.done_ns = base::MonotonicNow_ns();
+  record_.late = record_.done_ns - scan.t_ns > kLate_ns;
+  sink_.Publish(record_.output);
+  statistics_->tick_time.Add(end_ns - begin_ns);
+  statistics_->latency.Add(record_.done_ns - scan.t_ns);
+  statistics_->ticks.fetch_add(1, std::memory_order_relaxed);
+  if (record_.late) statistics_->late.fetch_add(1, std::memory_order_relaxed);
+  if (options_.telemetry) {
+    record_.scan = scan;
+    if (!telemetry_->TryPush(record_)) statistics_->dropped_records.fetch_add(1, std::memory_order_relaxed);
+  }
+  if (record_.output.wants_scene) TakeScene(commands);
+}
+
+}  // namespace omni::loop

@@ -1,0 +1,79 @@
+// The tick's thread: waits on a TickSource, calls Tick, sends the currents, publishes. Starts and stops off the tick.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "service/base/latest.h"
+#include "service/loop/realtime.h"
+#include "service/loop/telemetry.h"
+#include "service/loop/tick.h"
+#include "service/loop/tick_source.h"
+
+namespace omni::loop {
+
+// The scene that goes with Commands::scene_generation. The control thread owns it and keeps it alive until
+// TickStatistics::scene_generation names another one.
+struct SceneRef {
+  const haptics::Scene* scene = nullptr;  // null: empty
+  std::uint64_t generation = 0;
+};
+
+class TickThread {
+ public:
+  struct Options {
+    bool realtime = true;
+    int priority = 80;
+    bool telemetry = false;  // fill the ring (somebody drains it)
+    int idle_divider = 16;   // with no client every n-th scan is ticked (62 Hz; within the device's 20 ms watchdog)
+  };
+
+  TickThread(const TickConfig& config, const Options& options, TickSource& source, TickSink& sink);
+  ~TickThread();  // stops
+  TickThread(const TickThread&) = delete;
+  TickThread& operator=(const TickThread&) = delete;
+
+  // Returns when the thread runs and real-time has been asked for.
+  void Start();
+  void Stop();
+
+  // True when the source is gone or at its end: the thread has left its loop.
+  bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
+  WaitStatus end_status() const noexcept { return end_status_.load(std::memory_order_acquire); }
+
+  base::Latest<Commands>& commands() noexcept { return commands_; }
+  base::Latest<SceneRef>& scenes() noexcept { return scenes_; }
+  const TickStatistics& statistics() const noexcept { return *statistics_; }
+  TelemetryRing& telemetry() noexcept { return *telemetry_; }
+  const RealtimeStatus& realtime() const noexcept { return realtime_; }  // after Start
+
+ private:
+  void Run();
+  void Once(const base::HallScan& scan) noexcept;
+  void TakeScene(const Commands& commands) noexcept;
+
+  const TickConfig config_;
+  const Options options_;
+  TickSource& source_;
+  TickSink& sink_;
+  base::Latest<Commands> commands_;
+  base::Latest<SceneRef> scenes_;
+  std::unique_ptr<TickStatistics> statistics_;
+  std::unique_ptr<TelemetryRing> telemetry_;
+  RealtimeStatus realtime_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> started_{false};
+  std::atomic<bool> finished_{false};
+  std::atomic<WaitStatus> end_status_{WaitStatus::kTick};
+  std::thread thread_;
+  // Tick thread only.
+  LoopState state_;
+  TickRecord record_;
+  const haptics::Scene empty_;
+  const haptics::Scene* scene_ = &empty_;
+};
+
+}  // namespace omni::loop

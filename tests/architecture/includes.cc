@@ -1,0 +1,172 @@
+#include "tests/architecture/includes.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <regex>
+#include <sstream>
+
+namespace omni::architecture {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Include {
+  std::string header;
+  int line = 0;
+};
+
+std::vector<Include> IncludesOf(const std::string& text) {
+  static const std::regex kInclude(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
+  std::vector<Include> found;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::smatch match;
+    if (std::regex_search(line, match, kInclude)) found.push_back({match[1], number});
+  }
+  return found;
+}
+
+bool StartsWith(const std::string& text, const std::string& prefix) { return text.compare(0, prefix.size(), prefix) == 0; }
+
+const Rule* FindRule(const std::string& module) {
+  const auto& rules = Rules();
+  const auto found = std::find_if(rules.begin(), rules.end(), [&](const Rule& rule) { return rule.module == module; });
+  return found == rules.end() ? nullptr : &*found;
+}
+
+bool IsOurs(const std::string& header) {
+  for (const char* top : {"layer/", "service/", "firmware/", "tests/", "scenes/"}) {
+    if (StartsWith(header, top)) return true;
+  }
+  return false;
+}
+
+bool Allowed(const std::string& module, const std::string& header) {
+  if (!IsOurs(header)) return true;
+  const std::string target = ModuleOf(header);
+  if (target == module) return true;
+  const Rule* rule = FindRule(module);
+  return rule != nullptr && rule->may_include.count(target) != 0;
+}
+
+std::set<std::string> AnyService() {
+  std::set<std::string> all{"firmware/wire"};
+  for (const char* name : {"base", "protocol", "config", "magnetics", "tracker", "calibration", "haptics", "scene",
+                           "actuation", "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
+    all.insert(std::string("service/") + name);
+  }
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Rule>& Rules() {
+  static const std::vector<Rule> kRules = {
+      {"service/base", {}},
+      {"service/protocol", {}},
+      {"firmware/wire", {}},
+      {"service/config", {"service/base"}},
+      {"service/magnetics", {"service/base"}},
+      {"service/haptics", {"service/base"}},
+      {"service/tracker", {"service/base", "service/magnetics"}},
+      {"service/actuation", {"service/base", "service/magnetics"}},
+      {"service/calibration", {"service/base", "service/magnetics", "service/tracker"}},
+      {"service/scene", {"service/base", "service/haptics"}},
+      {"service/device", {"service/base", "firmware/wire"}},
+      {"firmware/core", {"firmware/wire"}},
+      {"firmware/drivers", {}},
+      {"firmware/board", {"firmware/core", "firmware/drivers", "firmware/wire"}},
+      {"service/sim", {"service/base", "service/device", "firmware/wire", "firmware/core"}},
+      {"service/loop", {"service/base", "service/tracker", "service/haptics", "service/actuation"}},
+      {"service/ipc", {"service/base", "service/protocol"}},
+      {"service/client", {"service/protocol"}},
+      {"layer", {"service/protocol", "service/client"}},
+      {"service/monitor", {"service/protocol", "service/client"}},
+      {"service/daemon", AnyService()},
+      {"service/tools", AnyService()},
+      {"layer/examples", {}},
+  };
+  return kRules;
+}
+
+const std::vector<Confined>& ConfinedHeaders() {
+  static const std::vector<Confined> kConfined = {
+      {"tiny_gltf.h", {"service/scene/"}},
+      {"libusb", {"service/device/"}},
+      {"ceres/", {"service/calibration/"}},
+      {"openxr/", {"layer/"}},
+      {"toml++/", {"service/config/"}},
+      {"CLI/", {"service/tools/", "service/daemon/main.cc"}},
+      {"spdlog/", {"service/daemon/", "service/tools/"}},
+      {"Eigen/",
+       {"service/base/eigen.h", "service/magnetics/", "service/tracker/", "service/haptics/", "service/actuation/",
+        "service/sim/", "service/loop/", "service/calibration/"}},
+  };
+  return kConfined;
+}
+
+SourceTree ReadTree(const std::string& root) {
+  SourceTree tree;
+  for (const char* top : {"layer", "service", "firmware"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(root) / top)) {
+      const std::string extension = entry.path().extension().string();
+      if (!entry.is_regular_file() || (extension != ".h" && extension != ".cc")) continue;
+      std::ifstream file(entry.path());
+      std::ostringstream text;
+      text << file.rdbuf();
+      tree[fs::relative(entry.path(), root).generic_string()] = text.str();
+    }
+  }
+  return tree;
+}
+
+std::string ModuleOf(const std::string& path) {
+  if (StartsWith(path, "layer/examples/")) return "layer/examples";
+  if (StartsWith(path, "layer/")) return "layer";
+  if (!StartsWith(path, "service/") && !StartsWith(path, "firmware/")) return "";
+  return path.substr(0, path.find('/', path.find('/') + 1));
+}
+
+std::vector<std::string> CheckIncludes(const SourceTree& tree) {
+  std::vector<std::string> violations;
+  for (const auto& [path, text] : tree) {
+    const std::string module = ModuleOf(path);
+    if (FindRule(module) == nullptr) violations.push_back(path + ": module " + module + " is not in the table");
+    for (const Include& include : IncludesOf(text)) {
+      const std::string where = path + ":" + std::to_string(include.line) + ": ";
+      if (!Allowed(module, include.header)) violations.push_back(where + module + " may not include " + include.header);
+      for (const Confined& confined : ConfinedHeaders()) {
+        if (!StartsWith(include.header, confined.header_prefix)) continue;
+        const bool inside = std::any_of(confined.places.begin(), confined.places.end(),
+                                        [&path = path](const std::string& place) { return StartsWith(path, place); });
+        if (!inside) violations.push_back(where + include.header + " is confined to other places");
+      }
+    }
+  }
+  return violations;
+}
+
+std::vector<std::string> FindCycles(const SourceTree& tree) {
+  enum class Mark { kNew, kOpen, kDone };
+  std::map<std::string, Mark> marks;
+  std::vector<std::string> cycles;
+  const std::function<void(const std::string&)> visit = [&](const std::string& path) {
+    marks[path] = Mark::kOpen;
+    for (const Include& include : IncludesOf(tree.at(path))) {
+      if (tree.count(include.header) == 0) continue;
+      const Mark mark = marks[include.header];
+      if (mark == Mark::kOpen) cycles.push_back(path + " and " + include.header + " include each other in a circle");
+      if (mark == Mark::kNew) visit(include.header);
+    }
+    marks[path] = Mark::kDone;
+  };
+  for (const auto& [path, text] : tree) {
+    if (marks[path] == Mark::kNew) visit(path);
+  }
+  return cycles;
+}
+
+}  // namespace omni::architecture

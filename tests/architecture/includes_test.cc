@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/architecture/includes.h"
+
+namespace omni::architecture {
+namespace {
+
+std::string Joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+const SourceTree& OurTree() {
+  static const SourceTree kTree = ReadTree(OMNI_SOURCE_DIR);
+  return kTree;
+}
+
+TEST(Includes, EveryIncludeOfEveryTargetIsAllowed) {
+  ASSERT_GT(OurTree().size(), 80U);
+  EXPECT_EQ(Joined(CheckIncludes(OurTree())), "");
+}
+
+TEST(Includes, NoCycles) { EXPECT_EQ(Joined(FindCycles(OurTree())), ""); }
+
+// A planted violation of each row: every module that the row does not name is refused.
+TEST(Includes, PlantedViolationOfEachRowIsCaught) {
+  for (const Rule& rule : Rules()) {
+    int planted = 0;
+    for (const Rule& target : Rules()) {
+      if (target.module == rule.module || rule.may_include.count(target.module) != 0) continue;
+      SourceTree tree;
+      tree[rule.module + "/planted.cc"] = "// ok\n#include \"" + target.module + "/anything.h\"\n";
+      const auto violations = CheckIncludes(tree);
+      ASSERT_EQ(violations.size(), 1U) << rule.module << " -> " << target.module;
+      EXPECT_NE(violations[0].find("planted.cc:2"), std::string::npos);
+      ++planted;
+    }
+    EXPECT_GT(planted, 0) << rule.module << " may include everything: the row says nothing";
+  }
+}
+
+TEST(Includes, AllowedIncludesOfEachRowPass) {
+  for (const Rule& rule : Rules()) {
+    SourceTree tree;
+    std::string text = "#include \"" + rule.module + "/own.h\"\n#include <vector>\n";
+    for (const std::string& module : rule.may_include) text += "#include \"" + module + "/x.h\"\n";
+    tree[rule.module + "/fine.cc"] = text;
+    EXPECT_EQ(Joined(CheckIncludes(tree)), "") << rule.module;
+  }
+}
+
+TEST(Includes, ConfinedHeadersAreCaughtElsewhere) {
+  for (const Confined& confined : ConfinedHeaders()) {
+    SourceTree tree;
+    tree["service/protocol/planted.h"] = "#include <" + confined.header_prefix + "x.h>\n";
+    EXPECT_EQ(CheckIncludes(tree).size(), 1U) << confined.header_prefix;
+  }
+}
+
+// "One .cc": the wrapped libraries are included by a single file.
+TEST(Includes, WrappedLibrariesStandInOneFile) {
+  for (const std::string header : {"tiny_gltf.h", "libusb.h"}) {
+    int files = 0;
+    for (const auto& [path, text] : OurTree()) files += text.find("<" + header + ">") != std::string::npos ? 1 : 0;
+    EXPECT_LE(files, 1) << header;
+  }
+}
+
+TEST(Includes, UnknownModuleAndTestsAreRefused) {
+  SourceTree tree;
+  tree["service/new_module/a.h"] = "";
+  tree["service/base/b.h"] = "#include \"tests/support/x.h\"\n";
+  EXPECT_EQ(CheckIncludes(tree).size(), 2U);
+}
+
+TEST(Includes, CycleIsFound) {
+  SourceTree tree;
+  tree["service/base/a.h"] = "#include \"service/base/b.h\"\n";
+  tree["service/base/b.h"] = "#include \"service/base/c.h\"\n";
+  tree["service/base/c.h"] = "#include \"service/base/a.h\"\n";
+  EXPECT_EQ(FindCycles(tree).size(), 1U);
+}
+
+// The table in docs/architecture.md is the one that is checked: each module has its row there.
+TEST(Includes, DocumentNamesEveryModule) {
+  std::ifstream file(std::string(OMNI_SOURCE_DIR) + "/docs/architecture.md");
+  std::ostringstream text;
+  text << file.rdbuf();
+  for (const Rule& rule : Rules()) {
+    if (!std::filesystem::exists(std::string(OMNI_SOURCE_DIR) + "/" + rule.module)) continue;
+    EXPECT_NE(text.str().find("`" + rule.module + "`"), std::string::npos) << rule.module;
+  }
+}
+
+// Files stay small: one idea each.
+TEST(Files, NoneIsLongerThan500Lines) {
+  for (const auto& [path, text] : OurTree()) {
+    EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 500) << path;
+  }
+}
+
+}  // namespace
+}  // namespace omni::architecture

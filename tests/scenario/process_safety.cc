@@ -1,0 +1,183 @@
+// Killed, stopped and silent processes: what the coils do, read from the twin's own recording.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/service_process.h"
+
+namespace omni::test {
+namespace {
+
+constexpr double kPushing_N = 0.3;
+
+TEST(ProcessSafety, KilledServiceMeansZeroWithin50Milliseconds) {
+  ServiceProcess service;
+  service.Start();
+  TestApplication app(service);
+  ASSERT_TRUE(app.Focus()) << app.connection().last_error();
+  ASSERT_TRUE(app.WaitForForce(kPushing_N));
+  const std::int64_t killed_ns = base::MonotonicNow_ns();
+  service.Signal(SIGKILL);
+  service.Wait();
+  const auto truth = service.Truth();
+  ASSERT_TRUE(truth.has_value());
+  EXPECT_GT(MillisecondsToZero(*truth, killed_ns - 20'000'000, 100), 0) << "it was pushing";
+  const double ms = MillisecondsToZero(*truth, killed_ns, 1e6);
+  EXPECT_GE(ms, 0);
+  EXPECT_LE(ms, 50);
+}
+
+TEST(ProcessSafety, ServiceComesBackAndTheAppGetsThePenAgain) {
+  ServiceProcess service;
+  service.Start();
+  TestApplication app(service);
+  ASSERT_TRUE(app.Focus());
+  ASSERT_TRUE(app.WaitForForce(kPushing_N));
+  service.Signal(SIGKILL);
+  service.Wait();
+  EXPECT_TRUE(app.Run(2000, 5, [&] { return !app.connection().connected(); }));
+  service.Start();
+  EXPECT_TRUE(app.WaitForForce(kPushing_N)) << "the session state was not sent again";
+}
+
+// Forks an application that focuses and beats; returns its pid once it is pushed back.
+pid_t ForkApplication(const ServiceProcess& service) {
+  int ready[2];
+  if (pipe(ready) != 0) return -1;
+  const pid_t pid = fork();
+  if (pid == 0) {
+    TestApplication app(service);
+    const char ok = app.Focus() && app.WaitForForce(kPushing_N) ? 'y' : 'n';
+    if (write(ready[1], &ok, 1) != 1) _exit(1);
+    app.Run(30'000, 5);
+    _exit(0);
+  }
+  char answer = 'n';
+  close(ready[1]);
+  if (read(ready[0], &answer, 1) != 1) answer = 'n';
+  close(ready[0]);
+  if (answer == 'y') return pid;
+  kill(pid, SIGKILL);
+  waitpid(pid, nullptr, 0);
+  return -1;
+}
+
+TEST(ProcessSafety, KilledApplicationMeansZeroWithin50Milliseconds) {
+  ServiceProcess service;
+  service.Start();
+  const pid_t app = ForkApplication(service);
+  ASSERT_GT(app, 0);
+  const std::int64_t killed_ns = base::MonotonicNow_ns();
+  kill(app, SIGKILL);
+  waitpid(app, nullptr, 0);
+  SleepMs(500);
+  service.Stop();
+  const auto truth = service.Truth();
+  ASSERT_TRUE(truth.has_value());
+  const double ms = MillisecondsToZero(*truth, killed_ns, 1e6);
+  EXPECT_GE(ms, 0);
+  EXPECT_LE(ms, 50);
+}
+
+TEST(ProcessSafety, StoppedApplicationFadesAfter250Milliseconds) {
+  ServiceProcess service;
+  service.Start();
+  const pid_t app = ForkApplication(service);
+  ASSERT_GT(app, 0);
+  const std::int64_t stopped_ns = base::MonotonicNow_ns();
+  kill(app, SIGSTOP);
+  SleepMs(900);
+  kill(app, SIGKILL);
+  waitpid(app, nullptr, 0);
+  service.Stop();
+  const auto truth = service.Truth();
+  ASSERT_TRUE(truth.has_value());
+  const double ms = MillisecondsToZero(*truth, stopped_ns, 850);
+  EXPECT_GE(ms, 240) << "it must bear a hitch of the application";
+  EXPECT_LE(ms, 450);
+}
+
+TEST(ProcessSafety, LosingFocusMeansZeroWithin50Milliseconds) {
+  ServiceProcess service;
+  service.Start();
+  TestApplication app(service);
+  ASSERT_TRUE(app.Focus());
+  ASSERT_TRUE(app.WaitForForce(kPushing_N));
+  const std::int64_t lost_ns = base::MonotonicNow_ns();
+  ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kBegun));
+  app.Run(500, 5);
+  service.Stop();
+  const auto truth = service.Truth();
+  ASSERT_TRUE(truth.has_value());
+  EXPECT_LE(MillisecondsToZero(*truth, lost_ns, 1e6), 50);
+}
+
+TEST(ProcessSafety, An20HzApplicationFeelsSteadyContact) {
+  ServiceProcess service;
+  service.Start();
+  TestApplication app(service);
+  ASSERT_TRUE(app.Focus());
+  ASSERT_TRUE(app.WaitForForce(kPushing_N));
+  app.Run(500, 50);  // the hand arrives
+  double low_N = 1e9;
+  double high_N = 0;
+  for (int i = 0; i < 30; ++i) {
+    app.Run(50, 50);
+    low_N = std::min(low_N, app.Force_N());
+    high_N = std::max(high_N, app.Force_N());
+  }
+  EXPECT_GT(low_N, 0.6 * high_N) << low_N << " .. " << high_N << " N";
+}
+
+TEST(ProcessSafety, LastFocusedOwnsAndOthersSeePoses) {
+  ServiceProcess service;
+  service.Start();
+  TestApplication first(service);
+  TestApplication second(service, "some_other_application");  // has no scene
+  ASSERT_TRUE(first.Focus());
+  ASSERT_TRUE(first.WaitForForce(kPushing_N));
+  ASSERT_TRUE(second.Focus());
+  EXPECT_TRUE(second.Run(3000, 5, [&] {
+    first.connection().Beat();
+    return second.Force_N() == 0;
+  })) << "the new owner has no scene: nothing is rendered";
+  protocol::ToolSample sample;
+  ASSERT_TRUE(first.connection().state()->Newest(sample));
+  EXPECT_TRUE(sample.flags & protocol::kToolPoseValid);
+  ASSERT_TRUE(second.connection().SendSession(protocol::SessionState::kNone));
+  EXPECT_TRUE(first.WaitForForce(kPushing_N)) << "the first one still is focused: it gets the force back";
+}
+
+TEST(ProcessSafety, SecondServiceIsRefused) {
+  ServiceProcess service;
+  service.Start();
+  TestApplication app(service);
+  ASSERT_TRUE(app.Run(5000, 5, [&] { return app.connection().connected(); }));
+  auto second = tools::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin"},
+                                           {"OMNI_SOCKET=" + service.socket_path()});
+  ASSERT_TRUE(second.ok());
+  EXPECT_EQ(second->Wait(), 1);
+  EXPECT_TRUE(app.connection().connected());
+}
+
+TEST(ProcessSafety, FullDiskDoesNotStopTheService) {
+  ServiceProcess service;
+  auto started = tools::ChildProcess::Start(
+      {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script", service.hand_path(), "--record",
+       "/dev/full", "--log-level", "off"},
+      {"OMNI_SOCKET=" + service.socket_path()});
+  ASSERT_TRUE(started.ok());
+  TestApplication app(service);
+  ASSERT_TRUE(app.Focus());
+  protocol::ToolSample sample;
+  const auto newest_ns = [&] {
+    return app.connection().state() != nullptr && app.connection().state()->Newest(sample) ? sample.t_ns : 0;
+  };
+  app.Run(1000, 5);
+  const std::int64_t before_ns = newest_ns();
+  app.Run(500, 5);
+  EXPECT_GT(newest_ns(), before_ns);
+}
+
+}  // namespace
+}  // namespace omni::test

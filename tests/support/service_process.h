@@ -1,0 +1,160 @@
+// omnid with the twin as real processes in a folder of their own, and applications that speak its protocol.
+#pragma once
+
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "service/base/clock.h"
+#include "service/client/connection.h"
+#include "service/tools/child_process.h"
+#include "service/tools/csv_table.h"
+
+namespace omni::test {
+
+inline void SleepMs(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
+
+class ServiceProcess {
+ public:
+  ServiceProcess() {
+    std::string name = (std::filesystem::temp_directory_path() / "omni-process-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) folder_ = name;
+    std::filesystem::create_directories(folder_ / "run");
+    std::filesystem::permissions(folder_ / "run", std::filesystem::perms::owner_all);
+    std::filesystem::create_directories(folder_ / "config/omni/apps.d");
+    std::ofstream(folder_ / "config/omni/apps.d/test.toml")
+        << "application = \"process_test*\"\nscene = \"" << OMNI_SOURCE_DIR << "/scenes/extrusion.glb\"\n";
+    WriteHand();
+  }
+  ~ServiceProcess() {
+    process_.reset();
+    std::error_code error;
+    std::filesystem::remove_all(folder_, error);
+  }
+  ServiceProcess(const ServiceProcess&) = delete;
+  ServiceProcess& operator=(const ServiceProcess&) = delete;
+
+  void Start() {
+    auto started = tools::ChildProcess::Start(
+        {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script", hand_path(), "--twin-record",
+         truth_path(), "--log-level", "warn"},
+        {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + (folder_ / "config").string()});
+    if (started.ok()) process_ = std::make_unique<tools::ChildProcess>(std::move(*started));
+  }
+
+  pid_t pid() const { return process_ == nullptr ? -1 : process_->pid(); }
+  void Signal(int signal) { kill(pid(), signal); }
+  int Wait() { return process_->Wait(); }
+  void Stop() { process_.reset(); }
+
+  std::string socket_path() const { return (folder_ / "run/omnid.sock").string(); }
+  std::string truth_path() const { return (folder_ / "truth.csv").string(); }
+  std::string hand_path() const { return (folder_ / "hand.json").string(); }
+
+  // The twin's own recording, once its process has finished writing: it lingers after omnid is gone.
+  std::optional<tools::CsvTable> Truth() const {
+    std::uintmax_t last = 0;
+    int still = 0;
+    for (int i = 0; i < 200 && still < 8; ++i) {
+      SleepMs(100);
+      std::error_code error;
+      const std::uintmax_t size = std::filesystem::file_size(truth_path(), error);
+      still = size == last && size > 0 ? still + 1 : 0;
+      last = size;
+    }
+    auto table = tools::CsvTable::Read(truth_path());
+    if (!table.ok()) return std::nullopt;
+    return std::move(*table);
+  }
+
+ private:
+  // Down onto the block's top, then pressing for a long time.
+  void WriteHand() {
+    std::ofstream(folder_ / "hand.json") << R"({"name": "press", "repeat": false, "waypoints": [
+      {"s": 0, "tip_m": [0.008, 0.004, 0.085], "axis": [0, 0, -1]},
+      {"s": 0.6, "tip_m": [0.008, 0.004, 0.080], "axis": [0, 0, -1]},
+      {"s": 0.8, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]},
+      {"s": 60, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]}]})";
+  }
+
+  std::filesystem::path folder_;
+  std::unique_ptr<tools::ChildProcess> process_;
+};
+
+// An application: connects, becomes focused, gives a sign of life every `period_ms`.
+class TestApplication {
+ public:
+  explicit TestApplication(const ServiceProcess& service, const std::string& name = "process_test")
+      : connection_({.application = name, .engine = "", .socket_path = service.socket_path(), .retry_interval_ns = 50'000'000}) {}
+
+  // Runs for `ms` or until `until` says so. False: `until` was never true.
+  template <class Until>
+  bool Run(int ms, int period_ms, Until until) {
+    const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(ms) * 1'000'000;
+    while (base::MonotonicNow_ns() < end_ns) {
+      connection_.Poll(base::MonotonicNow_ns());
+      connection_.Beat();
+      if (until()) return true;
+      SleepMs(period_ms);
+    }
+    return false;
+  }
+  void Run(int ms, int period_ms) {
+    Run(ms, period_ms, [] { return false; });
+  }
+
+  bool Focus() {
+    const bool connected = Run(5000, 5, [&] { return connection_.connected(); });
+    return connected && connection_.SendSession(protocol::SessionState::kBegun) &&
+           connection_.SendSession(protocol::SessionState::kFocused);
+  }
+
+  // Waits until the pen is pushed back with at least `force_N`.
+  bool WaitForForce(double force_N) {
+    return Run(8000, 5, [&] { return Force_N() > force_N; });
+  }
+
+  double Force_N() const {
+    const auto state = connection_.state();
+    protocol::ToolSample sample;
+    if (state == nullptr || !state->Newest(sample)) return 0;
+    const auto& f = sample.force_base_N;
+    return std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  }
+
+  client::Connection& connection() { return connection_; }
+
+ private:
+  client::Connection connection_;
+};
+
+// Largest |current| of the three coils in row i of the twin's recording.
+inline double Current_A(const tools::CsvTable& truth, std::size_t i) {
+  return std::max({std::abs(truth["current_x_A"][i]), std::abs(truth["current_y_A"][i]), std::abs(truth["current_z_A"][i])});
+}
+
+// Milliseconds from t_ns until the coils are below 20 mA and stay there for the rest of the recording, at most `horizon`
+// later; < 0: they never were.
+inline double MillisecondsToZero(const tools::CsvTable& truth, std::int64_t t_ns, double horizon_ms) {
+  double last_ms = 0;
+  bool any = false;
+  for (std::size_t i = 0; i < truth.rows(); ++i) {
+    const double ms = (truth["t_ns"][i] - static_cast<double>(t_ns)) * 1e-6;
+    if (ms < 0 || ms > horizon_ms) continue;
+    any = true;
+    if (Current_A(truth, i) > 0.02) last_ms = ms;
+  }
+  return any ? last_ms : -1;
+}
+
+}  // namespace omni::test
