@@ -19,16 +19,17 @@ enum class ReadStatus : std::uint8_t {
 };
 
 struct TransportInfo {
-  std::string name;          // for people: "twin", "usb 1209:0001", "replay FILE"
+  std::string name;  // for people: "twin", "usb 1209:0001", "replay FILE"
   std::string serial;
-  bool simulation = false;   // every figure made with it is named as simulated
-  bool virtual_time = false; // Read never waits: time comes from the scans
+  bool simulation = false;    // every figure made with it is named as simulated
+  bool virtual_time = false;  // Read never waits: time comes from the scans
 };
 
 struct TransportCounters {
   std::uint64_t received = 0;
-  std::uint64_t missed = 0;        // gaps in the device's sequence
-  std::uint64_t bad_frames = 0;    // CRC, size, magic or version
+  std::uint64_t missed = 0;      // gaps in the device's sequence
+  std::uint64_t superseded = 0;  // received, but a newer scan was already waiting
+  std::uint64_t bad_frames = 0;  // CRC, size, magic or version
   std::uint64_t sent = 0;
   std::uint64_t send_failed = 0;
 };

@@ -16,29 +16,30 @@ namespace omni::sim {
 
 // The hand's path: the spring-damper's other end follows it, the pen yields to rendered forces.
 struct HandWaypoint {
-  double duration_s = 0;        // time to get here from the last waypoint, smooth (minimum jerk), >= 0
-  base::Vec3 tip_base_m;        // wanted device point
+  double duration_s = 0;  // time to get here from the last waypoint, smooth (minimum jerk), >= 0
+  base::Vec3 tip_base_m;  // wanted device point
   base::Vec3 axis_base{0, 0, -1};
-  bool present = true;          // false: the pen is taken away (out of reach) during this leg
+  bool present = true;  // false: the pen is taken away (out of reach) during this leg
 };
 struct HandScript {
   std::string name;
   std::vector<HandWaypoint> waypoints;  // at least one; the first is the start
-  bool repeat = false;
+  bool repeat = false;                  // after the last waypoint back to the first, within the first one's duration
   double stiffness_N_m = 150, damping_Ns_m = 3, mass_kg = 0.12, tremor_m = 0.0;  // tremor: rms, 8-12 Hz
-  double duration_s() const;
+  double duration_s() const;  // of one pass from the first to the last waypoint
 };
 // JSON: {"name", "repeat", "hand": {"stiffness_N_m", ...}, "waypoints": [{"s", "tip_m":[3], "axis":[3], "present"}]}
 base::Result<HandScript> LoadHandScript(const std::string& path);
 
 struct TwinOptions {
   std::uint64_t seed = 1;
-  HandScript script;
-  bool imperfect = true;              // winding, sensor and current errors; false: nominal device (tests of other parts)
-  bool flip_coil_sign = false;        // test hook: coil z wired backwards
-  double current_delay_s = 1e-3;      // command received -> set-point acts
-  double host_timeout_s = 0.020;      // watchdog: host silent this long -> coils to zero
-  std::string recording_path;         // CSV of truth and currents, every device tick; empty: none
+  HandScript script;              // as LoadHandScript accepts it; no waypoints: no pen
+  bool imperfect = true;          // winding, sensor and current errors; false: nominal device (tests of other parts)
+  bool flip_coil_sign = false;    // test hook: coil z wired backwards
+  double current_delay_s = 1e-3;  // command received -> set-point acts
+  double host_timeout_s = 0.020;  // watchdog: host silent this long -> coils to zero
+  std::string recording_path;     // CSV of truth and currents, every device tick; empty: none
+  bool real_time = true;          // ServeTwin asks for SCHED_FIFO; refused is fine
 };
 
 // Twin in this process, in virtual time: every Read() advances 1 ms and returns at once, kEnd after duration_s.
@@ -51,6 +52,7 @@ std::unique_ptr<device::Transport> MakeVirtualTwin(const base::DeviceGeometry& d
 int ServeTwin(const base::DeviceGeometry& device, const TwinOptions& options, int fd, double linger_s);
 
 // Starts `program` ("…/omni") as `omni twin serve --fd N args...` and talks to it.
-base::Result<std::unique_ptr<device::Transport>> SpawnTwin(const std::string& program, const std::vector<std::string>& args);
+base::Result<std::unique_ptr<device::Transport>> SpawnTwin(const std::string& program,
+                                                           const std::vector<std::string>& args);
 
 }  // namespace omni::sim

@@ -1,0 +1,56 @@
+#include "service/device/scan_conversion.h"
+
+#include <cstddef>
+
+#include "firmware/wire/scaling.h"
+
+namespace omni::device {
+
+static_assert(wire::kSensors == base::kSensorCount && wire::kCoils == base::kCoilCount);
+
+base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello) {
+  DeviceInfo info;
+  for (const char c : hello.serial) {
+    if (c == '\0') break;
+    info.serial += c >= ' ' && c <= '~' ? c : '?';
+  }
+  if (!(wire::kVersion >= hello.version_min && wire::kVersion <= hello.version_max)) {
+    return base::Error{"device " + info.serial + ": speaks protocol versions " + std::to_string(hello.version_min) +
+                       " to " + std::to_string(hello.version_max) + ", this service speaks " +
+                       std::to_string(wire::kVersion) + ": update whichever is older"};
+  }
+  if ((hello.capabilities & wire::kDeviceClockIsHostMonotonic) == 0) {
+    return base::Error{"device " + info.serial +
+                       ": keeps a clock of its own, but this transport needs stamps of the host's CLOCK_MONOTONIC: "
+                       "connect it through a transport that maps clocks"};
+  }
+  info.firmware_version = hello.firmware_version;
+  info.simulation = (hello.capabilities & wire::kSimulation) != 0;
+  info.field_lsb_T = static_cast<double>(hello.field_lsb_T);
+  info.current_max_A = static_cast<double>(hello.current_max_A);
+  info.calibration_hash = hello.calibration_hash;
+  return info;
+}
+
+base::HallScan ScanFromTelemetry(const DeviceInfo& info, const wire::Telemetry& telemetry, std::uint64_t t_device_us,
+                                 std::uint64_t sequence) noexcept {
+  base::HallScan scan;
+  scan.t_ns = static_cast<std::int64_t>(t_device_us) * 1000;
+  scan.sequence = sequence;
+  for (std::size_t i = 0; i < base::kSensorCount; ++i) {
+    const auto& counts = telemetry.field[i];
+    scan.field_sensor_T[i] = {counts[0] * info.field_lsb_T, counts[1] * info.field_lsb_T, counts[2] * info.field_lsb_T};
+    scan.age_ns[i] = telemetry.age[i] * wire::kAgeUnit_ns;
+  }
+  scan.fresh_mask = telemetry.fresh_mask;
+  scan.saturated_mask = telemetry.saturated_mask;
+  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+    scan.coil_current_A[k] = telemetry.current[k] * wire::kCurrentUnit_A;
+    scan.coil_temperature_C[k] = telemetry.temperature[k] * wire::kTemperatureUnit_K;
+  }
+  scan.supply_V = telemetry.supply * wire::kSupplyUnit_V;
+  scan.device_faults = telemetry.faults;
+  return scan;
+}
+
+}  // namespace omni::device

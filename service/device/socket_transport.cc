@@ -1,0 +1,192 @@
+#include "service/device/socket_transport.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <utility>
+
+#include "firmware/wire/messages.h"
+#include "service/base/clock.h"
+#include "service/device/scan_conversion.h"
+
+namespace omni::device {
+namespace {
+
+constexpr int kDrainMax = 256;  // frames taken in one Read; a peer that floods cannot hold the caller longer
+
+enum class Receive : std::uint8_t { kFrame, kEmpty, kGone };
+
+struct Received {
+  Receive what = Receive::kEmpty;
+  std::size_t size = 0;  // of the datagram, may exceed the buffer
+};
+
+using Buffer = std::array<std::uint8_t, wire::kFrameSizeMax + 1>;
+
+Received ReceiveFrame(int fd, Buffer& buffer) noexcept {
+  for (;;) {
+    const ssize_t size = recv(fd, buffer.data(), buffer.size(), MSG_DONTWAIT | MSG_TRUNC);
+    if (size > 0) return {Receive::kFrame, static_cast<std::size_t>(size)};
+    if (size == 0) return {Receive::kGone, 0};
+    if (errno == EINTR) continue;
+    return {errno == EAGAIN || errno == EWOULDBLOCK ? Receive::kEmpty : Receive::kGone, 0};
+  }
+}
+
+// Until readable, hung up or `deadline_ns`. False: the deadline has passed.
+bool WaitReadable(int fd, std::int64_t deadline_ns) noexcept {
+  const std::int64_t left_ns = deadline_ns - base::MonotonicNow_ns();
+  if (left_ns <= 0) return false;
+  const timespec timeout{left_ns / 1'000'000'000, left_ns % 1'000'000'000};
+  pollfd poll{fd, POLLIN, 0};
+  return ppoll(&poll, 1, &timeout, nullptr) != 0;  // an interruption (-1) is looked at again by the caller
+}
+
+wire::Status OpenReceived(const Buffer& buffer, std::size_t size, wire::FrameView& view) noexcept {
+  return size > buffer.size() ? wire::Status::kTooLong : wire::OpenFrame(buffer.data(), size, view);
+}
+
+class SocketTransport final : public Transport {
+ public:
+  SocketTransport(UniqueFd socket, const std::string& name, DeviceInfo device)
+      : socket_(std::move(socket)), device_(std::move(device)) {
+    info_.name = name;
+    info_.serial = device_.serial;
+    info_.simulation = device_.simulation;
+  }
+
+  ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {
+    const std::int64_t deadline_ns = base::MonotonicNow_ns() + timeout_ns;
+    for (;;) {
+      const Drained drained = Drain(scan);
+      if (drained.scan) return ReadStatus::kScan;
+      if (drained.gone) return ReadStatus::kGone;
+      if (!WaitReadable(socket_.get(), deadline_ns)) return ReadStatus::kTimeout;
+    }
+  }
+
+  bool Write(const base::CoilCurrents& currents) noexcept override {
+    wire::Command command;
+    command.mode = wire::Mode::kCurrent;
+    for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+      command.set_point_A[k] = static_cast<float>(currents.current_A[k]);
+    }
+    command.host_us = static_cast<std::uint64_t>(base::MonotonicNow_ns() / 1000);
+    command.echo_device_us = newest_device_us_;
+    std::array<std::uint8_t, wire::kCommandFrameSize> frame;
+    const wire::Encoded encoded = wire::EncodeCommand(command, static_cast<float>(device_.current_max_A), command_seq_,
+                                                      frame.data(), frame.size());
+    if (encoded.status != wire::Status::kOk ||
+        send(socket_.get(), frame.data(), encoded.size, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
+      ++counters_.send_failed;
+      return false;
+    }
+    ++command_seq_;
+    ++counters_.sent;
+    return true;
+  }
+
+  const TransportInfo& info() const noexcept override { return info_; }
+  TransportCounters counters() const noexcept override { return counters_; }
+
+ private:
+  struct Drained {
+    bool scan = false;
+    bool gone = false;
+  };
+
+  // Takes all that is queued; the newest telemetry ends in `scan`.
+  Drained Drain(base::HallScan& scan) noexcept {
+    Drained drained;
+    for (int i = 0; i < kDrainMax; ++i) {
+      const Received received = ReceiveFrame(socket_.get(), buffer_);
+      drained.gone = received.what == Receive::kGone;
+      if (received.what != Receive::kFrame) break;
+      if (!Accept(received.size, scan)) continue;
+      if (drained.scan) ++counters_.superseded;
+      drained.scan = true;
+    }
+    return drained;
+  }
+
+  bool Accept(std::size_t size, base::HallScan& scan) noexcept {
+    wire::FrameView view;
+    const wire::Status opened = OpenReceived(buffer_, size, view);
+    if (opened == wire::Status::kUnknownType) return false;
+    if (opened == wire::Status::kOk && view.header.type != wire::MessageType::kTelemetry) return false;
+    wire::Telemetry telemetry;
+    if (opened != wire::Status::kOk || wire::DecodeTelemetry(view, telemetry) != wire::Status::kOk ||
+        !sequence_.Advance(view.header.seq)) {
+      ++counters_.bad_frames;
+      return false;
+    }
+    ++counters_.received;
+    counters_.missed = sequence_.missed();
+    newest_device_us_ = view.header.t_device_us;
+    scan = ScanFromTelemetry(device_, telemetry, newest_device_us_, sequence_.sequence());
+    return true;
+  }
+
+  UniqueFd socket_;
+  DeviceInfo device_;
+  TransportInfo info_;
+  TransportCounters counters_;
+  SequenceCounter sequence_;
+  Buffer buffer_{};
+  std::uint64_t newest_device_us_ = 0;
+  std::uint16_t command_seq_ = 0;
+};
+
+// Why there is no connection; `seen` is what the last frame was.
+enum class NoHello : std::uint8_t { kClosed, kSilent, kOtherFrames };
+
+base::Error Explain(NoHello why, const std::string& name, const std::string& seen) {
+  switch (why) {
+    case NoHello::kClosed:
+      return {name + ": the device closed the connection before its HELLO (" + seen + "): see its own messages above"};
+    case NoHello::kSilent:
+      return {name + ": no HELLO in time (" + seen + "): is it powered, and is another program holding it?"};
+    case NoHello::kOtherFrames:
+      return {name + ": sends frames but no HELLO (" + seen + "): wrong firmware?"};
+  }
+  return {name};
+}
+
+base::Result<std::unique_ptr<Transport>> Connect(UniqueFd socket, const std::string& name, const wire::Hello& hello) {
+  base::Result<DeviceInfo> device = InfoFromHello(hello);
+  if (!device) return base::Error{name + ": " + device.error()};
+  return std::unique_ptr<Transport>(
+      std::make_unique<SocketTransport>(std::move(socket), name, std::move(device.value())));
+}
+
+}  // namespace
+
+base::Result<std::unique_ptr<Transport>> MakeSocketTransport(UniqueFd socket, const std::string& name,
+                                                             std::int64_t hello_timeout_ns) {
+  const std::int64_t deadline_ns = base::MonotonicNow_ns() + hello_timeout_ns;
+  std::string seen = "nothing arrived";
+  Buffer buffer{};
+  for (;;) {
+    const Received received = ReceiveFrame(socket.get(), buffer);
+    if (received.what == Receive::kGone) return Explain(NoHello::kClosed, name, seen);
+    if (received.what == Receive::kEmpty) {
+      if (!WaitReadable(socket.get(), deadline_ns)) return Explain(NoHello::kSilent, name, seen);
+      continue;
+    }
+    wire::FrameView view;
+    wire::Hello hello;
+    wire::Status status = OpenReceived(buffer, received.size, view);
+    if (status == wire::Status::kOk) status = wire::DecodeHello(view, hello);
+    if (status == wire::Status::kOk) return Connect(std::move(socket), name, hello);
+    seen = "last frame: ";
+    seen += wire::StatusName(status);
+    if (base::MonotonicNow_ns() >= deadline_ns) return Explain(NoHello::kOtherFrames, name, seen);
+  }
+}
+
+}  // namespace omni::device

@@ -1,0 +1,21 @@
+// A base at the other end of a SOCK_SEQPACKET socket: one datagram is one frame of firmware/wire.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "service/base/result.h"
+#include "service/device/transport.h"
+#include "service/device/unique_fd.h"
+
+namespace omni::device {
+
+// Waits up to `hello_timeout_ns` for the base's HELLO. `name` is for people and stands in TransportInfo.
+//
+// Read: the newest telemetry wins. Older frames still queued are superseded (counted), gaps of the device's sequence
+// are missed (counted), frames that fail a check are dropped (counted).
+base::Result<std::unique_ptr<Transport>> MakeSocketTransport(UniqueFd socket, const std::string& name,
+                                                             std::int64_t hello_timeout_ns);
+
+}  // namespace omni::device

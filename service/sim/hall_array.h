@@ -1,0 +1,45 @@
+// Eight Hall sensors, each on its own oscillator: sample instants, noise, quantisation, saturation.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/wire/messages.h"
+#include "service/base/device_geometry.h"
+#include "service/sim/random.h"
+#include "service/sim/vec3.h"
+
+namespace omni::sim {
+
+class HallArray {
+ public:
+  HallArray(const base::DeviceGeometry& device, Random& random);
+
+  // The instant of sensor `index`'s newest sample at or before `t_ns`; false: none since the last call.
+  bool NextSample(std::size_t index, std::int64_t t_ns, std::int64_t& sample_ns) noexcept;
+
+  // Takes that sample of the noise-free reading.
+  void Sample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept;
+
+  // Fills field, masks and ages; returns the instant of the newest sample of all.
+  std::int64_t Report(wire::Telemetry& telemetry) noexcept;
+
+  std::uint16_t full_scale() const noexcept { return full_scale_; }
+
+ private:
+  struct Sensor {
+    std::int64_t period_ns = 0;
+    std::int64_t next_ns = 0;
+    std::int64_t sampled_ns = -1;  // < 0: never
+    bool fresh = false;
+    std::array<std::int16_t, 3> counts{};
+    std::uint32_t saturated = 0;  // bit per axis
+  };
+
+  std::array<Sensor, base::kSensorCount> sensors_;
+  std::array<double, 3> noise_T_;
+  double lsb_T_;
+  std::uint16_t full_scale_;
+};
+
+}  // namespace omni::sim

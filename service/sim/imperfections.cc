@@ -1,0 +1,22 @@
+#include "service/sim/imperfections.h"
+
+namespace omni::sim {
+
+Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) noexcept {
+  Imperfections drawn;
+  for (SensorError& sensor : drawn.sensors) {
+    sensor.position_base_m = random.NormalVector(sizes.sensor_position_m);
+    sensor.rotation_rad = random.NormalVector(sizes.sensor_rotation_rad);
+    sensor.gain = Vec3{1, 1, 1} + random.NormalVector(sizes.sensor_gain);
+  }
+  drawn.magnet_strength = 1 + sizes.magnet_moment * random.Normal();
+  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+    drawn.coil_strength[k] = 1 + sizes.coil_strength * random.Normal();
+    drawn.coil_rotation_rad[k] = random.NormalVector(sizes.coil_axis_rad);
+    drawn.current_gain[k] = 1 + sizes.current_gain * random.Normal();
+    drawn.current_offset_A[k] = sizes.current_offset_A * random.Normal();
+  }
+  return drawn;
+}
+
+}  // namespace omni::sim

@@ -1,0 +1,68 @@
+// The fields and forces as they really are: what every sensor sees, and what pulls on the pen.
+// One model per thread: it keeps scratch space, so that a device tick allocates nothing.
+#pragma once
+
+#include <array>
+
+#include "service/base/device_geometry.h"
+#include "service/sim/charges.h"
+#include "service/sim/imperfections.h"
+#include "service/sim/winding.h"
+
+namespace omni::sim {
+
+using CoilArray = std::array<double, base::kCoilCount>;
+
+// Force and torque on the pen are linear in the currents: F = sum_k I_k coil[k] + core.
+struct ForceMap {
+  std::array<ForceAndTorque, base::kCoilCount> coil;  // per ampere
+  ForceAndTorque core;                                // the core's pull on the magnet ("snapping")
+
+  Vec3 CoilForce(const CoilArray& current_A) const noexcept;
+};
+
+class TruthModel {
+ public:
+  TruthModel(const base::DeviceGeometry& device, const Imperfections& imperfections, bool flip_coil_z);
+
+  // What sensor `index` would read without noise, in its own frame; `pose` null: no pen in reach.
+  Vec3 SensorField(std::size_t index, const MagnetPose* pose, const CoilArray& current_A) noexcept;
+
+  ForceMap ForcesAt(const MagnetPose& pose) noexcept;
+
+  const std::array<CoilTruth, base::kCoilCount>& coils() const noexcept { return coils_; }
+
+ private:
+  struct Sensor {
+    Vec3 position_base_m;
+    std::array<Vec3, 3> rows;                            // gain x R_SB: reading = rows . B
+    std::array<Vec3, base::kCoilCount> coil_sensor_T_A;  // of the actual windings, fixed
+  };
+
+  double core_radius_m_;
+  double core_kappa_;
+  std::array<CoilTruth, base::kCoilCount> coils_;
+  std::array<double, base::kCoilCount> polarity_{1, 1, 1};
+  std::array<Sensor, base::kSensorCount> sensors_;
+  // The closer the sources, the more nodes: what each leaves out is below 1e-5 (tests/unit/sim_fields.cc).
+  struct Sampled {
+    MagnetFaces faces;
+    Charges charges;
+    Sampled(const base::MagnetGeometry& magnet, int rings, int spokes);
+    void Place(const MagnetPose& pose) noexcept { faces.Place(pose, charges); }
+  };
+  Sampled fine_;    // its field at the sensors
+  Sampled medium_;  // force in the coils' field, whose sources lie outside the magnet's reach only by 5 mm
+  Sampled coarse_;  // images in the core, all within 6 mm of the origin
+  Charges images_;
+};
+
+// Magnet against hull. gap > 0: apart. `normal` points from the hull's centre to the nearest point of the magnet;
+// moving the magnet by d along it widens the gap by at least d (the disc is convex).
+struct Gap {
+  double gap_m = 0;
+  Vec3 normal_base{0, 0, 1};
+};
+Gap GapToHull(const base::MagnetGeometry& magnet, double hull_radius_m, const MagnetPose& pose) noexcept;
+
+}  // namespace omni::sim

@@ -1,0 +1,173 @@
+#include "service/sim/winding.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace omni::sim {
+namespace {
+
+constexpr double kMu0 = 4e-7 * std::numbers::pi;
+constexpr double kReference_m = 0.04;  // of the series' scaling, near the radii of interest
+constexpr double kAxisBand = 1e-4;     // of the turn's radius: nearer to the axis B_rho is its linear term
+
+// C^{3/2}_n(c), n = 0..kOrder: Gegenbauer polynomials, here P'_{n+1}(c).
+std::array<double, ZonalSeries::kOrder + 1> Gegenbauer(double c) noexcept {
+  std::array<double, ZonalSeries::kOrder + 1> g{};
+  g[0] = 1;
+  g[1] = 3 * c;
+  for (std::size_t n = 2; n < g.size(); ++n) {
+    const double order = static_cast<double>(n);
+    g[n] = ((2 * order + 1) * c * g[n - 1] - (order + 1) * g[n - 2]) / order;
+  }
+  return g;
+}
+
+// How much of the answer of an infinitely permeable sphere a finite one gives at order l: l (mu-1) / (l mu + l + 1)
+// written with kappa = (mu-1) / (mu+2).
+double CoreFactor(int l, double kappa) noexcept { return 3 * l * kappa / (2 * l + 1 + kappa * (l - 1)); }
+
+}  // namespace
+
+Elliptic EllipticIntegrals(double m) noexcept {
+  double a = 1;
+  double b = std::sqrt(1 - m);
+  double sum = 0.5 * m;
+  double power = 0.5;
+  for (int i = 0; i < 20 && a - b > 1e-16 * a; ++i) {
+    const double c = 0.5 * (a - b);
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+    power *= 2;
+    sum += power * c * c;
+  }
+  const double k = std::numbers::pi / (2 * a);
+  return {k, k * (1 - sum)};
+}
+
+// [Smythe, Static and Dynamic Electricity 3e, 7.10]
+CylinderField TurnField(double radius_m, double rho_m, double z_m) noexcept {
+  const double a = radius_m;
+  const double outer = (a + rho_m) * (a + rho_m) + z_m * z_m;
+  const double inner = (a - rho_m) * (a - rho_m) + z_m * z_m;
+  const Elliptic integral = EllipticIntegrals(4 * a * rho_m / outer);
+  const double scale = kMu0 / (2 * std::numbers::pi * std::sqrt(outer));
+  CylinderField field;
+  field.z_T = scale * (integral.k + (a * a - rho_m * rho_m - z_m * z_m) / inner * integral.e);
+  if (rho_m < kAxisBand * a) {
+    const double r2 = a * a + z_m * z_m;
+    field.rho_T = 0.75 * kMu0 * a * a * z_m * rho_m / (r2 * r2 * std::sqrt(r2));
+  } else {
+    field.rho_T = scale * z_m / rho_m * (-integral.k + (a * a + rho_m * rho_m + z_m * z_m) / inner * integral.e);
+  }
+  return field;
+}
+
+std::vector<Turn> WindTurns(const base::CoilGeometry& coil, int index) {
+  std::vector<Turn> turns;
+  const double pitch_m = (coil.shell_radius_max_m - coil.shell_radius_min_m) / (base::kCoilCount * coil.layers);
+  for (int layer = 0; layer < coil.layers; ++layer) {
+    const double shell_m = coil.shell_radius_min_m + pitch_m * (base::kCoilCount * layer + index + 0.5);
+    const int count = coil.turns / coil.layers + (layer >= coil.layers - coil.turns % coil.layers ? 1 : 0);
+    for (int i = 0; i < count; ++i) {
+      const double height_m = coil.band_half_width_m * (2 * (i + 0.5) / count - 1);
+      turns.push_back({std::sqrt(shell_m * shell_m - height_m * height_m), height_m});
+    }
+  }
+  return turns;
+}
+
+// A turn at distance R from the centre, polar angle th, radius s = R sin th:
+//   inside,  on the axis: B = sum b_l z^(l-1),  b_l = mu0 s^2 / (2 R^3) C^{3/2}_{l-1}(cos th) / R^(l-1)
+//   outside: q_l = mu0 s^2 / 2 C^{3/2}_{l-1}(cos th) R^(l-1) / (1e-7 (l+1))
+// The core answers b_l with q_l = 4 pi b_l a^(2l+1) / (mu0 l).
+ZonalSeries::Parts ZonalSeries::Expand(const std::vector<Turn>& turns, double core_radius_m,
+                                       double core_kappa) noexcept {
+  Parts parts;
+  for (const Turn& turn : turns) {
+    const double r = std::hypot(turn.radius_m, turn.height_m);
+    const auto g = Gegenbauer(turn.height_m / r);
+    const double half = 0.5 * kMu0 * turn.radius_m * turn.radius_m;
+    for (int l = 1; l <= kOrder; l += 2) {
+      const auto at = static_cast<std::size_t>(l);
+      const double b_l = half / std::pow(r, l + 2) * g[at - 1];
+      parts.turns[at] += half * g[at - 1] * std::pow(r, l - 1) / (1e-7 * (l + 1));
+      parts.core[at] += CoreFactor(l, core_kappa) * 1e7 * b_l * std::pow(core_radius_m, 2 * l + 1) / l;
+    }
+  }
+  return parts;
+}
+
+ZonalSeries::ZonalSeries(const std::array<double, kOrder + 1>& q, const Vec3& axis_base) noexcept
+    : axis_(axis_base), moment_(q[1]) {
+  for (std::size_t l = 1; l < q.size(); ++l) {
+    scaled_[l] = 1e-7 * q[l] / std::pow(kReference_m, static_cast<double>(l) + 2);
+  }
+}
+
+Vec3 ZonalSeries::Field(const Vec3& point_base_m) const noexcept {
+  static constexpr auto kRecurrence = [] {
+    std::array<std::array<double, 2>, kOrder + 1> table{};
+    for (std::size_t l = 0; l < table.size(); ++l) {
+      table[l][0] = static_cast<double>(2 * l + 1) / static_cast<double>(l + 1);
+      table[l][1] = static_cast<double>(l) / static_cast<double>(l + 1);
+    }
+    return table;
+  }();
+  const double inverse_r = 1 / Norm(point_base_m);
+  const Vec3 radial = inverse_r * point_base_m;
+  const double c = Dot(axis_, radial);
+  const double ratio = kReference_m * inverse_r;
+  const double ratio2 = ratio * ratio;
+  double power = ratio * ratio2;  // (reference / r)^(l+2)
+  double p_before = 1;            // P_{l-1}
+  double p = c;                   // P_l
+  double d_before = 0;            // P'_{l-1}
+  double d = 1;                   // P'_l
+  double along_r = 0;
+  double along_u = 0;
+  for (std::size_t l = 1;; l += 2) {
+    const double weight = scaled_[l] * power;
+    along_r += weight * static_cast<double>(l + 1) * p;
+    along_u += weight * d;
+    if (l + 2 > kOrder) break;
+    const double p_even = kRecurrence[l][0] * c * p - kRecurrence[l][1] * p_before;
+    const double d_even = d_before + static_cast<double>(2 * l + 1) * p;
+    const double p_odd = kRecurrence[l + 1][0] * c * p_even - kRecurrence[l + 1][1] * p;
+    d += static_cast<double>(2 * l + 3) * p_even;
+    p_before = p_even;
+    d_before = d_even;
+    p = p_odd;
+    power *= ratio2;
+  }
+  return (along_r + along_u * c) * radial - along_u * axis_;
+}
+
+CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis_base, double strength,
+                     double core_radius_m, double core_kappa)
+    : turns_(WindTurns(coil, index)), axis_(axis_base), strength_(strength) {
+  ZonalSeries::Parts parts = ZonalSeries::Expand(turns_, core_radius_m, core_kappa);
+  for (std::size_t l = 0; l < parts.turns.size(); ++l) {
+    parts.core[l] *= strength;
+    parts.turns[l] = parts.turns[l] * strength + parts.core[l];
+  }
+  core_ = ZonalSeries(parts.core, axis_base);
+  total_ = ZonalSeries(parts.turns, axis_base);
+}
+
+Vec3 CoilTruth::FieldByTurns(const Vec3& point_base_m) const noexcept {
+  const double z = Dot(point_base_m, axis_);
+  const Vec3 across = point_base_m - z * axis_;
+  const double rho = Norm(across);
+  CylinderField sum;
+  for (const Turn& turn : turns_) {
+    const CylinderField field = TurnField(turn.radius_m, rho, z - turn.height_m);
+    sum.rho_T += field.rho_T;
+    sum.z_T += field.z_T;
+  }
+  Vec3 b = (strength_ * sum.z_T) * axis_ + core_.Field(point_base_m);
+  if (rho > 0) b += (strength_ * sum.rho_T / rho) * across;
+  return b;
+}
+
+}  // namespace omni::sim
