@@ -18,7 +18,7 @@ struct ConnectionInfo {
   std::string engine;
   std::uint32_t api_version_major = 1;
   std::uint32_t api_version_minor = 0;
-  std::string socket_path;                    // empty: DefaultSocketPath()
+  std::string socket_path;                       // empty: DefaultSocketPath()
   std::int64_t retry_interval_ns = 500'000'000;  // between attempts to connect
 };
 

@@ -1,6 +1,9 @@
 // Read-only view of omnid's state memory. No system call after construction; any number of threads may read.
+// Whatever the memory holds, a read ends after a bounded number of steps and yields only samples in range
+// (protocol/sample_range.h).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -18,7 +21,7 @@ class StateReader {
   StateReader(const StateReader&) = delete;
   StateReader& operator=(const StateReader&) = delete;
 
-  std::uint64_t service_instance() const noexcept;
+  std::uint64_t service_instance() const noexcept { return service_instance_; }
 
   // Newest published sample. False: nothing published yet, or torn kMaxTornReads times.
   bool Newest(protocol::ToolSample& sample) const noexcept;
@@ -30,10 +33,17 @@ class StateReader {
   bool Inputs(protocol::InputSnapshot& inputs) const noexcept;
 
  private:
-  StateReader(const protocol::StateMemory* memory, std::size_t bytes) : memory_(memory), bytes_(bytes) {}
+  StateReader(const protocol::StateMemory* memory, std::size_t bytes)
+      : memory_(memory), bytes_(bytes), service_instance_(memory->header.service_instance) {}
+  // One attempt each. False: torn, overwritten, or out of range.
   bool ReadSlot(std::uint64_t index, protocol::ToolSample& sample) const noexcept;
+  bool TryAround(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
+  // Time of publication `index`; false: overwritten.
+  bool ReadTime(std::uint64_t index, std::int64_t& t_ns) const noexcept;
+
   const protocol::StateMemory* memory_;
   std::size_t bytes_;
+  std::uint64_t service_instance_;
 };
 
 }  // namespace omni::client

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "service/base/result.h"
 #include "service/protocol/control.h"
@@ -22,7 +22,8 @@ struct ClientInfo {
   std::string engine;
 };
 
-// Called on the control thread only. Calls must be short.
+// Called on the control thread only. Calls must be short. A call that throws costs the client that caused it its
+// connection, and nothing else. Stop() makes no OnGone calls.
 class ServerHandler {
  public:
   virtual ~ServerHandler() = default;
@@ -37,28 +38,33 @@ class ServerHandler {
 };
 
 struct ServerOptions {
-  std::string socket_path;           // empty: same rule as client::DefaultSocketPath
+  std::string socket_path;  // empty: same rule as client::DefaultSocketPath
   std::int64_t period_ns = 10'000'000;
-  int max_clients = 32;              // further ones are rejected with a reason
-  std::uint64_t service_instance = 0;
-  int state_fd = -1;                 // passed to every client; stays the caller's
+  int max_clients = 32;                           // further ones are rejected with a reason
+  std::uint64_t service_instance = 0;             // the one of the state memory, not 0
+  int state_fd = -1;                              // StatePublisher::fd(): passed to every client; stays the caller's
+  std::int64_t hello_timeout_ns = 2'000'000'000;  // a connection that stays silent longer is closed
+  // Lines for people (a client refused, a call that threw); empty: standard error. Control thread only.
+  std::function<void(const std::string&)> log;
 };
 
 class Server {
  public:
-  // Makes the folder (0700, owned by us, no symlink; else refused), takes the lock file beside the socket (a second omnid
-  // is refused with the pid of the first), binds and listens.
+  // Makes the folder (0700, owned by us, no symlink; else refused), takes the lock file beside the socket (a second
+  // omnid is refused with the pid of the first), binds and listens.
   static base::Result<std::unique_ptr<Server>> Open(const ServerOptions& options, ServerHandler& handler);
   ~Server();  // stops the thread, closes all
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  void Start();
-  void Stop();
+  void Start();  // once
+  void Stop();   // for good
 
   // Control thread only (from within handler calls).
-  std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client
+  std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; read anew every period
   void SendNotice(ClientId id, int level, const std::string& text);
+  // Messages to this client that were dropped because it does not read.
+  std::uint64_t DroppedMessages(ClientId id) const;
 
   const std::string& socket_path() const;
 

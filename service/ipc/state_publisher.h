@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "service/base/result.h"
+#include "service/ipc/sealed_memory.h"
 #include "service/protocol/state_memory.h"
 
 namespace omni::ipc {
@@ -14,19 +15,24 @@ class StatePublisher {
  public:
   // Makes the memfd, maps it for writing, then seals it FUTURE_WRITE | SHRINK | GROW | SEAL.
   static base::Result<std::unique_ptr<StatePublisher>> Create(std::uint64_t service_instance);
-  ~StatePublisher();
+  ~StatePublisher() = default;
   StatePublisher(const StatePublisher&) = delete;
   StatePublisher& operator=(const StatePublisher&) = delete;
 
-  // Tick thread only.
+  // Tick thread only. Times must not decrease from one call to the next: an older sample is published with the time of
+  // the one before. What is not a sane sample is published as "no pose" (protocol/sample_range.h).
   void Publish(const protocol::ToolSample& sample, const protocol::InputSnapshot& inputs) noexcept;
 
-  int fd() const { return fd_; }  // to be passed to clients; stays ours
+  int fd() const { return memory_file_.fd.get(); }                 // to be passed to clients; stays ours
+  std::uint64_t published() const noexcept { return published_; }  // tick thread only
 
  private:
-  StatePublisher(int fd, protocol::StateMemory* memory) : fd_(fd), memory_(memory) {}
-  int fd_;
+  StatePublisher(SealedMemory memory_file, protocol::StateMemory* memory)
+      : memory_file_(std::move(memory_file)), memory_(memory) {}
+  SealedMemory memory_file_;
   protocol::StateMemory* memory_;
+  std::uint64_t published_ = 0;
+  std::int64_t newest_t_ns_ = 0;
 };
 
 }  // namespace omni::ipc

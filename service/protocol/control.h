@@ -2,6 +2,7 @@
 // Plain data, std only. Every message starts with MessageHeader; `size` is the whole packet.
 // A receiver refuses a wrong magic, a size that does not fit the type, and an unterminated string.
 // Version rule: equal `kProtocolVersion` or the server answers Reject (its version, a text) and closes.
+// MessageHeader and Reject keep their layout in every version. validate.h is the gate for received bytes.
 #pragma once
 
 #include <cstddef>

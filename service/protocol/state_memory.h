@@ -20,11 +20,11 @@ inline constexpr std::uint32_t kRingCapacity = 512;  // >= 250 ms at 1 kHz
 inline constexpr int kMaxTornReads = 3;
 
 enum ToolFlag : std::uint32_t {
-  kToolPoseValid = 1u << 0,    // there is a pose (maybe the last known one)
-  kToolTracked = 1u << 1,      // this sample was measured
-  kToolContact = 1u << 2,      // force is being rendered
-  kToolJoystick = 1u << 3,     // the scene in force says joystick: thumbstick components are live
-  kToolAligned = 1u << 4       // base pose in the headset's space is known (else the default placement holds)
+  kToolPoseValid = 1u << 0,  // there is a pose (maybe the last known one)
+  kToolTracked = 1u << 1,    // this sample was measured
+  kToolContact = 1u << 2,    // force is being rendered
+  kToolJoystick = 1u << 3,   // the scene in force says joystick: thumbstick components are live
+  kToolAligned = 1u << 4     // base pose in the headset's space is known (else the default placement holds)
 };
 
 // Frame T of the tool: origin at the device point (tip), -Z out of the tip along the pen's axis; roll about the axis
@@ -33,28 +33,37 @@ struct ToolSample {
   std::int64_t t_ns = 0;  // CLOCK_MONOTONIC of the Hall sample
   std::uint32_t flags = 0;
   std::uint32_t reserved = 0;
-  std::array<double, 3> position_base_m{};         // device point
+  std::array<double, 3> position_base_m{};  // device point
   std::array<double, 4> orientation_base_wxyz{1, 0, 0, 0};
-  std::array<double, 3> linear_velocity_base_m_s{};   // of the device point
+  std::array<double, 3> linear_velocity_base_m_s{};  // of the device point
   std::array<double, 3> angular_velocity_base_rad_s{};
-  std::array<double, 3> force_base_N{};            // commanded to the tool
-  double position_sigma_m = 0;                     // 1 sigma of the tracker, norm over axes
+  std::array<double, 3> force_base_N{};  // commanded to the tool
+  double position_sigma_m = 0;           // 1 sigma of the tracker, norm over axes
   double gap_m = 0;
 };
 static_assert(std::is_trivially_copyable_v<ToolSample> && sizeof(ToolSample) % 8 == 0);
 
 // Mirrors base::InputState: what the layer snapshots at xrSyncActions. Index = InputIndex.
 enum class InputIndex : std::uint32_t {
-  kTipForce = 0, kSelect, kSecondary, kMenu, kSqueeze, kThumbstickX, kThumbstickY, kThumbstickClick, kDocked, kCount
+  kTipForce = 0,
+  kSelect,
+  kSecondary,
+  kMenu,
+  kSqueeze,
+  kThumbstickX,
+  kThumbstickY,
+  kThumbstickClick,
+  kDocked,
+  kCount
 };
 inline constexpr std::uint32_t kInputCount = static_cast<std::uint32_t>(InputIndex::kCount);
 
 struct InputValue {
   float value = 0;
-  std::uint32_t press_count = 0;    // edges over 0.5, since the service started
+  std::uint32_t press_count = 0;  // edges over 0.5, since the service started
   std::uint32_t release_count = 0;
   std::uint32_t reserved = 0;
-  std::int64_t t_change_ns = 0;     // physical time of the last change
+  std::int64_t t_change_ns = 0;  // physical time of the last change
 };
 struct InputSnapshot {
   std::int64_t t_ns = 0;

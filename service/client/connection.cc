@@ -1,0 +1,231 @@
+#include "service/client/connection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "service/client/dial.h"
+#include "service/client/life_link.h"
+#include "service/protocol/packet_socket.h"
+#include "service/protocol/socket_path.h"
+#include "service/protocol/text.h"
+#include "service/protocol/validate.h"
+
+namespace omni::client {
+
+namespace {
+
+using protocol::ReceiveResult;
+using protocol::SendResult;
+using protocol::UniqueFd;
+
+constexpr int kMessagesPerPoll = 16;
+constexpr std::size_t kMaxNotices = 32;  // older ones are dropped
+constexpr std::int64_t kWelcomeTimeout_ns = 2'000'000'000;
+
+}  // namespace
+
+std::string DefaultSocketPath() { return protocol::DefaultSocketPath(); }
+
+struct Connection::Impl {
+  enum class Phase { kIdle, kGreeting, kConnected };
+
+  explicit Impl(ConnectionInfo connection_info)
+      : info(std::move(connection_info)),
+        path(info.socket_path.empty() ? DefaultSocketPath() : info.socket_path),
+        buffer(protocol::kMaxMessageBytes) {}
+
+  void Advance(std::int64_t now_ns);
+  void Attempt(std::int64_t now_ns);
+  void Read(std::int64_t now_ns);
+  void OnWelcome(std::int64_t now_ns, const protocol::Welcome& welcome, UniqueFd* fds, std::size_t fd_count);
+  void OnReject(std::int64_t now_ns, const protocol::Reject& reject);
+  void OnNotice(const protocol::Notice& notice);
+  // A packet that must not come now, or not at all.
+  void OnOther(std::int64_t now_ns, const protocol::Message& message);
+  void Disconnect(std::int64_t now_ns) noexcept;
+  void Fail(std::int64_t now_ns, const std::string& problem);
+  void SendPendingSession() noexcept;
+
+  template <class T>
+  bool Send(const T& message) noexcept {
+    return phase == Phase::kConnected &&
+           protocol::SendPacket(socket.get(), &message, sizeof(message)) == SendResult::kSent;
+  }
+
+  ConnectionInfo info;
+  std::string path;
+  LifeLink life;
+  Phase phase = Phase::kIdle;
+  UniqueFd socket;
+  std::shared_ptr<const StateReader> reader;
+  std::int64_t next_attempt_ns = std::numeric_limits<std::int64_t>::min();
+  std::int64_t greeting_since_ns = 0;
+  protocol::SessionState session = protocol::SessionState::kNone;
+  bool session_pending = false;  // the service does not know `session` yet
+  std::string status;
+  std::vector<protocol::Notice> notices;
+  std::string last_error;
+  std::vector<std::byte> buffer;
+};
+
+void Connection::Impl::Advance(std::int64_t now_ns) {
+  if (phase == Phase::kIdle && now_ns >= next_attempt_ns) Attempt(now_ns);
+  if (phase == Phase::kIdle) return;
+  Read(now_ns);
+  if (phase == Phase::kGreeting && now_ns - greeting_since_ns > kWelcomeTimeout_ns) {
+    Fail(now_ns, "omnid at " + path + " does not answer; restart omnid");
+  }
+  if (phase == Phase::kConnected && session_pending) SendPendingSession();
+}
+
+void Connection::Impl::Attempt(std::int64_t now_ns) {
+  Dialled dialled = Dial(path);
+  if (!dialled.socket) return Fail(now_ns, dialled.problem);
+  protocol::Hello hello;
+  hello.role = info.role;
+  hello.api_version_major = info.api_version_major;
+  hello.api_version_minor = info.api_version_minor;
+  protocol::SetField(hello.application, info.application);
+  protocol::SetField(hello.engine, info.engine);
+  socket = std::move(dialled.socket);
+  phase = Phase::kGreeting;
+  greeting_since_ns = now_ns;
+  // A failed send is not the end yet: the server's reason may wait to be read, and a lost Hello times out.
+  protocol::SendPacket(socket.get(), &hello, sizeof(hello));
+}
+
+void Connection::Impl::Read(std::int64_t now_ns) {
+  for (int i = 0; i < kMessagesPerPoll && phase != Phase::kIdle; ++i) {
+    UniqueFd fds[protocol::kMaxPassedFds];
+    const protocol::Received received =
+        protocol::ReceivePacket(socket.get(), buffer.data(), buffer.size(), fds, protocol::kMaxPassedFds);
+    if (received.result == ReceiveResult::kNothing) return;
+    if (received.result == ReceiveResult::kEnd) {
+      return Fail(now_ns, "omnid at " + path + " has closed the connection; if it does not come back, start omnid");
+    }
+    if (received.result == ReceiveResult::kTooLong) {
+      return Fail(now_ns, "omnid at " + path + " sent a packet that is too long; restart omnid");
+    }
+    const protocol::Message message = protocol::Validate(buffer.data(), received.size);
+    if (const auto* reject = std::get_if<protocol::Reject>(&message)) return OnReject(now_ns, *reject);
+    if (const auto* welcome = std::get_if<protocol::Welcome>(&message); welcome && phase == Phase::kGreeting) {
+      OnWelcome(now_ns, *welcome, fds, received.fd_count);
+    } else if (const auto* reply = std::get_if<protocol::StatusReply>(&message); reply && phase == Phase::kConnected) {
+      status.assign(reply->json);
+    } else if (const auto* notice = std::get_if<protocol::Notice>(&message); notice && phase == Phase::kConnected) {
+      OnNotice(*notice);
+    } else {
+      OnOther(now_ns, message);
+    }
+  }
+}
+
+void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& welcome, UniqueFd* fds,
+                                 std::size_t fd_count) {
+  const std::string who = "omnid at " + path + ": ";
+  if (fd_count != 2) {
+    return Fail(now_ns, who + "its Welcome carries " + std::to_string(fd_count) + " descriptors, must be 2");
+  }
+  std::string problem;
+  std::shared_ptr<const StateReader> mapped = StateReader::Map(fds[0].Release(), welcome.state_bytes, &problem);
+  if (mapped == nullptr) return Fail(now_ns, who + "its " + problem);
+  if (mapped->service_instance() != welcome.service_instance) {
+    return Fail(now_ns, who + "its state memory belongs to another instance of the service; restart omnid");
+  }
+  if (problem = life.Attach(fds[1].get()); !problem.empty()) return Fail(now_ns, who + "its life page " + problem);
+  reader = std::move(mapped);
+  phase = Phase::kConnected;
+  last_error.clear();
+  session_pending = session != protocol::SessionState::kNone;
+}
+
+void Connection::Impl::OnReject(std::int64_t now_ns, const protocol::Reject& reject) {
+  if (reject.server_version != protocol::kProtocolVersion) {
+    return Fail(now_ns, "omnid at " + path + " speaks protocol version " + std::to_string(reject.server_version) +
+                            ", this client version " + std::to_string(protocol::kProtocolVersion) +
+                            "; install the same Omni version for both and restart omnid");
+  }
+  Fail(now_ns, "omnid at " + path + " refused this client: " + protocol::Printable(reject.reason));
+}
+
+void Connection::Impl::OnNotice(const protocol::Notice& notice) {
+  if (notices.size() >= kMaxNotices) notices.erase(notices.begin());
+  notices.push_back(notice);
+}
+
+void Connection::Impl::OnOther(std::int64_t now_ns, const protocol::Message& message) {
+  const auto* invalid = std::get_if<protocol::Invalid>(&message);
+  const std::string what = invalid != nullptr ? invalid->reason : "a message that has no place there";
+  Fail(now_ns, "omnid at " + path + " sent nonsense (" + what + "); install the same Omni version for both");
+}
+
+void Connection::Impl::Disconnect(std::int64_t now_ns) noexcept {
+  phase = Phase::kIdle;
+  socket.Reset();
+  reader.reset();
+  life.Detach();
+  next_attempt_ns = now_ns + info.retry_interval_ns;
+}
+
+void Connection::Impl::Fail(std::int64_t now_ns, const std::string& problem) {
+  Disconnect(now_ns);
+  last_error = problem;
+}
+
+void Connection::Impl::SendPendingSession() noexcept {
+  protocol::Session message;
+  message.state = session;
+  session_pending = !Send(message);
+}
+
+Connection::Connection(ConnectionInfo info) : impl_(std::make_unique<Impl>(std::move(info))) {}
+Connection::~Connection() = default;
+
+void Connection::Poll(std::int64_t now_ns) noexcept {
+  try {
+    impl_->Advance(now_ns);
+  } catch (...) {  // out of memory: the application goes on, we try again later
+    impl_->Disconnect(now_ns);
+  }
+}
+
+bool Connection::connected() const noexcept { return impl_->phase == Impl::Phase::kConnected; }
+
+std::shared_ptr<const StateReader> Connection::state() const noexcept { return impl_->reader; }
+
+void Connection::Beat() noexcept { impl_->life.Beat(); }
+
+bool Connection::SendSession(protocol::SessionState state) noexcept {
+  if (impl_->info.role != protocol::ClientRole::kApplication) return false;
+  impl_->session = state;
+  impl_->session_pending = true;
+  if (connected()) impl_->SendPendingSession();
+  return !impl_->session_pending;
+}
+
+bool Connection::SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept {
+  if (impl_->info.role != protocol::ClientRole::kApplication) return false;
+  if (std::isnan(amplitude) || std::isnan(frequency_Hz)) return false;
+  protocol::Haptic message;
+  message.duration_ns = std::max(duration_ns, protocol::kShortestPulse_ns);
+  message.amplitude = std::clamp(amplitude, 0.0f, 1.0f);
+  message.frequency_Hz = std::clamp(frequency_Hz, 0.0f, protocol::kHighestFrequency_Hz);
+  return impl_->Send(message);
+}
+
+bool Connection::SendHapticStop() noexcept {
+  return impl_->info.role == protocol::ClientRole::kApplication && impl_->Send(protocol::HapticStop{});
+}
+
+bool Connection::RequestStatus() noexcept { return impl_->Send(protocol::StatusRequest{}); }
+
+std::string Connection::TakeStatus() { return std::exchange(impl_->status, {}); }
+
+std::vector<protocol::Notice> Connection::TakeNotices() { return std::exchange(impl_->notices, {}); }
+
+const std::string& Connection::last_error() const noexcept { return impl_->last_error; }
+
+}  // namespace omni::client

@@ -1,0 +1,30 @@
+// The client's side of its life page. The page keeps one address for as long as the link lives: private memory while
+// not connected, the service's page while connected. So Beat() may run on any thread while another one (re)connects.
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "service/protocol/state_memory.h"
+
+namespace omni::client {
+
+class LifeLink {
+ public:
+  LifeLink();
+  ~LifeLink();
+  LifeLink(const LifeLink&) = delete;
+  LifeLink& operator=(const LifeLink&) = delete;
+
+  // Checks seals and size of `fd`, then puts it in place. Returns the problem; empty: done. `fd` stays the caller's.
+  std::string Attach(int fd);
+  void Detach() noexcept;
+
+  void Beat() noexcept { page_->beat.fetch_add(1, std::memory_order_relaxed); }
+
+ private:
+  protocol::LifePage* page_;
+  protocol::LifePage fallback_;  // when not even a page of memory could be had
+};
+
+}  // namespace omni::client

@@ -1,0 +1,148 @@
+#include "service/client/state_reader.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+
+#include "service/client/sealed_memory.h"
+#include "service/protocol/sample_range.h"
+#include "service/protocol/seqlock.h"
+#include "service/protocol/unique_fd.h"
+
+namespace omni::client {
+namespace {
+
+using protocol::kRingCapacity;
+using protocol::StateHeader;
+using protocol::StateMemory;
+using protocol::ToolSample;
+
+// Written once, before the service shares the memory.
+std::string HeaderProblem(const StateHeader& header) {
+  const StateHeader mine;
+  if (header.magic != mine.magic) return "does not begin with the state memory's magic";
+  if (header.version != protocol::kStateVersion) {
+    return "has layout version " + std::to_string(header.version) + ", this client knows " +
+           std::to_string(protocol::kStateVersion) + "; install the same Omni version for service and layer";
+  }
+  const bool same_layout = header.total_bytes == sizeof(StateMemory) && header.ring_capacity == mine.ring_capacity &&
+                           header.slot_bytes == mine.slot_bytes && header.input_bytes == mine.input_bytes;
+  return same_layout ? std::string() : "has another layout than this client was built for";
+}
+
+// 0: nothing yet, or a number that no writer reaches (its sequences would wrap around).
+std::uint64_t PublishedCount(const StateMemory& memory) noexcept {
+  const std::uint64_t published = memory.header.published.load(std::memory_order_acquire);
+  return published <= std::uint64_t{1} << 62 ? published : 0;
+}
+
+}  // namespace
+
+std::shared_ptr<const StateReader> StateReader::Map(int fd, std::uint32_t announced_bytes, std::string* error) {
+  const protocol::UniqueFd owned(fd);
+  const auto refuse = [error](const std::string& problem) {
+    if (error != nullptr) *error = "state memory " + problem;
+    return nullptr;
+  };
+  if (announced_bytes != sizeof(StateMemory)) {
+    return refuse("of " + std::to_string(announced_bytes) + " bytes was announced, must be " +
+                  std::to_string(sizeof(StateMemory)));
+  }
+  const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL | F_SEAL_FUTURE_WRITE;
+  const SealedMapping mapping = MapSealed(fd, seals, sizeof(StateMemory), PROT_READ);
+  if (mapping.memory == nullptr) return refuse(mapping.problem);
+  const auto* memory = static_cast<const StateMemory*>(mapping.memory);
+  // Owns the mapping from here on.
+  std::shared_ptr<const StateReader> reader(new StateReader(memory, sizeof(StateMemory)));
+  const std::string problem = HeaderProblem(memory->header);
+  if (!problem.empty()) return refuse(problem);
+  return reader;
+}
+
+StateReader::~StateReader() { ::munmap(const_cast<StateMemory*>(memory_), bytes_); }
+
+bool StateReader::ReadSlot(std::uint64_t index, ToolSample& sample) const noexcept {
+  ToolSample copy;
+  if (protocol::LoadCell(memory_->ring[index % kRingCapacity], copy) != protocol::SequenceOf(index)) return false;
+  if (!protocol::InRange(copy)) return false;
+  sample = copy;
+  return true;
+}
+
+bool StateReader::ReadTime(std::uint64_t index, std::int64_t& t_ns) const noexcept {
+  static_assert(offsetof(ToolSample, t_ns) == 0);
+  const protocol::RingSlot& slot = memory_->ring[index % kRingCapacity];
+  if (slot.sequence.load(std::memory_order_acquire) != protocol::SequenceOf(index)) return false;
+  t_ns = static_cast<std::int64_t>(slot.words[0].load(std::memory_order_acquire));
+  return slot.sequence.load(std::memory_order_acquire) == protocol::SequenceOf(index);
+}
+
+bool StateReader::Newest(ToolSample& sample) const noexcept {
+  for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
+    const std::uint64_t published = PublishedCount(*memory_);
+    if (published == 0) return false;
+    if (ReadSlot(published - 1, sample)) return true;
+  }
+  return false;
+}
+
+bool StateReader::Inputs(protocol::InputSnapshot& inputs) const noexcept {
+  for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
+    protocol::InputSnapshot copy;
+    if (protocol::LoadCell(memory_->inputs, copy) == 0 || !protocol::InRange(copy)) continue;
+    inputs = copy;
+    return true;
+  }
+  return false;
+}
+
+bool StateReader::Around(std::int64_t t_ns, ToolSample& before, ToolSample& after) const noexcept {
+  for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
+    if (TryAround(t_ns, before, after)) return true;
+  }
+  return false;
+}
+
+// Times do not decrease with the index. Most questions are about the last few milliseconds, so the search gallops
+// back from the newest (by 1, 2, 4, ... slots), then bisects: at most 2 log2(kRingCapacity) looks at a time stamp.
+bool StateReader::TryAround(std::int64_t t_ns, ToolSample& before, ToolSample& after) const noexcept {
+  const std::uint64_t published = PublishedCount(*memory_);
+  if (published == 0) return false;
+  const std::uint64_t newest = published - 1;
+  // The slot of publication `published - kRingCapacity` is the one that the writer may be in.
+  const std::uint64_t kept = std::min<std::uint64_t>(published, kRingCapacity - 1);
+  const std::uint64_t oldest = published - kept;
+
+  // Invariant: time(low) <= t_ns < time(high).
+  ToolSample newest_sample;
+  if (!ReadSlot(newest, newest_sample)) return false;
+  if (newest_sample.t_ns <= t_ns) {
+    before = after = newest_sample;
+    return true;
+  }
+  std::uint64_t high = newest;
+  std::uint64_t low = newest;
+  for (std::uint64_t stride = 1;; stride *= 2) {
+    low -= std::min(stride, low - oldest);
+    std::int64_t t_low_ns = 0;
+    if (!ReadTime(low, t_low_ns)) return false;
+    if (t_low_ns <= t_ns) break;
+    high = low;
+    if (low == oldest) {
+      if (!ReadSlot(oldest, before)) return false;
+      after = before;
+      return true;
+    }
+  }
+  while (high - low > 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    std::int64_t t_middle_ns = 0;
+    if (!ReadTime(middle, t_middle_ns)) return false;
+    (t_middle_ns <= t_ns ? low : high) = middle;
+  }
+  // Memory that breaks the order of times (no writer of ours does) fails the last test.
+  return ReadSlot(low, before) && ReadSlot(high, after) && before.t_ns <= t_ns && t_ns <= after.t_ns;
+}
+
+}  // namespace omni::client

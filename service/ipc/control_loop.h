@@ -1,0 +1,70 @@
+// The epoll loop of the control thread: accepts, reads, keeps time, and tells the handler.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "service/ipc/listener.h"
+#include "service/ipc/log_lines.h"
+#include "service/ipc/peer.h"
+#include "service/ipc/server.h"
+#include "service/protocol/validate.h"
+
+namespace omni::ipc {
+
+class ControlLoop {
+ public:
+  static base::Result<std::unique_ptr<ControlLoop>> Open(const ServerOptions& options, ServerHandler& handler);
+  ControlLoop(const ControlLoop&) = delete;
+  ControlLoop& operator=(const ControlLoop&) = delete;
+
+  void Run();          // until RequestStop
+  void RequestStop();  // any thread
+  const std::string& path() const { return listener_.path(); }
+
+  // Control thread only; null: unknown.
+  const Peer* Find(ClientId id) const;
+  void SendNotice(ClientId id, int level, const std::string& text);
+
+ private:
+  ControlLoop(const ServerOptions& options, ServerHandler& handler, Listener listener);
+  base::Status OpenDescriptors();
+  base::Status Watch(int fd, std::uint64_t token);
+
+  void Dispatch(std::uint64_t token);
+  void Accept();
+  void RefuseOneWithoutDescriptors();
+  void Admit(protocol::UniqueFd socket);
+  void ReadFrom(Peer& peer);
+  // True: this peer may be read on in this round.
+  bool Handle(Peer& peer, const protocol::Message& message);
+  void Greet(Peer& peer, const protocol::Hello& hello);
+  bool HandleApplication(Peer& peer, const protocol::Message& message);
+  void AnswerStatus(Peer& peer);
+  void OnTimer();
+  void Refuse(Peer& peer, const std::string& reason);
+  void Sweep();
+  std::size_t CountGreeted() const;
+
+  // Runs a handler call; what it throws is logged, and dooms `peer` if there is one.
+  template <class Call>
+  void Guarded(const char* name, Peer* peer, Call&& call);
+
+  ServerOptions options_;
+  ServerHandler& handler_;
+  Listener listener_;
+  LogLines log_;
+  protocol::UniqueFd epoll_;
+  protocol::UniqueFd timer_;
+  protocol::UniqueFd stop_;
+  protocol::UniqueFd spare_;  // given up for a moment to refuse a client when descriptors have run out
+  std::atomic<bool> stopping_{false};
+  std::map<ClientId, Peer> peers_;
+  ClientId next_id_ = 1;
+  std::vector<std::byte> buffer_;
+};
+
+}  // namespace omni::ipc

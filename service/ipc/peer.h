@@ -1,0 +1,72 @@
+// One connected process, as the control thread knows it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+
+#include "service/base/result.h"
+#include "service/ipc/sealed_memory.h"
+#include "service/ipc/server.h"
+#include "service/protocol/packet_socket.h"
+#include "service/protocol/state_memory.h"
+
+namespace omni::ipc {
+
+struct Credentials {
+  uid_t uid = static_cast<uid_t>(-1);
+  pid_t pid = 0;  // 0: in no pid namespace that we can see
+};
+Credentials CredentialsOf(int socket) noexcept;
+
+// A descriptor that becomes readable when the process ends.
+struct ProcessWatch {
+  protocol::UniqueFd fd;  // may be absent where the kernel offers none: then only the socket tells
+  bool already_dead = false;
+};
+ProcessWatch WatchProcess(int socket, pid_t pid) noexcept;
+
+class Peer {
+ public:
+  Peer(ClientId id, protocol::UniqueFd socket, protocol::UniqueFd process, pid_t pid, std::int64_t now_ns);
+
+  ClientId id() const noexcept { return info_.id; }
+  int socket() const noexcept { return socket_.get(); }
+  int process() const noexcept { return process_.get(); }
+  const ClientInfo& info() const noexcept { return info_; }
+  std::int64_t accepted_ns() const noexcept { return accepted_ns_; }
+  bool greeted() const noexcept { return life_ != nullptr; }
+  bool doomed() const noexcept { return doomed_; }
+  std::int64_t last_beat_ns() const noexcept { return last_beat_ns_; }
+  std::uint64_t dropped() const noexcept { return dropped_; }
+
+  // Makes the life page and sends Welcome. From here on the peer is a client.
+  base::Status Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd, std::int64_t now_ns);
+
+  // Non-blocking: a peer that does not read loses the packet, a peer that is gone is doomed.
+  void Send(const void* bytes, std::size_t size) noexcept;
+
+  // Looks at the life page once.
+  void ReadBeat(std::int64_t now_ns) noexcept;
+
+  // To be removed at the end of this round. With a reason: it is told so first.
+  void Doom(const std::string& reason) noexcept;
+
+ private:
+  ClientInfo info_;
+  protocol::UniqueFd socket_;
+  protocol::UniqueFd process_;
+  Mapping life_mapping_;
+  const protocol::LifePage* life_ = nullptr;
+  std::int64_t accepted_ns_;
+  std::int64_t last_beat_ns_;
+  std::uint64_t last_beat_ = 0;
+  std::uint64_t dropped_ = 0;
+  bool doomed_ = false;
+};
+
+// Best effort: the peer may be gone or not reading.
+void SendReject(int socket, const std::string& reason) noexcept;
+
+}  // namespace omni::ipc

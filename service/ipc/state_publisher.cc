@@ -1,0 +1,37 @@
+#include "service/ipc/state_publisher.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "service/protocol/sample_range.h"
+#include "service/protocol/seqlock.h"
+
+namespace omni::ipc {
+
+using protocol::StateMemory;
+
+base::Result<std::unique_ptr<StatePublisher>> StatePublisher::Create(std::uint64_t service_instance) {
+  const int seals = F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
+  auto made = MakeSealedMemory("omni-state", sizeof(StateMemory), PROT_READ | PROT_WRITE, seals);
+  if (!made) return base::Error{made.error()};
+  auto* memory = new (made->mapping.get()) StateMemory;
+  memory->header.total_bytes = sizeof(StateMemory);
+  memory->header.service_instance = service_instance;
+  return std::unique_ptr<StatePublisher>(new StatePublisher(std::move(*made), memory));
+}
+
+void StatePublisher::Publish(const protocol::ToolSample& sample, const protocol::InputSnapshot& inputs) noexcept {
+  const std::uint64_t sequence = protocol::SequenceOf(published_);
+  protocol::ToolSample sane = protocol::Tamed(sample);
+  newest_t_ns_ = sane.t_ns = std::max(newest_t_ns_, sane.t_ns);
+  protocol::StoreCell(memory_->inputs, sequence, protocol::Tamed(inputs));
+  protocol::StoreCell(memory_->ring[published_ % protocol::kRingCapacity], sequence, sane);
+  ++published_;
+  memory_->header.published.store(published_, std::memory_order_release);
+}
+
+}  // namespace omni::ipc

@@ -1,0 +1,74 @@
+#include "service/protocol/sample_range.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace omni::protocol {
+namespace {
+
+bool TimeInRange(std::int64_t t_ns) noexcept { return t_ns >= 0 && t_ns <= kLatestTime_ns; }
+
+template <std::size_t N>
+bool ValuesInRange(const std::array<double, N>& values) noexcept {
+  for (const double value : values) {
+    if (!(std::abs(value) <= kLargestValue)) return false;
+  }
+  return true;
+}
+
+// A NaN is the largest value: an unknown gap or sigma is a large one.
+double Clamped(double value) noexcept {
+  return std::isnan(value) ? kLargestValue : std::clamp(value, -kLargestValue, kLargestValue);
+}
+
+}  // namespace
+
+bool InRange(const ToolSample& sample) noexcept {
+  if (!TimeInRange(sample.t_ns) || (sample.flags & ~kKnownToolFlags) != 0) return false;
+  const std::array<double, 2> scalars{sample.position_sigma_m, sample.gap_m};
+  const auto& q = sample.orientation_base_wxyz;
+  const bool finite =
+      ValuesInRange(sample.position_base_m) && ValuesInRange(q) && ValuesInRange(sample.linear_velocity_base_m_s) &&
+      ValuesInRange(sample.angular_velocity_base_rad_s) && ValuesInRange(sample.force_base_N) && ValuesInRange(scalars);
+  if (!finite) return false;
+  if ((sample.flags & kToolPoseValid) == 0) return true;
+  const double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  return std::abs(norm2 - 1) <= kUnitTolerance;
+}
+
+bool InRange(const InputSnapshot& inputs) noexcept {
+  if (!TimeInRange(inputs.t_ns)) return false;
+  for (const InputValue& component : inputs.components) {
+    if (!(std::abs(component.value) <= 1) || !TimeInRange(component.t_change_ns)) return false;
+  }
+  return true;
+}
+
+ToolSample Tamed(const ToolSample& sample) noexcept {
+  if (InRange(sample)) return sample;
+  ToolSample tamed = sample;
+  tamed.t_ns = std::clamp<std::int64_t>(sample.t_ns, 0, kLatestTime_ns);
+  tamed.flags &= kKnownToolFlags;
+  tamed.position_sigma_m = Clamped(sample.position_sigma_m);
+  tamed.gap_m = Clamped(sample.gap_m);
+  if (InRange(tamed)) return tamed;
+  ToolSample poseless;
+  poseless.t_ns = tamed.t_ns;
+  poseless.flags = tamed.flags & (kToolJoystick | kToolAligned);
+  poseless.position_sigma_m = kLargestValue;
+  poseless.gap_m = kLargestValue;
+  return poseless;
+}
+
+InputSnapshot Tamed(const InputSnapshot& inputs) noexcept {
+  if (InRange(inputs)) return inputs;
+  InputSnapshot tamed = inputs;
+  tamed.t_ns = std::clamp<std::int64_t>(inputs.t_ns, 0, kLatestTime_ns);
+  for (InputValue& component : tamed.components) {
+    component.value = std::isnan(component.value) ? 0.0f : std::clamp(component.value, -1.0f, 1.0f);
+    component.t_change_ns = std::clamp<std::int64_t>(component.t_change_ns, 0, kLatestTime_ns);
+  }
+  return tamed;
+}
+
+}  // namespace omni::protocol

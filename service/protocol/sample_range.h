@@ -1,0 +1,24 @@
+// What a sane sample is. The writer publishes nothing else, and readers accept nothing else: whatever the shared memory
+// holds, no NaN and no absurd number reaches an application.
+#pragma once
+
+#include "service/protocol/state_memory.h"
+
+namespace omni::protocol {
+
+inline constexpr double kLargestValue = 1e6;                           // of any SI value in a sample
+inline constexpr std::int64_t kLatestTime_ns = std::int64_t{1} << 62;  // differences of two times cannot overflow
+inline constexpr double kUnitTolerance = 1e-2;                         // of |q|^2
+inline constexpr std::uint32_t kKnownToolFlags =
+    kToolPoseValid | kToolTracked | kToolContact | kToolJoystick | kToolAligned;
+
+bool InRange(const ToolSample& sample) noexcept;
+bool InRange(const InputSnapshot& inputs) noexcept;
+
+// The sample itself if it is in range. Else: gap and sigma are clamped; if that does not help, there is no pose
+// (pose flags cleared, numbers at their defaults; time, joystick and alignment flags stay).
+ToolSample Tamed(const ToolSample& sample) noexcept;
+// Values are clamped to [-1, 1] (NaN to 0), times to [0, kLatestTime_ns].
+InputSnapshot Tamed(const InputSnapshot& inputs) noexcept;
+
+}  // namespace omni::protocol

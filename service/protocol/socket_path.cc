@@ -1,0 +1,86 @@
+#include "service/protocol/socket_path.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "service/protocol/control.h"
+
+namespace omni::protocol {
+namespace {
+
+// secure_getenv: a set-uid program must not be led astray by its caller's environment.
+std::string Environment(const char* name) {
+  const char* value = ::secure_getenv(name);
+  return value == nullptr ? std::string() : std::string(value);
+}
+
+FolderCheck Refused(std::string problem) { return {FolderState::kRefused, std::move(problem)}; }
+
+}  // namespace
+
+std::string DefaultSocketPath() {
+  if (std::string path = Environment("OMNI_SOCKET"); !path.empty()) return path;
+  if (const std::string folder = Environment("XDG_RUNTIME_DIR"); !folder.empty() && folder.front() == '/') {
+    return folder + "/omni/omnid.sock";
+  }
+  return "/tmp/omni-" + std::to_string(::geteuid()) + "/omnid.sock";
+}
+
+std::string PathProblem(const std::string& socket_path) {
+  const char* const remedy = "; set OMNI_SOCKET to an absolute path of at most 107 bytes, e.g. /tmp/omni/omnid.sock";
+  if (socket_path.empty() || socket_path.front() != '/' || socket_path.back() == '/') {
+    return "socket path '" + socket_path + "' is not the absolute path of a file" + remedy;
+  }
+  if (socket_path.find('\0') != std::string::npos) return std::string("socket path contains a NUL") + remedy;
+  if (socket_path.size() > kMaxSocketPathBytes) {
+    return "socket path '" + socket_path + "' has " + std::to_string(socket_path.size()) + " bytes, the limit is " +
+           std::to_string(kMaxSocketPathBytes) + remedy;
+  }
+  return {};
+}
+
+std::string FolderOf(const std::string& socket_path) {
+  const std::size_t slash = socket_path.rfind('/');
+  return slash == 0 ? "/" : socket_path.substr(0, slash);
+}
+
+FolderCheck CheckFolder(const std::string& folder) {
+  struct stat info {};
+  if (::lstat(folder.c_str(), &info) != 0) {
+    if (errno == ENOENT) return {FolderState::kMissing, "folder " + folder + " does not exist"};
+    return Refused("folder " + folder + " cannot be examined: " + std::strerror(errno));
+  }
+  if (S_ISLNK(info.st_mode)) {
+    return Refused("folder " + folder + " is a symbolic link; remove it or set OMNI_SOCKET to a path in a real folder");
+  }
+  if (!S_ISDIR(info.st_mode)) {
+    return Refused(folder + " is not a folder; remove it or set OMNI_SOCKET to a path in another folder");
+  }
+  if (info.st_uid != ::geteuid()) {
+    return Refused("folder " + folder + " belongs to user " + std::to_string(info.st_uid) + ", not to user " +
+                   std::to_string(::geteuid()) + "; set OMNI_SOCKET to a path in a folder of your own");
+  }
+  if ((info.st_mode & 077) != 0) {
+    char mode[8];
+    std::snprintf(mode, sizeof(mode), "%04o", info.st_mode & 07777u);
+    return Refused("folder " + folder + " has mode " + mode + ", open to other users; run `chmod 700 " + folder +
+                   "` or set OMNI_SOCKET to a path in a folder of its own");
+  }
+  return {FolderState::kGood, {}};
+}
+
+SocketAddress AddressOf(const std::string& socket_path) {
+  SocketAddress result;
+  result.address.sun_family = AF_UNIX;
+  std::memcpy(result.address.sun_path, socket_path.c_str(), socket_path.size() + 1);
+  result.bytes = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket_path.size() + 1);
+  return result;
+}
+
+}  // namespace omni::protocol

@@ -1,0 +1,37 @@
+// Where the control socket lies, and what its folder must be like: checked by the server before it binds and by the
+// client before it connects, so that no other user can stand in for either.
+#pragma once
+
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <string>
+
+namespace omni::protocol {
+
+// $OMNI_SOCKET, else $XDG_RUNTIME_DIR/omni/omnid.sock, else /tmp/omni-<uid>/omnid.sock.
+std::string DefaultSocketPath();
+
+// What is wrong with the path itself (length, not absolute); empty: nothing.
+std::string PathProblem(const std::string& socket_path);
+
+// Everything before the last '/'. Precondition: PathProblem is empty.
+std::string FolderOf(const std::string& socket_path);
+
+enum class FolderState { kGood, kMissing, kRefused };
+struct FolderCheck {
+  FolderState state = FolderState::kRefused;
+  std::string problem;  // with the remedy; empty if good
+};
+
+// Good: a real folder (no symlink), owned by this user, open to nobody else (0700).
+FolderCheck CheckFolder(const std::string& folder);
+
+// Precondition: PathProblem is empty.
+struct SocketAddress {
+  sockaddr_un address{};
+  socklen_t bytes = 0;
+};
+SocketAddress AddressOf(const std::string& socket_path);
+
+}  // namespace omni::protocol

@@ -1,0 +1,123 @@
+#include "service/protocol/validate.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+
+#include "service/protocol/state_memory.h"
+#include "service/protocol/text.h"
+
+namespace omni::protocol {
+namespace {
+
+[[gnu::format(printf, 1, 2)]] Invalid Because(const char* format, ...) noexcept {
+  Invalid invalid;
+  std::va_list arguments;
+  va_start(arguments, format);
+  // The analyzer does not see through va_start here.
+  std::vsnprintf(invalid.reason, sizeof(invalid.reason), format, arguments);  // NOLINT(clang-analyzer-valist.*)
+  va_end(arguments);
+  return invalid;
+}
+
+// What is wrong with the fields of a message of the right size; null: nothing.
+const char* Problem(const Hello& hello) noexcept {
+  if (hello.role != ClientRole::kApplication && hello.role != ClientRole::kMonitor) return "role is neither 1 nor 2";
+  if (!IsTerminated(hello.application)) return "application is not terminated";
+  return IsTerminated(hello.engine) ? nullptr : "engine is not terminated";
+}
+
+const char* Problem(const Welcome& welcome) noexcept {
+  if (welcome.client_id == 0) return "client_id is 0";
+  if (welcome.state_bytes != sizeof(StateMemory)) return "state_bytes is not the size of the state memory";
+  return welcome.life_bytes == kLifePageBytes ? nullptr : "life_bytes is not 4096";
+}
+
+const char* Problem(const Reject& reject) noexcept {
+  return IsTerminated(reject.reason) ? nullptr : "reason is not terminated";
+}
+
+const char* Problem(const Session& session) noexcept {
+  return session.state <= SessionState::kFocused ? nullptr : "state is not 0, 1 or 2";
+}
+
+const char* Problem(const Haptic& haptic) noexcept {
+  if (!(haptic.duration_ns >= kShortestPulse_ns)) return "duration_ns is below -1";
+  if (!(haptic.amplitude >= 0 && haptic.amplitude <= 1)) return "amplitude is not in 0..1";
+  const bool frequency_ok = haptic.frequency_Hz >= 0 && haptic.frequency_Hz <= kHighestFrequency_Hz;
+  return frequency_ok ? nullptr : "frequency_Hz is not in 0..1e5";
+}
+
+const char* Problem(const HapticStop&) noexcept { return nullptr; }
+const char* Problem(const StatusRequest&) noexcept { return nullptr; }
+
+const char* Problem(const Notice& notice) noexcept {
+  if (notice.level > 2) return "level is above 2";
+  return IsTerminated(notice.text) ? nullptr : "text is not terminated";
+}
+
+template <class T>
+Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
+  if (size != sizeof(T)) return Because("%s of %zu bytes, must be %zu", name, size, sizeof(T));
+  T message;
+  std::memcpy(static_cast<void*>(&message), bytes, sizeof(T));
+  if (const char* problem = Problem(message)) return Because("%s: %s", name, problem);
+  return message;
+}
+
+template <>
+Message Take<StatusReply>(const char*, const void* bytes, std::size_t size) noexcept {
+  return StatusReply{{static_cast<const char*>(bytes) + sizeof(MessageHeader), size - sizeof(MessageHeader)}};
+}
+
+struct TypeRow {
+  MessageType type;
+  const char* name;
+  Message (*take)(const char* name, const void* bytes, std::size_t size) noexcept;
+};
+constexpr TypeRow kTypes[] = {
+    {MessageType::kHello, "Hello", Take<Hello>},
+    {MessageType::kWelcome, "Welcome", Take<Welcome>},
+    {MessageType::kReject, "Reject", Take<Reject>},
+    {MessageType::kSession, "Session", Take<Session>},
+    {MessageType::kHaptic, "Haptic", Take<Haptic>},
+    {MessageType::kHapticStop, "HapticStop", Take<HapticStop>},
+    {MessageType::kStatusRequest, "StatusRequest", Take<StatusRequest>},
+    {MessageType::kStatusReply, "StatusReply", Take<StatusReply>},
+    {MessageType::kNotice, "Notice", Take<Notice>},
+};
+
+const TypeRow* FindType(MessageType type) noexcept {
+  for (const TypeRow& row : kTypes) {
+    if (row.type == type) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Message Validate(const void* bytes, std::size_t size) noexcept {
+  if (size < sizeof(MessageHeader)) return Because("a packet of %zu bytes is shorter than a header", size);
+  if (size > kMaxMessageBytes) return Because("a packet of %zu bytes, the limit is %zu", size, kMaxMessageBytes);
+  MessageHeader header;
+  std::memcpy(&header, bytes, sizeof(header));
+  if (header.magic != kMessageMagic) return Because("magic 0x%08x, must be 0x%08x", header.magic, kMessageMagic);
+  if (header.size != size) return Because("header says %u bytes, the packet has %zu", header.size, size);
+  const TypeRow* row = FindType(header.type);
+  if (header.version != kProtocolVersion && header.type != MessageType::kReject) {
+    Invalid invalid = Because("protocol version %u, must be %u", header.version, kProtocolVersion);
+    invalid.other_version = true;
+    invalid.version = header.version;
+    return invalid;
+  }
+  if (row == nullptr) return Because("message type %u is unknown", static_cast<unsigned>(header.type));
+  return row->take(row->name, bytes, size);
+}
+
+const char* TypeName(MessageType type) noexcept {
+  const TypeRow* row = FindType(type);
+  return row == nullptr ? "unknown" : row->name;
+}
+
+}  // namespace omni::protocol
