@@ -1,0 +1,243 @@
+// The client's side against servers that are absent, broken or hostile.
+#include "service/client/connection.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <iterator>
+
+#include "tests/scenario/ipc_fixture.h"
+
+namespace omni {
+namespace {
+
+using namespace test;
+
+// Listens like omnid, but says only what the test says.
+class FakeServer {
+ public:
+  explicit FakeServer(const std::string& path) : listener_(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)) {
+    const protocol::SocketAddress at = protocol::AddressOf(path);
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes), 0);
+    EXPECT_EQ(::listen(listener_.get(), 8), 0);
+  }
+  bool HasCaller() const {
+    pollfd wait{listener_.get(), POLLIN, 0};
+    return ::poll(&wait, 1, 0) == 1;
+  }
+  // Takes the connection that is waiting.
+  void Accept() {
+    peer_.Reset(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+    EXPECT_TRUE(peer_);
+  }
+  template <class T>
+  void Send(const T& message, const std::vector<int>& fds = {}) {
+    EXPECT_EQ(protocol::SendPacket(peer_.get(), &message, sizeof(message), fds.data(), fds.size()),
+              protocol::SendResult::kSent);
+  }
+  void Close() { peer_.Reset(); }
+
+ private:
+  protocol::UniqueFd listener_;
+  protocol::UniqueFd peer_;
+};
+
+protocol::Welcome WelcomeOf(std::uint64_t instance) {
+  protocol::Welcome welcome;
+  welcome.client_id = 1;
+  welcome.service_instance = instance;
+  welcome.state_bytes = sizeof(protocol::StateMemory);
+  welcome.life_bytes = protocol::kLifePageBytes;
+  return welcome;
+}
+
+protocol::UniqueFd LifeFile(int seals, off_t bytes = protocol::kLifePageBytes) {
+  protocol::UniqueFd fd(::memfd_create("life", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  EXPECT_EQ(::ftruncate(fd.get(), bytes), 0);
+  EXPECT_EQ(::fcntl(fd.get(), F_ADD_SEALS, seals), 0);
+  return fd;
+}
+constexpr int kLifeSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
+
+int OpenDescriptors() {
+  const std::filesystem::directory_iterator entries("/proc/self/fd");
+  return static_cast<int>(std::distance(begin(entries), end(entries)));
+}
+
+// What the connection says after the server has answered its Hello with `answer`.
+std::string ErrorAfter(const std::function<void(FakeServer&)>& answer) {
+  const TempFolder temp;
+  FakeServer server(temp.SocketPath());
+  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  connection.Poll(0);
+  server.Accept();
+  const int before = OpenDescriptors();
+  answer(server);
+  connection.Poll(1);
+  EXPECT_FALSE(connection.connected());
+  EXPECT_EQ(connection.state(), nullptr);
+  server.Close();
+  EXPECT_EQ(OpenDescriptors(), before - 2) << "a descriptor leaked";  // both ends of the socket are gone
+  return connection.last_error();
+}
+
+TEST(Connection, WithoutServiceSaysSoAndKeepsTrying) {
+  const TempFolder temp;
+  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  connection.Poll(base::MonotonicNow_ns());
+  EXPECT_FALSE(connection.connected());
+  EXPECT_NE(connection.last_error().find("no omnid at " + temp.SocketPath()), std::string::npos);
+  EXPECT_FALSE(connection.SendHapticStop());
+  Service service(temp.SocketPath());
+  EXPECT_TRUE(PollUntilConnected(connection));
+}
+
+TEST(Connection, AttemptsAreSpaced) {
+  const TempFolder temp;
+  auto info = InfoFor(temp.SocketPath(), "touch");
+  info.retry_interval_ns = 1000;
+  client::Connection connection(info);
+  connection.Poll(0);
+  FakeServer server(temp.SocketPath());
+  connection.Poll(999);
+  EXPECT_FALSE(server.HasCaller());
+  connection.Poll(1000);
+  EXPECT_TRUE(server.HasCaller());
+}
+
+TEST(Connection, RefusesFoldersThatOthersCanEnter) {
+  const TempFolder temp;
+  Service service(temp.SocketPath());
+  ASSERT_EQ(::chmod(temp.path.c_str(), 0755), 0);
+  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  connection.Poll(0);
+  EXPECT_NE(connection.last_error().find("chmod 700"), std::string::npos) << connection.last_error();
+  const std::string link = temp.path + "-link";
+  ASSERT_EQ(::symlink(temp.path.c_str(), link.c_str()), 0);
+  client::Connection through_link(InfoFor(link + "/omnid.sock", "touch"));
+  through_link.Poll(0);
+  EXPECT_NE(through_link.last_error().find("symbolic link"), std::string::npos) << through_link.last_error();
+  ::unlink(link.c_str());
+}
+
+TEST(Connection, ALongPathIsAClearError) {
+  client::Connection connection(InfoFor("/" + std::string(200, 'x'), "touch"));
+  connection.Poll(0);
+  EXPECT_NE(connection.last_error().find("the limit is 107"), std::string::npos) << connection.last_error();
+}
+
+TEST(Connection, AnotherVersionIsNamed) {
+  const std::string error = ErrorAfter([](FakeServer& server) {
+    protocol::Reject reject;
+    reject.header.version = 5;
+    reject.server_version = 5;
+    server.Send(reject);
+  });
+  EXPECT_NE(error.find("speaks protocol version 5, this client version 1"), std::string::npos) << error;
+}
+
+TEST(Connection, TheReasonOfARefusalSurvivesTheEndOfTheSocket) {
+  const std::string error = ErrorAfter([](FakeServer& server) {
+    protocol::Reject reject;
+    protocol::SetField(reject.reason, "because\x1B");
+    server.Send(reject);
+    server.Close();  // with the client's Hello unread: the socket is reset
+  });
+  EXPECT_NE(error.find("refused this client: because?"), std::string::npos) << error;
+}
+
+TEST(Connection, RefusesAWelcomeWithoutItsTwoDescriptors) {
+  for (const std::size_t count : {0u, 1u, 3u}) {
+    const std::string error = ErrorAfter([count](FakeServer& server) {
+      const protocol::UniqueFd life = LifeFile(kLifeSeals);
+      server.Send(WelcomeOf(1), std::vector<int>(count, life.get()));
+    });
+    EXPECT_NE(error.find(std::to_string(count) + " descriptors"), std::string::npos) << error;
+  }
+}
+
+TEST(Connection, RefusesUnsealedMemory) {
+  const std::string state = ErrorAfter([](FakeServer& server) {
+    const protocol::UniqueFd life = LifeFile(kLifeSeals);
+    const protocol::UniqueFd loose = LifeFile(F_SEAL_SEAL, sizeof(protocol::StateMemory));
+    server.Send(WelcomeOf(1), {loose.get(), life.get()});
+  });
+  EXPECT_NE(state.find("state memory lacks the seals F_SEAL_SHRINK"), std::string::npos) << state;
+  const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
+  const std::string loose = ErrorAfter([&](FakeServer& server) {
+    const protocol::UniqueFd life = LifeFile(F_SEAL_GROW | F_SEAL_SEAL);
+    server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
+  });
+  EXPECT_NE(loose.find("life page lacks the seals F_SEAL_SHRINK"), std::string::npos) << loose;
+  const std::string small = ErrorAfter([&](FakeServer& server) {
+    const protocol::UniqueFd life = LifeFile(kLifeSeals, 64);
+    server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
+  });
+  EXPECT_NE(small.find("life page has 64 bytes"), std::string::npos) << small;
+}
+
+TEST(Connection, RefusesTheMemoryOfAnotherInstance) {
+  const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
+  const std::string error = ErrorAfter([&](FakeServer& server) {
+    const protocol::UniqueFd life = LifeFile(kLifeSeals);
+    server.Send(WelcomeOf(2), {publisher->fd(), life.get()});
+  });
+  EXPECT_NE(error.find("another instance"), std::string::npos) << error;
+}
+
+TEST(Connection, NonsenseEndsTheConnectionOnly) {
+  const std::string noise = ErrorAfter([](FakeServer& server) { server.Send(std::array<char, 20>{}); });
+  EXPECT_NE(noise.find("magic"), std::string::npos) << noise;
+  const std::string early = ErrorAfter([](FakeServer& server) { server.Send(protocol::Notice{}); });
+  EXPECT_NE(early.find("no place"), std::string::npos) << early;
+  const std::string closed = ErrorAfter([](FakeServer& server) { server.Close(); });
+  EXPECT_NE(closed.find("closed the connection"), std::string::npos) << closed;
+}
+
+TEST(Connection, AServerThatNeverAnswersIsGivenUp) {
+  const TempFolder temp;
+  FakeServer server(temp.SocketPath());
+  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  connection.Poll(0);
+  EXPECT_EQ(connection.last_error(), "");
+  connection.Poll(2'000'000'001);
+  EXPECT_NE(connection.last_error().find("does not answer"), std::string::npos) << connection.last_error();
+}
+
+TEST(Connection, AFloodOfNoticesIsBoundedPerPollAndInMemory) {
+  const TempFolder temp;
+  FakeServer server(temp.SocketPath());
+  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  connection.Poll(0);
+  server.Accept();
+  const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
+  const protocol::UniqueFd life = LifeFile(kLifeSeals);
+  server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
+  connection.Poll(1);
+  ASSERT_TRUE(connection.connected()) << connection.last_error();
+  for (int i = 0; i < 60; ++i) server.Send(protocol::Notice{});
+  connection.Poll(2);
+  EXPECT_EQ(connection.TakeNotices().size(), 16u);
+  for (int i = 3; i < 10; ++i) connection.Poll(i);
+  EXPECT_EQ(connection.TakeNotices().size(), 32u);
+}
+
+TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
+  const TempFolder temp;
+  Service service(temp.SocketPath());
+  auto info = InfoFor(temp.SocketPath(), "watch");
+  info.role = protocol::ClientRole::kMonitor;
+  client::Connection connection(info);
+  ASSERT_TRUE(PollUntilConnected(connection));
+  EXPECT_FALSE(connection.SendSession(protocol::SessionState::kFocused));
+  EXPECT_FALSE(connection.SendHaptic(1, 1, 1));
+  EXPECT_FALSE(connection.SendHapticStop());
+  connection.Poll(base::MonotonicNow_ns());
+  EXPECT_TRUE(connection.connected());
+}
+
+}  // namespace
+}  // namespace omni

@@ -1,0 +1,106 @@
+// What may stand in the state memory.
+#include "service/protocol/sample_range.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace omni::protocol {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+ToolSample GoodSample() {
+  ToolSample sample;
+  sample.t_ns = 5'000'000;
+  sample.flags = kToolPoseValid | kToolTracked | kToolAligned;
+  sample.position_base_m = {0.01, -0.02, 0.12};
+  return sample;
+}
+
+const std::function<void(ToolSample&)> kFaults[] = {
+    [](ToolSample& s) { s.position_base_m[1] = kNan; },
+    [](ToolSample& s) { s.position_base_m[2] = 1e7; },
+    [](ToolSample& s) {
+      s.orientation_base_wxyz = {0, 0, 0, 0};
+    },
+    [](ToolSample& s) {
+      s.orientation_base_wxyz = {1, 1, 0, 0};
+    },
+    [](ToolSample& s) { s.orientation_base_wxyz[3] = kInfinite; },
+    [](ToolSample& s) { s.linear_velocity_base_m_s[0] = -kInfinite; },
+    [](ToolSample& s) { s.angular_velocity_base_rad_s[0] = kNan; },
+    [](ToolSample& s) { s.force_base_N[2] = kNan; },
+};
+
+TEST(SampleRange, AcceptsDefaultsAndOrdinarySamples) {
+  EXPECT_TRUE(InRange(ToolSample{}));
+  EXPECT_TRUE(InRange(GoodSample()));
+  EXPECT_TRUE(InRange(InputSnapshot{}));
+}
+
+TEST(SampleRange, WhatIsInRangeStaysBitForBit) {
+  const ToolSample sample = GoodSample();
+  const ToolSample tamed = Tamed(sample);
+  EXPECT_EQ(tamed.position_base_m, sample.position_base_m);
+  EXPECT_EQ(tamed.flags, sample.flags);
+}
+
+TEST(SampleRange, AFaultTakesThePoseAway) {
+  for (const auto& spoil : kFaults) {
+    ToolSample sample = GoodSample();
+    spoil(sample);
+    EXPECT_FALSE(InRange(sample));
+    const ToolSample tamed = Tamed(sample);
+    EXPECT_TRUE(InRange(tamed));
+    EXPECT_EQ(tamed.flags, kToolAligned);
+    EXPECT_EQ(tamed.t_ns, sample.t_ns);
+  }
+}
+
+TEST(SampleRange, AnUnknownGapOrSigmaIsALargeOneAndKeepsThePose) {
+  ToolSample sample = GoodSample();
+  sample.gap_m = kInfinite;
+  sample.position_sigma_m = kNan;
+  EXPECT_FALSE(InRange(sample));
+  const ToolSample tamed = Tamed(sample);
+  EXPECT_EQ(tamed.gap_m, kLargestValue);
+  EXPECT_EQ(tamed.position_sigma_m, kLargestValue);
+  EXPECT_EQ(tamed.flags, sample.flags);
+}
+
+TEST(SampleRange, FlagsAndTimesAreBounded) {
+  ToolSample sample = GoodSample();
+  sample.flags |= 1u << 31;
+  EXPECT_FALSE(InRange(sample));
+  EXPECT_EQ(Tamed(sample).flags, GoodSample().flags);
+  sample = GoodSample();
+  sample.t_ns = -1;
+  EXPECT_FALSE(InRange(sample));
+  EXPECT_EQ(Tamed(sample).t_ns, 0);
+  sample.t_ns = std::numeric_limits<std::int64_t>::max();
+  EXPECT_FALSE(InRange(sample));
+  EXPECT_EQ(Tamed(sample).t_ns, kLatestTime_ns);
+}
+
+TEST(SampleRange, InputsAreClamped) {
+  InputSnapshot inputs;
+  inputs.components[0].value = std::numeric_limits<float>::quiet_NaN();
+  inputs.components[1].value = 3;
+  inputs.components[2].value = -3;
+  inputs.components[3].t_change_ns = -5;
+  inputs.components[3].press_count = 4;
+  EXPECT_FALSE(InRange(inputs));
+  const InputSnapshot tamed = Tamed(inputs);
+  EXPECT_TRUE(InRange(tamed));
+  EXPECT_EQ(tamed.components[0].value, 0);
+  EXPECT_EQ(tamed.components[1].value, 1);
+  EXPECT_EQ(tamed.components[2].value, -1);
+  EXPECT_EQ(tamed.components[3].press_count, 4u);
+}
+
+}  // namespace
+}  // namespace omni::protocol

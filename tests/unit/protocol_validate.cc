@@ -1,0 +1,179 @@
+// The gate of the control socket: what it lets through and what it says about the rest.
+#include "service/protocol/validate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "service/protocol/state_memory.h"
+#include "service/protocol/text.h"
+
+namespace omni::protocol {
+namespace {
+
+template <class T>
+Message Check(const T& message) {
+  return Validate(&message, sizeof(message));
+}
+
+template <class T>
+std::string ReasonFor(const T& message) {
+  const Message result = Check(message);
+  const auto* invalid = std::get_if<Invalid>(&result);
+  return invalid == nullptr ? "accepted" : invalid->reason;
+}
+
+Welcome GoodWelcome() {
+  Welcome welcome;
+  welcome.client_id = 7;
+  welcome.state_bytes = sizeof(StateMemory);
+  welcome.life_bytes = kLifePageBytes;
+  return welcome;
+}
+
+TEST(Validate, LetsEveryDefaultMessageThrough) {
+  EXPECT_TRUE(std::holds_alternative<Hello>(Check(Hello{})));
+  EXPECT_TRUE(std::holds_alternative<Welcome>(Check(GoodWelcome())));
+  EXPECT_TRUE(std::holds_alternative<Reject>(Check(Reject{})));
+  EXPECT_TRUE(std::holds_alternative<Session>(Check(Session{})));
+  EXPECT_TRUE(std::holds_alternative<Haptic>(Check(Haptic{})));
+  EXPECT_TRUE(std::holds_alternative<HapticStop>(Check(HapticStop{})));
+  EXPECT_TRUE(std::holds_alternative<StatusRequest>(Check(StatusRequest{})));
+  EXPECT_TRUE(std::holds_alternative<Notice>(Check(Notice{})));
+}
+
+TEST(Validate, KeepsTheFields) {
+  Hello hello;
+  hello.role = ClientRole::kMonitor;
+  SetField(hello.application, "touch");
+  hello.api_version_minor = 1;
+  const Message message = Check(hello);
+  const auto* same = std::get_if<Hello>(&message);
+  ASSERT_NE(same, nullptr);
+  EXPECT_EQ(same->role, ClientRole::kMonitor);
+  EXPECT_STREQ(same->application, "touch");
+  EXPECT_EQ(same->api_version_minor, 1u);
+}
+
+TEST(Validate, StatusReplyIsTheTextBehindTheHeader) {
+  const std::string json = R"({"clients":[]})";
+  MessageHeader header;
+  header.type = MessageType::kStatusReply;
+  header.size = static_cast<std::uint32_t>(sizeof(header) + json.size());
+  std::string packet(reinterpret_cast<const char*>(&header), sizeof(header));
+  packet += json;
+  const Message message = Validate(packet.data(), packet.size());
+  ASSERT_TRUE(std::holds_alternative<StatusReply>(message));
+  EXPECT_EQ(std::get<StatusReply>(message).json, json);
+}
+
+TEST(Validate, RefusesHeadersThatAreNotOurs) {
+  Session session;
+  const Message cut = Validate(&session, sizeof(MessageHeader) - 1);
+  EXPECT_NE(std::string(std::get<Invalid>(cut).reason).find("shorter than a header"), std::string::npos);
+  const Message none = Validate(nullptr, 0);
+  EXPECT_TRUE(std::holds_alternative<Invalid>(none));
+  session.header.magic ^= 1;
+  EXPECT_NE(ReasonFor(session).find("magic"), std::string::npos);
+  session = {};
+  session.header.size += 8;
+  EXPECT_NE(ReasonFor(session).find("header says"), std::string::npos);
+  session = {};
+  session.header.type = static_cast<MessageType>(99);
+  EXPECT_NE(ReasonFor(session).find("unknown"), std::string::npos);
+  session = {};
+  session.header.type = MessageType::kNotice;
+  EXPECT_NE(ReasonFor(session).find("Notice of 24 bytes"), std::string::npos);
+  const std::vector<char> huge(kMaxMessageBytes + 1);
+  EXPECT_NE(std::string(std::get<Invalid>(Validate(huge.data(), huge.size())).reason).find("limit"), std::string::npos);
+}
+
+TEST(Validate, AnotherVersionIsNamedAsSuch) {
+  Hello hello;
+  hello.header.version = kProtocolVersion + 3;
+  const Message message = Check(hello);
+  const auto* invalid = std::get_if<Invalid>(&message);
+  ASSERT_NE(invalid, nullptr);
+  EXPECT_TRUE(invalid->other_version);
+  EXPECT_EQ(invalid->version, kProtocolVersion + 3);
+}
+
+TEST(Validate, RejectIsUnderstoodInEveryVersion) {
+  Reject reject;
+  reject.header.version = kProtocolVersion + 1;
+  reject.server_version = kProtocolVersion + 1;
+  EXPECT_TRUE(std::holds_alternative<Reject>(Check(reject)));
+}
+
+TEST(Validate, RefusesEnumsOutsideTheirRange) {
+  Hello hello;
+  hello.role = static_cast<ClientRole>(0);
+  EXPECT_NE(ReasonFor(hello).find("role"), std::string::npos);
+  hello.role = static_cast<ClientRole>(3);
+  EXPECT_NE(ReasonFor(hello).find("role"), std::string::npos);
+  Session session;
+  session.state = static_cast<SessionState>(3);
+  EXPECT_NE(ReasonFor(session).find("state"), std::string::npos);
+  Notice notice;
+  notice.level = 3;
+  EXPECT_NE(ReasonFor(notice).find("level"), std::string::npos);
+}
+
+TEST(Validate, RefusesUnterminatedText) {
+  Hello hello;
+  std::memset(hello.application, 'x', sizeof(hello.application));
+  EXPECT_NE(ReasonFor(hello).find("application"), std::string::npos);
+  hello = {};
+  std::memset(hello.engine, 'x', sizeof(hello.engine));
+  EXPECT_NE(ReasonFor(hello).find("engine"), std::string::npos);
+  Reject reject;
+  std::memset(reject.reason, 'x', sizeof(reject.reason));
+  EXPECT_NE(ReasonFor(reject).find("reason"), std::string::npos);
+  Notice notice;
+  std::memset(notice.text, 'x', sizeof(notice.text));
+  EXPECT_NE(ReasonFor(notice).find("text"), std::string::npos);
+}
+
+TEST(Validate, RefusesHapticsOutsideTheirRange) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinite = std::numeric_limits<float>::infinity();
+  const std::function<void(Haptic&)> faults[] = {
+      [&](Haptic& h) { h.amplitude = nan; },         [&](Haptic& h) { h.amplitude = 1.01f; },
+      [&](Haptic& h) { h.amplitude = -0.01f; },      [&](Haptic& h) { h.frequency_Hz = nan; },
+      [&](Haptic& h) { h.frequency_Hz = infinite; }, [&](Haptic& h) { h.frequency_Hz = -1; },
+      [&](Haptic& h) { h.duration_ns = -2; },
+  };
+  for (const auto& spoil : faults) {
+    Haptic haptic{.duration_ns = 1'000'000, .amplitude = 0.5f, .frequency_Hz = 200};
+    EXPECT_EQ(ReasonFor(haptic), "accepted");
+    spoil(haptic);
+    EXPECT_NE(ReasonFor(haptic), "accepted");
+  }
+  Haptic endless{.duration_ns = std::numeric_limits<std::int64_t>::max(), .amplitude = 1, .frequency_Hz = 0};
+  EXPECT_EQ(ReasonFor(endless), "accepted");
+}
+
+TEST(Validate, RefusesWelcomesThatDoNotDescribeOurMemory) {
+  Welcome welcome = GoodWelcome();
+  welcome.client_id = 0;
+  EXPECT_NE(ReasonFor(welcome).find("client_id"), std::string::npos);
+  welcome = GoodWelcome();
+  welcome.state_bytes -= 1;
+  EXPECT_NE(ReasonFor(welcome).find("state_bytes"), std::string::npos);
+  welcome = GoodWelcome();
+  welcome.life_bytes = 1 << 30;
+  EXPECT_NE(ReasonFor(welcome).find("life_bytes"), std::string::npos);
+}
+
+TEST(Validate, NamesTypes) {
+  EXPECT_STREQ(TypeName(MessageType::kHapticStop), "HapticStop");
+  EXPECT_STREQ(TypeName(static_cast<MessageType>(0)), "unknown");
+}
+
+}  // namespace
+}  // namespace omni::protocol
