@@ -6,16 +6,16 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "service/actuation/force_map.h"
 #include "service/base/actuation_types.h"
 #include "service/base/device_geometry.h"
 #include "service/base/force_limit.h"
 #include "service/base/tool_state.h"
-#include "service/actuation/force_map.h"
 
 namespace omni::actuation {
 
 struct Config {
-  ForceMap map;                      // prepared by MakeConfig
+  ForceMap map;  // prepared by MakeConfig
   double current_max_A = 15;
   double current_slew_A_s = 6000;
   double force_max_N = 2;
@@ -23,9 +23,12 @@ struct Config {
   double temperature_max_C = 70;     // ... to zero here
   std::array<double, 3> resistance_20C_ohm{};
   double supply_V = 12;
-  double power_max_W = 300;          // total
-  double gap_max_m = 0.12;           // farther: no force is offered
-  bool compensate_snapping = true;   // add the current that cancels the core's pull while rendering
+  double power_max_W = 300;         // total
+  double gap_max_m = 0.12;          // farther: no force is offered
+  double gap_fade_m = 0.02;         // force_max fades to zero over this before gap_max
+  double singular_ratio = 0.2;      // sigma_min / sigma_max of X below which the weak direction is damped
+  bool compensate_snapping = true;  // add the current that cancels the core's pull while rendering
+  double bias_fade_N = 0.5;         // the compensation grows from 0 to all of it over this request
 };
 
 struct State {
@@ -35,13 +38,20 @@ static_assert(std::is_trivially_copyable_v<State>);
 
 Config MakeConfig(const base::DeviceGeometry& device);
 
-// What the coils can do at this pose and these temperatures. Not tracking, too far or singular: valid = false.
+// What the coils can do at this pose and these temperatures. Not tracking, too far or inside the windings: valid =
+// false. Near the singular pose (pen perpendicular to the radius) the direction that the coils cannot push fades out of
+// ampere_per_newton, continuously. docs/theory/actuation.md (6)
 base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool,
                                    const std::array<double, 3>& coil_temperature_C) noexcept;
 
 // Currents for `force_N` under `limit`: scaled as a vector when infeasible, then slew, temperature and power limits.
-// Always finite and within limits; zero (slewed) when anything is in doubt.
+// Always finite and within limits; zero (slewed) when anything is in doubt. The slew limit holds for growing currents;
+// a limit that shrinks below a current takes it down at once.
 void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
               base::CoilCurrents& currents) noexcept;
+
+// The force on the tool that `coil_current_A` makes at the tool's pose, core's pull included. Zero outside the map.
+base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,
+                             const std::array<double, base::kCoilCount>& coil_current_A) noexcept;
 
 }  // namespace omni::actuation

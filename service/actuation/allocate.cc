@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <cmath>
+
+#include "service/actuation/actuation.h"
+
+namespace omni::actuation {
+namespace {
+
+using Currents = std::array<double, base::kCoilCount>;
+
+constexpr double kCopper_1_K = 0.00393;  // resistance of copper per kelvin, from 20 C
+constexpr double kStepMax_s = 0.1;       // a longer or senseless step counts as one tick
+
+double Square(double x) { return x * x; }
+
+// 0 at 0, 1 from `width` on, slope 0 at both ends.
+double SmoothStep(double x, double width) noexcept {
+  const double t = width > 0 ? std::clamp(x / width, 0.0, 1.0) : 1.0;
+  return t * t * (3 - 2 * t);
+}
+
+bool AreFinite(const Currents& currents) noexcept {
+  return std::all_of(currents.begin(), currents.end(), [](double current) { return std::isfinite(current); });
+}
+
+void Scale(double factor, Currents& currents) noexcept {
+  for (double& current : currents) current *= factor;
+}
+
+// With copper at its maximum temperature: never optimistic.
+double HotResistance(const Config& config, std::size_t k) noexcept {
+  return config.resistance_20C_ohm[k] * (1 + kCopper_1_K * (config.temperature_max_C - 20));
+}
+
+double Power_W(const Config& config, const Currents& currents) noexcept {
+  double power_W = 0;
+  for (std::size_t k = 0; k < currents.size(); ++k) power_W += HotResistance(config, k) * Square(currents[k]);
+  return power_W;
+}
+
+// Largest t in [0, 1] with the heat of (bias + t current) within the limit: a t^2 + 2 b t + c <= P. Scaling only the
+// request keeps the direction of the net force.
+double PowerScale(const Config& config, const Currents& bias_A, const Currents& current_A) noexcept {
+  double a = 0, b = 0, c = 0;
+  for (std::size_t k = 0; k < bias_A.size(); ++k) {
+    const double hot = HotResistance(config, k);
+    a += hot * current_A[k] * current_A[k];
+    b += hot * current_A[k] * bias_A[k];
+    c += hot * bias_A[k] * bias_A[k];
+  }
+  if (a + 2 * b + c <= config.power_max_W) return 1;
+  const double room = b * b - a * (c - config.power_max_W);
+  if (!(a > 0 && room >= 0)) return 0;
+  return std::clamp((std::sqrt(room) - b) / a, 0.0, 1.0);
+}
+
+// I = s A f + w(|s f|) b: the request scaled as a vector, and the share of the snapping compensation that goes with it.
+// docs/theory/actuation.md (7), (8)
+Currents Wanted(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
+  double scale = base::FeasibleScale(limit, force_N);
+  if (!(scale > 0)) return {};
+  const double norm_N = std::sqrt(Square(force_N.x) + Square(force_N.y) + Square(force_N.z));
+  Currents push{}, bias{};
+  for (std::size_t k = 0; k < push.size(); ++k) {
+    const double* row = &limit.ampere_per_newton[3 * k];
+    push[k] = scale * (row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z);
+    bias[k] = SmoothStep(scale * norm_N, config.bias_fade_N) * limit.bias_A[k];
+  }
+  const double cooler = PowerScale(config, bias, push);
+  scale *= cooler;
+  Currents wanted{};
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    wanted[k] = cooler * push[k] + SmoothStep(scale * norm_N, config.bias_fade_N) * limit.bias_A[k];
+  }
+  return AreFinite(wanted) ? wanted : Currents{};
+}
+
+// What each coil may carry now: the device's limit, and the pose's while that is valid.
+Currents Ceiling(const Config& config, const base::ForceLimit& limit) noexcept {
+  Currents ceiling{};
+  for (std::size_t k = 0; k < ceiling.size(); ++k) {
+    const double derated = limit.valid ? limit.current_max_A[k] : config.current_max_A;
+    ceiling[k] = derated >= 0 ? std::min(derated, config.current_max_A) : 0.0;
+  }
+  return ceiling;
+}
+
+// Shrinks the vector until every coil and the total power fit: the direction of the currents stays.
+void ApplyLimits(const Config& config, const Currents& ceiling, Currents& currents) noexcept {
+  double factor = 1;
+  for (std::size_t k = 0; k < currents.size(); ++k) {
+    if (!(std::abs(currents[k]) * factor <= ceiling[k])) factor = ceiling[k] / std::abs(currents[k]);
+  }
+  Scale(factor, currents);
+  const double power_W = Power_W(config, currents);
+  if (!(power_W <= config.power_max_W)) Scale(std::sqrt(config.power_max_W / power_W), currents);
+}
+
+// Moves from `last` towards `target` on the straight line between them.
+Currents Slew(const Config& config, const Currents& last, const Currents& target, double dt_s) noexcept {
+  double largest = 0;
+  for (std::size_t k = 0; k < last.size(); ++k) largest = std::max(largest, std::abs(target[k] - last[k]));
+  const double allowed = config.current_slew_A_s * dt_s;
+  if (largest <= allowed) return target;
+  Currents moved = last;
+  for (std::size_t k = 0; k < last.size(); ++k) moved[k] += (target[k] - last[k]) * (allowed / largest);
+  return moved;
+}
+
+}  // namespace
+
+void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
+              base::CoilCurrents& currents) noexcept {
+  const double step_s = dt_s >= 0 && dt_s <= kStepMax_s ? dt_s : base::kTickPeriod_s;
+  const Currents last = AreFinite(state.last_current_A) ? state.last_current_A : Currents{};
+  const Currents ceiling = Ceiling(config, limit);
+
+  Currents target = Wanted(config, limit, force_N);
+  ApplyLimits(config, ceiling, target);
+  Currents next = Slew(config, last, target, step_s);
+  ApplyLimits(config, ceiling, next);  // `last` may lie beyond a limit that has shrunk
+  for (std::size_t k = 0; k < next.size(); ++k) next[k] = std::clamp(next[k], -ceiling[k], ceiling[k]);  // rounding
+  if (!AreFinite(next)) next = {};
+  state.last_current_A = next;
+  currents.current_A = next;
+}
+
+}  // namespace omni::actuation

@@ -1,0 +1,40 @@
+// Constant-velocity Kalman filter of the tool's pose: six states for the position (full covariance), two per tangent
+// for the axis (isotropic). docs/theory/tracking.md (10) - (12)
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "service/base/vec.h"
+
+namespace omni::tracker {
+
+struct FilterNoise {
+  double acceleration_m2_s3 = 1.0;            // spectral density of the position's acceleration
+  double angular_acceleration_rad2_s3 = 100;  // of the axis's
+  double manoeuvre_factor = 100;              // on both while the pen starts, stops or hits something
+};
+
+struct FilterState {
+  base::Vec3 position_base_m, velocity_base_m_s;
+  base::Vec3 axis_base{0, 0, -1}, angular_velocity_base_rad_s;
+  std::array<double, 9> covariance_pp{}, covariance_pv{}, covariance_vv{};  // row-major, symmetric but for pv
+  double variance_angle = 0, covariance_angle_rate = 0, variance_rate = 0;  // per tangent
+};
+static_assert(std::is_trivially_copyable_v<FilterState>);
+
+// A pose as measured. covariance: of (position, tangents), row-major 5x5.
+struct PoseMeasurement {
+  base::Vec3 position_base_m, axis_base;
+  std::array<double, 25> covariance{};
+};
+
+void ResetFilter(const PoseMeasurement& measured, FilterState& state) noexcept;
+void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) noexcept;
+// dt_s: as in the prediction before. A pose that cannot follow from the prediction restarts the filter there.
+void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, FilterState& state) noexcept;
+
+// u turned by the vector `turn_rad` (angle times axis).
+base::Vec3 TurnAxis(const base::Vec3& axis, const base::Vec3& turn_rad) noexcept;
+
+}  // namespace omni::tracker

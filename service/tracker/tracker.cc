@@ -1,0 +1,210 @@
+#include "service/tracker/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "service/base/eigen.h"
+#include "service/tracker/cold_start.h"
+#include "service/tracker/gap.h"
+#include "service/tracker/solver.h"
+
+namespace omni::tracker {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPredictMax_s = 0.020;
+constexpr double kWarmDamping = 0;
+constexpr double kColdDamping = 1e-2;
+constexpr double kGateDof = 19;  // all 24 readings
+
+// Seconds from b to a. The difference of far-apart stamps does not fit 64 bits; it is out of any range anyway.
+double Elapsed_s(std::int64_t a_ns, std::int64_t b_ns) noexcept {
+  std::int64_t difference = 0;
+  if (__builtin_sub_overflow(a_ns, b_ns, &difference)) return std::copysign(1e10, a_ns < b_ns ? -1.0 : 1.0);
+  return 1e-9 * static_cast<double>(difference);
+}
+
+// chi2_max scaled to fewer readings: the mean dof plus as many standard deviations.  docs/theory/tracking.md (7)
+double Gate(const Config& config, int dof) noexcept {
+  return dof + (config.chi2_max - kGateDof) * std::sqrt(dof / kGateDof);
+}
+
+bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
+  return fit.converged && fit.chi2 <= Gate(config, measurement.axes - kParameters);
+}
+
+bool IsInReach(const Config& config, const Pose& pose) noexcept {
+  const double r = pose.position_base_m.norm();
+  return r >= config.reach_min_m && r <= config.reach_max_m && pose.position_base_m.z() >= config.z_min_m;
+}
+
+struct Outcome {
+  bool good = false;
+  bool cold = false;
+  Fit fit;
+};
+
+// Starts at the predicted pose; the filter's rates take each sensor back to its own instant.
+Outcome TryWarm(const Config& config, const FilterState& predicted, Measurement& measurement) noexcept {
+  const Vector3d u = base::ToEigen(predicted.axis_base);
+  const Vector3d u_rate = base::ToEigen(predicted.angular_velocity_base_rad_s).cross(u);
+  const base::Vec3& v = predicted.velocity_base_m_s;
+  measurement.velocity_base_m_s = {v.x, v.y, v.z};
+  measurement.axis_rate_base_1_s = {u_rate.x(), u_rate.y(), u_rate.z()};
+  Outcome outcome;
+  outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u}, kWarmDamping,
+                          config.iterations_max);
+  outcome.good = FitsReadings(config, measurement, outcome.fit) && IsInReach(config, outcome.fit.pose);
+  return outcome;
+}
+
+// Tries the best grid points in turn. A fit that passes the gate out of reach ends the search: the pen is elsewhere.
+Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
+  measurement.velocity_base_m_s = {};
+  measurement.axis_rate_base_1_s = {};
+  Outcome outcome;
+  outcome.cold = true;
+  const ColdCandidates candidates = RankGrid(config.model, measurement);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count); ++c) {
+    const int spent = outcome.fit.iterations;
+    outcome.fit = SolvePose(config.model, measurement, candidates.poses[c], kColdDamping, config.cold_iterations_max);
+    outcome.fit.iterations += spent;
+    const bool fits = FitsReadings(config, measurement, outcome.fit);
+    outcome.good = fits && IsInReach(config, outcome.fit.pose);
+    // Far below or beyond the base the readings say little: only a fit well outside decides.
+    if (outcome.good || (fits && outcome.fit.pose.position_base_m.norm() > config.reach_max_m)) break;
+  }
+  return outcome;
+}
+
+PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
+  PoseMeasurement measured{base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), {}};
+  using RowMajor5 = Eigen::Matrix<double, kParameters, kParameters, Eigen::RowMajor>;
+  Eigen::Map<RowMajor5>(measured.covariance.data()) = fit.covariance;
+  return measured;
+}
+
+void SetDevicePoint(double tip_offset_m, base::ToolState& tool) noexcept {
+  const Vector3d u = base::ToEigen(tool.axis_base);
+  const Vector3d u_rate = base::ToEigen(tool.angular_velocity_base_rad_s).cross(u);
+  tool.device_point_base_m = base::FromEigen(base::ToEigen(tool.position_base_m) + tip_offset_m * u);
+  tool.device_point_velocity_base_m_s = base::FromEigen(base::ToEigen(tool.velocity_base_m_s) + tip_offset_m * u_rate);
+}
+
+bool IsFinite(const base::ToolState& tool) noexcept {
+  const auto finite = [](const base::Vec3& v) { return std::isfinite(v.x + v.y + v.z); };
+  return finite(tool.position_base_m) && finite(tool.axis_base) && finite(tool.velocity_base_m_s) &&
+         finite(tool.angular_velocity_base_rad_s) && finite(tool.device_point_velocity_base_m_s);
+}
+
+base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const FilterState& filter) noexcept {
+  const Model& model = config.model;
+  base::ToolState tool;
+  tool.t_ns = scan.t_ns;
+  tool.status = base::TrackingStatus::kTracking;
+  tool.ever_tracked = true;
+  tool.position_base_m = filter.position_base_m;
+  tool.axis_base = filter.axis_base;
+  tool.velocity_base_m_s = filter.velocity_base_m_s;
+  tool.angular_velocity_base_rad_s = filter.angular_velocity_base_rad_s;
+  SetDevicePoint(model.tip_offset_m, tool);
+  tool.gap_m = CylinderGap(tool.position_base_m, tool.axis_base, model.magnet_radius_m, model.magnet_half_height_m,
+                           model.hull_radius_m);
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      tool.covariance[5 * row + column] = filter.covariance_pp[3 * row + column];
+    }
+  }
+  tool.covariance[18] = tool.covariance[24] = filter.variance_angle;
+  return tool;
+}
+
+void Describe(const Measurement& measurement, const Fit& fit, base::ToolState& tool) noexcept {
+  tool.chi2 = std::isfinite(fit.chi2) ? fit.chi2 : std::numeric_limits<double>::max();
+  tool.dof = std::max(0, measurement.axes - kParameters);
+  tool.iterations = fit.iterations;
+}
+
+base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
+
+// Holds the last pose while the velocities fade.
+void Hold(const Config& config, const base::HallScan& scan, State& state) noexcept {
+  base::ToolState& tool = state.published;
+  const double dt_s = std::clamp(Elapsed_s(scan.t_ns, tool.t_ns), 0.0, 1.0);
+  const bool absent = ++state.bad_scans >= config.lost_after_scans || !state.ever_tracked;
+  state.bad_scans = std::min(state.bad_scans, config.lost_after_scans);
+  const double fade = absent ? 0.0 : std::exp(-dt_s / config.velocity_decay_s);
+  tool.t_ns = scan.t_ns;
+  tool.status = absent ? base::TrackingStatus::kAbsent : base::TrackingStatus::kLost;
+  tool.velocity_base_m_s = Scaled(tool.velocity_base_m_s, fade);
+  tool.angular_velocity_base_rad_s = Scaled(tool.angular_velocity_base_rad_s, fade);
+  tool.device_point_velocity_base_m_s = Scaled(tool.device_point_velocity_base_m_s, fade);
+  if (absent) state.warm = false;
+}
+
+// Filter and publish; false when arithmetic went wrong, which only a hostile scan could cause.
+bool Publish(const Config& config, const base::HallScan& scan, const Outcome& outcome, const FilterState& predicted,
+             double dt_s, bool continues, State& state) noexcept {
+  const PoseMeasurement measured = ToMeasurement(outcome.fit);
+  FilterState filter = predicted;
+  if (continues && !outcome.cold) {
+    CorrectFilter(config.filter, measured, dt_s, filter);
+  } else {
+    ResetFilter(measured, filter);
+  }
+  const base::ToolState tool = MakeToolState(config, scan, filter);
+  if (!IsFinite(tool)) return false;
+  state.published = tool;
+  state.filter = filter;
+  state.filter_t_ns = scan.t_ns;
+  state.warm = state.ever_tracked = true;
+  state.bad_scans = state.cold_pause = 0;
+  return true;
+}
+
+}  // namespace
+
+Config MakeConfig(const base::DeviceGeometry& device) {
+  Config config;
+  config.model = MakeModel(device);
+  return config;
+}
+
+void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
+  const CurrentHistory currents = Remember(scan, state.currents);
+  Measurement measurement = MakeMeasurement(config.model, config.trust, scan, state.currents, currents);
+  state.currents = currents;
+
+  const double dt_s = Elapsed_s(scan.t_ns, state.filter_t_ns);
+  const bool continues = state.warm && dt_s >= 0 && dt_s <= config.coast_max_s;
+  FilterState predicted = state.filter;
+  if (continues) PredictFilter(config.filter, dt_s, predicted);
+
+  Outcome outcome;
+  if (measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T) {
+    if (state.warm) outcome = TryWarm(config, predicted, measurement);
+    if (!outcome.good && --state.cold_pause < 0) {
+      outcome = TryCold(config, measurement);
+      state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
+    }
+  }
+  if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
+  Describe(measurement, outcome.fit, state.published);
+  tool = state.published;
+}
+
+base::ToolState Predict(const base::ToolState& tool, std::int64_t t_ns, double tip_offset_m) noexcept {
+  const double dt_s = std::clamp(Elapsed_s(t_ns, tool.t_ns), -kPredictMax_s, kPredictMax_s);
+  base::ToolState ahead = tool;
+  const auto step_ns = static_cast<std::int64_t>(std::lround(dt_s * 1e9));
+  if (__builtin_add_overflow(tool.t_ns, step_ns, &ahead.t_ns)) ahead.t_ns = tool.t_ns;
+  ahead.position_base_m =
+      base::FromEigen(base::ToEigen(tool.position_base_m) + dt_s * base::ToEigen(tool.velocity_base_m_s));
+  ahead.axis_base = TurnAxis(tool.axis_base, Scaled(tool.angular_velocity_base_rad_s, dt_s));
+  SetDevicePoint(tip_offset_m, ahead);
+  return ahead;
+}
+
+}  // namespace omni::tracker
