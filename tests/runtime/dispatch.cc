@@ -1,0 +1,113 @@
+// Negotiation with the loader and the table of functions.
+
+#include <atomic>
+#include <cstring>
+#include <string_view>
+
+#include "tests/runtime/entry_points.h"
+#include "tests/runtime/negotiation.h"
+#include "tests/runtime/state.h"
+
+namespace omni::runtime {
+namespace {
+
+enum FunctionId : int {
+#define OMNI_ID(name) k##name,
+  OMNI_RUNTIME_FUNCTIONS(OMNI_ID)
+#undef OMNI_ID
+      kFunctions
+};
+
+std::atomic<long> call_counts[kFunctions];
+
+// What the application calls: counts, and lets no exception out.
+template <int id, auto function>
+struct Entry;
+template <int id, class... Args, XrResult (*function)(Args...)>
+struct Entry<id, function> {
+  static XrResult Call(Args... args) noexcept {
+    call_counts[id].fetch_add(1, std::memory_order_relaxed);
+    try {
+      return function(args...);
+    } catch (...) {
+      return XR_ERROR_RUNTIME_FAILURE;
+    }
+  }
+};
+
+struct NamedFunction {
+  std::string_view name;
+  PFN_xrVoidFunction function;
+};
+
+const NamedFunction kTable[] = {
+#define OMNI_ROW(name) {"xr" #name, reinterpret_cast<PFN_xrVoidFunction>(&Entry<k##name, &name>::Call)},
+    OMNI_RUNTIME_FUNCTIONS(OMNI_ROW)
+#undef OMNI_ROW
+};
+
+bool NeedsNoInstance(std::string_view name) {
+  return name == "xrGetInstanceProcAddr" || name == "xrEnumerateInstanceExtensionProperties" ||
+         name == "xrEnumerateApiLayerProperties" || name == "xrCreateInstance";
+}
+
+bool NeedsTimespecExtension(std::string_view name) { return name.find("Timespec") != std::string_view::npos; }
+
+}  // namespace
+
+State& TheState() {
+  static State state;
+  return state;
+}
+
+long CallCount(const char* function) {
+  for (int i = 0; i < kFunctions; ++i) {
+    if (kTable[i].name == function) return call_counts[i].load(std::memory_order_relaxed);
+  }
+  return -1;
+}
+
+XrResult GetInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFunction* function) {
+  OMNI_REQUIRE(name != nullptr && function != nullptr, XR_ERROR_VALIDATION_FAILURE);
+  *function = nullptr;
+  State& state = TheState();
+  const std::shared_lock lock(state.mutex);
+  bool convert_timespec = false;
+  if (instance == XR_NULL_HANDLE) {
+    OMNI_REQUIRE(NeedsNoInstance(name), XR_ERROR_HANDLE_INVALID);
+  } else {
+    // A lost instance still answers: the loader looks up xrDestroyInstance here.
+    const Instance* const owner = state.handles.Find<Instance>(instance);
+    OMNI_REQUIRE(owner != nullptr, XR_ERROR_HANDLE_INVALID);
+    convert_timespec = owner->convert_timespec;
+  }
+  for (const NamedFunction& entry : kTable) {
+    if (entry.name != name) continue;
+    if (NeedsTimespecExtension(name) && !convert_timespec) break;
+    *function = entry.function;
+    return XR_SUCCESS;
+  }
+  return XR_ERROR_FUNCTION_UNSUPPORTED;
+}
+
+}  // namespace omni::runtime
+
+extern "C" __attribute__((visibility("default"))) XrResult xrNegotiateLoaderRuntimeInterface(
+    const omni::runtime::NegotiateLoaderInfo* loader, omni::runtime::NegotiateRuntimeRequest* request) {
+  using namespace omni::runtime;
+  const bool loader_ok = loader != nullptr && loader->struct_type == kLoaderInfoType &&
+                         loader->struct_version == kStructVersion && loader->struct_size == sizeof(*loader);
+  const bool request_ok = request != nullptr && request->struct_type == kRuntimeRequestType &&
+                          request->struct_version == kStructVersion && request->struct_size == sizeof(*request);
+  if (!loader_ok || !request_ok) return XR_ERROR_INITIALIZATION_FAILED;
+  const bool interface_ok =
+      loader->min_interface_version <= kInterfaceVersion && kInterfaceVersion <= loader->max_interface_version;
+  const bool api_ok =
+      loader->min_api_version <= XR_CURRENT_API_VERSION && XR_CURRENT_API_VERSION <= loader->max_api_version;
+  if (!interface_ok || !api_ok) return XR_ERROR_INITIALIZATION_FAILED;
+  request->runtime_interface_version = kInterfaceVersion;
+  request->runtime_api_version = XR_CURRENT_API_VERSION;
+  request->get_instance_proc_addr =
+      reinterpret_cast<PFN_xrGetInstanceProcAddr>(&Entry<kGetInstanceProcAddr, &GetInstanceProcAddr>::Call);
+  return XR_SUCCESS;
+}

@@ -1,0 +1,118 @@
+#include "tests/runtime/hooks.h"
+
+#include <cmath>
+#include <mutex>
+#include <string_view>
+
+#include "tests/runtime/clock.h"
+#include "tests/runtime/commands.h"
+#include "tests/runtime/entry_points.h"
+#include "tests/runtime/state.h"
+
+namespace {
+
+using omni::runtime::Motion;
+using omni::runtime::TheState;
+
+// Runs `change` on the state, alone.
+template <class Change>
+int Alone(Change change) {
+  omni::runtime::State& state = TheState();
+  const std::unique_lock lock(state.mutex);
+  return change(state) ? 0 : -1;
+}
+
+std::string_view Text(const char* text) { return text == nullptr ? std::string_view() : std::string_view(text); }
+
+Motion MotionOf(const float pose[7], const float velocity[6]) {
+  Motion motion;
+  motion.pose = {{pose[3], pose[4], pose[5], pose[6]}, {pose[0], pose[1], pose[2]}};
+  if (velocity != nullptr) {
+    motion.linear_m_s = {velocity[0], velocity[1], velocity[2]};
+    motion.angular_rad_s = {velocity[3], velocity[4], velocity[5]};
+  }
+  return motion;
+}
+
+}  // namespace
+
+#pragma GCC visibility push(default)
+
+int omni_test_reset(void) {
+  return Alone([](auto& state) { return omni::runtime::ResetWorld(state); });
+}
+
+int omni_test_set_device(const char* hand, int present, const char* profile) {
+  const int index = omni::runtime::HandIndex(Text(hand));
+  return Alone([&](auto& state) { return index >= 0 && state.world.SetDevice(index, present != 0, Text(profile)); });
+}
+
+int omni_test_set_tracking(const char* hand, int valid, int tracked) {
+  const int index = omni::runtime::HandIndex(Text(hand));
+  return Alone([&](auto& state) { return omni::runtime::SetTracking(state, index, valid != 0, tracked != 0); });
+}
+
+int omni_test_set_bool(const char* path, int value) {
+  return Alone([&](auto& state) { return state.world.SetBool(Text(path), value != 0); });
+}
+
+int omni_test_set_float(const char* path, float value) {
+  return Alone([&](auto& state) { return state.world.SetFloat(Text(path), value); });
+}
+
+int omni_test_set_vector2(const char* path, float x, float y) {
+  return Alone([&](auto& state) { return state.world.SetVector2(Text(path), x, y); });
+}
+
+int omni_test_set_pose(const char* path, const float pose[7], const float velocity[6]) {
+  if (pose == nullptr) return -1;
+  return Alone([&](auto& state) { return state.world.SetPose(Text(path), MotionOf(pose, velocity)); });
+}
+
+int omni_test_set_head(const float pose[7], const float velocity[6]) {
+  if (pose == nullptr) return -1;
+  return Alone([&](auto& state) { return omni::runtime::SetHead(state, MotionOf(pose, velocity)); });
+}
+
+int omni_test_set_focus(int focus) {
+  return Alone([&](auto& state) { return omni::runtime::SetFocus(state, focus != 0); });
+}
+
+int omni_test_recenter(const float pose[7], int64_t delay_ns) {
+  if (pose == nullptr) return -1;
+  return Alone([&](auto& state) { return omni::runtime::Recenter(state, MotionOf(pose, nullptr).pose, delay_ns); });
+}
+
+int omni_test_request_exit(void) {
+  return Alone([](auto& state) { return omni::runtime::RequestExit(state); });
+}
+
+int omni_test_lose_session(void) {
+  return Alone([](auto& state) { return omni::runtime::LoseSessions(state); });
+}
+
+int omni_test_lose_instance(void) {
+  return Alone([](auto& state) { return omni::runtime::LoseInstances(state); });
+}
+
+int omni_test_haptics(const char* hand, OmniTestHaptics* haptics) {
+  const int index = omni::runtime::HandIndex(Text(hand));
+  if (index < 0 || haptics == nullptr) return -1;
+  return Alone([&](auto& state) {
+    const omni::runtime::HapticRecord& record = state.world.devices[index].haptics;
+    *haptics = {record.count, record.stops, record.amplitude, record.frequency_Hz, record.duration_ns};
+    return true;
+  });
+}
+
+long omni_test_call_count(const char* function) {
+  return function == nullptr ? -1 : omni::runtime::CallCount(function);
+}
+
+uint32_t omni_test_live_handles(void) {
+  omni::runtime::State& state = TheState();
+  const std::shared_lock lock(state.mutex);
+  return state.handles.live();
+}
+
+#pragma GCC visibility pop

@@ -1,0 +1,54 @@
+#pragma once
+// How a test in the same process moves the simulated world. Link with omni_test_runtime (the loader then opens the very
+// library the test already has), or dlsym these names. Every function takes effect at once and is safe from any thread.
+// int results: 0 done, -1 refused (unknown hand, path, type or an argument out of range).
+//
+// Hands are "left" and "right". Input paths are full component paths of the profile that the device has at the moment:
+// "/user/hand/left/input/trigger/value". Poses are {x, y, z, qx, qy, qz, qw} in STAGE, velocities {vx, vy, vz, wx, wy,
+// wz} in STAGE axes, NULL for rest; a moving pose is carried on at that velocity from the moment it was set. One-word
+// commands of the script (OMNI_TEST_RUNTIME_SCRIPT) do the same from outside: docs/howto/test-runtime.md.
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct OmniTestHaptics {
+  uint32_t count;  // xrApplyHapticFeedback that reached this hand's device
+  uint32_t stops;
+  float last_amplitude;
+  float last_frequency_Hz;
+  int64_t last_duration_ns;
+};
+
+// The world as at load: left touch controller present, right absent, focus available. Sessions stay as they are.
+int omni_test_reset(void);
+// profile: "/interaction_profiles/oculus/touch_controller", ".../khr/simple_controller", or NULL to keep it.
+int omni_test_set_device(const char* hand, int present, const char* profile);
+int omni_test_set_tracking(const char* hand, int valid, int tracked);
+int omni_test_set_bool(const char* path, int value);
+int omni_test_set_float(const char* path, float value);
+int omni_test_set_vector2(const char* path, float x, float y);
+int omni_test_set_pose(const char* path, const float pose[7], const float velocity[6]);
+int omni_test_set_head(const float pose[7], const float velocity[6]);
+// 0: focused sessions drop to VISIBLE at once, 1: they come back.
+int omni_test_set_focus(int focus);
+// LOCAL moves to `pose`, given in the present LOCAL, after delay_ns; the event is queued now.
+int omni_test_recenter(const float pose[7], int64_t delay_ns);
+// The user quits the application: every running session goes to STOPPING.
+int omni_test_request_exit(void);
+// Every session: LOSS_PENDING is queued, and all its functions but destruction answer XR_ERROR_SESSION_LOST.
+int omni_test_lose_session(void);
+// Every instance: the loss event is queued; once it has been polled, all functions answer XR_ERROR_INSTANCE_LOST.
+int omni_test_lose_instance(void);
+
+int omni_test_haptics(const char* hand, struct OmniTestHaptics* haptics);
+// Calls of "xrLocateSpace" ... that came down to the runtime since it was loaded; -1 for a function it does not have.
+long omni_test_call_count(const char* function);
+// Handles that are alive, of all types.
+uint32_t omni_test_live_handles(void);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,138 @@
+#pragma once
+// What the handles stand for. Actions and action sets outlive their handles while a session or a space still uses them
+// (specification: destroying an action set does not disturb the sessions it is attached to).
+
+#include <openxr/openxr.h>
+
+#include <array>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "tests/runtime/script.h"
+#include "tests/runtime/world.h"
+
+namespace omni::runtime {
+
+enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace };
+
+struct Object {
+  Kind kind;
+  uint64_t handle = 0;
+  explicit Object(Kind k) : kind(k) {}
+  Object(const Object&) = delete;
+  Object& operator=(const Object&) = delete;
+  virtual ~Object() = default;
+};
+
+struct Instance;
+struct Session;
+struct ActionSet;
+
+struct Action : Object {
+  static constexpr Kind kKind = Kind::kAction;
+  Action() : Object(kKind) {}
+  ActionSet* set = nullptr;  // kept alive by whoever keeps the action alive: see Instance, Session, Space
+  std::string name;
+  std::string localized_name;
+  XrActionType type{};
+  std::vector<XrPath> subaction_paths;
+};
+
+struct ActionSet : Object {
+  static constexpr Kind kKind = Kind::kActionSet;
+  ActionSet() : Object(kKind) {}
+  Instance* instance = nullptr;
+  std::string name;
+  std::string localized_name;
+  uint32_t priority = 0;
+  bool attached = false;  // to any session, ever: from then on it is immutable
+  std::vector<std::shared_ptr<Action>> actions;
+};
+
+struct Suggestion {
+  const Action* action = nullptr;  // identity only
+  int hand = -1;
+  std::string path;  // below the hand
+};
+// By profile index; an empty entry means: never suggested.
+using Suggestions = std::map<int, std::vector<Suggestion>>;
+
+struct Bound {
+  Source source;
+  bool pressed = false;  // hysteresis of an analogue source read as a boolean
+};
+
+// Answers for one (action, subaction path), constant between two syncs.
+struct Slot {
+  XrPath subaction = XR_NULL_PATH;
+  std::vector<Bound> bound;  // changes with the interaction profile only
+  bool active = false;
+  bool changed = false;
+  float x = 0;
+  float y = 0;
+  XrTime change_time = 0;
+  Source pose_source;
+};
+
+struct ActionState {
+  std::shared_ptr<Action> action;
+  std::vector<Slot> slots;  // [0]: XR_NULL_PATH; then one per declared subaction path
+};
+
+struct Instance : Object {
+  static constexpr Kind kKind = Kind::kInstance;
+  Instance() : Object(kKind) {}
+  uint32_t serial = 0;
+  bool lost = false;
+  bool headless = false;
+  bool convert_timespec = false;
+  std::vector<std::string> paths;
+  std::unordered_map<std::string, uint32_t> path_ids;
+  std::deque<XrEventDataBuffer> events;
+  uint32_t events_lost = 0;
+  std::vector<std::shared_ptr<ActionSet>> action_sets;
+  std::vector<std::shared_ptr<Session>> sessions;
+  Suggestions suggestions;
+  Script script;
+};
+
+struct Session : Object {
+  static constexpr Kind kKind = Kind::kSession;
+  Session() : Object(kKind) {}
+  Instance* instance = nullptr;
+  XrSessionState state = XR_SESSION_STATE_UNKNOWN;
+  bool running = false;
+  bool exit_requested = false;
+  bool lost = false;
+
+  bool attached = false;
+  std::vector<std::shared_ptr<ActionSet>> sets;
+  Suggestions suggestions;                  // as they were when the sets were attached
+  std::array<int, kHands> profile{-1, -1};  // current, index into Profiles()
+  std::array<uint32_t, kHands> profile_epoch{0, 0};
+  std::unordered_map<const Action*, ActionState> states;
+
+  bool frame_waited = false;
+  bool frame_begun = false;
+  XrTime next_frame = 0;
+
+  std::vector<uint64_t> spaces;  // handles of its children
+};
+
+struct Space : Object {
+  static constexpr Kind kKind = Kind::kSpace;
+  Space() : Object(kKind) {}
+  Session* session = nullptr;
+  XrPosef offset = kIdentity;
+  XrReferenceSpaceType reference{};
+  // Action spaces only. The set is held too, since the action points to it.
+  std::shared_ptr<Action> action;
+  std::shared_ptr<ActionSet> set;
+  XrPath subaction = XR_NULL_PATH;
+};
+
+}  // namespace omni::runtime

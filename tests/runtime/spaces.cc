@@ -1,0 +1,97 @@
+// Creation and destruction of spaces; locate.cc says where they are.
+
+#include <algorithm>
+#include <mutex>
+
+#include "tests/runtime/entry_points.h"
+#include "tests/runtime/state.h"
+
+namespace omni::runtime {
+namespace {
+
+constexpr XrReferenceSpaceType kReferenceSpaces[] = {XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL,
+                                                     XR_REFERENCE_SPACE_TYPE_STAGE};
+
+XrSpace Add(State& state, Session& session, std::shared_ptr<Space> space) {
+  space->session = &session;
+  const uint64_t handle = state.handles.Insert(std::move(space));
+  session.spaces.push_back(handle);
+  return Handles::As<XrSpace>(handle);
+}
+
+XrResult CheckReferenceType(XrReferenceSpaceType type) {
+  const auto* const end = std::end(kReferenceSpaces);
+  OMNI_REQUIRE(std::find(std::begin(kReferenceSpaces), end, type) != end, XR_ERROR_REFERENCE_SPACE_UNSUPPORTED);
+  return XR_SUCCESS;
+}
+
+}  // namespace
+
+XrResult EnumerateReferenceSpaces(XrSession session, uint32_t capacity, uint32_t* count, XrReferenceSpaceType* types) {
+  State& state = TheState();
+  const std::shared_lock lock(state.mutex);
+  OMNI_FIND(Session, owner, session);
+  return TwoCall(std::size(kReferenceSpaces), capacity, count, types,
+                 [](uint32_t i, XrReferenceSpaceType& out) { out = kReferenceSpaces[i]; });
+}
+
+XrResult GetReferenceSpaceBoundsRect(XrSession session, XrReferenceSpaceType type, XrExtent2Df* bounds) {
+  State& state = TheState();
+  const std::shared_lock lock(state.mutex);
+  OMNI_FIND(Session, owner, session);
+  OMNI_REQUIRE(bounds != nullptr, XR_ERROR_VALIDATION_FAILURE);
+  if (const XrResult check = CheckReferenceType(type); XR_FAILED(check)) return check;
+  *bounds = {0, 0};
+  return XR_SPACE_BOUNDS_UNAVAILABLE;
+}
+
+XrResult CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space) {
+  State& state = TheState();
+  const std::unique_lock lock(state.mutex);
+  OMNI_FIND(Session, owner, session);
+  OMNI_REQUIRE(Is(info, XR_TYPE_REFERENCE_SPACE_CREATE_INFO) && space != nullptr, XR_ERROR_VALIDATION_FAILURE);
+  if (const XrResult check = CheckReferenceType(info->referenceSpaceType); XR_FAILED(check)) return check;
+  OMNI_REQUIRE(IsValid(info->poseInReferenceSpace), XR_ERROR_POSE_INVALID);
+  auto created = std::make_shared<Space>();
+  created->reference = info->referenceSpaceType;
+  created->offset = Normalized(info->poseInReferenceSpace);
+  *space = Add(state, *owner, std::move(created));
+  return XR_SUCCESS;
+}
+
+// Legal before the action's set is attached; such a space is just not locatable yet.
+XrResult CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
+  State& state = TheState();
+  const std::unique_lock lock(state.mutex);
+  OMNI_FIND(Session, owner, session);
+  OMNI_REQUIRE(Is(info, XR_TYPE_ACTION_SPACE_CREATE_INFO) && space != nullptr, XR_ERROR_VALIDATION_FAILURE);
+  OMNI_FIND(Action, action, info->action);
+  OMNI_REQUIRE(action->set->instance == owner->instance, XR_ERROR_VALIDATION_FAILURE);
+  OMNI_REQUIRE(action->type == XR_ACTION_TYPE_POSE_INPUT, XR_ERROR_ACTION_TYPE_MISMATCH);
+  if (info->subactionPath != XR_NULL_PATH) {
+    OMNI_REQUIRE(PathText(*owner->instance, info->subactionPath) != nullptr, XR_ERROR_PATH_INVALID);
+    const auto& declared = action->subaction_paths;
+    const bool known = std::find(declared.begin(), declared.end(), info->subactionPath) != declared.end();
+    OMNI_REQUIRE(known, XR_ERROR_PATH_UNSUPPORTED);
+  }
+  OMNI_REQUIRE(IsValid(info->poseInActionSpace), XR_ERROR_POSE_INVALID);
+  auto created = std::make_shared<Space>();
+  created->action = state.handles.Share<Action>(info->action);
+  created->set = state.handles.Share<ActionSet>(Handles::As<XrActionSet>(action->set->handle));
+  created->subaction = info->subactionPath;
+  created->offset = Normalized(info->poseInActionSpace);
+  *space = Add(state, *owner, std::move(created));
+  return XR_SUCCESS;
+}
+
+XrResult DestroySpace(XrSpace space) {
+  State& state = TheState();
+  const std::unique_lock lock(state.mutex);
+  const auto doomed = state.handles.Share<Space>(space);
+  OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
+  std::erase(doomed->session->spaces, doomed->handle);
+  state.handles.Erase(doomed->handle);
+  return XR_SUCCESS;
+}
+
+}  // namespace omni::runtime

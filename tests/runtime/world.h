@@ -1,0 +1,89 @@
+#pragma once
+// What exists outside any session: the two simulated controllers, the head, the origin of LOCAL. Tests change it
+// through hooks.h; sessions read it. Everything is in the STAGE frame, called the world here.
+
+#include <openxr/openxr.h>
+
+#include <string_view>
+#include <vector>
+
+#include "tests/runtime/motion.h"
+#include "tests/runtime/profiles.h"
+
+namespace omni::runtime {
+
+struct Value {
+  float x = 0;
+  float y = 0;
+  XrTime change_time = 0;  // when the physical input last changed
+  Motion motion;           // poses only: as of change_time
+};
+
+struct HapticRecord {
+  uint32_t count = 0;
+  uint32_t stops = 0;
+  float amplitude = 0;
+  float frequency_Hz = 0;
+  XrDuration duration_ns = 0;
+};
+
+struct Device {
+  bool present = false;
+  bool valid = true;    // false: never seen by the cameras
+  bool tracked = true;  // false: seen before, now guessed
+  int profile = 0;      // index into Profiles()
+  // Changes whenever the profile does; a source that remembers an older one is dead.
+  uint32_t epoch = 0;
+  std::vector<Value> values;  // one per component of the profile
+  HapticRecord haptics;
+};
+
+// One component of one device, as it was when a binding was resolved.
+struct Source {
+  int hand = -1;
+  int component = -1;
+  uint32_t epoch = 0;
+  bool operator==(const Source&) const = default;
+};
+
+struct LocalOrigin {
+  XrTime since = 0;
+  XrPosef pose = kIdentity;
+};
+
+struct World {
+  Device devices[kHands];
+  Motion head;
+  XrTime head_time = 0;
+  std::vector<LocalOrigin> local_origins;
+  bool focus = true;
+  uint32_t next_epoch = 1;
+
+  World();
+  // Left: touch controller at a fixed place. Right: none. Head and LOCAL 1.6 m above the floor. Focus available.
+  void Reset();
+
+  bool SetDevice(int hand, bool present, std::string_view profile);
+  // `path` is a full component path of the device's profile; false if there is none of that type.
+  bool SetBool(std::string_view path, bool value);
+  bool SetFloat(std::string_view path, float value);
+  bool SetVector2(std::string_view path, float x, float y);
+  bool SetPose(std::string_view path, const Motion& motion);
+  void SetHead(const Motion& motion);
+  // LOCAL moves to `pose` (given in the present LOCAL) from `when` on.
+  void Recenter(const XrPosef& pose_in_local, XrTime when);
+
+  const XrPosef& LocalOriginAt(XrTime time) const;
+  Motion HeadAt(XrTime time) const;
+  bool IsLive(const Source& source) const;
+  const Component& ComponentOf(const Source& source) const;
+  // Reads of a live source. A vector's halves read from the vector.
+  Value Read(const Source& source) const;
+  Motion PoseAt(const Source& source, XrTime time) const;
+
+ private:
+  Value* Find(std::string_view path, ComponentType type);
+  void ApplyProfile(int hand, int profile);
+};
+
+}  // namespace omni::runtime
