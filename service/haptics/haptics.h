@@ -14,21 +14,21 @@ namespace omni::haptics {
 inline constexpr int kMaxContacts = 4;  // objects touched at once; the deepest ones are kept
 
 struct Config {
-  double force_slew_N_s = 850;        // |dF/dt| limit (0.85 N/ms)
-  double ramp_s = 0.15;               // force fades in over this time after contact at start, scene swap, tracking loss
-  double stiffness_max_N_m = 1000;    // offered at most, whatever the material says: rule in haptics/stability
-  double delay_s = 3e-3;              // sample instant to coil current, for the stability rule
+  double force_slew_N_s = 850;      // |dF/dt| limit (0.85 N/ms)
+  double ramp_s = 0.15;             // force fades in over this time after contact at start, scene swap, tracking loss
+  double stiffness_max_N_m = 1000;  // offered at most, whatever the material says: rule in haptics/stability
+  double delay_s = 3e-3;            // sample instant to coil current, for the stability rule
   double coil_lag_s = 1e-3;
-  double hand_damping_Ns_m = 1.0;     // assumed lower bound
-  double contact_threshold_N = 0.010; // "contact" in reports means more than this
+  double hand_damping_Ns_m = 1.0;      // assumed lower bound
+  double contact_threshold_N = 0.010;  // "contact" in reports means more than this
 };
 
 struct Input {
   std::int64_t t_ns = 0;
-  double dt_s = 1e-3;                      // time since the last tick, clamped to [0, 5 ms] by the caller
-  bool tracked = false;                    // false: force goes to zero under the slew limit, contact is forgotten
+  double dt_s = 1e-3;    // time since the last tick, clamped to [0, 5 ms] by the caller
+  bool tracked = false;  // false: force goes to zero under the slew limit, contact is forgotten
   base::Vec3 device_point_base_m;
-  base::Vec3 velocity_base_m_s;            // of the device point
+  base::Vec3 velocity_base_m_s;  // of the device point
   double position_sigma_m = 0;
   base::ForceLimit limit;
 };
@@ -37,36 +37,45 @@ struct Input {
 struct ContactState {
   bool active = false;
   std::uint32_t object = kNoIndex;
-  std::uint32_t triangle = kNoIndex;       // of the proxy
-  base::Vec3 proxy_base_m;                 // on the surface
+  std::uint32_t triangle = kNoIndex;  // of the proxy
+  base::Vec3 proxy_base_m;            // on the surface
   bool sticking = false;
   std::uint32_t anchor_triangle = kNoIndex;  // stick anchor, barycentric: survives deformation
   std::array<double, 3> anchor_weights{};
-  double side = 1;                         // +1 entered from the front, -1 from the back (double-sided objects)
-  double relaxation_N = 0;                 // softness: viscous part
+  double side = 1;            // +1 entered from the front, -1 from the back (double-sided objects)
+  double relaxation_N = 0;    // softness: viscous part
+  double elastic_N = 0;       // softness: elastic part at the last tick
+  base::Vec3 swapped_from_N;  // force before the proxy was moved to another face ...
+  double swap_left_s = 0;     // ... which fades out over this time
+  bool popped = false;        // pop-through: no force until the tip is outside again
 };
 
 enum class ExtrudePhase : std::uint8_t { kFree = 0, kPressed = 1, kHeld = 2, kSettling = 3 };
 
 struct RegionState {
   ExtrudePhase phase = ExtrudePhase::kFree;
-  double offset_m = 0;                     // along the region's normal, now
-  int step = 0;                            // settled step it rests at or moves to
+  double offset_m = 0;  // along the region's normal, now
+  int step = 0;         // settled step it rests at or moves to
   double timer_s = 0;
-  double grab_offset_m = 0;                // tip height over the face when it was taken
-  std::uint32_t edits = 0;                 // finished steps so far
+  double grab_offset_m = 0;  // tip height over the face when it was taken
+  std::uint32_t edits = 0;   // finished steps so far
+  double face_height_m = 0;  // of the rest face where it was taken, over the region's centroid
+  double slow_s = 0;         // held: how long the tip has been slow
+  double last_offset_m = 0;  // offset of the tick before: the face may sweep over a still tip
 };
 
 struct VehicleState {
   base::Vec3 position_base_m;
   double heading_rad = 0;
   double speed_m_s = 0;
-  double pulse_time_s = -1;                // < 0: no pulse running
+  double pulse_time_s = -1;  // < 0: no pulse running
   double pulse_amplitude_N = 0;
-  base::Vec3 pulse_direction;              // unit, away from the wall
+  base::Vec3 pulse_direction;  // unit, away from the wall
   std::uint32_t hits = 0;
   std::uint32_t laps = 0;
   bool started = false;
+  bool touching = false;  // a wall, at the end of the last tick
+  bool away = false;      // left the start line, so that the next crossing is a lap
 };
 
 // All that changes. Fixed size, trivially copyable, deterministic: equal inputs give equal bits.
@@ -76,10 +85,10 @@ struct State {
   std::array<ContactState, kMaxContacts> contacts;
   std::array<RegionState, kMaxRegions> regions;
   VehicleState vehicle;
-  double ramp = 0;                         // 0..1 gain on contact forces
+  double ramp = 0;  // 0..1 gain on contact forces
   base::Vec3 last_force_N;
   double texture_phase = 0;
-  double far_distance_m = 0;               // motion bound: nothing can be touched before the tip moved this far
+  double far_distance_m = 0;  // motion bound: nothing can be touched before the tip moved this far
   base::Vec3 far_origin_base_m;
 };
 static_assert(std::is_trivially_copyable_v<State>);
@@ -88,28 +97,28 @@ struct Contact {
   std::uint32_t object = kNoIndex;
   std::uint32_t material = 0;
   std::uint32_t triangle = kNoIndex;
-  base::Vec3 point_base_m;                 // proxy
-  base::Vec3 normal_base;                  // unit, out of the object
-  double gap_m = 0;                        // signed: < 0 penetrating
+  base::Vec3 point_base_m;  // proxy
+  base::Vec3 normal_base;   // unit, out of the object
+  double gap_m = 0;         // signed: < 0 penetrating
   double normal_force_N = 0;
   double tangential_force_N = 0;
 };
 
 struct Output {
-  base::Vec3 force_base_N;                 // finite, <= limit, slew-limited
-  bool in_contact = false;                 // |rendered force| > contact_threshold
+  base::Vec3 force_base_N;  // finite, <= limit, slew-limited
+  bool in_contact = false;  // |rendered force| > contact_threshold
   int contact_count = 0;
   std::array<Contact, kMaxContacts> contacts;
-  double tip_normal_force_N = 0;           // sum of normal contact forces asked for, before limits: drives tip force inputs
-  bool joystick = false;                   // the scene says joystick: thumbstick is live
+  double tip_normal_force_N = 0;  // sum of normal contact forces asked for, before limits: drives tip force inputs
+  bool joystick = false;          // the scene says joystick: thumbstick is live
   double thumbstick_x = 0, thumbstick_y = 0;  // -1..1, +y away from the user (+y of B), +x right
-  bool saturated = false;                  // the limit cut the force
-  double stiffness_cut = 1;                // offered / asked stiffness of the stiffest contact
+  bool saturated = false;                     // the limit cut the force
+  double stiffness_cut = 1;                   // offered / asked stiffness of the stiffest contact
 };
 static_assert(std::is_trivially_copyable_v<Output>);
 
-// Sets `state` for a scene that has just become current: nothing touched, car at its start, ramp at zero. Keeps last_force_N,
-// so that the slew limit holds over the swap.
+// Sets `state` for a scene that has just become current: nothing touched, car at its start, ramp at zero. Keeps
+// last_force_N, so that the slew limit holds over the swap.
 void Enter(const Scene& scene, State& state) noexcept;
 
 // Force on the tool at the device point. `scene` empty: zero force (slewed down).

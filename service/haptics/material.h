@@ -20,26 +20,26 @@ struct Softness {
 // A region that can be pushed in and pulled out along its mean normal, in whole steps.
 struct Extrude {
   bool enabled = false;
-  double step_m = 0.004;        // (0, 0.02]
-  int steps_out = 1;            // >= 0: farthest step outwards
-  int steps_in = 1;             // >= 0: farthest step inwards
-  double grab_force_N = 0.5;    // press at least this ...
-  double dwell_s = 0.2;         // ... for this long to take hold of the face
+  double step_m = 0.004;      // (0, 0.02]
+  int steps_out = 1;          // >= 0: farthest step outwards
+  int steps_in = 1;           // >= 0: farthest step inwards
+  double grab_force_N = 0.5;  // press at least this ...
+  double dwell_s = 0.2;       // ... for this long to take hold of the face
 };
 
 struct Material {
-  double stiffness_N_m = 400;     // [0, 2000]
-  double damping_Ns_m = 0;        // [0, 5]
-  double static_friction = 0.5;   // [0, 2]
-  double dynamic_friction = 0.4;  // [0, static]
-  double restitution = 0;         // [0, 1]
-  double viscosity_Ns_m = 0;      // [0, 5], inside the volume
-  double texture_amplitude_m = 0; // vibrotactile texture
+  double stiffness_N_m = 400;      // [0, 2000]
+  double damping_Ns_m = 0;         // [0, 5]
+  double static_friction = 0.5;    // [0, 2]
+  double dynamic_friction = 0.4;   // [0, static]
+  double restitution = 0;          // [0, 1]
+  double viscosity_Ns_m = 0;       // [0, 5], inside the volume
+  double texture_amplitude_m = 0;  // vibrotactile texture
   double texture_wavelength_m = 0.001;
   double texture_gain = 1;
   double vibration_amplitude_N = 0;
   double vibration_frequency_Hz = 120;
-  double pop_through_N = 0;       // 0: never
+  double pop_through_N = 0;  // 0: never
   double magnet_max_force_N = 0;
   double magnet_range_m = 0.003;
   double temperature_K = 293.15;  // carried, not rendered

@@ -17,44 +17,48 @@
 
 namespace omni::haptics {
 
-inline constexpr std::uint32_t kMaxObjects = 64;           // more: BuildScene refuses, with the number
-inline constexpr std::uint32_t kMaxRegions = 16;           // extrude regions; further ones stay rigid, with a report line
+inline constexpr std::uint32_t kMaxObjects = 64;  // more: BuildScene refuses, with the number
+inline constexpr std::uint32_t kMaxRegions = 16;  // extrude regions; further ones stay rigid, with a report line
 inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene
 inline constexpr std::uint32_t kNoIndex = 0xFFFFFFFF;
 
 struct Vertex {
-  double x, y, z;           // rest position, base frame, m
-  std::uint32_t region;     // extrude region it moves with, or kNoIndex
+  double x, y, z;                // rest position, base frame, m
+  std::uint32_t region;          // extrude region it moves with, or kNoIndex
   std::uint32_t first_triangle;  // one triangle that uses it
 };
 
-// `vertex` counter-clockwise from outside; neighbour[k] is across the edge vertex[k] -> vertex[(k+1)%3], kNoIndex: border.
+// `vertex` counter-clockwise from outside; neighbour[k] is across the edge vertex[k] -> vertex[(k+1)%3], kNoIndex:
+// border.
 struct Triangle {
   std::uint32_t vertex[3];
   std::uint32_t neighbour[3];
   std::uint32_t object;
   std::uint32_t material;
+  std::uint32_t component;  // connected surface within the object, counted from 0 per object
 };
 
 struct BvhNode {
   float lower[3];
-  std::uint32_t first;      // leaf: first index into `leaf_triangles`; inner: left child (right = left + 1)
+  std::uint32_t first;  // leaf: first index into `leaf_triangles`; inner: left child (right = left + 1)
   float upper[3];
-  std::uint32_t count;      // 0: inner node
+  std::uint32_t count;  // 0: inner node
 };
 
 struct Object {
   std::uint32_t first_triangle, triangle_count;
-  std::uint32_t root;       // BVH node
-  std::uint32_t flags;      // kDoubleSided ...
+  std::uint32_t root;   // BVH node
+  std::uint32_t flags;  // kDoubleSided ...
+  std::uint32_t component_count;
   char name[48];
 };
 enum ObjectFlag : std::uint32_t { kDoubleSided = 1, kCollidable = 2, kCarWall = 4, kClosed = 8 };
 
 // Triangles of one connected extrudable face; its vertices move along `normal` by the offset kept in State.
 struct Region {
-  base::Vec3 normal;        // unit, outwards
+  base::Vec3 normal;  // unit, outwards
   base::Vec3 centroid_base_m;
+  double radius_m;  // farthest vertex from the axis through the centroid along `normal`
   std::uint32_t material;
   std::uint32_t object;
 };
@@ -66,10 +70,12 @@ struct SceneHeader {
   std::uint64_t content_hash;
   std::uint32_t vertex_count, triangle_count, node_count, leaf_count, object_count, region_count, material_count;
   std::uint32_t has_joystick, has_vehicle, reserved;
-  std::uint64_t vertices, triangles, nodes, leaf_triangles, objects, regions, materials;  // offsets from the block's start
+  std::uint64_t vertices, triangles, nodes, leaf_triangles, objects, regions,
+      materials;  // offsets from the block's start
   JoystickInput joystick;
   VehicleInput vehicle;
-  base::Vec3 lower_base_m, upper_base_m;  // bounds of all collidable objects
+  base::Vec3 lower_base_m, upper_base_m;  // bounds of all collidable objects, extrude range included
+  double magnet_range_m;                  // largest of all materials that have a magnet, 0: none
   char name[64];
 };
 
@@ -82,14 +88,18 @@ class Scene {
   // Precondition for all below: !empty().
   const SceneHeader& header() const noexcept { return *reinterpret_cast<const SceneHeader*>(block_.data()); }
   std::span<const Vertex> vertices() const noexcept { return View<Vertex>(header().vertices, header().vertex_count); }
-  std::span<const Triangle> triangles() const noexcept { return View<Triangle>(header().triangles, header().triangle_count); }
+  std::span<const Triangle> triangles() const noexcept {
+    return View<Triangle>(header().triangles, header().triangle_count);
+  }
   std::span<const BvhNode> nodes() const noexcept { return View<BvhNode>(header().nodes, header().node_count); }
   std::span<const std::uint32_t> leaf_triangles() const noexcept {
     return View<std::uint32_t>(header().leaf_triangles, header().leaf_count);
   }
   std::span<const Object> objects() const noexcept { return View<Object>(header().objects, header().object_count); }
   std::span<const Region> regions() const noexcept { return View<Region>(header().regions, header().region_count); }
-  std::span<const Material> materials() const noexcept { return View<Material>(header().materials, header().material_count); }
+  std::span<const Material> materials() const noexcept {
+    return View<Material>(header().materials, header().material_count);
+  }
   std::size_t bytes() const noexcept { return block_.size(); }
 
  private:
@@ -107,8 +117,11 @@ struct BuildReport {
   double build_ms = 0;
 };
 
-// Welds vertices, drops degenerate and non-finite triangles, orients closed objects outwards, finds neighbours and extrude
-// regions, builds the BVH. Bounds of nodes include every offset an extrude region can take.
+inline constexpr double kMaxCoordinate_m = 10;  // |x| of a vertex; farther is taken for a wrong unit
+inline constexpr int kMaxBvhDepth = 64;         // guaranteed by BuildScene, so that stacks in the tick are fixed
+
+// Welds vertices, drops degenerate and non-finite triangles, orients closed objects outwards, finds neighbours and
+// extrude regions, builds the BVH. Bounds of nodes include every offset an extrude region can take.
 base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report);
 
 }  // namespace omni::haptics

@@ -1,0 +1,156 @@
+#include "service/haptics/check_input.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "service/haptics/geometry/vec_math.h"
+#include "service/haptics/scene.h"
+
+namespace omni::haptics {
+namespace {
+
+using base::Error;
+using base::Ok;
+using base::Status;
+
+Status CheckObject(const InputObject& object, std::size_t index, std::size_t material_count) {
+  if (object.triangle_material.size() != object.triangles.size()) {
+    return Error{Where(object, index) + ": " + std::to_string(object.triangle_material.size()) + " materials for " +
+                 std::to_string(object.triangles.size()) + " triangles; give one per triangle"};
+  }
+  for (std::size_t t = 0; t < object.triangles.size(); ++t) {
+    for (const std::uint32_t v : object.triangles[t]) {
+      if (v >= object.vertices_base_m.size()) {
+        return Error{Where(object, index) + ": triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
+                     " of " + std::to_string(object.vertices_base_m.size()) + "; the index buffer is wrong"};
+      }
+    }
+    if (object.triangle_material[t] >= material_count) {
+      return Error{Where(object, index) + ": triangle " + std::to_string(t) + " uses material " +
+                   std::to_string(object.triangle_material[t]) + " of " + std::to_string(material_count) +
+                   "; the material index is out of range"};
+    }
+  }
+  for (std::size_t v = 0; v < object.vertices_base_m.size(); ++v) {
+    const Vec3& p = object.vertices_base_m[v];
+    const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && largest > kMaxCoordinate_m) {
+      return Error{Where(object, index) + ": vertex " + std::to_string(v) + " is " + Number(largest) +
+                   " m from the base, the limit is " + Number(kMaxCoordinate_m) + " m; check the unit or scale"};
+    }
+  }
+  return Ok{};
+}
+
+Status CheckJoystick(const JoystickInput& j) {
+  if (!Within(j.centre_base_m, kMaxCoordinate_m))
+    return Error{"joystick: centre_base_m is not within 10 m of the base"};
+  if (!(j.range_m > 0 && j.dead_zone_m >= 0 && j.dead_zone_m < j.range_m)) {
+    return Error{"joystick: needs 0 <= dead_zone_m < range_m, got dead_zone_m " + Number(j.dead_zone_m) + ", range_m " +
+                 Number(j.range_m)};
+  }
+  if (!(j.stiffness_N_m >= 0 && j.damping_Ns_m >= 0))
+    return Error{"joystick: stiffness_N_m and damping_Ns_m must be >= 0"};
+  return Ok{};
+}
+
+Status CheckVehicle(const VehicleInput& v) {
+  if (!Within(v.start_base_m, kMaxCoordinate_m)) return Error{"vehicle: start_base_m is not within 10 m of the base"};
+  if (!(std::abs(v.start_heading_rad) < 1e3)) return Error{"vehicle: start_heading_rad is not an angle"};
+  struct Field {
+    const char* name;
+    double value;
+  };
+  for (const Field& f : {Field{"radius_m", v.radius_m}, Field{"wheelbase_m", v.wheelbase_m},
+                         Field{"speed_max_m_s", v.speed_max_m_s}, Field{"acceleration_m_s2", v.acceleration_m_s2},
+                         Field{"hit_speed_m_s", v.hit_speed_m_s}, Field{"hit_duration_s", v.hit_duration_s}}) {
+    if (!(f.value > 0 && f.value < 1e6)) {
+      return Error{std::string("vehicle: ") + f.name + " is " + Number(f.value) + ", it must be positive"};
+    }
+  }
+  if (!(v.steer_max_rad >= 0 && v.steer_max_rad < 1.5)) {
+    return Error{"vehicle: steer_max_rad is " + Number(v.steer_max_rad) + ", it must be in [0, 1.5)"};
+  }
+  if (!(v.hit_force_N >= 0 && v.hit_force_N <= 10)) {
+    return Error{"vehicle: hit_force_N is " + Number(v.hit_force_N) + ", it must be in [0, 10]"};
+  }
+  return Ok{};
+}
+
+Status CheckMaterial(const Material& m, std::size_t index) {
+  const std::string where = "material " + std::to_string(index) + ": ";
+  struct Field {
+    const char* name;
+    double value;
+  };
+  for (const Field& f :
+       {Field{"stiffness", m.stiffness_N_m}, Field{"damping", m.damping_Ns_m},
+        Field{"staticFriction", m.static_friction}, Field{"dynamicFriction", m.dynamic_friction},
+        Field{"viscosity", m.viscosity_Ns_m}, Field{"popThrough", m.pop_through_N},
+        Field{"magnet.maxForce", m.magnet_max_force_N}, Field{"magnet.range", m.magnet_range_m},
+        Field{"softness.youngModulus", m.softness.young_modulus_Pa},
+        Field{"softness.thickness", m.softness.thickness_m}, Field{"softness.maxDepth", m.softness.max_depth_m}}) {
+    if (!(f.value >= 0 && f.value <= 1e12))
+      return Error{where + f.name + " is " + Number(f.value) + ", it must be >= 0"};
+  }
+  const Extrude& e = m.extrude;
+  if (!e.enabled) return Ok{};
+  if (!(e.step_m > 0 && e.step_m <= 0.02)) {
+    return Error{where + "extrude.step is " + Number(e.step_m) + " m, it must be in (0, 0.02]"};
+  }
+  if (!(e.steps_out >= 0 && e.steps_out <= 100 && e.steps_in >= 0 && e.steps_in <= 100)) {
+    return Error{where + "extrude.stepsOut and extrude.stepsIn must be in [0, 100]"};
+  }
+  if (!(e.grab_force_N > 0 && e.dwell_s >= 0)) {
+    return Error{where + "extrude.grabForce must be positive and extrude.dwell >= 0"};
+  }
+  return Ok{};
+}
+
+}  // namespace
+
+base::Status CheckInput(const SceneInput& input) {
+  if (input.joystick) {
+    const Status checked = CheckJoystick(*input.joystick);
+    if (!checked.ok()) return checked;
+  }
+  if (input.vehicle) {
+    const Status checked = CheckVehicle(*input.vehicle);
+    if (!checked.ok()) return checked;
+  }
+  if (input.materials.empty()) return Error{"scene \"" + input.name + "\": no materials; give at least one"};
+  if (input.objects.size() > kMaxObjects) {
+    return Error{"scene \"" + input.name + "\": " + std::to_string(input.objects.size()) + " objects, the limit is " +
+                 std::to_string(kMaxObjects) + "; join meshes or tag fewer nodes"};
+  }
+  std::size_t triangles = 0;
+  for (const InputObject& object : input.objects) triangles += object.triangles.size();
+  if (triangles > kMaxTriangles) {
+    return Error{"scene \"" + input.name + "\": " + std::to_string(triangles) + " triangles, the limit is " +
+                 std::to_string(kMaxTriangles) + "; simplify the mesh"};
+  }
+  if (triangles == 0) {
+    return Error{"scene \"" + input.name + "\": no triangles; tag at least one node that has a mesh"};
+  }
+  for (std::size_t i = 0; i < input.materials.size(); ++i) {
+    const Status checked = CheckMaterial(input.materials[i], i);
+    if (!checked.ok()) return checked;
+  }
+  for (std::size_t i = 0; i < input.objects.size(); ++i) {
+    const Status checked = CheckObject(input.objects[i], i, input.materials.size());
+    if (!checked.ok()) return checked;
+  }
+  return Ok{};
+}
+
+std::string Number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+std::string Where(const InputObject& object, std::size_t index) {
+  return "object " + std::to_string(index) + " \"" + object.name + "\"";
+}
+
+}  // namespace omni::haptics

@@ -1,0 +1,20 @@
+// Refuses what cannot be built, with words that say what to change. Set-up only.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "service/base/result.h"
+#include "service/haptics/scene_input.h"
+
+namespace omni::haptics {
+
+base::Status CheckInput(const SceneInput& input);
+
+// Six digits; for messages.
+std::string Number(double x);
+
+// "object 3 "wall"".
+std::string Where(const InputObject& object, std::size_t index);
+
+}  // namespace omni::haptics

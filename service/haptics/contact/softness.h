@@ -1,0 +1,20 @@
+// Soft surface: an elastic layer in series with the offered stiffness, with one relaxing term.
+// docs/theory/haptics.md, section 4.
+#pragma once
+
+#include "service/haptics/haptics.h"
+
+namespace omni::haptics {
+
+inline constexpr double kIndenterRadius_m = 0.003;  // of the pen's tip
+inline constexpr double kRelaxingShare = 0.3;       // instantaneous over long-term modulus, minus one
+
+// Normal force of the whole contact at `depth_m`, without damping. Monotone in depth, slope at most `stiffness_N_m`.
+// `softness.model` kNone: stiffness * depth. kTet is rendered as kWinkler by this version.
+double ElasticForce(const Softness& softness, double stiffness_N_m, double depth_m) noexcept;
+
+// Adds the relaxing part; updates contact.elastic_N and contact.relaxation_N.
+double SoftForce(const Softness& softness, double stiffness_N_m, double depth_m, double dt_s,
+                 ContactState& contact) noexcept;
+
+}  // namespace omni::haptics

@@ -1,0 +1,185 @@
+#include "service/haptics/geometry/mesh_repair.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "service/haptics/scene.h"
+
+namespace omni::haptics {
+namespace {
+
+std::uint64_t Mix(std::uint64_t h) {
+  h ^= h >> 33;
+  h *= 0xff51afd7ed558ccdULL;
+  h ^= h >> 33;
+  h *= 0xc4ceb9fe1a85ec53ULL;
+  return h ^ (h >> 33);
+}
+
+std::uint64_t Hash3(std::uint64_t a, std::uint64_t b, std::uint64_t c) { return Mix(a + Mix(b + Mix(c))); }
+
+bool IsFinite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// Buckets of indices chained by `next`; a power of two of them.
+class Buckets {
+ public:
+  explicit Buckets(std::size_t expected) : heads_(std::bit_ceil(expected + 1) * 2, kNoIndex) {}
+  std::uint32_t& Head(std::uint64_t hash) { return heads_[hash & (heads_.size() - 1)]; }
+
+ private:
+  std::vector<std::uint32_t> heads_;
+};
+
+// Vertices within `tolerance_m` of an earlier kept one become that one. Cells are much larger than the tolerance, so
+// that a vertex mostly has to look into its own cell only.
+class Welder {
+ public:
+  Welder(double tolerance_m, std::size_t expected)
+      : tolerance_m_(tolerance_m), cell_m_(64 * tolerance_m), buckets_(expected) {}
+
+  std::uint32_t Add(const Vec3& p) {
+    std::array<std::array<std::int64_t, 2>, 3> range{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = k == 0 ? p.x : (k == 1 ? p.y : p.z);
+      range[k] = {Cell(x - tolerance_m_), Cell(x + tolerance_m_)};
+    }
+    for (std::int64_t i = range[0][0]; i <= range[0][1]; ++i) {
+      for (std::int64_t j = range[1][0]; j <= range[1][1]; ++j) {
+        for (std::int64_t k = range[2][0]; k <= range[2][1]; ++k) {
+          const std::uint32_t found = FindIn(HashCell(i, j, k), p);
+          if (found != kNoIndex) return found;
+        }
+      }
+    }
+    const auto index = static_cast<std::uint32_t>(kept.size());
+    std::uint32_t& head = buckets_.Head(HashCell(Cell(p.x), Cell(p.y), Cell(p.z)));
+    kept.push_back(p);
+    next_.push_back(head);
+    head = index;
+    return index;
+  }
+
+  std::vector<Vec3> kept;
+
+ private:
+  static constexpr int kMaxChain = 256;  // a crowd in one cell (one far outlier) must not make the build quadratic
+
+  std::int64_t Cell(double x) const { return static_cast<std::int64_t>(std::floor(x / cell_m_)); }
+  static std::uint64_t HashCell(std::int64_t i, std::int64_t j, std::int64_t k) {
+    return Hash3(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j), static_cast<std::uint64_t>(k));
+  }
+  std::uint32_t FindIn(std::uint64_t hash, const Vec3& p) {
+    int left = kMaxChain;
+    for (std::uint32_t i = buckets_.Head(hash); i != kNoIndex && --left > 0; i = next_[i]) {
+      if (SquaredNorm(kept[i] - p) <= tolerance_m_ * tolerance_m_) return i;
+    }
+    return kNoIndex;
+  }
+
+  double tolerance_m_, cell_m_;
+  Buckets buckets_;
+  std::vector<std::uint32_t> next_;
+};
+
+double LargestExtent(const std::vector<Vec3>& vertices) {
+  Vec3 lower{1e30, 1e30, 1e30}, upper{-1e30, -1e30, -1e30};
+  for (const Vec3& v : vertices) {
+    if (!IsFinite(v)) continue;
+    lower = Min(lower, v);
+    upper = Max(upper, v);
+  }
+  const Vec3 d = upper - lower;
+  return std::max({d.x, d.y, d.z, 1e-9});
+}
+
+// Old index -> new index; kNoIndex where not finite. Files repeat vertices exactly: a cheap look-up of those first
+// would save nothing measurable, because the cell look-up is one bucket.
+std::vector<std::uint32_t> Weld(const std::vector<Vec3>& vertices, std::vector<Vec3>& kept, RepairCounts& counts) {
+  Welder welder(kWeldRelative * LargestExtent(vertices), vertices.size());
+  std::vector<std::uint32_t> map(vertices.size(), kNoIndex);
+  std::uint32_t finite = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (!IsFinite(vertices[i])) continue;
+    map[i] = welder.Add(vertices[i] + Vec3{});  // -0 + 0 = +0: one zero
+    ++finite;
+  }
+  counts.welded_vertices += finite - static_cast<std::uint32_t>(welder.kept.size());
+  kept = std::move(welder.kept);
+  return map;
+}
+
+// |2 A| <= 1e-12 longest edge^2: no direction can be computed from it.
+bool HasNoArea(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+  const Vec3 ab = mesh.vertices[t[1]] - mesh.vertices[t[0]];
+  const Vec3 ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+  const double longest = std::max({SquaredNorm(ab), SquaredNorm(ac), SquaredNorm(ac - ab)});
+  return !(Norm(Cross(ab, ac)) > 1e-12 * longest);
+}
+
+// Finds triangles with the same three vertices, in whatever order.
+class DuplicateFinder {
+ public:
+  explicit DuplicateFinder(std::size_t expected) : buckets_(expected) {}
+
+  bool Seen(const Mesh& mesh, std::array<std::uint32_t, 3> t) {
+    std::sort(t.begin(), t.end());
+    std::uint32_t& head = buckets_.Head(Hash3(t[0], t[1], t[2]));
+    for (std::uint32_t i = head; i != kNoIndex; i = next_[i]) {
+      std::array<std::uint32_t, 3> other = mesh.triangles[i];
+      std::sort(other.begin(), other.end());
+      if (other == t) return true;
+    }
+    next_.push_back(head);
+    head = static_cast<std::uint32_t>(mesh.triangles.size());
+    return false;
+  }
+
+ private:
+  Buckets buckets_;
+  std::vector<std::uint32_t> next_;
+};
+
+void DropUnusedVertices(Mesh& mesh) {
+  std::vector<std::uint32_t> map(mesh.vertices.size(), kNoIndex);
+  std::vector<Vec3> used;
+  used.reserve(mesh.vertices.size());
+  for (auto& t : mesh.triangles) {
+    for (std::uint32_t& v : t) {
+      if (map[v] == kNoIndex) {
+        map[v] = static_cast<std::uint32_t>(used.size());
+        used.push_back(mesh.vertices[v]);
+      }
+      v = map[v];
+    }
+  }
+  mesh.vertices = std::move(used);
+}
+
+}  // namespace
+
+Mesh RepairMesh(const InputObject& input, RepairCounts& counts) {
+  Mesh mesh;
+  const std::vector<std::uint32_t> map = Weld(input.vertices_base_m, mesh.vertices, counts);
+  mesh.triangles.reserve(input.triangles.size());
+  mesh.material.reserve(input.triangles.size());
+  DuplicateFinder duplicates(input.triangles.size());
+  for (std::size_t i = 0; i < input.triangles.size(); ++i) {
+    const auto& old = input.triangles[i];
+    const std::array<std::uint32_t, 3> t{map[old[0]], map[old[1]], map[old[2]]};
+    if (t[0] == kNoIndex || t[1] == kNoIndex || t[2] == kNoIndex) {
+      ++counts.not_finite;
+    } else if (HasNoArea(mesh, t)) {
+      ++counts.degenerate;
+    } else if (duplicates.Seen(mesh, t)) {
+      ++counts.duplicate;
+    } else {
+      mesh.triangles.push_back(t);
+      mesh.material.push_back(input.triangle_material[i]);
+    }
+  }
+  DropUnusedVertices(mesh);
+  return mesh;
+}
+
+}  // namespace omni::haptics

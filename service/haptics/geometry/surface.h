@@ -1,0 +1,54 @@
+// The surface as it is now: the rest mesh plus the offsets of its extrude regions. Every reader of vertices in the tick
+// goes through here, so that what deforms the surface is known in one place.
+#pragma once
+
+#include <array>
+
+#include "service/haptics/geometry/triangle_math.h"
+#include "service/haptics/haptics.h"
+
+namespace omni::haptics {
+
+class Surface {
+ public:
+  // Precondition: !scene.empty(); scene outlives the view.
+  Surface(const Scene& scene, const std::array<RegionState, kMaxRegions>& states) noexcept
+      : vertices_(scene.vertices().data()),
+        triangles_(scene.triangles().data()),
+        nodes_(scene.nodes().data()),
+        leaf_triangles_(scene.leaf_triangles().data()) {
+    const auto regions = scene.regions();
+    for (std::size_t r = 0; r < regions.size() && r < kMaxRegions; ++r) {
+      displacement_[r] = states[r].offset_m * regions[r].normal;
+    }
+  }
+
+  Vec3 VertexPosition(std::uint32_t index) const noexcept {
+    const Vertex& v = vertices_[index];
+    const Vec3 rest{v.x, v.y, v.z};
+    return v.region == kNoIndex ? rest : rest + displacement_[v.region];
+  }
+  Corners TriangleCorners(std::uint32_t index) const noexcept {
+    const Triangle& t = triangles_[index];
+    return {VertexPosition(t.vertex[0]), VertexPosition(t.vertex[1]), VertexPosition(t.vertex[2])};
+  }
+  const Triangle& GetTriangle(std::uint32_t index) const noexcept { return triangles_[index]; }
+  const BvhNode& Node(std::uint32_t index) const noexcept { return nodes_[index]; }
+  std::uint32_t LeafTriangle(std::uint32_t index) const noexcept { return leaf_triangles_[index]; }
+
+  // Region that all three corners move with, else kNoIndex.
+  std::uint32_t RegionOf(std::uint32_t triangle) const noexcept {
+    const Triangle& t = triangles_[triangle];
+    const std::uint32_t region = vertices_[t.vertex[0]].region;
+    return vertices_[t.vertex[1]].region == region && vertices_[t.vertex[2]].region == region ? region : kNoIndex;
+  }
+
+ private:
+  const Vertex* vertices_;
+  const Triangle* triangles_;
+  const BvhNode* nodes_;
+  const std::uint32_t* leaf_triangles_;
+  std::array<Vec3, kMaxRegions> displacement_{};
+};
+
+}  // namespace omni::haptics

@@ -1,0 +1,131 @@
+#include "service/haptics/scene_block.h"
+
+#include <cstring>
+#include <span>
+
+namespace omni::haptics {
+namespace {
+
+// FNV-1a over 64-bit words instead of bytes, folded at the end: fast enough for 100 MB blocks.
+class Hasher {
+ public:
+  void Add(std::uint64_t word) { state_ = (state_ ^ word) * 0x100000001b3ULL ^ (state_ >> 29); }
+  void Add(double x) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, &x, sizeof word);
+    Add(word);
+  }
+  void Add(std::span<const std::byte> bytes) {
+    std::size_t i = 0;
+    for (; i + 8 <= bytes.size(); i += 8) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, bytes.data() + i, 8);
+      Add(word);
+    }
+    for (; i < bytes.size(); ++i) Add(static_cast<std::uint64_t>(bytes[i]));
+  }
+  std::uint64_t Finish() const { return state_ ^ (state_ >> 32); }
+
+ private:
+  std::uint64_t state_ = 0xcbf29ce484222325ULL;
+};
+
+// By member: a Material has padding, whose bits mean nothing.
+void Add(Hasher& h, const Material& m) {
+  for (const double x : {m.stiffness_N_m,
+                         m.damping_Ns_m,
+                         m.static_friction,
+                         m.dynamic_friction,
+                         m.restitution,
+                         m.viscosity_Ns_m,
+                         m.texture_amplitude_m,
+                         m.texture_wavelength_m,
+                         m.texture_gain,
+                         m.vibration_amplitude_N,
+                         m.vibration_frequency_Hz,
+                         m.pop_through_N,
+                         m.magnet_max_force_N,
+                         m.magnet_range_m,
+                         m.temperature_K,
+                         m.softness.young_modulus_Pa,
+                         m.softness.poisson_ratio,
+                         m.softness.thickness_m,
+                         m.softness.max_depth_m,
+                         m.softness.relaxation_time_s,
+                         m.extrude.step_m,
+                         m.extrude.grab_force_N,
+                         m.extrude.dwell_s}) {
+    h.Add(x);
+  }
+  h.Add(static_cast<std::uint64_t>(m.softness.model));
+  h.Add(std::uint64_t{m.extrude.enabled});
+  h.Add(static_cast<std::uint64_t>(m.extrude.steps_out));
+  h.Add(static_cast<std::uint64_t>(m.extrude.steps_in));
+}
+
+class Writer {
+ public:
+  explicit Writer(std::size_t bytes) : block_(bytes) {}
+
+  template <class T>
+  static constexpr std::size_t Aligned(std::size_t count) {
+    return (count * sizeof(T) + 15) / 16 * 16;
+  }
+  template <class T>
+  std::uint64_t Put(const std::vector<T>& values) {
+    const std::size_t offset = used_;
+    if (!values.empty()) std::memcpy(block_.data() + offset, values.data(), values.size() * sizeof(T));
+    used_ += Aligned<T>(values.size());
+    return offset;
+  }
+  void Skip(std::size_t bytes) { used_ += bytes; }
+  std::vector<std::byte> Take() { return std::move(block_); }
+  std::span<const std::byte> From(std::size_t offset) const { return std::span(block_).subspan(offset); }
+  void PutHeader(const SceneHeader& header) { std::memcpy(block_.data(), &header, sizeof header); }
+
+ private:
+  std::vector<std::byte> block_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace
+
+Scene MakeScene(const SceneParts& parts) {
+  const std::size_t header_bytes = Writer::Aligned<SceneHeader>(1);
+  const std::size_t bytes =
+      header_bytes + Writer::Aligned<Material>(parts.materials.size()) +
+      Writer::Aligned<Vertex>(parts.vertices.size()) + Writer::Aligned<Triangle>(parts.triangles.size()) +
+      Writer::Aligned<BvhNode>(parts.nodes.size()) + Writer::Aligned<std::uint32_t>(parts.leaf_triangles.size()) +
+      Writer::Aligned<Object>(parts.objects.size()) + Writer::Aligned<Region>(parts.regions.size());
+  Writer writer(bytes);
+  SceneHeader header = parts.header;
+  header.magic = kSceneMagic;
+  header.version = kSceneVersion;
+  header.bytes = bytes;
+  header.content_hash = 0;
+  header.vertex_count = static_cast<std::uint32_t>(parts.vertices.size());
+  header.triangle_count = static_cast<std::uint32_t>(parts.triangles.size());
+  header.node_count = static_cast<std::uint32_t>(parts.nodes.size());
+  header.leaf_count = static_cast<std::uint32_t>(parts.leaf_triangles.size());
+  header.object_count = static_cast<std::uint32_t>(parts.objects.size());
+  header.region_count = static_cast<std::uint32_t>(parts.regions.size());
+  header.material_count = static_cast<std::uint32_t>(parts.materials.size());
+  writer.Skip(header_bytes);
+  header.materials = writer.Put(parts.materials);
+  header.vertices = writer.Put(parts.vertices);
+  header.triangles = writer.Put(parts.triangles);
+  header.nodes = writer.Put(parts.nodes);
+  header.leaf_triangles = writer.Put(parts.leaf_triangles);
+  header.objects = writer.Put(parts.objects);
+  header.regions = writer.Put(parts.regions);
+  Hasher hasher;
+  writer.PutHeader(header);
+  hasher.Add(writer.From(0).first(sizeof header));
+  for (const Material& m : parts.materials) Add(hasher, m);
+  hasher.Add(writer.From(header.vertices));
+  header.content_hash = hasher.Finish();
+  writer.PutHeader(header);
+  return Scene(writer.Take());
+}
+
+}  // namespace omni::haptics

@@ -1,0 +1,27 @@
+// Lays the parts of a scene out as one relocatable block. Set-up only.
+#pragma once
+
+#include <vector>
+
+#include "service/haptics/scene.h"
+
+namespace omni::haptics {
+
+inline constexpr std::uint32_t kSceneMagic = 0x31534D4F;  // "OMS1"
+inline constexpr std::uint32_t kSceneVersion = 2;
+
+struct SceneParts {
+  SceneHeader header{};
+  std::vector<Vertex> vertices;
+  std::vector<Triangle> triangles;
+  std::vector<BvhNode> nodes;
+  std::vector<std::uint32_t> leaf_triangles;
+  std::vector<Object> objects;
+  std::vector<Region> regions;
+  std::vector<Material> materials;
+};
+
+// Fills in counts, offsets and the content hash; equal parts give equal hashes.
+Scene MakeScene(const SceneParts& parts);
+
+}  // namespace omni::haptics

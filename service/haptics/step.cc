@@ -1,0 +1,201 @@
+// Enter and Step: the order of a tick.
+#include "service/base/force_limit.h"
+#include "service/haptics/contact/contact_force.h"
+#include "service/haptics/contact/contact_set.h"
+#include "service/haptics/contact/effects.h"
+#include "service/haptics/extrude/extrude.h"
+#include "service/haptics/geometry/query.h"
+#include "service/haptics/geometry/topology.h"
+#include "service/haptics/haptics.h"
+#include "service/haptics/stability.h"
+#include "service/haptics/vehicle/car.h"
+
+namespace omni::haptics {
+namespace {
+
+constexpr double kFarthestTip_m = 100;  // a tip beyond is not a measurement
+constexpr double kFastestTip_m_s = 1e3;
+constexpr double kLongestTick_s = 5e-3;
+
+// The same input with what cannot be used taken out.
+Input Cleaned(const Input& input) noexcept {
+  Input clean = input;
+  clean.dt_s = input.dt_s >= 0 ? std::min(input.dt_s, kLongestTick_s) : 0;
+  clean.tracked = input.tracked && Within(input.device_point_base_m, kFarthestTip_m);
+  if (!clean.tracked) clean.device_point_base_m = {};
+  if (!Within(input.velocity_base_m_s, kFastestTip_m_s)) clean.velocity_base_m_s = {};
+  return clean;
+}
+
+bool AnyContact(const State& state) noexcept {
+  return std::any_of(state.contacts.begin(), state.contacts.end(), [](const ContactState& c) { return c.active; });
+}
+
+bool RegionsRest(const Scene& scene, const State& state) noexcept {
+  for (std::size_t r = 0; r < scene.regions().size(); ++r) {
+    if (state.regions[r].phase != ExtrudePhase::kFree || state.regions[r].offset_m != state.regions[r].last_offset_m) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Motion bound: the tip is still within a ball in which there is nothing to touch   (2.4)
+bool StillFar(const Scene& scene, const Vec3& tip, const State& state) noexcept {
+  return state.was_tracked && Norm(tip - state.far_origin_base_m) < state.far_distance_m && RegionsRest(scene, state);
+}
+
+// Distance to what can be touched. Renews the motion bound and returns the pull of a magnetic surface.
+Vec3 LookAround(const Scene& scene, const Surface& surface, const Vec3& tip, double stiffness_limit_N_m,
+                State& state) noexcept {
+  constexpr double kNowhere_m = 1e3;
+  constexpr double kMargin_m = 2e-6;  // longer than sweeps are back-dated
+  double distance_m = kNowhere_m;
+  NearestResult nearest;
+  for (const Object& object : scene.objects()) {
+    if ((object.flags & kCollidable) == 0 || !(BoxDistance(surface.Node(object.root), tip) < distance_m)) continue;
+    const NearestResult found = NearestPoint(surface, object, tip, distance_m);
+    if (found.triangle == kNoIndex) continue;
+    nearest = found;
+    distance_m = std::sqrt(found.closest.distance_squared);
+  }
+  state.far_origin_base_m = tip;
+  state.far_distance_m = std::max(0.0, distance_m - scene.header().magnet_range_m - kMargin_m);
+  if (nearest.triangle == kNoIndex || !(distance_m < scene.header().magnet_range_m)) return {};
+  const Material& m = scene.materials()[surface.GetTriangle(nearest.triangle).material];
+  const double pull_N = MagnetEffect{m.magnet_max_force_N, m.magnet_range_m}.ForceOn(distance_m, stiffness_limit_N_m);
+  return pull_N * Normalized(nearest.closest.point - tip);
+}
+
+// Sums up what the contacts ask for and reports them.
+Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Output& output) noexcept {
+  Vec3 sum;
+  double stiffest_N_m = 0;
+  for (std::size_t k = 0; k < kMaxContacts; ++k) {
+    if (!state.contacts[k].active || state.contacts[k].popped) continue;
+    const ContactForce& force = forces.of[k];
+    sum = sum + force.force_N;
+    output.contacts[static_cast<std::size_t>(output.contact_count++)] = force.report;
+    output.tip_normal_force_N += ramp * force.report.normal_force_N;
+    if (force.asked_stiffness_N_m > stiffest_N_m) {
+      stiffest_N_m = force.asked_stiffness_N_m;
+      output.stiffness_cut = force.stiffness_cut;
+    }
+  }
+  return sum;
+}
+
+// The tip's contact forces, and what they do to extrudable faces.
+Vec3 Touch(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
+  const double limit_N_m = StiffnessLimit(config, input.position_sigma_m);
+  const Vec3 tip = input.device_point_base_m;
+  const Surface surface(scene, state.regions);
+  std::array<RegionTouch, kMaxRegions> touches{};
+  Vec3 sum;
+  if (input.tracked && !StillFar(scene, tip, state)) {
+    std::array<Vec3, kMaxContacts> last_proxy;
+    std::array<bool, kMaxContacts> was_active{};
+    for (std::size_t k = 0; k < kMaxContacts; ++k) {
+      last_proxy[k] = state.contacts[k].proxy_base_m;
+      was_active[k] = state.contacts[k].active;
+    }
+    if (state.was_tracked) {
+      UpdateContacts(scene, surface, tip, state);
+    } else {
+      StartContacts(scene, surface, tip, state);
+    }
+    for (std::size_t k = 0; k < kMaxContacts; ++k) {
+      if (!was_active[k]) last_proxy[k] = state.contacts[k].proxy_base_m;
+    }
+    const ContactForces forces = ForcesOf(config, scene, surface, input, last_proxy, state);
+    sum = Collect(forces, state.ramp, state, output);
+    for (std::size_t k = 0; k < kMaxContacts; ++k) {
+      if (!state.contacts[k].active || state.contacts[k].popped) continue;
+      const std::uint32_t region = surface.RegionOf(state.contacts[k].triangle);
+      if (region != kNoIndex) touches[region] = {forces.of[k].elastic_N, forces.of[k].depth_m};
+    }
+    state.far_distance_m = 0;
+    if (!AnyContact(state)) sum = sum + LookAround(scene, surface, tip, limit_N_m, state);
+  }
+  const auto regions = scene.regions();
+  const ExtrudeInput extrude{input.tracked, tip, input.velocity_base_m_s, input.dt_s, limit_N_m};
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    sum = sum +
+          StepRegion(regions[r], scene.materials()[regions[r].material].extrude, touches[r], extrude, state.regions[r]);
+  }
+  return sum;
+}
+
+// Joystick and car.
+Vec3 Play(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
+  const SceneHeader& header = scene.header();
+  Vec3 sum;
+  Thumbstick stick;
+  if (header.has_joystick != 0 && input.tracked) {
+    stick = JoystickDeflection(header.joystick, input.device_point_base_m);
+    sum = JoystickForce(header.joystick, config, input);
+    output.tip_normal_force_N += state.ramp * std::max(0.0, sum.z);  // pushing the stick down is a press
+    output.joystick = true;
+    output.thumbstick_x = stick.x;
+    output.thumbstick_y = stick.y;
+  }
+  if (header.has_vehicle != 0) {
+    if (!state.vehicle.started) StartCar(header.vehicle, state.vehicle);
+    DriveCar(header.vehicle, scene, Surface(scene, state.regions), stick, input.dt_s, state.vehicle);
+    sum = sum + PulseForce(header.vehicle, input.dt_s, state.vehicle);
+  }
+  return sum;
+}
+
+// Vector scaling to what the device can do, then the slew limit. Where the limit itself falls faster than the slew, the
+// limit wins; where nothing is known about it (no pose), the force fades out under the slew.   (10.1), (10.2)
+void Limit(const Config& config, const Input& input, const Vec3& wanted_N, State& state, Output& output) noexcept {
+  const bool known = input.tracked && input.limit.valid;
+  const double scale = known ? base::FeasibleScale(input.limit, wanted_N) : 0;
+  output.saturated = known && scale < 1;
+  const Vec3 target_N = scale > 0 ? scale * wanted_N : Vec3{};
+  const Vec3 change_N = target_N - state.last_force_N;
+  const double most_N = std::max(0.0, config.force_slew_N_s) * input.dt_s;
+  const double size_N = Norm(change_N);
+  Vec3 force_N = size_N > most_N ? state.last_force_N + (most_N / size_N) * change_N : target_N;
+  if (known) {
+    const double again = base::FeasibleScale(input.limit, force_N);
+    if (again < 1) force_N = again * force_N;
+  }
+  if (!Within(force_N, 1e3)) force_N = {};
+  state.last_force_N = force_N;
+  output.force_base_N = force_N;
+  output.in_contact = Norm(force_N) > config.contact_threshold_N;
+}
+
+}  // namespace
+
+void Enter(const Scene& scene, State& state) noexcept {
+  const Vec3 last_force_N = state.last_force_N;
+  state = {};
+  state.last_force_N = last_force_N;
+  if (!scene.empty() && scene.header().has_vehicle != 0) StartCar(scene.header().vehicle, state.vehicle);
+}
+
+void Step(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
+  output = {};
+  const Input clean = Cleaned(input);
+  if (!clean.tracked || !state.was_tracked) {
+    state.ramp = config.ramp_s > 0 ? 0 : 1;
+    state.far_distance_m = 0;
+    state.contacts.fill({});
+  }
+  Vec3 wanted_N;
+  if (!scene.empty()) {
+    wanted_N = Touch(config, scene, clean, state, output);
+    wanted_N = wanted_N + Play(config, scene, clean, state, output);
+  }
+  Limit(config, clean, clean.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
+  if (clean.tracked) {
+    state.ramp = config.ramp_s > 0 ? std::min(1.0, state.ramp + clean.dt_s / config.ramp_s) : 1;
+  }
+  state.was_tracked = clean.tracked;
+  state.last_device_point_base_m = clean.device_point_base_m;
+}
+
+}  // namespace omni::haptics
