@@ -1,7 +1,9 @@
-// manifests/apps.d/*.toml: which scene an OpenXR application gets, and with what options. User files in
-// $XDG_CONFIG_HOME/omni/apps.d come first and win; files are read in name order; the first glob that matches wins.
+// manifests/apps.d/*.toml: which scene an OpenXR application gets, and with what options. One file, one entry. User
+// files in $XDG_CONFIG_HOME/omni/apps.d come first and win; files are read in name order; the first glob that matches
+// wins.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,17 +13,19 @@
 
 namespace omni::config {
 
+inline constexpr std::size_t kMaxAppFiles = 256;  // of one folder; further ones are skipped, with a problem
+
 enum class Placement { kAsAuthored, kFit };  // kFit: scaled and moved into reach of the device
 
 struct AppEntry {
-  std::string file;               // where it came from, for messages
-  std::string application_glob;   // fnmatch pattern on XrApplicationInfo::applicationName
-  std::string scene;              // absolute path after loading (relative paths are relative to the scenes folder)
+  std::string file;              // where it came from, for messages
+  std::string application_glob;  // fnmatch pattern on XrApplicationInfo::applicationName
+  std::string scene;             // absolute path after loading (relative paths are relative to the scenes folder)
   Placement placement = Placement::kAsAuthored;
   base::Vec3 offset_base_m;
   double scale = 1;
-  double force_scale = 1;         // [0, 1]
-  std::string hand = "right";     // "right" or "left"
+  double force_scale = 1;      // [0, 1]
+  std::string hand = "right";  // "right" or "left"
 };
 
 struct AppTable {
@@ -31,6 +35,9 @@ struct AppTable {
 
 // Folders in order of precedence. Missing folders are fine.
 AppTable LoadAppTable(const std::vector<std::string>& folders, const std::string& scenes_folder);
+
+// One file's text; `file` names it in messages.
+base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& file, const std::string& scenes_folder);
 
 // Null: no entry matches.
 const AppEntry* FindApp(const AppTable& table, const std::string& application);

@@ -10,6 +10,9 @@ namespace omni::config {
 
 base::Result<base::DeviceGeometry> LoadDeviceFile(const std::string& path);
 
+// `name` stands for the file in messages.
+base::Result<base::DeviceGeometry> ParseDevice(const std::string& text, const std::string& name);
+
 // The geometry built into the binary: the same numbers as manifests/device/omni.toml (embedded at build).
 const base::DeviceGeometry& DefaultDevice();
 

@@ -1,0 +1,89 @@
+#include "service/config/app_file.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "service/config/text_file.h"
+#include "service/config/toml_reader.h"
+
+namespace omni::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxGlobBytes = 127;  // an OpenXR application name has at most 127
+constexpr std::size_t kMaxPathBytes = 1024;
+constexpr Range kOffset_m{-0.2, 0.2};
+constexpr Range kScale{1e-4, 1e4};
+constexpr Range kForceScale{0, 1};
+constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
+constexpr std::string_view kHands[] = {"right", "left"};
+
+// The *.toml files of a folder in name order; a folder that is not there has none.
+std::vector<std::string> TomlFiles(const std::string& folder, std::vector<std::string>& problems) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().extension() == ".toml") files.push_back(at->path().string());
+  }
+  if (error && error != std::errc::no_such_file_or_directory) {
+    problems.push_back(folder + ": cannot be listed (" + error.message() + "); check its permissions");
+  }
+  std::sort(files.begin(), files.end());
+  if (files.size() > kMaxAppFiles) {
+    problems.push_back(folder + ": has " + std::to_string(files.size()) + " files, the limit is " +
+                       std::to_string(kMaxAppFiles) + "; skipped from " + files[kMaxAppFiles] + " on");
+    files.resize(kMaxAppFiles);
+  }
+  return files;
+}
+
+}  // namespace
+
+base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& file,
+                                    const std::string& scenes_folder) {
+  const base::Result<toml::table> parsed = ParseToml(text, file);
+  if (!parsed.ok()) return base::Error{parsed.error()};
+  FileProblem problem(file);
+  TableReader reader(problem, *parsed, "");
+  AppEntry entry;
+  entry.file = file;
+  entry.application_glob = reader.Text("application", kMaxGlobBytes);
+  entry.scene = (fs::path(scenes_folder) / reader.Text("scene", kMaxPathBytes)).lexically_normal().string();
+  entry.placement =
+      reader.Choice("placement", kPlacements, "as_authored") == "fit" ? Placement::kFit : Placement::kAsAuthored;
+  entry.offset_base_m = reader.Vector("offset_base_m", kOffset_m, base::Vec3{});
+  entry.scale = reader.Number("scale", kScale, 1.0);
+  entry.force_scale = reader.Number("force_scale", kForceScale, 1.0);
+  entry.hand = reader.Choice("hand", kHands, "right");
+  reader.Finish();
+  if (!problem.ok()) return base::Error{problem.message()};
+  return entry;
+}
+
+AppTable LoadAppTable(const std::vector<std::string>& folders, const std::string& scenes_folder) {
+  AppTable table;
+  for (const std::string& folder : folders) {
+    for (const std::string& file : TomlFiles(folder, table.problems)) {
+      const base::Result<std::string> text = ReadTextFile(file);
+      base::Result<AppEntry> entry = text.ok() ? ParseAppFile(*text, file, scenes_folder) : base::Error{text.error()};
+      if (entry.ok()) {
+        table.entries.push_back(std::move(*entry));
+      } else {
+        table.problems.push_back(entry.error());
+      }
+    }
+  }
+  return table;
+}
+
+const AppEntry* FindApp(const AppTable& table, const std::string& application) {
+  const auto found = std::find_if(table.entries.begin(), table.entries.end(), [&](const AppEntry& entry) {
+    return ::fnmatch(entry.application_glob.c_str(), application.c_str(), 0) == 0;
+  });
+  return found == table.entries.end() ? nullptr : &*found;
+}
+
+}  // namespace omni::config

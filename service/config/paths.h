@@ -1,0 +1,21 @@
+// Where Omni's own files and the user's settings lie.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace omni::config {
+
+// $OMNI_DATA_DIR, else <folder of this program>/../share/omni if it exists, else /usr/share/omni.
+std::string DataFolder();
+
+// DataFolder()/scenes: what relative scene names in apps.d are relative to.
+std::string ScenesFolder();
+
+// The user's folder of application files: $XDG_CONFIG_HOME/omni/apps.d, else ~/.config/omni/apps.d; empty: no home.
+std::string UserAppFolder();
+
+// Folders of application files in order of precedence: the user's, then ours.
+std::vector<std::string> AppFolders();
+
+}  // namespace omni::config

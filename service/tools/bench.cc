@@ -1,0 +1,111 @@
+#include "service/tools/bench.h"
+
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+
+#include "service/tools/commands.h"
+
+namespace omni::tools {
+namespace {
+
+struct Bench {
+  const char* name;
+  const char* about;
+  base::Result<BenchRows> (*run)(const BenchOptions&);
+};
+
+constexpr Bench kBenches[] = {
+    {"loop", "one tick of the service, per scene (the twin's time excluded)", BenchLoop},
+    {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
+};
+
+std::string Machine() {
+  std::string model = "unknown CPU";
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);) {
+    if (line.rfind("model name", 0) != 0) continue;
+    model = line.substr(line.find(':') + 2);
+    break;
+  }
+  utsname system{};
+  uname(&system);
+  return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads, Linux " + system.release;
+}
+
+std::string Cell(const nlohmann::ordered_json& value) {
+  if (value.is_string()) return value;
+  if (value.is_null()) return "-";
+  if (!value.is_number_float()) return value.dump();
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3f", value.get<double>());
+  return text;
+}
+
+int RunBench(const Bench& bench, const BenchOptions& options, const std::string& json_path) {
+  auto rows = bench.run(options);
+  if (!rows.ok()) {
+    std::cerr << "omni bench " << bench.name << ": " << rows.error() << "\n";
+    return 1;
+  }
+  std::cout << BenchTable(*rows);
+  if (json_path.empty()) return 0;
+  std::ofstream file(json_path);
+  file << BenchDocument(bench.name, *rows).dump(2) << "\n";
+  file.close();
+  if (file) return 0;
+  std::cerr << "omni bench: " << json_path << ": cannot be written\n";
+  return 1;
+}
+
+}  // namespace
+
+nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows) {
+  return {{"name", name}, {"commit", OMNI_COMMIT}, {"machine", Machine()}, {"rows", rows}};
+}
+
+std::string BenchTable(const BenchRows& rows) {
+  if (rows.empty()) return "no rows\n";
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : rows.front().items()) keys.push_back(key);
+  std::vector<std::vector<std::string>> lines{keys};
+  for (const auto& row : rows) {
+    std::vector<std::string> line;
+    for (const std::string& key : keys) line.push_back(Cell(row.value(key, nlohmann::ordered_json())));
+    lines.push_back(line);
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    for (std::size_t column = 0; column < keys.size(); ++column) {
+      std::size_t width = 0;
+      for (const auto& other : lines) width = std::max(width, other[column].size());
+      text += line[column] + std::string(width + 2 - line[column].size(), ' ');
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += "\n";
+  }
+  return text;
+}
+
+void AddBench(CLI::App& app) {
+  CLI::App* bench_app = app.add_subcommand("bench", "benchmarks");
+  bench_app->require_subcommand(1);
+  auto options = std::make_shared<BenchOptions>();
+  auto json_path = std::make_shared<std::string>();
+  for (const Bench& bench : kBenches) {
+    CLI::App* sub = bench_app->add_subcommand(bench.name, bench.about);
+    sub->add_option("--json", *json_path, "write {name, commit, machine, rows} here as well");
+    sub->add_option("--ticks", options->ticks, "ticks per scene (loop)")->check(CLI::Range(1000ULL, 1'000'000'000ULL));
+    sub->add_option("--seed", options->seed, "of the twin");
+    sub->callback([&bench, options, json_path] { throw CLI::RuntimeError(RunBench(bench, *options, *json_path)); });
+  }
+}
+
+}  // namespace omni::tools

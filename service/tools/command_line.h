@@ -1,0 +1,17 @@
+// omni: the one command-line tool.
+#pragma once
+
+namespace omni::tools {
+
+// What every subcommand means by its exit status; --help says so too.
+enum ExitStatus : int {
+  kExitOk = 0,
+  kExitFailed = 1,     // something did not work; stderr has one line that says what to do
+  kExitUsage = 2,      // wrong arguments
+  kExitNoService = 3,  // omnid does not run, or does not answer
+};
+
+// Runs argv; the exit status for main.
+int RunCommandLine(int argc, const char* const* argv);
+
+}  // namespace omni::tools

@@ -1,0 +1,19 @@
+// The subcommands of omni. Each adds itself to the parent and ends its callback with throw CLI::RuntimeError(status).
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace omni::tools {
+
+void AddStatus(CLI::App& app);
+void AddWatch(CLI::App& app);
+void AddScene(CLI::App& app);  // omni scene explain
+void AddDoctor(CLI::App& app);
+void AddTwin(CLI::App& app);  // omni twin serve, and below it:
+void AddTwinRun(CLI::App& twin);
+void AddBench(CLI::App& app);
+void AddReport(CLI::App& app);
+
+}  // namespace omni::tools

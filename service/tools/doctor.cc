@@ -1,0 +1,43 @@
+// omni doctor: what stands between an OpenXR application and the pen, and how to mend it.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+#include "service/tools/doctor_text.h"
+
+namespace omni::tools {
+namespace {
+
+struct DoctorArguments {
+  std::string socket;
+  bool as_json = false;
+};
+
+int Doctor(const DoctorArguments& arguments) {
+  const std::vector<Diagnosed> findings = Diagnose(SurroundingsOfThisProcess(arguments.socket));
+  if (arguments.as_json) {
+    std::cout << DoctorJson(findings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    std::cout << DoctorText(findings);
+  }
+  if (!AnyFailed(findings)) return kExitOk;
+  std::cerr << "omni doctor: something fails; apply the fixes above from top to bottom\n";
+  return kExitFailed;
+}
+
+}  // namespace
+
+void AddDoctor(CLI::App& app) {
+  auto arguments = std::make_shared<DoctorArguments>();
+  CLI::App* doctor = app.add_subcommand("doctor", "what stands between an application and the pen, each with its fix");
+  doctor->add_flag("--json", arguments->as_json, "as JSON");
+  doctor->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  doctor->callback([arguments] { throw CLI::RuntimeError(Doctor(*arguments)); });
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,27 @@
+// Are the application files sound, and do their scenes load?
+#include "service/config/app_file.h"
+#include "service/tools/doctor/diagnosis.h"
+#include "service/tools/scene_source.h"
+
+namespace omni::tools {
+Finding LookAtApplications(const Surroundings& surroundings) {
+  const config::AppTable table = config::LoadAppTable(surroundings.app_folders, surroundings.scenes_folder);
+  if (!table.problems.empty()) {
+    return {Verdict::kFail, table.problems.front(), "correct that file; omnid skips it until then"};
+  }
+  if (table.entries.empty()) {
+    return {Verdict::kWarn, "no application has a scene", "add a file to ~/.config/omni/apps.d (docs/howto/apps.md)"};
+  }
+  for (const config::AppEntry& entry : table.entries) {
+    const base::Result<LoadedScene> scene = LoadScene(entry.scene, {.fit = entry.placement == config::Placement::kFit,
+                                                                    .offset_base_m = entry.offset_base_m,
+                                                                    .scale = entry.scale});
+    if (!scene.ok()) {
+      return {Verdict::kFail, "the scene of \"" + entry.application_glob + "\" does not load: " + scene.error(),
+              "correct the scene, or its name in " + entry.file};
+    }
+  }
+  return {Verdict::kOk, std::to_string(table.entries.size()) + " application entries, all scenes load", {}};
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,20 @@
+// Does the service have a base to talk to?
+#include "service/tools/doctor/diagnosis.h"
+#include "service/tools/json_text.h"
+
+namespace omni::tools {
+
+Finding LookForDevice(const Surroundings& surroundings) {
+  if (!surroundings.service.running) {
+    return {Verdict::kWarn, "unknown while omnid does not run", "mend \"service\" first"};
+  }
+  const nlohmann::json& status = surroundings.service.status;
+  const std::string name = DeviceName(status);
+  if (name == "-") {
+    return {Verdict::kFail, "omnid has no device: " + TextAt(status, "/device/absent"),
+            "connect the base, or run the simulation with `omnid --device twin`"};
+  }
+  return {Verdict::kOk, name, {}};
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,56 @@
+#include "service/tools/doctor/diagnosis.h"
+
+#include <unistd.h>
+
+#include <string_view>
+
+#include "service/client/connection.h"
+#include "service/config/paths.h"
+#include "service/tools/service_link.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr DiagnosisEntry kDiagnoses[] = {
+    {"OpenXR runtime", LookForRuntime},
+    {"layer manifest", LookForLayer},
+    {"layer library", LookAtLayerLibrary},
+    {"layer enabled", LookAtEnabledLayers},
+    {"socket folder", LookAtSocketFolder},
+    {"service", LookForService},
+    {"device", LookForDevice},
+    {"real-time", LookAtRealtime},
+    {"applications", LookAtApplications},
+    {"alignment", LookAtAlignment},
+};
+
+}  // namespace
+
+std::span<const DiagnosisEntry> Diagnoses() { return kDiagnoses; }
+
+std::string Surroundings::Variable(const std::string& name) const {
+  const auto found = environment.find(name);
+  return found == environment.end() ? std::string() : found->second;
+}
+
+Surroundings SurroundingsOfThisProcess(const std::string& socket_path) {
+  Surroundings surroundings;
+  for (char** entry = ::environ; entry != nullptr && *entry != nullptr; ++entry) {
+    const std::string_view text(*entry);
+    const std::size_t equals = text.find('=');
+    if (equals == std::string_view::npos) continue;
+    surroundings.environment.emplace(text.substr(0, equals), text.substr(equals + 1));
+  }
+  surroundings.socket_path = socket_path.empty() ? client::DefaultSocketPath() : socket_path;
+  surroundings.app_folders = config::AppFolders();
+  surroundings.scenes_folder = config::ScenesFolder();
+  base::Result<nlohmann::json> status = FetchStatus(socket_path);
+  if (status.ok()) {
+    surroundings.service = {.running = true, .error = {}, .status = std::move(*status)};
+  } else {
+    surroundings.service = {.running = false, .error = status.error(), .status = {}};
+  }
+  return surroundings;
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,67 @@
+// omni doctor: one file per diagnosis. Each looks at one thing, says what it found in one sentence, and how to mend it.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace omni::tools {
+
+inline constexpr const char* kLayerName = "XR_APILAYER_OMNI_stylus";
+
+enum class Verdict { kOk, kWarn, kFail };  // warn: works, but not as well as it could
+
+struct Finding {
+  Verdict verdict = Verdict::kOk;
+  std::string what;
+  std::string fix;  // empty when ok
+};
+
+// What the service answered, asked once for all diagnoses.
+struct ServiceAnswer {
+  bool running = false;
+  std::string error;      // when not running
+  nlohmann::json status;  // when running
+};
+
+// What diagnoses look at. Tests hand in fabricated ones.
+struct Surroundings {
+  std::map<std::string, std::string> environment;
+  std::filesystem::path root = "/";  // system folders are taken below it
+  std::string socket_path;
+  std::vector<std::string> app_folders;  // of application files, in order of precedence
+  std::string scenes_folder;
+  ServiceAnswer service;
+
+  // Empty: not set.
+  std::string Variable(const std::string& name) const;
+  // Set at all, be it to nothing: how the OpenXR loader reads its enable and disable variables.
+  bool Has(const std::string& name) const { return environment.count(name) != 0; }
+  std::filesystem::path System(const std::string& path) const { return root / path.substr(1); }
+};
+
+Surroundings SurroundingsOfThisProcess(const std::string& socket_path);
+
+struct DiagnosisEntry {
+  const char* name;
+  Finding (*look)(const Surroundings&);
+};
+// In the order in which a person should mend things.
+std::span<const DiagnosisEntry> Diagnoses();
+
+Finding LookForLayer(const Surroundings& surroundings);
+Finding LookAtLayerLibrary(const Surroundings& surroundings);
+Finding LookAtEnabledLayers(const Surroundings& surroundings);
+Finding LookForRuntime(const Surroundings& surroundings);
+Finding LookAtSocketFolder(const Surroundings& surroundings);
+Finding LookForService(const Surroundings& surroundings);
+Finding LookForDevice(const Surroundings& surroundings);
+Finding LookAtRealtime(const Surroundings& surroundings);
+Finding LookAtApplications(const Surroundings& surroundings);
+Finding LookAtAlignment(const Surroundings& surroundings);
+
+}  // namespace omni::tools

@@ -1,0 +1,24 @@
+// Does omnid run, and is it of this version?
+#include "service/tools/doctor/diagnosis.h"
+#include "service/tools/json_text.h"
+
+namespace omni::tools {
+
+Finding LookForService(const Surroundings& surroundings) {
+  const ServiceAnswer& service = surroundings.service;
+  if (!service.running) {
+    return {Verdict::kFail, service.error, "run `omnid --device twin`, or `systemctl --user enable --now omnid`"};
+  }
+  const std::string version = TextAt(service.status, "/service/version");
+  if (version != OMNI_VERSION) {
+    return {Verdict::kWarn, "omnid is version " + version + ", this is omni " OMNI_VERSION,
+            "install the same version of both and restart omnid"};
+  }
+  const nlohmann::json& problems = ArrayAt(service.status, "/problems");
+  if (!problems.empty() && problems.back().is_string()) {
+    return {Verdict::kWarn, "omnid reports: " + problems.back().get<std::string>(), "see `omni status`"};
+  }
+  return {Verdict::kOk, "omnid " + version + " runs, pid " + TextAt(service.status, "/service/pid"), {}};
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,25 @@
+// Is the control socket's folder ours alone, and its path short enough?
+#include "service/protocol/socket_path.h"
+#include "service/tools/doctor/diagnosis.h"
+
+namespace omni::tools {
+Finding LookAtSocketFolder(const Surroundings& surroundings) {
+  const std::string& path = surroundings.socket_path;
+  if (const std::string problem = protocol::PathProblem(path); !problem.empty()) {
+    return {Verdict::kFail, problem, "set OMNI_SOCKET for omnid and for the applications alike"};
+  }
+  const std::string folder = protocol::FolderOf(path);
+  const protocol::FolderCheck check = protocol::CheckFolder(folder);
+  switch (check.state) {
+    case protocol::FolderState::kGood:
+      return {Verdict::kOk, folder + " is yours alone", {}};
+    case protocol::FolderState::kMissing:
+      return {Verdict::kOk, folder + " does not exist yet; omnid makes it", {}};
+    case protocol::FolderState::kRefused:
+      break;
+  }
+  return {Verdict::kFail, check.problem,
+          "give the folder to yourself with mode 0700: neither omnid nor the layer use another"};
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,112 @@
+#include "service/tools/hand_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace omni::tools {
+namespace {
+
+constexpr double kGrid_m = 0.003;      // spacing of the probes
+constexpr double kAbove_m = 0.020;     // approach from this high above a touch
+constexpr double kApproach_s = 1.0;
+constexpr double kPress_s = 0.6;
+constexpr double kHold_s = 0.5;
+
+// Height of the surface's highest point over (x, y): a vertical ray through all triangles.
+std::optional<double> TopOf(const haptics::Scene& scene, double x, double y) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const haptics::Triangle& triangle : scene.triangles()) {
+    if ((scene.objects()[triangle.object].flags & haptics::kCollidable) == 0) continue;
+    const haptics::Vertex& a = scene.vertices()[triangle.vertex[0]];
+    const haptics::Vertex& b = scene.vertices()[triangle.vertex[1]];
+    const haptics::Vertex& c = scene.vertices()[triangle.vertex[2]];
+    const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if (!(std::abs(area) > 1e-14)) continue;
+    const double wb = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
+    const double wc = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+    if (!(wb >= 0 && wc >= 0 && wb + wc <= 1)) continue;
+    top = std::max(top, a.z + wb * (b.z - a.z) + wc * (c.z - a.z));
+  }
+  if (!std::isfinite(top)) return std::nullopt;
+  return top;
+}
+
+std::vector<base::Vec3> TouchablePoints(const haptics::Scene& scene, const HandPathOptions& options) {
+  std::vector<base::Vec3> points;
+  for (double x = -options.reach_m; x <= options.reach_m; x += kGrid_m) {
+    for (double y = -options.reach_m; y <= options.reach_m; y += kGrid_m) {
+      if (std::hypot(x, y) > options.reach_m) continue;
+      const std::optional<double> z = TopOf(scene, x, y);
+      if (!z) continue;
+      const double gap_m = std::sqrt(x * x + y * y + *z * *z) - options.hull_radius_m;
+      if (gap_m >= options.gap_min_m && gap_m <= options.gap_max_m) points.push_back({x, y, *z});
+    }
+  }
+  return points;
+}
+
+double Distance2(const base::Vec3& a, const base::Vec3& b) {
+  return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z);
+}
+
+// Spread out: starts nearest to the axis, then always the point farthest from those chosen.
+std::vector<base::Vec3> Spread(const std::vector<base::Vec3>& points, int wanted) {
+  std::vector<base::Vec3> chosen{*std::min_element(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return std::hypot(a.x, a.y) < std::hypot(b.x, b.y);
+  })};
+  while (static_cast<int>(chosen.size()) < wanted && chosen.size() < points.size()) {
+    const auto nearest = [&](const base::Vec3& p) {
+      double best = std::numeric_limits<double>::infinity();
+      for (const base::Vec3& c : chosen) best = std::min(best, Distance2(p, c));
+      return best;
+    };
+    chosen.push_back(*std::max_element(points.begin(), points.end(),
+                                       [&](const auto& a, const auto& b) { return nearest(a) < nearest(b); }));
+  }
+  return chosen;
+}
+
+}  // namespace
+
+base::Result<sim::HandScript> MakeHandPath(const haptics::Scene& scene, const HandPathOptions& options) {
+  const std::vector<base::Vec3> points = scene.empty() ? std::vector<base::Vec3>{} : TouchablePoints(scene, options);
+  if (points.empty()) {
+    return base::Error{"nothing of the scene lies " + std::to_string(options.gap_min_m * 1e3) + " to " +
+                       std::to_string(options.gap_max_m * 1e3) +
+                       " mm above the hull near its top; use --fit, or move the model there"};
+  }
+  sim::HandScript script;
+  script.name = "touch";
+  script.repeat = true;
+  for (const base::Vec3& p : Spread(points, options.touches)) {
+    const base::Vec3 above{p.x, p.y, p.z + kAbove_m};
+    const base::Vec3 below{p.x, p.y, p.z - options.press_m};
+    const base::Vec3 aside{p.x * 0.8, p.y * 0.8, p.z - options.press_m};
+    script.waypoints.push_back({.duration_s = script.waypoints.empty() ? 0 : kApproach_s, .tip_base_m = above});
+    script.waypoints.push_back({.duration_s = kPress_s, .tip_base_m = below});
+    script.waypoints.push_back({.duration_s = kHold_s, .tip_base_m = below});
+    script.waypoints.push_back({.duration_s = kPress_s, .tip_base_m = aside});
+    script.waypoints.push_back({.duration_s = kPress_s, .tip_base_m = above});
+  }
+  sim::HandWaypoint home = script.waypoints.front();  // so that repeating does not jump
+  home.duration_s = kApproach_s;
+  script.waypoints.push_back(home);
+  return script;
+}
+
+std::string WriteHandScript(const sim::HandScript& script) {
+  nlohmann::json waypoints = nlohmann::json::array();
+  for (const sim::HandWaypoint& point : script.waypoints) {
+    const base::Vec3& p = point.tip_base_m;
+    const base::Vec3& u = point.axis_base;
+    waypoints.push_back({{"s", point.duration_s}, {"tip_m", {p.x, p.y, p.z}}, {"axis", {u.x, u.y, u.z}}});
+  }
+  return nlohmann::json{{"name", script.name}, {"repeat", script.repeat}, {"waypoints", waypoints}}.dump(2) + "\n";
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,143 @@
+#include "service/tools/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "service/base/tool_state.h"
+#include "service/tools/statistics.h"
+
+namespace omni::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kContact_N = 0.010;
+
+// Piecewise linear truth at t_ns; the twin records every device tick. False: outside of the recording, or no pen there.
+struct Truth {
+  const CsvTable& table;
+  const std::vector<double>& t_ns;
+
+  bool At(double wanted_ns, double position_m[3]) const {
+    const auto after = std::lower_bound(t_ns.begin(), t_ns.end(), wanted_ns);
+    if (after == t_ns.end()) return false;
+    const auto i1 = static_cast<std::size_t>(after - t_ns.begin());
+    const std::size_t i0 = i1 == 0 ? 0 : i1 - 1;
+    const std::vector<double>& present = table["present"];
+    if (present[i0] < 0.5 || present[i1] < 0.5) return false;
+    const double span_ns = t_ns[i1] - t_ns[i0];
+    const double s = span_ns > 0 ? (wanted_ns - t_ns[i0]) / span_ns : 0;
+    static const char* const kColumns[3] = {"magnet_x_m", "magnet_y_m", "magnet_z_m"};
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::vector<double>& column = table[kColumns[axis]];
+      position_m[axis] = column[i0] + s * (column[i1] - column[i0]);
+    }
+    return s >= 0;
+  }
+};
+
+void CompareTracking(const RunData& data, RunReport& report) {
+  const Truth truth{data.truth, data.truth["t_ns"]};
+  const std::vector<double>& status = data.loop["status"];
+  const std::vector<double>& t_ns = data.loop["t_ns"];
+  const std::vector<double>* estimate[3] = {&data.loop["magnet_x_m"], &data.loop["magnet_y_m"],
+                                            &data.loop["magnet_z_m"]};
+  std::vector<double> errors_mm;
+  for (std::size_t i = 0; i < data.loop.rows(); ++i) {
+    double p[3];
+    if (status[i] != static_cast<double>(base::TrackingStatus::kTracking) || !truth.At(t_ns[i], p)) continue;
+    const double dx = (*estimate[0])[i] - p[0];
+    const double dy = (*estimate[1])[i] - p[1];
+    const double dz = (*estimate[2])[i] - p[2];
+    errors_mm.push_back(1e3 * std::sqrt(dx * dx + dy * dy + dz * dz));
+  }
+  report.compared_ticks = errors_mm.size();
+  report.tracking_mean_mm = Mean(errors_mm);
+  report.tracking_p95_mm = Quantile(errors_mm, 0.95);
+  report.tracking_max_mm = Quantile(errors_mm, 1.0);
+}
+
+void CountTicks(const CsvTable& loop, RunReport& report) {
+  report.ticks = loop.rows();
+  for (std::size_t i = 0; i < loop.rows(); ++i) {
+    const double force_N = std::hypot(loop["force_x_N"][i], loop["force_y_N"][i], loop["force_z_N"][i]);
+    report.late_ticks += loop["late"][i] > 0.5 ? 1 : 0;
+    report.contact_ticks += force_N > kContact_N ? 1 : 0;
+    report.peak_force_N = std::max(report.peak_force_N, force_N);
+  }
+  if (loop.rows() > 0) report.haptic_pulses = static_cast<std::uint64_t>(loop["haptic_pulses"].back());
+}
+
+base::Status ReadApp(const std::string& path, RunReport& report) {
+  std::ifstream file(path);
+  const json app = json::parse(file, nullptr, false);
+  if (!app.is_object()) return base::Error{path + ": not there or not JSON; the application did not finish its report"};
+  report.app = app.value("application", "");
+  if (app.contains("profile") && app["profile"].is_string()) report.profile = app["profile"];
+  report.select_edges = app.value("select_edges", std::uint64_t{0});
+  report.pose_valid_fraction = app.value("pose_valid_fraction", 0.0);
+  report.locate_ns_median = app.value("locate_ns_median", 0.0);
+  return base::Ok{};
+}
+
+}  // namespace
+
+base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& files, RunData& data) {
+  auto loop = CsvTable::Read(files.loop);
+  if (!loop.ok()) return base::Error{loop.error()};
+  auto truth = CsvTable::Read(files.truth);
+  if (!truth.ok()) return base::Error{truth.error()};
+  data = {.loop = std::move(*loop), .truth = std::move(*truth)};
+  const std::string loop_lacks =
+      data.loop.Missing({"t_ns", "status", "late", "force_x_N", "force_y_N", "force_z_N", "magnet_x_m", "magnet_y_m",
+                         "magnet_z_m", "tip_x_m", "tip_y_m", "tip_z_m", "select", "haptic_pulses"});
+  const std::string truth_lacks = data.truth.Missing({"t_ns", "present", "magnet_x_m", "magnet_y_m", "magnet_z_m"});
+  if (!loop_lacks.empty()) return base::Error{files.loop + ": columns missing: " + loop_lacks};
+  if (!truth_lacks.empty()) return base::Error{files.truth + ": columns missing: " + truth_lacks};
+  RunReport report{.scene = scene};
+  CompareTracking(data, report);
+  CountTicks(data.loop, report);
+  const base::Status app = ReadApp(files.app, report);
+  if (!app.ok()) return base::Error{app.error()};
+  return report;
+}
+
+json ToJson(const RunReport& r) {
+  return {{"scene", r.scene},
+          {"app", r.app},
+          {"profile", r.profile.empty() ? json() : json(r.profile)},
+          {"ticks", r.ticks},
+          {"late_ticks", r.late_ticks},
+          {"compared_ticks", r.compared_ticks},
+          {"tracking_mean_mm", r.tracking_mean_mm},
+          {"tracking_p95_mm", r.tracking_p95_mm},
+          {"tracking_max_mm", r.tracking_max_mm},
+          {"contact_ticks", r.contact_ticks},
+          {"peak_force_N", r.peak_force_N},
+          {"select_edges", r.select_edges},
+          {"haptic_pulses", r.haptic_pulses},
+          {"pose_valid_fraction", r.pose_valid_fraction},
+          {"locate_ns_median", r.locate_ns_median},
+          {"simulation", r.simulation}};
+}
+
+std::vector<std::string> Shortcomings(const RunReport& r) {
+  std::vector<std::string> lines;
+  const auto expect = [&](bool holds, const std::string& what) {
+    if (!holds) lines.push_back(r.scene + ": " + what);
+  };
+  expect(r.compared_ticks > r.ticks / 2, "the pen was tracked in less than half of the ticks");
+  expect(r.tracking_p95_mm < 5.0, "tracking error p95 over 5 mm");
+  expect(!r.profile.empty(), "no interaction profile became current in the app");
+  expect(r.pose_valid_fraction > 0.9, "the app saw a valid pose in less than 90 % of its locates");
+  expect(r.contact_ticks > 100, "fewer than 100 ticks with a rendered force");
+  expect(r.select_edges > 0, "the app saw no select press");
+  expect(r.haptic_pulses > 0, "no haptic pulse reached the coils");
+  return lines;
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,26 @@
+// Loading a scene for a tool: file -> Scene, with both reports.
+#pragma once
+
+#include <string>
+
+#include "service/base/result.h"
+#include "service/haptics/scene.h"
+#include "service/scene/scene_file.h"
+
+namespace omni::tools {
+
+struct LoadedScene {
+  haptics::Scene scene;
+  scene::LoadReport load;
+  haptics::BuildReport build;
+};
+
+base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options);
+
+// `name` as given if it is a file, else a scene of the data folder: "dragon" -> <scenes>/dragon.glb.
+std::string FindScene(const std::string& name);
+
+// The hand script that goes with a scene: <same folder>/<name>.hand.json; empty: there is none.
+std::string FindHandScript(const std::string& scene_path);
+
+}  // namespace omni::tools

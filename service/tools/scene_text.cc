@@ -1,0 +1,205 @@
+#include "service/tools/scene_text.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "service/protocol/text.h"
+#include "service/tools/material_table.h"
+
+namespace omni::tools {
+namespace {
+
+using haptics::Material;
+using haptics::Scene;
+using haptics::SoftnessModel;
+using nlohmann::json;
+using protocol::Printable;
+
+const char* NameOf(SoftnessModel model) {
+  switch (model) {
+    case SoftnessModel::kWinkler:
+      return "winkler";
+    case SoftnessModel::kTet:
+      return "tet";
+    case SoftnessModel::kNone:
+      break;
+  }
+  return "none";
+}
+
+std::string Number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.4g", value);
+  return text;
+}
+
+std::string Bytes(std::uint64_t bytes) {
+  char text[32];
+  if (bytes < 10000) {
+    std::snprintf(text, sizeof(text), "%llu B", static_cast<unsigned long long>(bytes));
+  } else if (bytes < 10'000'000) {
+    std::snprintf(text, sizeof(text), "%.1f kB", static_cast<double>(bytes) * 1e-3);
+  } else {
+    std::snprintf(text, sizeof(text), "%.1f MB", static_cast<double>(bytes) * 1e-6);
+  }
+  return text;
+}
+
+std::string Padded(std::string text, std::size_t width) {
+  if (text.size() < width) text.append(width - text.size(), ' ');
+  return text;
+}
+
+// ", name 12 unit" for what differs from the default; the four that always matter come first, whatever their value.
+std::string MaterialLine(const Material& material) {
+  constexpr std::size_t kAlways = 4;
+  const Material standard;
+  std::string text;
+  for (std::size_t i = 0; i < std::size(kMaterialNumbers); ++i) {
+    const MaterialNumber& number = kMaterialNumbers[i];
+    if (i >= kAlways && material.*number.field == standard.*number.field) continue;
+    text += (text.empty() ? "" : ", ") + std::string(number.name) + " " + Number(material.*number.field);
+    if (*number.unit != '\0') text += std::string(" ") + number.unit;
+  }
+  if (material.softness.model != SoftnessModel::kNone) {
+    text += std::string(", softness ") + NameOf(material.softness.model);
+    for (const SoftnessNumber& number : kSoftnessNumbers) {
+      text += std::string(", ") + number.name + " " + Number(material.softness.*number.field);
+      if (*number.unit != '\0') text += std::string(" ") + number.unit;
+    }
+  }
+  if (material.extrude.enabled) {
+    text += ", extrude in steps of " + Number(material.extrude.step_m * 1e3) + " mm (" +
+            std::to_string(material.extrude.steps_out) + " out, " + std::to_string(material.extrude.steps_in) + " in)";
+  }
+  return text;
+}
+
+std::string Rows(const scene::LoadReport& load) {
+  std::size_t widths[2] = {8, 5};
+  for (const scene::ExplainRow& row : load.rows) {
+    widths[0] = std::max(widths[0], row.pointer.size());
+    widths[1] = std::max(widths[1], row.name.size());
+  }
+  std::string text;
+  for (const scene::ExplainRow& row : load.rows) {
+    text += std::string(row.loaded ? "  on   " : "  off  ") + Padded(Printable(row.pointer), widths[0] + 2) +
+            Padded(Printable(row.name), widths[1] + 2) + Padded(row.bytes != 0 ? Bytes(row.bytes) : "", 10) +
+            Printable(row.why) + "\n";
+  }
+  return text;
+}
+
+std::string Extent(const haptics::SceneHeader& header) {
+  char text[160];
+  std::snprintf(text, sizeof(text), "x %.1f..%.1f, y %.1f..%.1f, z %.1f..%.1f mm in the base frame",
+                header.lower_base_m.x * 1e3, header.upper_base_m.x * 1e3, header.lower_base_m.y * 1e3,
+                header.upper_base_m.y * 1e3, header.lower_base_m.z * 1e3, header.upper_base_m.z * 1e3);
+  return text;
+}
+
+std::string Summary(const LoadedScene& loaded) {
+  const haptics::SceneHeader& header = loaded.scene.header();
+  std::string text = "objects    " + std::to_string(header.object_count) + ", " +
+                     std::to_string(header.triangle_count) + " triangles, " + std::to_string(header.vertex_count) +
+                     " vertices, " + std::to_string(header.node_count) + " BVH nodes\n";
+  text += "extent     " + Extent(header) + "\n";
+  if (loaded.load.fit_scale != 1) text += "fit        scaled by " + Number(loaded.load.fit_scale) + "\n";
+  text += "regions    " + std::to_string(header.region_count) + " to extrude\n";
+  text +=
+      std::string("joystick   ") + (header.has_joystick != 0 ? "on" : "off: no node has the role \"joystick\"") + "\n";
+  text +=
+      std::string("vehicle    ") + (header.has_vehicle != 0 ? "on" : "off: no node has the role \"vehicle\"") + "\n";
+  text +=
+      "cost       built in " + Number(loaded.build.build_ms) + " ms, " + Bytes(loaded.scene.bytes()) + " of memory\n";
+  return text;
+}
+
+json VectorJson(const base::Vec3& v) { return json::array({v.x, v.y, v.z}); }
+
+std::string KeyOf(const char* name, const char* unit) {
+  std::string key(name);
+  if (*unit != '\0') key += std::string("_") + unit;
+  for (char& c : key) {
+    if (c == ' ' || c == '/') c = '_';
+  }
+  return key;
+}
+
+json MaterialJson(const Material& material) {
+  json values = json::object();
+  for (const MaterialNumber& number : kMaterialNumbers) {
+    values[KeyOf(number.name, number.unit)] = material.*number.field;
+  }
+  json softness = {{"model", NameOf(material.softness.model)}};
+  for (const SoftnessNumber& number : kSoftnessNumbers) {
+    softness[KeyOf(number.name, number.unit)] = material.softness.*number.field;
+  }
+  values["softness"] = std::move(softness);
+  values["extrude"] = {{"enabled", material.extrude.enabled},           {"step_m", material.extrude.step_m},
+                       {"steps_out", material.extrude.steps_out},       {"steps_in", material.extrude.steps_in},
+                       {"grab_force_N", material.extrude.grab_force_N}, {"dwell_s", material.extrude.dwell_s}};
+  return values;
+}
+
+json RowsJson(const scene::LoadReport& load) {
+  json rows = json::array();
+  for (const scene::ExplainRow& row : load.rows) {
+    rows.push_back(
+        {{"pointer", row.pointer}, {"name", row.name}, {"loaded", row.loaded}, {"why", row.why}, {"bytes", row.bytes}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string SceneText(const std::string& path, const LoadedScene& loaded) {
+  const scene::LoadReport& load = loaded.load;
+  std::string text = path + ": " + Bytes(load.file_bytes) + ", " + Bytes(load.bytes_read) + " read\n";
+  text += Rows(load) + Summary(loaded);
+  std::size_t index = 0;
+  for (const Material& material : loaded.scene.materials()) {
+    text += "material " + Padded(std::to_string(index++), 2) + MaterialLine(material) + "\n";
+  }
+  for (const std::string& line : loaded.build.lines) text += "note       " + Printable(line) + "\n";
+  for (const std::string& warning : load.warnings) text += "warning    " + Printable(warning) + "\n";
+  return text;
+}
+
+json SceneJson(const std::string& path, const LoadedScene& loaded) {
+  const haptics::SceneHeader& header = loaded.scene.header();
+  json materials = json::array();
+  for (const Material& material : loaded.scene.materials()) materials.push_back(MaterialJson(material));
+  json regions = json::array();
+  for (const haptics::Region& region : loaded.scene.regions()) {
+    regions.push_back({{"material", region.material},
+                       {"normal_base", VectorJson(region.normal)},
+                       {"centroid_base_m", VectorJson(region.centroid_base_m)}});
+  }
+  return {{"file", path},
+          {"file_bytes", loaded.load.file_bytes},
+          {"bytes_read", loaded.load.bytes_read},
+          {"fit_scale", loaded.load.fit_scale},
+          {"rows", RowsJson(loaded.load)},
+          {"objects", header.object_count},
+          {"triangles", header.triangle_count},
+          {"vertices", header.vertex_count},
+          {"bvh_nodes", header.node_count},
+          {"lower_base_m", VectorJson(header.lower_base_m)},
+          {"upper_base_m", VectorJson(header.upper_base_m)},
+          {"joystick", header.has_joystick != 0},
+          {"vehicle", header.has_vehicle != 0},
+          {"regions", regions},
+          {"materials", materials},
+          {"build_ms", loaded.build.build_ms},
+          {"memory_bytes", loaded.scene.bytes()},
+          {"welded_vertices", loaded.build.welded_vertices},
+          {"dropped_triangles", loaded.build.dropped_triangles},
+          {"flipped_objects", loaded.build.flipped_objects},
+          {"notes", loaded.build.lines},
+          {"warnings", loaded.load.warnings}};
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,26 @@
+// One question to omnid: its status, completed from the state memory.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "service/base/result.h"
+#include "service/client/connection.h"
+
+namespace omni::tools {
+
+// A connection of role monitor, welcomed. The error names the socket, why, and how to start omnid.
+base::Result<std::unique_ptr<client::Connection>> ConnectToService(const std::string& socket_path);
+
+// Waits for the answer, 2 s at most. An answer that is no JSON object is an error.
+base::Result<nlohmann::json> AskStatus(client::Connection& connection);
+
+// Adds /tracking and /force from the newest sample of the state memory where the service does not say them itself.
+void AddNewestSample(const protocol::ToolSample& sample, std::int64_t now_ns, nlohmann::json& status);
+
+// All three. An error: no service answers, with the remedy.
+base::Result<nlohmann::json> FetchStatus(const std::string& socket_path);
+
+}  // namespace omni::tools

@@ -1,0 +1,46 @@
+// omni status: what the service does right now.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+#include "service/tools/service_link.h"
+#include "service/tools/status_text.h"
+
+namespace omni::tools {
+namespace {
+
+struct StatusArguments {
+  std::string socket;
+  bool as_json = false;
+};
+
+int Status(const StatusArguments& arguments) {
+  const base::Result<nlohmann::json> status = FetchStatus(arguments.socket);
+  if (!status.ok()) {
+    std::cerr << "omni status: " << status.error() << "\n";
+    return kExitNoService;
+  }
+  if (arguments.as_json) {
+    std::cout << status->dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    std::cout << StatusText(*status);
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddStatus(CLI::App& app) {
+  auto arguments = std::make_shared<StatusArguments>();
+  CLI::App* status = app.add_subcommand("status", "what omnid does: device, tick, pen, force, clients, problems");
+  status->add_flag("--json", arguments->as_json, "as JSON");
+  status->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  status->callback([arguments] { throw CLI::RuntimeError(Status(*arguments)); });
+}
+
+}  // namespace omni::tools

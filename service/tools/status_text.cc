@@ -1,0 +1,114 @@
+#include "service/tools/status_text.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "service/protocol/text.h"
+#include "service/tools/json_text.h"
+
+namespace omni::tools {
+namespace {
+
+using nlohmann::json;
+
+std::string Line(const char* title, const std::string& text) {
+  char head[24];
+  std::snprintf(head, sizeof(head), "%-10s ", title);
+  return head + text + "\n";
+}
+
+std::string Millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f", metres * 1e3);
+  return text;
+}
+
+// A vector of metres as millimetres, or of newtons with `scale` 1.
+std::string Vector(const json& values, double scale, const char* format) {
+  if (values.size() != 3) return "-";
+  std::string text;
+  for (const json& value : values) {
+    char number[32];
+    std::snprintf(number, sizeof(number), format, value.is_number() ? value.get<double>() * scale : std::nan(""));
+    text += (text.empty() ? "(" : ", ") + std::string(number);
+  }
+  return text + ")";
+}
+
+std::string Duration(double seconds) {
+  if (!(seconds >= 0 && seconds < 1e12)) return "-";
+  const auto s = static_cast<long long>(seconds);
+  char text[64];
+  std::snprintf(text, sizeof(text), "%lld:%02lld:%02lld", s / 3600, s / 60 % 60, s % 60);
+  return text;
+}
+
+std::string DeviceLine(const json& status) {
+  const std::string name = DeviceName(status);
+  if (name == "-") return "none: " + TextAt(status, "/device/absent");
+  return name + ", " + TextAt(status, "/device/received") + " scans, " + TextAt(status, "/device/missed") + " missed";
+}
+
+std::string TickLine(const json& status) {
+  return TextAt(status, "/tick/count") + " ticks, " + TextAt(status, "/tick/late") + " late; median " +
+         TextAt(status, "/tick/us_median", 1) + " us, p99 " + TextAt(status, "/tick/us_p99", 1) + " us, max " +
+         TextAt(status, "/tick/us_max", 1) + " us";
+}
+
+std::string RealtimeLine(const json& status) {
+  if (TrueAt(status, "/tick/realtime")) return "granted";
+  const std::string reason = TextAt(status, "/tick/realtime_reason");
+  return reason == "-" || reason.empty() ? "not asked for" : "refused: " + reason;
+}
+
+std::string TrackingLine(const json& status) {
+  return TextAt(status, "/tracking/status") + ", tip " + Vector(ArrayAt(status, "/tracking/position_m"), 1e3, "%.1f") +
+         " mm in the base frame, gap " + Millimetres(NumberAt(status, "/tracking/gap_m")) + " mm, sigma " +
+         TextAt(status, "/tracking/sigma_mm", 2) + " mm";
+}
+
+std::string ForceLine(const json& status) {
+  return Vector(ArrayAt(status, "/force/last_N"), 1, "%.2f") + " N" +
+         (TrueAt(status, "/force/contact") ? ", in contact" : "");
+}
+
+std::string SceneLine(const json& status) {
+  const std::string name = TextAt(status, "/scene/name");
+  if (name == "-" || name.empty()) return "none";
+  return name + ", " + TextAt(status, "/scene/triangles") + " triangles, generation " +
+         TextAt(status, "/scene/generation");
+}
+
+std::string ClientLine(const json& client) {
+  if (TrueAt(client, "/monitor"))
+    return "monitor \"" + TextAt(client, "/application") + "\" (pid " + TextAt(client, "/pid") + ")";
+  return "\"" + TextAt(client, "/application") + "\" (pid " + TextAt(client, "/pid") + "), session " +
+         TextAt(client, "/session") + (TrueAt(client, "/owner") ? ", owns the force" : "") + ", scene " +
+         TextAt(client, "/scene");
+}
+
+}  // namespace
+
+std::string StatusText(const json& status) {
+  std::string text = Line("omnid", TextAt(status, "/service/version") + ", pid " + TextAt(status, "/service/pid") +
+                                       ", up " + Duration(NumberAt(status, "/service/uptime_s")));
+  text += Line("device", DeviceLine(status));
+  text += Line("tick", TickLine(status));
+  text += Line("real-time", RealtimeLine(status));
+  text += Line("pen", TrackingLine(status));
+  text += Line("force", ForceLine(status));
+  text += Line("scene", SceneLine(status));
+  text += Line("alignment", TrueAt(status, "/aligned") ? "aligned with the headset"
+                                                       : "not aligned: the base is assumed in front of you");
+  const json& clients = ArrayAt(status, "/clients");
+  if (clients.empty()) text += Line("clients", "none");
+  for (const json& client : clients) text += Line("client", ClientLine(client));
+  for (const json& problem : ArrayAt(status, "/problems")) {
+    text += Line("problem", problem.is_string() ? protocol::Printable(problem.get<std::string>()) : problem.dump());
+  }
+  return text;
+}
+
+}  // namespace omni::tools

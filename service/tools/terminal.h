@@ -1,0 +1,37 @@
+// The terminal while `omni watch` owns it: alternate screen, no cursor, put back on every way out.
+#pragma once
+
+#include <string>
+
+namespace omni::tools {
+
+struct TerminalSize {
+  int columns = 80;
+  int rows = 24;
+};
+
+// True: stdout is a terminal that can be drawn on.
+bool CanDraw();
+TerminalSize SizeOfTerminal();
+
+// SIGINT, SIGTERM and SIGHUP end the wait instead of the process. Only one at a time.
+class EndSignals {
+ public:
+  EndSignals();
+  ~EndSignals();
+  EndSignals(const EndSignals&) = delete;
+  EndSignals& operator=(const EndSignals&) = delete;
+  static bool asked() noexcept;
+};
+
+class AlternateScreen {
+ public:
+  AlternateScreen();
+  ~AlternateScreen();
+  AlternateScreen(const AlternateScreen&) = delete;
+  AlternateScreen& operator=(const AlternateScreen&) = delete;
+  // Replaces what is shown; false: the terminal is gone.
+  bool Show(const std::string& lines);
+};
+
+}  // namespace omni::tools

@@ -1,0 +1,87 @@
+// omni twin serve: the simulated base as a process of its own, behind an inherited socket.
+#include <fcntl.h>
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "service/config/device_file.h"
+#include "service/sim/twin.h"
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+
+namespace omni::tools {
+namespace {
+
+struct ServeArguments {
+  int fd = -1;
+  std::uint64_t seed = 1;
+  std::string script;
+  std::string record;
+  std::string device;
+  double linger_s = 0.5;
+};
+
+// Without a script the pen comes down over the base and circles there, for as long as the twin runs.
+sim::HandScript IdleHand() {
+  constexpr double kHeight_m = 0.06;
+  constexpr double kRadius_m = 0.01;
+  sim::HandScript script;
+  script.name = "idle";
+  script.repeat = true;
+  script.waypoints = {{.duration_s = 0, .tip_base_m = {0, 0, 0.09}},
+                      {.duration_s = 1, .tip_base_m = {kRadius_m, 0, kHeight_m}},
+                      {.duration_s = 1, .tip_base_m = {0, kRadius_m, kHeight_m}},
+                      {.duration_s = 1, .tip_base_m = {-kRadius_m, 0, kHeight_m}},
+                      {.duration_s = 1, .tip_base_m = {0, -kRadius_m, kHeight_m}},
+                      {.duration_s = 1, .tip_base_m = {0, 0, 0.09}}};
+  return script;
+}
+
+int Fail(const std::string& message) {
+  std::cerr << "omni twin serve: " << message << "\n";
+  return kExitFailed;
+}
+
+int Serve(const ServeArguments& arguments) {
+  if (::fcntl(arguments.fd, F_GETFD) < 0) {
+    return Fail("--fd " + std::to_string(arguments.fd) +
+                " is not an open descriptor; omnid starts the twin itself: run `omnid --device twin`");
+  }
+  base::DeviceGeometry device = config::DefaultDevice();
+  if (!arguments.device.empty()) {
+    base::Result<base::DeviceGeometry> loaded = config::LoadDeviceFile(arguments.device);
+    if (!loaded.ok()) return Fail(loaded.error());
+    device = *loaded;
+  }
+  sim::TwinOptions options{.seed = arguments.seed, .script = IdleHand(), .recording_path = arguments.record};
+  if (!arguments.script.empty()) {
+    base::Result<sim::HandScript> loaded = sim::LoadHandScript(arguments.script);
+    if (!loaded.ok()) return Fail(loaded.error());
+    options.script = *loaded;
+  }
+  return sim::ServeTwin(device, options, arguments.fd, arguments.linger_s);
+}
+
+}  // namespace
+
+void AddTwin(CLI::App& app) {
+  auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* twin = app.add_subcommand("twin", "the digital twin: a simulated base, pen and hand");
+  twin->require_subcommand(1);
+  CLI::App* serve = twin->add_subcommand("serve", "serve a simulated base in real time; started by omnid");
+  serve->add_option("--fd", arguments->fd, "inherited seqpacket socket that carries the frames")->required();
+  serve->add_option("--seed", arguments->seed, "of noise and imperfections")->capture_default_str();
+  serve->add_option("--script", arguments->script, "hand script (.json); default: circles above the base");
+  serve->add_option("--record", arguments->record, "CSV file of the true pose and the currents");
+  serve->add_option("--linger", arguments->linger_s, "seconds to go on after the host is gone")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  serve->add_option("--device", arguments->device, "geometry and limits (.toml); default: the built-in omni.toml");
+  serve->callback([arguments] { throw CLI::RuntimeError(Serve(*arguments)); });
+  AddTwinRun(*twin);
+}
+
+}  // namespace omni::tools

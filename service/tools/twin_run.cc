@@ -1,0 +1,106 @@
+// omni twin run: the whole loop against the twin in this process, in virtual time. Deterministic: prints a hash.
+// omni twin path: a hand script for any scene.
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "service/config/device_file.h"
+#include "service/daemon/virtual_run.h"
+#include "service/loop/tick_config.h"
+#include "service/sim/twin.h"
+#include "service/tools/commands.h"
+#include "service/tools/hand_path.h"
+#include "service/tools/scene_source.h"
+
+namespace omni::tools {
+namespace {
+
+struct RunArguments {
+  std::string scene;
+  std::string hand;
+  std::string record;
+  std::uint64_t seed = 1;
+  double seconds = 0;
+  bool fit = false;
+  bool flip_coil_sign = false;
+};
+
+base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::string& scene_path,
+                                      const haptics::Scene& scene) {
+  const std::string file = arguments.hand.empty() ? FindHandScript(scene_path) : arguments.hand;
+  if (!file.empty()) return sim::LoadHandScript(file);
+  return MakeHandPath(scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
+}
+
+int Fail(const std::string& message) {
+  std::cerr << "omni twin: " << message << "\n";
+  return 1;
+}
+
+int RunTwin(const RunArguments& arguments) {
+  const std::string path = FindScene(arguments.scene);
+  auto loaded = LoadScene(path, {.fit = arguments.fit});
+  if (!loaded.ok()) return Fail(loaded.error());
+  auto hand = HandFor(arguments, path, loaded->scene);
+  if (!hand.ok()) return Fail(hand.error());
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  const double seconds = arguments.seconds > 0 ? arguments.seconds : hand->duration_s();
+  const auto twin = sim::MakeVirtualTwin(device,
+                                         {.seed = arguments.seed,
+                                          .script = *hand,
+                                          .flip_coil_sign = arguments.flip_coil_sign,
+                                          .recording_path = arguments.record},
+                                         seconds);
+  const daemon::VirtualRunSummary summary =
+      daemon::RunVirtual(loop::MakeTickConfig(device), *twin, loaded->scene);
+  std::printf("scene            %s\n", path.c_str());
+  std::printf("device           digital twin (a simulation), seed %llu\n",
+              static_cast<unsigned long long>(arguments.seed));
+  std::printf("ticks            %llu (virtual time, %.3f s)\n", static_cast<unsigned long long>(summary.ticks), seconds);
+  std::printf("tracked ticks    %llu\n", static_cast<unsigned long long>(summary.tracked_ticks));
+  std::printf("contact ticks    %llu\n", static_cast<unsigned long long>(summary.contact_ticks));
+  std::printf("select presses   %llu\n", static_cast<unsigned long long>(summary.select_presses));
+  std::printf("peak force       %.3f N\n", summary.peak_force_N);
+  std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
+  return 0;
+}
+
+int WritePath(const RunArguments& arguments, const std::string& output) {
+  const std::string path = FindScene(arguments.scene);
+  auto loaded = LoadScene(path, {.fit = arguments.fit});
+  if (!loaded.ok()) return Fail(loaded.error());
+  auto hand = MakeHandPath(loaded->scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
+  if (!hand.ok()) return Fail(path + ": " + hand.error());
+  std::ofstream file(output);
+  file << WriteHandScript(*hand);
+  file.close();
+  return file ? 0 : Fail(output + ": cannot be written");
+}
+
+}  // namespace
+
+void AddTwinRun(CLI::App& twin) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* run = twin.add_subcommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
+  run->add_option("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
+  run->add_option("--seed", arguments->seed, "of noise and imperfections")->capture_default_str();
+  run->add_option("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
+  run->add_option("--seconds", arguments->seconds, "default: the script's length");
+  run->add_option("--record", arguments->record, "CSV file of the twin's truth");
+  run->add_flag("--fit", arguments->fit, "scale and move the model into reach");
+  run->add_flag("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
+  run->callback([arguments] { throw CLI::RuntimeError(RunTwin(*arguments)); });
+
+  auto output = std::make_shared<std::string>();
+  CLI::App* path = twin.add_subcommand("path", "write a hand script that touches a scene");
+  path->add_option("scene", arguments->scene, "a .glb or .gltf file")->required();
+  path->add_option("--output,-o", *output, "hand script to write")->required();
+  path->add_flag("--fit", arguments->fit, "scale and move the model into reach");
+  path->callback([arguments, output] { throw CLI::RuntimeError(WritePath(*arguments, *output)); });
+}
+
+}  // namespace omni::tools

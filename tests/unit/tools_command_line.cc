@@ -1,0 +1,187 @@
+// The command line: exit statuses, and one line on stderr that says what to do.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "service/tools/command_line.h"
+#include "tests/support/temp_folder.h"
+
+namespace omni::tools {
+namespace {
+
+struct Outcome {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+Outcome Omni(std::initializer_list<std::string> arguments) {
+  std::vector<std::string> words{"omni"};
+  words.insert(words.end(), arguments);
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.status = RunCommandLine(static_cast<int>(argv.size()), argv.data());
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+void ExpectOneLine(const std::string& text, std::initializer_list<std::string> parts) {
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " not in: " << text;
+}
+
+// A closed four-sided pyramid, 20 mm, over the base: 6 triangles, no external file.
+std::string Pyramid(const std::string& extras) {
+  static const float kVertices[5][3] = {
+      {-0.01f, 0.05f, -0.01f}, {0.01f, 0.05f, -0.01f}, {0.01f, 0.05f, 0.01f}, {-0.01f, 0.05f, 0.01f}, {0, 0.06f, 0}};
+  static const std::uint16_t kIndices[18] = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0, 0, 1, 2, 0, 2, 3};
+  std::string bytes(sizeof(kVertices) + sizeof(kIndices), '\0');
+  std::memcpy(bytes.data(), kVertices, sizeof(kVertices));
+  std::memcpy(bytes.data() + sizeof(kVertices), kIndices, sizeof(kIndices));
+  static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string base64;
+  for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {  // 96 bytes: no padding
+    const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i + k])); };
+    const std::uint32_t group = at(0) << 16 | at(1) << 8 | at(2);
+    for (int shift = 18; shift >= 0; shift -= 6) base64 += kDigits[group >> shift & 63];
+  }
+  return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "nodes": [{"mesh": 0, "name": "pyramid")" +
+         extras + R"(}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    "buffers": [{"byteLength": 96, "uri": "data:application/octet-stream;base64,)" +
+         base64 + R"("}],
+    "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 60}, {"buffer": 0, "byteOffset": 60, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 5, "type": "VEC3",
+                   "min": [-0.01, 0.05, -0.01], "max": [0.01, 0.06, 0.01]},
+                  {"bufferView": 1, "componentType": 5123, "count": 18, "type": "SCALAR"}]})";
+}
+
+TEST(ToolsCommandLine, HelpNamesEverySubcommandAndTheExitStatuses) {
+  const Outcome help = Omni({"--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const char* word : {"status", "watch", "doctor", "scene", "twin", "bench", "Exit status"}) {
+    EXPECT_NE(help.out.find(word), std::string::npos) << word;
+  }
+  const Outcome below = Omni({"scene", "explain", "--help"});
+  EXPECT_EQ(below.status, 0);
+  EXPECT_NE(below.out.find("--fit"), std::string::npos);
+  EXPECT_NE(below.out.find("Exit status"), std::string::npos);
+}
+
+TEST(ToolsCommandLine, VersionIsPrinted) {
+  const Outcome version = Omni({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_EQ(version.out, "omni " OMNI_VERSION "\n");
+}
+
+TEST(ToolsCommandLine, WrongArgumentsAreTwo) {
+  EXPECT_EQ(Omni({}).status, kExitUsage);
+  EXPECT_EQ(Omni({"dance"}).status, kExitUsage);
+  EXPECT_EQ(Omni({"status", "--jsn"}).status, kExitUsage);
+  EXPECT_EQ(Omni({"scene"}).status, kExitUsage);
+  EXPECT_EQ(Omni({"scene", "explain"}).status, kExitUsage);
+  EXPECT_EQ(Omni({"twin", "serve"}).status, kExitUsage);
+  EXPECT_EQ(Omni({"twin", "serve", "--fd", "x"}).status, kExitUsage);
+  EXPECT_EQ(Omni({"watch", "--seconds", "-1"}).status, kExitUsage);
+  EXPECT_NE(Omni({"dance"}).err, "");
+}
+
+TEST(ToolsCommandLine, StatusWithoutServiceSaysHowToStartIt) {
+  const test::TempFolder folder;
+  const std::string socket = folder.Path("run/omnid.sock");
+  const Outcome status = Omni({"status", "--socket", socket});
+  EXPECT_EQ(status.status, kExitNoService);
+  EXPECT_EQ(status.out, "");
+  ExpectOneLine(status.err, {"omni status:", socket, "omnid --device twin"});
+}
+
+TEST(ToolsCommandLine, WatchWithoutServiceEndsAndSaysSo) {
+  const test::TempFolder folder;
+  const std::string socket = folder.Path("run/omnid.sock");
+  const Outcome watch = Omni({"watch", "--seconds", "0.2", "--socket", socket});
+  EXPECT_EQ(watch.status, kExitNoService);
+  ExpectOneLine(watch.err, {"omni watch:", socket, "omnid --device twin"});
+  EXPECT_EQ(watch.out.find('\033'), std::string::npos) << "no drawing into a pipe";
+}
+
+TEST(ToolsCommandLine, DoctorFailsWithoutServiceAndListsFixes) {
+  const test::TempFolder folder;
+  const Outcome doctor = Omni({"doctor", "--json", "--socket", folder.Path("run/omnid.sock")});
+  EXPECT_EQ(doctor.status, kExitFailed);
+  const nlohmann::json json = nlohmann::json::parse(doctor.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << doctor.out;
+  EXPECT_EQ(json["ok"], false);
+  for (const nlohmann::json& row : json["diagnoses"]) {
+    EXPECT_EQ(row["fix"].get<std::string>().empty(), row["verdict"] == "ok") << row.dump();
+  }
+}
+
+TEST(ToolsCommandLine, ExplainShowsWhatIsLoadedAndTheMaterials) {
+  const test::TempFolder folder;
+  const std::string file = folder.Write(
+      "pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600, "staticFriction": 0.8, "colour": 1}})"));
+  const Outcome text = Omni({"scene", "explain", file});
+  ASSERT_EQ(text.status, 0) << text.err;
+  for (const std::string part : {file.c_str(), "pyramid", "6 triangles", "600 N/m", "static friction 0.8", "warning",
+                                 "colour", "built in", "joystick   off"}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in:\n" << text.out;
+  }
+  const Outcome machine = Omni({"scene", "explain", "--json", file});
+  const nlohmann::json json = nlohmann::json::parse(machine.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << machine.out;
+  EXPECT_EQ(json["triangles"], 6);
+  EXPECT_EQ(json["objects"], 1);
+  EXPECT_NEAR(json["upper_base_m"][2].get<double>(), 0.06, 1e-6) << "glTF y is up, base z is up";
+  EXPECT_FALSE(json["rows"].empty());
+  EXPECT_EQ(json["warnings"].size(), 1u) << json["warnings"].dump();
+  const bool stiff = std::any_of(json["materials"].begin(), json["materials"].end(),
+                                 [](const nlohmann::json& m) { return m["stiffness_N_m"] == 600.0; });
+  EXPECT_TRUE(stiff) << json["materials"].dump();
+}
+
+TEST(ToolsCommandLine, ExplainWithFitBringsAnythingIntoReach) {
+  const test::TempFolder folder;
+  const Outcome fitted = Omni({"scene", "explain", "--fit", "--json", folder.Write("p.gltf", Pyramid(""))});
+  ASSERT_EQ(fitted.status, 0) << fitted.err;
+  const nlohmann::json json = nlohmann::json::parse(fitted.out, nullptr, false);
+  EXPECT_GT(json["fit_scale"].get<double>(), 1.0);
+  EXPECT_GT(json["upper_base_m"][2].get<double>(), 0.0375 + 0.005);
+  EXPECT_LE(json["upper_base_m"][2].get<double>(), 0.0375 + 0.031);
+}
+
+TEST(ToolsCommandLine, ExplainRefusesWithOneLine) {
+  const test::TempFolder folder;
+  const Outcome gone = Omni({"scene", "explain", folder.Path("gone.glb")});
+  EXPECT_EQ(gone.status, kExitFailed);
+  ExpectOneLine(gone.err, {"omni scene explain:", "gone.glb"});
+  const Outcome broken = Omni({"scene", "explain", folder.Write("b.gltf", "{\"asset\": ")});
+  EXPECT_EQ(broken.status, kExitFailed);
+  ExpectOneLine(broken.err, {"b.gltf"});
+  EXPECT_EQ(broken.out, "");
+}
+
+TEST(ToolsCommandLine, TwinServeNeedsAnInheritedSocket) {
+  const Outcome serve = Omni({"twin", "serve", "--fd", "987"});
+  EXPECT_EQ(serve.status, kExitFailed);
+  ExpectOneLine(serve.err, {"omni twin serve:", "987", "omnid --device twin"});
+  const Outcome script = Omni({"twin", "serve", "--fd", "2", "--script", "/no/such/script.json"});
+  EXPECT_EQ(script.status, kExitFailed);
+  ExpectOneLine(script.err, {"/no/such/script.json"});
+  const Outcome device = Omni({"twin", "serve", "--fd", "2", "--device", "/no/such/device.toml"});
+  EXPECT_EQ(device.status, kExitFailed);
+  ExpectOneLine(device.err, {"/no/such/device.toml"});
+}
+
+}  // namespace
+}  // namespace omni::tools
