@@ -26,12 +26,23 @@ bool SelectWithHysteresis(const InputConfig& config, double force_N, bool presse
   return pressed ? force_N > config.select_release_N : force_N >= config.select_press_N;
 }
 
+// First-order low-pass; goes to rest at once when nothing is live.
+double FilterForce(const InputConfig& config, double force_N, bool live, std::int64_t t_ns,
+                   InputTracker& tracker) noexcept {
+  const double dt_s = std::clamp(static_cast<double>(t_ns - tracker.t_ns) * 1e-9, 0.0, 0.1);
+  const double share = config.force_filter_s > 0 ? dt_s / (config.force_filter_s + dt_s) : 1.0;
+  const double wanted_N = std::isfinite(force_N) ? force_N : 0;
+  tracker.tip_force_N = live ? tracker.tip_force_N + share * (wanted_N - tracker.tip_force_N) : 0;
+  tracker.t_ns = t_ns;
+  return tracker.tip_force_N;
+}
+
 }  // namespace
 
 void UpdateInputs(const InputConfig& config, const haptics::Output& haptics, bool live, std::int64_t t_ns,
                   InputTracker& tracker) noexcept {
   base::InputState& inputs = tracker.inputs;
-  const double force_N = live ? haptics.tip_normal_force_N : 0;
+  const double force_N = FilterForce(config, haptics.tip_normal_force_N, live, t_ns, tracker);
   const bool pressed = inputs.components[static_cast<std::size_t>(InputComponent::kSelect)].value > 0.5F;
   const bool joystick = live && haptics.joystick;
   Set(config, InputComponent::kTipForce, std::clamp(force_N / config.tip_force_full_N, 0.0, 1.0), t_ns, inputs);

@@ -70,6 +70,15 @@ haptics::Input MakeHapticInput(const TickConfig& config, const base::ToolState& 
           .limit = limit};
 }
 
+// A single scan that does not fit (a current step, a spike) holds the last pose instead of dropping the contact.
+base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, LoopState& state) noexcept {
+  state.lost_scans = tool.status == base::TrackingStatus::kTracking ? 0 : state.lost_scans + 1;
+  base::ToolState bridged = tool;
+  const bool brief = tool.status == base::TrackingStatus::kLost && state.lost_scans <= config.bridge_scans;
+  if (brief) bridged.status = base::TrackingStatus::kTracking;
+  return bridged;
+}
+
 // Force of the application's vibration, along the pen's axis: A F sin(2 pi f t) while it lasts.
 base::Vec3 PlayWaveform(const TickConfig& config, const HapticWaveform& waveform, const base::ToolState& tool,
                         double dt_s, LoopState& state) noexcept {
@@ -119,15 +128,14 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   if (scan.device_faults != 0) output.faults |= kFaultDevice;
 
   tracker::Update(config.tracker, scan, state.tracker, output.tool);
-  const bool tracked = output.tool.status == base::TrackingStatus::kTracking;
-  if (!tracked) output.faults |= kFaultTracking;
+  if (output.tool.status != base::TrackingStatus::kTracking) output.faults |= kFaultTracking;
   CarryOrientation(output.tool, state, output);
   MoveGate(config, commands, scan.t_ns, dt_s, state, output);
 
-  const base::ForceLimit limit = actuation::ComputeForceLimit(config.actuation, output.tool, scan.coil_temperature_C);
-  haptics::Step(config.haptics, scene, MakeHapticInput(config, output.tool, limit, dt_s), state.haptics,
-                output.haptics);
-  const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, output.tool, dt_s, state);
+  const base::ToolState tool = Bridged(config, output.tool, state);
+  const base::ForceLimit limit = actuation::ComputeForceLimit(config.actuation, tool, scan.coil_temperature_C);
+  haptics::Step(config.haptics, scene, MakeHapticInput(config, tool, limit, dt_s), state.haptics, output.haptics);
+  const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 
   base::Vec3 force_N = Mix(output.haptics.force_base_N, vibration_N, limit, commands.force_scale, state);
   if (!IsFinite(force_N)) {
@@ -137,7 +145,8 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   output.wrench = {.force_N = force_N, .torque_Nm = {}, .point_base_m = output.tool.position_base_m};
   actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);
 
-  UpdateInputs(config.inputs, output.haptics, tracked && state.gate > 0, scan.t_ns, state.inputs);
+  const bool live = tool.status == base::TrackingStatus::kTracking && state.gate > 0;
+  UpdateInputs(config.inputs, output.haptics, live, scan.t_ns, state.inputs);
   output.inputs = state.inputs.inputs;
   output.haptic_pulses = state.haptic_pulses;
 }

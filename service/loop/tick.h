@@ -31,10 +31,11 @@ struct TickConfig {
   double gate_ramp_s = 0.010;    // force fades to zero over this when the owner is gone or hands over
   double silent_ramp_s = 0.100;  // fade after an owner gave no sign of life for 250 ms
   std::int64_t command_timeout_ns = 100'000'000;  // commands older than this: the control thread is stuck, fade
-  double predict_s = 2e-3;            // the renderer sees the pose this far ahead: about when the current acts
-  double haptic_pulse_force_N = 0.5;  // amplitude 1 of xrApplyHapticFeedback
-  double haptic_pulse_min_s = 0.020;  // XR_MIN_HAPTIC_DURATION
-  double haptic_frequency_Hz = 80;    // XR_FREQUENCY_UNSPECIFIED
+  double predict_s = 2e-3;             // the renderer sees the pose this far ahead: about when the current acts
+  int bridge_scans = 10;               // so many scans in a row without a fit do not end a contact: the pose is held
+  double haptic_pulse_force_N = 0.25;  // amplitude 1 of xrApplyHapticFeedback
+  double haptic_pulse_min_s = 0.020;   // XR_MIN_HAPTIC_DURATION
+  double haptic_frequency_Hz = 80;     // XR_FREQUENCY_UNSPECIFIED
 };
 
 enum class ForceGate : std::uint8_t {
@@ -59,7 +60,7 @@ struct Commands {
   bool idle = true;                    // no client at all: the thread tracks at a low rate
   std::uint64_t owner = 0;             // client id, 0: none
   std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
-  double force_scale = 1;               // [0, 1], from apps.d
+  double force_scale = 1;              // [0, 1], from apps.d
   HapticWaveform haptic;
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
@@ -71,6 +72,7 @@ struct LoopState {
   InputTracker inputs;
   std::int64_t t_ns = 0;  // of the last scan
   std::uint64_t tick = 0;
+  int lost_scans = 0;                  // in a row
   double gate = 0;                     // 0..1 gain on everything rendered
   std::uint64_t scene_generation = 0;  // of the scene passed to Tick
   std::uint64_t haptic_id = 0;         // last waveform taken up
@@ -84,7 +86,7 @@ static_assert(std::is_trivially_copyable_v<LoopState>);
 
 struct TickOutput {
   std::uint64_t tick = 0;
-  std::int64_t t_ns = 0;                // of the scan
+  std::int64_t t_ns = 0;  // of the scan
   base::ToolState tool;
   base::Quat orientation_base_tool;  // frame T: -z out of the tip
   haptics::Output haptics;

@@ -21,9 +21,9 @@ haptics::Output Pressing(double force_N) {
 }
 
 TEST(Inputs, SelectHasHysteresis) {
-  const InputConfig config;
+  const InputConfig config{.force_filter_s = 0};
   InputTracker tracker;
-  const double forces[] = {0.29, 0.31, 0.20, 0.16, 0.14, 0.29};
+  const double forces[] = {0.14, 0.16, 0.10, 0.09, 0.07, 0.14};
   const float expected[] = {0, 1, 1, 1, 0, 0};
   for (int i = 0; i < 6; ++i) {
     UpdateInputs(config, Pressing(forces[i]), true, 1000 + i, tracker);
@@ -35,7 +35,7 @@ TEST(Inputs, SelectHasHysteresis) {
 }
 
 TEST(Inputs, EveryPressIsCounted) {
-  const InputConfig config;
+  const InputConfig config{.force_filter_s = 0};
   InputTracker tracker;
   for (int i = 0; i < 7; ++i) {
     UpdateInputs(config, Pressing(1), true, 10 * i, tracker);
@@ -46,7 +46,7 @@ TEST(Inputs, EveryPressIsCounted) {
 }
 
 TEST(Inputs, NotLiveGoesToRest) {
-  const InputConfig config;
+  const InputConfig config{.force_filter_s = 0};
   InputTracker tracker;
   haptics::Output output = Pressing(1);
   output.joystick = true;
@@ -58,26 +58,37 @@ TEST(Inputs, NotLiveGoesToRest) {
   EXPECT_EQ(Get(tracker, InputComponent::kSelect).release_count, 1U);
 }
 
+TEST(Inputs, NoiseDoesNotClick) {
+  const InputConfig config;
+  InputTracker tracker;
+  for (int ms = 0; ms < 1000; ++ms) {  // 0.1 N with spikes of 0.3 N, 1 ms long
+    UpdateInputs(config, Pressing(ms % 20 == 0 ? 0.3 : 0.1), true, ms * 1'000'000LL, tracker);
+  }
+  EXPECT_EQ(Get(tracker, InputComponent::kSelect).press_count, 0U);
+  for (int ms = 1000; ms < 1100; ++ms) UpdateInputs(config, Pressing(0.3), true, ms * 1'000'000LL, tracker);
+  EXPECT_EQ(Get(tracker, InputComponent::kSelect).press_count, 1U);
+}
+
 TEST(Inputs, NoJoystickNoThumbstick) {
   InputTracker tracker;
   haptics::Output output;
   output.thumbstick_y = 1;
-  UpdateInputs({}, output, true, 1, tracker);
+  UpdateInputs({.force_filter_s = 0}, output, true, 1, tracker);
   EXPECT_EQ(Get(tracker, InputComponent::kThumbstickY).value, 0);
 }
 
 TEST(Inputs, TinyChangesAreNotChanges) {
   InputTracker tracker;
-  UpdateInputs({}, Pressing(0.5), true, 1, tracker);
-  UpdateInputs({}, Pressing(0.5005), true, 2, tracker);
+  UpdateInputs({.force_filter_s = 0}, Pressing(0.5), true, 1, tracker);
+  UpdateInputs({.force_filter_s = 0}, Pressing(0.5005), true, 2, tracker);
   EXPECT_EQ(Get(tracker, InputComponent::kTipForce).t_change_ns, 1);
-  UpdateInputs({}, Pressing(0.51), true, 3, tracker);
+  UpdateInputs({.force_filter_s = 0}, Pressing(0.51), true, 3, tracker);
   EXPECT_EQ(Get(tracker, InputComponent::kTipForce).t_change_ns, 3);
 }
 
 TEST(Inputs, NotFiniteReadsAsRest) {
   InputTracker tracker;
-  UpdateInputs({}, Pressing(std::numeric_limits<double>::quiet_NaN()), true, 1, tracker);
+  UpdateInputs({.force_filter_s = 0}, Pressing(std::numeric_limits<double>::quiet_NaN()), true, 1, tracker);
   EXPECT_EQ(Get(tracker, InputComponent::kTipForce).value, 0);
   EXPECT_EQ(Get(tracker, InputComponent::kSelect).value, 0);
 }
