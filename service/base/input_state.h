@@ -8,7 +8,7 @@
 namespace omni::base {
 
 enum class InputComponent : std::uint8_t {
-  kTipForce = 0,     // 0..1, normal force on the tip over 2 N
+  kTipForce = 0,     // 0..1, normal force on the tip over loop::InputConfig::tip_force_full_N
   kSelect = 1,       // 0 or 1: tip force over its threshold, with hysteresis
   kSecondary = 2,    // 0 or 1
   kMenu = 3,         // 0 or 1

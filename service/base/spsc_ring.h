@@ -34,7 +34,7 @@ class SpscRing {
   }
 
  private:
-  std::array<T, kCapacity> slots_{};
+  std::array<T, kCapacity> slots_;  // no {}: compilers unroll it
   alignas(64) std::atomic<std::size_t> head_{0};
   alignas(64) std::atomic<std::size_t> tail_{0};
 };

@@ -45,7 +45,7 @@ struct ServerOptions {
   int state_fd = -1;                              // StatePublisher::fd(): passed to every client; stays the caller's
   std::int64_t hello_timeout_ns = 2'000'000'000;  // a connection that stays silent longer is closed
   // Lines for people (a client refused, a call that threw); empty: standard error. Control thread only.
-  std::function<void(const std::string&)> log;
+  std::function<void(const std::string&)> log{};
 };
 
 class Server {

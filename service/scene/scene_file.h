@@ -12,33 +12,34 @@
 namespace omni::scene {
 
 struct LoadOptions {
-  bool fit = false;                  // scale and move into reach: what is touched lies 5-30 mm above the hull
+  bool fit = false;  // scale and move into reach: what is touched lies 5-30 mm above the hull
   base::Vec3 offset_base_m;
   double scale = 1;
   double hull_radius_m = 0.0375;
   std::uint64_t max_file_bytes = 1ull << 30;
   std::uint32_t max_nodes = 100'000;
-  std::uint32_t max_depth = 64;      // of the node hierarchy; deeper or cyclic: refused
+  std::uint32_t max_depth = 64;  // of the node hierarchy; deeper or cyclic: refused
 };
 
 // One line per thing of the file, for `omni scene explain`.
 struct ExplainRow {
-  std::string pointer;               // JSON pointer, e.g. /meshes/0
+  std::string pointer;  // JSON pointer, e.g. /meshes/0
   std::string name;
   bool loaded = false;
-  std::string why;                   // why it is on or off
-  std::uint64_t bytes = 0;           // read from the file for it
+  std::string why;          // why it is on or off
+  std::uint64_t bytes = 0;  // read from the file for it
 };
 struct LoadReport {
   std::vector<ExplainRow> rows;
-  std::vector<std::string> warnings; // unknown keys, clamped values: file, JSON pointer, value, range
+  std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;
   std::uint64_t bytes_read = 0;
-  double fit_scale = 1;              // applied by `fit`
+  double fit_scale = 1;  // applied by `fit`
 };
 
 // Frame: glTF is y up, right handed, metres; base frame is z up: (x, y, z)_B = (x, -z, y)_glTF. The glTF origin is the
 // base's core centre. Errors: "<file>: <JSON pointer>: what, limit, what to do".
-base::Result<haptics::SceneInput> LoadSceneFile(const std::string& path, const LoadOptions& options, LoadReport& report);
+base::Result<haptics::SceneInput> LoadSceneFile(const std::string& path, const LoadOptions& options,
+                                                LoadReport& report);
 
 }  // namespace omni::scene

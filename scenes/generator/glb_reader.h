@@ -1,0 +1,21 @@
+// Reads the .glb files that WriteGlb writes, for pictures: float positions, triangles, colours, node transforms.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/generator/mesh.h"
+
+namespace omni::scenes {
+
+struct DrawnMesh {
+  std::string name;
+  Mesh mesh;  // base frame, colours per vertex
+  std::vector<Vec> normals;
+  double roughness = 0.7;
+};
+
+// One per primitive. Throws std::runtime_error.
+std::vector<DrawnMesh> ReadGlb(const std::string& path);
+
+}  // namespace omni::scenes

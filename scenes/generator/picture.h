@@ -1,0 +1,29 @@
+// A small software renderer: z-buffer, supersampled; light from many directions, each with its own shadow map, so that
+// folds and undersides darken as they do under a sky.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/generator/glb_reader.h"
+
+namespace omni::scenes {
+
+struct View {
+  std::string name;
+  double azimuth_deg;  // of the camera about z, 0 = in front of +x
+  double elevation_deg;
+};
+
+struct PictureOptions {
+  View view;
+  int width = 960, height = 720;
+  int supersampling = 3;
+  double zoom = 1;
+};
+
+// RGB, 8 bits each, rows from the top.
+std::vector<std::uint8_t> Render(const std::vector<DrawnMesh>& meshes, const PictureOptions& options);
+
+}  // namespace omni::scenes

@@ -1,0 +1,100 @@
+#include "service/scene/reach.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "service/scene/load_error.h"
+
+namespace omni::scene {
+namespace {
+
+constexpr double kFitWidth_m = 0.050;
+constexpr double kFitHeight_m = 0.040;
+constexpr double kClearance_m = 0.005;  // least distance of what is touched to the hull
+constexpr double kFitTopMin_m = 0.015;  // of the model's top over the hull
+constexpr double kFitTopMax_m = 0.030;  // force falls off: 0.6 N are left there
+constexpr double kReach_m = 0.060;      // over the hull; beyond, the pen still tracks but hardly feels anything
+
+struct Bounds {
+  base::Vec3 lower{std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
+                   std::numeric_limits<double>::max()};
+  base::Vec3 upper{-std::numeric_limits<double>::max(), -std::numeric_limits<double>::max(),
+                   -std::numeric_limits<double>::max()};
+
+  void Add(const base::Vec3& p) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+};
+
+// p_B = scale p + offset
+void Transform(haptics::SceneInput& input, double scale, const base::Vec3& offset) {
+  const auto move = [&](base::Vec3& p) {
+    p = {scale * p.x + offset.x, scale * p.y + offset.y, scale * p.z + offset.z};
+  };
+  for (haptics::InputObject& object : input.objects) {
+    std::for_each(object.vertices_base_m.begin(), object.vertices_base_m.end(), move);
+  }
+  if (input.joystick) move(input.joystick->centre_base_m);
+  if (input.vehicle) {
+    move(input.vehicle->start_base_m);
+    input.vehicle->radius_m *= scale;
+    input.vehicle->wheelbase_m *= scale;
+    input.vehicle->speed_max_m_s *= scale;
+    input.vehicle->acceleration_m_s2 *= scale;
+  }
+}
+
+double Fit(haptics::SceneInput& input, double hull_radius_m) {
+  Bounds bounds;
+  for (const haptics::InputObject& object : input.objects) {
+    for (const base::Vec3& p : object.vertices_base_m) bounds.Add(p);
+  }
+  const double width_m = std::max(bounds.upper.x - bounds.lower.x, bounds.upper.y - bounds.lower.y);
+  const double height_m = bounds.upper.z - bounds.lower.z;
+  if (!(width_m >= 0 && height_m >= 0)) throw LoadError("", "has nothing to fit: no triangle is left to touch");
+  const double scale = std::min(kFitWidth_m / width_m, kFitHeight_m / height_m);  // x / 0 = infinity: no limit
+  if (!(scale > 0 && scale <= 1e9)) {
+    throw LoadError("", "cannot be scaled into reach: its extent is " + std::to_string(width_m) + " x " +
+                            std::to_string(height_m) + " m; check the model's size");
+  }
+  const double top_m = hull_radius_m + std::clamp(scale * height_m + kClearance_m, kFitTopMin_m, kFitTopMax_m);
+  Transform(input, scale,
+            {-scale * (bounds.lower.x + bounds.upper.x) / 2, -scale * (bounds.lower.y + bounds.upper.y) / 2,
+             top_m - scale * bounds.upper.z});
+  return scale;
+}
+
+}  // namespace
+
+double Place(haptics::SceneInput& input, const LoadOptions& options) {
+  const base::Vec3& offset = options.offset_base_m;
+  if (!(options.scale > 0 && options.scale <= 1e9))
+    throw LoadError("", "LoadOptions::scale must be above 0 and at most 1e9");
+  if (!(std::abs(offset.x) <= 1e3 && std::abs(offset.y) <= 1e3 && std::abs(offset.z) <= 1e3)) {
+    throw LoadError("", "LoadOptions::offset_base_m must be within +-1000 m");
+  }
+  const double fit_scale = options.fit ? Fit(input, options.hull_radius_m) : 1;
+  if (options.scale != 1 || !(offset == base::Vec3{})) Transform(input, options.scale, offset);
+  return fit_scale;
+}
+
+void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& options, Warnings& warnings) {
+  double nearest_m = std::numeric_limits<double>::max();
+  for (const haptics::InputObject& object : input.objects) {
+    for (const base::Vec3& p : object.vertices_base_m) {
+      const double gap_m = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z) - options.hull_radius_m;
+      if (object.collidable && p.z > 0) nearest_m = std::min(nearest_m, std::max(gap_m, 0.0));
+    }
+  }
+  if (input.joystick || nearest_m <= kReach_m) return;
+  std::ostringstream text;
+  text << "nothing to touch within " << kReach_m * 1000 << " mm above the base's hull";
+  if (nearest_m < std::numeric_limits<double>::max()) text << " (nearest vertex: " << nearest_m * 1000 << " mm)";
+  text << "; load it with fit, or move and scale it over the base (docs/scenes.md)";
+  warnings.Add("/scene", text.str());
+}
+
+}  // namespace omni::scene

@@ -1,0 +1,20 @@
+// Places a model over the base.
+#pragma once
+
+#include <string>
+
+#include "service/haptics/scene_input.h"
+#include "service/scene/haptic_tag.h"
+#include "service/scene/scene_file.h"
+
+namespace omni::scene {
+
+// Scales and moves everything of `input` as `options` say. With `fit`: longest horizontal extent 50 mm (less if the
+// height would exceed 40 mm), centred on the z axis, top of the bounds 15 to 30 mm above the hull: as high as the model
+// plus 5 mm, within that. Throws LoadError when there is nothing to fit. Returns the scale that `fit` applied.
+double Place(haptics::SceneInput& input, const LoadOptions& options);
+
+// A warning when nothing that can be touched is where the device has force.
+void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& options, Warnings& warnings);
+
+}  // namespace omni::scene
