@@ -1,4 +1,5 @@
-// The whole loop in virtual time over a transport: what `omni twin run`, the benchmarks and the stories of the tests call.
+// The whole loop in virtual time over a transport: what `omni twin run`, the benchmarks and the stories of the tests
+// call.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,7 @@ struct VirtualRunSummary {
   std::uint64_t contact_ticks = 0;  // rendered force over 10 mN
   std::uint64_t select_presses = 0;
   double peak_force_N = 0;
-  std::uint64_t hash = 0;           // over the bits of every tick's scan, state, wrench and currents
+  std::uint64_t hash = 0;  // over the bits of every tick's scan, state, wrench and currents
 };
 
 // Called before each tick: what clients would say. Default: the gate is open, always.

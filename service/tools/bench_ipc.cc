@@ -8,8 +8,8 @@
 #include <fstream>
 #include <thread>
 
-#include "service/client/connection.h"
 #include "service/base/clock.h"
+#include "service/client/connection.h"
 #include "service/config/paths.h"
 #include "service/tools/bench.h"
 #include "service/tools/child_process.h"
@@ -44,10 +44,9 @@ struct Folders {
 };
 
 Environment MakeEnvironment(const Folders& folders, bool layer) {
-  Environment environment{
-      "OMNI_SOCKET=" + (folders.work / "run" / "omnid.sock").string(),
-      "XR_RUNTIME_JSON=" + (folders.build / "share/openxr/1/omni_test_runtime.json").string(),
-      "XR_API_LAYER_PATH=" + (folders.build / "share/openxr/1/api_layers/explicit.d").string()};
+  Environment environment{"OMNI_SOCKET=" + (folders.work / "run" / "omnid.sock").string(),
+                          "XR_RUNTIME_JSON=" + (folders.build / "share/openxr/1/omni_test_runtime.json").string(),
+                          "XR_API_LAYER_PATH=" + (folders.build / "share/openxr/1/api_layers/explicit.d").string()};
   environment.push_back(std::string("XR_ENABLE_API_LAYERS=") + (layer ? kLayer : ""));
   return environment;
 }
@@ -75,9 +74,9 @@ void AddRows(const ordered_json& calls, const std::string& suffix, BenchRows& ro
 }
 
 base::Status CountCalls(const Folders& folders, BenchRows& rows) {
-  auto counts = CountSystemCalls({(folders.build / "bin/omni_bench_layer").string(), "--pen", "--count",
-                                  std::to_string(kCountedTimes)},
-                                 MakeEnvironment(folders, true));
+  auto counts = CountSystemCalls(
+      {(folders.build / "bin/omni_bench_layer").string(), "--pen", "--count", std::to_string(kCountedTimes)},
+      MakeEnvironment(folders, true));
   if (!counts.ok()) return base::Error{counts.error()};
   for (std::size_t i = 0; i < std::size(kCountedCalls) && i < counts->size(); ++i) {
     for (ordered_json& row : rows) {
@@ -131,10 +130,10 @@ base::Result<BenchRows> BenchIpc(const BenchOptions& options) {
   std::error_code error;
   fs::create_directory(folders.work / "run", error);
   fs::permissions(folders.work / "run", fs::perms::owner_all, error);
-  auto service = ChildProcess::Start({(folders.build / "bin/omnid").string(), "--device", "twin", "--twin-seed",
-                                      std::to_string(options.seed), "--twin-script",
-                                      FindHandScript(FindScene("extrusion")), "--log-level", "error"},
-                                     MakeEnvironment(folders, false));
+  auto service = ChildProcess::Start(
+      {(folders.build / "bin/omnid").string(), "--device", "twin", "--twin-seed", std::to_string(options.seed),
+       "--twin-script", FindHandScript(FindScene("extrusion")), "--log-level", "error"},
+      MakeEnvironment(folders, false));
   if (!service.ok()) return base::Error{service.error()};
   BenchRows rows;
   const base::Status reads = AddReads(folders, rows);

@@ -1,6 +1,6 @@
-// omni bench loop: scans of a virtual-time run of the scene's own hand script are recorded once with the loop closed, then
-// replayed through Tick as often as wanted. The loop is deterministic, so a replay does exactly what the run did; the
-// twin's time is left out.
+// omni bench loop: scans of a virtual-time run of the scene's own hand script are recorded once with the loop closed,
+// then replayed through Tick as often as wanted. The loop is deterministic, so a replay does exactly what the run did;
+// the twin's time is left out.
 #include <chrono>
 #include <memory>
 #include <vector>
@@ -43,8 +43,8 @@ struct Timing {
   std::uint64_t late = 0;
 };
 
-Timing ReplayTicks(const loop::TickConfig& config, const haptics::Scene& scene, const std::vector<base::HallScan>& scans,
-                   std::uint64_t ticks) {
+Timing ReplayTicks(const loop::TickConfig& config, const haptics::Scene& scene,
+                   const std::vector<base::HallScan>& scans, std::uint64_t ticks) {
   using Clock = std::chrono::steady_clock;
   Timing timing;
   timing.us.resize(ticks);

@@ -50,8 +50,8 @@ int Decode(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + 
 
 }  // namespace
 
-base::Result<ChildProcess> ChildProcess::Start(const std::vector<std::string>& arguments, const Environment& environment,
-                                               const std::string& output_path) {
+base::Result<ChildProcess> ChildProcess::Start(const std::vector<std::string>& arguments,
+                                               const Environment& environment, const std::string& output_path) {
   const base::Status there = Check(arguments);
   if (!there.ok()) return base::Error{there.error()};
   std::vector<char*> pointers = Pointers(arguments);

@@ -1,7 +1,7 @@
 #include "service/tools/csv_table.h"
 
-#include <charconv>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <string_view>

@@ -11,8 +11,8 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kGrid_m = 0.003;      // spacing of the probes
-constexpr double kAbove_m = 0.020;     // approach from this high above a touch
+constexpr double kGrid_m = 0.003;   // spacing of the probes
+constexpr double kAbove_m = 0.020;  // approach from this high above a touch
 constexpr double kApproach_s = 1.0;
 constexpr double kPress_s = 0.6;
 constexpr double kHold_s = 0.5;

@@ -9,10 +9,10 @@ namespace omni::tools {
 
 struct HandPathOptions {
   double hull_radius_m = 0.0375;
-  double gap_min_m = 0.004;    // surface points this far above the hull ...
-  double gap_max_m = 0.032;    // ... to this can be felt
-  double reach_m = 0.025;      // from the z axis
-  double press_m = 0.004;      // how far below the surface the hand aims
+  double gap_min_m = 0.004;  // surface points this far above the hull ...
+  double gap_max_m = 0.032;  // ... to this can be felt
+  double reach_m = 0.025;    // from the z axis
+  double press_m = 0.004;    // how far below the surface the hand aims
   int touches = 5;
 };
 

@@ -15,20 +15,20 @@ namespace omni::tools {
 struct RunReport {
   std::string scene;
   std::string app;
-  std::string profile;               // empty: none became current
+  std::string profile;  // empty: none became current
   std::uint64_t ticks = 0;
   std::uint64_t late_ticks = 0;
   std::uint64_t compared_ticks = 0;  // tracked ticks with a true pose to compare with
   double tracking_mean_mm = 0;       // |magnet centre - truth|, base frame, not aligned
   double tracking_p95_mm = 0;
   double tracking_max_mm = 0;
-  std::uint64_t contact_ticks = 0;   // rendered force over 10 mN
-  double peak_force_N = 0;           // commanded
-  std::uint64_t haptic_pulses = 0;   // that reached the coil command
-  std::uint64_t select_edges = 0;    // false -> true seen by the app's own xrGetActionState
-  double pose_valid_fraction = 0;    // of the app's locates after the first valid one
+  std::uint64_t contact_ticks = 0;  // rendered force over 10 mN
+  double peak_force_N = 0;          // commanded
+  std::uint64_t haptic_pulses = 0;  // that reached the coil command
+  std::uint64_t select_edges = 0;   // false -> true seen by the app's own xrGetActionState
+  double pose_valid_fraction = 0;   // of the app's locates after the first valid one
   double locate_ns_median = 0;
-  bool simulation = true;            // the truth comes from the digital twin
+  bool simulation = true;  // the truth comes from the digital twin
 };
 
 struct RunFiles {

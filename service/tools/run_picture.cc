@@ -136,17 +136,12 @@ std::string DrawRun(const RunReport& report, const RunData& data, const haptics:
   DrawView(svg, top, "top view (x right, y up)", data, scene, hull_radius_m);
 
   const CsvTable& loop = data.loop;
-  const auto column = [&](const char* name) {
-    return [&loop, name](std::size_t i) { return loop[name][i]; };
-  };
-  DrawStrip(svg, 490, 110, 0, 2, "N", data,
-            {{"force", "#d1342f", [&](std::size_t i) { return ForceAt(loop, i); }}});
+  const auto column = [&](const char* name) { return [&loop, name](std::size_t i) { return loop[name][i]; }; };
+  DrawStrip(svg, 490, 110, 0, 2, "N", data, {{"force", "#d1342f", [&](std::size_t i) { return ForceAt(loop, i); }}});
   DrawStrip(svg, 630, 50, 0, 1.2, "", data,
-            {{"select", "#1769aa", column("select")},
-             {"gate", "#2e7d32", column("gate")}});
+            {{"select", "#1769aa", column("select")}, {"gate", "#2e7d32", column("gate")}});
   DrawStrip(svg, 710, 60, -1, 1, "", data,
-            {{"thumbstick x", "#1769aa", column("thumb_x")},
-             {"thumbstick y", "#d1342f", column("thumb_y")}});
+            {{"thumbstick x", "#1769aa", column("thumb_x")}, {"thumbstick y", "#d1342f", column("thumb_y")}});
   return svg.Finish();
 }
 

@@ -15,9 +15,10 @@ struct SvgPoint {
 class Svg {
  public:
   Svg(int width, int height) {
-    text_ = Format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
-                   "font-family=\"system-ui,sans-serif\" font-size=\"12\">\n",
-                   width, height, width, height);
+    text_ = Format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
+        "font-family=\"system-ui,sans-serif\" font-size=\"12\">\n",
+        width, height, width, height);
     text_ += "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   }
 

@@ -55,12 +55,12 @@ int RunTwin(const RunArguments& arguments) {
                                           .flip_coil_sign = arguments.flip_coil_sign,
                                           .recording_path = arguments.record},
                                          seconds);
-  const daemon::VirtualRunSummary summary =
-      daemon::RunVirtual(loop::MakeTickConfig(device), *twin, loaded->scene);
+  const daemon::VirtualRunSummary summary = daemon::RunVirtual(loop::MakeTickConfig(device), *twin, loaded->scene);
   std::printf("scene            %s\n", path.c_str());
   std::printf("device           digital twin (a simulation), seed %llu\n",
               static_cast<unsigned long long>(arguments.seed));
-  std::printf("ticks            %llu (virtual time, %.3f s)\n", static_cast<unsigned long long>(summary.ticks), seconds);
+  std::printf("ticks            %llu (virtual time, %.3f s)\n", static_cast<unsigned long long>(summary.ticks),
+              seconds);
   std::printf("tracked ticks    %llu\n", static_cast<unsigned long long>(summary.tracked_ticks));
   std::printf("contact ticks    %llu\n", static_cast<unsigned long long>(summary.contact_ticks));
   std::printf("select presses   %llu\n", static_cast<unsigned long long>(summary.select_presses));
@@ -85,7 +85,8 @@ int WritePath(const RunArguments& arguments, const std::string& output) {
 
 void AddTwinRun(CLI::App& twin) {
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* run = twin.add_subcommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
+  CLI::App* run =
+      twin.add_subcommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
   run->add_option("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
   run->add_option("--seed", arguments->seed, "of noise and imperfections")->capture_default_str();
   run->add_option("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");

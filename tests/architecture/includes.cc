@@ -29,7 +29,9 @@ std::vector<Include> IncludesOf(const std::string& text) {
   return found;
 }
 
-bool StartsWith(const std::string& text, const std::string& prefix) { return text.compare(0, prefix.size(), prefix) == 0; }
+bool StartsWith(const std::string& text, const std::string& prefix) {
+  return text.compare(0, prefix.size(), prefix) == 0;
+}
 
 const Rule* FindRule(const std::string& module) {
   const auto& rules = Rules();

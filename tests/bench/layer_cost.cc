@@ -216,7 +216,8 @@ int main(int argc, char** argv) {
     Time("xrLocateSpace (pen)", locate_right, false);
     Time("xrLocateSpace (other hand)", locate_left, false);
     Time("xrGetInstanceProperties (pass-through)", pass_through, false);
-    Time("xrSyncActions", [&] { Sync(app); }, true);
+    Time(
+        "xrSyncActions", [&] { Sync(app); }, true);
     std::printf("]\n");
   }
   xrDestroyInstance(app.instance);

@@ -197,8 +197,8 @@ TEST(LoopStory, GarbageScansNeverReachTheCoils) {
   while (story.Step(table)) {
     if (next() % 5 != 0) continue;
     base::HallScan bad = story.scan;
-    const double nasty[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, -1,
-                            0};
+    const double nasty[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300,
+                            -1, 0};
     for (int i = 0; i < 4; ++i) {
       bad.field_sensor_T[next() % 8].y = nasty[next() % 5];
       bad.coil_current_A[next() % 3] = nasty[next() % 5];

@@ -95,7 +95,10 @@ class ServiceProcess {
 class TestApplication {
  public:
   explicit TestApplication(const ServiceProcess& service, const std::string& name = "process_test")
-      : connection_({.application = name, .engine = "", .socket_path = service.socket_path(), .retry_interval_ns = 50'000'000}) {}
+      : connection_({.application = name,
+                     .engine = "",
+                     .socket_path = service.socket_path(),
+                     .retry_interval_ns = 50'000'000}) {}
 
   // Runs for `ms` or until `until` says so. False: `until` was never true.
   template <class Until>
@@ -140,11 +143,12 @@ class TestApplication {
 
 // Largest |current| of the three coils in row i of the twin's recording.
 inline double Current_A(const tools::CsvTable& truth, std::size_t i) {
-  return std::max({std::abs(truth["current_x_A"][i]), std::abs(truth["current_y_A"][i]), std::abs(truth["current_z_A"][i])});
+  return std::max(
+      {std::abs(truth["current_x_A"][i]), std::abs(truth["current_y_A"][i]), std::abs(truth["current_z_A"][i])});
 }
 
-// Milliseconds from t_ns until the coils are below 20 mA and stay there for the rest of the recording, at most `horizon`
-// later; < 0: they never were.
+// Milliseconds from t_ns until the coils are below 20 mA and stay there for the rest of the recording, at most
+// `horizon` later; < 0: they never were.
 inline double MillisecondsToZero(const tools::CsvTable& truth, std::int64_t t_ns, double horizon_ms) {
   double last_ms = 0;
   bool any = false;

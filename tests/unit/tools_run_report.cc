@@ -41,7 +41,8 @@ class RunReportTest : public testing::Test {
            << i / 400 << '\n';
       truth << i * 1'000'000 << ",1," << x << ",0,0.05\n";
     }
-    std::ofstream(files_.app) << R"({"application": "a", "profile": "/p", "select_edges": 3, "pose_valid_fraction": 0.99,
+    std::ofstream(files_.app)
+        << R"({"application": "a", "profile": "/p", "select_edges": 3, "pose_valid_fraction": 0.99,
                                      "locate_ns_median": 250})";
   }
 

@@ -1,0 +1,60 @@
+// One list of the functions this layer touches. A new one is a word here and a body in an entry_*.cc.
+#pragma once
+
+#include "layer/src/omni_openxr_compat.h"
+
+// Functions the application reaches through us.
+#define OMNI_LAYER_INTERCEPTED(X)      \
+  X(DestroyInstance)                   \
+  X(PollEvent)                         \
+  X(CreateSession)                     \
+  X(DestroySession)                    \
+  X(BeginSession)                      \
+  X(EndSession)                        \
+  X(WaitFrame)                         \
+  X(CreateActionSet)                   \
+  X(DestroyActionSet)                  \
+  X(CreateAction)                      \
+  X(DestroyAction)                     \
+  X(SuggestInteractionProfileBindings) \
+  X(AttachSessionActionSets)           \
+  X(GetCurrentInteractionProfile)      \
+  X(SyncActions)                       \
+  X(GetActionStateBoolean)             \
+  X(GetActionStateFloat)               \
+  X(GetActionStateVector2f)            \
+  X(GetActionStatePose)                \
+  X(EnumerateBoundSourcesForAction)    \
+  X(GetInputSourceLocalizedName)       \
+  X(CreateActionSpace)                 \
+  X(CreateReferenceSpace)              \
+  X(DestroySpace)                      \
+  X(LocateSpace)                       \
+  X(ApplyHapticFeedback)               \
+  X(StopHapticFeedback)
+
+// Functions of the next layer or runtime that we only call.
+#define OMNI_LAYER_CALLED(X) \
+  X(StringToPath)            \
+  X(PathToString)
+
+namespace omni::layer {
+
+struct Dispatch {
+  PFN_xrGetInstanceProcAddr GetInstanceProcAddr = nullptr;
+#define OMNI_LAYER_MEMBER(name) PFN_xr##name name = nullptr;
+  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_MEMBER)
+  OMNI_LAYER_CALLED(OMNI_LAYER_MEMBER)
+#undef OMNI_LAYER_MEMBER
+  // Absent below: nullptr.
+  PFN_xrConvertTimespecTimeToTimeKHR ConvertTimespecTimeToTimeKHR = nullptr;
+  PFN_xrEnumerateInstanceExtensionProperties EnumerateInstanceExtensionProperties = nullptr;
+};
+
+// Fills `next`. False: a core function is missing below (`*missing` names it).
+bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispatch& next, const char** missing);
+
+// Our own function of that name, or nullptr.
+PFN_xrVoidFunction FindIntercepted(const char* name);
+
+}  // namespace omni::layer

@@ -1,0 +1,94 @@
+#include "layer/src/locate.h"
+
+#include <cmath>
+
+namespace omni::layer {
+namespace {
+
+constexpr double kInFront_m = 0.45;
+constexpr double kBelow_m = 0.35;
+
+bool All(XrFlags64 flags, XrFlags64 bits) { return (flags & bits) == bits; }
+
+// Position of C in A needs all of AB and the position of BC; orientation needs both orientations.
+XrSpaceLocationFlags ChainBits(XrSpaceLocationFlags parent, XrSpaceLocationFlags child, XrSpaceLocationFlags position,
+                               XrSpaceLocationFlags orientation) {
+  XrSpaceLocationFlags out = 0;
+  if (All(parent, orientation) && All(child, orientation)) out |= orientation;
+  if (All(parent, position | orientation) && All(child, position)) out |= position;
+  return out;
+}
+
+}  // namespace
+
+Pose DefaultPlacement() {
+  // -90 degrees about x: base z -> LOCAL y, base y -> LOCAL -z.
+  const double h = std::sqrt(0.5);
+  return {{0.0, -kBelow_m, -kInFront_m}, glm::dquat(h, -h, 0.0, 0.0)};
+}
+
+Located Chain(const Located& X_AB, const Located& X_BC) noexcept {
+  Located out;
+  out.motion = Compose(X_AB.motion, X_BC.motion);
+  out.flags =
+      ChainBits(X_AB.flags, X_BC.flags, XR_SPACE_LOCATION_POSITION_VALID_BIT, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) |
+      ChainBits(X_AB.flags, X_BC.flags, XR_SPACE_LOCATION_POSITION_TRACKED_BIT,
+                XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT);
+  const XrSpaceVelocityFlags both = X_AB.velocity_flags & X_BC.velocity_flags;
+  if (All(X_AB.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT)) {
+    out.velocity_flags |= both & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT;
+    if (All(X_AB.velocity_flags, XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) &&
+        All(X_BC.flags, XR_SPACE_LOCATION_POSITION_VALID_BIT))
+      out.velocity_flags |= both & XR_SPACE_VELOCITY_LINEAR_VALID_BIT;
+  }
+  return out;
+}
+
+Located Invert(const Located& X_AB) noexcept {
+  Located out;
+  out.motion = Inverse(X_AB.motion);
+  out.flags =
+      ChainBits(X_AB.flags, X_AB.flags, XR_SPACE_LOCATION_POSITION_VALID_BIT, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) |
+      ChainBits(X_AB.flags, X_AB.flags, XR_SPACE_LOCATION_POSITION_TRACKED_BIT,
+                XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT);
+  out.velocity_flags = All(X_AB.velocity_flags, kVelocityValid) && All(X_AB.flags, kValid)
+                           ? kVelocityValid
+                           : X_AB.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT;
+  return out;
+}
+
+Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept {
+  Located out;
+  if (!tool.valid) return out;
+  Motion placement;
+  placement.X = X_LO;
+  Motion offset;
+  offset.X = X_TS;
+  out.motion = Compose(Compose(placement, tool.X_BT), offset);
+  out.flags = tool.tracked ? kValid | kTracked : kValid;
+  out.velocity_flags = kVelocityValid;
+  return out;
+}
+
+XrSpaceVelocity* ChainedVelocity(const XrSpaceLocation& location) noexcept {
+  auto* chain = static_cast<XrBaseOutStructure*>(location.next);
+  while (chain && chain->type != XR_TYPE_SPACE_VELOCITY) chain = chain->next;
+  return static_cast<XrSpaceVelocity*>(static_cast<void*>(chain));
+}
+
+void Write(const Located& located, XrSpaceLocation& location) noexcept {
+  const XrPosef pose = ToXr(located.motion.X);
+  location.locationFlags = located.flags;
+  location.pose = {{0, 0, 0, 1}, {0, 0, 0}};
+  if (located.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) location.pose.orientation = pose.orientation;
+  if (located.flags & XR_SPACE_LOCATION_POSITION_VALID_BIT) location.pose.position = pose.position;
+  XrSpaceVelocity* velocity = ChainedVelocity(location);
+  if (!velocity) return;
+  velocity->velocityFlags = located.velocity_flags;
+  velocity->linearVelocity = {0, 0, 0};
+  velocity->angularVelocity = {0, 0, 0};
+  if (located.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) velocity->linearVelocity = ToXr(located.motion.v);
+  if (located.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) velocity->angularVelocity = ToXr(located.motion.w);
+}
+
+}  // namespace omni::layer

@@ -1,0 +1,34 @@
+// OpenXR as this layer sees it: Debian 12's 1.0.20 headers plus the registry's values for what they lack
+// (xr.xml of OpenXR 1.1.62). Every entry is guarded, so that newer headers win.
+#pragma once
+
+#include <time.h>
+
+#define XR_USE_TIMESPEC
+#include <openxr/openxr.h>
+#include <openxr/openxr_platform.h>
+
+#ifndef XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME
+#define XR_LOGITECH_mx_ink_stylus_interaction 1
+#define XR_LOGITECH_mx_ink_stylus_interaction_SPEC_VERSION 1
+#define XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME "XR_LOGITECH_mx_ink_stylus_interaction"
+#endif
+
+#ifndef XR_EXT_active_action_set_priority
+#define XR_EXT_active_action_set_priority 1
+#define XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME "XR_EXT_active_action_set_priority"
+#define XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT (static_cast<XrStructureType>(1000373000))
+typedef struct XrActiveActionSetPriorityEXT {
+  XrActionSet actionSet;
+  uint32_t priorityOverride;
+} XrActiveActionSetPriorityEXT;
+typedef struct XrActiveActionSetPrioritiesEXT {
+  XrStructureType type;
+  const void* next;
+  uint32_t actionSetPriorityCount;
+  const XrActiveActionSetPriorityEXT* actionSetPriorities;
+} XrActiveActionSetPrioritiesEXT;
+#endif
+
+// XR_REFERENCE_SPACE_TYPE_LOCAL_FLOOR (OpenXR 1.1): a macro of our own name, since an enumerator cannot be tested for.
+inline constexpr int kReferenceSpaceTypeLocalFloor = 1000426000;

@@ -1,0 +1,191 @@
+// Sessions, haptics and signs of life as the service hears them; instances that come and go.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "tests/layer/app.h"
+
+namespace omni::test {
+namespace {
+
+using protocol::SessionState;
+
+class Lifecycle : public testing::Test {
+ protected:
+  void SetUp() override { omni_test_reset(); }
+  static bool Until(const std::function<bool()>& done) {
+    const std::int64_t end = Now_ns() + 10'000'000'000;
+    while (!done()) {
+      if (Now_ns() > end) return false;
+      const timespec pause{0, 2'000'000};
+      nanosleep(&pause, nullptr);
+    }
+    return true;
+  }
+};
+
+TEST_F(Lifecycle, ServiceHearsTheApplicationAndItsSession) {
+  FakeService service;
+  {
+    AppOptions options;
+    options.name = "Caf\xC3\xA9 demo";
+    App app(options);
+    ASSERT_TRUE(app.WaitProfile(service, kTouch));
+    ASSERT_TRUE(Until([&] { return !service.heard().sessions.empty(); }));
+    EXPECT_EQ(service.heard().applications, std::vector<std::string>{"Caf\xC3\xA9 demo"});
+    EXPECT_EQ(service.heard().sessions.back(), SessionState::kFocused);
+
+    omni_test_set_focus(0);
+    ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
+    EXPECT_TRUE(Until([&] { return service.heard().sessions.back() == SessionState::kBegun; })) << "told by the sync";
+    omni_test_set_focus(1);
+    app.Poll();
+    EXPECT_TRUE(Until([&] { return service.heard().sessions.back() == SessionState::kFocused; }))
+        << "told by the event";
+
+    ASSERT_EQ(xrRequestExitSession(app.session), XR_SUCCESS);
+    ASSERT_TRUE(Until([&] {
+      app.Poll();
+      return app.state == XR_SESSION_STATE_IDLE || app.state == XR_SESSION_STATE_EXITING;
+    }));
+    EXPECT_TRUE(Until([&] { return service.heard().sessions.back() == SessionState::kNone; })) << "session ended";
+  }
+  EXPECT_TRUE(Until([&] { return service.heard().gone == 1; })) << "instance destroyed";
+}
+
+TEST_F(Lifecycle, DestroyedSessionIsOver) {
+  FakeService service;
+  App app;
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  ASSERT_EQ(xrDestroySession(app.session), XR_SUCCESS);
+  EXPECT_TRUE(Until([&] { return service.heard().sessions.back() == SessionState::kNone; }));
+}
+
+// Every intercepted call is a sign of life.
+TEST_F(Lifecycle, CallsAreSignsOfLife) {
+  FakeService service;
+  App app;
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  const XrSpace local = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  const timespec pause{0, 100'000'000};
+  nanosleep(&pause, nullptr);
+  const std::int64_t quiet_since = service.last_beat_ns();
+  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+  ASSERT_EQ(xrLocateSpace(local, local, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
+  EXPECT_TRUE(Until([&] { return service.last_beat_ns() > quiet_since; }));
+}
+
+// [input-output-actions-haptics]
+TEST_F(Lifecycle, HapticsReachTheService) {
+  FakeService service;
+  App app;
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  ASSERT_EQ(app.Vibrate(app.right, 0.5f), XR_SUCCESS);
+  ASSERT_TRUE(Until([&] { return service.heard().haptics.size() == 1; })) << "at once, not at the sync";
+  const protocol::Haptic haptic = service.heard().haptics[0];
+  EXPECT_EQ(haptic.duration_ns, 20'000'000);
+  EXPECT_FLOAT_EQ(haptic.amplitude, 0.5f);
+  EXPECT_FLOAT_EQ(haptic.frequency_Hz, 150.0f);
+
+  ASSERT_EQ(app.Vibrate(XR_NULL_PATH, 1.0f), XR_SUCCESS);
+  ASSERT_TRUE(Until([&] { return service.heard().haptics.size() == 2; })) << "no subaction path: all devices";
+  EXPECT_FLOAT_EQ(service.heard().haptics[1].amplitude, 1.0f);
+  OmniTestHaptics left{};
+  omni_test_haptics("left", &left);
+  EXPECT_EQ(left.count, 1u);
+
+  const XrHapticActionInfo info{XR_TYPE_HAPTIC_ACTION_INFO, nullptr, app.haptic, app.right};
+  ASSERT_EQ(xrStopHapticFeedback(app.session, &info), XR_SUCCESS);
+  EXPECT_TRUE(Until([&] { return service.heard().haptic_stops == 1; }));
+}
+
+TEST_F(Lifecycle, HapticErrorsAndFocus) {
+  FakeService service;
+  App app;
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  XrHapticVibration vibration{XR_TYPE_HAPTIC_VIBRATION, nullptr, XR_MIN_HAPTIC_DURATION, 0, 1};
+  const auto* header = static_cast<const XrHapticBaseHeader*>(static_cast<const void*>(&vibration));
+  XrHapticActionInfo info{XR_TYPE_HAPTIC_ACTION_INFO, nullptr, app.select, app.right};
+  EXPECT_EQ(xrApplyHapticFeedback(app.session, &info, header), XR_ERROR_ACTION_TYPE_MISMATCH);
+  info = {XR_TYPE_HAPTIC_ACTION_INFO, nullptr, app.haptic, app.Path("/user/gamepad")};
+  EXPECT_EQ(xrApplyHapticFeedback(app.session, &info, header), XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(xrApplyHapticFeedback(app.session, nullptr, header), XR_ERROR_VALIDATION_FAILURE);
+  info = {XR_TYPE_HAPTIC_ACTION_INFO, nullptr, app.haptic, app.right};
+  EXPECT_EQ(xrApplyHapticFeedback(app.session, &info, nullptr), XR_ERROR_VALIDATION_FAILURE);
+  ASSERT_EQ(app.Vibrate(app.right, 1), XR_SUCCESS);
+  omni_test_set_focus(0);
+  ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
+  EXPECT_TRUE(Until([&] { return service.heard().haptic_stops == 1; })) << "what vibrates stops with focus";
+  EXPECT_EQ(app.Vibrate(app.right, 1), XR_SESSION_NOT_FOCUSED);
+  const timespec pause{0, 30'000'000};
+  nanosleep(&pause, nullptr);
+  EXPECT_EQ(service.heard().haptics.size(), 1u);
+}
+
+// kill -9 of the service and its return, without a restart of the application.
+TEST_F(Lifecycle, ServiceKilledAndRestarted) {
+  App app;
+  for (int life = 0; life < 3; ++life) {
+    FakeService service;
+    ASSERT_TRUE(app.SyncUntil(service, [&] { return !service.heard().sessions.empty(); })) << "life " << life;
+    EXPECT_EQ(service.heard().sessions.back(), SessionState::kFocused) << "told again after each restart";
+    ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  }
+  ASSERT_TRUE(Until([&] {
+    EXPECT_EQ(app.Sync(), XR_SUCCESS);
+    return app.Profile(app.right).empty();
+  }));
+  EXPECT_FALSE(app.PoseActive(app.pose, app.right));
+}
+
+// Applications create and destroy instances again and again.
+TEST_F(Lifecycle, FiftyInstances) {
+  FakeService service;
+  const auto open_files = [] {
+    const std::filesystem::directory_iterator files("/proc/self/fd");
+    return std::distance(begin(files), end(files));
+  };
+  const auto before = open_files();
+  for (int i = 0; i < 50; ++i) {
+    const App app;
+    ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  }
+  EXPECT_EQ(omni_test_live_handles(), 0u);
+  EXPECT_TRUE(Until([&] { return open_files() == before; })) << "every connection is closed, on both sides";
+  App last;
+  EXPECT_TRUE(last.WaitProfile(service, kTouch));
+}
+
+TEST_F(Lifecycle, LeftHandByEnvironment) {
+  setenv("OMNI_HAND", "left", 1);
+  omni_test_set_device("left", 0, nullptr);
+  omni_test_set_device("right", 1, kTouch);
+  FakeService service;
+  App app;
+  unsetenv("OMNI_HAND");
+  EXPECT_TRUE(app.SyncUntil(service, [&] { return app.Profile(app.left) == kTouch; }));
+  service.Set(protocol::InputIndex::kTipForce, 0.5f);
+  service.Fill();
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_FLOAT_EQ(app.Float(app.force, app.left).currentState, 0.5f);
+}
+
+// Without XR_KHR_convert_timespec_time in the application's list the layer has it all the same, and hides it.
+TEST_F(Lifecycle, TimeConversionIsPrivate) {
+  FakeService service;
+  AppOptions options;
+  options.timespec_extension = false;
+  App app(options);
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  PFN_xrVoidFunction function = nullptr;
+  EXPECT_EQ(xrGetInstanceProcAddr(app.instance, "xrConvertTimespecTimeToTimeKHR", &function),
+            XR_ERROR_FUNCTION_UNSUPPORTED);
+  service.Set(protocol::InputIndex::kSelect, 1);
+  service.Fill();
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_NEAR(static_cast<double>(app.Bool(app.select, app.right).lastChangeTime),
+              static_cast<double>(Now_ns() + kRuntimeOffset_ns), 1e9);
+}
+
+}  // namespace
+}  // namespace omni::test
