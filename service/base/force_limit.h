@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "service/base/actuation_types.h"
 
@@ -16,12 +17,12 @@ inline double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexce
   if (!limit.valid || !(norm_N <= 1e6)) return 0;
   if (norm_N == 0) return 1;
   double scale = std::min(1.0, limit.force_max_N / norm_N);
-  for (int k = 0; k < kCoilCount; ++k) {
-    const double* row = &limit.ampere_per_newton[static_cast<std::size_t>(3 * k)];
+  for (std::size_t k = 0; k < kCoilCount; ++k) {
+    const double* row = &limit.ampere_per_newton[3 * k];
     const double current_A = row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z;
-    const double bias_A = limit.bias_A[static_cast<std::size_t>(k)];
+    const double bias_A = limit.bias_A[k];
     // |bias + s I| <= max: the headroom depends on the sign of I.
-    const double headroom_A = limit.current_max_A[static_cast<std::size_t>(k)] - (current_A > 0 ? bias_A : -bias_A);
+    const double headroom_A = limit.current_max_A[k] - (current_A > 0 ? bias_A : -bias_A);
     if (!(headroom_A > 0)) return 0;
     if (std::abs(current_A) * scale > headroom_A) scale = headroom_A / std::abs(current_A);
     if (!(scale >= 0)) return 0;

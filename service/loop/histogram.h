@@ -1,6 +1,7 @@
 // Histogram of durations, 8 buckets per octave (12 % resolution): one writer, any number of readers, no lock.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
@@ -24,14 +25,15 @@ class Histogram {
     return sum;
   }
 
-  // Upper edge of the bucket that holds the q-quantile (q in [0, 1]), in microseconds; 0 when empty.
+  // Upper edge of the bucket that holds the q-quantile (q in [0, 1]), at most the maximum, in microseconds; 0 when
+  // empty.
   double Quantile_us(double q) const noexcept {
     const double wanted = q * static_cast<double>(count());
     double seen = 0;
     for (std::size_t i = 0; i < buckets_.size(); ++i) {
       const auto n = static_cast<double>(buckets_[i].load(std::memory_order_relaxed));
       seen += n;
-      if (n > 0 && seen >= wanted) return static_cast<double>(UpperEdge(i)) * 1e-3;
+      if (n > 0 && seen >= wanted) return std::min(static_cast<double>(UpperEdge(i)) * 1e-3, max_us());
     }
     return 0;
   }

@@ -20,7 +20,7 @@ RealtimeStatus RequestRealtime(int priority) {
   if (!status.fifo) {
     status.reason = std::string("SCHED_FIFO refused (") + std::strerror(refused) +
                     "): install manifests/limits/99-omni-realtime.conf into /etc/security/limits.d and log in again, "
-                    "or run the systemd unit, or install rtkit";
+                    "or run the systemd unit (docs/howto/realtime.md)";
   }
   // With a small limit MCL_FUTURE would make later allocations fail: lock all or nothing.
   rlimit memory{};

@@ -12,7 +12,6 @@ namespace omni::test {
 namespace {
 
 using layer::Motion;
-using layer::Pose;
 
 constexpr XrSpaceLocationFlags kSeen = layer::kValid | layer::kTracked;
 
@@ -323,6 +322,7 @@ TEST_F(Spaces, ManyThreadsLocate) {
   std::atomic<bool> stop{false};
   std::atomic<int> located{0};
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&] {
       while (!stop) {
