@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct Heard {
   std::vector<protocol::Haptic> haptics;
   int haptic_stops = 0;
   int gone = 0;
+  // Empty: no session was ever reported.
+  std::optional<protocol::SessionState> last_session() const {
+    return sessions.empty() ? std::nullopt : std::optional(sessions.back());
+  }
 };
 
 class FakeService : private ipc::ServerHandler {
