@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <regex>
 #include <sstream>
 
 namespace omni::architecture {
@@ -17,14 +16,24 @@ struct Include {
   int line = 0;
 };
 
+// The header of `#include "x"` or `# include <x>`; empty: another line.
+std::string HeaderOf(const std::string& line) {
+  std::size_t at = line.find_first_not_of(" \t");
+  if (at == std::string::npos || line[at] != '#') return {};
+  at = line.find_first_not_of(" \t", at + 1);
+  if (at == std::string::npos || line.compare(at, 7, "include") != 0) return {};
+  const std::size_t open = line.find_first_of("<\"", at + 7);
+  if (open == std::string::npos) return {};
+  const std::size_t close = line.find(line[open] == '<' ? '>' : '"', open + 1);
+  return close == std::string::npos ? std::string() : line.substr(open + 1, close - open - 1);
+}
+
 std::vector<Include> IncludesOf(const std::string& text) {
-  static const std::regex kInclude(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
   std::vector<Include> found;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    std::smatch match;
-    if (std::regex_search(line, match, kInclude)) found.push_back({match[1], number});
+    if (const std::string header = HeaderOf(line); !header.empty()) found.push_back({header, number});
   }
   return found;
 }
