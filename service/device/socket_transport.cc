@@ -12,6 +12,7 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/clock.h"
+#include "service/device/counters.h"
 #include "service/device/scan_conversion.h"
 
 namespace omni::device {
@@ -92,7 +93,7 @@ class SocketTransport final : public Transport {
   }
 
   const TransportInfo& info() const noexcept override { return info_; }
-  TransportCounters counters() const noexcept override { return counters_; }
+  TransportCounters counters() const noexcept override { return counters_.Snapshot(); }
 
  private:
   struct Drained {
@@ -126,7 +127,7 @@ class SocketTransport final : public Transport {
       return false;
     }
     ++counters_.received;
-    counters_.missed = sequence_.missed();
+    counters_.missed.Set(sequence_.missed());
     newest_device_us_ = view.header.t_device_us;
     scan = ScanFromTelemetry(device_, telemetry, newest_device_us_, sequence_.sequence());
     return true;
@@ -135,7 +136,7 @@ class SocketTransport final : public Transport {
   UniqueFd socket_;
   DeviceInfo device_;
   TransportInfo info_;
-  TransportCounters counters_;
+  Counters counters_;
   SequenceCounter sequence_;
   Buffer buffer_{};
   std::uint64_t newest_device_us_ = 0;

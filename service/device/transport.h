@@ -42,6 +42,7 @@ class Transport {
   // Sends set-points with their time to live; never waits. Non-finite values are refused (false, nothing sent).
   virtual bool Write(const base::CoilCurrents& currents) noexcept = 0;
   virtual const TransportInfo& info() const noexcept = 0;
+  // Any thread, while another reads and writes.
   virtual TransportCounters counters() const noexcept = 0;
 };
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "service/device/counters.h"
 #include "service/device/scan_conversion.h"
 #include "service/sim/twin_core.h"
 
@@ -47,14 +48,14 @@ class VirtualTwin final : public device::Transport {
       ++counters_.send_failed;
       return false;
     }
-    core_.Command(command, static_cast<std::uint16_t>(counters_.sent));
+    core_.Command(command, static_cast<std::uint16_t>(counters_.sent.value()));
     command_tick_ = core_.tick();
     ++counters_.sent;
     return true;
   }
 
   const device::TransportInfo& info() const noexcept override { return info_; }
-  device::TransportCounters counters() const noexcept override { return counters_; }
+  device::TransportCounters counters() const noexcept override { return counters_.Snapshot(); }
 
  private:
   TwinCore core_;
@@ -62,7 +63,7 @@ class VirtualTwin final : public device::Transport {
   std::uint64_t command_tick_ = 0;
   device::DeviceInfo device_;
   device::TransportInfo info_;
-  device::TransportCounters counters_;
+  device::Counters counters_;
   std::unique_ptr<Recording> recording_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -18,6 +19,7 @@
 #include "firmware/wire/messages.h"
 #include "service/device/socket_transport.h"
 #include "service/sim/twin.h"
+#include "tests/support/temp_folder.h"
 #include "tests/support/twin_story.h"
 
 namespace omni::device {
@@ -161,6 +163,23 @@ TEST_P(TransportContract, BadSetPointsAreRefused) {
   EXPECT_EQ(opened_.link->counters().send_failed, 3U);
 }
 
+TEST_P(TransportContract, AnyThreadReadsTheCounters) {
+  std::atomic<bool> done{false};
+  std::thread reader([&] {
+    std::uint64_t received = 0;
+    while (!done) {
+      const TransportCounters now = opened_.link->counters();
+      EXPECT_GE(now.received, received);
+      received = now.received;
+    }
+  });
+  base::HallScan scan;
+  for (int i = 0; i < 50; ++i) Exchange(scan, {});
+  done = true;
+  reader.join();
+  EXPECT_GE(opened_.link->counters().sent, 50U);
+}
+
 INSTANTIATE_TEST_SUITE_P(AllTransports, TransportContract, testing::ValuesIn(kTransports),
                          [](const testing::TestParamInfo<Row>& row) { return std::string(row.param.name); });
 
@@ -175,8 +194,8 @@ TEST(SpawnedTwin, CannotBeStarted) {
 
 // The host drops the link without a word while the coils carry current: the twin goes on recording, and records zero.
 TEST(SpawnedTwin, OutlivesItsHostAndRecordsZeroCurrents) {
-  const support::TemporaryFolder folder;
-  const std::string path = folder.File("truth.csv");
+  const test::TempFolder folder;
+  const std::string path = folder.Path("truth.csv");
   {
     auto link = sim::SpawnTwin(ThisProgram(), {"--record", path});
     ASSERT_TRUE(link.ok()) << link.error();
