@@ -19,7 +19,6 @@ constexpr Range kOffset_m{-0.2, 0.2};
 constexpr Range kScale{1e-4, 1e4};
 constexpr Range kForceScale{0, 1};
 constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
-constexpr std::string_view kHands[] = {"right", "left"};
 
 // The *.toml files of a folder in name order; a folder that is not there has none.
 std::vector<std::string> TomlFiles(const std::string& folder, std::vector<std::string>& problems) {
@@ -57,7 +56,6 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   entry.offset_base_m = reader.Vector("offset_base_m", kOffset_m, base::Vec3{});
   entry.scale = reader.Number("scale", kScale, 1.0);
   entry.force_scale = reader.Number("force_scale", kForceScale, 1.0);
-  entry.hand = reader.Choice("hand", kHands, "right");
   reader.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
   return entry;

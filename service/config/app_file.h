@@ -24,8 +24,7 @@ struct AppEntry {
   Placement placement = Placement::kAsAuthored;
   base::Vec3 offset_base_m;
   double scale = 1;
-  double force_scale = 1;      // [0, 1]
-  std::string hand = "right";  // "right" or "left"
+  double force_scale = 1;  // [0, 1]
 };
 
 struct AppTable {

@@ -97,7 +97,6 @@ std::unique_ptr<DeviceSession> OpenDevice(const RunOptions& options, const loop:
 void CloseDevice(std::unique_ptr<DeviceSession>& session, Service& service, const std::string& why) {
   if (session == nullptr) return;
   service.Detach(why);
-  session->loop.Stop();
   session.reset();
 }
 

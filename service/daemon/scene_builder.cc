@@ -55,7 +55,6 @@ void SceneBuilder::Run() {
     lock.lock();
     if (running_client_ != job.client) continue;  // cancelled or asked for again
     running_client_ = 0;
-    built.generation = next_generation_++;
     results_.push_back(std::move(built));
   }
 }

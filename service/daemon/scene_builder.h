@@ -20,7 +20,6 @@ namespace omni::daemon {
 struct BuiltScene {
   std::uint64_t client = 0;
   std::string file;
-  std::uint64_t generation = 0;                 // never 0; unique in this service
   std::shared_ptr<const haptics::Scene> scene;  // null: failed, see error
   std::string error;
   std::vector<std::string> warnings;
@@ -55,7 +54,6 @@ class SceneBuilder {
   std::deque<Job> jobs_;
   std::deque<BuiltScene> results_;
   std::uint64_t running_client_ = 0;  // 0: none, or its result is not wanted any more
-  std::uint64_t next_generation_ = 1;
   bool stop_ = false;
   std::thread thread_;
 };

@@ -29,6 +29,12 @@ void Service::Attach(loop::TickThread& loop, const device::Transport& transport)
 }
 
 void Service::Detach(const std::string& why) {
+  loop::TickThread* loop = nullptr;
+  {
+    const std::lock_guard lock(loop_mutex_);
+    loop = loop_;
+  }
+  if (loop != nullptr) loop->Stop();  // before its scenes may be freed
   const std::lock_guard lock(loop_mutex_);
   loop_ = nullptr;
   transport_ = nullptr;
@@ -117,32 +123,32 @@ void Service::WriteCommands(std::int64_t now_ns) {
   const auto found = clients_.find(owner);
   const Client* client = found == clients_.end() ? nullptr : &found->second;
   const std::shared_ptr<const BuiltScene> scene = client == nullptr ? nullptr : client->scene;
-  if (wanted_ != nullptr && wanted_ != scene) retired_.push_back(wanted_);
-  wanted_ = scene;
-
-  const std::uint64_t generation = scene == nullptr ? 0 : scene->generation;
+  if (wanted_ != scene) {
+    if (wanted_ != nullptr) retired_.push_back(wanted_);
+    wanted_ = scene;
+    ++generation_;
+  }
   const std::int64_t beat_ns = owner == 0 || server_ == nullptr ? 0 : server_->LastBeat_ns(owner);
   loop::Commands commands{.t_ns = now_ns,
                           .gate = owners_.Gate(now_ns, beat_ns),
                           .idle = owners_.empty(),
-                          .owner = owner,
-                          .scene_generation = generation,
+                          .scene_generation = generation_,
                           .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
                           .haptic = haptic_};
   const std::lock_guard lock(loop_mutex_);
   if (loop_ == nullptr) return;
-  loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation});
+  loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
   loop_->commands().Write(commands);
 }
 
-// Frees what the tick can no longer reach: neither the scene it acknowledged nor the one it is asked to take.
+// Frees retired scenes once the tick is known to hold the newest hand-over. Until then it may hold, or be about to
+// take, any earlier one. A hand-over's number never comes again, so an old acknowledgement cannot be taken for a new
+// one.
 void Service::ReleaseScenes() {
-  std::uint64_t in_use = 0;
-  {
-    const std::lock_guard lock(loop_mutex_);
-    if (loop_ != nullptr) in_use = loop_->statistics().scene_generation.load(std::memory_order_acquire);
-  }
-  std::erase_if(retired_, [&](const auto& scene) { return scene->generation != in_use && scene != wanted_; });
+  const std::lock_guard lock(loop_mutex_);
+  const bool newest =
+      loop_ == nullptr || loop_->statistics().scene_generation.load(std::memory_order_acquire) == generation_;
+  if (newest) retired_.clear();
 }
 
 void Service::Problem(ipc::ClientId id, int level, const std::string& text) {
@@ -170,9 +176,9 @@ std::string Service::StatusJson() {
                              .owner = id == owners_.owner(),
                              .scene = client.scene == nullptr ? "" : client.scene->file});
   }
+  input.scene_generation = generation_;
   if (wanted_ != nullptr) {
     input.scene_file = wanted_->file;
-    input.scene_generation = wanted_->generation;
     input.scene_triangles = wanted_->scene->header().triangle_count;
   }
   const std::lock_guard lock(loop_mutex_);

@@ -32,7 +32,7 @@ class Service : public ipc::ServerHandler {
 
   void SetServer(ipc::Server* server) { server_ = server; }  // before the server starts
 
-  // Any thread. Both outlive the attachment; Detach returns when the control thread no longer uses them.
+  // Any thread. Both outlive the attachment. Detach stops the loop and returns when nobody here uses the two any more.
   void Attach(loop::TickThread& loop, const device::Transport& transport);
   void Detach(const std::string& why);
 
@@ -63,7 +63,8 @@ class Service : public ipc::ServerHandler {
   std::map<ipc::ClientId, Client> clients_;
   SceneBuilder builder_;
   std::shared_ptr<const BuiltScene> wanted_;                // of the owner; null: empty
-  std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick acknowledges another one
+  std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
+  std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over
   loop::HapticWaveform haptic_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 

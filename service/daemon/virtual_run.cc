@@ -47,7 +47,7 @@ namespace {
 double Norm(const base::Vec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
 loop::Commands OpenGate(const base::HallScan& scan) {
-  return {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .owner = 1, .scene_generation = 1};
+  return {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
 }
 
 void Count(const loop::TickOutput& output, VirtualRunSummary& summary) {

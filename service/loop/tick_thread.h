@@ -15,8 +15,8 @@
 
 namespace omni::loop {
 
-// The scene that goes with Commands::scene_generation. The control thread owns it and keeps it alive until
-// TickStatistics::scene_generation names another one.
+// The scene that goes with Commands::scene_generation, a number that never comes again. The control thread owns every
+// scene it handed over until TickStatistics::scene_generation names the newest one.
 struct SceneRef {
   const haptics::Scene* scene = nullptr;  // null: empty
   std::uint64_t generation = 0;

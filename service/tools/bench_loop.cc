@@ -34,7 +34,7 @@ base::Result<std::vector<base::HallScan>> RecordScans(const loop::TickConfig& co
 }
 
 loop::Commands OpenGate(const base::HallScan& scan) {
-  return {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .owner = 1, .scene_generation = 1};
+  return {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
 }
 
 struct Timing {

@@ -33,12 +33,12 @@ Bytes RandomPacket(std::mt19937_64& random) {
 
 TEST(ServerFuzz, OthersLiveOn) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  client::Connection good(InfoFor(temp.SocketPath(), "good"));
+  Service service(temp.Path("omnid.sock"));
+  client::Connection good(InfoFor(temp.Path("omnid.sock"), "good"));
   ASSERT_TRUE(PollUntilConnected(good));
   std::mt19937_64 random(99);
   for (int i = 0; i < 1500; ++i) {
-    RawClient raw(temp.SocketPath());
+    RawClient raw(temp.Path("omnid.sock"));
     ASSERT_TRUE(raw.connected());
     if (random() % 4 != 0) {
       protocol::Hello hello;

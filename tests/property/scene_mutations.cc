@@ -101,7 +101,7 @@ void ExpectLoadedOrRefused(const std::string& file, bool fit, std::size_t& refus
 }
 
 TEST(SceneMutations, DamagedBytes) {
-  const Folder folder;
+  const TempFolder folder;
   Damage damage(11);
   const std::string models[] = {Tetra().Bytes(), Rich().Bytes()};
   std::size_t refused = 0;
@@ -114,7 +114,7 @@ TEST(SceneMutations, DamagedBytes) {
 }
 
 TEST(SceneMutations, DamagedMeaning) {
-  const Folder folder;
+  const TempFolder folder;
   Damage damage(12);
   const Model models[] = {Tetra(), Rich()};
   std::size_t refused = 0;
@@ -130,7 +130,7 @@ TEST(SceneMutations, DamagedMeaning) {
 }
 
 TEST(SceneMutations, DamagedScenes) {
-  const Folder folder;
+  const TempFolder folder;
   Damage damage(13);
   std::size_t refused = 0;
   for (const char* name : {"extrusion.glb", "racetrack.glb", "dragon.glb"}) {

@@ -31,6 +31,7 @@
 #include "service/protocol/socket_path.h"
 #include "service/protocol/text.h"
 #include "service/protocol/validate.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::test {
 
@@ -44,18 +45,6 @@ bool Eventually(Condition&& condition) {
   }
   return true;
 }
-
-struct TempFolder {
-  TempFolder() {
-    char name[] = "/tmp/omni-ipc-XXXXXX";
-    path = ::mkdtemp(name);
-  }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  ~TempFolder() { std::filesystem::remove_all(path); }
-  std::string SocketPath() const { return path + "/omnid.sock"; }
-  std::string path;
-};
 
 class RecordingHandler : public ipc::ServerHandler {
   template <class Get>

@@ -13,8 +13,8 @@ using protocol::SessionState;
 
 TEST(Lifecycle, AKilledClientIsGoneAlthoughItsChildHoldsTheSocket) {
   const TempFolder temp;
-  ForkedClient client(temp.SocketPath(), "victim", /*keeper=*/true);
-  Service service(temp.SocketPath());
+  ForkedClient client(temp.Path("omnid.sock"), "victim", /*keeper=*/true);
+  Service service(temp.Path("omnid.sock"));
   ASSERT_GT(client.WaitForKeeper(), 0);
   ASSERT_TRUE(Eventually([&] { return service.handler.Has("victim"); }));
   const ipc::ClientId id = service.handler.IdOf("victim");
@@ -26,8 +26,8 @@ TEST(Lifecycle, AKilledClientIsGoneAlthoughItsChildHoldsTheSocket) {
 
 TEST(Lifecycle, AFrozenClientGivesNoSignOfLife) {
   const TempFolder temp;
-  ForkedClient client(temp.SocketPath(), "frozen");
-  Service service(temp.SocketPath());
+  ForkedClient client(temp.Path("omnid.sock"), "frozen");
+  Service service(temp.Path("omnid.sock"));
   ASSERT_TRUE(Eventually([&] { return service.handler.Has("frozen"); }));
   const ipc::ClientId id = service.handler.IdOf("frozen");
   const std::int64_t start_ns = service.handler.BeatAt_ns(id);
@@ -50,8 +50,8 @@ TEST(Lifecycle, AFrozenClientGivesNoSignOfLife) {
 
 TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
   const TempFolder temp;
-  auto service = std::make_unique<Service>(temp.SocketPath(), 1);
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  auto service = std::make_unique<Service>(temp.Path("omnid.sock"), 1);
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.SendSession(SessionState::kFocused);  // said while nobody listens
   ASSERT_TRUE(PollUntilConnected(connection));
   ASSERT_TRUE(Eventually([&] { return service->handler.Sessions().size() == 1; }));
@@ -72,7 +72,7 @@ TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
   EXPECT_TRUE(old_state->Newest(seen)) << "a reader that somebody holds stays readable";
   EXPECT_NE(connection.last_error(), "");
 
-  service = std::make_unique<Service>(temp.SocketPath(), 2);
+  service = std::make_unique<Service>(temp.Path("omnid.sock"), 2);
   ASSERT_TRUE(PollUntilConnected(connection)) << connection.last_error();
   EXPECT_EQ(connection.state()->service_instance(), 2u);
   ASSERT_TRUE(Eventually([&] { return service->handler.Sessions().size() == 1; }));
@@ -86,7 +86,7 @@ TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
 
 TEST(Lifecycle, BeatsOnOtherThreadsSurviveReconnections) {
   const TempFolder temp;
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   std::atomic<bool> stop{false};
   std::thread beating([&] {
     while (!stop.load(std::memory_order_relaxed)) {
@@ -95,7 +95,7 @@ TEST(Lifecycle, BeatsOnOtherThreadsSurviveReconnections) {
     }
   });
   for (std::uint64_t instance = 1; instance <= 10; ++instance) {
-    Service service(temp.SocketPath(), instance);
+    Service service(temp.Path("omnid.sock"), instance);
     EXPECT_TRUE(PollUntilConnected(connection));
     EXPECT_EQ(connection.state()->service_instance(), instance);
     service.server.reset();
@@ -110,8 +110,8 @@ TEST(Lifecycle, BeatsOnOtherThreadsSurviveReconnections) {
 
 TEST(Lifecycle, AClientThatLeavesIsGone) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  auto connection = std::make_unique<client::Connection>(InfoFor(temp.SocketPath(), "touch"));
+  Service service(temp.Path("omnid.sock"));
+  auto connection = std::make_unique<client::Connection>(InfoFor(temp.Path("omnid.sock"), "touch"));
   ASSERT_TRUE(PollUntilConnected(*connection));
   ASSERT_TRUE(Eventually([&] { return service.handler.Has("touch"); }));
   connection.reset();
@@ -120,13 +120,13 @@ TEST(Lifecycle, AClientThatLeavesIsGone) {
 
 TEST(Lifecycle, ASecondServiceDoesNotDisturbTheFirst) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  Service service(temp.Path("omnid.sock"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   ASSERT_TRUE(PollUntilConnected(connection));
-  EXPECT_THROW(Service(temp.SocketPath()), std::runtime_error);
+  EXPECT_THROW(Service(temp.Path("omnid.sock")), std::runtime_error);
   connection.Poll(base::MonotonicNow_ns());
   EXPECT_TRUE(connection.connected());
-  client::Connection next(InfoFor(temp.SocketPath(), "next"));
+  client::Connection next(InfoFor(temp.Path("omnid.sock"), "next"));
   EXPECT_TRUE(PollUntilConnected(next));
 }
 

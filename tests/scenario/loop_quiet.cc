@@ -31,6 +31,11 @@ TEST(Quiet, TheProbeSeesEveryKindOfHeapCall) {
   block = aligned_alloc(64, 128);
   EXPECT_TRUE(grew());
   free(block);
+  EXPECT_TRUE(grew());
+  void* aligned = nullptr;
+  ASSERT_EQ(posix_memalign(&aligned, 64, 128), 0);
+  EXPECT_TRUE(grew());
+  free(aligned);
   grew();
   auto owned = std::make_unique<std::vector<int>>(100);
   EXPECT_TRUE(grew());

@@ -1,14 +1,13 @@
 // omnid with the twin as real processes in a folder of their own, and applications that speak its protocol.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +18,7 @@
 #include "service/client/connection.h"
 #include "service/tools/child_process.h"
 #include "service/tools/csv_table.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::test {
 
@@ -27,39 +27,40 @@ inline void SleepMs(int ms) { std::this_thread::sleep_for(std::chrono::milliseco
 class ServiceProcess {
  public:
   ServiceProcess() {
-    std::string name = (std::filesystem::temp_directory_path() / "omni-process-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) folder_ = name;
-    std::filesystem::create_directories(folder_ / "run");
-    std::filesystem::permissions(folder_ / "run", std::filesystem::perms::owner_all);
-    std::filesystem::create_directories(folder_ / "config/omni/apps.d");
-    std::ofstream(folder_ / "config/omni/apps.d/test.toml")
-        << "application = \"process_test*\"\nscene = \"" << OMNI_SOURCE_DIR << "/scenes/extrusion.glb\"\n";
+    std::filesystem::create_directories(folder_.Path("run"));
+    std::filesystem::permissions(folder_.Path("run"), std::filesystem::perms::owner_all);
+    folder_.Write("config/omni/apps.d/test.toml",
+                  "application = \"process_test*\"\nscene = \"" OMNI_SOURCE_DIR "/scenes/extrusion.glb\"\n");
     WriteHand();
   }
   ~ServiceProcess() {
-    process_.reset();
-    std::error_code error;
-    std::filesystem::remove_all(folder_, error);
+    if (pid() > 0) {
+      EXPECT_EQ(Stop(), 0);
+    }
   }
   ServiceProcess(const ServiceProcess&) = delete;
   ServiceProcess& operator=(const ServiceProcess&) = delete;
 
   void Start() {
-    auto started = tools::ChildProcess::Start(
-        {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script", hand_path(), "--twin-record",
-         truth_path(), "--log-level", "warn"},
-        {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + (folder_ / "config").string()});
+    auto started =
+        tools::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script",
+                                    hand_path(), "--twin-record", truth_path(), "--log-level", "warn"},
+                                   {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config")});
     if (started.ok()) process_ = std::make_unique<tools::ChildProcess>(std::move(*started));
   }
 
   pid_t pid() const { return process_ == nullptr ? -1 : process_->pid(); }
   void Signal(int signal) { kill(pid(), signal); }
   int Wait() { return process_->Wait(); }
-  void Stop() { process_.reset(); }
+  // Asks it to end; its exit status: 0, or what a sanitizer had to say.
+  int Stop() {
+    Signal(SIGTERM);
+    return Wait();
+  }
 
-  std::string socket_path() const { return (folder_ / "run/omnid.sock").string(); }
-  std::string truth_path() const { return (folder_ / "truth.csv").string(); }
-  std::string hand_path() const { return (folder_ / "hand.json").string(); }
+  std::string socket_path() const { return folder_.Path("run/omnid.sock"); }
+  std::string truth_path() const { return folder_.Path("truth.csv"); }
+  std::string hand_path() const { return folder_.Path("hand.json"); }
 
   // The twin's own recording, once its process has finished writing: it lingers after omnid is gone.
   std::optional<tools::CsvTable> Truth() const {
@@ -80,14 +81,14 @@ class ServiceProcess {
  private:
   // Down onto the block's top, then pressing for a long time.
   void WriteHand() {
-    std::ofstream(folder_ / "hand.json") << R"({"name": "press", "repeat": false, "waypoints": [
+    folder_.Write("hand.json", R"({"name": "press", "repeat": false, "waypoints": [
       {"s": 0, "tip_m": [0.008, 0.004, 0.085], "axis": [0, 0, -1]},
       {"s": 0.6, "tip_m": [0.008, 0.004, 0.080], "axis": [0, 0, -1]},
       {"s": 0.8, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]},
-      {"s": 60, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]}]})";
+      {"s": 60, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]}]})");
   }
 
-  std::filesystem::path folder_;
+  const TempFolder folder_;  // outlives the process
   std::unique_ptr<tools::ChildProcess> process_;
 };
 
@@ -147,8 +148,8 @@ inline double Current_A(const tools::CsvTable& truth, std::size_t i) {
       {std::abs(truth["current_x_A"][i]), std::abs(truth["current_y_A"][i]), std::abs(truth["current_z_A"][i])});
 }
 
-// Milliseconds from t_ns until the coils are below 20 mA and stay there for the rest of the recording, at most
-// `horizon` later; < 0: they never were.
+// Milliseconds from t_ns to the last moment within `horizon_ms` at which a coil had more than 20 mA; 0: at none;
+// < 0: nothing was recorded then.
 inline double MillisecondsToZero(const tools::CsvTable& truth, std::int64_t t_ns, double horizon_ms) {
   double last_ms = 0;
   bool any = false;

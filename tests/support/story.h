@@ -84,7 +84,7 @@ class Story {
 
   // Default commands: an owner with an open gate and the scene of generation 1.
   static loop::Commands Open(const base::HallScan& scan) {
-    return {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .owner = 1, .scene_generation = 1};
+    return {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
   }
 
   // One device tick. False: the run is over.

@@ -31,6 +31,8 @@ class TempFolder {
   std::string Write(const std::string& below, std::string_view content) const {
     const std::filesystem::path file = Path(below);
     std::filesystem::create_directories(file.parent_path());
+    // Some file systems flush a file that is truncated and written again: thousands of times, that takes minutes.
+    std::filesystem::remove(file);
     std::ofstream stream(file, std::ios::binary);
     stream << content;
     if (!stream.flush()) std::abort();

@@ -40,7 +40,6 @@ TEST(ConfigApps, ShippedFilesGiveEachDemoItsScene) {
     ASSERT_NE(app, nullptr) << row.application;
     EXPECT_EQ(app->scene, row.scene);
     EXPECT_EQ(app->placement, Placement::kAsAuthored);
-    EXPECT_EQ(app->hand, "right");
   }
   EXPECT_EQ(FindApp(table, "omni_touch"), nullptr);
   EXPECT_EQ(FindApp(table, "some game"), nullptr);
@@ -50,7 +49,7 @@ TEST(ConfigApps, ShippedFilesGiveEachDemoItsScene) {
 TEST(ConfigApps, ReadsEveryKey) {
   const auto entry = ParseAppFile(Entry("My *", "models/cup.glb",
                                         "placement = \"fit\"\noffset_base_m = [0.01, -0.02, 0.03]\nscale = 2\n"
-                                        "force_scale = 0.5\nhand = \"left\"\n"),
+                                        "force_scale = 0.5\n"),
                                   "mine.toml", "/scenes");
   ASSERT_TRUE(entry.ok()) << entry.error();
   EXPECT_EQ(entry->file, "mine.toml");
@@ -60,7 +59,6 @@ TEST(ConfigApps, ReadsEveryKey) {
   EXPECT_EQ(entry->offset_base_m, (base::Vec3{0.01, -0.02, 0.03}));
   EXPECT_EQ(entry->scale, 2);
   EXPECT_EQ(entry->force_scale, 0.5);
-  EXPECT_EQ(entry->hand, "left");
 }
 
 TEST(ConfigApps, AbsoluteScenesStay) {
@@ -108,7 +106,6 @@ TEST(ConfigApps, EachMistakeIsNamed) {
   ExpectMentions(ErrorOf(Entry("", "a.glb")), {"application", "1 to 127"});
   ExpectMentions(ErrorOf(Entry(std::string(128, 'a'), "a.glb")), {"application", "128"});
   ExpectMentions(ErrorOf(Entry("a", "b", "placement = \"fitted\"\n")), {"placement", "fitted", "as_authored"});
-  ExpectMentions(ErrorOf(Entry("a", "b", "hand = \"both\"\n")), {"hand", "both", "left"});
   ExpectMentions(ErrorOf(Entry("a", "b", "force_scale = 1.5\n")), {"force_scale", "1.5", "[0, 1]"});
   ExpectMentions(ErrorOf(Entry("a", "b", "force_scale = nan\n")), {"force_scale", "nan"});
   ExpectMentions(ErrorOf(Entry("a", "b", "offset_base_m = [0, 0]\n")), {"offset_base_m", "3 numbers"});

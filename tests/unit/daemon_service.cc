@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
+#include <random>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -10,7 +12,9 @@
 #include "service/base/clock.h"
 #include "service/config/device_file.h"
 #include "service/daemon/service.h"
+#include "service/daemon/transport_tick_source.h"
 #include "service/loop/tick_config.h"
+#include "service/sim/twin.h"
 
 namespace omni::daemon {
 namespace {
@@ -36,17 +40,26 @@ class QuietDevice : public device::Transport {
   std::uint64_t sequence_ = 0;
 };
 
-class DeviceSource : public loop::TickSource {
+// A pen held still in the extrusion block (simulated), five times faster than real.
+class HeldPen : public device::Transport {
  public:
-  explicit DeviceSource(device::Transport& transport) : transport_(transport) {}
-  loop::WaitStatus Wait(base::HallScan& scan) noexcept override {
-    transport_.Read(scan, 0);
-    return loop::WaitStatus::kTick;
+  explicit HeldPen(const base::DeviceGeometry& geometry) {
+    sim::TwinOptions options;
+    options.script.waypoints = {{.duration_s = 0, .tip_base_m = {0.008, 0.004, 0.055}}};
+    twin_ = sim::MakeVirtualTwin(geometry, options, 1e6);
   }
-  void Apply(const base::CoilCurrents& currents) noexcept override { transport_.Write(currents); }
+  device::ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    const device::ReadStatus status = twin_->Read(scan, timeout_ns);
+    scan.t_ns = base::MonotonicNow_ns();
+    return status;
+  }
+  bool Write(const base::CoilCurrents& currents) noexcept override { return twin_->Write(currents); }
+  const device::TransportInfo& info() const noexcept override { return twin_->info(); }
+  device::TransportCounters counters() const noexcept override { return twin_->counters(); }
 
  private:
-  device::Transport& transport_;
+  std::unique_ptr<device::Transport> twin_;
 };
 
 struct NoSink : loop::TickSink {
@@ -55,17 +68,16 @@ struct NoSink : loop::TickSink {
 
 class ServiceTest : public testing::Test {
  protected:
-  ServiceTest()
-      : source_(device_), service_({.version = "test", .instance = 1, .apps = Apps(), .hull_radius_m = 0.0375}) {
+  explicit ServiceTest(std::unique_ptr<device::Transport> device = std::make_unique<QuietDevice>())
+      : device_(std::move(device)),
+        source_(*device_),
+        service_({.version = "test", .instance = 1, .apps = Apps(), .hull_radius_m = 0.0375}) {
     loop_ = std::make_unique<loop::TickThread>(loop::MakeTickConfig(config::DefaultDevice()),
                                                loop::TickThread::Options{.realtime = false}, source_, sink_);
     loop_->Start();
-    service_.Attach(*loop_, device_);
+    service_.Attach(*loop_, *device_);
   }
-  ~ServiceTest() override {
-    service_.Detach("the test is over");
-    loop_->Stop();
-  }
+  ~ServiceTest() override { service_.Detach("the test is over"); }
 
   static config::AppTable Apps() {
     const std::string scenes = std::string(OMNI_SOURCE_DIR) + "/scenes/";
@@ -84,7 +96,12 @@ class ServiceTest : public testing::Test {
     service_.OnSession(id, SessionState::kFocused);
   }
   nlohmann::json Status() { return nlohmann::json::parse(service_.StatusJson()); }
-  std::uint64_t InTheTick() { return loop_->statistics().scene_generation.load(); }
+  // Name of the scene's file that the tick has taken, "" for the empty one, "?" while it has not taken what is wanted.
+  std::string InTheTick() {
+    const nlohmann::json scene = Status()["scene"];
+    if (scene["generation"] != loop_->statistics().scene_generation.load()) return "?";
+    return std::filesystem::path(scene["name"].get<std::string>()).filename().string();
+  }
 
   // Runs the control thread's period until `holds`, for at most 10 s.
   bool Until(const std::function<bool()>& holds) {
@@ -96,8 +113,8 @@ class ServiceTest : public testing::Test {
     return false;
   }
 
-  QuietDevice device_;
-  DeviceSource source_;
+  std::unique_ptr<device::Transport> device_;
+  TransportTickSource source_;
   NoSink sink_;
   Service service_;
   std::unique_ptr<loop::TickThread> loop_;
@@ -106,11 +123,11 @@ class ServiceTest : public testing::Test {
 TEST_F(ServiceTest, SceneIsBuiltSwappedInAndDroppedWithTheSession) {
   Connect(1, "block 1");
   Focus(1);
-  ASSERT_TRUE(Until([&] { return InTheTick() != 0; }));
+  ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   EXPECT_EQ(Status()["scene"]["triangles"], 1608);
   EXPECT_TRUE(Status()["clients"][0]["owner"]);
   service_.OnSession(1, SessionState::kNone);
-  EXPECT_TRUE(Until([&] { return InTheTick() == 0; }));
+  EXPECT_TRUE(Until([&] { return InTheTick().empty(); }));
   EXPECT_EQ(Status()["scene"]["triangles"], 0);
 }
 
@@ -118,32 +135,34 @@ TEST_F(ServiceTest, EachClientKeepsItsSceneAndTheOwnersIsInTheTick) {
   Connect(1, "block 1");
   Connect(2, "track 1");
   Focus(1);
-  ASSERT_TRUE(Until([&] { return InTheTick() != 0; }));
-  const std::uint64_t block = InTheTick();
+  ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   Focus(2);
-  ASSERT_TRUE(Until([&] { return InTheTick() > block; }));
+  ASSERT_TRUE(Until([&] { return InTheTick() == "racetrack.glb"; }));
   service_.OnGone(2);
-  EXPECT_TRUE(Until([&] { return InTheTick() == block; })) << "the first one's scene is still there, not built again";
+  service_.OnPeriod(base::MonotonicNow_ns());
+  EXPECT_EQ(Status()["scene"]["name"], Status()["clients"][0]["scene"]) << "still there, not built again";
+  EXPECT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   service_.OnGone(1);
-  EXPECT_TRUE(Until([&] { return InTheTick() == 0; }));
+  EXPECT_TRUE(Until([&] { return InTheTick().empty(); }));
   EXPECT_TRUE(Status()["clients"].empty());
 }
 
 TEST_F(ServiceTest, ASceneThatDoesNotLoadIsAProblemAndOthersLiveOn) {
   Connect(1, "block 1");
   Focus(1);
-  ASSERT_TRUE(Until([&] { return InTheTick() != 0; }));
+  ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   Connect(2, "broken 1");
   service_.OnSession(2, SessionState::kBegun);
   ASSERT_TRUE(Until([&] { return !Status()["problems"].empty(); }));
   EXPECT_NE(Status()["problems"][0].get<std::string>().find("not_there.glb"), std::string::npos);
-  EXPECT_NE(InTheTick(), 0U);
+  EXPECT_EQ(InTheTick(), "extrusion.glb");
 }
 
 TEST_F(ServiceTest, UnknownApplicationHasNoScene) {
   Connect(1, "somebody else");
   Focus(1);
-  EXPECT_FALSE(Until([&, i = 0]() mutable { return InTheTick() != 0 || ++i > 50; }) && InTheTick() != 0);
+  EXPECT_TRUE(Until([&, i = 0]() mutable { return ++i > 50; }));
+  EXPECT_EQ(InTheTick(), "");
   EXPECT_TRUE(Status()["clients"][0]["owner"]) << "it still gets poses and vibration";
 }
 
@@ -167,7 +186,31 @@ TEST_F(ServiceTest, StatusSaysWhatIsThere) {
   EXPECT_EQ(status["device"]["name"], "quiet");
   service_.Detach("unplugged");
   EXPECT_EQ(Status()["device"]["absent"], "unplugged");
-  service_.Attach(*loop_, device_);
+  EXPECT_TRUE(loop_->finished());
+}
+
+class HeldPenTest : public ServiceTest {
+ protected:
+  HeldPenTest() : ServiceTest(std::make_unique<HeldPen>(config::DefaultDevice())) {}
+};
+
+// Sanitizers watch: a scene must not be freed while the tick reads it or is about to take it.
+TEST_F(HeldPenTest, ScenesComeAndGoUnderATickInContact) {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> wait_us(0, 4000);
+  Connect(1, "block 1");
+  for (int i = 0; i < 200; ++i) {
+    Focus(1);
+    Until([&] { return i % 4 != 0 || InTheTick() == "extrusion.glb"; });
+    std::this_thread::sleep_for(std::chrono::microseconds(wait_us(random)));
+    service_.OnSession(1, SessionState::kNone);
+    service_.OnPeriod(base::MonotonicNow_ns());
+  }
+  Focus(1);
+  ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
+  service_.Detach("unplugged");  // while the scene is touched
+  service_.OnSession(1, SessionState::kNone);
+  service_.OnPeriod(base::MonotonicNow_ns());
 }
 
 }  // namespace

@@ -70,8 +70,8 @@ int OpenDescriptors() {
 // What the connection says after the server has answered its Hello with `answer`.
 std::string ErrorAfter(const std::function<void(FakeServer&)>& answer) {
   const TempFolder temp;
-  FakeServer server(temp.SocketPath());
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  FakeServer server(temp.Path("omnid.sock"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.Poll(0);
   server.Accept();
   const int before = OpenDescriptors();
@@ -86,22 +86,22 @@ std::string ErrorAfter(const std::function<void(FakeServer&)>& answer) {
 
 TEST(Connection, WithoutServiceSaysSoAndKeepsTrying) {
   const TempFolder temp;
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.Poll(base::MonotonicNow_ns());
   EXPECT_FALSE(connection.connected());
-  EXPECT_NE(connection.last_error().find("no omnid at " + temp.SocketPath()), std::string::npos);
+  EXPECT_NE(connection.last_error().find("no omnid at " + temp.Path("omnid.sock")), std::string::npos);
   EXPECT_FALSE(connection.SendHapticStop());
-  Service service(temp.SocketPath());
+  Service service(temp.Path("omnid.sock"));
   EXPECT_TRUE(PollUntilConnected(connection));
 }
 
 TEST(Connection, AttemptsAreSpaced) {
   const TempFolder temp;
-  auto info = InfoFor(temp.SocketPath(), "touch");
+  auto info = InfoFor(temp.Path("omnid.sock"), "touch");
   info.retry_interval_ns = 1000;
   client::Connection connection(info);
   connection.Poll(0);
-  FakeServer server(temp.SocketPath());
+  FakeServer server(temp.Path("omnid.sock"));
   connection.Poll(999);
   EXPECT_FALSE(server.HasCaller());
   connection.Poll(1000);
@@ -110,13 +110,13 @@ TEST(Connection, AttemptsAreSpaced) {
 
 TEST(Connection, RefusesFoldersThatOthersCanEnter) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  ASSERT_EQ(::chmod(temp.path.c_str(), 0755), 0);
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  Service service(temp.Path("omnid.sock"));
+  ASSERT_EQ(::chmod(temp.Path().c_str(), 0755), 0);
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.Poll(0);
   EXPECT_NE(connection.last_error().find("chmod 700"), std::string::npos) << connection.last_error();
-  const std::string link = temp.path + "-link";
-  ASSERT_EQ(::symlink(temp.path.c_str(), link.c_str()), 0);
+  const std::string link = temp.Path() + "-link";
+  ASSERT_EQ(::symlink(temp.Path().c_str(), link.c_str()), 0);
   client::Connection through_link(InfoFor(link + "/omnid.sock", "touch"));
   through_link.Poll(0);
   EXPECT_NE(through_link.last_error().find("symbolic link"), std::string::npos) << through_link.last_error();
@@ -199,8 +199,8 @@ TEST(Connection, NonsenseEndsTheConnectionOnly) {
 
 TEST(Connection, AServerThatNeverAnswersIsGivenUp) {
   const TempFolder temp;
-  FakeServer server(temp.SocketPath());
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  FakeServer server(temp.Path("omnid.sock"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.Poll(0);
   EXPECT_EQ(connection.last_error(), "");
   connection.Poll(2'000'000'001);
@@ -209,8 +209,8 @@ TEST(Connection, AServerThatNeverAnswersIsGivenUp) {
 
 TEST(Connection, AFloodOfNoticesIsBoundedPerPollAndInMemory) {
   const TempFolder temp;
-  FakeServer server(temp.SocketPath());
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  FakeServer server(temp.Path("omnid.sock"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.Poll(0);
   server.Accept();
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
@@ -227,8 +227,8 @@ TEST(Connection, AFloodOfNoticesIsBoundedPerPollAndInMemory) {
 
 TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  auto info = InfoFor(temp.SocketPath(), "watch");
+  Service service(temp.Path("omnid.sock"));
+  auto info = InfoFor(temp.Path("omnid.sock"), "watch");
   info.role = protocol::ClientRole::kMonitor;
   client::Connection connection(info);
   ASSERT_TRUE(PollUntilConnected(connection));

@@ -17,8 +17,8 @@ using protocol::SessionState;
 
 TEST(Server, WelcomesAClientWithItsState) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  Service service(temp.Path("omnid.sock"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   EXPECT_FALSE(connection.connected());
   EXPECT_EQ(connection.state(), nullptr);
   ASSERT_TRUE(PollUntilConnected(connection)) << connection.last_error();
@@ -40,8 +40,8 @@ TEST(Server, WelcomesAClientWithItsState) {
 
 TEST(Server, HandsOnSessionAndHaptics) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  Service service(temp.Path("omnid.sock"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   EXPECT_FALSE(connection.SendHaptic(1, 1, 1));
   ASSERT_TRUE(PollUntilConnected(connection));
   EXPECT_TRUE(connection.SendSession(SessionState::kFocused));
@@ -60,8 +60,8 @@ TEST(Server, HandsOnSessionAndHaptics) {
 
 TEST(Server, AnswersStatus) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  auto info = InfoFor(temp.SocketPath(), "status");
+  Service service(temp.Path("omnid.sock"));
+  auto info = InfoFor(temp.Path("omnid.sock"), "status");
   info.role = protocol::ClientRole::kMonitor;
   client::Connection connection(info);
   EXPECT_FALSE(connection.RequestStatus());
@@ -79,10 +79,10 @@ TEST(Server, AnswersStatus) {
 
 TEST(Server, AStatusThatDoesNotFitIsAnErrorText) {
   const TempFolder temp;
-  Service service(temp.SocketPath(), 77, [](ipc::ServerOptions&, RecordingHandler& handler) {
+  Service service(temp.Path("omnid.sock"), 77, [](ipc::ServerOptions&, RecordingHandler& handler) {
     handler.status = std::string(protocol::kMaxMessageBytes, 'x');
   });
-  RawClient raw(temp.SocketPath());
+  RawClient raw(temp.Path("omnid.sock"));
   ASSERT_TRUE(raw.Greet("raw"));
   raw.Send(protocol::StatusRequest{});
   const protocol::Message reply = raw.Receive();
@@ -91,9 +91,9 @@ TEST(Server, AStatusThatDoesNotFitIsAnErrorText) {
 
 TEST(Server, NoticesReachTheClient) {
   const TempFolder temp;
-  Service service(temp.SocketPath(), 77,
+  Service service(temp.Path("omnid.sock"), 77,
                   [](ipc::ServerOptions&, RecordingHandler& handler) { handler.notices_per_period = 1; });
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   std::vector<protocol::Notice> notices;
   ASSERT_TRUE(Eventually([&] {
     connection.Poll(base::MonotonicNow_ns());
@@ -106,8 +106,8 @@ TEST(Server, NoticesReachTheClient) {
 
 TEST(Server, AnotherVersionIsToldBothVersions) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  RawClient raw(temp.SocketPath());
+  Service service(temp.Path("omnid.sock"));
+  RawClient raw(temp.Path("omnid.sock"));
   protocol::Hello hello;
   hello.header.version = 9;
   raw.Send(hello);
@@ -122,11 +122,11 @@ TEST(Server, AnotherVersionIsToldBothVersions) {
 
 TEST(Server, GarbageCostsOnlyItsSender) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  client::Connection good(InfoFor(temp.SocketPath(), "good"));
+  Service service(temp.Path("omnid.sock"));
+  client::Connection good(InfoFor(temp.Path("omnid.sock"), "good"));
   ASSERT_TRUE(PollUntilConnected(good));
   const auto reason_after = [&](auto&& speak) {
-    RawClient raw(temp.SocketPath());
+    RawClient raw(temp.Path("omnid.sock"));
     speak(raw);
     return raw.RejectReason();
   };
@@ -166,13 +166,13 @@ TEST(Server, GarbageCostsOnlyItsSender) {
 
 TEST(Server, TheThirtyThirdClientIsRefusedWithAReason) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
+  Service service(temp.Path("omnid.sock"));
   std::vector<std::unique_ptr<RawClient>> clients;
   for (int i = 0; i < 32; ++i) {
-    clients.push_back(std::make_unique<RawClient>(temp.SocketPath()));
+    clients.push_back(std::make_unique<RawClient>(temp.Path("omnid.sock")));
     ASSERT_TRUE(clients.back()->Greet("client " + std::to_string(i)));
   }
-  client::Connection late(InfoFor(temp.SocketPath(), "late"));
+  client::Connection late(InfoFor(temp.Path("omnid.sock"), "late"));
   ASSERT_TRUE(Eventually([&] {
     late.Poll(base::MonotonicNow_ns());
     return late.last_error().find("already serves 32 clients") != std::string::npos;
@@ -183,27 +183,27 @@ TEST(Server, TheThirtyThirdClientIsRefusedWithAReason) {
 
 TEST(Server, ASilentConnectionIsClosed) {
   const TempFolder temp;
-  Service service(temp.SocketPath(), 77,
+  Service service(temp.Path("omnid.sock"), 77,
                   [](ipc::ServerOptions& options, RecordingHandler&) { options.hello_timeout_ns = 20'000'000; });
-  RawClient raw(temp.SocketPath());
+  RawClient raw(temp.Path("omnid.sock"));
   EXPECT_EQ(raw.RejectReason(), "no Hello in time");
   EXPECT_TRUE(raw.AtEnd());
 }
 
 TEST(Server, ManySilentConnectionsDoNotPileUp) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
+  Service service(temp.Path("omnid.sock"));
   std::vector<std::unique_ptr<RawClient>> silent;
-  for (int i = 0; i < 32; ++i) silent.push_back(std::make_unique<RawClient>(temp.SocketPath()));
-  RawClient next(temp.SocketPath());
+  for (int i = 0; i < 32; ++i) silent.push_back(std::make_unique<RawClient>(temp.Path("omnid.sock")));
+  RawClient next(temp.Path("omnid.sock"));
   EXPECT_NE(next.RejectReason().find("have not said Hello"), std::string::npos);
 }
 
 TEST(Server, AClientThatDoesNotReadLosesMessagesOnly) {
   const TempFolder temp;
-  Service service(temp.SocketPath(), 77,
+  Service service(temp.Path("omnid.sock"), 77,
                   [](ipc::ServerOptions&, RecordingHandler& handler) { handler.notices_per_period = 100; });
-  RawClient lazy(temp.SocketPath());
+  RawClient lazy(temp.Path("omnid.sock"));
   ASSERT_TRUE(lazy.Greet("lazy"));
   ASSERT_TRUE(Eventually([&] { return service.handler.Has("lazy"); }));
   const ipc::ClientId id = service.handler.IdOf("lazy");
@@ -215,11 +215,11 @@ TEST(Server, AClientThatDoesNotReadLosesMessagesOnly) {
 
 TEST(Server, AHandlerThatThrowsCostsThatClientOnly) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  RawClient raw(temp.SocketPath());
+  Service service(temp.Path("omnid.sock"));
+  RawClient raw(temp.Path("omnid.sock"));
   raw.Greet("throws");
   EXPECT_NE(raw.RejectReason().find("internal error"), std::string::npos);
-  RawClient other(temp.SocketPath());
+  RawClient other(temp.Path("omnid.sock"));
   EXPECT_TRUE(other.Greet("other"));
   ASSERT_FALSE(service.Log().empty());
   EXPECT_NE(service.Log()[0].find("planted"), std::string::npos);
@@ -227,16 +227,16 @@ TEST(Server, AHandlerThatThrowsCostsThatClientOnly) {
 
 TEST(Server, NamesAreMadePrintable) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  RawClient raw(temp.SocketPath());
+  Service service(temp.Path("omnid.sock"));
+  RawClient raw(temp.Path("omnid.sock"));
   ASSERT_TRUE(raw.Greet("evil\x1B[2J\xFF"));
   EXPECT_TRUE(Eventually([&] { return service.handler.Has("evil?[2J?"); }));
 }
 
 TEST(Server, SignsOfLifeAdvance) {
   const TempFolder temp;
-  Service service(temp.SocketPath());
-  client::Connection connection(InfoFor(temp.SocketPath(), "touch"));
+  Service service(temp.Path("omnid.sock"));
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.Beat();  // not connected: harmless
   ASSERT_TRUE(PollUntilConnected(connection));
   ASSERT_TRUE(Eventually([&] { return service.handler.Has("touch"); }));
@@ -252,7 +252,7 @@ TEST(Server, ChecksItsOptions) {
   RecordingHandler handler;
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
   ipc::ServerOptions options;
-  options.socket_path = temp.SocketPath();
+  options.socket_path = temp.Path("omnid.sock");
   const auto error_of = [&] {
     const auto opened = ipc::Server::Open(options, handler);
     return opened ? std::string("opened") : opened.error();
@@ -278,14 +278,14 @@ TEST(Server, AnotherUserIsRefused) {
   if (child == 0) {
     char byte = 0;
     if (::setuid(65534) != 0 || ::read(pipe_fds[0], &byte, 1) != 1) ::_exit(10);
-    RawClient raw(temp.SocketPath());
+    RawClient raw(temp.Path("omnid.sock"));
     raw.Send(protocol::Hello{});
     const std::string reason = raw.RejectReason();
     ::_exit(reason.find("does not serve user 65534") != std::string::npos ? 0 : 11);
   }
-  Service service(temp.SocketPath());
-  ASSERT_EQ(::chmod(temp.path.c_str(), 0711), 0);
-  ASSERT_EQ(::chmod(temp.SocketPath().c_str(), 0666), 0);
+  Service service(temp.Path("omnid.sock"));
+  ASSERT_EQ(::chmod(temp.Path().c_str(), 0711), 0);
+  ASSERT_EQ(::chmod(temp.Path("omnid.sock").c_str(), 0666), 0);
   ASSERT_EQ(::write(pipe_fds[1], "x", 1), 1);
   int status = -1;
   ::waitpid(child, &status, 0);

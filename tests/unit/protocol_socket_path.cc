@@ -10,6 +10,7 @@
 #include <string>
 
 #include "service/protocol/control.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::protocol {
 namespace {
@@ -27,15 +28,6 @@ class ScopedVariable {
   const char* name_;
   std::string old_;
   bool had_ = false;
-};
-
-struct TempFolder {
-  TempFolder() {
-    char name[] = "/tmp/omni-path-XXXXXX";
-    path = ::mkdtemp(name);
-  }
-  ~TempFolder() { std::filesystem::remove_all(path); }
-  std::string path;
 };
 
 TEST(SocketPath, FollowsTheEnvironment) {
@@ -76,31 +68,31 @@ TEST(SocketPath, HasAFolderAndAnAddress) {
 }
 
 TEST(SocketFolder, OwnAndClosedIsGood) {
-  const TempFolder temp;
-  const FolderCheck check = CheckFolder(temp.path);
+  const test::TempFolder temp;
+  const FolderCheck check = CheckFolder(temp.Path());
   EXPECT_EQ(check.state, FolderState::kGood);
   EXPECT_EQ(check.problem, "");
 }
 
 TEST(SocketFolder, MissingIsToldApart) {
-  const TempFolder temp;
-  EXPECT_EQ(CheckFolder(temp.path + "/none").state, FolderState::kMissing);
+  const test::TempFolder temp;
+  EXPECT_EQ(CheckFolder(temp.Path("none")).state, FolderState::kMissing);
 }
 
 TEST(SocketFolder, OpenToOthersIsRefused) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   for (const mode_t mode : {0710u, 0701u, 0755u, 0770u, 01777u}) {
-    ASSERT_EQ(::chmod(temp.path.c_str(), mode), 0);
-    const FolderCheck check = CheckFolder(temp.path);
+    ASSERT_EQ(::chmod(temp.Path().c_str(), mode), 0);
+    const FolderCheck check = CheckFolder(temp.Path());
     EXPECT_EQ(check.state, FolderState::kRefused);
-    EXPECT_NE(check.problem.find("chmod 700 " + temp.path), std::string::npos) << check.problem;
+    EXPECT_NE(check.problem.find("chmod 700 " + temp.Path()), std::string::npos) << check.problem;
   }
 }
 
 TEST(SocketFolder, LinksAndFilesAreRefused) {
-  const TempFolder temp;
-  const std::string target = temp.path + "/real";
-  const std::string link = temp.path + "/link";
+  const test::TempFolder temp;
+  const std::string target = temp.Path("real");
+  const std::string link = temp.Path("link");
   ASSERT_EQ(::mkdir(target.c_str(), 0700), 0);
   ASSERT_EQ(::symlink(target.c_str(), link.c_str()), 0);
   const FolderCheck check = CheckFolder(link);
@@ -111,11 +103,11 @@ TEST(SocketFolder, LinksAndFilesAreRefused) {
 
 TEST(SocketFolder, OfAnotherUserIsRefused) {
   const std::string foreign = ::geteuid() == 0 ? std::string() : "/";
-  const TempFolder temp;
+  const test::TempFolder temp;
   if (foreign.empty()) {
-    ASSERT_EQ(::chown(temp.path.c_str(), 65534, 65534), 0);
+    ASSERT_EQ(::chown(temp.Path().c_str(), 65534, 65534), 0);
   }
-  const FolderCheck check = CheckFolder(foreign.empty() ? temp.path : foreign);
+  const FolderCheck check = CheckFolder(foreign.empty() ? temp.Path() : foreign);
   EXPECT_EQ(check.state, FolderState::kRefused);
   EXPECT_NE(check.problem.find("belongs to user"), std::string::npos) << check.problem;
 }

@@ -15,20 +15,20 @@ void ExpectRefused(Loaded loaded, const std::string& part) {
 }
 
 TEST(SceneBadInput, FilesThatAreNone) {
-  const Folder folder;
-  ExpectRefused(Load(folder.path() + "/nothing.glb"), "nothing.glb: cannot be opened (No such file");
-  ExpectRefused(Load(folder.path()), "is not a regular file");
+  const TempFolder folder;
+  ExpectRefused(Load(folder.Path("nothing.glb")), "nothing.glb: cannot be opened (No such file");
+  ExpectRefused(Load(folder.Path()), "is not a regular file");
   ExpectRefused(Load(folder.Write("empty.glb", "")), "is empty");
   ExpectRefused(Load(folder.Write("text.glb", "solid cube\nfacet")), "neither binary glTF");
   ExpectRefused(Load(folder.Write("short.glb", "glTF\2")), "cut off inside the binary glTF header");
-  const std::string fifo = folder.path() + "/fifo.glb";
+  const std::string fifo = folder.Path("fifo.glb");
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
   ExpectRefused(Load(fifo), "is not a regular file");
 }
 
 TEST(SceneBadInput, EveryTruncationIsRefused) {
   const std::string whole = Tetra().Bytes();
-  const Folder folder;
+  const TempFolder folder;
   for (std::size_t length = 0; length < whole.size(); ++length) {
     EXPECT_FALSE(Load(folder.Write("cut.glb", whole.substr(0, length))).result.ok()) << length;
   }
@@ -50,7 +50,7 @@ TEST(SceneBadInput, HeadersThatLie) {
 }
 
 TEST(SceneBadInput, JsonBombs) {
-  const Folder folder;
+  const TempFolder folder;
   const std::string deep = R"({"asset":{"version":"2.0"},"x":)" + std::string(1'000'000, '[');
   ExpectRefused(Load(folder.Write("deep.gltf", deep)), "nested deeper than 128");
   ExpectRefused(Load(folder.Write("twice.gltf", R"({"asset":{"version":"2.0"},"nodes":[],"nodes":[]})")),
@@ -187,10 +187,10 @@ TEST(SceneBadInput, CirclesWithoutAScene) {
 }
 
 TEST(SceneBadInput, ALinkBesideTheFileIsNotFollowed) {
-  const Folder folder, elsewhere;
+  const TempFolder folder, elsewhere;
   Model model = Tetra();
   const std::string secret = elsewhere.Write("secret.bin", model.bin);
-  std::filesystem::create_symlink(secret, folder.path() + "/link.bin");
+  std::filesystem::create_symlink(secret, folder.Path("link.bin"));
   model.json["buffers"][0]["uri"] = "link.bin";
   ExpectRefused(Load(folder.Write("a.gltf", model.json.dump())), "/buffers/0/uri");
 }

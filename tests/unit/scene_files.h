@@ -2,12 +2,9 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -15,33 +12,13 @@
 #include <vector>
 
 #include "service/scene/scene_file.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::scene::test {
 
 using Json = nlohmann::json;
 
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "omni_scene_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() { std::filesystem::remove_all(path_); }
-
-  std::string Write(const std::string& name, const std::string& bytes) const {
-    const std::string file = path_ + "/" + name;
-    // Some file systems flush a file that is truncated and written again: thousands of times, that takes minutes.
-    std::filesystem::remove(file);
-    std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    return file;
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
+using omni::test::TempFolder;
 
 template <class T>
 std::string Bytes(const std::vector<T>& values) {
@@ -121,7 +98,7 @@ inline Loaded Load(const std::string& path, const LoadOptions& options = {}) {
 }
 
 inline Loaded LoadBytes(const std::string& bytes, const LoadOptions& options = {}) {
-  const Folder folder;
+  const TempFolder folder;
   return Load(folder.Write("model.glb", bytes), options);
 }
 

@@ -144,7 +144,7 @@ TEST(SceneLoad, ReadsOnlyTheBytesThatTouchNeeds) {
 }
 
 TEST(SceneLoad, GltfWithADataUriAndWithAFileBesideIt) {
-  const Folder folder;
+  const TempFolder folder;
   Model model = Tetra();
   model.json["buffers"][0]["uri"] = "tetra%20data.bin";
   folder.Write("tetra data.bin", model.bin);

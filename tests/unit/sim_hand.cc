@@ -11,6 +11,7 @@
 
 #include "service/sim/hand.h"
 #include "service/sim/twin_core.h"
+#include "tests/support/temp_folder.h"
 #include "tests/support/twin_story.h"
 
 namespace omni::sim {
@@ -148,8 +149,8 @@ struct BadScript {
 };
 
 TEST(SimScript, BadFilesAreNamedWithTheirPointer) {
-  const support::TemporaryFolder folder;
-  const std::string path = folder.File("hand.json");
+  const test::TempFolder folder;
+  const std::string path = folder.Path("hand.json");
   const std::vector<BadScript> cases{
       {"", "not valid JSON"},
       {"{\"waypoints\": [", "not valid JSON"},
@@ -179,13 +180,13 @@ TEST(SimScript, BadFilesAreNamedWithTheirPointer) {
     EXPECT_NE(script.error().find(path), std::string::npos) << script.error();
     EXPECT_NE(script.error().find(bad.expected), std::string::npos) << script.error();
   }
-  EXPECT_FALSE(LoadHandScript(folder.File("missing.json")).ok());
+  EXPECT_FALSE(LoadHandScript(folder.Path("missing.json")).ok());
   EXPECT_FALSE(LoadHandScript("/").ok());
 }
 
 TEST(SimScript, TooManyWaypointsAreRefused) {
-  const support::TemporaryFolder folder;
-  const std::string path = folder.File("hand.json");
+  const test::TempFolder folder;
+  const std::string path = folder.Path("hand.json");
   {
     std::ofstream file(path);
     file << R"({"waypoints": [{"tip_m": [0, 0, 0.1]})";
@@ -198,8 +199,8 @@ TEST(SimScript, TooManyWaypointsAreRefused) {
 }
 
 TEST(SimScript, GoodFileIsReadAndItsAxisNormalised) {
-  const support::TemporaryFolder folder;
-  const std::string path = folder.File("hand.json");
+  const test::TempFolder folder;
+  const std::string path = folder.Path("hand.json");
   std::ofstream(path) << R"({"name": "n", "repeat": true, "hand": {"stiffness_N_m": 200, "tremor_m": 0.0005},
     "waypoints": [{"s": 1, "tip_m": [0, 0, 0.05]},
                   {"s": 2.5, "tip_m": [0.01, 0, 0.05], "axis": [0, 0, -3], "present": false}]})";

@@ -12,6 +12,7 @@
 #include "firmware/wire/messages.h"
 #include "service/sim/recording.h"
 #include "service/sim/twin_core.h"
+#include "tests/support/temp_folder.h"
 #include "tests/support/twin_story.h"
 
 namespace omni::sim {
@@ -166,9 +167,9 @@ TEST(SimTwin, EndsAfterItsDuration) {
 }
 
 TEST(SimTwin, RecordingHoldsEveryTick) {
-  const support::TemporaryFolder folder;
+  const test::TempFolder folder;
   TwinOptions options = HoldingTwin({0.01, 0, 0.05});
-  options.recording_path = folder.File("truth.csv");
+  options.recording_path = folder.Path("truth.csv");
   {
     const auto twin = MakeVirtualTwin(NominalDevice(), options, 10);
     base::HallScan scan;

@@ -1,8 +1,6 @@
 // The report judges recordings: fabricated runs with known errors.
 #include <gtest/gtest.h>
 
-#include <stdlib.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +11,7 @@
 #include "service/tools/report.h"
 #include "service/tools/run_picture.h"
 #include "service/tools/statistics.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::tools {
 namespace {
@@ -20,12 +19,8 @@ namespace {
 class RunReportTest : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "omni-report-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    files_ = {.loop = folder_ / "loop.csv", .truth = folder_ / "truth.csv", .app = folder_ / "app.json"};
+    files_ = {.loop = folder_.Path("loop.csv"), .truth = folder_.Path("truth.csv"), .app = folder_.Path("app.json")};
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   // 1000 ticks; the pen moves along x at 0.1 m/s; estimates are off by error_m along z; force in [300, 600).
   void Write(double error_m) {
@@ -46,7 +41,7 @@ class RunReportTest : public testing::Test {
                                      "locate_ns_median": 250})";
   }
 
-  std::filesystem::path folder_;
+  const test::TempFolder folder_;
   RunFiles files_;
 };
 

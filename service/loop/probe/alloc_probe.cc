@@ -24,6 +24,30 @@ void CountFree(const volatile void* /*block*/) { ++heap_calls; }
 
 }  // namespace
 
+#if defined(__SANITIZE_THREAD__)
+
+// GCC's ThreadSanitizer calls no hook for aligned memory: its own entry points behind the public names.
+extern "C" {
+void* __interceptor_memalign(std::size_t alignment, std::size_t bytes);
+void* __interceptor_aligned_alloc(std::size_t alignment, std::size_t bytes);
+int __interceptor_posix_memalign(void** block, std::size_t alignment, std::size_t bytes);
+
+void* memalign(std::size_t alignment, std::size_t bytes) {
+  ++heap_calls;
+  return __interceptor_memalign(alignment, bytes);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) {
+  ++heap_calls;
+  return __interceptor_aligned_alloc(alignment, bytes);
+}
+int posix_memalign(void** block, std::size_t alignment, std::size_t bytes) {
+  ++heap_calls;
+  return __interceptor_posix_memalign(block, alignment, bytes);
+}
+}
+
+#endif
+
 #else
 
 // glibc's own entry points behind the public names.

@@ -9,27 +9,19 @@
 #include <sstream>
 
 #include "tests/runtime/cases/fixture.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::runtime {
 namespace {
 
 class ScriptTest : public RuntimeTest {
  protected:
-  void SetUp() override {
-    RuntimeTest::SetUp();
-    char folder[] = "/tmp/omni_test_runtime_XXXXXX";
-    ASSERT_NE(mkdtemp(folder), nullptr);
-    folder_ = folder;
-  }
-
   void TearDown() override {
     RuntimeTest::TearDown();
-    for (const char* const name : {"script", "report.json", "output", "validation"}) std::remove(File(name).c_str());
-    rmdir(folder_.c_str());
     unsetenv("OMNI_TEST_RUNTIME_SCRIPT");
   }
 
-  std::string File(const std::string& name) const { return folder_ + "/" + name; }
+  std::string File(const std::string& name) const { return folder_.Path(name); }
 
   void Script(const std::string& text) {
     std::ofstream(File("script")) << text;
@@ -63,7 +55,7 @@ class ScriptTest : public RuntimeTest {
     return at == std::string::npos ? -1 : std::strtol(report.c_str() + at + key.size(), nullptr, 10);
   }
 
-  std::string folder_;
+  const test::TempFolder folder_;
 };
 
 TEST_F(ScriptTest, EventsHappenAtTheirTime) {
