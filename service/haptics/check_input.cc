@@ -111,11 +111,11 @@ Status CheckMaterial(const Material& m, std::size_t index) {
 
 base::Status CheckInput(const SceneInput& input) {
   if (input.joystick) {
-    const Status checked = CheckJoystick(*input.joystick);
+    Status checked = CheckJoystick(*input.joystick);
     if (!checked.ok()) return checked;
   }
   if (input.vehicle) {
-    const Status checked = CheckVehicle(*input.vehicle);
+    Status checked = CheckVehicle(*input.vehicle);
     if (!checked.ok()) return checked;
   }
   if (input.materials.empty()) return Error{"scene \"" + input.name + "\": no materials; give at least one"};
@@ -133,11 +133,11 @@ base::Status CheckInput(const SceneInput& input) {
     return Error{"scene \"" + input.name + "\": no triangles; tag at least one node that has a mesh"};
   }
   for (std::size_t i = 0; i < input.materials.size(); ++i) {
-    const Status checked = CheckMaterial(input.materials[i], i);
+    Status checked = CheckMaterial(input.materials[i], i);
     if (!checked.ok()) return checked;
   }
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
-    const Status checked = CheckObject(input.objects[i], i, input.materials.size());
+    Status checked = CheckObject(input.objects[i], i, input.materials.size());
     if (!checked.ok()) return checked;
   }
   return Ok{};

@@ -77,7 +77,7 @@ class Packer {
   struct Key {
     std::uint32_t buffer;
     std::uint64_t offset, bytes, stride;
-    auto operator<=>(const Key&) const = default;
+    auto operator<=>(const Key&) const = default;  // NOLINT(modernize-use-nullptr): seen in generated code
   };
 
   static void CheckUncompressed(const Json& view, const std::string& pointer) {

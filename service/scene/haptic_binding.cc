@@ -99,7 +99,7 @@ const HapticTag& Binding::Physics(const NodeVisit& node) {
     const std::string root_place = PlaceOf("", kPhysics);
     const Json* materials = physics ? FindArray(*physics, root_place, "physicsMaterials") : nullptr;
     const auto index = Index(*collider, Join(place, "collider"), "physicsMaterial", materials ? materials->size() : 0);
-    if (!index) return tag;
+    if (!index || !materials) return tag;
     Json known = Json::object();
     for (const char* key : {"staticFriction", "dynamicFriction", "restitution"}) {
       if (const Json* value = Find((*materials)[*index], key)) known[key] = *value;

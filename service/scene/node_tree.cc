@@ -125,7 +125,7 @@ class Walk {
       auto both = std::make_shared<HapticTag>(*pending.inherited);
       both->OverrideBy(own);
       visit.inherited = std::move(both);
-      visit.own = std::make_shared<const HapticTag>(std::move(own));
+      visit.own = std::make_shared<const HapticTag>(own);
     }
     const std::vector<std::uint32_t> children = Children(pending.node);
     for (auto child = children.rbegin(); child != children.rend(); ++child) {

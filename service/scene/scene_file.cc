@@ -54,6 +54,7 @@ class Loader {
   // Nodes whose triangles are wanted. Joystick and vehicle need no triangles: they are read here.
   std::vector<const NodeVisit*> Choose(const std::vector<NodeVisit>& nodes, Binding& binding) {
     std::vector<bool> tagged;
+    tagged.reserve(nodes.size());
     for (const NodeVisit& node : nodes) tagged.push_back(binding.Tagged(node));
     const bool any_tag = std::find(tagged.begin(), tagged.end(), true) != tagged.end();
     std::vector<const NodeVisit*> touched;

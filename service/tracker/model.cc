@@ -24,7 +24,8 @@ void PlaceSensors(const base::DeviceGeometry& device, Model& model) {
       model.sensor_position_base_m[static_cast<std::size_t>(row)][i] = s[row];
       model.sensor_over_r3_base[static_cast<std::size_t>(row)][i] = shape[row];
       for (int column = 0; column < 3; ++column) {
-        model.rotation_sensor_base[static_cast<std::size_t>(3 * row + column)][i] = R_SB(row, column);
+        model.rotation_sensor_base[3 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)][i] =
+            R_SB(row, column);
       }
     }
   }

@@ -27,6 +27,7 @@ void CountFree(const volatile void* /*block*/) { ++heap_calls; }
 #if defined(__SANITIZE_THREAD__)
 
 // GCC's ThreadSanitizer calls no hook for aligned memory: its own entry points behind the public names.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __interceptor_memalign(std::size_t alignment, std::size_t bytes);
 void* __interceptor_aligned_alloc(std::size_t alignment, std::size_t bytes);
@@ -45,12 +46,14 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t bytes) {
   return __interceptor_posix_memalign(block, alignment, bytes);
 }
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 #endif
 
 #else
 
 // glibc's own entry points behind the public names.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
@@ -88,6 +91,7 @@ void free(void* block) {
   __libc_free(block);
 }
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 #endif
 
