@@ -1,9 +1,13 @@
 // omnid: the service. Composition root: device, loop, control plane.
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
 
 #include "service/daemon/run.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int ParseAndRun(int argc, char** argv) {
   omni::daemon::RunOptions options;
   CLI::App app{"omnid: tracks the pen, renders forces, serves OpenXR applications through the Omni layer"};
   app.add_option("--device", options.device, "twin: the digital twin (a simulation)")->check(CLI::IsMember({"twin"}));
@@ -18,4 +22,15 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-realtime", options.realtime, "do not ask for SCHED_FIFO and mlockall");
   CLI11_PARSE(app, argc, argv);
   return omni::daemon::Run(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return ParseAndRun(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "omnid: %s\n", error.what());
+    return 1;
+  }
 }

@@ -78,6 +78,7 @@ std::string BenchTable(const BenchRows& rows) {
   std::vector<std::vector<std::string>> lines{keys};
   for (const auto& row : rows) {
     std::vector<std::string> line;
+    line.reserve(keys.size());
     for (const std::string& key : keys) line.push_back(Cell(row.value(key, nlohmann::ordered_json())));
     lines.push_back(line);
   }

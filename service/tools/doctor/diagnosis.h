@@ -22,7 +22,7 @@ struct Finding {
 };
 
 // What the service answered, asked once for all diagnoses.
-struct ServiceAnswer {
+struct ServiceAnswer {  // NOLINT(bugprone-exception-escape): says so of json's constructor, which is noexcept
   bool running = false;
   std::string error;      // when not running
   nlohmann::json status;  // when running
