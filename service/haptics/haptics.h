@@ -48,6 +48,7 @@ struct ContactState {
   base::Vec3 swapped_from_N;  // force before the proxy was moved to another face ...
   double swap_left_s = 0;     // ... which fades out over this time
   bool popped = false;        // pop-through: no force until the tip is outside again
+  double through_s = 0;       // how long the tip has been out on the far side
 };
 
 enum class ExtrudePhase : std::uint8_t { kFree = 0, kPressed = 1, kHeld = 2, kSettling = 3 };

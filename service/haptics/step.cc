@@ -100,7 +100,7 @@ Vec3 Touch(const Config& config, const Scene& scene, const Input& input, State& 
       was_active[k] = state.contacts[k].active;
     }
     if (state.was_tracked) {
-      UpdateContacts(scene, surface, tip, state);
+      UpdateContacts(scene, surface, tip, input.dt_s, state);
     } else {
       StartContacts(scene, surface, tip, state);
     }

@@ -11,15 +11,22 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kGrid_m = 0.003;   // spacing of the probes
+constexpr double kGrid_m = 0.002;   // spacing of the probes
+constexpr double kFlat = 0.85;      // cosine of the slope that a pressed pen holds on to
 constexpr double kAbove_m = 0.020;  // approach from this high above a touch
 constexpr double kApproach_s = 1.0;
 constexpr double kPress_s = 0.6;
 constexpr double kHold_s = 0.5;
 
-// Height of the surface's highest point over (x, y): a vertical ray through all triangles.
-std::optional<double> TopOf(const haptics::Scene& scene, double x, double y) {
-  double top = -std::numeric_limits<double>::infinity();
+struct Top {
+  double z_m = -std::numeric_limits<double>::infinity();
+  double upwards = 0;  // |z| of the surface's unit normal there
+};
+
+// The surface's highest point over (x, y): a vertical ray through all triangles. Normal of a triangle with the corners
+// a, b, c: (b - a) x (c - a), whose z is `area`.
+std::optional<Top> TopOf(const haptics::Scene& scene, double x, double y) {
+  Top top;
   for (const haptics::Triangle& triangle : scene.triangles()) {
     if ((scene.objects()[triangle.object].flags & haptics::kCollidable) == 0) continue;
     const haptics::Vertex& a = scene.vertices()[triangle.vertex[0]];
@@ -30,24 +37,30 @@ std::optional<double> TopOf(const haptics::Scene& scene, double x, double y) {
     const double wb = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
     const double wc = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
     if (!(wb >= 0 && wc >= 0 && wb + wc <= 1)) continue;
-    top = std::max(top, a.z + wb * (b.z - a.z) + wc * (c.z - a.z));
+    const double z_m = a.z + wb * (b.z - a.z) + wc * (c.z - a.z);
+    if (z_m <= top.z_m) continue;
+    const double nx = (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
+    const double ny = (b.z - a.z) * (c.x - a.x) - (b.x - a.x) * (c.z - a.z);
+    top = {z_m, std::abs(area) / std::hypot(nx, ny, area)};
   }
-  if (!std::isfinite(top)) return std::nullopt;
+  if (!std::isfinite(top.z_m)) return std::nullopt;
   return top;
 }
 
+// On steep places a pen pressed down slides off: they are left out if others are there.
 std::vector<base::Vec3> TouchablePoints(const haptics::Scene& scene, const HandPathOptions& options) {
-  std::vector<base::Vec3> points;
+  std::vector<base::Vec3> flat, steep;
   for (double x = -options.reach_m; x <= options.reach_m; x += kGrid_m) {
     for (double y = -options.reach_m; y <= options.reach_m; y += kGrid_m) {
       if (std::hypot(x, y) > options.reach_m) continue;
-      const std::optional<double> z = TopOf(scene, x, y);
-      if (!z) continue;
-      const double gap_m = std::sqrt(x * x + y * y + *z * *z) - options.hull_radius_m;
-      if (gap_m >= options.gap_min_m && gap_m <= options.gap_max_m) points.push_back({x, y, *z});
+      const std::optional<Top> top = TopOf(scene, x, y);
+      if (!top) continue;
+      const double gap_m = std::hypot(x, y, top->z_m) - options.hull_radius_m;
+      if (!(gap_m >= options.gap_min_m && gap_m <= options.gap_max_m)) continue;
+      (top->upwards >= kFlat ? flat : steep).push_back({x, y, top->z_m});
     }
   }
-  return points;
+  return flat.empty() ? steep : flat;
 }
 
 double Distance2(const base::Vec3& a, const base::Vec3& b) {

@@ -12,7 +12,7 @@ struct HandPathOptions {
   double gap_min_m = 0.004;  // surface points this far above the hull ...
   double gap_max_m = 0.032;  // ... to this can be felt
   double reach_m = 0.025;    // from the z axis
-  double press_m = 0.004;    // how far below the surface the hand aims
+  double press_m = 0.005;    // how far below the surface the hand aims
   int touches = 5;
 };
 

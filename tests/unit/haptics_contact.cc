@@ -113,6 +113,34 @@ TEST(Contact, AThinPlateKeepsTheSideOfEntry) {
   }
 }
 
+TEST(Contact, PushedRightThroughThePenIsLetGo) {
+  InputObject shell = Block(4, {0.02, 0.02, 0.003});
+  shell.triangles.resize(shell.triangles.size() - 4);  // a hole: open, hence felt from both sides
+  shell.triangle_material.resize(shell.triangles.size());
+  for (const InputObject& object : {Block(4, {0.02, 0.02, 0.003}), shell}) {
+    Pen pen(Built(SceneOf(object, Hard())));
+    pen.Slide({0, 0, 0.03}, {0, 0, -0.005}, 300);
+    pen.Rest(300);
+    EXPECT_GT(pen.output.force_base_N.z, 1) << "8 mm behind the face of entry: held";
+    pen.Slide({0, 0, -0.005}, {0, 0, -0.035}, 300);
+    pen.Rest(300);
+    EXPECT_EQ(pen.output.contact_count, 0);
+    EXPECT_EQ(Norm(pen.output.force_base_N), 0);
+    pen.Slide({0, 0, -0.035}, {0.03, 0, -0.035}, 50);
+    pen.Slide({0.03, 0, -0.035}, {0.03, 0, 0.03}, 100);
+    pen.Slide({0.03, 0, 0.03}, {0, 0, 0.03}, 50);
+    pen.Slide({0, 0, 0.03}, {0, 0, -0.005}, 200);
+    EXPECT_GT(pen.output.force_base_N.z, 1) << "felt again";
+  }
+}
+
+TEST(Contact, DeepInsideASolidThePenIsNotLetGo) {
+  Pen pen(Built(SceneOf(Block(4, {0.04, 0.04, 0.04}), Hard(50))));
+  pen.Slide({0, 0, 0.05}, {0, 0, 0.018}, 300);
+  pen.Rest(500);
+  EXPECT_GT(pen.output.force_base_N.z, 0.5);
+}
+
 // Pressed in from the top, then around the edge along the side, always 3 mm deep: the force follows to the side, and
 // never steps. The rule does not depend on triangle size.
 TEST(Contact, DeepInsideTheForceFollowsAroundAnEdge) {

@@ -35,6 +35,8 @@ SkipList InContact(const Surface& surface, std::uint32_t object, const State& st
   return skip;
 }
 
+double Depth(const ContactState& contact, const Vec3& tip) noexcept { return Norm(contact.proxy_base_m - tip); }
+
 void Place(const ProxyPoint& proxy, ContactState& contact) noexcept {
   contact.triangle = proxy.triangle;
   contact.proxy_base_m = proxy.closest.point;
@@ -94,8 +96,20 @@ void ReleaseFromCrease(const Surface& surface, const Object& object, const Vec3&
   contact.swap_left_s = kSwapFade_s;
 }
 
-void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, State& state, ContactState& contact,
-            Left& left) noexcept {
+// Pushed through a part and out on its far side, the pen would hang on a spring to where it went in.   (2.6)
+bool CameThrough(const Surface& surface, const Object& object, const Vec3& tip, double depth_m, double dt_s,
+                 ContactState& contact) noexcept {
+  NearestResult nearest;
+  if (!(depth_m > kThroughDepth_m) || (HasInside(object) && IsInside(surface, object, tip, nearest))) {
+    contact.through_s = 0;
+    return false;
+  }
+  contact.through_s += dt_s;
+  return contact.through_s > kThroughTime_s;
+}
+
+void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, double dt_s, State& state,
+            ContactState& contact, Left& left) noexcept {
   const Object& object = scene.objects()[contact.object];
   const ProxyPoint proxy = Descend(surface, contact.triangle, tip);
   if (contact.popped) {
@@ -108,6 +122,10 @@ void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, State& 
     return;
   }
   Place(proxy, contact);
+  if (CameThrough(surface, object, tip, Depth(contact, tip), dt_s, contact)) {
+    contact = {};
+    return;
+  }
   if (Judge(surface, proxy, tip, contact.side) == ProxyVerdict::kInside) {
     ReleaseFromCrease(surface, object, tip, proxy, contact);
     return;
@@ -120,8 +138,6 @@ void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, State& 
   left.component[left.count++] = component;
   contact = {};
 }
-
-double Depth(const ContactState& contact, const Vec3& tip) noexcept { return Norm(contact.proxy_base_m - tip); }
 
 // A free slot, else that of the shallowest contact if the new one is deeper, else none.
 ContactState* SlotFor(double depth_m, const Vec3& tip, State& state) noexcept {
@@ -195,10 +211,10 @@ void StartContacts(const Scene& scene, const Surface& surface, const Vec3& tip, 
   }
 }
 
-void UpdateContacts(const Scene& scene, const Surface& surface, const Vec3& tip, State& state) noexcept {
+void UpdateContacts(const Scene& scene, const Surface& surface, const Vec3& tip, double dt_s, State& state) noexcept {
   Left left;
   for (ContactState& contact : state.contacts) {
-    if (contact.active) Follow(scene, surface, tip, state, contact, left);
+    if (contact.active) Follow(scene, surface, tip, dt_s, state, contact, left);
   }
   const auto objects = scene.objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
