@@ -1,9 +1,11 @@
 #include "service/tools/hand_path.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -47,9 +49,19 @@ std::optional<Top> TopOf(const haptics::Scene& scene, double x, double y) {
   return top;
 }
 
-// On steep places a pen pressed down slides off: they are left out if others are there.
+// How well a pen pressed down holds on: 2 on a flat place that goes on to all sides, 1 on a flat one, 0 on a slope.
+int Hold(const haptics::Scene& scene, double x, double y, const Top& top) {
+  if (top.upwards < kFlat) return 0;
+  for (const auto& [dx, dy] : {std::pair{kGrid_m, 0.0}, {-kGrid_m, 0.0}, {0.0, kGrid_m}, {0.0, -kGrid_m}}) {
+    const std::optional<Top> beside = TopOf(scene, x + dx, y + dy);
+    if (!beside || std::abs(beside->z_m - top.z_m) > 0.5 * kGrid_m) return 1;
+  }
+  return 2;
+}
+
+// Of all places within reach those on which the pen holds best.
 std::vector<base::Vec3> TouchablePoints(const haptics::Scene& scene, const HandPathOptions& options) {
-  std::vector<base::Vec3> flat, steep;
+  std::array<std::vector<base::Vec3>, 3> by_hold;
   for (double x = -options.reach_m; x <= options.reach_m; x += kGrid_m) {
     for (double y = -options.reach_m; y <= options.reach_m; y += kGrid_m) {
       if (std::hypot(x, y) > options.reach_m) continue;
@@ -57,10 +69,13 @@ std::vector<base::Vec3> TouchablePoints(const haptics::Scene& scene, const HandP
       if (!top) continue;
       const double gap_m = std::hypot(x, y, top->z_m) - options.hull_radius_m;
       if (!(gap_m >= options.gap_min_m && gap_m <= options.gap_max_m)) continue;
-      (top->upwards >= kFlat ? flat : steep).push_back({x, y, top->z_m});
+      by_hold[static_cast<std::size_t>(Hold(scene, x, y, *top))].push_back({x, y, top->z_m});
     }
   }
-  return flat.empty() ? steep : flat;
+  for (std::size_t hold = 2; hold > 0; --hold) {
+    if (!by_hold[hold].empty()) return by_hold[hold];
+  }
+  return by_hold[0];
 }
 
 double Distance2(const base::Vec3& a, const base::Vec3& b) {
