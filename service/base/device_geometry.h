@@ -29,9 +29,13 @@ struct CoilGeometry {
   double inductance_H = 0;
 };
 
+enum class MagnetShape : std::uint8_t { kCylinder, kSphere };
+
+// Magnetised along its axis.
 struct MagnetGeometry {
+  MagnetShape shape = MagnetShape::kCylinder;
   double radius_m = 0;
-  double half_height_m = 0;
+  double half_height_m = 0;  // of a cylinder; a sphere's is its radius
   double remanence_T = 0;
   double mass_kg = 0;       // of the whole tool
   double tip_offset_m = 0;  // device point = magnet centre + tip_offset_m * axis

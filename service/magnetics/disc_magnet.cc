@@ -37,12 +37,25 @@ void PlacePoints(double k3, DiscMagnet& magnet) noexcept {
 // m = Br V / mu0, q3 = m k3, q5 = m k5 with k3 = b^2 - 3 R^2/4, k5 = b^4 - 5/2 R^2 b^2 + 5/8 R^4: the moments of two
 // charged discs at +- b.
 DiscMagnet MakeDiscMagnet(const base::MagnetGeometry& geometry) noexcept {
+  const double R = geometry.radius_m;
+  const double volume = geometry.shape == base::MagnetShape::kSphere
+                            ? 4 * std::numbers::pi / 3 * R * R * R
+                            : std::numbers::pi * R * R * 2 * geometry.half_height_m;
+  return MakeDiscMagnet(geometry, geometry.remanence_T * volume / kMu0);
+}
+
+DiscMagnet MakeDiscMagnet(const base::MagnetGeometry& geometry, double moment_Am2) noexcept {
+  DiscMagnet magnet;
+  magnet.moment_Am2 = moment_Am2;
+  if (geometry.shape == base::MagnetShape::kSphere) {  // a dipole outside
+    magnet.zonal = {moment_Am2, 0, 0};
+    PlacePoints(0, magnet);
+    return magnet;
+  }
   const double R2 = geometry.radius_m * geometry.radius_m;
   const double b2 = geometry.half_height_m * geometry.half_height_m;
   const double k3 = b2 - 0.75 * R2;
   const double k5 = b2 * b2 - 2.5 * R2 * b2 + 0.625 * R2 * R2;
-  DiscMagnet magnet;
-  magnet.moment_Am2 = geometry.remanence_T * std::numbers::pi * R2 * 2 * geometry.half_height_m / kMu0;
   magnet.zonal = {magnet.moment_Am2, magnet.moment_Am2 * k3, magnet.moment_Am2 * k5};
   PlacePoints(k3, magnet);
   return magnet;

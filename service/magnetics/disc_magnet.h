@@ -1,4 +1,4 @@
-// An axially magnetised cylinder (radius R, half height b, remanence Br) seen from outside.
+// An axially magnetised cylinder (radius R, half height b, remanence Br) or sphere seen from outside.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,6 +30,8 @@ struct DiscMagnet {
 };
 
 DiscMagnet MakeDiscMagnet(const base::MagnetGeometry& geometry) noexcept;
+// Shape and size of `geometry`, but a measured moment.
+DiscMagnet MakeDiscMagnet(const base::MagnetGeometry& geometry, double moment_Am2) noexcept;
 
 inline Eigen::Vector3d PointOffset(const MagnetPoint& point, const Eigen::Vector3d& e1, const Eigen::Vector3d& e2,
                                    const Eigen::Vector3d& u) noexcept {

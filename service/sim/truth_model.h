@@ -32,13 +32,15 @@ class TruthModel {
 
   const std::array<CoilTruth, base::kCoilCount>& coils() const noexcept { return coils_; }
 
- private:
+  // How a sensor really stands and reads: reading = rows . B(position) + coil_sensor_T_A I.
   struct Sensor {
     Vec3 position_base_m;
-    std::array<Vec3, 3> rows;                            // gain x R_SB: reading = rows . B
+    std::array<Vec3, 3> rows;                            // gain x R_SB
     std::array<Vec3, base::kCoilCount> coil_sensor_T_A;  // of the actual windings, fixed
   };
+  const Sensor& sensor(std::size_t index) const noexcept { return sensors_[index]; }
 
+ private:
   double core_radius_m_;
   double core_kappa_;
   std::array<CoilTruth, base::kCoilCount> coils_;

@@ -300,9 +300,8 @@ void EvaluateField(const Model& model, const PosePoint& pose, ModelField& result
   for (std::size_t first = 0; first < kSensors; first += kLaneWidth) {
     const LaneField field = FieldAt(model, images, pose, first);
     for (std::size_t row = 0; row < 3; ++row) {
-      const Lane3 R{Load(model.rotation_sensor_base[3 * row], first),
-                    Load(model.rotation_sensor_base[3 * row + 1], first),
-                    Load(model.rotation_sensor_base[3 * row + 2], first)};
+      const Lane3 R{Load(model.gain_sensor_base[3 * row], first), Load(model.gain_sensor_base[3 * row + 1], first),
+                    Load(model.gain_sensor_base[3 * row + 2], first)};
       const Lane B = Dot(R, field.B);
       for (std::size_t lane = 0; lane < kLaneWidth; ++lane) {
         const std::size_t reading = 3 * (first + lane) + row;

@@ -57,7 +57,7 @@ Reading SeparateTool(const Model& model, const Trust& trust, const base::HallSca
       coil_T += row[k] * (scan.coil_current_A[k] + rate_A_s[k] * since_current_s);
       rate_T_s += row[k] * rate_A_s[k];
     }
-    reading.tool_T[axis] = field_T[axis] - coil_T;
+    reading.tool_T[axis] = field_T[axis] - coil_T - model.background_sensor_T[axis][i];
     const bool saturated = (scan.saturated_mask >> (3 * i + axis)) & 1u;
     reading.usable[axis] = !saturated && std::abs(reading.tool_T[axis]) <= trust.field_max_T;
     if (reading.usable[axis]) reading.tool_square_T2 += Square(reading.tool_T[axis]);
@@ -74,7 +74,7 @@ void SetSensor(const Model& model, const Reading& reading, std::size_t i, Measur
     if (!reading.usable[axis]) continue;
     const double inverse_sigma = 1 / std::sqrt(Square(model.noise_T[axis]) + reading.systematic_T2);
     for (std::size_t column = 0; column < 3; ++column) {
-      result.weight[3 * axis + column][i] = inverse_sigma * model.rotation_sensor_base[3 * axis + column][i];
+      result.weight[3 * axis + column][i] = inverse_sigma * model.gain_sensor_base[3 * axis + column][i];
     }
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
       result.coil[3 * axis + k][i] = inverse_sigma * model.coil_map_T_A[(3 * i + axis) * base::kCoilCount + k];

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "service/base/device_geometry.h"
+#include "service/base/calibration.h"
 #include "service/base/limits.h"
 #include "service/base/vec.h"
 
@@ -29,11 +29,12 @@ struct ToolPoint {
   double moment_Am2 = 0;
 };
 
-// Prepared once from DeviceGeometry (and, later, calibration).
+// Prepared once from a Calibration.
 struct Model {
   std::array<SensorLanes, 3> sensor_position_base_m{};
-  std::array<SensorLanes, 3> sensor_over_r3_base{};   // s / |s|^3: field shape of a charge at the core's centre
-  std::array<SensorLanes, 9> rotation_sensor_base{};  // R_SB row-major
+  std::array<SensorLanes, 3> sensor_over_r3_base{};  // s / |s|^3: field shape of a charge at the core's centre
+  std::array<SensorLanes, 9> gain_sensor_base{};     // row-major, R_SB with gain and misalignment
+  std::array<SensorLanes, 3> background_sensor_T{};
   std::array<double, std::size_t{kReadings} * base::kCoilCount> coil_map_T_A{};  // row 3 i + axis, column coil
   std::array<double, 3> noise_T{};                                               // rms per sensor axis
   std::array<double, 3> tool_zonal{};                                            // q1, q3, q5 of the tool, A m^(l+1)
@@ -50,6 +51,7 @@ struct Model {
 };
 static_assert(std::is_trivially_copyable_v<Model>);
 
-Model MakeModel(const base::DeviceGeometry& device);
+// Precondition: kSensors sensors.
+Model MakeModel(const base::Calibration& calibration);
 
 }  // namespace omni::tracker

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "service/base/eigen.h"
+#include "service/magnetics/nominal.h"
 #include "service/tracker/cold_start.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/solver.h"
@@ -166,11 +167,13 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
 
 }  // namespace
 
-Config MakeConfig(const base::DeviceGeometry& device) {
+Config MakeConfig(const base::Calibration& calibration) {
   Config config;
-  config.model = MakeModel(device);
+  config.model = MakeModel(calibration);
   return config;
 }
+
+Config MakeConfig(const base::DeviceGeometry& device) { return MakeConfig(magnetics::NominalCalibration(device)); }
 
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
   const CurrentHistory currents = Remember(scan, state.currents);

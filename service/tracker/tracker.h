@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/tool_state.h"
@@ -44,7 +45,8 @@ struct State {
 };
 static_assert(std::is_trivially_copyable_v<State>);
 
-Config MakeConfig(const base::DeviceGeometry& device);
+Config MakeConfig(const base::Calibration& calibration);
+Config MakeConfig(const base::DeviceGeometry& device);  // uncalibrated: as drawn
 
 // Warm start from `state` (predicted to the scan's time) or cold start without a hint. Never throws, allocates or
 // returns a non-finite pose: a scan that does not fit gives kLost (the last good pose, velocities fading) and, after

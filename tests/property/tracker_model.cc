@@ -5,6 +5,7 @@
 
 #include "service/magnetics/core_image.h"
 #include "service/magnetics/disc_magnet.h"
+#include "service/magnetics/nominal.h"
 #include "service/magnetics/zonal.h"
 #include "service/tracker/linearise.h"
 #include "service/tracker/measurement.h"
@@ -56,7 +57,7 @@ PosePoint Moved(const PosePoint& point, int parameter, double step) {
 TEST(TrackerModel, FieldIsZonalToolPlusImagesOfItsPoints) {
   Rng rng(1);
   const base::DeviceGeometry device = TurnedDevice(rng);
-  const Model model = MakeModel(device);
+  const Model model = MakeModel(magnetics::NominalCalibration(device));
   const magnetics::DiscMagnet magnet = magnetics::MakeDiscMagnet(device.magnet);
   for (int i = 0; i < 300; ++i) {
     const Pose pose = support::RandomPose(rng, model, 0.038, 0.15);
@@ -81,7 +82,7 @@ TEST(TrackerModel, FieldIsZonalToolPlusImagesOfItsPoints) {
 
 TEST(TrackerModel, JacobianMatchesDifferences) {
   Rng rng(2);
-  const Model model = MakeModel(TurnedDevice(rng));
+  const Model model = MakeModel(magnetics::NominalCalibration(TurnedDevice(rng)));
   for (int i = 0; i < 1000; ++i) {
     const PosePoint point = MakePosePoint(support::RandomPose(rng, model, 0.038, 0.20));
     ModelField field;

@@ -1,0 +1,63 @@
+// One simulated base and pen held still: static scans with or without noise, for calibration and for benchmarks that
+// ask how far an estimate is from the truth. A simulation: what judges the tracker never shares its field code.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
+#include "service/base/hall_scan.h"
+#include "service/sim/imperfections.h"
+#include "service/sim/random.h"
+#include "service/sim/truth_model.h"
+
+namespace omni::sim {
+
+// LIS3MDL: ultra-high performance (at most 155 Hz), low power (1 kHz).
+enum class NoiseMode : std::uint8_t { kNone, kUltraHigh, kLowPower };
+std::array<double, 3> NoiseOf_T(NoiseMode mode) noexcept;  // rms per axis
+
+struct RigOptions {
+  std::uint64_t seed = 1;   // of the imperfections
+  ImperfectionSizes sizes;  // all zero: as drawn
+  NoiseMode noise = NoiseMode::kUltraHigh;
+  bool saturation = true;  // and quantisation; false: readings are the field itself
+};
+ImperfectionSizes NoImperfections() noexcept;
+
+// Where random poses lie. The magnet never cuts the hull: such draws are drawn again.
+struct PoseRange {
+  double radius_min_m = 0.041, radius_max_m = 0.101;  // of the centre, uniform in the radius
+  double elevation_min_rad = 0;                       // of the centre above the base's plane: upper hemisphere
+  double tilt_max_rad = 1.0471975511965976;           // of the axis from the radial direction, either polarity inwards
+};
+
+class Rig {
+ public:
+  Rig(const base::DeviceGeometry& device, const RigOptions& options);
+
+  // What a calibration without any error would find.
+  base::Calibration ExactCalibration() const;
+
+  MagnetPose DrawPose(const PoseRange& range, Random& random) const noexcept;
+
+  // Without noise. `pose` null: no pen.
+  std::array<Vec3, base::kSensorCount> Readings(const MagnetPose* pose, const CoilArray& current_A) noexcept;
+
+  // As the device would report it at t_ns = now: noise, quantisation, saturation, measured currents. No motion: all
+  // samples are of one instant.
+  base::HallScan Scan(const MagnetPose* pose, const CoilArray& current_A, Random& random) noexcept;
+
+  const base::DeviceGeometry& device() const noexcept { return device_; }
+  TruthModel& truth() noexcept { return truth_; }
+
+ private:
+  base::DeviceGeometry device_;
+  RigOptions options_;
+  Imperfections imperfections_;
+  TruthModel truth_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace omni::sim
