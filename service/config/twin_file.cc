@@ -10,7 +10,9 @@
 namespace omni::config {
 namespace {
 
+using base::DriverParameters;
 using base::ImperfectionSizes;
+using base::SensorParameters;
 using base::ThermalParameters;
 using base::TruthEffects;
 
@@ -58,8 +60,21 @@ constexpr NumberKey<TruthEffects> kDriverKeys[] = {
     {"pwm_frequency_Hz", &TruthEffects::pwm_frequency_Hz, {0, 1e7}},
     {"pwm_residual", &TruthEffects::pwm_residual, {0, 1}},
 };
+constexpr NumberKey<DriverParameters> kDelayKeys[] = {
+    {"delay_s", &DriverParameters::delay_s, {0, 0.1}},
+    {"host_timeout_s", &DriverParameters::host_timeout_s, {1e-3, 1}},
+};
+constexpr NumberKey<SensorParameters> kSensorKeys[] = {
+    {"oscillator_spread", &SensorParameters::oscillator_spread, {0, 0.1}},
+};
+constexpr Range kNoise_T{0, 1e-3};
 constexpr Range kBackground_T{-1e-3, 1e-3};
 constexpr std::string_view kBackgrounds[] = {"known", "raw"};
+
+template <class T, std::size_t N>
+void ReadNumbers(TableReader& reader, const NumberKey<T> (&keys)[N], T& into) {
+  for (const NumberKey<T>& entry : keys) into.*entry.field = reader.Number(entry.key, entry.range);
+}
 
 // [name]: numbers of `into`, and what `more` reads of the same table.
 template <class T, std::size_t N, class More>
@@ -68,7 +83,7 @@ void ReadSection(FileProblem& problem, TableReader& root, const char* name, cons
   const toml::table* table = root.Table(name);
   if (table == nullptr) return;
   TableReader reader(problem, *table, name);
-  for (const NumberKey<T>& entry : keys) into.*entry.field = reader.Number(entry.key, entry.range);
+  ReadNumbers(reader, keys, into);
   more(reader);
   reader.Finish();
 }
@@ -88,6 +103,10 @@ base::Result<base::TruthParameters> ParseTwin(const std::string& text, const std
   base::TruthParameters twin;
   TruthEffects& effects = twin.effects;
   ReadSection(problem, root, "imperfections", kImperfectionKeys, twin.imperfections);
+  ReadSection(problem, root, "sensor", kSensorKeys, twin.sensor, [&](TableReader& reader) {
+    reader.Numbers("noise_uhp_T", kNoise_T, twin.sensor.noise_uhp_T);
+    reader.Numbers("noise_lp_T", kNoise_T, twin.sensor.noise_lp_T);
+  });
   ReadSection(problem, root, "thermal", kThermalKeys, twin.thermal);
   ReadSection(problem, root, "core", kCoreKeys, effects);
   ReadSection(problem, root, "background", kBackgroundKeys, effects, [&](TableReader& reader) {
@@ -95,7 +114,8 @@ base::Result<base::TruthParameters> ParseTwin(const std::string& text, const std
     effects.background_known = reader.Choice("background", kBackgrounds, "known") == "known";
   });
   ReadSection(problem, root, "pen", kPenKeys, effects);
-  ReadSection(problem, root, "driver", kDriverKeys, effects);
+  ReadSection(problem, root, "driver", kDriverKeys, effects,
+              [&](TableReader& reader) { ReadNumbers(reader, kDelayKeys, twin.driver); });
   root.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
   return twin;
