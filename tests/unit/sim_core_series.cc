@@ -115,6 +115,41 @@ TEST(SimCoreSeries, ImagesOfADipole) {
   }
 }
 
+// Inside the core the potential of order l is c r^l P_l, so that on its surface B_n = mu l times the coefficient of
+// B_t: normal B and tangential H are continuous. Coefficients by projection with the midpoint rule in the angle.
+TEST(SimCoreSeries, CoilFieldMeetsTheConditionsOnAPermeableSurface) {
+  const double mu = 9;
+  const std::vector<Turn> turns{{0.028, 0.009}, {0.028, -0.009}, {0.02, 0.004}, {0.02, -0.004}};
+  const ZonalSeries core(ZonalSeries::Expand(turns, kCore_m, KappaOf(mu)).core, {0, 0, 1});
+  constexpr int kSteps = 4000;
+  for (const int order : {1, 3, 5}) {
+    double normal = 0;
+    double tangential = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double theta = 3.14159265358979 * (i + 0.5) / kSteps;
+      const Vec3 n{std::sin(theta), 0, std::cos(theta)};
+      const Vec3 t{std::cos(theta), 0, -std::sin(theta)};
+      const Vec3 p = kCore_m * n;
+      Vec3 b = core.Field(p);
+      for (const Turn& turn : turns) {
+        const CylinderField field = TurnField(turn.radius_m, p.x, p.z - turn.height_m);
+        b += Vec3{field.rho_T, 0, field.z_T};
+      }
+      const double c = n.z;
+      const double c2 = c * c;
+      const double legendre = order == 1   ? c
+                              : order == 3 ? 0.5 * c * (5 * c2 - 3)
+                                           : c * (63 * c2 * c2 - 70 * c2 + 15) / 8;
+      const double slope = order == 1   ? 1
+                           : order == 3 ? 1.5 * (5 * c2 - 1)
+                                        : (315 * c2 * c2 - 210 * c2 + 15) / 8;  // dP/dc; dP/dtheta = -sin theta dP/dc
+      normal += Dot(b, n) * legendre * n.x;
+      tangential += Dot(b, t) * (-n.x * slope) * n.x / (order * (order + 1));
+    }
+    EXPECT_NEAR(normal / (mu * order * tangential), 1, 1e-4) << "order " << order;
+  }
+}
+
 // What a sensor reads, against ten times as many charges for the magnet and its images.
 TEST(SimCoreSeries, SensorFieldsAreConverged) {
   const base::DeviceGeometry device = support::NominalDevice();
