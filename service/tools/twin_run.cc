@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/daemon/virtual_run.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin.h"
@@ -23,6 +24,7 @@ struct RunArguments {
   std::string scene;
   std::string hand;
   std::string record;
+  std::string twin;
   std::uint64_t seed = 1;
   double seconds = 0;
   bool fit = false;
@@ -49,9 +51,16 @@ int RunTwin(const RunArguments& arguments) {
   if (!hand.ok()) return Fail(hand.error());
   const base::DeviceGeometry& device = config::DefaultDevice();
   const double seconds = arguments.seconds > 0 ? arguments.seconds : hand->duration_s();
+  base::TruthParameters truth = config::DefaultTwin();
+  if (!arguments.twin.empty()) {
+    base::Result<base::TruthParameters> parameters = config::LoadTwinFile(arguments.twin);
+    if (!parameters.ok()) return Fail(parameters.error());
+    truth = *parameters;
+  }
   const auto twin = sim::MakeVirtualTwin(device,
                                          {.seed = arguments.seed,
                                           .script = *hand,
+                                          .truth = truth,
                                           .flip_coil_sign = arguments.flip_coil_sign,
                                           .recording_path = arguments.record},
                                          seconds);
@@ -92,6 +101,7 @@ void AddTwinRun(CLI::App& twin) {
   run->add_option("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
   run->add_option("--seconds", arguments->seconds, "default: the script's length");
   run->add_option("--record", arguments->record, "CSV file of the twin's truth");
+  run->add_option("--twin", arguments->twin, "imperfections and effects (.toml); default: the built-in twin.toml");
   run->add_flag("--fit", arguments->fit, "scale and move the model into reach");
   run->add_flag("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
   run->callback([arguments] { throw CLI::RuntimeError(RunTwin(*arguments)); });
