@@ -89,8 +89,8 @@ inline OrderSums SumOrders(const double* q, const V& c, const V& inverse_r) noex
   OrderSums sums;
   const V inverse_r2 = inverse_r * inverse_r;
   V scale = kMu0Over4Pi * inverse_r2 * inverse_r;
-  V P_below = 1.0 + (c - c), P1_below = c - c, P2_below = P1_below;
-  V P = c, P1 = P_below, P2 = P1_below;
+  V P_below = V{} + 1.0, P1_below{}, P2_below{};
+  V P = c, P1 = P_below, P2{};
 #pragma GCC unroll 8
   for (int j = 0; j < kForceOrders; ++j) {
     const double l = 2.0 * j + 1;

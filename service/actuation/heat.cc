@@ -39,6 +39,7 @@ HeatConfig MakeHeatConfig(const base::DeviceGeometry& device) {
   for (std::size_t k = 0; k < base::kCoilCount; ++k) config.resistance_20C_ohm[k] = device.coils[k].resistance_20C_ohm;
   config.current_max_A = device.current_max_A;
   config.supply_V = device.supply_V;
+  config.decay = std::exp(-kHorizon_s * device.heat.copper_to_body_W_K / device.heat.copper_J_K);
   config.temperature_max_C = device.temperature_max_C;
   config.temperature_aim_C = device.temperature_max_C - 0.25 * (device.temperature_max_C - device.temperature_derate_C);
   return config;
@@ -60,14 +61,14 @@ void AdvanceHeat(const HeatConfig& config, const std::array<double, base::kCoilC
   state.body_C += into_body_W * dt_s / node.body_J_K;
 }
 
-// With P = Gcb [(Ta - Tb) - d (Tc - Tb)] / (1 - d), d = exp(-h Gcb / Cc), the copper obeys
-// dTc/dt = Gcb / (Cc (1 - d)) (Ta - Tc): it approaches the aim Ta from below and never passes it, whatever Tb does.
-// docs/theory/thermal.md (4), (5)
+// With P = Gcb [(Tm - Tb) - d (Tc - Tb)] / (1 - d), d = exp(-h Gcb / Cc), the copper obeys
+// dTc/dt <= Gcb / (Cc (1 - d)) (Tm - Tc): it approaches the aim Tm from below and never passes it, whatever Tb does.
+// docs/theory/thermal.md (4) - (6)
 double CurrentCeiling_A(const HeatConfig& config, std::size_t k, double copper_C, double body_C) noexcept {
   const base::HeatGeometry& node = config.nodes;
   const double aim_C = config.temperature_aim_C;
   if (!(copper_C < config.temperature_max_C && body_C < config.temperature_max_C)) return 0;
-  const double d = std::exp(-config.horizon_s * node.copper_to_body_W_K / node.copper_J_K);
+  const double d = config.decay;
   const double allowed_W = node.copper_to_body_W_K * ((aim_C - body_C) - d * (copper_C - body_C)) / (1 - d);
   if (!(allowed_W > 0)) return 0;
   const double heat_A = std::sqrt(allowed_W / Resistance_ohm(config, k, aim_C));
@@ -84,21 +85,22 @@ void UpdateHeat(const HeatConfig& config, const base::HallScan& scan,
     Start(config, scan, state);
     return;
   }
-  const double dt_s = std::clamp(static_cast<double>(scan.t_ns - state.t_ns) * 1e-9, 0.0, kStepMax_s);
+  // As doubles: a wild stamp must not overflow. Their error, 0.1 us, does not matter here.
+  const double elapsed_s = (static_cast<double>(scan.t_ns) - static_cast<double>(state.t_ns)) * 1e-9;
+  const double dt_s = std::clamp(elapsed_s, 0.0, kStepMax_s);
   state.t_ns = scan.t_ns;
   std::array<double, base::kCoilCount> heating_A{};
   for (std::size_t k = 0; k < heating_A.size(); ++k) {
     heating_A[k] = std::min(Heating_A(scan.coil_current_A[k], commanded_A[k]), 2 * config.current_max_A);
   }
   AdvanceHeat(config, heating_A, dt_s, state);
+  state.body_C = std::min(state.body_C, kHottest_C);
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     const double measured_C = scan.coil_temperature_C[k];
-    if (measured_C > state.copper_C[k]) {
-      state.copper_C[k] += (std::min(measured_C, 2 * config.temperature_max_C) - state.copper_C[k]) *
-                           std::min(1.0, dt_s / config.follow_s);
-    }
-    const double wanted_A =
-        std::isfinite(measured_C) ? CurrentCeiling_A(config, k, state.copper_C[k], state.body_C) : 0.0;
+    double& copper_C = state.copper_C[k];
+    if (measured_C > copper_C) copper_C += (measured_C - copper_C) * std::min(1.0, dt_s / config.follow_s);
+    copper_C = std::min(copper_C, kHottest_C);
+    const double wanted_A = std::isfinite(measured_C) ? CurrentCeiling_A(config, k, copper_C, state.body_C) : 0.0;
     const double held_A = state.current_max_A[k];
     state.current_max_A[k] = std::clamp(wanted_A, held_A - config.fall_A_s * dt_s, held_A + config.rise_A_s * dt_s);
   }

@@ -22,7 +22,7 @@ struct HeatConfig {
   double supply_V = 12;
   double temperature_aim_C = 67.5;  // where full use settles
   double temperature_max_C = 70;    // no current here
-  double horizon_s = 5;             // the aim is approached with this time constant or slower
+  double decay = 0.756;             // of the copper's excess over the body within 5 s; prepared by MakeHeatConfig
   double follow_s = 0.2;            // a warmer reading of the device is followed with this lag
   double fall_A_s = 300;            // ceilings move no faster: no step in what the hand feels
   double rise_A_s = 15;

@@ -136,6 +136,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   actuation::UpdateHeat(config.actuation, scan, state.actuation);
   base::ForceLimit limit = actuation::ComputeForceLimit(config.actuation, tool, state.actuation.heat);
   actuation::FadeWeight(state.gate, limit);
+  output.near_singular = limit.near_singular;
   haptics::Step(config.haptics, scene, MakeHapticInput(config, tool, limit, dt_s), state.haptics, output.haptics);
   const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 
