@@ -53,13 +53,13 @@ static_assert(std::is_trivially_copyable_v<State>);
 Config MakeConfig(const base::DeviceGeometry& device);
 Config MakeConfig(const base::DeviceGeometry& device, const base::Calibration& calibration);
 
-// Takes up how hot the coils are: once per scan, before ComputeForceLimit.
+// Takes up how hot the coils are: once per scan, before ComputeDeratedLimit.
 void UpdateHeat(const Config& config, const base::HallScan& scan, State& state) noexcept;
 
 // What the coils can do at this pose with `current_max_A` each. Not tracking, too far or inside the windings: valid =
 // false. Near the singular pose (pen perpendicular to the radius) the direction that the coils cannot push fades out of
 // ampere_per_newton, continuously, and near_singular says so. docs/theory/actuation.md (6)
-base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool, const HeatState& heat) noexcept;
+base::ForceLimit ComputeDeratedLimit(const Config& config, const base::ToolState& tool, const HeatState& heat) noexcept;
 // The same for coils and body that have all been at these temperatures for long.
 base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool,
                                    const std::array<double, 3>& coil_temperature_C) noexcept;

@@ -84,7 +84,8 @@ void UpdateHeat(const Config& config, const base::HallScan& scan, State& state) 
   UpdateHeat(config.heat, scan, state.last_current_A, state.heat);
 }
 
-base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool, const HeatState& heat) noexcept {
+base::ForceLimit ComputeDeratedLimit(const Config& config, const base::ToolState& tool,
+                                     const HeatState& heat) noexcept {
   return LimitWith(config, tool, heat.current_max_A);
 }
 

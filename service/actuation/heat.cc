@@ -6,6 +6,8 @@
 namespace omni::actuation {
 namespace {
 
+constexpr double kHorizon_s = 5;    // h of docs/theory/thermal.md (4)
+constexpr double kHottest_C = 250;  // copper is insulated for less: beyond it the model only has to stay finite
 constexpr double kStepMax_s =
     0.25;  // stable for any pair of nodes this model is meant for; a longer gap counts as this
 
@@ -69,7 +71,8 @@ double CurrentCeiling_A(const HeatConfig& config, std::size_t k, double copper_C
   const double aim_C = config.temperature_aim_C;
   if (!(copper_C < config.temperature_max_C && body_C < config.temperature_max_C)) return 0;
   const double d = config.decay;
-  const double allowed_W = node.copper_to_body_W_K * ((aim_C - body_C) - d * (copper_C - body_C)) / (1 - d);
+  const double excess_C = std::min(copper_C, aim_C) - body_C;
+  const double allowed_W = node.copper_to_body_W_K * ((aim_C - body_C) - d * excess_C) / (1 - d);
   if (!(allowed_W > 0)) return 0;
   const double heat_A = std::sqrt(allowed_W / Resistance_ohm(config, k, aim_C));
   const double supply_A = config.supply_V / Resistance_ohm(config, k, copper_C);
@@ -96,7 +99,7 @@ void UpdateHeat(const HeatConfig& config, const base::HallScan& scan,
   AdvanceHeat(config, heating_A, dt_s, state);
   state.body_C = std::min(state.body_C, kHottest_C);
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-    const double measured_C = scan.coil_temperature_C[k];
+    const double measured_C = std::min(scan.coil_temperature_C[k], kHottest_C);
     double& copper_C = state.copper_C[k];
     if (measured_C > copper_C) copper_C += (measured_C - copper_C) * std::min(1.0, dt_s / config.follow_s);
     copper_C = std::min(copper_C, kHottest_C);

@@ -42,13 +42,13 @@ struct MagnetGeometry {
 };
 
 // How the base heats: every coil's copper C_c, cooled by a body (core, plastic, table) C_b that all coils share, cooled
-// by the air. Defaults: fitted to the paper's temperatures of one coil, copper from the mass of its wire
+// by the air. Defaults: copper from the mass of its wire, the rest from the paper's three temperatures of one coil
 // (docs/theory/thermal.md).
 struct HeatGeometry {
   double copper_J_K = 44.4;
-  double body_J_K = 109.6;
-  double copper_to_body_W_K = 2.483;
-  double body_to_air_W_K = 0.7593;
+  double body_J_K = 94.2;
+  double copper_to_body_W_K = 1.048;
+  double body_to_air_W_K = 0.7903;
   double air_C = 24;
 };
 

@@ -134,7 +134,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
 
   const base::ToolState tool = Bridged(config, output.tool, state);
   actuation::UpdateHeat(config.actuation, scan, state.actuation);
-  base::ForceLimit limit = actuation::ComputeForceLimit(config.actuation, tool, state.actuation.heat);
+  base::ForceLimit limit = actuation::ComputeDeratedLimit(config.actuation, tool, state.actuation.heat);
   actuation::FadeWeight(state.gate, limit);
   output.near_singular = limit.near_singular;
   haptics::Step(config.haptics, scene, MakeHapticInput(config, tool, limit, dt_s), state.haptics, output.haptics);

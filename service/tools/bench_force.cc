@@ -154,7 +154,8 @@ nlohmann::ordered_json TimingRow(const std::string& stage, const QuietTiming& ti
           {"us_p99", timing.us_p99}};
 }
 
-void TimeStages(const base::DeviceGeometry& device, const std::vector<base::HallScan>& scans, BenchRows& rows) {
+// False: a stage gave something that is not finite.
+bool TimeStages(const base::DeviceGeometry& device, const std::vector<base::HallScan>& scans, BenchRows& rows) {
   loop::FlushDenormals();
   const tracker::Config tracker_config = tracker::MakeConfig(device);
   const actuation::Config config = actuation::MakeConfig(device);
@@ -204,11 +205,11 @@ void TimeStages(const base::DeviceGeometry& device, const std::vector<base::Hall
                              base::ToolState tool;
                              tracker::Update(tracker_config, scan, *tracked, tool);
                              actuation::UpdateHeat(config, scan, state);
-                             const base::ForceLimit limit = actuation::ComputeForceLimit(config, tool, state.heat);
+                             const base::ForceLimit limit = actuation::ComputeDeratedLimit(config, tool, state.heat);
                              actuation::Allocate(config, limit, Request(i), 1e-3, state, currents);
                              kept += currents.current_A[1];
                            })));
-  if (!std::isfinite(kept)) rows.clear();
+  return std::isfinite(kept);
 }
 
 }  // namespace
@@ -241,7 +242,7 @@ base::Result<BenchRows> BenchForce(const BenchOptions& options) {
   }
   auto scans = RecordScans(options.seed);
   if (!scans.ok()) return base::Error{scans.error()};
-  TimeStages(device, *scans, rows);
+  if (!TimeStages(device, *scans, rows)) return base::Error{"a stage gave currents that are not finite"};
   return rows;
 }
 

@@ -63,15 +63,14 @@ TEST(ActuationHeat, EnergyIsKept) {
 TEST(ActuationHeat, SteadyStateIsTheBalanceOfTheFlows) {
   const HeatConfig config = Nominal();
   HeatState state = StateAt(24);
-  for (int i = 0; i < 40'000; ++i) AdvanceHeat(config, {0, 5, 0}, 0.1, state);
+  for (int i = 0; i < 100'000; ++i) AdvanceHeat(config, {0, 5, 0}, 0.1, state);
   const double power_W = 25 * config.resistance_20C_ohm[1] * (1 + kCopperPerKelvin * (state.copper_C[1] - 20));
   EXPECT_NEAR(state.copper_C[1] - state.body_C, power_W / config.nodes.copper_to_body_W_K, 1e-6);
   EXPECT_NEAR(state.body_C - 24, power_W / config.nodes.body_to_air_W_K, 1e-6);
   EXPECT_NEAR(state.copper_C[0], state.body_C, 1e-6);
 }
 
-// 15 A for 25 s, then off: body 39 C about a minute after the start, while the copper has been far hotter.
-// 5 A for 15 min: 47 C.
+// 15 A for 25 s, then off: body 39 C at 65 s, while the copper has been far hotter. 5 A for 15 min: 47 C.
 TEST(ActuationHeat, RunsOfThePaper) {
   const HeatConfig config = Nominal();
   HeatState state = StateAt(24);
@@ -82,12 +81,12 @@ TEST(ActuationHeat, RunsOfThePaper) {
     copper_peak_C = std::max(copper_peak_C, state.copper_C[1]);
     if (state.body_C > body_peak_C) body_peak_C = state.body_C, peak_s = t_s;
   }
-  EXPECT_NEAR(body_peak_C, 39, 1);
-  EXPECT_NEAR(peak_s, 65, 5);
-  EXPECT_GT(copper_peak_C, 70);
+  EXPECT_NEAR(body_peak_C, 39, 0.1);
+  EXPECT_NEAR(peak_s, 65, 1);
+  EXPECT_GT(copper_peak_C, 90);
   state = StateAt(24);
   for (int i = 0; i < 900'000; ++i) AdvanceHeat(config, {0, 5, 0}, 1e-3, state);
-  EXPECT_NEAR(state.body_C, 47, 1);
+  EXPECT_NEAR(state.body_C, 47, 0.1);
 }
 
 // Full current on all coils for a quarter of an hour, real coils as drawn or 15 % worse than the model in everything.
@@ -98,10 +97,10 @@ Derated RunDerated(double worse, bool device_reports) {
   const base::DeviceGeometry device = support::NominalDevice();
   const Config config = MakeConfig(device);
   sim::ThermalConfig thermal;
-  thermal.copper_J_K /= worse;
-  thermal.body_J_K /= worse;
-  thermal.copper_to_body_W_K /= worse;
-  thermal.body_to_air_W_K /= worse;
+  thermal.copper_J_K = device.heat.copper_J_K / worse;
+  thermal.body_J_K = device.heat.body_J_K / worse;
+  thermal.copper_to_body_W_K = device.heat.copper_to_body_W_K / worse;
+  thermal.body_to_air_W_K = device.heat.body_to_air_W_K / worse;
   sim::CoilDrive drive(device, {}, thermal, {});
   State state;
   Derated derated;
@@ -167,7 +166,8 @@ TEST(ActuationHeat, CeilingsFallAndRiseWithoutSteps) {
 TEST(ActuationHeat, CeilingFallsSteadilyWithTheCopper) {
   const HeatConfig config = Nominal();
   for (const double body_C : {24.0, 45.0, 60.0}) {
-    double last_A = config.current_max_A;
+    double last_A = CurrentCeiling_A(config, 1, body_C, body_C);
+    EXPECT_GT(last_A, 5);
     for (double copper_C = body_C; copper_C < 75; copper_C += 0.05) {
       const double now_A = CurrentCeiling_A(config, 1, copper_C, body_C);
       EXPECT_LE(now_A, last_A + 1e-12);
