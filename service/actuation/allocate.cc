@@ -9,7 +9,8 @@ namespace {
 
 using Currents = std::array<double, base::kCoilCount>;
 
-constexpr double kStepMax_s = 0.1;  // a longer or senseless step counts as one tick
+constexpr double kForceMax_N = 1e6;  // a larger request is a mistake, like one that is no number
+constexpr double kStepMax_s = 0.1;   // a longer or senseless step counts as one tick
 
 double Square(double x) { return x * x; }
 
@@ -78,8 +79,8 @@ Currents Held(const Config& config, const base::ForceLimit& limit, double force_
 // with it. docs/theory/actuation.md (7), (8)
 Currents Scaled(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
   double scale = base::FeasibleScale(limit, force_N);
-  const double norm_N = scale > 0 ? Norm(force_N) : 0.0;  // else it may not even be finite
-  Currents push = scale > 0 ? Push(limit, force_N) : Currents{};
+  const double norm_N = Norm(force_N);
+  Currents push = Push(limit, force_N);
   Scale(scale, push);
   const double cooler = PowerScale(config, Held(config, limit, scale * norm_N), push);
   scale *= cooler;
@@ -91,7 +92,7 @@ Currents Scaled(const Config& config, const base::ForceLimit& limit, const base:
 // The currents nearest to those of (7) at s = 1 whose force is nearest, within the box. docs/theory/actuation.md (12)
 Currents Nearest(const Config& config, const base::ForceLimit& limit, const Currents& ceiling,
                  const base::Vec3& force_N) noexcept {
-  const double scale = base::FeasibleScale(limit, force_N);  // force_max_N, and 0 in doubt
+  const double scale = base::FeasibleScale(limit, force_N);  // force_max_N alone
   if (!(scale > 0)) return limit.weight_A;
   Currents wanted = Push(limit, force_N);
   Scale(scale, wanted);
@@ -103,7 +104,7 @@ Currents Nearest(const Config& config, const base::ForceLimit& limit, const Curr
 
 Currents Wanted(const Config& config, const base::ForceLimit& limit, const Currents& ceiling,
                 const base::Vec3& force_N) noexcept {
-  if (!limit.valid) return {};
+  if (!limit.valid || !(Norm(force_N) <= kForceMax_N)) return {};
   const Currents wanted =
       limit.keeps_direction ? Scaled(config, limit, force_N) : Nearest(config, limit, ceiling, force_N);
   return AreFinite(wanted) ? wanted : Currents{};

@@ -134,6 +134,7 @@ TEST(ActuationExamples, WeightIsCarriedWhileTheGateIsOpen) {
   FadeWeight(kNaN, closed);
   EXPECT_NEAR(made(half, {}).z, 0.5 * 0.038 * 9.80665, 1e-9);
   EXPECT_NEAR(made(closed, {}).z, 0, 1e-12);
+  EXPECT_NEAR(made(open, {0, kNaN, 0}).z, 0, 1e-12) << "in doubt not even the weight";
   // Far away no coil carries more than its share.
   config.weight_current_max_A = 2;
   const base::ForceLimit far = ComputeForceLimit(config, ToolAt({0, 0, 0.11}, {0, 0, -1}), kCold_C);
