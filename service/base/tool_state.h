@@ -31,6 +31,7 @@ struct ToolState {
   std::int64_t t_ns = 0;  // CLOCK_MONOTONIC of the Hall sample this state belongs to
   TrackingStatus status = TrackingStatus::kAbsent;
   bool ever_tracked = false;
+  std::uint32_t limits = 0;          // ToolLimit bits
   Vec3 position_base_m;              // magnet centre
   Vec3 axis_base{0, 0, -1};          // u, |u| = 1
   Vec3 velocity_base_m_s;            // of the magnet centre
@@ -43,7 +44,6 @@ struct ToolState {
   double chi2 = 0;  // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;
-  std::uint32_t limits = 0;  // ToolLimit bits
 };
 static_assert(std::is_trivially_copyable_v<ToolState>);
 

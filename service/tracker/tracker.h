@@ -31,7 +31,7 @@ struct Config {
   DriftNoise drift;                         // how fast offsets and moment change
   Level level = Level::kPose;               // see SetLevel
   Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
-  int axis_every_scans = 8;                 // Level::kPosition
+  int axis_every_scans = 4;                 // Level::kPosition
   double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
   double field_min_T = 4e-6;                // rms of the magnet's field over sensors below this: absent (0.5 m away)
   int axes_min = 9;                         // fewer usable readings: no pose

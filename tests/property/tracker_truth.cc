@@ -61,7 +61,8 @@ struct Draw {
 };
 
 Tally Judge(const Draw& draw, const StaticOptions& options, int count) {
-  sim::Rig rig(support::NominalDevice(), {.seed = draw.seed, .noise = draw.noise});
+  const bool digital = draw.noise != sim::NoiseMode::kNone;  // else readings are the field itself
+  sim::Rig rig(support::NominalDevice(), {.seed = draw.seed, .noise = draw.noise, .saturation = digital});
   base::Calibration exact = rig.ExactCalibration();
   exact.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);
   const auto solver = StaticSolver::Make(exact, options);

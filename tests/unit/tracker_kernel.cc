@@ -1,6 +1,7 @@
 // Every kernel that this processor runs gives the same bits, and single precision loses nothing that noise would show.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 #include <memory>
