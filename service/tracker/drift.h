@@ -15,10 +15,10 @@ inline constexpr int kDriftStates = kNuisancesMax + 1;  // 3 currents, 3 ambient
 // Each state wanders about zero: this far (rms), forgetting in this time.
 struct DriftNoise {
   bool enabled = true;
-  int every_scans = 8;  // a scan with all its unknowns costs half as much again
+  int every_scans = 4;  // a scan with all its unknowns costs half as much again
   double remanence_A = 0.011, remanence_s = 1;
   double ambient_T = 5e-7, ambient_s = 100;
-  double current_step_error = 0.01;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
+  double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
   double moment_max = 0.05;
 };

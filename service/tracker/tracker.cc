@@ -211,6 +211,14 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& d
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
 }
 
+// No hand carries a pen there within a scan: more likely this scan is wrong and happens to fit. A pen that stays there
+// is believed.
+bool IsEarlyJump(const Config& config, const State& state, const FilterState& predicted,
+                 const Outcome& outcome) noexcept {
+  const Vector3d jump = outcome.fit.pose.position_base_m - base::ToEigen(predicted.position_base_m);
+  return state.bad_scans < config.jump_scans && !(jump.norm() <= config.jump_max_m);
+}
+
 int ParametersOf(const Config& config, const State& state) noexcept {
   const bool hold = config.level == Level::kPosition &&
                     state.scans % static_cast<std::uint32_t>(std::max(1, config.axis_every_scans)) != 0;
@@ -259,7 +267,8 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
       outcome = TryCold(config, measurement);
       state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
     }
-    if (warm && wide) CorrectDrift(config.drift, measurement, sums, state.drift);
+    if (continues && IsEarlyJump(config, state, predicted, outcome)) outcome.good = false;
+    if (outcome.good && warm && wide) CorrectDrift(config.drift, measurement, sums, state.drift);
   }
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
   Describe(config, scan, measurement, outcome, state.published);

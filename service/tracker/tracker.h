@@ -44,8 +44,10 @@ struct Config {
   double coast_max_s = 0.100;       // older than this, the last pose is no start for the next
   double velocity_decay_s = 0.010;  // published velocities while lost
   int lost_after_scans = 18;        // bad scans in a row before kAbsent: within 20 ms at 1 kHz
-  double coarse_m = 1e-3;           // kToolCoarse: standard deviation of one scan's position
-  double tilted_cos = 0.2588;       // kToolTilted: |cosine| between axis and radius below this (75 degrees)
+  double jump_max_m = 0.010;        // a fix farther from the motion so far waits for jump_scans bad scans
+  int jump_scans = 2;
+  double coarse_m = 1e-3;      // kToolCoarse: standard deviation of one scan's position
+  double tilted_cos = 0.2588;  // kToolTilted: |cosine| between axis and radius below this (75 degrees)
 };
 
 struct State {

@@ -138,13 +138,14 @@ TEST_F(TrackerDrift, LimitsAreTold) {
   for (int i = 0; i < 30; ++i) Feed(NextScan());
   EXPECT_EQ(tool.limits, 0u);
   pose = {{0, 0, 0.075}, Vector3d(1, 0, 0.05).normalized()};
-  Feed(NextScan());
+  for (int i = 0; i < 3; ++i) Feed(NextScan());
   EXPECT_EQ(tool.limits & base::kToolTilted, base::kToolTilted);
   pose = {{0.1, 0, 0.19}, Vector3d(0, 0, -1)};
-  Feed(NextScan());
+  for (int i = 0; i < 3; ++i) Feed(NextScan());
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
   EXPECT_EQ(tool.limits & base::kToolCoarse, base::kToolCoarse);
   pose = {{0.01, -0.005, 0.060}, Vector3d(0, 0, -1)};
+  for (int i = 0; i < 3; ++i) Feed(NextScan());
   base::HallScan scan = NextScan();
   scan.saturated_mask = 0xfff;
   Feed(scan);

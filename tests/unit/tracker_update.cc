@@ -193,13 +193,31 @@ TEST_F(TrackerUpdate, LosesHoldsForgetsAndFindsAgain) {
   EXPECT_LT(Error_m(), 2e-3);
 }
 
-TEST_F(TrackerUpdate, AJumpIsFollowedAtOnceWithoutInventedVelocity) {
+TEST_F(TrackerUpdate, AJumpIsBelievedWhenItStaysAndInventsNoVelocity) {
   Run(50);
+  const base::ToolState before = tool;
   pose = {{-0.04, 0.03, 0.05}, Vector3d(0.3, 0, 1).normalized()};
+  for (int i = 0; i < config.jump_scans; ++i) {
+    Run(1);
+    EXPECT_EQ(tool.status, TrackingStatus::kLost);
+    EXPECT_EQ(tool.position_base_m, before.position_base_m);
+  }
   Run(1);
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
   EXPECT_LT(Error_m(), 2e-3);
   EXPECT_LT(base::ToEigen(tool.velocity_base_m_s).norm(), 0.5);
+}
+
+TEST_F(TrackerUpdate, OneScanFromElsewhereIsNotFollowed) {
+  Run(50);
+  const Pose here = pose;
+  pose = {{-0.04, 0.03, 0.05}, Vector3d(0.3, 0, 1).normalized()};
+  Run(1);
+  EXPECT_EQ(tool.status, TrackingStatus::kLost);
+  pose = here;
+  Run(1);
+  EXPECT_EQ(tool.status, TrackingStatus::kTracking);
+  EXPECT_LT(Error_m(), 1e-3);
 }
 
 TEST_F(TrackerUpdate, NeverSeenPenIsAbsent) {
