@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStepMax_m = 0.03;  // of one iteration
 constexpr double kTurnMax_rad = 0.7;
-constexpr double kDecrementDone = 1e-3;  // d^T JtJ d: the step is 3 % of a standard deviation
+constexpr double kDecrementDone = 0.04;  // d^T JtJ d: the last step is 20 % of a standard deviation
 constexpr double kDampingFirst = 1e-4;   // after the first refused step
 constexpr double kDampingNewton = 1e-3;  // below this a step counts as a Gauss-Newton step
 constexpr double kDampingMax = 1e8;
