@@ -219,8 +219,9 @@ bool IsEarlyJump(const Config& config, const State& state, const FilterState& pr
   return state.bad_scans < config.jump_scans && !(jump.norm() <= config.jump_max_m);
 }
 
-int ParametersOf(const Config& config, const State& state) noexcept {
-  const bool hold = config.level == Level::kPosition &&
+// A wide scan needs the axis too: what drifts is told apart from the whole pose.
+int ParametersOf(const Config& config, const State& state, bool wide) noexcept {
+  const bool hold = config.level == Level::kPosition && !wide &&
                     state.scans % static_cast<std::uint32_t>(std::max(1, config.axis_every_scans)) != 0;
   return hold ? 3 : kParameters;
 }
@@ -260,7 +261,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   KernelSums sums;
   if (measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T) {
     if (state.warm) {
-      outcome = TryWarm(config, predicted, ParametersOf(config, state), wide ? &sums : nullptr, measurement);
+      outcome = TryWarm(config, predicted, ParametersOf(config, state, wide), wide ? &sums : nullptr, measurement);
     }
     const bool warm = outcome.good;
     if (!warm && --state.cold_pause < 0) {

@@ -116,6 +116,11 @@ TEST_F(TrackerDrift, APositionOnlySceneSolvesForThreeParametersInThreeScansOfFou
     three += tool.dof == kReadings - 3;
   }
   EXPECT_EQ(three, 600);
+  config.drift.every_scans = 1;  // every scan wide: none holds the axis
+  for (int i = 0; i < 50; ++i) {
+    Feed(NextScan());
+    EXPECT_EQ(tool.dof, kReadings - kParameters);
+  }
 }
 
 TEST_F(TrackerDrift, BlindToTheCurrentsItStillTracks) {
