@@ -15,6 +15,15 @@ enum class TrackingStatus : std::uint8_t {
   kTracking = 2  // pose belongs to this scan
 };
 
+// What limits this state, as bits. docs/theory/tracking.md, Limits
+enum ToolLimit : std::uint32_t {
+  kToolTilted = 1,        // within 15 degrees of perpendicular to the radius: one direction of force is out of reach
+  kToolCoarse = 2,        // far from the sensors: this scan alone knows the position to no better than 1 mm
+  kToolFewReadings = 4,   // half of the readings are unusable: another pose could fit as well
+  kToolSaturated = 8,     // a sensor axis is at its limit and left out
+  kToolContradicted = 16  // a magnet is there, but no pose fits: a second magnet, a stuck, swapped or broken sensor
+};
+
 // Frame B: origin at the core's centre, +z up, right handed, metres.
 // The tool's axis u is the unit vector along the magnetic moment, from the magnet's centre to the tip.
 // The device point (HIP) is position + tip_offset_m * axis.
@@ -22,6 +31,7 @@ struct ToolState {
   std::int64_t t_ns = 0;  // CLOCK_MONOTONIC of the Hall sample this state belongs to
   TrackingStatus status = TrackingStatus::kAbsent;
   bool ever_tracked = false;
+  std::uint32_t limits = 0;          // ToolLimit bits
   Vec3 position_base_m;              // magnet centre
   Vec3 axis_base{0, 0, -1};          // u, |u| = 1
   Vec3 velocity_base_m_s;            // of the magnet centre
