@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/dipole.h"
+#include "service/magnetics/disc_magnet.h"
 
 namespace omni::peers {
 

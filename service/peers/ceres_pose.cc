@@ -15,8 +15,7 @@ ceres::Problem::Options ProblemOptions() {
 
 ceres::Solver::Options SolverOptions(PeerLinearSolver linear, const PeerOptions& peer) {
   ceres::Solver::Options options;
-  options.linear_solver_type =
-      linear == PeerLinearSolver::kDenseQr ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
+  options.linear_solver_type = linear == PeerLinearSolver::kDenseQr ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
   options.num_threads = 1;
   options.max_num_iterations = peer.iterations_max;
   options.function_tolerance = peer.function_tolerance;

@@ -7,7 +7,8 @@
 namespace omni::peers {
 namespace {
 
-// TinySolver compares the change of the cost itself, not its share; the cost of a fit is half its 19 degrees of freedom.
+// TinySolver compares the change of the cost itself, not its share; the cost of a fit is half its 19 degrees of
+// freedom.
 constexpr double kTypicalCost = 0.5 * (kPeerReadings - tracker::kParameters);
 
 // Parameters: position, and the axis as u = normalise(u0 + a t1 + b t2) about the start u0. The derivative of the

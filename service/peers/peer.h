@@ -1,6 +1,6 @@
 // Other people's solvers on the tracker's own problem, so that a benchmark compares solvers and not problems: the same
-// readings, the same whitening, the same model (docs/theory/tracking.md (1)) unless a peer says otherwise. Every peer is
-// built once and then solves scan after scan on one thread. Not for the tick: they allocate.
+// readings, the same whitening, the same model (docs/theory/tracking.md (1)) unless a peer says otherwise. Every peer
+// is built once and then solves scan after scan on one thread. Not for the tick: they allocate.
 #pragma once
 
 #include <array>
@@ -13,15 +13,15 @@
 namespace omni::peers {
 
 inline constexpr int kPeerReadings = tracker::kReadings;
-inline constexpr int kPeerNuisances = base::kCoilCount;
+inline constexpr int kPeerNuisances = tracker::kNuisancesMax;
 
-// One static scan as residuals: r = D F(pose) - y with D = diag(1/sigma), then r - U (U^T r): the errors of the measured
-// currents, eliminated. docs/theory/tracking.md (4), (14)
+// One static scan as residuals: r = D F(pose) - y with D = diag(1/sigma), then r - U (U^T r): what disturbs all sensors
+// in a known shape, eliminated. docs/theory/tracking.md (4)
 struct PeerScan {
-  std::array<double, kPeerReadings> inverse_sigma{};                   // 1/T; 0: not used
-  std::array<double, kPeerReadings> whitened{};                        // y = D (the tool's share of the reading)
+  std::array<double, kPeerReadings> inverse_sigma{};                    // 1/T; 0: not used
+  std::array<double, kPeerReadings> whitened{};                         // y = D (the tool's share of the reading)
   std::array<double, kPeerReadings * kPeerNuisances> nuisance_basis{};  // U, row-major
-  bool has_nuisance = false;
+  std::size_t nuisances = 0;                                            // columns of U in use
 };
 PeerScan MakePeerScan(const tracker::Measurement& measurement);
 

@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -6,37 +7,38 @@
 
 namespace omni::peers {
 
-// The tracker eliminates the current errors by r^T (I - C S C^T) r. Peers want a residual vector, so the square root:
-// with C S C^T = V diag(l) V^T (rank 3),  I - C S C^T = (I - U U^T)^2,  U = V diag(sqrt(1 - sqrt(1 - l))).
-// V, l from the 3x3 problem L^T C^T C L = Q diag(l) Q^T, S = L L^T, V = C L Q diag(l)^-1/2.     tracking.md (14)
+// The tracker eliminates its nuisances by r^T (I - C S C^T) r. Peers want a residual vector, so the square root: with
+// C S C^T = V diag(l) V^T,  I - C S C^T = (I - U U^T)^2,  U = V diag(sqrt(1 - sqrt(1 - l))).
+// V and l from the small problem L^T C^T C L = Q diag(l) Q^T,  S = L L^T,  V = C L Q diag(l)^-1/2.
 PeerScan MakePeerScan(const tracker::Measurement& measurement) {
   PeerScan scan;
-  Eigen::Matrix<double, kPeerReadings, kPeerNuisances> C;
+  const int count = measurement.nuisances;
+  Eigen::MatrixXd C(kPeerReadings, count);
   for (std::size_t i = 0; i < tracker::kSensors; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t row = 3 * i + axis;
       scan.inverse_sigma[row] = measurement.inverse_sigma[axis][i];
       scan.whitened[row] = measurement.whitened[axis][i];
-      for (std::size_t k = 0; k < kPeerNuisances; ++k) {
-        C(static_cast<int>(row), static_cast<int>(k)) = measurement.coil[3 * axis + k][i];
+      for (int n = 0; n < count; ++n) {
+        C(static_cast<int>(row), n) = measurement.nuisance[static_cast<std::size_t>(3 * n) + axis][i];
       }
     }
   }
-  const Eigen::Matrix3d S = Eigen::Map<const Eigen::Matrix3d>(measurement.coil_covariance.data());
-  if (!(S.diagonal().minCoeff() > 0)) return scan;  // currents taken as exact
-  const Eigen::Matrix3d L = S.llt().matrixL();
-  const Eigen::Matrix<double, kPeerReadings, kPeerNuisances> CL = C * L;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(CL.transpose() * CL);
-  for (int k = 0; k < kPeerNuisances; ++k) {
+  if (count == 0) return scan;
+  using Square = Eigen::Matrix<double, kPeerNuisances, kPeerNuisances, Eigen::RowMajor>;
+  const Eigen::MatrixXd S =
+      Eigen::Map<const Square>(measurement.nuisance_covariance.data()).topLeftCorner(count, count);
+  const Eigen::MatrixXd CL = C * Eigen::MatrixXd(S.llt().matrixL());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(CL.transpose() * CL);
+  for (int k = 0; k < count; ++k) {
     const double l = std::clamp(eigen.eigenvalues()[k], 0.0, 1.0);
     if (!(l > 0)) continue;
-    const Eigen::Matrix<double, kPeerReadings, 1> u =
-        CL * eigen.eigenvectors().col(k) * std::sqrt((1 - std::sqrt(1 - l)) / l);
-    for (int row = 0; row < kPeerReadings; ++row) {
-      scan.nuisance_basis[static_cast<std::size_t>(kPeerNuisances * row + k)] = u[row];
+    const Eigen::VectorXd u = CL * eigen.eigenvectors().col(k) * std::sqrt((1 - std::sqrt(1 - l)) / l);
+    for (std::size_t row = 0; row < kPeerReadings; ++row) {
+      scan.nuisance_basis[kPeerNuisances * row + scan.nuisances] = u[static_cast<Eigen::Index>(row)];
     }
+    ++scan.nuisances;
   }
-  scan.has_nuisance = true;
   return scan;
 }
 

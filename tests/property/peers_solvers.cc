@@ -93,7 +93,7 @@ TEST(PeersSolvers, FindTheTrackersMinimum) {
 TEST(PeersSolvers, WhiteningIsTheTrackers) {
   const Problem problem = MakeProblem(2, 20);
   for (const Case& one : problem.cases) {
-    ASSERT_TRUE(one.scan.has_nuisance);
+    ASSERT_EQ(one.scan.nuisances, 3U);
     tracker::NormalEquations normal;
     tracker::Linearise(problem.config.model, one.measurement, tracker::MakePosePoint(one.truth), normal);
     AnalyticResidual residual;
