@@ -122,6 +122,7 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options) {
   std::vector<SolverMethod> methods = OmniSolvers(calibration);
   const std::size_t ours = methods.size();
   for (SolverMethod& peer : PeerSolvers(calibration)) methods.push_back(std::move(peer));
+  for (SolverMethod& paper : PaperSolvers(calibration)) methods.push_back(std::move(paper));
 
   std::cerr << "poses ...\n";
   const auto cases = DrawSolverCases(rig, model, {{}, kCases, seed});

@@ -47,7 +47,9 @@ struct SolverMethod {
 
 // Ours: rungs, precisions, iterations, warm and cold. The first two are the product's warm and cold solve.
 std::vector<SolverMethod> OmniSolvers(const base::Calibration& calibration);
-// Everybody else's.
+// Ceres and TinySolver on our problem.
 std::vector<SolverMethod> PeerSolvers(const base::Calibration& calibration);
+// The paper's method on its own.
+std::vector<SolverMethod> PaperSolvers(const base::Calibration& calibration);
 
 }  // namespace omni::tools
