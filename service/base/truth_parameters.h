@@ -16,7 +16,8 @@ struct ImperfectionSizes {
   double coil_axis_rad = 1e-3;
   double current_gain = 1.5e-3;  // INA260: 0.15 %
   double current_offset_A = 2e-3;
-  double coil_size = 0;  // relative, of a winding's radii and width at an equal number of turns
+  double coil_size = 0;            // relative, of a winding's radii and width at an equal number of turns
+  double sensor_nonlinearity = 0;  // of full scale: greatest deviation from the best straight line, per axis
 };
 
 // Two nodes: each coil's copper, and the body (core, plastic, table) that all three share.
@@ -33,15 +34,21 @@ struct ThermalParameters {
 struct TruthEffects {
   double remanence_Am2 = 0;          // greatest remanent moment of the core (hysteresis)
   double core_conductivity_S_m = 0;  // eddy currents in the core
-  double core_permeability = 1000;   // mu_r of the eddy currents; the static one is DeviceGeometry::core_kappa
+  double core_permeability = 1000;   // mu_r for the eddy currents; the static one is DeviceGeometry::core_kappa
   Vec3 earth_field_base_T;           // constant background
+  bool background_known = true;      // calibration has removed the constant part: only the drift is left
   double ambient_drift_T = 0;        // by which the background has changed after run_s, in a random direction
   double magnet_warming_K = 0;       // by which the magnet is warmer after run_s
   double magnet_per_K = -1.2e-3;     // relative change of its moment
-  double sensor_nonlinearity = 0;    // of full scale: rms over the axes of the greatest deviation
   double pwm_frequency_Hz = 0;       // current ripple at unsynchronised sampling
   double pwm_residual = 1;           // what a sensor's own averaging leaves of the ripple
   double run_s = 600;                // drift and warming are ramps over this time and stay there
+};
+
+struct TruthParameters {
+  ImperfectionSizes imperfections;
+  ThermalParameters thermal;
+  TruthEffects effects;
 };
 
 }  // namespace omni::base

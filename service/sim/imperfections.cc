@@ -17,10 +17,11 @@ Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) 
     drawn.current_offset_A[k] = sizes.current_offset_A * random.Normal();
   }
   for (double& size : drawn.coil_size) size = 1 + sizes.coil_size * random.Normal();
+  for (SensorError& sensor : drawn.sensors) sensor.nonlinearity = random.NormalVector(sizes.sensor_nonlinearity);
   return drawn;
 }
 
-ImperfectionSizes NoImperfections() noexcept { return {0, 0, 0, 0, 0, 0, 0, 0, 0}; }
+ImperfectionSizes NoImperfections() noexcept { return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; }
 
 ImperfectionSizes UncalibratedImperfections() noexcept {
   ImperfectionSizes sizes;

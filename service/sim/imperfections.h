@@ -16,6 +16,7 @@ struct SensorError {
   Vec3 position_base_m;
   Vec3 rotation_rad;  // of the sensor's axes, in its own frame
   Vec3 gain{1, 1, 1};
+  Vec3 nonlinearity;  // greatest deviation from the best line over full scale
 };
 
 struct Imperfections {

@@ -27,6 +27,7 @@ CurrentScript StaggeredSawtooth(double amplitude_A, double period_s) noexcept;
 
 struct TraceOptions {
   double duration_s = 20;
+  double start_s = 0;          // since the start of the run: of drift and warming
   std::uint64_t seed = 1;      // of noise and sample instants
   MotionOptions motion;        // its own seed
   bool present = true;         // false: no pen
@@ -44,8 +45,8 @@ struct TraceRow {
   std::int64_t tick_end_ns = 0;
 };
 
-// One row per device tick. Noise, saturation, imperfections and effects are those of the rig's options; drift and
-// warming run over the trace's duration. Equal options give equal bits. Advances nothing in the rig but its scratch.
+// One row per device tick. Noise, imperfections and effects are those of the rig's options (saturation always); drift
+// and warming reach their size after effects.run_s. Equal options give equal bits. The rig's own time and memory stay.
 std::vector<TraceRow> RecordTrace(Rig& rig, const TraceOptions& options);
 
 }  // namespace omni::sim
