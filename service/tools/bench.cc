@@ -106,6 +106,7 @@ void AddBench(CLI::App& app) {
     sub->add_option("--seed", options->seed, "of the twin");
     sub->callback([&bench, options, json_path] { throw CLI::RuntimeError(RunBench(bench, *options, *json_path)); });
   }
+  AddBenchPlot(*bench_app);
 }
 
 }  // namespace omni::tools
