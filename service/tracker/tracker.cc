@@ -9,6 +9,7 @@
 #include "service/tracker/cold_start.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/solver.h"
+#include "service/tracker/static_solve.h"
 
 namespace omni::tracker {
 namespace {
@@ -16,9 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPredictMax_s = 0.020;
-constexpr double kWarmDamping = 0;
 constexpr double kColdDamping = 1e-2;
-constexpr double kGateDof = 19;  // all 24 readings
 
 // Seconds from b to a. The difference of far-apart stamps does not fit 64 bits; it is out of any range anyway.
 double Elapsed_s(std::int64_t a_ns, std::int64_t b_ns) noexcept {
@@ -27,13 +26,9 @@ double Elapsed_s(std::int64_t a_ns, std::int64_t b_ns) noexcept {
   return 1e-9 * static_cast<double>(difference);
 }
 
-// chi2_max scaled to fewer readings: the mean dof plus as many standard deviations.  docs/theory/tracking.md (7)
-double Gate(const Config& config, int dof) noexcept {
-  return dof + (config.chi2_max - kGateDof) * std::sqrt(dof / kGateDof);
-}
-
 bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
-  return fit.converged && fit.chi2 <= Gate(config, measurement.axes - kParameters);
+  return fit.converged &&
+         fit.chi2 <= ChiSquareGate(config.chi2_max, measurement.axes - measurement.fixed - kParameters);
 }
 
 bool IsInReach(const Config& config, const Pose& pose) noexcept {
@@ -55,8 +50,8 @@ Outcome TryWarm(const Config& config, const FilterState& predicted, Measurement&
   measurement.velocity_base_m_s = {v.x, v.y, v.z};
   measurement.axis_rate_base_1_s = {u_rate.x(), u_rate.y(), u_rate.z()};
   Outcome outcome;
-  outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u}, kWarmDamping,
-                          config.iterations_max);
+  outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u},
+                          {.precision = Precision::kFloat, .iterations_max = config.iterations_max});
   outcome.good = FitsReadings(config, measurement, outcome.fit) && IsInReach(config, outcome.fit.pose);
   return outcome;
 }
@@ -70,7 +65,9 @@ Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
   const ColdCandidates candidates = RankGrid(config.model, measurement);
   for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count); ++c) {
     const int spent = outcome.fit.iterations;
-    outcome.fit = SolvePose(config.model, measurement, candidates.poses[c], kColdDamping, config.cold_iterations_max);
+    outcome.fit = SolvePose(
+        config.model, measurement, candidates.poses[c],
+        {.precision = Precision::kFloat, .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
     outcome.fit.iterations += spent;
     const bool fits = FitsReadings(config, measurement, outcome.fit);
     outcome.good = fits && IsInReach(config, outcome.fit.pose);
@@ -124,7 +121,7 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
 
 void Describe(const Measurement& measurement, const Fit& fit, base::ToolState& tool) noexcept {
   tool.chi2 = std::isfinite(fit.chi2) ? fit.chi2 : std::numeric_limits<double>::max();
-  tool.dof = std::max(0, measurement.axes - kParameters);
+  tool.dof = std::max(0, measurement.axes - measurement.fixed - kParameters);
   tool.iterations = fit.iterations;
 }
 
