@@ -35,8 +35,6 @@ std::array<double, 3> NoiseOf_T(NoiseMode mode) noexcept {
   return {};
 }
 
-ImperfectionSizes NoImperfections() noexcept { return {0, 0, 0, 0, 0, 0, 0, 0}; }
-
 Rig::Rig(const base::DeviceGeometry& device, const RigOptions& options)
     : device_(device), options_(options), imperfections_(Draw(options)), truth_(device, imperfections_, false) {
   device_.sensor_noise_T = NoiseOf_T(options.noise);

@@ -23,8 +23,8 @@ struct RigOptions {
   ImperfectionSizes sizes;  // all zero: as drawn
   NoiseMode noise = NoiseMode::kUltraHigh;
   bool saturation = true;  // and quantisation; false: readings are the field itself
+  base::TruthEffects effects;
 };
-ImperfectionSizes NoImperfections() noexcept;
 
 // Where random poses lie. The magnet never cuts the hull: such draws are drawn again.
 struct PoseRange {
@@ -51,6 +51,8 @@ class Rig {
 
   const base::DeviceGeometry& device() const noexcept { return device_; }
   TruthModel& truth() noexcept { return truth_; }
+  const Imperfections& imperfections() const noexcept { return imperfections_; }
+  const RigOptions& options() const noexcept { return options_; }
 
  private:
   base::DeviceGeometry device_;
