@@ -141,6 +141,7 @@ void AddBench(CLI::App& app) {
     sub->add_option("--hours", options->hours, "stress: virtual time of the drift run")->check(CLI::Range(0.0, 1000.0));
     sub->callback([&bench, options, json_path] { throw CLI::RuntimeError(RunBench(bench, *options, *json_path)); });
   }
+  AddBenchPlot(*bench_app);
 }
 
 }  // namespace omni::tools
