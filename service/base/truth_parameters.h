@@ -2,6 +2,8 @@
 // manifests/device/twin.toml. Equations and sources: docs/theory/truth.md. Zero switches an effect off. SI.
 #pragma once
 
+#include <array>
+
 #include "service/base/vec.h"
 
 namespace omni::base {
@@ -18,6 +20,18 @@ struct ImperfectionSizes {
   double current_offset_A = 2e-3;
   double coil_size = 0;            // relative, of a winding's radii and width at an equal number of turns
   double sensor_nonlinearity = 0;  // of full scale: greatest deviation from the best straight line, per axis
+};
+
+// LIS3MDL: the quiet setting, ultra-high performance (at most 155 Hz), and the fast one, low power (1 kHz).
+struct SensorParameters {
+  std::array<double, 3> noise_uhp_T{3.2e-7, 3.2e-7, 4.1e-7};  // rms per axis
+  std::array<double, 3> noise_lp_T{8e-7, 8e-7, 1e-6};
+  double oscillator_spread = 0.005;  // sample rates differ by up to this much, relative
+};
+
+struct DriverParameters {
+  double delay_s = 1e-3;          // command received -> set-point acts
+  double host_timeout_s = 0.020;  // silent longer than this: set-points ramp to zero
 };
 
 // Two nodes: each coil's copper, and the body (core, plastic, table) that all three share.
@@ -47,6 +61,8 @@ struct TruthEffects {
 
 struct TruthParameters {
   ImperfectionSizes imperfections;
+  SensorParameters sensor;
+  DriverParameters driver;
   ThermalParameters thermal;
   TruthEffects effects;
 };

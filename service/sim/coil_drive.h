@@ -10,10 +10,7 @@
 
 namespace omni::sim {
 
-struct DriveConfig {
-  double delay_s = 1e-3;          // command received -> set-point acts
-  double host_timeout_s = 0.020;  // silent longer than this: set-points ramp to zero
-};
+using DriveConfig = base::DriverParameters;
 
 // Each coil's copper, and the body that all three share:
 //   Cc dTc = I^2 R(Tc) dt - Gcb (Tc - Tb) dt,  Cb dTb = sum Gcb (Tc - Tb) dt - Gba (Tb - Ta) dt

@@ -9,28 +9,28 @@ namespace omni::sim {
 namespace {
 
 constexpr double kMu0 = 4e-7 * std::numbers::pi;
-constexpr double kSlowest_Hz = 0.1;  // of the eddy poles, one per decade from here
+constexpr double kSlowest_Hz = 0.0316;  // of the eddy poles, two per decade from here to 10 kHz
 
 }  // namespace
 
 // H(s) = (1 - sqrt(s/wc) / 2) / (1 + sqrt(s/wc)) = 1 + 3/2 (F - 1), F = 1 / (1 + sqrt(s/wc)),
-// F = 1/pi int sqrt(u) / (1 + u) / (1 + s / (u wc)) d ln u: poles at u wc. One per decade, each with the integral over
-// its decade; those faster than 10 kHz act at once, so that H stays exact at low frequency.
+// F = 1/pi int sqrt(u) / (1 + u) / (1 + s / (u wc)) d ln u: poles at u wc. Two per decade, each with the integral about
+// itself; those faster than 10 kHz act at once, so that H stays exact at low frequency.
 CoreMemory::CoreMemory(const base::TruthEffects& effects, double core_radius_m) noexcept
     : remanence_Am2_(effects.remanence_Am2), eddies_(effects.core_conductivity_S_m > 0) {
   if (!eddies_) return;
   const double corner_rad_s =
       effects.core_permeability / (kMu0 * effects.core_conductivity_S_m * core_radius_m * core_radius_m);
   const auto below = [](double u) { return 2 / std::numbers::pi * std::atan(std::sqrt(u)); };  // int_0^u
-  const double half_decade = std::sqrt(10.0);
+  const double spacing = std::sqrt(10.0);
   double rate_rad_s = 2 * std::numbers::pi * kSlowest_Hz;
   double from = 0;  // the slowest pole stands for all below it
   for (Pole& pole : poles_) {
-    const double to = below(half_decade * rate_rad_s / corner_rad_s);
+    const double to = below(std::sqrt(spacing) * rate_rad_s / corner_rad_s);
     pole.time_s = 1 / rate_rad_s;
     pole.weight = 1.5 * (to - from);
     from = to;
-    rate_rad_s *= 10;
+    rate_rad_s *= spacing;
   }
 }
 

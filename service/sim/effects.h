@@ -41,7 +41,7 @@ class CoreMemory {
     double weight = 0;
     Vec3 lagged_Am2;
   };
-  static constexpr std::size_t kPoles = 6;
+  static constexpr std::size_t kPoles = 12;
 
   double remanence_Am2_;
   bool eddies_;

@@ -8,20 +8,17 @@
 #include "service/base/limits.h"
 
 namespace omni::sim {
-namespace {
 
-constexpr double kPeriodSpread = 0.005;  // oscillators differ by up to +-0.5 %
-
-}  // namespace
-
-HallArray::HallArray(const base::DeviceGeometry& device, Random& random, std::int64_t start_ns)
+HallArray::HallArray(const base::DeviceGeometry& device, const base::SensorParameters& sensor_parameters,
+                     std::int64_t start_ns, Random& random)
     : noise_T_(device.sensor_noise_T),
       lsb_T_(device.sensor_lsb_T),
       full_scale_(wire::ToCounts<std::uint16_t>(
           std::min(device.sensor_range_T, device.sensor_lsb_T * std::numeric_limits<std::int16_t>::max()),
           device.sensor_lsb_T)) {
+  const double spread = sensor_parameters.oscillator_spread;
   for (Sensor& sensor : sensors_) {
-    sensor.period_ns = std::llround(base::kTickPeriod_ns * (1 + random.Uniform(-kPeriodSpread, kPeriodSpread)));
+    sensor.period_ns = std::llround(base::kTickPeriod_ns * (1 + random.Uniform(-spread, spread)));
     sensor.next_ns = start_ns + std::llround(static_cast<double>(sensor.period_ns) * random.Uniform());
   }
 }

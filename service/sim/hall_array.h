@@ -7,6 +7,7 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/device_geometry.h"
+#include "service/base/truth_parameters.h"
 #include "service/sim/random.h"
 #include "service/sim/vec3.h"
 
@@ -15,7 +16,8 @@ namespace omni::sim {
 class HallArray {
  public:
   // No sample is earlier than `start_ns`.
-  HallArray(const base::DeviceGeometry& device, Random& random, std::int64_t start_ns = 0);
+  HallArray(const base::DeviceGeometry& device, const base::SensorParameters& sensor_parameters, std::int64_t start_ns,
+            Random& random);
 
   // The instant of sensor `index`'s newest sample at or before `t_ns`; false: none since the last call.
   bool NextSample(std::size_t index, std::int64_t t_ns, std::int64_t& sample_ns) noexcept;

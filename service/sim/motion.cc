@@ -95,24 +95,34 @@ double FreeMotion::RateAt(double t_s, double s) const noexcept {
   return kSlack * pace / std::sqrt(speed * speed + turn * turn + 1e-12);
 }
 
-FreeMotion::State FreeMotion::At(double t_s) const noexcept {
+// s = a.s + x (A + x (B + x C)), slopes a.rate and b.rate at the ends.
+std::array<double, 2> FreeMotion::Along(double t_s) const noexcept {
   const double at = std::clamp(t_s / kGrid_s, 0.0, static_cast<double>(knots_.size() - 2));
   const auto i = std::min(static_cast<std::size_t>(at), knots_.size() - 2);
   const double x = t_s / kGrid_s - static_cast<double>(i);
   const Knot& a = knots_[i];
   const Knot& b = knots_[i + 1];
-  // s = a + x (A + x (B + x C)), slopes a.rate and b.rate at the ends
   const double rise = b.s - a.s;
   const double A = a.rate * kGrid_s;
   const double B = 3 * rise - kGrid_s * (2 * a.rate + b.rate);
   const double C = kGrid_s * (a.rate + b.rate) - 2 * rise;
-  const double s = a.s + x * (A + x * (B + x * C));
-  const double rate = (A + x * (2 * B + x * 3 * C)) / kGrid_s;
+  return {a.s + x * (A + x * (B + x * C)), (A + x * (2 * B + x * 3 * C)) / kGrid_s};
+}
+
+FreeMotion::State FreeMotion::At(double t_s) const noexcept {
+  const auto [s, rate] = Along(t_s);
   State state;
   state.pose = PoseAt(s);
   state.velocity_base_m_s = (rate / (2 * kStep)) * (PoseAt(s + kStep).centre_base_m - PoseAt(s - kStep).centre_base_m);
   tremor_.Add(t_s, state.pose.centre_base_m, state.velocity_base_m_s);
   return state;
+}
+
+MagnetPose FreeMotion::Pose(double t_s) const noexcept {
+  MagnetPose pose = PoseAt(Along(t_s)[0]);
+  Vec3 velocity_m_s;
+  tremor_.Add(t_s, pose.centre_base_m, velocity_m_s);
+  return pose;
 }
 
 }  // namespace omni::sim

@@ -32,6 +32,7 @@ class FreeMotion {
     Vec3 velocity_base_m_s;  // of the magnet's centre
   };
   State At(double t_s) const noexcept;  // 0 <= t <= duration
+  MagnetPose Pose(double t_s) const noexcept;
 
  private:
   // A smooth function of the path parameter: a sum of waves, bounded later as x / sqrt(1 + x^2).
@@ -43,7 +44,8 @@ class FreeMotion {
     double At(double s) const noexcept;
   };
   MagnetPose PoseAt(double s) const noexcept;
-  double RateAt(double t_s, double s) const noexcept;  // ds/dt
+  double RateAt(double t_s, double s) const noexcept;      // ds/dt, wanted
+  std::array<double, 2> Along(double t_s) const noexcept;  // s and ds/dt, from the knots
   double ContactRadius(double tilt_rad) const noexcept;
 
   base::MagnetGeometry magnet_;

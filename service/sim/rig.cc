@@ -7,7 +7,6 @@
 namespace omni::sim {
 namespace {
 
-constexpr double kGauss_T = 1e-4;
 constexpr double kAtRest_s = 1e3;  // since the last scan: eddy currents are gone
 
 Imperfections Draw(const RigOptions& options) {
@@ -29,12 +28,12 @@ Vec3 DrawDirection(double z_min, double z_max, Random& random) noexcept {
 
 }  // namespace
 
-std::array<double, 3> NoiseOf_T(NoiseMode mode) noexcept {
+std::array<double, 3> NoiseOf_T(NoiseMode mode, const base::SensorParameters& sensor) noexcept {
   switch (mode) {
     case NoiseMode::kUltraHigh:
-      return {3.2e-3 * kGauss_T, 3.2e-3 * kGauss_T, 4.1e-3 * kGauss_T};
+      return sensor.noise_uhp_T;
     case NoiseMode::kLowPower:
-      return {8e-3 * kGauss_T, 8e-3 * kGauss_T, 10e-3 * kGauss_T};
+      return sensor.noise_lp_T;
     case NoiseMode::kNone:
       break;
   }
@@ -49,7 +48,7 @@ Rig::Rig(const base::DeviceGeometry& device, const RigOptions& options)
       surroundings_(environment_.At(0)),
       memory_(options.effects, device.core_radius_m),
       truth_(device, imperfections_, false) {
-  device_.sensor_noise_T = NoiseOf_T(options.noise);
+  device_.sensor_noise_T = NoiseOf_T(options.noise, options.sensor);
 }
 
 base::Calibration Rig::ExactCalibration() const {

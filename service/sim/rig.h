@@ -17,7 +17,8 @@ namespace omni::sim {
 
 // LIS3MDL: ultra-high performance (at most 155 Hz), low power (1 kHz).
 enum class NoiseMode : std::uint8_t { kNone, kUltraHigh, kLowPower };
-std::array<double, 3> NoiseOf_T(NoiseMode mode) noexcept;  // rms per axis
+// rms per axis
+std::array<double, 3> NoiseOf_T(NoiseMode mode, const base::SensorParameters& sensor = {}) noexcept;
 
 struct RigOptions {
   std::uint64_t seed = 1;   // of the imperfections
@@ -25,6 +26,7 @@ struct RigOptions {
   NoiseMode noise = NoiseMode::kUltraHigh;
   bool saturation = true;  // and quantisation; false: readings are the field itself
   base::TruthEffects effects;
+  base::SensorParameters sensor;
 };
 
 // Where random poses lie. The magnet never cuts the hull: such draws are drawn again.

@@ -14,15 +14,16 @@ Environment MakeEnvironment(const base::TruthEffects& effects, std::uint64_t see
 
 }  // namespace
 
-TickSampler::TickSampler(const base::DeviceGeometry& device, const base::TruthEffects& effects, TruthModel& truth,
-                         const Snapshot& first, std::uint64_t environment_seed, std::int64_t start_ns, Random& random)
+TickSampler::TickSampler(const base::DeviceGeometry& device, const base::TruthEffects& effects,
+                         const base::SensorParameters& sensor, TruthModel& truth, const Snapshot& first,
+                         std::uint64_t environment_seed, std::int64_t start_ns, Random& random)
     : device_(device),
       effects_(effects),
       truth_(truth),
       environment_(MakeEnvironment(effects, environment_seed)),
       memory_(effects, device.core_radius_m),
       remembers_(effects.remanence_Am2 > 0 || effects.core_conductivity_S_m > 0),
-      hall_(device, random, start_ns),
+      hall_(device, sensor, start_ns, random),
       now_ns_(start_ns) {
   held_.fill({first, {}});
   if (remembers_) memory_.Start(truth_.InducedMoment(PoseOf(first), first.current_A, environment_.At(0)));

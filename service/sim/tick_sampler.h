@@ -24,8 +24,9 @@ class TickSampler {
   static constexpr double kSubStep_s = base::kTickPeriod_s / kSubSteps;
 
   // Time starts at `start_ns` with everything settled in `first`. `environment_seed`: of the drift's direction.
-  TickSampler(const base::DeviceGeometry& device, const base::TruthEffects& effects, TruthModel& truth,
-              const Snapshot& first, std::uint64_t environment_seed, std::int64_t start_ns, Random& random);
+  TickSampler(const base::DeviceGeometry& device, const base::TruthEffects& effects,
+              const base::SensorParameters& sensor, TruthModel& truth, const Snapshot& first,
+              std::uint64_t environment_seed, std::int64_t start_ns, Random& random);
 
   // A tick: Begin, kSubSteps times Add, Sample.
   void Begin() noexcept;

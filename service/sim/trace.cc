@@ -29,7 +29,6 @@ class Run {
  private:
   void Advance() noexcept;
   wire::Telemetry Report(std::int64_t& newest_ns) noexcept;
-  FreeMotion::State StateAt(std::int64_t t_ns) const noexcept { return motion_.At(Seconds(t_ns)); }
   static double Seconds(std::int64_t t_ns) noexcept { return std::max(0.0, static_cast<double>(t_ns) * 1e-9); }
 
   base::DeviceGeometry device_;
@@ -49,8 +48,9 @@ Run::Run(Rig& rig, const TraceOptions& options)
       random_(options.seed),
       motion_(device_, options.motion, options.duration_s + base::kTickPeriod_s),
       drive_(device_, DriveConfig{.delay_s = options.current_delay_s}, ThermalConfig{}, rig.imperfections()),
-      sampler_(device_, rig.options().effects, rig.truth(), {motion_.At(0).pose, options.present, {}},
-               ~rig.options().seed, -kLeadTicks * base::kTickPeriod_ns, random_) {
+      sampler_(device_, rig.options().effects, rig.options().sensor, rig.truth(),
+               {motion_.At(0).pose, options.present, {}}, ~rig.options().seed, -kLeadTicks * base::kTickPeriod_ns,
+               random_) {
   info_.field_lsb_T = device_.sensor_lsb_T;
   for (int i = 0; i < kLeadTicks; ++i) Tick();
   tick_ = 0;
@@ -67,7 +67,7 @@ void Run::Advance() noexcept {
   for (int i = 1; i <= TickSampler::kSubSteps; ++i) {
     const std::int64_t now_ns = sampler_.now_ns() + TickSampler::kSubStep_ns;
     drive_.Step(now_ns, TickSampler::kSubStep_s);
-    sampler_.Add({StateAt(now_ns).pose, options_.present, drive_.current_A()}, surroundings_);
+    sampler_.Add({motion_.Pose(Seconds(now_ns)), options_.present, drive_.current_A()}, surroundings_);
   }
   drive_.Heat(base::kTickPeriod_s);
   sampler_.Sample(surroundings_, random_);
@@ -93,7 +93,7 @@ TraceRow Run::Tick() noexcept {
   TraceRow row;
   const auto t_us = static_cast<std::uint64_t>((newest_ns + kClockStart_ns) / 1000);
   row.scan = device::ScanFromTelemetry(info_, telemetry, t_us, ++tick_);
-  const FreeMotion::State state = StateAt(row.scan.t_ns - kClockStart_ns);
+  const FreeMotion::State state = motion_.At(Seconds(row.scan.t_ns - kClockStart_ns));
   row.pose = state.pose;
   row.velocity_base_m_s = state.velocity_base_m_s;
   row.current_A = sampler_.At(row.scan.t_ns - kClockStart_ns).current_A;

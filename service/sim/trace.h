@@ -35,8 +35,8 @@ struct TraceOptions {
   double current_delay_s = 0;  // set-point -> driver
 };
 
-// Of scan.t_ns, the instant of its newest sample. A scan's currents are means over its device tick, which ends at
-// tick_end_ns; sensor i sampled at scan.t_ns - scan.age_ns[i].
+// Of scan.t_ns, the instant of its newest sample. A scan's currents are means over the four sub-steps of its device
+// tick, 0 to 0.75 ms before tick_end_ns; sensor i sampled at scan.t_ns - scan.age_ns[i].
 struct TraceRow {
   base::HallScan scan;
   MagnetPose pose;

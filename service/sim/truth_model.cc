@@ -7,7 +7,8 @@ namespace omni::sim {
 namespace {
 
 // Nodes per face: rings x spokes.
-constexpr int kFineRings = 6, kFineSpokes = 16;      // 192 charges
+constexpr int kFineRings = 4, kFineSpokes = 12;      // 96 charges
+constexpr int kMirrorRings = 3, kMirrorSpokes = 12;  // 72 charges
 constexpr int kMediumRings = 4, kMediumSpokes = 10;  // 80 charges
 constexpr int kCoarseRings = 3, kCoarseSpokes = 8;   // 48 charges
 constexpr double kMu0Over4Pi = 1e-7;
@@ -77,10 +78,12 @@ TruthModel::TruthModel(const base::DeviceGeometry& device, const Imperfections& 
       coils_{MakeCoil(device, imperfections, 0), MakeCoil(device, imperfections, 1),
              MakeCoil(device, imperfections, 2)},
       fine_(WithStrength(device.magnet, imperfections.magnet_strength), kFineRings, kFineSpokes),
+      mirror_(WithStrength(device.magnet, imperfections.magnet_strength), kMirrorRings, kMirrorSpokes),
       medium_(WithStrength(device.magnet, imperfections.magnet_strength), kMediumRings, kMediumSpokes),
       coarse_(WithStrength(device.magnet, imperfections.magnet_strength), kCoarseRings, kCoarseSpokes) {
   if (flip_coil_z) polarity_[2] = -1;
-  images_.Resize(core_.image_count(coarse_.charges.size()));
+  images_.Resize(core_.image_count(mirror_.charges.size()));
+  coarse_images_.Resize(core_.image_count(coarse_.charges.size()));
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const SensorError& error = imperfections.sensors[i];
     const base::SensorGeometry& nominal = device.sensors[i];
@@ -103,8 +106,8 @@ TruthModel::TruthModel(const base::DeviceGeometry& device, const Imperfections& 
 
 void TruthModel::PlaceTool(const MagnetPose& pose) noexcept {
   fine_.Place(pose);
-  coarse_.Place(pose);
-  core_.Place(coarse_.charges, images_);
+  mirror_.Place(pose);
+  core_.Place(mirror_.charges, images_);
 }
 
 // Columns of rows (I + dipole field of the core's answer a^3 kappa 1e7 B).
@@ -174,11 +177,11 @@ ForceMap TruthModel::ForcesAt(const MagnetPose& pose) noexcept {
     }
   }
   coarse_.Place(pose);
-  core_.Place(coarse_.charges, images_);
+  core_.Place(coarse_.charges, coarse_images_);
   const std::array<Vec3, 3> units{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   for (std::size_t i = 0; i < coarse_.charges.size(); ++i) {
     const Vec3 at = coarse_.charges.position(i);
-    Accumulate(map.core, coarse_.charges, i, pose.centre_base_m, FieldOf(images_, at));
+    Accumulate(map.core, coarse_.charges, i, pose.centre_base_m, FieldOf(coarse_images_, at));
     for (std::size_t j = 0; j < units.size(); ++j) {
       Accumulate(map.dipole[j], coarse_.charges, i, pose.centre_base_m, DipoleField(units[j], at));
     }

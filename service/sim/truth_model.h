@@ -69,7 +69,8 @@ class TruthModel {
   std::array<CoilTruth, base::kCoilCount> coils_;
   std::array<double, base::kCoilCount> polarity_{1, 1, 1};
   std::array<Sensor, base::kSensorCount> sensors_;
-  // The closer the sources, the more nodes: what each leaves out is below 1e-5 (tests/unit/sim_fields.cc).
+  // As many nodes as it takes to leave out less than 1e-7 of a reading (tests/unit/sim_core_series.cc) and 1e-4 of a
+  // force (tests/unit/sim_fields.cc).
   struct Sampled {
     MagnetFaces faces;
     Charges charges;
@@ -77,9 +78,11 @@ class TruthModel {
     void Place(const MagnetPose& pose) noexcept { faces.Place(pose, charges); }
   };
   Sampled fine_;    // its field at the sensors
+  Sampled mirror_;  // what the core answers there
+  Charges images_;  // of mirror_
   Sampled medium_;  // force in the coils' field, whose sources lie outside the magnet's reach only by 5 mm
-  Sampled coarse_;  // images in the core, all within 9 mm of the origin
-  Charges images_;
+  Sampled coarse_;  // force of the core, all whose images are within 9 mm of the origin
+  Charges coarse_images_;
 };
 
 // Magnet against hull. gap > 0: apart. `normal` points from the hull's centre to the nearest point of the magnet;

@@ -27,10 +27,10 @@ TwinCore::TwinCore(const base::DeviceGeometry& device, const TwinOptions& option
       random_(options.seed),
       imperfections_(Draw(options, random_)),
       truth_(device, imperfections_, options.flip_coil_sign),
-      drive_(device, DriveConfig{options.current_delay_s, options.host_timeout_s}, options.truth.thermal,
-             imperfections_),
+      drive_(device, options.truth.driver, options.truth.thermal, imperfections_),
       hand_(options.script, device, random_),
-      sampler_(device, Effects(options), truth_, {hand_.pose(), hand_.present(), {}}, ~options.seed, 0, random_),
+      sampler_(device, Effects(options), options.truth.sensor, truth_, {hand_.pose(), hand_.present(), {}},
+               ~options.seed, 0, random_),
       surroundings_(sampler_.Now(0)) {}
 
 wire::Hello TwinCore::Hello() const noexcept {

@@ -24,7 +24,7 @@ class TwinCore {
 
   wire::Hello Hello() const noexcept;
 
-  // A valid command. It acts options.current_delay_s after the end of the last tick.
+  // A valid command. It acts truth.driver.delay_s after the end of the last tick.
   void Command(const wire::Command& command, std::uint16_t seq) noexcept;
   void CountRejected() noexcept { ++telemetry_.rejected; }
   void CountMissed(std::int64_t ticks) noexcept {

@@ -128,7 +128,7 @@ TEST(SimCoreSeries, SensorFieldsAreConverged) {
   Random random(32);
   double worst = 0;
   for (int i = 0; i < 100; ++i) {
-    const MagnetPose pose = rig.DrawPose({.radius_max_m = 0.06, .tilt_max_rad = 1.5}, random);
+    const MagnetPose pose = rig.DrawPose({.radius_max_m = 0.06, .tilt_max_rad = 3.1}, random);
     faces.Place(pose, magnet);
     core.Place(magnet, images);
     const SensorFields fields = rig.Readings(&pose, {});
@@ -137,7 +137,7 @@ TEST(SimCoreSeries, SensorFieldsAreConverged) {
       worst = std::max(worst, RelativeError(fields[s], FieldOf(magnet, at) + FieldOf(images, at)));
     }
   }
-  EXPECT_LT(worst, 1e-6) << "0.1 um of pose error costs more";
+  EXPECT_LT(worst, 1e-7);
 }
 
 // The hook of the benchmarks: another magnet reads differently.

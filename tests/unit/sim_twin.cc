@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
+#include "service/config/twin_file.h"
 #include "service/sim/recording.h"
 #include "service/sim/twin_core.h"
 #include "tests/support/temp_folder.h"
@@ -53,6 +54,11 @@ TEST(SimTwin, EqualInputsGiveEqualBits) {
   other = options;
   other.flip_coil_sign = true;
   EXPECT_NE(hash, RunHash(other));
+  other = options;
+  other.truth = config::DefaultTwin();
+  const std::uint64_t with_effects = RunHash(other);
+  EXPECT_NE(hash, with_effects);
+  EXPECT_EQ(with_effects, RunHash(other));
   other = options;
   other.imperfect = false;
   EXPECT_NE(hash, RunHash(other));
