@@ -11,6 +11,7 @@
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/device/transport.h"
+#include "service/sim/imperfections.h"
 
 namespace omni::sim {
 
@@ -34,6 +35,7 @@ base::Result<HandScript> LoadHandScript(const std::string& path);
 struct TwinOptions {
   std::uint64_t seed = 1;
   HandScript script;              // as LoadHandScript accepts it; no waypoints: no pen
+  ImperfectionSizes sizes;        // of an imperfect twin; the same draw as a Rig of the same seed
   bool imperfect = true;          // winding, sensor and current errors; false: nominal device (tests of other parts)
   bool flip_coil_sign = false;    // test hook: coil z wired backwards
   double current_delay_s = 1e-3;  // command received -> set-point acts

@@ -13,7 +13,7 @@ constexpr double kSubStep_s = base::kTickPeriod_s / 4;
 constexpr std::uint16_t kFirmwareVersion = 0x0001;
 
 Imperfections Draw(const TwinOptions& options, Random& random) noexcept {
-  return options.imperfect ? DrawImperfections(ImperfectionSizes{}, random) : Imperfections{};
+  return options.imperfect ? DrawImperfections(options.sizes, random) : Imperfections{};
 }
 
 Vec3 ToVec3(const CoilArray& values) noexcept { return {values[0], values[1], values[2]}; }

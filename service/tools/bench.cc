@@ -25,6 +25,7 @@ struct Bench {
 constexpr Bench kBenches[] = {
     {"loop", "one tick of the service, per scene (the twin's time excluded)", BenchLoop},
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
+    {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
 };
 
 std::string Machine() {

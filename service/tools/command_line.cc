@@ -16,7 +16,7 @@ struct CommandEntry {
   void (*add)(CLI::App& app);
 };
 constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch}, {AddDoctor}, {AddScene},
-                                      {AddTwin},   {AddBench}, {AddReport}};
+                                      {AddTwin},   {AddBench}, {AddReport}, {AddCalibrate}};
 
 constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
 constexpr const char* kExitCodes =

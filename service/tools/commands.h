@@ -15,5 +15,6 @@ void AddTwin(CLI::App& app);  // omni twin serve, and below it:
 void AddTwinRun(CLI::App& twin);
 void AddBench(CLI::App& app);
 void AddReport(CLI::App& app);
+void AddCalibrate(CLI::App& app);
 
 }  // namespace omni::tools
