@@ -3,11 +3,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "service/sim/charge_kernel.h"
+
 namespace omni::sim {
 namespace {
 
 constexpr double kMu0 = 4e-7 * std::numbers::pi;
 constexpr double kMu0Over4Pi = 1e-7;
+constexpr double kFarAway_m = 1e3;
 
 struct Node {
   double position = 0;
@@ -41,25 +44,20 @@ std::vector<Node> GaussNodes(int n) {
 }  // namespace
 
 void Charges::Resize(std::size_t count) {
-  x.resize(count);
-  y.resize(count);
-  z.resize(count);
-  q.resize(count);
+  const std::size_t padded = (count + kChargeLanes - 1) / kChargeLanes * kChargeLanes;
+  x.assign(padded, kFarAway_m);
+  y.assign(padded, kFarAway_m);
+  z.assign(padded, kFarAway_m);
+  q.assign(padded, 0);
+  count_ = count;
 }
 
 Vec3 FieldOf(const Charges& charges, const Vec3& point_base_m) noexcept {
-  Vec3 b;
-  for (std::size_t i = 0; i < charges.size(); ++i) {
-    const double dx = point_base_m.x - charges.x[i];
-    const double dy = point_base_m.y - charges.y[i];
-    const double dz = point_base_m.z - charges.z[i];
-    const double d2 = dx * dx + dy * dy + dz * dz;
-    const double k = charges.q[i] / (d2 * std::sqrt(d2));
-    b.x += k * dx;
-    b.y += k * dy;
-    b.z += k * dz;
-  }
-  return kMu0Over4Pi * b;
+  static const ChargeSum sum = FastestChargeSum();
+  const double point[3] = {point_base_m.x, point_base_m.y, point_base_m.z};
+  double b[3];
+  sum(charges.x.data(), charges.y.data(), charges.z.data(), charges.q.data(), charges.q.size(), point, b);
+  return kMu0Over4Pi * Vec3{b[0], b[1], b[2]};
 }
 
 // Charge of a node: M dA with dA = 1/2 d(rho^2) dphi. Rings are turned against each other to spread the nodes.
@@ -96,23 +94,6 @@ void MagnetFaces::Place(const MagnetPose& pose, Charges& charges) const noexcept
       charges.q[at] = sign * q_[i];
     }
   }
-}
-
-void PlaceImages(const Charges& charges, double core_radius_m, double core_kappa, Charges& images) noexcept {
-  const std::size_t count = charges.size();
-  double centre = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double r2 = charges.x[i] * charges.x[i] + charges.y[i] * charges.y[i] + charges.z[i] * charges.z[i];
-    const double scale = core_radius_m * core_radius_m / r2;
-    const double q = core_kappa * charges.q[i] * core_radius_m / std::sqrt(r2);
-    images.x[i] = scale * charges.x[i];
-    images.y[i] = scale * charges.y[i];
-    images.z[i] = scale * charges.z[i];
-    images.q[i] = -q;
-    centre += q;
-  }
-  images.x[count] = images.y[count] = images.z[count] = 0;
-  images.q[count] = centre;
 }
 
 }  // namespace omni::sim

@@ -2,9 +2,7 @@
 //
 // A disc magnetised along its axis is two discs of surface charge +-M, M = Br / mu0 [Jackson 3e, 5.99]. Each disc is
 // summed by Gauss quadrature in rho^2 times equal steps in angle, which is exact for smooth fields up to a high order.
-// A core of infinite permeability answers a charge q at distance r0 with -q a / r0 at a^2 / r0 on the same ray and
-// +q a / r0 at its centre, which keeps it neutral and its surface an equipotential [Jackson 3e, 2.2]. Finite
-// permeability scales both by kappa: exact for the induced dipole, 0.15 % too little for higher orders at mu_r = 1000.
+// The core's answer is in core_images.h. docs/theory/truth.md (1), (2).
 #pragma once
 
 #include <cstddef>
@@ -20,12 +18,15 @@ struct MagnetPose {
   Vec3 axis_base{0, 0, -1};
 };
 
-// Magnetic charges, A m, as structure of arrays.
+// Magnetic charges, A m, as structure of arrays, padded to whole vectors by charges of zero far away.
 struct Charges {
   std::vector<double> x, y, z, q;
-  std::size_t size() const noexcept { return q.size(); }
+  std::size_t size() const noexcept { return count_; }
   Vec3 position(std::size_t i) const noexcept { return {x[i], y[i], z[i]}; }
   void Resize(std::size_t count);
+
+ private:
+  std::size_t count_ = 0;
 };
 
 // B(p) = mu0 / 4 pi sum q d / |d|^3, d = p - charge.
@@ -45,10 +46,6 @@ class MagnetFaces {
   std::vector<double> x_, y_, q_;
   double half_height_m_;
 };
-
-// Fills `images` (charges.size() + 1 entries; the last one is the sum at the core's centre).
-// Precondition: all charges outside the core.
-void PlaceImages(const Charges& charges, double core_radius_m, double core_kappa, Charges& images) noexcept;
 
 struct ForceAndTorque {
   Vec3 force_N;

@@ -15,18 +15,11 @@ struct DriveConfig {
   double host_timeout_s = 0.020;  // silent longer than this: set-points ramp to zero
 };
 
-// Two nodes: each coil's copper, and the body (core, plastic, table) that all three share:
+// Each coil's copper, and the body that all three share:
 //   Cc dTc = I^2 R(Tc) dt - Gcb (Tc - Tb) dt,  Cb dTb = sum Gcb (Tc - Tb) dt - Gba (Tb - Ta) dt
 // fitted to the paper's temperatures of one coil (39 C at 65 s after 15 A for 25 s, 47 C after 15 min at 5 A) with the
 // copper's heat capacity from its mass. That fit's body, 198.4 J/K, contained the two idle coils: they are nodes here.
-struct ThermalConfig {
-  double copper_J_K = 44.4;
-  double body_J_K = 198.4 - 2 * 44.4;
-  double copper_to_body_W_K = 2.483;
-  double body_to_air_W_K = 0.7593;
-  double air_C = 24;
-  double resistance_per_K = 0.00393;  // of copper, about 20 C
-};
+using ThermalConfig = base::ThermalParameters;
 
 class CoilDrive {
  public:

@@ -14,7 +14,7 @@ constexpr double kPeriodSpread = 0.005;  // oscillators differ by up to +-0.5 %
 
 }  // namespace
 
-HallArray::HallArray(const base::DeviceGeometry& device, Random& random)
+HallArray::HallArray(const base::DeviceGeometry& device, Random& random, std::int64_t start_ns)
     : noise_T_(device.sensor_noise_T),
       lsb_T_(device.sensor_lsb_T),
       full_scale_(wire::ToCounts<std::uint16_t>(
@@ -22,7 +22,7 @@ HallArray::HallArray(const base::DeviceGeometry& device, Random& random)
           device.sensor_lsb_T)) {
   for (Sensor& sensor : sensors_) {
     sensor.period_ns = std::llround(base::kTickPeriod_ns * (1 + random.Uniform(-kPeriodSpread, kPeriodSpread)));
-    sensor.next_ns = std::llround(static_cast<double>(sensor.period_ns) * random.Uniform());
+    sensor.next_ns = start_ns + std::llround(static_cast<double>(sensor.period_ns) * random.Uniform());
   }
 }
 
@@ -53,8 +53,9 @@ void HallArray::Sample(std::size_t index, std::int64_t sample_ns, const Vec3& re
 }
 
 std::int64_t HallArray::Report(wire::Telemetry& telemetry) noexcept {
-  std::int64_t newest_ns = 0;
+  std::int64_t newest_ns = kNever_ns;
   for (const Sensor& sensor : sensors_) newest_ns = std::max(newest_ns, sensor.sampled_ns);
+  if (newest_ns == kNever_ns) newest_ns = 0;
   telemetry.fresh_mask = 0;
   telemetry.saturated_mask = 0;
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
@@ -62,10 +63,10 @@ std::int64_t HallArray::Report(wire::Telemetry& telemetry) noexcept {
     std::copy(sensor.counts.begin(), sensor.counts.end(), telemetry.field[i]);
     telemetry.fresh_mask = static_cast<std::uint8_t>(telemetry.fresh_mask | (sensor.fresh ? 1U << i : 0U));
     telemetry.saturated_mask |= sensor.saturated << (3 * i);
-    const double age = static_cast<double>(newest_ns - sensor.sampled_ns);
-    telemetry.age[i] = sensor.sampled_ns < 0
+    telemetry.age[i] = sensor.sampled_ns == kNever_ns
                            ? std::numeric_limits<std::uint8_t>::max()
-                           : wire::ToCounts<std::uint8_t>(age, static_cast<double>(wire::kAgeUnit_ns));
+                           : wire::ToCounts<std::uint8_t>(static_cast<double>(newest_ns - sensor.sampled_ns),
+                                                          static_cast<double>(wire::kAgeUnit_ns));
   }
   return newest_ns;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "firmware/wire/messages.h"
 #include "service/base/device_geometry.h"
@@ -13,7 +14,8 @@ namespace omni::sim {
 
 class HallArray {
  public:
-  HallArray(const base::DeviceGeometry& device, Random& random);
+  // No sample is earlier than `start_ns`.
+  HallArray(const base::DeviceGeometry& device, Random& random, std::int64_t start_ns = 0);
 
   // The instant of sensor `index`'s newest sample at or before `t_ns`; false: none since the last call.
   bool NextSample(std::size_t index, std::int64_t t_ns, std::int64_t& sample_ns) noexcept;
@@ -27,10 +29,11 @@ class HallArray {
   std::uint16_t full_scale() const noexcept { return full_scale_; }
 
  private:
+  static constexpr std::int64_t kNever_ns = std::numeric_limits<std::int64_t>::min();
   struct Sensor {
     std::int64_t period_ns = 0;
     std::int64_t next_ns = 0;
-    std::int64_t sampled_ns = -1;  // < 0: never
+    std::int64_t sampled_ns = kNever_ns;
     bool fresh = false;
     std::array<std::int16_t, 3> counts{};
     std::uint32_t saturated = 0;  // bit per axis

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace omni::sim {
 namespace {
@@ -11,13 +10,13 @@ namespace {
 double MinimumJerk(double x) noexcept { return x * x * x * (10 + x * (6 * x - 15)); }
 double MinimumJerkSlope(double x) noexcept { return 30 * x * x * (1 - x) * (1 - x); }
 
-constexpr double kTremorMin_Hz = 8, kTremorMax_Hz = 12;
 constexpr double kHullMargin_m = 1e-9;  // over rounding
 constexpr HandWaypoint kNobody{0, {0, 0, 0.2}, {0, 0, -1}, false};
 
 }  // namespace
 
-HandPath::HandPath(const HandScript& script, double tip_offset_m, Random& random) : tip_offset_m_(tip_offset_m) {
+HandPath::HandPath(const HandScript& script, double tip_offset_m, Random& random)
+    : tip_offset_m_(tip_offset_m), tremor_(script.tremor_m, random) {
   const std::vector<HandWaypoint>& points = script.waypoints;
   if (points.empty()) AddLeg(kNobody, kNobody, 0);
   if (points.size() == 1) AddLeg(points.front(), points.front(), 0);
@@ -25,14 +24,6 @@ HandPath::HandPath(const HandScript& script, double tip_offset_m, Random& random
   if (script.repeat && points.size() > 1) {
     AddLeg(points.back(), points.front(), points.front().duration_s);
     period_s_ = legs_.back().start_s + legs_.back().duration_s;
-  }
-  // Three waves per direction; rms of the sum is tremor_m.
-  const double amplitude_m = script.tremor_m * std::sqrt(2.0 / static_cast<double>(tremor_.size()));
-  for (std::size_t i = 0; i < tremor_.size(); ++i) {
-    tremor_[i].rate_rad_s = 2 * std::numbers::pi * random.Uniform(kTremorMin_Hz, kTremorMax_Hz);
-    tremor_[i].phase_rad = 2 * std::numbers::pi * random.Uniform();
-    const std::array<Vec3, 3> directions{Vec3{amplitude_m, 0, 0}, Vec3{0, amplitude_m, 0}, Vec3{0, 0, amplitude_m}};
-    tremor_[i].amplitude_m = directions[i % 3];
   }
 }
 
@@ -70,11 +61,7 @@ HandTarget HandPath::At(double t_s) const noexcept {
   target.present = leg.present;
   target.centre_base_m = leg.from_tip + s * (leg.to_tip - leg.from_tip) - tip_offset_m_ * axis;
   target.velocity_base_m_s = rate * (leg.to_tip - leg.from_tip) - tip_offset_m_ * axis_rate;
-  for (const Wave& wave : tremor_) {
-    const double phase = wave.rate_rad_s * t_s + wave.phase_rad;
-    target.centre_base_m += std::sin(phase) * wave.amplitude_m;
-    target.velocity_base_m_s += (wave.rate_rad_s * std::cos(phase)) * wave.amplitude_m;
-  }
+  tremor_.Add(t_s, target.centre_base_m, target.velocity_base_m_s);
   return target;
 }
 

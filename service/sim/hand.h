@@ -2,11 +2,11 @@
 // script says, and yields to magnetic force. The pen never enters the hull.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "service/base/device_geometry.h"
 #include "service/sim/random.h"
+#include "service/sim/tremor.h"
 #include "service/sim/truth_model.h"
 #include "service/sim/twin.h"
 
@@ -36,18 +36,13 @@ class HandPath {
     double angle_rad = 0;
     bool present = true;
   };
-  struct Wave {
-    double rate_rad_s = 0;
-    double phase_rad = 0;
-    Vec3 amplitude_m;
-  };
 
   void AddLeg(const HandWaypoint& from, const HandWaypoint& to, double duration_s);
 
   std::vector<Leg> legs_;  // by start; the last one of a repeating script leads back to the first waypoint
   double period_s_ = 0;    // 0: does not repeat
   double tip_offset_m_;
-  std::array<Wave, 9> tremor_{};
+  Tremor tremor_;
 };
 
 class Hand {

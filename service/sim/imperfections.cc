@@ -16,7 +16,20 @@ Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) 
     drawn.current_gain[k] = 1 + sizes.current_gain * random.Normal();
     drawn.current_offset_A[k] = sizes.current_offset_A * random.Normal();
   }
+  for (double& size : drawn.coil_size) size = 1 + sizes.coil_size * random.Normal();
+  for (SensorError& sensor : drawn.sensors) sensor.nonlinearity = random.NormalVector(sizes.sensor_nonlinearity);
   return drawn;
+}
+
+ImperfectionSizes NoImperfections() noexcept { return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; }
+
+ImperfectionSizes UncalibratedImperfections() noexcept {
+  ImperfectionSizes sizes;
+  sizes.sensor_position_m = 1e-3;
+  sizes.sensor_gain = 0.015;
+  sizes.sensor_rotation_rad = 0.02007;  // 1.15 deg
+  sizes.magnet_moment = 0.02;
+  return sizes;
 }
 
 }  // namespace omni::sim

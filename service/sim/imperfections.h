@@ -1,31 +1,22 @@
-// How this base and pen differ from their drawing. Defaults are what remains after a good calibration: the service of
-// today knows only the nominal geometry, and these errors cost it .3-.5 mm of tracking.
+// How this base and pen differ from their drawing: one draw of base::ImperfectionSizes.
 #pragma once
 
 #include <array>
 
 #include "service/base/device_geometry.h"
+#include "service/base/truth_parameters.h"
 #include "service/sim/random.h"
 #include "service/sim/vec3.h"
 
 namespace omni::sim {
 
-// Standard deviations of independent normal errors.
-struct ImperfectionSizes {
-  double sensor_position_m = 0.05e-3;  // per axis
-  double sensor_gain = 1e-3;           // per axis
-  double sensor_rotation_rad = 1.75e-3;
-  double magnet_moment = 2e-3;
-  double coil_strength = 1e-3;
-  double coil_axis_rad = 1e-3;
-  double current_gain = 1.5e-3;  // INA260: 0.15 %
-  double current_offset_A = 2e-3;
-};
+using base::ImperfectionSizes;
 
 struct SensorError {
   Vec3 position_base_m;
   Vec3 rotation_rad;  // of the sensor's axes, in its own frame
   Vec3 gain{1, 1, 1};
+  Vec3 nonlinearity;  // greatest deviation from the best line over full scale
 };
 
 struct Imperfections {
@@ -35,8 +26,15 @@ struct Imperfections {
   std::array<Vec3, base::kCoilCount> coil_rotation_rad;
   std::array<double, base::kCoilCount> current_gain{1, 1, 1};
   std::array<double, base::kCoilCount> current_offset_A{};
+  std::array<double, base::kCoilCount> coil_size{1, 1, 1};
 };
 
 Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) noexcept;
+
+// All zero: a base as drawn.
+ImperfectionSizes NoImperfections() noexcept;
+
+// A base nobody has calibrated: sensors 1 mm per axis, 1.5 % and 1.15 deg wrong, the moment within 2 %.
+ImperfectionSizes UncalibratedImperfections() noexcept;
 
 }  // namespace omni::sim

@@ -8,10 +8,16 @@ namespace omni::sim {
 namespace {
 
 constexpr double kGauss_T = 1e-4;
+constexpr double kAtRest_s = 1e3;  // since the last scan: eddy currents are gone
 
 Imperfections Draw(const RigOptions& options) {
   Random random(options.seed);
   return DrawImperfections(options.sizes, random);
+}
+
+Environment DrawEnvironment(const RigOptions& options) {
+  Random random(~options.seed);
+  return Environment(options.effects, random);
 }
 
 Vec3 DrawDirection(double z_min, double z_max, Random& random) noexcept {
@@ -35,10 +41,14 @@ std::array<double, 3> NoiseOf_T(NoiseMode mode) noexcept {
   return {};
 }
 
-ImperfectionSizes NoImperfections() noexcept { return {0, 0, 0, 0, 0, 0, 0, 0}; }
-
 Rig::Rig(const base::DeviceGeometry& device, const RigOptions& options)
-    : device_(device), options_(options), imperfections_(Draw(options)), truth_(device, imperfections_, false) {
+    : device_(device),
+      options_(options),
+      imperfections_(Draw(options)),
+      environment_(DrawEnvironment(options)),
+      surroundings_(environment_.At(0)),
+      memory_(options.effects, device.core_radius_m),
+      truth_(device, imperfections_, false) {
   device_.sensor_noise_T = NoiseOf_T(options.noise);
 }
 
@@ -59,6 +69,9 @@ base::Calibration Rig::ExactCalibration() const {
         known.current_map_T_A[3 * row + k] = row == 0 ? field.x : row == 1 ? field.y : field.z;
       }
     }
+    const std::array<Vec3, 3> uniform = truth_.UniformResponse(i);
+    const Vec3& background_T = environment_.At(0).background_base_T;
+    known.background_sensor_T = background_T.x * uniform[0] + background_T.y * uniform[1] + background_T.z * uniform[2];
     exact.sensors.push_back(known);
   }
   exact.sensor_noise_T = device_.sensor_noise_T;
@@ -89,10 +102,8 @@ MagnetPose Rig::DrawPose(const PoseRange& range, Random& random) const noexcept 
   return pose;
 }
 
-std::array<Vec3, base::kSensorCount> Rig::Readings(const MagnetPose* pose, const CoilArray& current_A) noexcept {
-  std::array<Vec3, base::kSensorCount> readings;
-  for (std::size_t i = 0; i < readings.size(); ++i) readings[i] = truth_.SensorField(i, pose, current_A);
-  return readings;
+SensorFields Rig::Readings(const MagnetPose* pose, const CoilArray& current_A) noexcept {
+  return truth_.AllSensorFields(pose, current_A, surroundings_);
 }
 
 base::HallScan Rig::Scan(const MagnetPose* pose, const CoilArray& current_A, Random& random) noexcept {
@@ -101,7 +112,13 @@ base::HallScan Rig::Scan(const MagnetPose* pose, const CoilArray& current_A, Ran
   scan.t_ns = static_cast<std::int64_t>(sequence_) * base::kTickPeriod_ns;
   scan.fresh_mask = (1U << base::kSensorCount) - 1;
   scan.supply_V = device_.supply_V;
-  const std::array<Vec3, base::kSensorCount> readings = Readings(pose, current_A);
+  Surroundings now = surroundings_;
+  const Vec3 induced_Am2 = truth_.InducedMoment(pose, current_A, now);
+  if (!remembers_) memory_.Start(induced_Am2);
+  remembers_ = true;
+  memory_.Step(induced_Am2, kAtRest_s);
+  now.core_moment_Am2 = memory_.moment_Am2();
+  const SensorFields readings = truth_.AllSensorFields(pose, current_A, now);
   const double full_scale_T = device_.sensor_range_T;
   for (std::size_t i = 0; i < readings.size(); ++i) {
     const auto& noise_T = device_.sensor_noise_T;

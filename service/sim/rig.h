@@ -8,6 +8,7 @@
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
+#include "service/sim/effects.h"
 #include "service/sim/imperfections.h"
 #include "service/sim/random.h"
 #include "service/sim/truth_model.h"
@@ -23,8 +24,8 @@ struct RigOptions {
   ImperfectionSizes sizes;  // all zero: as drawn
   NoiseMode noise = NoiseMode::kUltraHigh;
   bool saturation = true;  // and quantisation; false: readings are the field itself
+  base::TruthEffects effects;
 };
-ImperfectionSizes NoImperfections() noexcept;
 
 // Where random poses lie. The magnet never cuts the hull: such draws are drawn again.
 struct PoseRange {
@@ -37,25 +38,35 @@ class Rig {
  public:
   Rig(const base::DeviceGeometry& device, const RigOptions& options);
 
-  // What a calibration without any error would find.
+  // What a calibration without any error would find at time 0; the line of best fit of a bent sensor.
   base::Calibration ExactCalibration() const;
 
   MagnetPose DrawPose(const PoseRange& range, Random& random) const noexcept;
 
-  // Without noise. `pose` null: no pen.
-  std::array<Vec3, base::kSensorCount> Readings(const MagnetPose* pose, const CoilArray& current_A) noexcept;
+  // Without noise and without the core's memory. `pose` null: no pen.
+  SensorFields Readings(const MagnetPose* pose, const CoilArray& current_A) noexcept;
 
   // As the device would report it at t_ns = now: noise, quantisation, saturation, measured currents. No motion: all
-  // samples are of one instant.
+  // samples are of one instant, long after pose and currents have come to rest. The core remembers the scan before.
   base::HallScan Scan(const MagnetPose* pose, const CoilArray& current_A, Random& random) noexcept;
+
+  // Background and magnet as they are `t_s` after the start of the run; 0 at first.
+  void SetTime(double t_s) noexcept { surroundings_ = environment_.At(t_s); }
+  const Environment& environment() const noexcept { return environment_; }
 
   const base::DeviceGeometry& device() const noexcept { return device_; }
   TruthModel& truth() noexcept { return truth_; }
+  const Imperfections& imperfections() const noexcept { return imperfections_; }
+  const RigOptions& options() const noexcept { return options_; }
 
  private:
   base::DeviceGeometry device_;
   RigOptions options_;
   Imperfections imperfections_;
+  Environment environment_;
+  Surroundings surroundings_;
+  CoreMemory memory_;
+  bool remembers_ = false;  // memory_ has seen a scan
   TruthModel truth_;
   std::uint64_t sequence_ = 0;
 };

@@ -6,6 +6,8 @@
 
 #include "service/base/device_geometry.h"
 #include "service/sim/charges.h"
+#include "service/sim/core_images.h"
+#include "service/sim/effects.h"
 #include "service/sim/imperfections.h"
 #include "service/sim/winding.h"
 
@@ -13,12 +15,17 @@ namespace omni::sim {
 
 using CoilArray = std::array<double, base::kCoilCount>;
 
-// Force and torque on the pen are linear in the currents: F = sum_k I_k coil[k] + core.
+using SensorFields = std::array<Vec3, base::kSensorCount>;
+
+// Force and torque on the pen at its moment of the drawing: F = sum_k I_k coil[k] + sum_i m_i dipole[i] + core.
 struct ForceMap {
   std::array<ForceAndTorque, base::kCoilCount> coil;  // per ampere
+  std::array<ForceAndTorque, 3> dipole;               // per A m^2 of the core's extra moment
   ForceAndTorque core;                                // the core's pull on the magnet ("snapping")
 
   Vec3 CoilForce(const CoilArray& current_A) const noexcept;
+  // Of a magnet whose moment has changed by `surroundings.magnet_scale`.
+  Vec3 Force(const CoilArray& current_A, const Surroundings& surroundings) const noexcept;
 };
 
 class TruthModel {
@@ -26,27 +33,44 @@ class TruthModel {
   TruthModel(const base::DeviceGeometry& device, const Imperfections& imperfections, bool flip_coil_z);
 
   // What sensor `index` would read without noise, in its own frame; `pose` null: no pen in reach.
-  Vec3 SensorField(std::size_t index, const MagnetPose* pose, const CoilArray& current_A) noexcept;
+  Vec3 SensorField(std::size_t index, const MagnetPose* pose, const CoilArray& current_A,
+                   const Surroundings& surroundings = {}) noexcept;
+  // All sensors at one instant: the magnet is placed once.
+  SensorFields AllSensorFields(const MagnetPose* pose, const CoilArray& current_A,
+                               const Surroundings& surroundings = {}) noexcept;
+
+  // What the core's moment is at once, without memory.
+  Vec3 InducedMoment(const MagnetPose* pose, const CoilArray& current_A, const Surroundings& surroundings) noexcept;
 
   ForceMap ForcesAt(const MagnetPose& pose) noexcept;
 
   const std::array<CoilTruth, base::kCoilCount>& coils() const noexcept { return coils_; }
 
-  // How a sensor really stands and reads: reading = rows . B(position) + coil_sensor_T_A I.
+  // How a sensor really stands and reads: reading = rows . B(position) + coil_sensor_T_A I, then bent.
   struct Sensor {
     Vec3 position_base_m;
     std::array<Vec3, 3> rows;                            // gain x R_SB
     std::array<Vec3, base::kCoilCount> coil_sensor_T_A;  // of the actual windings, fixed
+    Vec3 nonlinearity;                                   // greatest deviation over full scale
   };
   const Sensor& sensor(std::size_t index) const noexcept { return sensors_[index]; }
+  // What a uniform field of 1 T gives there, core included: columns in the sensor's frame.
+  std::array<Vec3, 3> UniformResponse(std::size_t index) const noexcept;
 
  private:
+  void PlaceTool(const MagnetPose& pose) noexcept;
+  Vec3 Reading(std::size_t index, bool present, const CoilArray& current_A,
+               const Surroundings& surroundings) const noexcept;
+
   double core_radius_m_;
   double core_kappa_;
+  double linear_range_T_;
+  CoreImages core_;
   std::array<CoilTruth, base::kCoilCount> coils_;
   std::array<double, base::kCoilCount> polarity_{1, 1, 1};
   std::array<Sensor, base::kSensorCount> sensors_;
-  // The closer the sources, the more nodes: what each leaves out is below 1e-5 (tests/unit/sim_fields.cc).
+  // As many nodes as it takes to leave out less than 1e-7 of a reading (tests/unit/sim_core_series.cc) and 1e-4 of a
+  // force (tests/unit/sim_fields.cc).
   struct Sampled {
     MagnetFaces faces;
     Charges charges;
@@ -54,9 +78,11 @@ class TruthModel {
     void Place(const MagnetPose& pose) noexcept { faces.Place(pose, charges); }
   };
   Sampled fine_;    // its field at the sensors
+  Sampled mirror_;  // what the core answers there
+  Charges images_;  // of mirror_
   Sampled medium_;  // force in the coils' field, whose sources lie outside the magnet's reach only by 5 mm
-  Sampled coarse_;  // images in the core, all within 6 mm of the origin
-  Charges images_;
+  Sampled coarse_;  // force of the core, all whose images are within 9 mm of the origin
+  Charges coarse_images_;
 };
 
 // Magnet against hull. gap > 0: apart. `normal` points from the hull's centre to the nearest point of the magnet;

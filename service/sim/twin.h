@@ -10,8 +10,8 @@
 
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
+#include "service/base/truth_parameters.h"
 #include "service/device/transport.h"
-#include "service/sim/imperfections.h"
 
 namespace omni::sim {
 
@@ -35,8 +35,8 @@ base::Result<HandScript> LoadHandScript(const std::string& path);
 struct TwinOptions {
   std::uint64_t seed = 1;
   HandScript script;              // as LoadHandScript accepts it; no waypoints: no pen
-  ImperfectionSizes sizes;        // of an imperfect twin; the same draw as a Rig of the same seed
-  bool imperfect = true;          // winding, sensor and current errors; false: nominal device (tests of other parts)
+  bool imperfect = true;          // false: nominal device, nothing but noise and heat (tests of other parts)
+  base::TruthParameters truth;    // how far from nominal, what happens over time; config::DefaultTwin() has it all
   bool flip_coil_sign = false;    // test hook: coil z wired backwards
   double current_delay_s = 1e-3;  // command received -> set-point acts
   double host_timeout_s = 0.020;  // watchdog: host silent this long -> coils to zero

@@ -9,9 +9,9 @@
 #include "firmware/wire/messages.h"
 #include "service/base/device_geometry.h"
 #include "service/sim/coil_drive.h"
-#include "service/sim/hall_array.h"
 #include "service/sim/hand.h"
 #include "service/sim/recording.h"
+#include "service/sim/tick_sampler.h"
 #include "service/sim/truth_model.h"
 #include "service/sim/twin.h"
 
@@ -42,29 +42,18 @@ class TwinCore {
   TruthRow Truth(std::int64_t clock_offset_ns) const noexcept;
 
  private:
-  static constexpr int kSubSteps = 4;
-  // The state at the sub-step boundaries of the last tick, for samples that fall between.
-  struct Snapshot {
-    MagnetPose pose;
-    bool present = false;
-    CoilArray current_A{};
-  };
-
   void Advance() noexcept;
-  void SampleSensors() noexcept;
   void Report() noexcept;
-  Snapshot At(std::int64_t t_ns) const noexcept;
 
   base::DeviceGeometry device_;
   Random random_;
   Imperfections imperfections_;
   TruthModel truth_;
   CoilDrive drive_;
-  HallArray hall_;
   Hand hand_;
-  std::array<Snapshot, kSubSteps + 1> snapshots_;
+  TickSampler sampler_;
+  Surroundings surroundings_;
   ForceMap forces_;
-  CoilArray mean_current_A_{};
   wire::Telemetry telemetry_;
   std::int64_t now_ns_ = 0;
   std::int64_t newest_sample_ns_ = 0;

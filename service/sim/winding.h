@@ -70,6 +70,7 @@ class CoilTruth {
   const ZonalSeries& series() const noexcept { return total_; }
   double moment_Am2() const noexcept { return total_.moment_Am2(); }
   double core_moment_Am2() const noexcept { return core_.moment_Am2(); }
+  const Vec3& axis_base() const noexcept { return axis_; }
 
  private:
   std::vector<Turn> turns_;

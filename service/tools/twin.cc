@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/sim/twin.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
@@ -21,6 +22,7 @@ struct ServeArguments {
   std::string script;
   std::string record;
   std::string device;
+  std::string twin;
   double linger_s = 0.5;
 };
 
@@ -56,7 +58,13 @@ int Serve(const ServeArguments& arguments) {
     if (!loaded.ok()) return Fail(loaded.error());
     device = *loaded;
   }
-  sim::TwinOptions options{.seed = arguments.seed, .script = IdleHand(), .recording_path = arguments.record};
+  sim::TwinOptions options{
+      .seed = arguments.seed, .script = IdleHand(), .truth = config::DefaultTwin(), .recording_path = arguments.record};
+  if (!arguments.twin.empty()) {
+    base::Result<base::TruthParameters> loaded = config::LoadTwinFile(arguments.twin);
+    if (!loaded.ok()) return Fail(loaded.error());
+    options.truth = *loaded;
+  }
   if (!arguments.script.empty()) {
     base::Result<sim::HandScript> loaded = sim::LoadHandScript(arguments.script);
     if (!loaded.ok()) return Fail(loaded.error());
@@ -80,6 +88,7 @@ void AddTwin(CLI::App& app) {
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   serve->add_option("--device", arguments->device, "geometry and limits (.toml); default: the built-in omni.toml");
+  serve->add_option("--twin", arguments->twin, "imperfections and effects (.toml); default: the built-in twin.toml");
   serve->callback([arguments] { throw CLI::RuntimeError(Serve(*arguments)); });
   AddTwinRun(*twin);
 }

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/daemon/virtual_run.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin.h"
@@ -52,6 +53,7 @@ int RunTwin(const RunArguments& arguments) {
   const auto twin = sim::MakeVirtualTwin(device,
                                          {.seed = arguments.seed,
                                           .script = *hand,
+                                          .truth = config::DefaultTwin(),
                                           .flip_coil_sign = arguments.flip_coil_sign,
                                           .recording_path = arguments.record},
                                          seconds);

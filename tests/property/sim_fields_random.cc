@@ -63,12 +63,13 @@ TEST(SimFieldsProperty, MagnetAndCoilFieldsAreFreeOfSourcesAndCurl) {
   const MagnetFaces faces(device.magnet, 6, 16);
   Charges charges;
   charges.Resize(faces.charge_count());
+  const CoreImages core(device.core_radius_m, device.core_kappa);
   Charges images;
-  images.Resize(charges.size() + 1);
+  images.Resize(core.image_count(charges.size()));
   Random random(11);
   for (int i = 0; i < 40; ++i) {
     faces.Place(RandomPose(random, device), charges);
-    PlaceImages(charges, device.core_radius_m, device.core_kappa, images);
+    core.Place(charges, images);
     const Vec3 p = random.Uniform(0.09, 0.13) * -1.0 * Vec3{0, 0, 1} + random.NormalVector(0.03);
     const std::array<Field, 3> fields{[&](const Vec3& x) { return FieldOf(charges, x) + FieldOf(images, x); },
                                       [&](const Vec3& x) { return truth.coils()[i % 3].FieldByTurns(x); },
@@ -109,9 +110,10 @@ double EnergyInCore(const base::DeviceGeometry& device, const MagnetPose& pose) 
   Charges charges;
   charges.Resize(faces.charge_count());
   faces.Place(pose, charges);
+  const CoreImages core(device.core_radius_m, device.core_kappa);
   Charges images;
-  images.Resize(charges.size() + 1);
-  PlaceImages(charges, device.core_radius_m, device.core_kappa, images);
+  images.Resize(core.image_count(charges.size()));
+  core.Place(charges, images);
   double sum = 0;
   for (std::size_t i = 0; i < charges.size(); ++i) {
     for (std::size_t j = 0; j < images.size(); ++j) {

@@ -30,9 +30,10 @@ Charges Magnet(const base::DeviceGeometry& device, const MagnetPose& pose, int r
 }
 
 Charges Images(const base::DeviceGeometry& device, const Charges& magnet) {
+  const CoreImages core(device.core_radius_m, device.core_kappa);
   Charges images;
-  images.Resize(magnet.size() + 1);
-  PlaceImages(magnet, device.core_radius_m, device.core_kappa, images);
+  images.Resize(core.image_count(magnet.size()));
+  core.Place(magnet, images);
   return images;
 }
 

@@ -1,0 +1,54 @@
+// How a simulated base and pen differ from their drawing and what happens to them over a run: the numbers of
+// manifests/device/twin.toml. Equations and sources: docs/theory/truth.md. Zero switches an effect off. SI.
+#pragma once
+
+#include "service/base/vec.h"
+
+namespace omni::base {
+
+// Standard deviations of independent normal errors. Defaults: what remains after a good calibration.
+struct ImperfectionSizes {
+  double sensor_position_m = 0.05e-3;  // per axis
+  double sensor_gain = 1e-3;           // per axis
+  double sensor_rotation_rad = 1.75e-3;
+  double magnet_moment = 2e-3;
+  double coil_strength = 1e-3;
+  double coil_axis_rad = 1e-3;
+  double current_gain = 1.5e-3;  // INA260: 0.15 %
+  double current_offset_A = 2e-3;
+  double coil_size = 0;            // relative, of a winding's radii and width at an equal number of turns
+  double sensor_nonlinearity = 0;  // of full scale: greatest deviation from the best straight line, per axis
+};
+
+// Two nodes: each coil's copper, and the body (core, plastic, table) that all three share.
+struct ThermalParameters {
+  double copper_J_K = 44.4;
+  double body_J_K = 198.4 - 2 * 44.4;
+  double copper_to_body_W_K = 2.483;
+  double body_to_air_W_K = 0.7593;
+  double air_C = 24;
+  double resistance_per_K = 0.00393;  // of copper, about 20 C
+};
+
+// What the exact static model leaves out. Defaults: nothing of it happens.
+struct TruthEffects {
+  double remanence_Am2 = 0;          // greatest remanent moment of the core (hysteresis)
+  double core_conductivity_S_m = 0;  // eddy currents in the core
+  double core_permeability = 1000;   // mu_r for the eddy currents; the static one is DeviceGeometry::core_kappa
+  Vec3 earth_field_base_T;           // constant background
+  bool background_known = true;      // calibration has removed the constant part: only the drift is left
+  double ambient_drift_T = 0;        // by which the background has changed after run_s, in a random direction
+  double magnet_warming_K = 0;       // by which the magnet is warmer after run_s
+  double magnet_per_K = -1.2e-3;     // relative change of its moment
+  double pwm_frequency_Hz = 0;       // current ripple at unsynchronised sampling
+  double pwm_residual = 1;           // what a sensor's own averaging leaves of the ripple
+  double run_s = 600;                // drift and warming are ramps over this time and stay there
+};
+
+struct TruthParameters {
+  ImperfectionSizes imperfections;
+  ThermalParameters thermal;
+  TruthEffects effects;
+};
+
+}  // namespace omni::base

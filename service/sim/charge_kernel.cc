@@ -1,0 +1,14 @@
+#include "service/sim/charge_kernel.h"
+
+#include "service/sim/charge_kernel_body.h"
+
+namespace omni::sim {
+
+void ChargeSumBaseline(const double* x, const double* y, const double* z, const double* q, std::size_t count,
+                       const double point[3], double out[3]) noexcept {
+  SumOfCharges(x, y, z, q, count, point, out);
+}
+
+ChargeSum FastestChargeSum() noexcept { return __builtin_cpu_supports("avx2") ? ChargeSumAvx2 : ChargeSumBaseline; }
+
+}  // namespace omni::sim
