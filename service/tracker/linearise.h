@@ -1,50 +1,45 @@
-// The hot kernel: model, residual and normal equations at one pose, eight sensors side by side.
-// No Eigen type crosses this interface, so that the file can be built for several vector widths.
+// Normal equations at one pose, with everything that disturbs the readings eliminated; and the model's field itself.
 #pragma once
 
 #include <array>
+#include <span>
 
-#include "service/tracker/model.h"
+#include "service/tracker/measurement.h"
+#include "service/tracker/problem.h"
 
 namespace omni::tracker {
 
-// Where to linearise. axis, tangent_1, tangent_2 are orthonormal, right handed in the order (e1, e2, u).
-struct PosePoint {
-  std::array<double, 3> position_base_m{};
-  std::array<double, 3> axis_base{};
-  std::array<double, 3> tangent_1_base{};
-  std::array<double, 3> tangent_2_base{};
-};
-
-// One scan, whitened: weight = diag(1/sigma) R_SB per sensor (zero row: that axis is not used), so that a residual is
-// weight * B_model - whitened. Rates move the pose back to each sensor's own instant. docs/theory/tracking.md (4)
-struct Measurement {
-  std::array<SensorLanes, 9> weight{};
-  std::array<SensorLanes, 3> whitened{};
-  std::array<SensorLanes, 3> inverse_sigma{};  // 1/T per sensor axis; 0: not used
-  SensorLanes age_s{};
-  // Errors dI of the three currents are unknowns of every scan, eliminated from the normal equations: whitened columns
-  // weight A (row 3 axis + coil) and (A^T W^2 A + prior)^-1, 3x3.
-  std::array<SensorLanes, 9> coil{};
-  std::array<double, 9> coil_covariance{};
-  std::array<double, 3> velocity_base_m_s{};
-  std::array<double, 3> axis_rate_base_1_s{};
-  double field_rms_T = 0;  // |B| of the tool, root mean square over the usable readings
-  int axes = 0;            // usable readings
-};
-
-// With the current errors at their best: for every pose, chi2 is the least over dI of |r + coil dI|^2 + prior.
+// With the nuisances at their best: for every pose, chi2 is the least over them of |r + C n|^2 + prior.
 struct NormalEquations {
   std::array<double, std::size_t{kParameters} * kParameters> JtJ{};  // symmetric
   std::array<double, kParameters> Jtr{};
   double chi2 = 0;
+  // Column of a relative change of the tool's moment; only if the task asks for it.
+  std::array<double, kParameters> MtJ{};
+  double MtM = 0, Mtr = 0;
 };
 
-// Not finite where the model is not (pose inside the core or at a sensor): compare with care.
-void Linearise(const Model& model, const Measurement& measurement, const PosePoint& pose,
+KernelPose ToKernel(const PosePoint& pose, const std::array<double, 3>& velocity_base_m_s,
+                    const std::array<double, 3>& axis_rate_base_1_s) noexcept;
+
+// S: BasicMeasurement::nuisance_covariance. docs/theory/tracking.md (4)
+void Eliminate(const KernelTask& task, const KernelSums& sums,
+               const std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>& S,
                NormalEquations& result) noexcept;
 
-// The tool's field (core image included) in sensor frames and its derivative with respect to the five parameters.
+// Not finite where the model is not (pose inside the core or at a sensor): compare with care.
+template <int kCapacity>
+void Linearise(const Model& model, const BasicMeasurement<kCapacity>& measurement, const PosePoint& pose,
+               NormalEquations& result) noexcept;
+extern template void Linearise(const Model&, const Measurement&, const PosePoint&, NormalEquations&) noexcept;
+extern template void Linearise(const Model&, const ArrayMeasurement&, const PosePoint&, NormalEquations&) noexcept;
+
+// The tool's field (core image included) in sensor frames and its derivative with respect to the five parameters;
+// reading 3 i + axis. Both spans hold 3 * model.sensors entries.
+void EvaluateField(const Model& model, const PosePoint& pose, std::span<double> field_sensor_T,
+                   std::span<std::array<double, kParameters>> jacobian) noexcept;
+
+// The same for the base's own sensors.
 struct ModelField {
   std::array<double, kReadings> field_sensor_T{};
   std::array<std::array<double, kParameters>, kReadings> jacobian{};

@@ -1,11 +1,10 @@
-// From a scan to whitened readings of the tool's field alone.
+// Readings as the solver wants them: the tool's field alone, whitened, with what else may have disturbed them.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
 #include "service/base/hall_scan.h"
-#include "service/tracker/linearise.h"
 #include "service/tracker/model.h"
 
 namespace omni::tracker {
@@ -17,11 +16,45 @@ struct Trust {
   double current_error_A = 3e-3;         // of a current sensor: offset ...
   double current_error_relative = 2e-3;  // ... gain ...
   double current_change_error = 0.1;     // ... and of the change since the last scan: lag is no straight line
+  double remanence_A = 0;                // field that the core keeps, as currents: it looks like theirs
+  bool currents_hidden = false;          // currents are not known at all: three unknowns without a prior
+  double ambient_error_T = 0;            // of a uniform field that came after the background was measured
   double age_error_s = 5e-5;             // of a sensor's age: half its resolution
   double current_age_s = 3.75e-4;       // currents: means of 4 samples per tick, middle this long before the tick's end
   double field_max_T = 5e-3;            // a larger value is no reading
   std::int64_t age_max_ns = 5'000'000;  // an older sample is not used
 };
+
+// Nothing but sensor noise: for readings whose model is exact.
+Trust NoiseOnly() noexcept;
+
+using NuisanceMatrix = std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>;
+
+// One scan, whitened: weight = diag(1/sigma) gain per sensor (zero row: that axis is not used), so that a residual is
+// weight * B_model - whitened. Rates move the pose back to each sensor's own instant. docs/theory/tracking.md (4), (6)
+template <int kCapacity>
+struct BasicMeasurement {
+  using Lanes = std::array<double, kCapacity>;
+  int sensors = 0;
+  std::array<Lanes, 9> weight{};
+  std::array<Lanes, 3> whitened{};
+  std::array<Lanes, 3> inverse_sigma{};  // 1/T per sensor axis; 0: not used
+  Lanes age_s{};
+  // Nuisances are unknowns of every scan, eliminated from the normal equations: whitened columns (row 3 n + axis), what
+  // the usable axes say about them, C^T C, and S = (C^T C + prior)^-1; row-major, kNuisancesMax to a row.
+  int nuisances = 0;
+  std::array<Lanes, std::size_t{3} * kNuisancesMax> nuisance{};
+  NuisanceMatrix nuisance_information{};
+  NuisanceMatrix nuisance_covariance{};
+  std::array<double, 3> velocity_base_m_s{};
+  std::array<double, 3> axis_rate_base_1_s{};
+  double moment_scale = 1;  // of the model's moment
+  double field_rms_T = 0;   // |B| of the tool, root mean square over the usable readings
+  int axes = 0;             // usable readings
+  int fixed = 0;            // of those, spent on unknowns without a prior
+};
+using Measurement = BasicMeasurement<kSensors>;            // of the base, in the tick
+using ArrayMeasurement = BasicMeasurement<kArraySensors>;  // of any array, off the tick
 
 // What is remembered of the scans before, so that each sensor's coil field is taken at that sensor's own instant.
 struct CurrentHistory {
@@ -36,9 +69,27 @@ struct CurrentHistory {
 // latest stamps of the past second show where its ticks end.
 CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept;
 
-// Subtracts the coils, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.
-// `now` = Remember(scan, previous).
+// Offsets that were found to be in the readings.
+struct Offsets {
+  std::array<double, base::kCoilCount> remanence_A{}, remanence_variance_A2{};
+  std::array<double, 3> ambient_base_T{};
+};
+
+// Subtracts coils and offsets, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.
+// `now` = Remember(scan, previous). Precondition: the model has kSensors sensors.
 Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::HallScan& scan,
-                            const CurrentHistory& previous, const CurrentHistory& now) noexcept;
+                            const CurrentHistory& previous, const CurrentHistory& now,
+                            const Offsets& offsets = {}) noexcept;
+
+// One sensor of any array at one instant.
+struct ArrayReading {
+  base::Vec3 field_sensor_T;    // not finite: unusable
+  unsigned saturated_axes = 0;  // bit axis
+};
+
+// The same for readings taken at rest: `readings` has model.sensors entries.
+void MakeArrayMeasurement(const Model& model, const Trust& trust, const ArrayReading* readings,
+                          const std::array<double, base::kCoilCount>& coil_current_A,
+                          ArrayMeasurement& result) noexcept;
 
 }  // namespace omni::tracker

@@ -1,23 +1,23 @@
 #include "service/tracker/model.h"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "service/base/eigen.h"
-#include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
 
 namespace omni::tracker {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 void PlaceSensors(const base::Calibration& calibration, Model& model) {
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    const base::SensorCalibration& sensor = calibration.sensors[i];
+  model.sensors = static_cast<int>(calibration.sensors.size());
+  for (std::size_t i = 0; i < kArraySensors; ++i) {
+    const base::SensorCalibration& sensor = calibration.sensors[std::min(i, calibration.sensors.size() - 1)];
     const Vector3d s = base::ToEigen(sensor.position_base_m);
-    const Vector3d shape = s / (s.squaredNorm() * s.norm());
+    const double r3 = s.squaredNorm() * s.norm();
+    const Vector3d shape = r3 > 0 ? Vector3d(s / r3) : Vector3d::Zero();  // at the origin only where there is no core
     const base::Vec3& background = sensor.background_sensor_T;
     model.background_sensor_T[0][i] = background.x;
     model.background_sensor_T[1][i] = background.y;
@@ -33,66 +33,61 @@ void PlaceSensors(const base::Calibration& calibration, Model& model) {
   }
 }
 
-Matrix3d GainSensorBase(const Model& model, std::size_t i) {
-  Matrix3d G;
-  for (std::size_t e = 0; e < 9; ++e) {
-    G(static_cast<int>(e) / 3, static_cast<int>(e) % 3) = model.gain_sensor_base[e][i];
+void PlaceTool(const base::Calibration& calibration, Rung rung, ToolSource<double>& tool) {
+  magnetics::DiscMagnet magnet = magnetics::MakeDiscMagnet(calibration.magnet, calibration.moment_Am2);
+  if (rung != Rung::kFull) {
+    magnet.zonal = {magnet.moment_Am2, 0, 0};
+    magnet.point_count = 1;
+    magnet.points = {};
+    magnet.points[0].share = 1;
   }
-  return G;
+  std::copy(magnet.zonal.begin(), magnet.zonal.end(), tool.zonal);
+  tool.multipole = magnet.zonal[1] != 0 || magnet.zonal[2] != 0;
+  tool.points = rung == Rung::kDipole || !(calibration.core_radius_m > 0) ? 0 : magnet.point_count;
+  tool.core_radius_m = calibration.core_radius_m;
+  tool.core_kappa = calibration.core_kappa;
+  for (std::size_t i = 0; i < magnet.points.size(); ++i) {
+    const magnetics::MagnetPoint& point = magnet.points[i];
+    tool.ring_1_m[i] = point.ring_1_m;
+    tool.ring_2_m[i] = point.ring_2_m;
+    tool.axial_m[i] = point.axial_m;
+    tool.moment_Am2[i] = point.share * magnet.moment_Am2;
+  }
 }
 
-// Where the cold start looks: shells between contact and the far end of the haptic reach, 12 directions on a Fibonacci
-// spiral over the upper hemisphere and a little below. docs/theory/tracking.md (9)
-base::Vec3 GridPoint(int index) {
-  constexpr int kDirections = 12;
-  constexpr double kRadii_m[] = {0.050, 0.082, 0.135};
-  static_assert(kDirections * std::size(kRadii_m) == kGridPoints);
-  const int shell = index / kDirections;
-  const int i = index % kDirections;
-  const double z = -0.15 + 1.15 * (i + 0.5) / kDirections;
-  const double phi = i * std::numbers::pi * (3 - std::sqrt(5.0)) + shell;
-  const double r = kRadii_m[shell];
-  const double rho = std::sqrt(1 - z * z);
-  return {r * rho * std::cos(phi), r * rho * std::sin(phi), r * z};
-}
-
-// G_p: dipole at p plus the core's uniform answer a^3 kappa D(p) m 1e7 at the origin.
-void PrepareGrid(Model& model) {
-  const double a3 = std::pow(model.core_radius_m, 3) * model.core_kappa / magnetics::kMu0Over4Pi;
-  for (std::size_t g = 0; g < kGridPoints; ++g) {
-    model.grid_base_m[g] = GridPoint(static_cast<int>(g));
-    const Vector3d p = base::ToEigen(model.grid_base_m[g]);
-    for (std::size_t i = 0; i < kSensors; ++i) {
-      const Vector3d s(model.sensor_position_base_m[0][i], model.sensor_position_base_m[1][i],
-                       model.sensor_position_base_m[2][i]);
-      const Matrix3d G = GainSensorBase(model, i) * (magnetics::DipoleMatrix(s - p) +
-                                                     a3 * magnetics::DipoleMatrix(s) * magnetics::DipoleMatrix(p));
-      for (std::size_t e = 0; e < 9; ++e) {
-        model.grid_field_sensor[g][9 * i + e] = G(static_cast<int>(e) / 3, static_cast<int>(e) % 3);
-      }
-    }
-  }
+ToolSource<float> Narrow(const ToolSource<double>& tool) {
+  ToolSource<float> narrow{};
+  const auto copy = [](const auto& from, auto& to) {
+    std::transform(std::begin(from), std::end(from), std::begin(to), [](double x) { return static_cast<float>(x); });
+  };
+  copy(tool.ring_1_m, narrow.ring_1_m);
+  copy(tool.ring_2_m, narrow.ring_2_m);
+  copy(tool.axial_m, narrow.axial_m);
+  copy(tool.moment_Am2, narrow.moment_Am2);
+  copy(tool.zonal, narrow.zonal);
+  narrow.multipole = tool.multipole;
+  narrow.points = tool.points;
+  narrow.core_radius_m = static_cast<float>(tool.core_radius_m);
+  narrow.core_kappa = static_cast<float>(tool.core_kappa);
+  return narrow;
 }
 
 }  // namespace
 
-Model MakeModel(const base::Calibration& calibration) {
+Model MakeModel(const base::Calibration& calibration, Rung rung) {
   Model model;
-  const magnetics::DiscMagnet magnet = magnetics::MakeDiscMagnet(calibration.magnet, calibration.moment_Am2);
-  model.tool_zonal = magnet.zonal;
-  for (std::size_t s = 0; s < model.tool_points.size(); ++s) {
-    const magnetics::MagnetPoint& point = magnet.points[s];
-    model.tool_points[s] = {point.ring_1_m, point.ring_2_m, point.axial_m, point.share * magnet.moment_Am2};
-  }
+  PlaceSensors(calibration, model);
+  PlaceTool(calibration, rung, model.tool);
+  model.tool_float = Narrow(model.tool);
+  model.moment_Am2 = calibration.moment_Am2;
   model.noise_T = calibration.sensor_noise_T;
-  model.core_radius_m = calibration.core_radius_m;
-  model.core_kappa = calibration.core_kappa;
   model.magnet_radius_m = calibration.magnet.radius_m;
-  model.magnet_half_height_m = calibration.magnet.half_height_m;
+  model.magnet_half_height_m = calibration.magnet.shape == base::MagnetShape::kSphere
+                                   ? calibration.magnet.radius_m
+                                   : calibration.magnet.half_height_m;
   model.hull_radius_m = calibration.hull_radius_m;
   model.tip_offset_m = calibration.magnet.tip_offset_m;
-  PlaceSensors(calibration, model);
-  PrepareGrid(model);
+  model.grid = MakeColdGrid(calibration);
   return model;
 }
 

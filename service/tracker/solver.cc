@@ -1,15 +1,13 @@
 #include "service/tracker/solver.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "service/magnetics/disc_magnet.h"
+#include "service/tracker/cholesky.h"
 
 namespace omni::tracker {
 namespace {
-
-using Vector5d = Eigen::Matrix<double, kParameters, 1>;
 
 constexpr double kStepMax_m = 0.03;  // of one iteration
 constexpr double kTurnMax_rad = 0.7;
@@ -20,20 +18,139 @@ constexpr double kDampingMax = 1e8;
 
 void Store(const Eigen::Vector3d& v, std::array<double, 3>& out) noexcept { out = {v.x(), v.y(), v.z()}; }
 
-// (JtJ + damping diag(JtJ)) d = -Jtr   [Marquardt 1963]
-Vector5d DampedStep(const Matrix5d& H, const Vector5d& g, double damping) noexcept {
-  Matrix5d A = H;
-  A.diagonal() *= 1 + damping;
-  Vector5d d = -A.ldlt().solve(g);
-  const double shrink = std::max({1.0, d.head<3>().norm() / kStepMax_m, d.tail<2>().norm() / kTurnMax_rad});
-  return d / shrink;
+template <int kCount>
+using Step = std::array<double, kCount>;
+
+// Keeps a step within what the linearisation can mean.
+template <int kCount>
+void Shorten(Step<kCount>& d) noexcept {
+  const double metres = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  double shrink = std::max(1.0, metres / kStepMax_m);
+  if constexpr (kCount == kParameters) shrink = std::max(shrink, std::hypot(d[3], d[4]) / kTurnMax_rad);
+  if (shrink == 1) return;
+  for (double& x : d) x /= shrink;
 }
 
 // p + dp; u + a e1 + b e2, normalised: a step on the sphere without a singular direction.
-Pose Retract(const Pose& pose, const PosePoint& point, const Vector5d& d) noexcept {
-  const Eigen::Map<const Eigen::Vector3d> e1(point.tangent_1_base.data());
-  const Eigen::Map<const Eigen::Vector3d> e2(point.tangent_2_base.data());
-  return {pose.position_base_m + d.head<3>(), (pose.axis_base + d[3] * e1 + d[4] * e2).normalized()};
+template <int kCount>
+Pose Retract(const Pose& pose, const PosePoint& point, const Step<kCount>& d) noexcept {
+  Pose next{pose.position_base_m + Eigen::Vector3d(d[0], d[1], d[2]), pose.axis_base};
+  if constexpr (kCount == kParameters) {
+    const Eigen::Map<const Eigen::Vector3d> e1(point.tangent_1_base.data());
+    const Eigen::Map<const Eigen::Vector3d> e2(point.tangent_2_base.data());
+    next.axis_base = (pose.axis_base + d[3] * e1 + d[4] * e2).normalized();
+  }
+  return next;
+}
+
+template <int kCount>
+double Quadratic(const NormalEquations& equations, const Step<kCount>& d) noexcept {
+  double sum = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    double row = 0;
+    for (std::size_t j = 0; j < kCount; ++j) row += equations.JtJ[kParameters * i + j] * d[j];
+    sum += d[i] * row;
+  }
+  return sum;
+}
+
+// One scan's problem with a place to evaluate it.
+template <class Real, int kCapacity, int kCount>
+class Search {
+ public:
+  Search(const Model& model, const BasicMeasurement<kCapacity>& measurement, const SolveOptions& options) noexcept
+      : measurement_(measurement),
+        options_(options),
+        kernel_(options.kernel != nullptr ? *options.kernel : ActiveKernel()),
+        task_{kCount, measurement.nuisances, options.last_sums != nullptr} {
+    Pack(model, measurement, problem_);
+  }
+
+  Fit Run(const Pose& start) noexcept {
+    Fit fit;
+    fit.pose = start;
+    PosePoint point = MakePosePoint(start);
+    NormalEquations current = Evaluate(point);
+    fit.iterations = 1;
+    fit.chi2 = current.chi2;
+    double lambda = options_.damping;
+    while (std::isfinite(current.chi2)) {
+      SmallCholesky<kCount> factors;
+      if (!factors.Factor(current.JtJ.data(), kParameters, lambda)) break;
+      Step<kCount> g{};
+      for (std::size_t i = 0; i < kCount; ++i) g[i] = -current.Jtr[i];
+      Step<kCount> d = factors.Solve(g);
+      Shorten<kCount>(d);
+      const double decrement = Quadratic<kCount>(current, d);
+      if (!(decrement <= 1e300)) break;
+      const Pose candidate = Retract<kCount>(fit.pose, point, d);
+      const bool last = fit.iterations >= options_.iterations_max;
+      const bool small = decrement < kDecrementDone && lambda <= kDampingNewton;
+      if (options_.take_every_step ? last : small) {
+        Finish(current, d, decrement, lambda, candidate, factors, fit);
+        break;
+      }
+      if (last) break;
+      const PosePoint next_point = MakePosePoint(candidate);
+      const NormalEquations next = Evaluate(next_point);
+      ++fit.iterations;
+      if (next.chi2 <= current.chi2 || options_.take_every_step) {  // false for NaN
+        current = next;
+        point = next_point;
+        fit.pose = candidate;
+        fit.chi2 = next.chi2;
+        lambda = lambda > 1e-9 ? lambda * 0.1 : 0;
+      } else {
+        lambda = std::max(kDampingFirst, lambda * 10);
+        if (!(lambda < kDampingMax)) break;
+      }
+    }
+    return fit;
+  }
+
+ private:
+  NormalEquations Evaluate(const PosePoint& point) noexcept {
+    KernelSums sums;
+    Sum(kernel_, problem_.blocks, problem_.block_count, problem_.tool,
+        ToKernel(point, measurement_.velocity_base_m_s, measurement_.axis_rate_base_1_s), task_, sums);
+    NormalEquations equations;
+    Eliminate(task_, sums, measurement_.nuisance_covariance, equations);
+    if (options_.last_sums != nullptr) *options_.last_sums = sums;
+    return equations;
+  }
+
+  // The quadratic model is exact at this size: takes the step without another evaluation.
+  void Finish(const NormalEquations& at, const Step<kCount>& d, double decrement, double lambda, const Pose& candidate,
+              SmallCholesky<kCount>& factors, Fit& fit) noexcept {
+    double gd = 0;
+    for (std::size_t i = 0; i < kCount; ++i) gd += at.Jtr[i] * d[i];
+    fit.pose = candidate;
+    fit.chi2 = std::max(0.0, at.chi2 + 2 * gd + decrement);
+    if (lambda > 0 && !factors.Factor(at.JtJ.data(), kParameters, 0)) return;
+    fit.converged = true;
+    for (std::size_t column = 0; column < kCount; ++column) {
+      Step<kCount> unit{};
+      unit[column] = 1;
+      const Step<kCount> x = factors.Solve(unit);
+      for (std::size_t row = 0; row < kCount; ++row) {
+        fit.covariance(static_cast<int>(row), static_cast<int>(column)) = x[row];
+      }
+      fit.converged = fit.converged && x[column] > 0 && x[column] < 1e300;
+    }
+  }
+
+  const BasicMeasurement<kCapacity>& measurement_;
+  const SolveOptions& options_;
+  const Kernel& kernel_;
+  KernelTask task_;
+  Problem<Real, kCapacity> problem_;
+};
+
+template <class Real, int kCapacity>
+Fit SolveIn(const Model& model, const BasicMeasurement<kCapacity>& measurement, const Pose& start,
+            const SolveOptions& options) noexcept {
+  if (options.parameters == 3) return Search<Real, kCapacity, 3>(model, measurement, options).Run(start);
+  return Search<Real, kCapacity, kParameters>(model, measurement, options).Run(start);
 }
 
 }  // namespace
@@ -48,50 +165,13 @@ PosePoint MakePosePoint(const Pose& pose) noexcept {
   return point;
 }
 
-Fit SolvePose(const Model& model, const Measurement& measurement, const Pose& start, double damping,
-              int iterations_max) noexcept {
-  Fit fit;
-  fit.pose = start;
-  PosePoint point = MakePosePoint(start);
-  NormalEquations current;
-  Linearise(model, measurement, point, current);
-  fit.iterations = 1;
-  fit.chi2 = current.chi2;
-  if (!std::isfinite(current.chi2)) return fit;
-
-  double lambda = damping;
-  for (;;) {
-    const Matrix5d H = Eigen::Map<const Matrix5d>(current.JtJ.data());
-    const Vector5d g = Eigen::Map<const Vector5d>(current.Jtr.data());
-    const Vector5d d = DampedStep(H, g, lambda);
-    if (!d.allFinite()) break;
-    const Pose candidate = Retract(fit.pose, point, d);
-    const double decrement = d.dot(H * d);
-    if (decrement < kDecrementDone && lambda <= kDampingNewton) {
-      // The quadratic model is exact at this size: take the step without another evaluation.
-      fit.pose = candidate;
-      fit.chi2 = std::max(0.0, current.chi2 + 2 * g.dot(d) + decrement);
-      fit.covariance = H.ldlt().solve(Matrix5d::Identity());
-      fit.converged = fit.covariance.allFinite() && (fit.covariance.diagonal().array() > 0).all();
-      break;
-    }
-    if (fit.iterations >= iterations_max) break;
-    const PosePoint next_point = MakePosePoint(candidate);
-    NormalEquations next;
-    Linearise(model, measurement, next_point, next);
-    ++fit.iterations;
-    if (next.chi2 <= current.chi2) {  // false for NaN
-      current = next;
-      point = next_point;
-      fit.pose = candidate;
-      fit.chi2 = next.chi2;
-      lambda = lambda > 1e-9 ? lambda * 0.1 : 0;
-    } else {
-      lambda = std::max(kDampingFirst, lambda * 10);
-      if (!(lambda < kDampingMax)) break;
-    }
-  }
-  return fit;
+template <int kCapacity>
+Fit SolvePose(const Model& model, const BasicMeasurement<kCapacity>& measurement, const Pose& start,
+              const SolveOptions& options) noexcept {
+  return options.precision == Precision::kFloat ? SolveIn<float>(model, measurement, start, options)
+                                                : SolveIn<double>(model, measurement, start, options);
 }
+template Fit SolvePose(const Model&, const Measurement&, const Pose&, const SolveOptions&) noexcept;
+template Fit SolvePose(const Model&, const ArrayMeasurement&, const Pose&, const SolveOptions&) noexcept;
 
 }  // namespace omni::tracker

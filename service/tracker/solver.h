@@ -14,6 +14,19 @@ struct Pose {
   Eigen::Vector3d axis_base = -Eigen::Vector3d::UnitZ();  // unit
 };
 
+enum class Precision : std::uint8_t { kFloat, kDouble };  // of the sums; the steps are always double
+
+struct SolveOptions {
+  Precision precision = Precision::kDouble;
+  int parameters = kParameters;     // 3: the axis is held, its covariance is zero
+  int iterations_max = 20;          // evaluations of the model
+  double damping = 0;               // 0 trusts the start (warm), > 0 steps carefully at first (cold)
+  bool take_every_step = false;     // exactly iterations_max Gauss-Newton steps, none refused: for benches
+  bool moment = false;              // also tells what the scan says about the moment
+  KernelSums* last_sums = nullptr;  // the sums of the last evaluation, with the moment's column, go here
+  const Kernel* kernel = nullptr;   // null: ActiveKernel()
+};
+
 struct Fit {
   Pose pose;
   double chi2 = 0;
@@ -23,9 +36,17 @@ struct Fit {
   Matrix5d covariance = Matrix5d::Zero();
 };
 
-// Minimises |r|^2 from `start`. damping: 0 trusts the start (warm), > 0 steps carefully at first (cold).
-Fit SolvePose(const Model& model, const Measurement& measurement, const Pose& start, double damping,
-              int iterations_max) noexcept;
+// Minimises |r|^2 from `start`.
+template <int kCapacity>
+Fit SolvePose(const Model& model, const BasicMeasurement<kCapacity>& measurement, const Pose& start,
+              const SolveOptions& options) noexcept;
+extern template Fit SolvePose(const Model&, const Measurement&, const Pose&, const SolveOptions&) noexcept;
+extern template Fit SolvePose(const Model&, const ArrayMeasurement&, const Pose&, const SolveOptions&) noexcept;
+
+inline Fit SolvePose(const Model& model, const Measurement& measurement, const Pose& start, double damping,
+                     int iterations_max) noexcept {
+  return SolvePose(model, measurement, start, {.iterations_max = iterations_max, .damping = damping});
+}
 
 PosePoint MakePosePoint(const Pose& pose) noexcept;
 

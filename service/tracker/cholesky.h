@@ -1,0 +1,58 @@
+// L D L^T of a small symmetric matrix, without pivoting: for normal equations in the tick. Scaled to a unit diagonal
+// first, since metres and radians differ by orders of magnitude.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace omni::tracker {
+
+template <int kSize>
+class SmallCholesky {
+ public:
+  using Vector = std::array<double, kSize>;
+
+  // Factors A + damping diag(A), A row-major with `stride` to a row. False: not positive definite or not finite.
+  bool Factor(const double* A, int stride, double damping) noexcept {
+    for (int i = 0; i < kSize; ++i) {
+      const double diagonal = A[i * stride + i];
+      if (!(diagonal > 0 && diagonal <= 1e300)) return false;
+      scale_[i] = 1 / std::sqrt(diagonal);
+    }
+    for (int j = 0; j < kSize; ++j) {
+      double d = 1 + damping;
+      for (int k = 0; k < j; ++k) d -= L_[j][k] * L_[j][k] * D_[k];
+      if (!(d > 1e-13)) return false;
+      D_[j] = d;
+      inverse_[j] = 1 / d;
+      for (int i = j + 1; i < kSize; ++i) {
+        double sum = A[i * stride + j] * scale_[i] * scale_[j];
+        for (int k = 0; k < j; ++k) sum -= L_[i][k] * L_[j][k] * D_[k];
+        L_[i][j] = sum * inverse_[j];
+      }
+    }
+    return true;
+  }
+
+  Vector Solve(const Vector& b) const noexcept {
+    Vector x;
+    for (int i = 0; i < kSize; ++i) {
+      double sum = b[static_cast<std::size_t>(i)] * scale_[i];
+      for (int k = 0; k < i; ++k) sum -= L_[i][k] * x[static_cast<std::size_t>(k)];
+      x[static_cast<std::size_t>(i)] = sum;
+    }
+    for (int i = kSize - 1; i >= 0; --i) {
+      double sum = x[static_cast<std::size_t>(i)] * inverse_[i];
+      for (int k = i + 1; k < kSize; ++k) sum -= L_[k][i] * x[static_cast<std::size_t>(k)];
+      x[static_cast<std::size_t>(i)] = sum;
+    }
+    for (int i = 0; i < kSize; ++i) x[static_cast<std::size_t>(i)] *= scale_[i];
+    return x;
+  }
+
+ private:
+  double L_[kSize][kSize]{}, D_[kSize]{}, inverse_[kSize]{}, scale_[kSize]{};
+};
+
+}  // namespace omni::tracker

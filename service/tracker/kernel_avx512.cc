@@ -1,0 +1,11 @@
+// Compiled for AVX-512 (F, VL, DQ): doubles eight at a time.
+#define OMNI_KERNEL_BYTES 64
+#include "service/tracker/kernel_body.h"
+#include "service/tracker/kernel_score.h"
+
+namespace omni::tracker {
+
+extern const Kernel kKernelAvx512;
+const Kernel kKernelAvx512{"avx512", SumAny<float>, SumAny<double>, ScorePlaces, FieldOfBlock};
+
+}  // namespace omni::tracker

@@ -1,0 +1,28 @@
+// What disturbs all sensors in a known shape but by an unknown amount: errors of the three currents (or the currents
+// themselves; the core's remanence looks the same), and a uniform ambient field. docs/theory/tracking.md (4)
+#pragma once
+
+#include <array>
+
+#include "service/tracker/measurement.h"
+
+namespace omni::tracker {
+
+// Fills the nuisance fields of `result`, whose weights are set. Variance 0: left out; infinite: no prior, the shape is
+// projected out of what the usable axes see. Shapes that no usable axis sees cost nothing.
+template <int kCapacity>
+void SetNuisances(const Model& model, const std::array<double, base::kCoilCount>& current_variance_A2,
+                  double ambient_variance_T2, BasicMeasurement<kCapacity>& result) noexcept;
+
+extern template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, double,
+                                  Measurement&) noexcept;
+extern template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, double,
+                                  ArrayMeasurement&) noexcept;
+
+// Replaces the priors by a full covariance of the nuisances, row-major, kNuisancesMax to a row.
+void SetNuisancePrior(const NuisanceMatrix& covariance, Measurement& result) noexcept;
+
+// In place, the leading n x n (`stride` to a row) of a positive definite matrix. False: not positive definite.
+bool InvertSymmetric(int n, int stride, double* matrix) noexcept;
+
+}  // namespace omni::tracker
