@@ -28,6 +28,7 @@ constexpr Bench kBenches[] = {
     {"tracking", "error of the tracker against the twin", BenchTracking},
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
+    {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
 };
 
 std::string Machine() {

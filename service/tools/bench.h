@@ -34,6 +34,9 @@ base::Result<BenchRows> BenchLoop(const BenchOptions& options);
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 
+// Per base: rig, seed, before_mm, raw_mm, aligned_mm, systematic_mm, seconds and more; then mean and worst.
+base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
+
 // Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, levels.
 base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 

@@ -16,7 +16,7 @@ struct CommandEntry {
   void (*add)(CLI::App& app);
 };
 constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},  {AddDoctor}, {AddScene}, {AddTwin},
-                                      {AddBench},  {AddReport}, {AddTrack},  {AddPaper}};
+                                      {AddBench},  {AddReport}, {AddTrack},  {AddPaper}, {AddCalibrate}};
 
 constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
 constexpr const char* kExitCodes =

@@ -18,5 +18,6 @@ void AddBenchPlot(CLI::App& bench);  // below it
 void AddReport(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddPaper(CLI::App& app);
+void AddCalibrate(CLI::App& app);
 
 }  // namespace omni::tools
