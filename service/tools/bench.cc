@@ -25,6 +25,8 @@ struct Bench {
 constexpr Bench kBenches[] = {
     {"loop", "one tick of the service, per scene (the twin's time excluded)", BenchLoop},
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
+    {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
+    {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 
 std::string Machine() {

@@ -25,6 +25,12 @@ base::Result<BenchRows> BenchLoop(const BenchOptions& options);
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 
+// Force map against the twin, by model and gap; timing: model, gap_mm, error_median_pct, ..., stage, us_median, us_p99.
+base::Result<BenchRows> BenchForce(const BenchOptions& options);
+
+// Heat runs of the paper on the twin and in the host: run, model, peak_C, peak_s, end_C, copper_peak_C, ...
+base::Result<BenchRows> BenchThermal(const BenchOptions& options);
+
 // {"name", "commit", "machine", "rows"}
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);
 // Aligned columns, one line a row.
