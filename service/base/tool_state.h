@@ -15,6 +15,15 @@ enum class TrackingStatus : std::uint8_t {
   kTracking = 2  // pose belongs to this scan
 };
 
+// What limits this state, as bits. docs/theory/tracking.md, Limits
+enum ToolLimit : std::uint32_t {
+  kToolTilted = 1,        // within 15 degrees of perpendicular to the radius: one direction of force is out of reach
+  kToolCoarse = 2,        // far from the sensors: this scan alone knows the position to no better than 1 mm
+  kToolFewReadings = 4,   // half of the readings are unusable: another pose could fit as well
+  kToolSaturated = 8,     // a sensor axis is at its limit and left out
+  kToolContradicted = 16  // a magnet is there, but no pose fits: a second magnet, a stuck, swapped or broken sensor
+};
+
 // Frame B: origin at the core's centre, +z up, right handed, metres.
 // The tool's axis u is the unit vector along the magnetic moment, from the magnet's centre to the tip.
 // The device point (HIP) is position + tip_offset_m * axis.
@@ -34,6 +43,7 @@ struct ToolState {
   double chi2 = 0;  // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;
+  std::uint32_t limits = 0;  // ToolLimit bits
 };
 static_assert(std::is_trivially_copyable_v<ToolState>);
 

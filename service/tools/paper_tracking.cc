@@ -163,7 +163,7 @@ std::string Figure(const std::array<Both, 2>& results) {
   Svg svg(900, 430);
   PlotBox box{.title = "Distribution of the tracking error on the twin (after Fig. 6)",
               .x = {"distance to the truth, mm", 0, 16},
-              .y = {"share of the poses per 0.5 mm, %", 0, 24}};
+              .y = {"share of the poses per 0.5 mm, %", 0, 16}};
   using Mark = PlotSeries::Mark;
   std::vector<PlotSeries> series{
       Distribution("paper's method, no current", PlotColour(0), Mark::kLine, results[0].paper.distance_mm),
@@ -172,14 +172,14 @@ std::string Figure(const std::array<Both, 2>& results) {
     const double x = kConditions[i].text.mean;
     series.push_back({.name = i == 0 ? "paper's mean, no current" : "paper's mean, +-4 A",
                       .colour = PlotColour(i),
-                      .points = {{x, 0}, {x, 24}},
+                      .points = {{x, 0}, {x, 16}},
                       .mark = Mark::kDashes});
   }
   for (std::size_t i = 0; i < 2; ++i) {
     const double x = Mean(results[i].ours.distance_mm);
     series.push_back({.name = i == 0 ? "our mean, no current" : "our mean, +-4 A",
                       .colour = PlotColour(i),
-                      .points = {{x, 23.0 - 1.5 * static_cast<double>(i)}},
+                      .points = {{x, 15.0 - static_cast<double>(i)}},
                       .mark = Mark::kDiamonds});
   }
   DrawPlot(svg, box, series);

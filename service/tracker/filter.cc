@@ -127,13 +127,15 @@ void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) no
   AddAngularAcceleration(noise.angular_acceleration_rad2_s3, dt_s, state);
 }
 
-void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s,
+void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, bool with_axis,
                    FilterState& state) noexcept {
   if (!CorrectPosition(noise, measured, dt_s, state)) {
+    const double variance_angle = state.variance_angle;
     ResetFilter(measured, state);
+    if (!with_axis) state.variance_angle = variance_angle;
     return;
   }
-  CorrectAxis(noise, measured, dt_s, state);
+  if (with_axis) CorrectAxis(noise, measured, dt_s, state);
 }
 
 }  // namespace omni::tracker

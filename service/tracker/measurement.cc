@@ -122,27 +122,35 @@ CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previo
 }
 
 Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::HallScan& scan,
-                            const CurrentHistory& previous, const CurrentHistory& now) noexcept {
+                            const CurrentHistory& previous, const CurrentHistory& now,
+                            const Offsets& offsets) noexcept {
   Measurement result;
   result.sensors = kSensors;
   const bool known = !trust.currents_hidden;
   if (known && !ArePlausible(scan.coil_current_A)) return result;  // the coils' share is unknown: nothing is usable
-  const Currents current_A = known ? scan.coil_current_A : Currents{};
+  const Currents measured_A = known ? scan.coil_current_A : Currents{};
   const Currents rate_A_s = known ? CurrentRate(scan, previous) : Currents{};
+  Currents current_A{};
+  for (std::size_t k = 0; k < current_A.size(); ++k) current_A[k] = measured_A[k] + offsets.remanence_A[k];
   double square_sum = 0;
   for (std::size_t i = 0; i < kSensors; ++i) {
     if (!(scan.age_ns[i] >= 0 && scan.age_ns[i] <= trust.age_max_ns)) continue;
     result.age_s[i] = 1e-9 * static_cast<double>(scan.age_ns[i]);
     const double since_current_s = trust.current_age_s - now.stamp_lead_s - result.age_s[i];
-    square_sum += AddSensor(model, trust, scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7u,
-                            CoilsAt(model, i, current_A, rate_A_s, since_current_s), i, result);
+    CoilField coils = CoilsAt(model, i, current_A, rate_A_s, since_current_s);
+    for (std::size_t e = 0; e < 9; ++e)
+      coils.field_T[e / 3] += model.gain_sensor_base[e][i] * offsets.ambient_base_T[e % 3];
+    square_sum +=
+        AddSensor(model, trust, scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7u, coils, i, result);
   }
   if (result.axes > 0) result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
   Currents change_A{};
   for (std::size_t k = 0; k < change_A.size(); ++k) {
-    change_A[k] = rate_A_s[k] != 0 ? current_A[k] - previous.coil_current_A[k] : 0.0;
+    change_A[k] = rate_A_s[k] != 0 ? measured_A[k] - previous.coil_current_A[k] : 0.0;
   }
-  SetNuisances(model, CurrentVariance(trust, current_A, change_A), Square(trust.ambient_error_T), result);
+  Currents variance_A2 = CurrentVariance(trust, measured_A, change_A);
+  for (std::size_t k = 0; k < variance_A2.size(); ++k) variance_A2[k] += offsets.remanence_variance_A2[k];
+  SetNuisances(model, variance_A2, Square(trust.ambient_error_T), result);
   return result;
 }
 

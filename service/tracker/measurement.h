@@ -28,6 +28,8 @@ struct Trust {
 // Nothing but sensor noise: for readings whose model is exact.
 Trust NoiseOnly() noexcept;
 
+using NuisanceMatrix = std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>;
+
 // One scan, whitened: weight = diag(1/sigma) gain per sensor (zero row: that axis is not used), so that a residual is
 // weight * B_model - whitened. Rates move the pose back to each sensor's own instant. docs/theory/tracking.md (4), (6)
 template <int kCapacity>
@@ -38,11 +40,12 @@ struct BasicMeasurement {
   std::array<Lanes, 3> whitened{};
   std::array<Lanes, 3> inverse_sigma{};  // 1/T per sensor axis; 0: not used
   Lanes age_s{};
-  // Nuisances are unknowns of every scan, eliminated from the normal equations: whitened columns (row 3 n + axis) and
-  // S = (C^T C + diag(1/s^2))^-1, row-major, kNuisancesMax to a row.
+  // Nuisances are unknowns of every scan, eliminated from the normal equations: whitened columns (row 3 n + axis), what
+  // the usable axes say about them, C^T C, and S = (C^T C + prior)^-1; row-major, kNuisancesMax to a row.
   int nuisances = 0;
   std::array<Lanes, std::size_t{3} * kNuisancesMax> nuisance{};
-  std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax> nuisance_covariance{};
+  NuisanceMatrix nuisance_information{};
+  NuisanceMatrix nuisance_covariance{};
   std::array<double, 3> velocity_base_m_s{};
   std::array<double, 3> axis_rate_base_1_s{};
   double moment_scale = 1;  // of the model's moment
@@ -66,10 +69,17 @@ struct CurrentHistory {
 // latest stamps of the past second show where its ticks end.
 CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept;
 
-// Subtracts the coils, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.
+// Offsets that were found to be in the readings.
+struct Offsets {
+  std::array<double, base::kCoilCount> remanence_A{}, remanence_variance_A2{};
+  std::array<double, 3> ambient_base_T{};
+};
+
+// Subtracts coils and offsets, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.
 // `now` = Remember(scan, previous). Precondition: the model has kSensors sensors.
 Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::HallScan& scan,
-                            const CurrentHistory& previous, const CurrentHistory& now) noexcept;
+                            const CurrentHistory& previous, const CurrentHistory& now,
+                            const Offsets& offsets = {}) noexcept;
 
 // One sensor of any array at one instant.
 struct ArrayReading {

@@ -62,7 +62,7 @@ class Search {
       : measurement_(measurement),
         options_(options),
         kernel_(options.kernel != nullptr ? *options.kernel : ActiveKernel()),
-        task_{kCount, measurement.nuisances, options.moment} {
+        task_{kCount, measurement.nuisances, options.last_sums != nullptr} {
     Pack(model, measurement, problem_);
   }
 
@@ -115,6 +115,7 @@ class Search {
         ToKernel(point, measurement_.velocity_base_m_s, measurement_.axis_rate_base_1_s), task_, sums);
     NormalEquations equations;
     Eliminate(task_, sums, measurement_.nuisance_covariance, equations);
+    if (options_.last_sums != nullptr) *options_.last_sums = sums;
     return equations;
   }
 
@@ -135,22 +136,6 @@ class Search {
         fit.covariance(static_cast<int>(row), static_cast<int>(column)) = x[row];
       }
       fit.converged = fit.converged && x[column] > 0 && x[column] < 1e300;
-    }
-    if (options_.moment) SeeMoment(at, d, factors, fit);
-  }
-
-  // Schur complement of the pose: information M^T M - M^T J (J^T J)^-1 J^T M about the relative change of the moment,
-  // and its gradient at the solution. docs/theory/tracking.md (14)
-  void SeeMoment(const NormalEquations& at, const Step<kCount>& d, const SmallCholesky<kCount>& factors,
-                 Fit& fit) const noexcept {
-    Step<kCount> MtJ{};
-    for (std::size_t i = 0; i < kCount; ++i) MtJ[i] = at.MtJ[i];
-    const Step<kCount> x = factors.Solve(MtJ);
-    fit.moment_information = at.MtM;
-    fit.moment_gradient = -at.Mtr;
-    for (std::size_t i = 0; i < kCount; ++i) {
-      fit.moment_information -= MtJ[i] * x[i];
-      fit.moment_gradient -= MtJ[i] * d[i];
     }
   }
 

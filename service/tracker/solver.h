@@ -18,12 +18,13 @@ enum class Precision : std::uint8_t { kFloat, kDouble };  // of the sums; the st
 
 struct SolveOptions {
   Precision precision = Precision::kDouble;
-  int parameters = kParameters;    // 3: the axis is held, its covariance is zero
-  int iterations_max = 20;         // evaluations of the model
-  double damping = 0;              // 0 trusts the start (warm), > 0 steps carefully at first (cold)
-  bool take_every_step = false;    // exactly iterations_max Gauss-Newton steps, none refused: for benches
-  bool moment = false;             // also tells what the scan says about the moment
-  const Kernel* kernel = nullptr;  // null: ActiveKernel()
+  int parameters = kParameters;     // 3: the axis is held, its covariance is zero
+  int iterations_max = 20;          // evaluations of the model
+  double damping = 0;               // 0 trusts the start (warm), > 0 steps carefully at first (cold)
+  bool take_every_step = false;     // exactly iterations_max Gauss-Newton steps, none refused: for benches
+  bool moment = false;              // also tells what the scan says about the moment
+  KernelSums* last_sums = nullptr;  // the sums of the last evaluation, with the moment's column, go here
+  const Kernel* kernel = nullptr;   // null: ActiveKernel()
 };
 
 struct Fit {
@@ -33,8 +34,6 @@ struct Fit {
   bool converged = false;  // the last step was a small fraction of its own standard deviation
   // (J^T J)^-1 in (position, turn about the tangents of magnetics::MakeTangentBasis(axis)).
   Matrix5d covariance = Matrix5d::Zero();
-  // With the pose eliminated: the relative change of the moment that fits best has this mean times information.
-  double moment_information = 0, moment_gradient = 0;
 };
 
 // Minimises |r|^2 from `start`.

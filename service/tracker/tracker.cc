@@ -18,6 +18,8 @@ using Eigen::Vector3d;
 
 constexpr double kPredictMax_s = 0.020;
 constexpr double kColdDamping = 1e-2;
+constexpr double kCurrentStepMax_A = 1e3;
+constexpr double kForgetMax_s = 1e6;
 
 // Seconds from b to a. The difference of far-apart stamps does not fit 64 bits; it is out of any range anyway.
 double Elapsed_s(std::int64_t a_ns, std::int64_t b_ns) noexcept {
@@ -39,11 +41,17 @@ bool IsInReach(const Config& config, const Pose& pose) noexcept {
 struct Outcome {
   bool good = false;
   bool cold = false;
+  int parameters = kParameters;
   Fit fit;
 };
 
+Precision PrecisionOf(const Config& config) noexcept {
+  return config.trust.currents_hidden ? Precision::kDouble : config.precision;
+}
+
 // Starts at the predicted pose; the filter's rates take each sensor back to its own instant.
-Outcome TryWarm(const Config& config, const FilterState& predicted, Measurement& measurement) noexcept {
+Outcome TryWarm(const Config& config, const FilterState& predicted, int parameters, KernelSums* sums,
+                Measurement& measurement) noexcept {
   const Vector3d u = base::ToEigen(predicted.axis_base);
   const Vector3d u_rate = base::ToEigen(predicted.angular_velocity_base_rad_s).cross(u);
   const base::Vec3& v = predicted.velocity_base_m_s;
@@ -51,7 +59,11 @@ Outcome TryWarm(const Config& config, const FilterState& predicted, Measurement&
   measurement.axis_rate_base_1_s = {u_rate.x(), u_rate.y(), u_rate.z()};
   Outcome outcome;
   outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u},
-                          {.precision = Precision::kFloat, .iterations_max = config.iterations_max});
+                          {.precision = PrecisionOf(config),
+                           .parameters = parameters,
+                           .iterations_max = config.iterations_max,
+                           .last_sums = sums});
+  outcome.parameters = parameters;
   outcome.good = FitsReadings(config, measurement, outcome.fit) && IsInReach(config, outcome.fit.pose);
   return outcome;
 }
@@ -67,7 +79,7 @@ Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
     const int spent = outcome.fit.iterations;
     outcome.fit = SolvePose(
         config.model, measurement, candidates.poses[c],
-        {.precision = Precision::kFloat, .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
+        {.precision = PrecisionOf(config), .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
     outcome.fit.iterations += spent;
     const bool fits = FitsReadings(config, measurement, outcome.fit);
     outcome.good = fits && IsInReach(config, outcome.fit.pose);
@@ -119,10 +131,28 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
   return tool;
 }
 
-void Describe(const Measurement& measurement, const Fit& fit, base::ToolState& tool) noexcept {
-  tool.chi2 = std::isfinite(fit.chi2) ? fit.chi2 : std::numeric_limits<double>::max();
-  tool.dof = std::max(0, measurement.axes - measurement.fixed - kParameters);
-  tool.iterations = fit.iterations;
+std::uint32_t LimitsOf(const Config& config, const base::HallScan& scan, const Measurement& measurement,
+                       const Outcome& outcome, const base::ToolState& tool) noexcept {
+  std::uint32_t limits = 0;
+  const Vector3d p = base::ToEigen(tool.position_base_m);
+  const bool saturated = (scan.saturated_mask & ((1u << kReadings) - 1)) != 0;
+  const bool magnet = measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T;
+  if (std::abs(p.dot(base::ToEigen(tool.axis_base))) < config.tilted_cos * p.norm()) limits |= base::kToolTilted;
+  if (!(outcome.fit.covariance.topLeftCorner<3, 3>().trace() <= config.coarse_m * config.coarse_m)) {
+    limits |= base::kToolCoarse;
+  }
+  if (measurement.axes <= kReadings / 2) limits |= base::kToolFewReadings;
+  if (saturated) limits |= base::kToolSaturated;
+  if (!outcome.good && magnet) limits |= base::kToolContradicted;
+  return limits;
+}
+
+void Describe(const Config& config, const base::HallScan& scan, const Measurement& measurement, const Outcome& outcome,
+              base::ToolState& tool) noexcept {
+  tool.chi2 = std::isfinite(outcome.fit.chi2) ? outcome.fit.chi2 : std::numeric_limits<double>::max();
+  tool.dof = std::max(0, measurement.axes - measurement.fixed - outcome.parameters);
+  tool.iterations = outcome.fit.iterations;
+  tool.limits = LimitsOf(config, scan, measurement, outcome, tool);
 }
 
 base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
@@ -148,7 +178,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   const PoseMeasurement measured = ToMeasurement(outcome.fit);
   FilterState filter = predicted;
   if (continues && !outcome.cold) {
-    CorrectFilter(config.filter, measured, dt_s, filter);
+    CorrectFilter(config.filter, measured, dt_s, outcome.parameters == kParameters, filter);
   } else {
     ResetFilter(measured, filter);
   }
@@ -162,6 +192,31 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   return true;
 }
 
+// Every few scans all that drifts is an unknown. Hidden currents leave nothing to tell it by.
+bool IsWideScan(const Config& config, const State& state) noexcept {
+  return config.drift.enabled && !config.trust.currents_hidden &&
+         state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0;
+}
+
+void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& drift) noexcept {
+  std::array<double, base::kCoilCount> step_A{};
+  double sum_A = 0;
+  for (std::size_t k = 0; k < step_A.size(); ++k) {
+    step_A[k] = scan.coil_current_A[k] - drift.coil_current_A[k];
+    sum_A += std::abs(step_A[k]);
+  }
+  if (!(sum_A <= kCurrentStepMax_A)) step_A = {};  // not a current: the scan is not used
+  PredictDrift(config.drift, std::clamp(Elapsed_s(scan.t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, drift);
+  drift.t_ns = scan.t_ns;
+  if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
+}
+
+int ParametersOf(const Config& config, const State& state) noexcept {
+  const bool hold = config.level == Level::kPosition &&
+                    state.scans % static_cast<std::uint32_t>(std::max(1, config.axis_every_scans)) != 0;
+  return hold ? 3 : kParameters;
+}
+
 }  // namespace
 
 Config MakeConfig(const base::Calibration& calibration) {
@@ -172,9 +227,20 @@ Config MakeConfig(const base::Calibration& calibration) {
 
 Config MakeConfig(const base::DeviceGeometry& device) { return MakeConfig(magnetics::NominalCalibration(device)); }
 
+void SetLevel(Level level, Config& config) noexcept {
+  config.level = level;
+  config.trust.currents_hidden = level == Level::kBlindCurrents;
+}
+
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
+  ++state.scans;
   const CurrentHistory currents = Remember(scan, state.currents);
-  Measurement measurement = MakeMeasurement(config.model, config.trust, scan, state.currents, currents);
+  const bool wide = IsWideScan(config, state);
+  if (wide) ForgetDrift(config, scan, state.drift);
+  Measurement measurement = MakeMeasurement(config.model, config.trust, scan, state.currents, currents,
+                                            state.drift.valid ? OffsetsOf(state.drift) : Offsets{});
+  measurement.moment_scale = MomentScale(state.drift);
+  if (wide) AllowForDrift(config.model, state.drift, measurement);
   state.currents = currents;
 
   const double dt_s = Elapsed_s(scan.t_ns, state.filter_t_ns);
@@ -183,15 +249,20 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   if (continues) PredictFilter(config.filter, dt_s, predicted);
 
   Outcome outcome;
+  KernelSums sums;
   if (measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T) {
-    if (state.warm) outcome = TryWarm(config, predicted, measurement);
-    if (!outcome.good && --state.cold_pause < 0) {
+    if (state.warm) {
+      outcome = TryWarm(config, predicted, ParametersOf(config, state), wide ? &sums : nullptr, measurement);
+    }
+    const bool warm = outcome.good;
+    if (!warm && --state.cold_pause < 0) {
       outcome = TryCold(config, measurement);
       state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
     }
+    if (warm && wide) CorrectDrift(config.drift, measurement, sums, state.drift);
   }
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
-  Describe(measurement, outcome.fit, state.published);
+  Describe(config, scan, measurement, outcome, state.published);
   tool = state.published;
 }
 

@@ -9,20 +9,33 @@
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/tool_state.h"
+#include "service/tracker/drift.h"
 #include "service/tracker/filter.h"
 #include "service/tracker/measurement.h"
 #include "service/tracker/model.h"
+#include "service/tracker/solver.h"
 
 namespace omni::tracker {
 
+// What a scene needs; the less, the cheaper the tick.
+enum class Level : std::uint8_t {
+  kPose,          // position and axis from every scan
+  kPosition,      // position from every scan; the axis from every axis_every_scans-th, predicted in between
+  kBlindCurrents  // position and axis, without believing what the scans say of the coils' currents
+};
+
 struct Config {
-  Model model;                // prepared by MakeConfig: sensors, coil maps, magnet, core
-  Trust trust;                // of the readings
-  FilterNoise filter;         // how a hand moves
-  double chi2_max = 80;       // gate at 19 degrees of freedom: larger = this scan does not fit
-  double field_min_T = 4e-6;  // rms of the magnet's field over sensors below this: absent (0.5 m away)
-  int axes_min = 9;           // fewer usable readings: no pose
-  int iterations_max = 8;     // warm
+  Model model;                              // prepared by MakeConfig: sensors, coil maps, magnet, core
+  Trust trust;                              // of the readings
+  FilterNoise filter;                       // how a hand moves
+  DriftNoise drift;                         // how fast offsets and moment change
+  Level level = Level::kPose;               // see SetLevel
+  Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
+  int axis_every_scans = 8;                 // Level::kPosition
+  double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
+  double field_min_T = 4e-6;                // rms of the magnet's field over sensors below this: absent (0.5 m away)
+  int axes_min = 9;                         // fewer usable readings: no pose
+  int iterations_max = 8;                   // warm
   int cold_iterations_max = 30;
   int cold_pause_scans = 8;    // between two cold starts in vain
   double reach_min_m = 0.030;  // |position| outside [min, max] or below z_min_m: not a pose
@@ -30,7 +43,9 @@ struct Config {
   double z_min_m = -0.030;
   double coast_max_s = 0.100;       // older than this, the last pose is no start for the next
   double velocity_decay_s = 0.010;  // published velocities while lost
-  int lost_after_scans = 20;        // bad scans in a row before kAbsent
+  int lost_after_scans = 18;        // bad scans in a row before kAbsent: within 20 ms at 1 kHz
+  double coarse_m = 1e-3;           // kToolCoarse: standard deviation of one scan's position
+  double tilted_cos = 0.2588;       // kToolTilted: |cosine| between axis and radius below this (75 degrees)
 };
 
 struct State {
@@ -39,7 +54,9 @@ struct State {
   int bad_scans = 0;   // in a row
   int cold_pause = 0;  // scans to wait before the next cold start
   std::int64_t filter_t_ns = 0;
+  std::uint32_t scans = 0;
   FilterState filter;
+  DriftState drift;
   CurrentHistory currents;
   base::ToolState published;  // the last output
 };
@@ -47,6 +64,8 @@ static_assert(std::is_trivially_copyable_v<State>);
 
 Config MakeConfig(const base::Calibration& calibration);
 Config MakeConfig(const base::DeviceGeometry& device);  // uncalibrated: as drawn
+
+void SetLevel(Level level, Config& config) noexcept;
 
 // Warm start from `state` (predicted to the scan's time) or cold start without a hint. Never throws, allocates or
 // returns a non-finite pose: a scan that does not fit gives kLost (the last good pose, velocities fading) and, after

@@ -101,11 +101,12 @@ TEST(TrackerModel, JacobianMatchesDifferences) {
   }
 }
 
-// The kernel eliminates the current errors; here their covariance is written out, 24 x 24.
+// The kernel eliminates the errors of currents and the ambient field; here their covariance is written out, 24 x 24.
 TEST(TrackerModel, NormalEquationsAreThoseOfTheWhitenedJacobian) {
   Rng rng(3);
-  const Config config = MakeConfig(TurnedDevice(rng));
+  Config config = MakeConfig(TurnedDevice(rng));
   for (int i = 0; i < 200; ++i) {
+    config.trust.ambient_error_T = i % 2 == 0 ? 0 : 5e-7;
     const Pose pose = support::RandomPose(rng, config.model, 0.041, 0.12);
     const base::HallScan scan = support::MakeScan(config.model, pose, 0, rng, {.noise_scale = 30});
     Measurement measurement = MakeMeasurement(config.model, config.trust, scan, {}, {});
@@ -144,6 +145,14 @@ TEST(TrackerModel, NormalEquationsAreThoseOfTheWhitenedJacobian) {
             measurement.inverse_sigma[row % 3][row / 3] * config.model.coil_map_T_A[row * base::kCoilCount + k];
       }
       C += config.trust.current_error_A * config.trust.current_error_A * a * a.transpose();
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      Vector24d a;
+      for (std::size_t row = 0; row < kReadings; ++row) {
+        a[static_cast<int>(row)] =
+            measurement.inverse_sigma[row % 3][row / 3] * config.model.gain_sensor_base[3 * (row % 3) + c][row / 3];
+      }
+      C += config.trust.ambient_error_T * config.trust.ambient_error_T * a * a.transpose();
     }
     const auto solver = C.ldlt();
     using Matrix5 = Eigen::Matrix<double, kParameters, kParameters>;

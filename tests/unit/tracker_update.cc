@@ -71,6 +71,7 @@ TEST_F(TrackerUpdate, FirstScanIsAFix) {
 }
 
 TEST_F(TrackerUpdate, StillPenIsFilteredBelowOneScansNoise) {
+  config.drift.enabled = false;  // what it allows for slowly wanders
   Run(200);
   double filtered = 0, single = 0;
   for (int i = 0; i < 500; ++i) {
@@ -86,13 +87,15 @@ TEST_F(TrackerUpdate, StillPenIsFilteredBelowOneScansNoise) {
 TEST_F(TrackerUpdate, MovingPenHasItsVelocity) {
   const Vector3d v(0.15, 0.1, 0.05);
   const Vector3d w(2, -1, 0);
+  double sum_m = 0;
   for (int i = 0; i < 150; ++i) {
     pose.position_base_m += 1e-3 * v;
     pose.axis_base = base::ToEigen(TurnAxis(base::FromEigen(pose.axis_base), base::FromEigen(1e-3 * w)));
     Run(1);
+    if (i >= 50) sum_m += Error_m() / 100;
   }
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
-  EXPECT_LT(Error_m(), 5e-4);
+  EXPECT_LT(sum_m, 5e-4);
   EXPECT_LT((base::ToEigen(tool.velocity_base_m_s) - v).norm(), 0.05);
   const Vector3d w_visible = w - w.dot(pose.axis_base) * pose.axis_base;
   EXPECT_LT((base::ToEigen(tool.angular_velocity_base_rad_s) - w_visible).norm(), 1.0);

@@ -1,0 +1,132 @@
+#include "service/tracker/drift.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "service/tracker/cholesky.h"
+#include "service/tracker/nuisance.h"
+
+namespace omni::tracker {
+namespace {
+
+constexpr std::size_t kStates = kDriftStates;
+constexpr std::size_t kMoment = kNuisancesMax;
+
+double Square(double x) noexcept { return x * x; }
+
+struct Wander {
+  double variance, time_s;
+};
+
+Wander WanderOf(const DriftNoise& noise, std::size_t state) noexcept {
+  if (state < 3) return {Square(noise.remanence_A), noise.remanence_s};
+  if (state < kMoment) return {Square(noise.ambient_T), noise.ambient_s};
+  return {Square(noise.moment), noise.moment_s};
+}
+
+// Information and its gradient about the seven states, the pose eliminated at the solution of the linearised scan:
+//   I = A - B H^-1 B^T,   g = -(c - B H^-1 J^T r)
+// with A = [C^T C, C^T M; M^T C, M^T M], B = [C^T J; M^T J], c = [C^T r; M^T r], H = J^T J.
+struct Evidence {
+  std::array<double, kStates * kStates> information{};
+  std::array<double, kStates> gradient{};
+};
+
+bool Gather(const Measurement& measurement, const KernelSums& sums, Evidence& evidence) noexcept {
+  std::array<double, std::size_t{kParameters} * kParameters> H{};
+  SmallCholesky<kParameters>::Vector Jtr{};
+  for (std::size_t k = 0, e = 0; k < kParameters; ++k) {
+    for (std::size_t j = 0; j <= k; ++j, ++e) H[kParameters * k + j] = H[kParameters * j + k] = sums.JtJ[e];
+    Jtr[k] = sums.Jtr[k];
+  }
+  SmallCholesky<kParameters> factors;
+  if (!factors.Factor(H.data(), kParameters, 0)) return false;
+  const SmallCholesky<kParameters>::Vector step = factors.Solve(Jtr);
+  std::array<SmallCholesky<kParameters>::Vector, kStates> B{}, H_B{};
+  for (std::size_t a = 0; a < kStates; ++a) {
+    const double* row = a < kMoment ? sums.CtJ[a] : sums.MtJ;
+    std::copy_n(row, kParameters, B[a].begin());
+    H_B[a] = factors.Solve(B[a]);
+    evidence.gradient[a] = -(a < kMoment ? sums.Ctr[a] : sums.Mtr);
+    for (std::size_t k = 0; k < kParameters; ++k) evidence.gradient[a] += B[a][k] * step[k];
+  }
+  for (std::size_t a = 0; a < kStates; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) {
+      double value = a < kMoment ? measurement.nuisance_information[a * kNuisancesMax + b]
+                                 : (b < kMoment ? sums.CtM[b] : sums.MtM);
+      for (std::size_t k = 0; k < kParameters; ++k) value -= B[a][k] * H_B[b][k];
+      evidence.information[a * kStates + b] = evidence.information[b * kStates + a] = value;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Offsets OffsetsOf(const DriftState& drift) noexcept {
+  Offsets offsets;
+  std::copy_n(drift.mean.begin(), 3, offsets.remanence_A.begin());
+  std::copy_n(drift.mean.begin() + 3, 3, offsets.ambient_base_T.begin());
+  for (std::size_t k = 0; k < 3; ++k) offsets.remanence_variance_A2[k] = drift.covariance[k * kStates + k];
+  return offsets;
+}
+
+double MomentScale(const DriftState& drift) noexcept { return 1 + drift.mean[kMoment]; }
+
+// x <- phi x, P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)   [Ornstein & Uhlenbeck 1930]
+void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
+                  DriftState& drift) noexcept {
+  std::array<double, kStates> keep{};
+  for (std::size_t a = 0; a < kStates; ++a) {
+    const Wander wander = WanderOf(noise, a);
+    keep[a] = drift.valid ? std::exp(-std::max(dt_s, 0.0) / wander.time_s) : 0;
+    drift.mean[a] *= keep[a];
+  }
+  for (std::size_t a = 0; a < kStates; ++a) {
+    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] *= keep[a] * keep[b];
+    drift.covariance[a * kStates + a] += (1 - Square(keep[a])) * WanderOf(noise, a).variance;
+  }
+  for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
+    drift.covariance[k * kStates + k] += Square(noise.current_step_error * current_step_A[k]);
+  }
+  drift.valid = true;
+}
+
+void AllowForDrift(const Model& model, const DriftState& drift, Measurement& measurement) noexcept {
+  const auto variance = [&drift](std::size_t a) { return drift.covariance[a * kStates + a]; };
+  SetNuisances(model, {variance(0), variance(1), variance(2)}, variance(3), measurement);
+  NuisanceMatrix prior{};
+  for (std::size_t a = 0; a < kNuisancesMax; ++a) {
+    for (std::size_t b = 0; b < kNuisancesMax; ++b) prior[a * kNuisancesMax + b] = drift.covariance[a * kStates + b];
+  }
+  SetNuisancePrior(prior, measurement);
+}
+
+// Prior and evidence add up: P' = (P^-1 + I)^-1, x' = x + P' g   [information form of Kalman's correction]. The scan
+// was linearised with the prior mean already taken off, so that the prior pulls towards no change.
+bool CorrectDrift(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
+                  DriftState& drift) noexcept {
+  Evidence evidence;
+  if (!Gather(measurement, sums, evidence)) return false;
+  auto P = drift.covariance;
+  if (!InvertSymmetric(kDriftStates, kDriftStates, P.data())) return false;
+  for (std::size_t e = 0; e < P.size(); ++e) P[e] += evidence.information[e];
+  if (!InvertSymmetric(kDriftStates, kDriftStates, P.data())) return false;
+  std::array<double, kStates> mean = drift.mean;
+  double sum = 0;
+  for (std::size_t a = 0; a < kStates; ++a) {
+    for (std::size_t b = 0; b < kStates; ++b) mean[a] += P[a * kStates + b] * evidence.gradient[b];
+    sum += mean[a];
+  }
+  if (!std::isfinite(sum)) return false;
+  drift.mean = mean;
+  drift.mean[kMoment] = std::clamp(drift.mean[kMoment], -noise.moment_max, noise.moment_max);
+  for (std::size_t a = 0; a < kStates; ++a) {
+    for (std::size_t b = 0; b < kStates; ++b) {
+      drift.covariance[a * kStates + b] = 0.5 * (P[a * kStates + b] + P[b * kStates + a]);
+    }
+  }
+  return true;
+}
+
+}  // namespace omni::tracker

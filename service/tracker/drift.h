@@ -1,0 +1,51 @@
+// What changes slowly and is the same for many scans: field kept by the core (as currents), ambient field since the
+// background was measured, and the magnet's moment (0.12 % per kelvin). Seven states, estimated from scans whose pose
+// is eliminated. docs/theory/tracking.md (14) - (16)
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "service/tracker/measurement.h"
+
+namespace omni::tracker {
+
+inline constexpr int kDriftStates = kNuisancesMax + 1;  // 3 currents, 3 ambient components, relative moment
+
+// Each state wanders about zero: this far (rms), forgetting in this time.
+struct DriftNoise {
+  bool enabled = true;
+  int every_scans = 8;  // a scan with all its unknowns costs half as much again
+  double remanence_A = 0.011, remanence_s = 1;
+  double ambient_T = 5e-7, ambient_s = 100;
+  double current_step_error = 0.01;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
+  double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
+  double moment_max = 0.05;
+};
+
+struct DriftState {
+  bool valid = false;
+  std::int64_t t_ns = 0;                                  // of the last prediction
+  std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
+  std::array<double, kDriftStates> mean{};
+  std::array<double, std::size_t{kDriftStates} * kDriftStates> covariance{};  // row-major
+};
+static_assert(std::is_trivially_copyable_v<DriftState>);
+
+Offsets OffsetsOf(const DriftState& drift) noexcept;
+double MomentScale(const DriftState& drift) noexcept;
+
+// Forgets for `dt_s`; a state that is not valid starts at zero with its full spread. current_step_A: since the last
+// correction; what the sensors of the currents got wrong of it comes on top.
+void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
+                  DriftState& drift) noexcept;
+
+// Makes the six offsets unknowns of `measurement`, with the drift's covariance as prior, in place of its own nuisances.
+void AllowForDrift(const Model& model, const DriftState& drift, Measurement& measurement) noexcept;
+
+// Takes up what a fit's last evaluation, `sums` of the measurement made by AllowForDrift, says about the seven states.
+// False: nothing usable, the state is unchanged.
+bool CorrectDrift(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
+                  DriftState& drift) noexcept;
+
+}  // namespace omni::tracker
