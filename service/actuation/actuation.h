@@ -7,46 +7,73 @@
 #include <type_traits>
 
 #include "service/actuation/force_map.h"
+#include "service/actuation/heat.h"
 #include "service/base/actuation_types.h"
+#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/force_limit.h"
 #include "service/base/tool_state.h"
 
 namespace omni::actuation {
 
+// What becomes of a request that the coils cannot meet. docs/decisions/0007-infeasible-forces.md
+enum class Infeasible : std::uint8_t {
+  kKeepDirection,  // scaled as a vector
+  kNearest         // the nearest force, errors across its direction weighted
+};
+
 struct Config {
   ForceMap map;  // prepared by MakeConfig
+  HeatConfig heat;
   double current_max_A = 15;
   double current_slew_A_s = 6000;
   double force_max_N = 2;
-  double temperature_derate_C = 60;  // linear derating from here ...
-  double temperature_max_C = 70;     // ... to zero here
+  double temperature_max_C = 70;
   std::array<double, 3> resistance_20C_ohm{};
-  double supply_V = 12;
   double power_max_W = 300;         // total
   double gap_max_m = 0.12;          // farther: no force is offered
   double gap_fade_m = 0.02;         // force_max fades to zero over this before gap_max
   double singular_ratio = 0.2;      // sigma_min / sigma_max of X below which the weak direction is damped
   bool compensate_snapping = true;  // add the current that cancels the core's pull while rendering
   double bias_fade_N = 0.5;         // the compensation grows from 0 to all of it over this request
+  bool compensate_weight = false;   // carry the tool's weight while loop says so
+  double weight_N = 0;
+  double weight_current_max_A = 5;  // no coil carries more than this of it: far away the weight is carried in part
+  Infeasible infeasible = Infeasible::kKeepDirection;
+  double direction_weight = 3;  // of kNearest; 1: least squares, large: nearly kKeepDirection
 };
 
 struct State {
   std::array<double, 3> last_current_A{};
+  HeatState heat;
 };
 static_assert(std::is_trivially_copyable_v<State>);
 
+// As drawn, or with magnet and core as calibrated.
 Config MakeConfig(const base::DeviceGeometry& device);
+Config MakeConfig(const base::DeviceGeometry& device, const base::Calibration& calibration);
 
-// What the coils can do at this pose and these temperatures. Not tracking, too far or inside the windings: valid =
+// Takes up how hot the coils are: once per scan, before ComputeDeratedLimit.
+void UpdateHeat(const Config& config, const base::HallScan& scan, State& state) noexcept;
+
+// What the coils can do at this pose with `current_max_A` each. Not tracking, too far or inside the windings: valid =
 // false. Near the singular pose (pen perpendicular to the radius) the direction that the coils cannot push fades out of
-// ampere_per_newton, continuously. docs/theory/actuation.md (6)
+// ampere_per_newton, continuously, and near_singular says so. docs/theory/actuation.md (6)
+base::ForceLimit ComputeDeratedLimit(const Config& config, const base::ToolState& tool, const HeatState& heat) noexcept;
+// The same for coils and body that have all been at these temperatures for long.
 base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool,
                                    const std::array<double, 3>& coil_temperature_C) noexcept;
 
-// Currents for `force_N` under `limit`: scaled as a vector when infeasible, then slew, temperature and power limits.
-// Always finite and within limits; zero (slewed) when anything is in doubt. The slew limit holds for growing currents;
-// a limit that shrinks below a current takes it down at once.
+// F_max: the largest force in `direction` that keeps it, with coils at these temperatures.
+double ForceMax_N(const Config& config, const base::ToolState& tool, const base::Vec3& direction,
+                  const std::array<double, 3>& coil_temperature_C) noexcept;
+
+// Share of the weight that is carried from now on, 0..1: loop's gate.
+void FadeWeight(double gain, base::ForceLimit& limit) noexcept;
+
+// Currents for `force_N` under `limit`: made feasible as config.infeasible says, then slew, temperature and power
+// limits. Always finite and within limits; zero (slewed) when anything is in doubt. The slew limit holds for growing
+// currents; a limit that shrinks below a current takes it down at once.
 void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
               base::CoilCurrents& currents) noexcept;
 

@@ -2,14 +2,14 @@
 #include <cmath>
 
 #include "service/actuation/actuation.h"
+#include "service/actuation/box_least_squares.h"
 
 namespace omni::actuation {
 namespace {
 
 using Currents = std::array<double, base::kCoilCount>;
 
-constexpr double kCopper_1_K = 0.00393;  // resistance of copper per kelvin, from 20 C
-constexpr double kStepMax_s = 0.1;       // a longer or senseless step counts as one tick
+constexpr double kStepMax_s = 0.1;  // a longer or senseless step counts as one tick
 
 double Square(double x) { return x * x; }
 
@@ -29,7 +29,7 @@ void Scale(double factor, Currents& currents) noexcept {
 
 // With copper at its maximum temperature: never optimistic.
 double HotResistance(const Config& config, std::size_t k) noexcept {
-  return config.resistance_20C_ohm[k] * (1 + kCopper_1_K * (config.temperature_max_C - 20));
+  return config.resistance_20C_ohm[k] * (1 + kCopperPerKelvin * (config.temperature_max_C - 20));
 }
 
 double Power_W(const Config& config, const Currents& currents) noexcept {
@@ -38,15 +38,15 @@ double Power_W(const Config& config, const Currents& currents) noexcept {
   return power_W;
 }
 
-// Largest t in [0, 1] with the heat of (bias + t current) within the limit: a t^2 + 2 b t + c <= P. Scaling only the
+// Largest t in [0, 1] with the heat of (held + t current) within the limit: a t^2 + 2 b t + c <= P. Scaling only the
 // request keeps the direction of the net force.
-double PowerScale(const Config& config, const Currents& bias_A, const Currents& current_A) noexcept {
+double PowerScale(const Config& config, const Currents& held_A, const Currents& current_A) noexcept {
   double a = 0, b = 0, c = 0;
-  for (std::size_t k = 0; k < bias_A.size(); ++k) {
+  for (std::size_t k = 0; k < held_A.size(); ++k) {
     const double hot = HotResistance(config, k);
     a += hot * current_A[k] * current_A[k];
-    b += hot * current_A[k] * bias_A[k];
-    c += hot * bias_A[k] * bias_A[k];
+    b += hot * current_A[k] * held_A[k];
+    c += hot * held_A[k] * held_A[k];
   }
   if (a + 2 * b + c <= config.power_max_W) return 1;
   const double room = b * b - a * (c - config.power_max_W);
@@ -54,24 +54,58 @@ double PowerScale(const Config& config, const Currents& bias_A, const Currents& 
   return std::clamp((std::sqrt(room) - b) / a, 0.0, 1.0);
 }
 
-// I = s A f + w(|s f|) b: the request scaled as a vector, and the share of the snapping compensation that goes with it.
-// docs/theory/actuation.md (7), (8)
-Currents Wanted(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
-  double scale = base::FeasibleScale(limit, force_N);
-  if (!(scale > 0)) return {};
-  const double norm_N = std::sqrt(Square(force_N.x) + Square(force_N.y) + Square(force_N.z));
-  Currents push{}, bias{};
+double Norm(const base::Vec3& v) noexcept { return std::sqrt(Square(v.x) + Square(v.y) + Square(v.z)); }
+
+// A f
+Currents Push(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
+  Currents push{};
   for (std::size_t k = 0; k < push.size(); ++k) {
     const double* row = &limit.ampere_per_newton[3 * k];
-    push[k] = scale * (row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z);
-    bias[k] = SmoothStep(scale * norm_N, config.bias_fade_N) * limit.bias_A[k];
+    push[k] = row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z;
   }
-  const double cooler = PowerScale(config, bias, push);
+  return push;
+}
+
+// What flows besides the request while a force of this size is rendered: w(|f|) b + the weight.
+Currents Held(const Config& config, const base::ForceLimit& limit, double force_N) noexcept {
+  Currents held{};
+  const double share = SmoothStep(force_N, config.bias_fade_N);
+  for (std::size_t k = 0; k < held.size(); ++k) held[k] = share * limit.bias_A[k] + limit.weight_A[k];
+  return held;
+}
+
+// I = s A f + w(|s f|) b + weight: the request scaled as a vector, and the share of the snapping compensation that goes
+// with it. docs/theory/actuation.md (7), (8)
+Currents Scaled(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
+  double scale = base::FeasibleScale(limit, force_N);
+  const double norm_N = scale > 0 ? Norm(force_N) : 0.0;  // else it may not even be finite
+  Currents push = scale > 0 ? Push(limit, force_N) : Currents{};
+  Scale(scale, push);
+  const double cooler = PowerScale(config, Held(config, limit, scale * norm_N), push);
   scale *= cooler;
-  Currents wanted{};
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
-    wanted[k] = cooler * push[k] + SmoothStep(scale * norm_N, config.bias_fade_N) * limit.bias_A[k];
-  }
+  const Currents held = Held(config, limit, scale * norm_N);
+  for (std::size_t k = 0; k < push.size(); ++k) push[k] = cooler * push[k] + held[k];
+  return push;
+}
+
+// The currents nearest to those of (7) at s = 1 whose force is nearest, within the box. docs/theory/actuation.md (12)
+Currents Nearest(const Config& config, const base::ForceLimit& limit, const Currents& ceiling,
+                 const base::Vec3& force_N) noexcept {
+  const double scale = base::FeasibleScale(limit, force_N);  // force_max_N, and 0 in doubt
+  if (!(scale > 0)) return limit.weight_A;
+  Currents wanted = Push(limit, force_N);
+  Scale(scale, wanted);
+  const Currents held = Held(config, limit, scale * Norm(force_N));
+  for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] += held[k];
+  if (!AreFinite(wanted)) return {};
+  return NearestInBox(MakeCurrentMetric(limit.newton_per_ampere, force_N, config.direction_weight), wanted, ceiling);
+}
+
+Currents Wanted(const Config& config, const base::ForceLimit& limit, const Currents& ceiling,
+                const base::Vec3& force_N) noexcept {
+  if (!limit.valid) return {};
+  const Currents wanted =
+      limit.keeps_direction ? Scaled(config, limit, force_N) : Nearest(config, limit, ceiling, force_N);
   return AreFinite(wanted) ? wanted : Currents{};
 }
 
@@ -115,7 +149,7 @@ void Allocate(const Config& config, const base::ForceLimit& limit, const base::V
   const Currents last = AreFinite(state.last_current_A) ? state.last_current_A : Currents{};
   const Currents ceiling = Ceiling(config, limit);
 
-  Currents target = Wanted(config, limit, force_N);
+  Currents target = Wanted(config, limit, ceiling, force_N);
   ApplyLimits(config, ceiling, target);
   Currents next = Slew(config, last, target, step_s);
   ApplyLimits(config, ceiling, next);  // `last` may lie beyond a limit that has shrunk

@@ -1,90 +1,119 @@
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "service/actuation/actuation.h"
-#include "service/base/eigen.h"
+#include "service/actuation/inverse.h"
 
 namespace omni::actuation {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+constexpr double kGravity_m_s2 = 9.80665;
 
-// X^T (X X^T + lambda^2 v v^T)^-1 with v the direction the coils push worst and, for s = sigma_min / sigma_max below
-// `singular_ratio` = s0: lambda = sigma_max s0 (1 - (s/s0)^2) / 2   [Maciejewski & Klein 1988, numerical filtering].
-// At s = 0 the gain along v is 0; at s = s0 the inverse is exact; in between it is continuous.
-Matrix3d DampedInverse(const Matrix3d& X, double singular_ratio) noexcept {
-  Matrix3d XXt = X * X.transpose();
-  Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
-  eigen.computeDirect(XXt);  // closed form: no iteration; eigenvalues ascend
-  const double largest = eigen.eigenvalues()[2];
-  if (!(largest > 0)) return Matrix3d::Zero();
-  const double threshold = singular_ratio * singular_ratio * largest;
-  const double shortfall = threshold > 0 ? 1 - std::max(0.0, eigen.eigenvalues()[0]) / threshold : 0.0;
-  if (shortfall > 0) {
-    const Vector3d v = eigen.eigenvectors().col(0);
-    XXt += (0.25 * threshold * shortfall * shortfall) * v * v.transpose();
+using Currents = std::array<double, base::kCoilCount>;
+
+base::Vec3 Times(const std::array<double, 9>& M, const base::Vec3& v) noexcept {
+  return {M[0] * v.x + M[1] * v.y + M[2] * v.z, M[3] * v.x + M[4] * v.y + M[5] * v.z,
+          M[6] * v.x + M[7] * v.y + M[8] * v.z};
+}
+
+// Currents that lift the tool's weight, as far as every coil stays within its share: scaled, so continuous in the pose.
+Currents CarryWeight(const Config& config, const base::ForceLimit& limit) noexcept {
+  const base::Vec3 lift = Times(limit.ampere_per_newton, {0, 0, config.weight_N});
+  const Currents whole_A{lift.x, lift.y, lift.z};
+  double share = 1;
+  for (std::size_t k = 0; k < whole_A.size(); ++k) {
+    const double allowed_A = std::min(config.weight_current_max_A, 0.5 * limit.current_max_A[k]);
+    if (!(std::abs(whole_A[k]) * share <= allowed_A)) share = std::max(0.0, allowed_A) / std::abs(whole_A[k]);
   }
-  return X.transpose() * XXt.inverse();
+  Currents carried_A{};
+  for (std::size_t k = 0; k < whole_A.size(); ++k) carried_A[k] = share * whole_A[k];
+  return carried_A;
 }
 
-// 1 below the derating temperature, 0 at the maximum and for a temperature that is not a number.
-double Derating(const Config& config, double temperature_C) noexcept {
-  const double span = config.temperature_max_C - config.temperature_derate_C;
-  if (!(span > 0)) return temperature_C < config.temperature_max_C ? 1.0 : 0.0;
-  const double left = (config.temperature_max_C - temperature_C) / span;
-  if (!(left > 0)) return 0;
-  return std::min(1.0, left);
-}
-
-}  // namespace
-
-Config MakeConfig(const base::DeviceGeometry& device) {
-  Config config;
-  config.map = MakeForceMap(device);
-  config.current_max_A = device.current_max_A;
-  config.current_slew_A_s = device.current_slew_A_s;
-  config.force_max_N = device.force_max_N;
-  config.temperature_derate_C = device.temperature_derate_C;
-  config.temperature_max_C = device.temperature_max_C;
-  for (std::size_t k = 0; k < base::kCoilCount; ++k) config.resistance_20C_ohm[k] = device.coils[k].resistance_20C_ohm;
-  config.supply_V = device.supply_V;
-  return config;
-}
-
-base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool,
-                                   const std::array<double, 3>& coil_temperature_C) noexcept {
+base::ForceLimit LimitWith(const Config& config, const base::ToolState& tool, const Currents& current_max_A) noexcept {
   base::ForceLimit limit;
   if (tool.status != base::TrackingStatus::kTracking || !(tool.gap_m < config.gap_max_m)) return limit;
   const ForceAtPose force = EvaluateForceMap(config.map, tool.position_base_m, tool.axis_base);
   if (!force.valid) return limit;
-  const Matrix3d inverse =
-      DampedInverse(Eigen::Map<const RowMajor3>(force.newton_per_ampere.data()), config.singular_ratio);
-  if (!inverse.allFinite()) return limit;
-  Eigen::Map<RowMajor3>(limit.ampere_per_newton.data()) = inverse;
+  const DampedInverse inverse = InvertForceMap(force.newton_per_ampere, config.singular_ratio);
+  if (!inverse.valid) return limit;
+  limit.near_singular = inverse.damped;
+  limit.keeps_direction = config.infeasible == Infeasible::kKeepDirection;
+  limit.ampere_per_newton = inverse.ampere_per_newton;
+  limit.conditioning = inverse.conditioning;
+  limit.newton_per_ampere = force.newton_per_ampere;
+  limit.newton_metre_per_ampere = force.newton_metre_per_ampere;
+  limit.snapping_N = force.snapping_N;
+  limit.snapping_Nm = force.snapping_Nm;
   if (config.compensate_snapping) {
-    Eigen::Map<Vector3d>(limit.bias_A.data()) = -inverse * base::ToEigen(force.snapping_N);
+    const base::Vec3 held = Times(inverse.ampere_per_newton, force.snapping_N);
+    limit.bias_A = {-held.x, -held.y, -held.z};
   }
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-    limit.current_max_A[k] = config.current_max_A * Derating(config, coil_temperature_C[k]);
+    limit.current_max_A[k] = current_max_A[k] >= 0 ? std::min(current_max_A[k], config.current_max_A) : 0.0;
   }
+  if (config.compensate_weight) limit.weight_A = CarryWeight(config, limit);
   const double fade = config.gap_fade_m > 0 ? (config.gap_max_m - tool.gap_m) / config.gap_fade_m : 1.0;
   limit.force_max_N = config.force_max_N * std::clamp(fade, 0.0, 1.0);
   limit.valid = true;
   return limit;
 }
 
+Config WithLimits(const base::DeviceGeometry& device, const ForceMap& map) {
+  Config config;
+  config.map = map;
+  config.heat = MakeHeatConfig(device);
+  config.current_max_A = device.current_max_A;
+  config.current_slew_A_s = device.current_slew_A_s;
+  config.force_max_N = device.force_max_N;
+  config.temperature_max_C = device.temperature_max_C;
+  config.resistance_20C_ohm = config.heat.resistance_20C_ohm;
+  config.weight_N = device.magnet.mass_kg * kGravity_m_s2;
+  return config;
+}
+
+}  // namespace
+
+Config MakeConfig(const base::DeviceGeometry& device) { return WithLimits(device, MakeForceMap(device)); }
+
+Config MakeConfig(const base::DeviceGeometry& device, const base::Calibration& calibration) {
+  return WithLimits(device, MakeForceMap(device, calibration));
+}
+
+void UpdateHeat(const Config& config, const base::HallScan& scan, State& state) noexcept {
+  UpdateHeat(config.heat, scan, state.last_current_A, state.heat);
+}
+
+base::ForceLimit ComputeDeratedLimit(const Config& config, const base::ToolState& tool,
+                                     const HeatState& heat) noexcept {
+  return LimitWith(config, tool, heat.current_max_A);
+}
+
+base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool,
+                                   const std::array<double, 3>& coil_temperature_C) noexcept {
+  Currents current_max_A{};
+  for (std::size_t k = 0; k < current_max_A.size(); ++k) {
+    current_max_A[k] = CurrentCeiling_A(config.heat, k, coil_temperature_C[k], coil_temperature_C[k]);
+  }
+  return LimitWith(config, tool, current_max_A);
+}
+
+double ForceMax_N(const Config& config, const base::ToolState& tool, const base::Vec3& direction,
+                  const std::array<double, 3>& coil_temperature_C) noexcept {
+  return base::ForceMax_N(ComputeForceLimit(config, tool, coil_temperature_C), direction);
+}
+
+void FadeWeight(double gain, base::ForceLimit& limit) noexcept {
+  const double share = gain >= 0 ? std::min(gain, 1.0) : 0.0;
+  for (double& current_A : limit.weight_A) current_A *= share;
+}
+
 base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,
                              const std::array<double, base::kCoilCount>& coil_current_A) noexcept {
   const ForceAtPose force = EvaluateForceMap(map, tool.position_base_m, tool.axis_base);
   if (!force.valid) return {};
-  const Vector3d F =
-      Eigen::Map<const RowMajor3>(force.newton_per_ampere.data()) * Eigen::Map<const Vector3d>(coil_current_A.data()) +
-      base::ToEigen(force.snapping_N);
-  return base::FromEigen(F);
+  const base::Vec3 coils = Times(force.newton_per_ampere, {coil_current_A[0], coil_current_A[1], coil_current_A[2]});
+  return {coils.x + force.snapping_N.x, coils.y + force.snapping_N.y, coils.z + force.snapping_N.z};
 }
 
 }  // namespace omni::actuation

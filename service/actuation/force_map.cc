@@ -5,88 +5,100 @@
 
 #include "service/base/eigen.h"
 #include "service/magnetics/coil.h"
-#include "service/magnetics/core_image.h"
 #include "service/magnetics/disc_magnet.h"
-#include "service/magnetics/zonal.h"
 
 namespace omni::actuation {
 namespace {
 
-using Eigen::Vector3d;
+static_assert(kForceOrders == magnetics::kCoilOrders && kForceCoils == base::kCoilCount);
 
-static_assert(kForceOrders == magnetics::kCoilOrders && kForcePoints == magnetics::kMagnetPoints);
+constexpr double kReach_m = 1e3;  // farther: not a pose of this device
 
-using Points = std::array<Vector3d, kForcePoints>;
+struct Core {
+  double radius_m;
+  double kappa;
+};
 
-Points PlacePoints(const ForceMap& map, const Vector3d& p, const Vector3d& u) noexcept {
-  const magnetics::TangentBasis e = magnetics::MakeTangentBasis(u);
-  Points points;
-  for (std::size_t s = 0; s < points.size(); ++s) {
-    const ForcePoint& point = map.points[s];
-    points[s] = p + point.ring_1_m * e.e1 + point.ring_2_m * e.e2 + point.axial_m * u;
+void PutCoils(const base::DeviceGeometry& device, const Core& core, const ForceModel& model, ForceMap& map) {
+  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+    const auto winding = magnetics::MakeWinding(device.coils[k], static_cast<int>(k));
+    const auto coil = magnetics::WindingMoments(winding);
+    const auto induced = magnetics::CoreMoments(winding, core.radius_m, core.kappa);
+    for (std::size_t j = 0; j < coil.size() && static_cast<int>(j) < model.orders; ++j) {
+      map.tables.zonal[k][j] = model.scale * (coil[j] + induced[j]);
+    }
+    const Eigen::Vector3d axis = base::ToEigen(device.coils[k].axis_base).normalized();
+    std::copy_n(axis.data(), 3, map.tables.axis_base[k]);
+    map.winding_radius_m = std::max(map.winding_radius_m, device.coils[k].shell_radius_max_m);
   }
-  return points;
 }
 
-// Snapping: every point feels the images of all points, held where they are. docs/theory/actuation.md (5)
-Vector3d Snapping(const ForceMap& map, const Points& points, const Vector3d& u) noexcept {
-  Vector3d force = Vector3d::Zero();
-  for (std::size_t source = 0; source < points.size(); ++source) {
-    if (map.points[source].moment_Am2 == 0) continue;
-    const magnetics::CoreImage image =
-        magnetics::ImageInCore(map.points[source].moment_Am2 * u, points[source], map.core_radius_m, map.core_kappa);
-    for (std::size_t s = 0; s < points.size(); ++s) {
-      if (map.points[s].moment_Am2 == 0) continue;
-      force += map.points[s].moment_Am2 * (magnetics::CoreImageGradient(image, points[s]) * u);
-    }
+ForceMap Make(const base::DeviceGeometry& device, const base::MagnetGeometry& magnet, double moment_Am2,
+              const Core& core, const ForceModel& model) {
+  ForceMap map;
+  PutCoils(device, core, model, map);
+  const WeightedPoints points = MakeMagnetPoints(magnet, model.magnet);
+  for (std::size_t s = 0; s < points.size(); ++s) {
+    map.tables.ring_1_m[s] = points[s].ring_1_m;
+    map.tables.ring_2_m[s] = points[s].ring_2_m;
+    map.tables.axial_m[s] = points[s].axial_m;
+    map.tables.moment_Am2[s] = points[s].share * moment_Am2;
   }
-  return force;
+  map.tables.core_radius_m = core.radius_m;
+  map.tables.core_kappa = core.kappa;
+  map.kernel = BestForceKernel();
+  return map;
+}
+
+bool AllFinite(const ForceSums& sums) noexcept {
+  // One sum: any NaN or infinity in it, or in a difference of two infinities, shows.
+  double all = 0;
+  for (int k = 0; k < kForceCoils; ++k) {
+    for (int i = 0; i < 3; ++i) all += std::abs(sums.force_N_A[k][i]) + std::abs(sums.torque_Nm_A[k][i]);
+  }
+  for (int i = 0; i < 3; ++i) all += std::abs(sums.snapping_N[i]) + std::abs(sums.snapping_Nm[i]);
+  return std::isfinite(all);
 }
 
 }  // namespace
 
-ForceMap MakeForceMap(const base::DeviceGeometry& device) {
-  ForceMap map;
-  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-    const auto winding = magnetics::MakeWinding(device.coils[k], static_cast<int>(k));
-    const auto coil = magnetics::WindingMoments(winding);
-    const auto core = magnetics::CoreMoments(winding, device.core_radius_m, device.core_kappa);
-    for (std::size_t j = 0; j < coil.size(); ++j) map.zonal[k][j] = coil[j] + core[j];
-    map.axis_base[k] = base::FromEigen(base::ToEigen(device.coils[k].axis_base).normalized());
-    map.winding_radius_m = std::max(map.winding_radius_m, device.coils[k].shell_radius_max_m);
-  }
-  const magnetics::DiscMagnet magnet = magnetics::MakeDiscMagnet(device.magnet);
-  for (std::size_t s = 0; s < map.points.size(); ++s) {
-    const magnetics::MagnetPoint& point = magnet.points[s];
-    map.points[s] = {point.ring_1_m, point.ring_2_m, point.axial_m, point.share * magnet.moment_Am2};
-  }
-  map.core_radius_m = device.core_radius_m;
-  map.core_kappa = device.core_kappa;
-  return map;
+ForceMap MakeForceMap(const base::DeviceGeometry& device, const ForceModel& model) {
+  const double moment_Am2 = magnetics::MakeDiscMagnet(device.magnet).moment_Am2;
+  return Make(device, device.magnet, moment_Am2, {device.core_radius_m, device.core_kappa}, model);
+}
+
+ForceMap MakeForceMap(const base::DeviceGeometry& device, const base::Calibration& calibration,
+                      const ForceModel& model) {
+  return Make(device, calibration.magnet, calibration.moment_Am2, {calibration.core_radius_m, calibration.core_kappa},
+              model);
 }
 
 // F = grad (m.B) = G m for a moment m in a curl-free field: column k of X = sum_s m_s G_k(p_s) u.
 ForceAtPose EvaluateForceMap(const ForceMap& map, const base::Vec3& position_base_m,
                              const base::Vec3& axis_base) noexcept {
   ForceAtPose result;
-  const Vector3d u = base::ToEigen(axis_base);
-  const Points points = PlacePoints(map, base::ToEigen(position_base_m), u);
-  for (const Vector3d& point : points) {
-    if (!(point.norm() > map.winding_radius_m && point.norm() < 1e3)) return result;
+  if (map.kernel == nullptr) return result;
+  const magnetics::TangentBasis e = magnetics::MakeTangentBasis(base::ToEigen(axis_base));
+  const ForcePose pose{.position_m = {position_base_m.x, position_base_m.y, position_base_m.z},
+                       .e1 = {e.e1.x(), e.e1.y(), e.e1.z()},
+                       .e2 = {e.e2.x(), e.e2.y(), e.e2.z()},
+                       .u = {axis_base.x, axis_base.y, axis_base.z}};
+  ForceSums sums;
+  map.kernel(map.tables, pose, sums);
+  for (const double square_m2 : sums.square_radius_m2) {
+    if (!(square_m2 > map.winding_radius_m * map.winding_radius_m && square_m2 < kReach_m * kReach_m)) return result;
   }
+  if (!AllFinite(sums)) return result;
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-    const Vector3d axis = base::ToEigen(map.axis_base[k]);
-    Vector3d column = Vector3d::Zero();
-    for (std::size_t s = 0; s < points.size(); ++s) {
-      if (map.points[s].moment_Am2 == 0) continue;
-      column += map.points[s].moment_Am2 * magnetics::ZonalGradientTimes(map.zonal[k], axis, points[s], u);
+    for (std::size_t row = 0; row < 3; ++row) {
+      result.newton_per_ampere[3 * row + k] = sums.force_N_A[k][row];
+      result.newton_metre_per_ampere[3 * row + k] = sums.torque_Nm_A[k][row];
     }
-    for (std::size_t row = 0; row < 3; ++row) result.newton_per_ampere[3 * row + k] = column[static_cast<int>(row)];
   }
-  result.snapping_N = base::FromEigen(Snapping(map, points, u));
-  result.valid = std::isfinite(result.snapping_N.x + result.snapping_N.y + result.snapping_N.z);
-  for (const double entry : result.newton_per_ampere) result.valid = result.valid && std::isfinite(entry);
-  return result.valid ? result : ForceAtPose{};
+  result.snapping_N = {sums.snapping_N[0], sums.snapping_N[1], sums.snapping_N[2]};
+  result.snapping_Nm = {sums.snapping_Nm[0], sums.snapping_Nm[1], sums.snapping_Nm[2]};
+  result.valid = true;
+  return result;
 }
 
 }  // namespace omni::actuation

@@ -41,6 +41,17 @@ struct MagnetGeometry {
   double tip_offset_m = 0;  // device point = magnet centre + tip_offset_m * axis
 };
 
+// How the base heats: every coil's copper C_c, cooled by a body (core, plastic, table) C_b that all coils share, cooled
+// by the air. Defaults: copper from the mass of its wire, the rest from the paper's three temperatures of one coil
+// (docs/theory/thermal.md).
+struct HeatGeometry {
+  double copper_J_K = 44.4;
+  double body_J_K = 94.2;
+  double copper_to_body_W_K = 1.048;
+  double body_to_air_W_K = 0.7903;
+  double air_C = 24;
+};
+
 struct DeviceGeometry {
   std::string name;
   std::array<SensorGeometry, kSensorCount> sensors;
@@ -58,6 +69,7 @@ struct DeviceGeometry {
   double temperature_max_C = 0;     // currents are derated to zero here
   double temperature_derate_C = 0;  // derating starts here
   double supply_V = 0;
+  HeatGeometry heat;
 };
 
 }  // namespace omni::base

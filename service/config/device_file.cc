@@ -51,6 +51,13 @@ constexpr NumberKey<DeviceGeometry> kLimitKeys[] = {
     {"temperature_max_C", &DeviceGeometry::temperature_max_C, {0, 200}},
     {"supply_V", &DeviceGeometry::supply_V, {1, 100}},
 };
+constexpr NumberKey<base::HeatGeometry> kHeatKeys[] = {
+    {"copper_J_K", &base::HeatGeometry::copper_J_K, {0.1, 1e5}},
+    {"body_J_K", &base::HeatGeometry::body_J_K, {0.1, 1e6}},
+    {"copper_to_body_W_K", &base::HeatGeometry::copper_to_body_W_K, {1e-3, 1e3}},
+    {"body_to_air_W_K", &base::HeatGeometry::body_to_air_W_K, {1e-3, 1e3}},
+    {"air_C", &base::HeatGeometry::air_C, {-20, 60}},
+};
 constexpr NumberKey<CoilGeometry> kCoilKeys[] = {
     {"shell_radius_min_m", &CoilGeometry::shell_radius_min_m, {1e-3, 0.2}},
     {"shell_radius_max_m", &CoilGeometry::shell_radius_max_m, {1e-3, 0.2}},
@@ -87,6 +94,16 @@ void ReadMagnet(FileProblem& problem, TableReader& root, MagnetGeometry& magnet)
   if (table == nullptr) return;
   TableReader reader(problem, *table, "magnet");
   ReadNumbers(reader, kMagnetKeys, magnet);
+  reader.Finish();
+}
+
+// Optional: without the table the defaults hold, with it every key is required.
+void ReadHeat(FileProblem& problem, const toml::table& file, TableReader& root, base::HeatGeometry& heat) {
+  if (!file.contains("heat")) return;
+  const toml::table* table = root.Table("heat");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "heat");
+  ReadNumbers(reader, kHeatKeys, heat);
   reader.Finish();
 }
 
@@ -156,6 +173,7 @@ base::Result<DeviceGeometry> ParseDevice(const std::string& text, const std::str
   ReadSensorPlaces(problem, root, device);
   ReadCoils(problem, root, device);
   ReadSection(problem, root, "limits", kLimitKeys, device);
+  ReadHeat(problem, *parsed, root, device.heat);
   root.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
   if (const std::string contradiction = GeometryProblem(device); !contradiction.empty()) {

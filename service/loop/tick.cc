@@ -133,7 +133,10 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   MoveGate(config, commands, scan.t_ns, dt_s, state, output);
 
   const base::ToolState tool = Bridged(config, output.tool, state);
-  const base::ForceLimit limit = actuation::ComputeForceLimit(config.actuation, tool, scan.coil_temperature_C);
+  actuation::UpdateHeat(config.actuation, scan, state.actuation);
+  base::ForceLimit limit = actuation::ComputeDeratedLimit(config.actuation, tool, state.actuation.heat);
+  actuation::FadeWeight(state.gate, limit);
+  output.near_singular = limit.near_singular;
   haptics::Step(config.haptics, scene, MakeHapticInput(config, tool, limit, dt_s), state.haptics, output.haptics);
   const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 
@@ -142,8 +145,10 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
     output.faults |= kFaultNotFinite;
     force_N = {};
   }
-  output.wrench = {.force_N = force_N, .torque_Nm = {}, .point_base_m = output.tool.position_base_m};
   actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);
+  output.wrench = {.force_N = force_N,
+                   .torque_Nm = base::TorqueOf_Nm(limit, output.currents.current_A),
+                   .point_base_m = output.tool.position_base_m};
 
   const bool live = tool.status == base::TrackingStatus::kTracking && state.gate > 0;
   UpdateInputs(config.inputs, output.haptics, live, scan.t_ns, state.inputs);

@@ -89,13 +89,14 @@ struct TickOutput {
   base::ToolState tool;
   base::Quat orientation_base_tool;  // frame T: -z out of the tip
   haptics::Output haptics;
-  base::Wrench wrench;          // after all gates
+  base::Wrench wrench;          // after all gates; the torque is what the currents do besides
   base::CoilCurrents currents;  // the last word, finite, within limits
   base::InputState inputs;
   bool wants_scene = false;         // ramped out: the caller may now swap to commands.scene_generation
   std::uint64_t haptic_pulses = 0;  // waveforms that reached the coil command so far
   std::uint32_t faults = 0;         // TickFault bits of this tick
   double gate = 0;
+  bool near_singular = false;  // pen nearly perpendicular to the radius: one direction of force is faded out
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
 

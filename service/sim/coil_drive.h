@@ -37,7 +37,7 @@ class CoilDrive {
   const CoilArray& current_A() const noexcept { return current_A_; }
   const CoilArray& set_point_A() const noexcept { return set_point_A_; }
   const CoilArray& temperature_C() const noexcept { return copper_C_; }
-  double body_C() const noexcept { return body_C_; }  // what a probe on the coils sees
+  double body_C() const noexcept { return body_C_; }  // what a thermometer on the base would show
   CoilArray Measured(const CoilArray& mean_current_A) const noexcept;
   std::uint32_t faults() const noexcept { return faults_; }
 

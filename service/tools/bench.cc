@@ -29,6 +29,8 @@ constexpr Bench kBenches[] = {
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
+    {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
+    {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 
 std::string Machine() {

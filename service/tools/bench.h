@@ -34,6 +34,12 @@ base::Result<BenchRows> BenchLoop(const BenchOptions& options);
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 
+// Force map against the twin, by model and gap; timing: model, gap_mm, error_median_pct, ..., stage, us_median, us_p99.
+base::Result<BenchRows> BenchForce(const BenchOptions& options);
+
+// Heat runs of the paper on the twin and in the host: run, model, peak_C, peak_s, end_C, copper_peak_C, ...
+base::Result<BenchRows> BenchThermal(const BenchOptions& options);
+
 // Per base: rig, seed, before_mm, raw_mm, aligned_mm, systematic_mm, seconds and more; then mean and worst.
 base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
 

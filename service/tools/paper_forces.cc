@@ -111,7 +111,7 @@ std::string ForceFigure(const ForceTable& law, const ForceTable& nominal, const 
   Svg svg(980, 860);
   const PlotBox radial{.title = "Radial force on top against I_z, weight and snapping included (after Fig. 8)",
                        .x = {"I_z, A", -16, 16},
-                       .y = {"N", -6, 5}};
+                       .y = {"N", -8, 7}};
   const auto offset = [](const ForceTable& f) { return -f.snapping_N - kWeight_N; };
   DrawPlot(svg, radial,
            {{.name = "numbers in the text",

@@ -61,6 +61,18 @@ TEST(ConfigDevice, ReadsTheManifest) {
   EXPECT_DOUBLE_EQ(device->supply_V, 18);
 }
 
+TEST(ConfigDevice, HeatIsOptionalButThenComplete) {
+  const auto device = ParseDevice(Changed("body_J_K = 94.2", "body_J_K = 300"), "test.toml");
+  ASSERT_TRUE(device.ok()) << device.error();
+  EXPECT_DOUBLE_EQ(device->heat.body_J_K, 300);
+  EXPECT_DOUBLE_EQ(device->heat.copper_to_body_W_K, 1.048);
+  const auto without = ParseDevice(Manifest().substr(0, Manifest().find("[heat]")), "test.toml");
+  ASSERT_TRUE(without.ok()) << without.error();
+  EXPECT_DOUBLE_EQ(without->heat.copper_J_K, base::HeatGeometry{}.copper_J_K);
+  ExpectMentions(ErrorOf(Changed("body_J_K = 94.2", "")), {"test.toml", "heat.body_J_K"});
+  ExpectMentions(ErrorOf(Changed("air_C = 24.0", "air_C = 297")), {"heat.air_C", "297"});
+}
+
 TEST(ConfigDevice, BuiltInIsTheManifest) {
   const auto device = LoadDeviceFile(OMNI_SOURCE_DIR "/manifests/device/omni.toml");
   ASSERT_TRUE(device.ok());
