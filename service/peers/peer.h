@@ -37,9 +37,13 @@ struct PeerFit {
   bool converged = false;
 };
 
+// A step that changes chi2 by less than this ends the tracker's own solver; peers stop by the same rule. Errors then
+// stay within 1 % of those at the exact minimum (tests/property/peers_solvers.cc).
+inline constexpr double kPeerChi2Done = 1e-3;
+
 struct PeerOptions {
-  // The loosest at which the error stays within 1 % of that of the exact minimum (tests/property/peers_solvers.cc).
-  double function_tolerance = 1e-3;
+  // Relative change of the cost; chi2 of a fit is about its degrees of freedom.
+  double function_tolerance = kPeerChi2Done / (kPeerReadings - tracker::kParameters);
   int iterations_max = 50;
 };
 

@@ -18,7 +18,7 @@ using tracker::Rung;
 constexpr std::size_t kModelPoses = 34'000;      // per seed: over 10^5 in all
 constexpr std::size_t kEfficiencyPoses = 7'000;  // per seed: over 20,000
 constexpr std::size_t kCurrentPoses = 7'000;     // per seed
-constexpr std::size_t kBoundPoses = 300;         // per radius and seed
+constexpr std::size_t kBoundPoses = 150;         // per radius and seed
 constexpr double kContactShare = 0.2;            // of the model error's poses touch the hull
 const sim::PoseRange kAnyTilt{.tilt_max_rad = std::numbers::pi};
 

@@ -1,4 +1,4 @@
-// The peers solve the tracker's problem: same minimum, same whitening, and a stopping rule that costs them nothing.
+// The peers solve the tracker's problem: same minimum, same whitening, and a stopping rule that costs no accuracy.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -105,7 +105,7 @@ TEST(PeersSolvers, WhiteningIsTheTrackers) {
   }
 }
 
-TEST(PeersSolvers, TheLooseStopKeepsTheErrorWithinOnePercent) {
+TEST(PeersSolvers, TheirStopKeepsTheErrorWithinOnePercent) {
   const Problem problem = MakeProblem(3, 150);
   const std::vector<Named> exact = AllPeers(problem, {.function_tolerance = 1e-12});
   const std::vector<Named> loose = AllPeers(problem, {});
