@@ -79,7 +79,10 @@ base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<
   if (const std::string why = RecordingProblem(nominal, recording, options.limits); !why.empty()) return refused(why);
 
   const Problem measured(nominal, coils, {{}, recording.responses}, options.tolerances);
-  const std::vector<ColdPose> poses = ColdPoses(measured.nominal(), recording, options.tolerances);
+  const auto cold = ColdStart::Make(measured.nominal(), options.tolerances);
+  if (!cold.ok()) return refused(cold.error());
+  std::vector<ColdPose> poses;
+  for (const Sample& sample : recording.samples) poses.push_back(cold->Find(sample));
   if (const std::string why = PosesProblem(nominal, recording, poses, options.limits); !why.empty()) {
     return refused(why);
   }

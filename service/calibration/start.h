@@ -8,6 +8,7 @@
 #include "service/base/result.h"
 #include "service/calibration/options.h"
 #include "service/calibration/samples.h"
+#include "service/tracker/static_solve.h"
 
 namespace omni::calibration {
 
@@ -17,8 +18,17 @@ struct ColdPose {
   Eigen::Vector3d axis_base = -Eigen::Vector3d::UnitZ();
 };
 
-// `nominal` with measured maps and background. One pose a sample.
-std::vector<ColdPose> ColdPoses(const base::Calibration& nominal, const Recording& recording,
-                                const Tolerances& tolerances);
+class ColdStart {
+ public:
+  // `nominal` with measured maps and background.
+  static base::Result<ColdStart> Make(const base::Calibration& nominal, const Tolerances& tolerances);
+
+  ColdPose Find(const Sample& sample) const;
+
+ private:
+  explicit ColdStart(tracker::StaticSolver solver) : solver_(std::move(solver)) {}
+
+  tracker::StaticSolver solver_;
+};
 
 }  // namespace omni::calibration

@@ -11,10 +11,10 @@
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/paths.h"
-#include "service/sim/twin.h"
-#include "service/tools/calibrate_hand.h"
+#include "service/config/twin_file.h"
 #include "service/tools/calibrate_session.h"
 #include "service/tools/calibrate_text.h"
+#include "service/tools/calibrate_twin.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/terminal.h"
@@ -23,7 +23,6 @@ namespace omni::tools {
 namespace {
 
 constexpr int kBarWidth = 30;
-constexpr double kTwinMax_s = 300;  // the scripted hand is done long before
 
 struct Arguments {
   std::string device = "twin";
@@ -104,23 +103,14 @@ int Calibrate(const Arguments& arguments) {
 
   std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
               static_cast<unsigned long long>(arguments.seed));
-  const sim::TwinOptions twin{.seed = arguments.seed, .script = MakeCalibratingHand(device, {.seed = arguments.seed})};
-  const auto transport = sim::MakeVirtualTwin(device, twin, kTwinMax_s);
-  CalibrationSession session(device, arguments.session);
   Display display(arguments.session);
-  base::HallScan scan;
-  while (session.step() != CalibrationStep::kDone && transport->Read(scan, 0) == device::ReadStatus::kScan) {
-    transport->Write(session.Add(scan));
-    display.Show(session);
-  }
-  if (session.step() != CalibrationStep::kDone) {
-    return Fail("the recording ended before step \"" + StepText(session.step(), arguments.session) + "\" was done");
-  }
-  const auto outcome = session.Finish();
-  if (!outcome.ok()) return Fail(outcome.error());
-  std::printf("%s", ReportText(outcome->report).c_str());
+  const auto done = CalibrateTwin(device, arguments.seed, config::DefaultTwin(), arguments.session,
+                                  [&](const CalibrationSession& session) { display.Show(session); });
+  if (!done.ok()) return Fail(done.error());
+  const calibration::Outcome& outcome = done->outcome;
+  std::printf("%s", ReportText(outcome.report).c_str());
   const base::Status saved =
-      config::SaveCalibrationFile(output, ToFile(*outcome, "twin-" + std::to_string(arguments.seed)), device);
+      config::SaveCalibrationFile(output, ToFile(outcome, "twin-" + std::to_string(arguments.seed)), device);
   if (!saved.ok()) return Fail(saved.error());
   std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
   return kExitOk;
@@ -140,10 +130,10 @@ void AddCalibrate(CLI::App& app) {
       ->capture_default_str();
   calibrate->add_option("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
   calibrate->add_option("--wave-seconds", arguments->session.wave_s, "how long to wave the pen")
-      ->check(CLI::Range(3.0, 28.0))
+      ->check(CLI::Range(3.0, 60.0))
       ->capture_default_str();
   calibrate->add_option("--touches", arguments->session.touches, "how many places to touch")
-      ->check(CLI::Range(20, 130))
+      ->check(CLI::Range(20, 150))
       ->capture_default_str();
   calibrate->callback([arguments] { throw CLI::RuntimeError(Calibrate(*arguments)); });
 }

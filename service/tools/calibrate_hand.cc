@@ -10,6 +10,8 @@
 namespace omni::tools {
 namespace {
 
+using sim::operator+;
+using sim::operator*;
 using sim::Random;
 using sim::Vec3;
 

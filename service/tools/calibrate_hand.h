@@ -10,9 +10,9 @@
 namespace omni::tools {
 
 struct CalibratingHand {
-  double away_s = 4;   // pen out of reach: the coil sweep
-  double wave_s = 30;  // a little more than asked for: some windows are too jerky to count
-  int touches = 140;   // the same
+  double away_s = 4;  // pen out of reach: the coil sweep
+  double wave_s = 22;
+  int touches = 130;
   std::uint64_t seed = 1;
 };
 

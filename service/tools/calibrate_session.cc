@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "service/base/limits.h"
-#include "service/calibration/start.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/gap.h"
 
@@ -17,13 +16,6 @@ constexpr double kReach_m = 0.16;     // farther away a pose says little about s
 constexpr double kTouchGap_m = 0.01;  // an uncalibrated pose is good to some millimetres
 constexpr calibration::WindowOptions kWindow{};
 
-// One window's rough pose, or none in reach.
-calibration::ColdPose RoughPose(const base::Calibration& measured, const calibration::Sample& sample) {
-  calibration::ColdPose pose = calibration::ColdPoses(measured, {{sample}, {}}, {}).front();
-  pose.found = pose.found && pose.position_base_m.norm() <= kReach_m;
-  return pose;
-}
-
 double Size(const base::Vec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
 }  // namespace
@@ -32,7 +24,6 @@ CalibrationSession::CalibrationSession(const base::DeviceGeometry& device, const
     : device_(device),
       options_(options),
       nominal_(magnetics::NominalCalibration(device)),
-      measured_(nominal_),
       plan_(calibration::MakeSweep(options.sweep)),
       window_(kWindow, device.sensor_noise_T) {}
 
@@ -66,23 +57,41 @@ base::CoilCurrents CalibrationSession::AddSweep(const base::HallScan& scan) {
     ++sweep_step_;
   }
   if (sweep_step_ < plan_.size()) return {plan_[sweep_step_].current_A};
-  auto responses = sweep_.Finish();
-  if (!responses.ok()) {
-    problem_ = responses.error();
-    step_ = CalibrationStep::kDone;
-    return {};
-  }
-  recording_.responses = *responses;
-  for (std::size_t i = 0; i < responses->size(); ++i) {
-    measured_.sensors[i].background_sensor_T = (*responses)[i].background_sensor_T;
-    measured_.sensors[i].current_map_T_A = (*responses)[i].map_sensor_T_A;
-  }
-  step_ = CalibrationStep::kWave;
+  FinishSweep();
   return {};
 }
 
+void CalibrationSession::FinishSweep() {
+  step_ = CalibrationStep::kDone;
+  const auto responses = sweep_.Finish();
+  if (!responses.ok()) {
+    problem_ = responses.error();
+    return;
+  }
+  recording_.responses = *responses;
+  base::Calibration measured = nominal_;
+  for (std::size_t i = 0; i < responses->size(); ++i) {
+    measured.sensors[i].background_sensor_T = (*responses)[i].background_sensor_T;
+    measured.sensors[i].current_map_T_A = (*responses)[i].map_sensor_T_A;
+  }
+  auto cold = calibration::ColdStart::Make(measured, {});
+  if (!cold.ok()) {
+    problem_ = cold.error();
+    return;
+  }
+  cold_ = std::move(*cold);
+  step_ = CalibrationStep::kWave;
+}
+
+// In reach, or not found.
+calibration::ColdPose CalibrationSession::RoughPose(const calibration::Sample& sample) const {
+  calibration::ColdPose pose = cold_->Find(sample);
+  pose.found = pose.found && pose.position_base_m.norm() <= kReach_m;
+  return pose;
+}
+
 void CalibrationSession::AddWave(const calibration::WindowResult& window) {
-  const calibration::ColdPose pose = RoughPose(measured_, window.sample);
+  const calibration::ColdPose pose = RoughPose(window.sample);
   if (!pose.found) return;
   coverage_.Add({pose.position_base_m.x(), pose.position_base_m.y(), pose.position_base_m.z()});
   recording_.samples.push_back(window.sample);
@@ -92,7 +101,7 @@ void CalibrationSession::AddWave(const calibration::WindowResult& window) {
 void CalibrationSession::AddTouch(const calibration::WindowResult& window) {
   const auto touch = picker_.Add(window);
   if (!touch) return;
-  const calibration::ColdPose pose = RoughPose(measured_, *touch);
+  const calibration::ColdPose pose = RoughPose(*touch);
   if (!pose.found) return;
   const double gap_m =
       tracker::CylinderGap({pose.position_base_m.x(), pose.position_base_m.y(), pose.position_base_m.z()},

@@ -2,6 +2,7 @@
 // terminal and no clock, so that the command, the benchmark and the tests drive the same code.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "service/calibration/coil_sweep.h"
 #include "service/calibration/coverage.h"
 #include "service/calibration/self_calibration.h"
+#include "service/calibration/start.h"
 #include "service/calibration/touches.h"
 #include "service/calibration/window.h"
 
@@ -34,7 +36,7 @@ class CalibrationSession {
 
   CalibrationStep step() const { return step_; }
   double progress() const;                                 // of this step, 0 to 1
-  const std::string& problem() const { return problem_; }  // why the sweep was refused; it ends the session
+  const std::string& problem() const { return problem_; }  // why it ended before its time; empty: it did not
   const calibration::Coverage& coverage() const { return coverage_; }
   const calibration::Recording& recording() const { return recording_; }
 
@@ -44,13 +46,15 @@ class CalibrationSession {
  private:
   void AddClear(const base::HallScan& scan);
   base::CoilCurrents AddSweep(const base::HallScan& scan);
+  void FinishSweep();
+  calibration::ColdPose RoughPose(const calibration::Sample& sample) const;
   void AddWave(const calibration::WindowResult& window);
   void AddTouch(const calibration::WindowResult& window);
 
   base::DeviceGeometry device_;
   SessionOptions options_;
   base::Calibration nominal_;
-  base::Calibration measured_;  // nominal with measured maps and background, for rough poses
+  std::optional<calibration::ColdStart> cold_;  // on the drawing with measured maps and background, after the sweep
   std::vector<calibration::SweepStep> plan_;
   calibration::CoilSweep sweep_;
   calibration::Window window_;

@@ -1,14 +1,12 @@
 #include "service/tools/calibration_error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "service/base/eigen.h"
-#include "service/tracker/cold_start.h"
-#include "service/tracker/measurement.h"
-#include "service/tracker/solver.h"
+#include "service/tracker/static_solve.h"
 
 namespace omni::tools {
 namespace {
@@ -17,24 +15,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kDegrees = 57.29577951308232;
-constexpr double kDamping = 1e-2;
-constexpr int kIterationsMax = 40;
-
-// The best fit of all cold starts.
-tracker::Pose SolveCold(const tracker::Model& model, const tracker::Trust& trust, const base::HallScan& scan) {
-  const tracker::Measurement measurement =
-      tracker::MakeMeasurement(model, trust, scan, {}, tracker::Remember(scan, {}));
-  const tracker::ColdCandidates candidates = tracker::RankGrid(model, measurement);
-  tracker::Pose best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int c = 0; c < candidates.count; ++c) {
-    const tracker::Fit fit =
-        tracker::SolvePose(model, measurement, candidates.poses[static_cast<std::size_t>(c)], kDamping, kIterationsMax);
-    if (!(fit.chi2 < least)) continue;
-    least = fit.chi2;
-    best = fit.pose;
+tracker::StaticPose SolveCold(const tracker::StaticSolver& solver, const base::HallScan& scan) {
+  std::array<tracker::ArrayReading, base::kSensorCount> readings;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    readings[i] = {scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7U};
   }
-  return best;
+  return solver.Solve(readings, scan.coil_current_A);
 }
 
 struct Pair {
@@ -54,11 +40,12 @@ Vector3d BestRotation(const std::vector<Pair>& pairs) {
 
 }  // namespace
 
-CalibrationError MeasureCalibrationError(sim::Rig& rig, const base::Calibration& calibration,
-                                         const ErrorOptions& options) {
-  const tracker::Model model = tracker::MakeModel(calibration);
-  tracker::Trust trust;
-  trust.model_error_relative = options.model_error_relative;
+base::Result<CalibrationError> MeasureCalibrationError(sim::Rig& rig, const base::Calibration& calibration,
+                                                       const ErrorOptions& options) {
+  tracker::StaticOptions how;
+  how.trust.model_error_relative = options.model_error_relative;
+  const auto solver = tracker::StaticSolver::Make(calibration, how);
+  if (!solver.ok()) return base::Error{solver.error()};
   sim::Random random(options.seed);
   std::vector<Pair> pairs;
   CalibrationError error;
@@ -69,7 +56,7 @@ CalibrationError MeasureCalibrationError(sim::Rig& rig, const base::Calibration&
       scan.field_sensor_T = rig.Readings(&truth, {});
       scan.saturated_mask = 0;
     }
-    const tracker::Pose found = SolveCold(model, trust, scan);
+    const tracker::Pose found = SolveCold(*solver, scan).pose;
     const Vector3d p = base::ToEigen(truth.centre_base_m);
     pairs.push_back({p, found.position_base_m - p});
     const double cosine = found.axis_base.dot(base::ToEigen(truth.axis_base));

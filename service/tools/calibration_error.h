@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "service/base/calibration.h"
+#include "service/base/result.h"
 #include "service/sim/rig.h"
 
 namespace omni::tools {
@@ -23,7 +24,8 @@ struct ErrorOptions {
   std::uint64_t seed = 1;
 };
 
-CalibrationError MeasureCalibrationError(sim::Rig& rig, const base::Calibration& calibration,
-                                         const ErrorOptions& options);
+// Error: the calibration is none that a solver takes.
+base::Result<CalibrationError> MeasureCalibrationError(sim::Rig& rig, const base::Calibration& calibration,
+                                                       const ErrorOptions& options);
 
 }  // namespace omni::tools

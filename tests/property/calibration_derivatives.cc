@@ -29,9 +29,11 @@ sim::RigOptions Uncalibrated(std::uint64_t seed) {
   return options;
 }
 
+// The frame is carried along without roll: the ring of five points is not quite round.
 ToolFrame Turned(const ToolFrame& tool, const Eigen::Matrix<double, 5, 1>& step) {
-  return MakeToolFrame(tool.position_base_m + step.head<3>(),
-                       (tool.axis_base + step[3] * tool.e1 + step[4] * tool.e2).normalized());
+  const Vector3d u = (tool.axis_base + step[3] * tool.e1 + step[4] * tool.e2).normalized();
+  const Vector3d e1 = (tool.e1 - u.dot(tool.e1) * u).normalized();
+  return {tool.position_base_m + step.head<3>(), u, e1, u.cross(e1)};
 }
 
 ToolFrame ToFrame(const sim::MagnetPose& pose) {

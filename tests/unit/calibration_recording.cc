@@ -87,7 +87,9 @@ TEST(CalibrationRecording, ATouchIsARestAtANewPlace) {
   const auto feed = [&](double place, bool still, int windows) {
     for (int i = 0; i < windows; ++i) {
       const auto touch = picker.Add(rest(place, still));
-      if (touch) EXPECT_TRUE(touch->touches_hull);
+      if (touch) {
+        EXPECT_TRUE(touch->touches_hull);
+      }
       touches += touch ? 1 : 0;
     }
   };

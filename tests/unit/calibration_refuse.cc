@@ -128,7 +128,7 @@ TEST_F(CalibrationRefuse, CoilWiredBackwardsWeakOrAMagnetAtRest) {
   for (CoilResponse& response : recording_.responses) {
     for (double& entry : response.map_sensor_T_A) entry *= 0.5;
   }
-  Expect(Why(), {"coil x", "50 %"});
+  Expect(Why(), {"coil x acts on sensor 0", "70 to 140 %"});
   recording_ = original;
   recording_.responses[3].background_sensor_T.z += 1e-3;
   Expect(Why(), {"sensor 3", "at rest", "take the pen"});
