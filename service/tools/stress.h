@@ -13,7 +13,7 @@ namespace omni::tools {
 base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed);
 
 // Side table "basin": starts off by so much, shares of solves that arrive.
-BenchRows StressBasins(std::uint64_t solves, std::uint64_t seed);
+base::Result<BenchRows> StressBasins(std::uint64_t solves, std::uint64_t seed);
 
 // Side table "singular poses": where a model, a tangent basis or a force map could divide by zero.
 BenchRows StressSingularPoses(std::uint64_t seed);

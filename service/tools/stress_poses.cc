@@ -116,7 +116,7 @@ void HoldThere(const loop::TickConfig& config, sim::Rig& rig, const sim::MagnetP
 
 }  // namespace
 
-BenchRows StressBasins(std::uint64_t solves, std::uint64_t seed) {
+base::Result<BenchRows> StressBasins(std::uint64_t solves, std::uint64_t seed) {
   struct Start {
     const char* name;
     double offset_m, offset_rad;
@@ -130,6 +130,7 @@ BenchRows StressBasins(std::uint64_t solves, std::uint64_t seed) {
   sim::Rig rig(config::DefaultDevice(), {.seed = seed, .sizes = sim::NoImperfections()});
   const tracker::Model model = tracker::MakeModel(rig.ExactCalibration());
   const auto solver = tracker::StaticSolver::Make(rig.ExactCalibration(), {});
+  if (!solver.ok()) return base::Error{solver.error()};
   sim::Random random(seed);
   BenchRows rows;
   for (const Start& start : kStarts) {
