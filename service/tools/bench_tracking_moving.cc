@@ -20,6 +20,7 @@ namespace {
 using sim::operator+;
 using sim::operator-;
 using sim::operator*;
+using sim::operator+=;
 
 constexpr std::size_t kRigsPerSeed = 4;  // 12 in all
 constexpr double kTrace_s = 60;

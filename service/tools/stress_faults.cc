@@ -131,7 +131,7 @@ void Supply(FaultContext& context, HallScan& scan) {
 void RandomBits(FaultContext& context, HallScan& scan) {
   std::array<std::uint64_t, (sizeof(HallScan) + 7) / 8> bits{};
   for (std::uint64_t& word : bits) word = context.random.Bits();
-  std::memcpy(&scan, bits.data(), sizeof scan);
+  std::memcpy(static_cast<void*>(&scan), bits.data(), sizeof scan);
 }
 
 constexpr ScanFault kFaults[] = {
