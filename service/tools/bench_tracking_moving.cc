@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include "service/base/eigen.h"
 #include "service/config/device_file.h"
@@ -26,6 +27,7 @@ constexpr std::size_t kRigsPerSeed = 4;  // 12 in all
 constexpr double kTrace_s = 60;
 constexpr double kCalibrating_s = 100;
 constexpr double kSettle_s = 0.2;
+constexpr double kUncalibrated = 0.05;  // error of the model that the tracker must allow then, or nothing would fit
 constexpr double kSawtooth_s = 0.5;
 
 // A base as it comes from the workshop, and everything that happens to the twin, faster than usual: the pen warms by 10
@@ -131,7 +133,11 @@ base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan) {
         options.current_delay_s = truth.driver.delay_s;
         const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
         for (std::size_t k = 0; k < kKnowledge.size(); ++k) {
-          TrackTrace(tracker::MakeConfig((*calibrations)[k]), trace, all[k][a]);
+          tracker::Config config = tracker::MakeConfig((*calibrations)[k]);
+          if (kKnowledge[k] == std::string_view("none")) {
+            config.trust.model_error_relative = config.trust.coil_error_relative = kUncalibrated;
+          }
+          TrackTrace(config, trace, all[k][a]);
         }
       }
     }
