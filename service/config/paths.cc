@@ -14,6 +14,13 @@ std::string AbsoluteVariable(const char* name) {
   return value != nullptr && value[0] == '/' ? std::string(value) : std::string();
 }
 
+// Of our settings; empty: no home.
+std::string UserFolder() {
+  if (const std::string folder = AbsoluteVariable("XDG_CONFIG_HOME"); !folder.empty()) return folder + "/omni";
+  if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.config/omni";
+  return {};
+}
+
 }  // namespace
 
 std::string DataFolder() {
@@ -28,9 +35,13 @@ std::string DataFolder() {
 std::string ScenesFolder() { return DataFolder() + "/scenes"; }
 
 std::string UserAppFolder() {
-  if (const std::string folder = AbsoluteVariable("XDG_CONFIG_HOME"); !folder.empty()) return folder + "/omni/apps.d";
-  if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.config/omni/apps.d";
-  return {};
+  const std::string folder = UserFolder();
+  return folder.empty() ? folder : folder + "/apps.d";
+}
+
+std::string UserCalibrationFile() {
+  const std::string folder = UserFolder();
+  return folder.empty() ? folder : folder + "/calibration.toml";
 }
 
 std::vector<std::string> AppFolders() {

@@ -15,6 +15,9 @@ std::string ScenesFolder();
 // The user's folder of application files: $XDG_CONFIG_HOME/omni/apps.d, else ~/.config/omni/apps.d; empty: no home.
 std::string UserAppFolder();
 
+// The user's calibration: $XDG_CONFIG_HOME/omni/calibration.toml, else below ~/.config; empty: no home.
+std::string UserCalibrationFile();
+
 // Folders of application files in order of precedence: the user's, then ours.
 std::vector<std::string> AppFolders();
 

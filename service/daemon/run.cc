@@ -12,6 +12,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/paths.h"
 #include "service/daemon/publish.h"
@@ -115,6 +116,22 @@ void ServeUntilSignal(const RunOptions& options, const loop::TickConfig& config,
   CloseDevice(session, service, "the service is ending");
 }
 
+// The twin's imperfections follow from its seed: it is another base with every seed.
+std::string SerialOf(const RunOptions& options) { return "twin-" + std::to_string(options.twin_seed); }
+
+// A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
+config::CalibrationChoice Choose(const RunOptions& options, const base::DeviceGeometry& device) {
+  config::CalibrationChoice choice = config::ChooseCalibration(options.calibration_path, device, SerialOf(options));
+  if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
+  if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
+  if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
+  return choice;
+}
+
+loop::TickConfig MakeConfig(const base::DeviceGeometry& device, const config::CalibrationChoice& choice) {
+  return choice.file ? loop::MakeTickConfig(device, choice.file->calibration) : loop::MakeTickConfig(device);
+}
+
 std::uint64_t RandomInstance() {
   std::random_device random;
   return (static_cast<std::uint64_t>(random()) << 32) | random();
@@ -134,6 +151,7 @@ int RunChecked(const RunOptions& options) {
     from_file = *loaded;
   }
   const base::DeviceGeometry& device = from_file ? *from_file : config::DefaultDevice();
+  const config::CalibrationChoice calibration = Choose(options, device);
   const std::uint64_t instance = RandomInstance();
   auto publisher = ipc::StatePublisher::Create(instance);
   if (!publisher.ok()) {
@@ -144,7 +162,8 @@ int RunChecked(const RunOptions& options) {
   Service service({.version = OMNI_VERSION,
                    .instance = instance,
                    .apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder()),
-                   .hull_radius_m = device.hull_radius_m});
+                   .hull_radius_m = device.hull_radius_m,
+                   .calibration = calibration});
   auto server = ipc::Server::Open(
       {.socket_path = options.socket_path, .service_instance = instance, .state_fd = (*publisher)->fd()}, service);
   if (!server.ok()) {
@@ -154,7 +173,7 @@ int RunChecked(const RunOptions& options) {
   service.SetServer(server->get());
   (*server)->Start();
   spdlog::info("omnid {} listens on {}", OMNI_VERSION, (*server)->socket_path());
-  ServeUntilSignal(options, loop::MakeTickConfig(device), sink, service, end_signals);
+  ServeUntilSignal(options, MakeConfig(device, calibration), sink, service, end_signals);
   (*server)->Stop();
   return 0;
 }

@@ -9,6 +9,7 @@ namespace omni::daemon {
 struct RunOptions {
   std::string device = "twin";
   std::string device_file;
+  std::string calibration_path;  // empty: the user's own, if it is there
   std::string socket_path;
   std::string record_path;
   std::string twin_script;

@@ -18,6 +18,7 @@ constexpr std::size_t kMaxProblems = 20;  // the oldest goes when full
 Service::Service(ServiceOptions options)
     : options_(std::move(options)), start_ns_(base::MonotonicNow_ns()), builder_(options_.hull_radius_m) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
+  if (!options_.calibration.problem.empty()) problems_.push_back("calibration: " + options_.calibration.problem);
 }
 
 Service::~Service() = default;
@@ -166,7 +167,8 @@ std::string Service::StatusJson() {
   StatusInput input{.version = options_.version,
                     .instance = options_.instance,
                     .uptime_s = static_cast<double>(base::MonotonicNow_ns() - start_ns_) * 1e-9,
-                    .problems = problems_};
+                    .problems = problems_,
+                    .calibration = options_.calibration};
   for (const auto& [id, client] : clients_) {
     input.clients.push_back({.id = id,
                              .pid = client.info.pid,

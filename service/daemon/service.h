@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "service/config/app_file.h"
+#include "service/config/calibration_file.h"
 #include "service/daemon/owner.h"
 #include "service/daemon/scene_builder.h"
 #include "service/device/transport.h"
@@ -23,6 +24,7 @@ struct ServiceOptions {
   std::uint64_t instance = 0;
   config::AppTable apps;
   double hull_radius_m = 0;
+  config::CalibrationChoice calibration;
 };
 
 class Service : public ipc::ServerHandler {

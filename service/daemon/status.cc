@@ -35,6 +35,15 @@ json Device(const StatusInput& input) {
           {"send_failed", counters.send_failed}};
 }
 
+// Null: the base works as drawn.
+json Calibration(const config::CalibrationChoice& choice) {
+  if (!choice.file) return nullptr;
+  return {{"file", choice.path},
+          {"date", choice.file->date},
+          {"serial", choice.file->serial},
+          {"expected_error_mm", choice.file->quality.expected_error_mm}};
+}
+
 json Ticks(const loop::TickThread& loop) {
   const loop::TickStatistics& s = loop.statistics();
   const loop::RealtimeStatus& realtime = loop.realtime();
@@ -71,6 +80,7 @@ std::string WriteStatus(const StatusInput& input) {
       {"service",
        {{"version", input.version}, {"pid", getpid()}, {"uptime_s", input.uptime_s}, {"instance", input.instance}}},
       {"device", Device(input)},
+      {"calibration", Calibration(input.calibration)},
       {"clients", Clients(input)},
       {"scene",
        {{"name", input.scene_file}, {"generation", input.scene_generation}, {"triangles", input.scene_triangles}}},

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "service/config/calibration_file.h"
 #include "service/device/transport.h"
 #include "service/loop/tick_thread.h"
 #include "service/protocol/control.h"
@@ -25,6 +26,7 @@ struct StatusInput {
   std::uint64_t instance = 0;
   double uptime_s = 0;
   std::vector<std::string> problems;
+  config::CalibrationChoice calibration;
   std::vector<ClientRow> clients;
   std::string scene_file;
   std::uint64_t scene_generation = 0;

@@ -11,13 +11,22 @@
 
 namespace omni::tools {
 
-// Rows are flat objects; keys in a stated order; not measured = null.
+// Rows are flat objects; keys in a stated order; not measured = null. Rows with a key "table" are no rows of the bench
+// proper: they go to side tables of that name.
 using BenchRows = std::vector<nlohmann::ordered_json>;
 
 struct BenchOptions {
-  std::uint64_t ticks = 1'000'000;  // loop: per scene
+  std::uint64_t ticks = 0;  // loop: per scene; stress: in all; 0: the bench's own number
   std::uint64_t seed = 1;
+  bool quick = false;             // tracking, solver, stress: a hundredth of the work, to see that it runs
+  std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
+  double hours = 10;              // stress: virtual time of the drift run
 };
+
+// Benches that draw rigs and poses use three seeds; the same --seed gives the same ones.
+inline std::vector<std::uint64_t> ThreeSeeds(std::uint64_t seed) {
+  return {1000 * seed + 1, 1000 * seed + 2, 1000 * seed + 3};
+}
 
 // Tick alone, per shipped scene: scene, ticks, us_median, us_p99, us_max, allocations, late_ticks.
 base::Result<BenchRows> BenchLoop(const BenchOptions& options);
@@ -31,7 +40,19 @@ base::Result<BenchRows> BenchForce(const BenchOptions& options);
 // Heat runs of the paper on the twin and in the host: run, model, peak_C, peak_s, end_C, copper_peak_C, ...
 base::Result<BenchRows> BenchThermal(const BenchOptions& options);
 
-// {"name", "commit", "machine", "rows"}
+// Per base: rig, seed, before_mm, raw_mm, aligned_mm, systematic_mm, seconds and more; then mean and worst.
+base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
+
+// Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, levels.
+base::Result<BenchRows> BenchTracking(const BenchOptions& options);
+
+// Run time and error of solvers on the same poses; side table: ratios.
+base::Result<BenchRows> BenchSolver(const BenchOptions& options);
+
+// Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
+base::Result<BenchRows> BenchStress(const BenchOptions& options);
+
+// {"name", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);
 // Aligned columns, one line a row.
 std::string BenchTable(const BenchRows& rows);

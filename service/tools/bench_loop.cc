@@ -20,7 +20,8 @@ namespace omni::tools {
 namespace {
 
 constexpr const char* kScenes[] = {"extrusion", "dragon", "racetrack"};
-constexpr double kLate_us = 1000;  // a tick that alone takes longer than its period
+constexpr std::uint64_t kTicks = 1'000'000;  // per scene
+constexpr double kLate_us = 1000;            // a tick that alone takes longer than its period
 
 base::Result<std::vector<base::HallScan>> RecordScans(const loop::TickConfig& config, const haptics::Scene& scene,
                                                       const std::string& scene_path, std::uint64_t seed) {
@@ -73,6 +74,7 @@ Timing ReplayTicks(const loop::TickConfig& config, const haptics::Scene& scene,
 base::Result<BenchRows> BenchLoop(const BenchOptions& options) {
   loop::FlushDenormals();
   const loop::TickConfig config = loop::MakeTickConfig(config::DefaultDevice());
+  const std::uint64_t ticks = options.ticks > 0 ? options.ticks : kTicks;
   BenchRows rows;
   for (const char* name : kScenes) {
     const std::string path = FindScene(name);
@@ -80,10 +82,10 @@ base::Result<BenchRows> BenchLoop(const BenchOptions& options) {
     if (!loaded.ok()) return base::Error{loaded.error()};
     auto scans = RecordScans(config, loaded->scene, path, options.seed);
     if (!scans.ok()) return base::Error{scans.error()};
-    const Timing timing = ReplayTicks(config, loaded->scene, *scans, options.ticks);
+    const Timing timing = ReplayTicks(config, loaded->scene, *scans, ticks);
     const std::vector<double> us(timing.us.begin(), timing.us.end());
     rows.push_back({{"scene", name},
-                    {"ticks", options.ticks},
+                    {"ticks", ticks},
                     {"us_median", Quantile(us, 0.5)},
                     {"us_p99", Quantile(us, 0.99)},
                     {"us_max", Quantile(us, 1.0)},

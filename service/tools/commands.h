@@ -14,6 +14,10 @@ void AddDoctor(CLI::App& app);
 void AddTwin(CLI::App& app);  // omni twin serve, and below it:
 void AddTwinRun(CLI::App& twin);
 void AddBench(CLI::App& app);
+void AddBenchPlot(CLI::App& bench);  // below it
 void AddReport(CLI::App& app);
+void AddTrack(CLI::App& app);
+void AddPaper(CLI::App& app);
+void AddCalibrate(CLI::App& app);
 
 }  // namespace omni::tools

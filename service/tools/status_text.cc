@@ -81,6 +81,13 @@ std::string SceneLine(const json& status) {
          TextAt(status, "/scene/generation");
 }
 
+std::string CalibrationLine(const json& status) {
+  const std::string file = TextAt(status, "/calibration/file");
+  if (file == "-") return "none: the base works as drawn; `omni calibrate` measures it";
+  return file + " of " + TextAt(status, "/calibration/date") + ", expected error " +
+         TextAt(status, "/calibration/expected_error_mm", 2) + " mm";
+}
+
 std::string ClientLine(const json& client) {
   if (TrueAt(client, "/monitor"))
     return "monitor \"" + TextAt(client, "/application") + "\" (pid " + TextAt(client, "/pid") + ")";
@@ -95,6 +102,7 @@ std::string StatusText(const json& status) {
   std::string text = Line("omnid", TextAt(status, "/service/version") + ", pid " + TextAt(status, "/service/pid") +
                                        ", up " + Duration(NumberAt(status, "/service/uptime_s")));
   text += Line("device", DeviceLine(status));
+  text += Line("calibrated", CalibrationLine(status));
   text += Line("tick", TickLine(status));
   text += Line("real-time", RealtimeLine(status));
   text += Line("pen", TrackingLine(status));

@@ -65,8 +65,9 @@ bool Allowed(const std::string& module, const std::string& header) {
 
 std::set<std::string> AnyService() {
   std::set<std::string> all{"firmware/wire"};
-  for (const char* name : {"base", "protocol", "config", "magnetics", "tracker", "calibration", "haptics", "scene",
-                           "actuation", "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
+  for (const char* name :
+       {"base", "protocol", "config", "magnetics", "tracker", "calibration", "peers", "haptics", "scene", "actuation",
+        "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
     all.insert(std::string("service/") + name);
   }
   return all;
@@ -85,6 +86,7 @@ const std::vector<Rule>& Rules() {
       {"service/tracker", {"service/base", "service/magnetics"}},
       {"service/actuation", {"service/base", "service/magnetics"}},
       {"service/calibration", {"service/base", "service/magnetics", "service/tracker"}},
+      {"service/peers", {"service/base", "service/magnetics", "service/tracker"}},
       {"service/scene", {"service/base", "service/haptics"}},
       {"service/device", {"service/base", "firmware/wire"}},
       {"firmware/core", {"firmware/wire"}},
@@ -107,14 +109,14 @@ const std::vector<Confined>& ConfinedHeaders() {
   static const std::vector<Confined> kConfined = {
       {"tiny_gltf.h", {"service/scene/"}},
       {"libusb", {"service/device/"}},
-      {"ceres/", {"service/calibration/"}},
+      {"ceres/", {"service/calibration/", "service/peers/"}},
       {"openxr/", {"layer/"}},
       {"toml++/", {"service/config/"}},
       {"CLI/", {"service/tools/", "service/daemon/main.cc"}},
       {"spdlog/", {"service/daemon/", "service/tools/"}},
       {"Eigen/",
        {"service/base/eigen.h", "service/magnetics/", "service/tracker/", "service/haptics/", "service/actuation/",
-        "service/sim/", "service/loop/", "service/calibration/"}},
+        "service/sim/", "service/loop/", "service/calibration/", "service/peers/"}},
   };
   return kConfined;
 }

@@ -179,7 +179,7 @@ TEST_F(ServiceTest, UnknownClientsAreIgnored) {
 
 TEST_F(ServiceTest, StatusSaysWhatIsThere) {
   const nlohmann::json status = Status();
-  for (const char* key : {"service", "device", "clients", "scene", "aligned", "problems", "tick"}) {
+  for (const char* key : {"service", "device", "calibration", "clients", "scene", "aligned", "problems", "tick"}) {
     EXPECT_TRUE(status.contains(key)) << key;
   }
   EXPECT_EQ(status["aligned"], false);
@@ -187,6 +187,26 @@ TEST_F(ServiceTest, StatusSaysWhatIsThere) {
   service_.Detach("unplugged");
   EXPECT_EQ(Status()["device"]["absent"], "unplugged");
   EXPECT_TRUE(loop_->finished());
+}
+
+TEST(ServiceCalibration, StatusSaysWhichOneOrWhyNone) {
+  config::CalibrationChoice used{.file = config::CalibrationFile{}, .path = "/c/calibration.toml"};
+  used.file->date = "2026-11-21T09:00:00Z";
+  Service calibrated({.version = "test", .instance = 1, .hull_radius_m = 0.0375, .calibration = used});
+  const nlohmann::json with = nlohmann::json::parse(calibrated.StatusJson());
+  EXPECT_EQ(with["calibration"]["file"], "/c/calibration.toml");
+  EXPECT_EQ(with["calibration"]["date"], "2026-11-21T09:00:00Z");
+  EXPECT_TRUE(with["problems"].empty());
+
+  Service refused(
+      {.version = "test",
+       .instance = 1,
+       .hull_radius_m = 0.0375,
+       .calibration = {.path = "/c/calibration.toml", .problem = "/c/calibration.toml:4: of another base"}});
+  const nlohmann::json without = nlohmann::json::parse(refused.StatusJson());
+  EXPECT_TRUE(without["calibration"].is_null());
+  ASSERT_EQ(without["problems"].size(), 1U);
+  EXPECT_NE(without["problems"][0].get<std::string>().find("of another base"), std::string::npos);
 }
 
 class HeldPenTest : public ServiceTest {

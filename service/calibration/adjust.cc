@@ -1,0 +1,143 @@
+#include "service/calibration/adjust.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace omni::calibration {
+namespace {
+
+constexpr double kDampingFirst = 1e-4;
+constexpr double kDampingMin = 1e-9;
+constexpr double kDampingMax = 1e6;
+constexpr double kDone = 0.1;     // expected decrease of the cost: far below what a parameter's deviation costs
+constexpr int kRoundsMax = 4;     // of weights
+constexpr double kSettled = 0.1;  // largest change of a weight that needs no further round
+constexpr double kTouchGate = 9;  // chi2 of a touch that keeps its full weight
+constexpr int kStack = 32;        // samples eliminated at a time
+
+Eigen::LLT<OwnMatrix> Factor(const SampleBlock& block, double damping) {
+  OwnMatrix H = block.H;
+  H.diagonal() *= 1 + damping;
+  return H.llt();
+}
+
+struct Step {
+  Eigen::VectorXd array;
+  std::vector<OwnVector> own;
+  double expected = 0;  // decrease of the cost in the linear model without damping terms
+  bool finite = false;
+};
+
+// Back-substitution: own = -H^-1 (g + C dx).
+Step MakeStep(const System& system, double damping) {
+  const Reduced reduced = Eliminate(system, damping);
+  Step step;
+  step.array = -reduced.H.llt().solve(reduced.g);
+  step.expected = -step.array.dot(system.g);
+  for (const SampleBlock& block : system.samples) {
+    const OwnVector right = block.g + block.C * step.array;
+    step.own.push_back(-Factor(block, damping).solve(right));
+    step.expected -= step.own.back().dot(block.g);
+  }
+  step.finite = step.array.allFinite() && std::isfinite(step.expected);
+  return step;
+}
+
+double PerDof(const SampleBlock& block, const Observation& observation) {
+  return block.chi2 / std::max(1, observation.readings - 5);
+}
+
+// w = min(1, gate / chi2): samples far beyond the usual misfit lose their say. The usual misfit is the median, so that
+// nothing is thrown away while the array is still wrong. (8)
+double Reweigh(const System& system, std::vector<Observation>& observations) {
+  std::vector<double> misfit;
+  for (std::size_t n = 0; n < observations.size(); ++n) misfit.push_back(PerDof(system.samples[n], observations[n]));
+  std::vector<double> sorted = misfit;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual = std::max(1.0, *middle);
+  double change = 0;
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    Observation& observation = observations[n];
+    const double gate = usual * (1 + 4 * std::sqrt(2.0 / std::max(1, observation.readings - 5)));
+    const double weight = misfit[n] > gate ? gate / misfit[n] : 1.0;
+    const double touch = system.samples[n].touch_chi2;
+    const double touch_weight = touch > kTouchGate ? kTouchGate / touch : 1.0;
+    change =
+        std::max({change, std::abs(weight - observation.weight), std::abs(touch_weight - observation.touch_weight)});
+    observation.weight = weight;
+    observation.touch_weight = touch_weight;
+  }
+  return change;
+}
+
+// One round with fixed weights. True: converged.
+bool Minimise(const Problem& problem, int iterations_max, Adjustment& state) {
+  double damping = kDampingFirst;
+  while (state.iterations < iterations_max) {
+    const Step step = MakeStep(state.system, damping);
+    if (step.finite && step.expected < kDone && damping <= 1e-3) return true;
+    if (step.finite) {
+      Parameters parameters = state.parameters;
+      parameters.x() += step.array;
+      std::vector<Instant> instants;
+      instants.reserve(step.own.size());
+      for (std::size_t n = 0; n < step.own.size(); ++n) instants.push_back(Moved(state.instants[n], step.own[n]));
+      System next = problem.Linearise(parameters, instants);
+      ++state.iterations;
+      if (next.cost <= state.system.cost) {  // false for NaN
+        state.parameters = std::move(parameters);
+        state.instants = std::move(instants);
+        state.system = std::move(next);
+        damping = std::max(kDampingMin, damping * 0.1);
+        continue;
+      }
+    }
+    damping *= 10;
+    if (!(damping < kDampingMax)) return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+// S = H - sum C^T H_n^-1 C, s = g - sum C^T H_n^-1 g_n, with H_n = L L^T and V = L^-1 C.
+Reduced Eliminate(const System& system, double damping) {
+  Reduced reduced{system.H, system.g};
+  reduced.H.diagonal() *= 1 + damping;
+  const Eigen::Index size = system.H.rows();
+  Eigen::MatrixXd V(kOwn * kStack, size);
+  Eigen::VectorXd v(kOwn * kStack);
+  for (std::size_t first = 0; first < system.samples.size(); first += kStack) {
+    const std::size_t count = std::min<std::size_t>(kStack, system.samples.size() - first);
+    for (std::size_t n = 0; n < count; ++n) {
+      const SampleBlock& block = system.samples[first + n];
+      const Eigen::LLT<OwnMatrix> L = Factor(block, damping);
+      const Eigen::Index row = kOwn * static_cast<Eigen::Index>(n);
+      V.middleRows<kOwn>(row) = L.matrixL().solve(block.C);
+      v.segment<kOwn>(row) = L.matrixL().solve(block.g);
+    }
+    const auto rows = kOwn * static_cast<Eigen::Index>(count);
+    reduced.H.selfadjointView<Eigen::Lower>().rankUpdate(V.topRows(rows).transpose(), -1);
+    reduced.g -= V.topRows(rows).transpose() * v.head(rows);
+  }
+  reduced.H.triangularView<Eigen::StrictlyUpper>() = reduced.H.transpose();
+  return reduced;
+}
+
+Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
+  Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
+  state.system = problem.Linearise(state.parameters, state.instants);
+  for (int round = 0; round < kRoundsMax; ++round) {
+    state.converged = Minimise(problem, iterations_max, state);
+    if (!state.converged || Reweigh(state.system, problem.observations()) < kSettled) break;
+    state.system = problem.Linearise(state.parameters, state.instants);
+    ++state.iterations;
+  }
+  const Eigen::Index size = state.parameters.size();
+  state.covariance = Eliminate(state.system, 0).H.llt().solve(Eigen::MatrixXd::Identity(size, size));
+  return state;
+}
+
+}  // namespace omni::calibration

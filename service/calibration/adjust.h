@@ -1,0 +1,31 @@
+// Bundle adjustment: Levenberg-Marquardt on array and samples together, the samples eliminated. Samples that do not fit
+// lose weight. docs/theory/calibration.md (6) - (8)
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "service/calibration/system.h"
+
+namespace omni::calibration {
+
+struct Adjustment {
+  Parameters parameters;
+  std::vector<Instant> instants;
+  System system;               // at the solution
+  Eigen::MatrixXd covariance;  // of the array's unknowns; unit matrix: nothing but the tolerances
+  int iterations = 0;          // linearisations
+  bool converged = false;
+};
+
+// `problem`: weights of its observations are changed.
+Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
+
+// H and g with the samples eliminated; damping multiplies the diagonals. (7)
+struct Reduced {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g;
+};
+Reduced Eliminate(const System& system, double damping);
+
+}  // namespace omni::calibration

@@ -1,0 +1,128 @@
+#include "service/calibration/assess.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "service/base/eigen.h"
+
+namespace omni::calibration {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+constexpr double kUnfixed = 0.7;        // posterior deviation, in tolerances
+constexpr std::size_t kProbesMax = 64;  // samples on which the expected error is taken
+
+Matrix3d CrossMatrix(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+void DescribeSensors(const Adjustment& adjustment, Report& report) {
+  const Parameters& parameters = adjustment.parameters;
+  for (int i = 0; i < parameters.sensors(); ++i) {
+    const SensorFit& fit = adjustment.system.sensors[static_cast<std::size_t>(i)];
+    const double count = std::max(1.0, fit.readings);
+    const auto moved = parameters.x().segment<3>(kSensorUnknowns * i + kPositionAt);
+    report.sensors.push_back({.residual_T = std::sqrt(fit.square_T2 / count),
+                              .chi2_per_reading = fit.chi2 / count,
+                              .moved_m = parameters.tolerances().sensor_position_m * moved.norm()});
+  }
+}
+
+// The least value of the cost has as many degrees of freedom as there are readings, touches and maps, less five a
+// sample: every other unknown brings its own prior. The mean gain is held, hence one more. (9)
+void DescribeFit(const Problem& problem, const Adjustment& adjustment, Report& report) {
+  double dof = 1 + adjustment.system.map_readings;
+  double touch_square = 0, touches = 0;
+  const auto& observations = problem.observations();
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    dof += observations[n].weight * (observations[n].readings - 5);
+    if (!observations[n].touches_hull) continue;
+    dof += observations[n].touch_weight;
+    touches += observations[n].touch_weight;
+    touch_square += observations[n].touch_weight * adjustment.system.samples[n].touch_chi2;
+  }
+  const System& system = adjustment.system;
+  report.dof = static_cast<int>(dof);
+  report.chi2_per_dof = system.cost / std::max(1.0, dof);
+  if (touches > 0) report.touch_rms_m = adjustment.parameters.tolerances().touch_m * std::sqrt(touch_square / touches);
+  if (system.map_readings > 0) report.map_chi2_per_reading = system.map_chi2 / system.map_readings;
+}
+
+bool IsCalibrated(const Parameters& parameters, int index) {
+  const int shared = index - parameters.shared_at();
+  return shared < 0 || shared == kMomentAt || shared == kKappaAt;
+}
+
+// Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 says less than them.
+// (10)
+void DescribeObservability(const Adjustment& adjustment, Report& report) {
+  const Parameters& parameters = adjustment.parameters;
+  MatrixXd information = Eliminate(adjustment.system, 0).H;
+  information.diagonal().array() -= 1;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information, Eigen::EigenvaluesOnly);
+  report.weak_directions = static_cast<int>((eigen.eigenvalues().array() < 1).count());
+  for (int e = 0; e < parameters.size(); ++e) {
+    const double sigma = std::sqrt(adjustment.covariance(e, e));
+    if (!IsCalibrated(parameters, e) || !(sigma > kUnfixed)) continue;
+    const double tolerance = parameters.ToleranceInUnit(e);
+    report.unfixed.push_back({parameters.Name(e), sigma * tolerance, tolerance, parameters.Unit(e)});
+  }
+}
+
+// Rotation of all sensors about the core that fits their displacements best, w = (sum [s]^T [s])^-1 sum s x ds: its
+// deviation says how well the frame is fixed. (11)
+double FrameRotation(const Adjustment& adjustment) {
+  const Parameters& parameters = adjustment.parameters;
+  MatrixXd J = MatrixXd::Zero(3, parameters.size());
+  Matrix3d inertia = Matrix3d::Zero();
+  for (int i = 0; i < parameters.sensors(); ++i) {
+    const Matrix3d s = CrossMatrix(parameters.Sensor(i).position_base_m);
+    inertia += s.transpose() * s;
+    J.middleCols<3>(kSensorUnknowns * i + kPositionAt) = parameters.tolerances().sensor_position_m * s;
+  }
+  J = inertia.ldlt().solve(J).eval();
+  return std::sqrt((J * adjustment.covariance * J.transpose()).trace() / 3);
+}
+
+// A pose follows the array as dp = -H_n^-1 C dx: the covariance of x gives the error that remains in poses. (12)
+double ExpectedError(const Adjustment& adjustment) {
+  const Parameters& parameters = adjustment.parameters;
+  const auto& samples = adjustment.system.samples;
+  const std::size_t stride = std::max<std::size_t>(1, samples.size() / kProbesMax);
+  double square_m2 = 0, count = 0;
+  for (std::size_t n = 0; n < samples.size(); n += stride, ++count) {
+    MatrixXd K = samples[n].H.llt().solve(samples[n].C).topRows<3>();
+    for (int e = 0; e < parameters.size(); ++e) {
+      if (!IsCalibrated(parameters, e)) K.col(e).setZero();
+    }
+    square_m2 += (K * adjustment.covariance * K.transpose()).trace();
+  }
+  return count > 0 ? std::sqrt(square_m2 / count) : 0.0;
+}
+
+}  // namespace
+
+Report Assess(const Problem& problem, const Adjustment& adjustment) {
+  const Parameters& parameters = adjustment.parameters;
+  const int moment = parameters.shared_at() + kMomentAt;
+  Report report;
+  DescribeSensors(adjustment, report);
+  DescribeFit(problem, adjustment, report);
+  DescribeObservability(adjustment, report);
+  report.moment_relative = parameters.tolerances().moment * parameters.x()[moment];
+  report.moment_sigma = parameters.tolerances().moment * std::sqrt(adjustment.covariance(moment, moment));
+  report.moment_drift = parameters.tolerances().moment_drift * parameters.x()[parameters.shared_at() + kMomentDriftAt];
+  report.frame_rotation_rad = FrameRotation(adjustment);
+  report.expected_error_m = ExpectedError(adjustment);
+  report.iterations = adjustment.iterations;
+  return report;
+}
+
+}  // namespace omni::calibration

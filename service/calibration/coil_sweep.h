@@ -1,0 +1,55 @@
+// Current maps and background of every sensor from a sweep of the coils without the pen. docs/theory/calibration.md
+// (14)
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "service/base/hall_scan.h"
+#include "service/base/result.h"
+#include "service/calibration/samples.h"
+
+namespace omni::calibration {
+
+// Each coil to + and - amplitude_A, then falling alternation that wipes the core's memory, then rest.
+struct SweepPlan {
+  double amplitude_A = 4;
+  int plateau_scans = 150;
+  int repeats = 2;
+  int wipe_steps = 12;  // of alternating sign, each at 0.7 of the one before
+  int wipe_scans = 30;
+  int rest_scans = 1000;
+};
+// Set-points in order, each for so many scans.
+struct SweepStep {
+  std::array<double, base::kCoilCount> current_A{};
+  int scans = 0;
+  bool rest = false;
+};
+std::vector<SweepStep> MakeSweep(const SweepPlan& plan);
+
+class CoilSweep {
+ public:
+  // `rest`: coils at zero, at the end of the plan. Scans soon after a change of current are left out.
+  void Add(const base::HallScan& scan, bool rest);
+
+  // One a sensor; refuses what gives no map, with the reason.
+  base::Result<std::vector<CoilResponse>> Finish() const;
+
+ private:
+  static constexpr int kRegressors = 1 + base::kCoilCount;  // constant and currents
+  static constexpr int kReadings = 3 * base::kSensorCount;
+
+  int steady_scans_ = 0;
+  std::array<double, base::kCoilCount> last_current_A_{};
+  Eigen::Matrix<double, kRegressors, kRegressors> N_ = Eigen::Matrix<double, kRegressors, kRegressors>::Zero();
+  Eigen::Matrix<double, kRegressors, kReadings> right_ = Eigen::Matrix<double, kRegressors, kReadings>::Zero();
+  Eigen::Matrix<double, kReadings, 1> square_ = Eigen::Matrix<double, kReadings, 1>::Zero();
+  Eigen::Matrix<double, kReadings, 1> rest_sum_ = Eigen::Matrix<double, kReadings, 1>::Zero();
+  Eigen::Vector3d rest_current_sum_A_ = Eigen::Vector3d::Zero();
+  std::array<double, base::kCoilCount> highest_A_{}, lowest_A_{};
+  double scans_ = 0, rest_scans_ = 0;
+  int bad_scans_ = 0;  // saturated or not a number
+};
+
+}  // namespace omni::calibration

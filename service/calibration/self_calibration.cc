@@ -1,0 +1,103 @@
+#include "service/calibration/self_calibration.h"
+
+#include <chrono>
+#include <vector>
+
+#include "service/base/eigen.h"
+#include "service/calibration/adjust.h"
+#include "service/calibration/assess.h"
+#include "service/calibration/checks.h"
+#include "service/calibration/coverage.h"
+#include "service/calibration/start.h"
+
+namespace omni::calibration {
+namespace {
+
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr double kLostWeight = 0.3;  // a sample below counts as rejected
+
+// What was kept of a recording: samples with a pose.
+struct Kept {
+  Recording recording;
+  std::vector<Instant> instants;
+  Coverage coverage;
+};
+
+Kept KeepFound(const Recording& recording, const std::vector<ColdPose>& poses) {
+  Kept kept;
+  kept.recording.responses = recording.responses;
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    if (!poses[n].found) continue;
+    kept.recording.samples.push_back(recording.samples[n]);
+    kept.instants.push_back({poses[n].position_base_m, poses[n].axis_base});
+    kept.coverage.Add(base::FromEigen(poses[n].position_base_m));
+  }
+  return kept;
+}
+
+base::Calibration ToCalibration(const Problem& problem, const Parameters& parameters) {
+  base::Calibration calibration = problem.nominal();  // maps and background: as measured
+  for (int i = 0; i < parameters.sensors(); ++i) {
+    const SensorState state = parameters.Sensor(i);
+    base::SensorCalibration& sensor = calibration.sensors[static_cast<std::size_t>(i)];
+    sensor.position_base_m = base::FromEigen(state.position_base_m);
+    Eigen::Map<RowMajor3d>(sensor.gain_sensor_base.data()) = state.gain;
+  }
+  calibration.moment_Am2 = parameters.Moment_Am2(0);
+  calibration.core_kappa = parameters.Kappa();
+  return calibration;
+}
+
+void CountSamples(const Recording& recording, const Problem& problem, Report& report) {
+  report.samples = static_cast<int>(recording.samples.size());
+  report.rejected = report.samples - static_cast<int>(problem.observations().size());
+  for (const Observation& observation : problem.observations()) {
+    report.touches += observation.touches_hull ? 1 : 0;
+    report.rejected += observation.weight < kLostWeight ? 1 : 0;
+  }
+}
+
+Parameters StartAt(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
+                   const Tolerances& tolerances) {
+  Parameters parameters(nominal, tolerances);
+  std::array<Eigen::Vector3d, base::kCoilCount> axes{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
+                                                     Eigen::Vector3d::UnitZ()};
+  for (std::size_t k = 0; k < coils.size() && k < axes.size(); ++k) {
+    axes[k] = base::ToEigen(coils[k].axis_base).normalized();
+  }
+  parameters.SetCoilAxes(axes);
+  return parameters;
+}
+
+}  // namespace
+
+base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
+                                    const Recording& recording, const Options& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto refused = [](const std::string& why) { return base::Error{"calibration refused: " + why}; };
+  if (const std::string why = RecordingProblem(nominal, recording, options.limits); !why.empty()) return refused(why);
+
+  const Problem measured(nominal, coils, {{}, recording.responses}, options.tolerances);
+  const auto cold = ColdStart::Make(measured.nominal(), options.tolerances);
+  if (!cold.ok()) return refused(cold.error());
+  std::vector<ColdPose> poses;
+  for (const Sample& sample : recording.samples) poses.push_back(cold->Find(sample));
+  if (const std::string why = PosesProblem(nominal, recording, poses, options.limits); !why.empty()) {
+    return refused(why);
+  }
+  Kept kept = KeepFound(recording, poses);
+  Problem problem(nominal, coils, kept.recording, options.tolerances);
+  const Adjustment adjustment = Adjust(problem, StartAt(problem.nominal(), coils, options.tolerances),
+                                       std::move(kept.instants), options.iterations_max);
+  Outcome outcome{ToCalibration(problem, adjustment.parameters), Assess(problem, adjustment)};
+  CountSamples(recording, problem, outcome.report);
+  outcome.report.coverage = kept.coverage.share();
+  outcome.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (const std::string why = ResultProblem(adjustment, outcome.report, options.limits); !why.empty()) {
+    return refused(why);
+  }
+  return outcome;
+}
+
+}  // namespace omni::calibration

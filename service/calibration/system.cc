@@ -1,0 +1,301 @@
+#include "service/calibration/system.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "service/base/eigen.h"
+#include "service/calibration/tool_field.h"
+#include "service/magnetics/zonal.h"
+
+namespace omni::calibration {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr double kGaugeWeight = 1e6;  // the mean gain is 1 within 1e-3 tolerances
+constexpr int kLocal = kSensorUnknowns + kSampleShared;
+
+using LocalJacobian = Eigen::Matrix<double, 3, kLocal>;
+// One sensor's share of the array block: its own unknowns, then the shared ones.
+struct LocalSums {
+  Eigen::Matrix<double, kLocal, kLocal> H = Eigen::Matrix<double, kLocal, kLocal>::Zero();
+  Eigen::Matrix<double, kLocal, 1> g = Eigen::Matrix<double, kLocal, 1>::Zero();
+  SensorFit fit;
+};
+
+void Count(const Vector3d& residual_T, const Vector3d& inverse_sigma, double weight, SensorFit& fit) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(inverse_sigma[axis] > 0)) continue;
+    const double whitened = inverse_sigma[axis] * residual_T[axis];
+    fit.chi2 += weight * whitened * whitened;
+    fit.square_T2 += weight * residual_T[axis] * residual_T[axis];
+    fit.readings += weight;
+  }
+}
+
+// Everything about the array that one linearisation needs.
+struct Array {
+  std::vector<SensorState> sensors;
+  std::vector<FieldAtSensor> fields;
+  std::vector<Matrix3d> remanence;  // reading per unit of remanence
+  magnetics::DiscMagnet unit;
+  double kappa = 0;
+};
+
+Array MakeArray(const Parameters& parameters, const base::Calibration& nominal, double remanence_A) {
+  Array array;
+  array.unit = magnetics::MakeDiscMagnet(nominal.magnet, 1);
+  array.kappa = parameters.Kappa();
+  for (int i = 0; i < parameters.sensors(); ++i) {
+    array.sensors.push_back(parameters.Sensor(i));
+    array.fields.emplace_back(array.sensors.back().position_base_m, nominal.core_radius_m);
+    const auto& map = nominal.sensors[static_cast<std::size_t>(i)].current_map_T_A;
+    array.remanence.push_back(remanence_A * Eigen::Map<const RowMajor3d>(map.data()));
+  }
+  return array;
+}
+
+struct Residual {
+  Vector3d r;
+  Eigen::Matrix<double, 3, kOwn> own;
+  LocalJacobian array;
+};
+
+// r = E N (m (direct + kappa image) + ambient) + map remanence - y, with its derivatives. docs/theory/calibration.md
+// (1)
+Residual Compare(const Parameters& parameters, const Array& array, std::size_t i, double tau, const ToolFrame& frame,
+                 const Vector3d& remanence, const Vector3d& y) {
+  const Tolerances& t = parameters.tolerances();
+  const SensorState& sensor = array.sensors[i];
+  const double m = parameters.Moment_Am2(tau);
+  const double m_drawn = parameters.nominal().moment_Am2;
+  const ToolField field = array.fields[i].Evaluate(array.unit, array.kappa, frame);
+  const Vector3d shape = field.direct + array.kappa * field.image;
+  const Vector3d b = sensor.nominal * (m * shape + parameters.Ambient_T(tau));
+  const Vector3d by_moment = m_drawn * (sensor.gain * shape);
+  Residual out;
+  out.r = sensor.error * b + array.remanence[i] * remanence - y;
+  out.own.leftCols<5>() = m * sensor.gain * field.by_pose;
+  out.own.rightCols<3>() = array.remanence[i];
+  out.array.middleCols<3>(kPositionAt) = (t.sensor_position_m * m) * sensor.gain * field.by_sensor;
+  out.array.middleCols<9>(kGainAt) = parameters.GainJacobian(b);
+  auto shared = out.array.rightCols<kSampleShared>();
+  shared.col(kMomentAt) = t.moment * by_moment;
+  shared.col(kMomentDriftAt) = (t.moment_drift * tau) * by_moment;
+  shared.col(kMomentBowAt) = (kBowOfDrift * t.moment_drift * Bow(tau)) * by_moment;
+  shared.col(kKappaAt) = (t.core_kappa * m) * (sensor.gain * field.image);
+  shared.middleCols<3>(kAmbientAt) = t.ambient_T * sensor.gain;
+  shared.middleCols<3>(kAmbientDriftAt) = (t.ambient_T * tau) * sensor.gain;
+  return out;
+}
+
+void AddTouch(const base::Calibration& nominal, const ToolFrame& frame, double weight, double sigma_m,
+              SampleBlock& block) {
+  const HullGap gap = GapToHull(nominal.magnet, nominal.hull_radius_m, frame);
+  const double r = gap.gap_m / sigma_m;
+  const Eigen::Matrix<double, 5, 1> J = gap.by_pose.transpose() / sigma_m;
+  block.touch_chi2 = r * r;
+  block.cost += weight * r * r;
+  block.H.topLeftCorner<5, 5>() += weight * J * J.transpose();
+  block.g.head<5>() += weight * r * J;
+}
+
+SampleBlock AddSample(const Parameters& parameters, const base::Calibration& nominal, const Array& array,
+                      const Observation& observation, const Instant& instant, double touch_sigma_m,
+                      std::vector<LocalSums>& sums) {
+  const ToolFrame frame = MakeToolFrame(instant.position_base_m, instant.axis_base);
+  const int shared_at = parameters.shared_at();
+  SampleBlock block;
+  block.H.setZero();
+  block.g.setZero();
+  block.C.setZero(kOwn, parameters.size());
+  // The remanence has its tolerance as prior.
+  block.H.diagonal().tail<3>().setOnes();
+  block.g.tail<3>() = instant.remanence;
+  block.cost = instant.remanence.squaredNorm();
+  const double root_weight = std::sqrt(observation.weight);
+  for (std::size_t i = 0; i < array.sensors.size(); ++i) {
+    const Residual residual =
+        Compare(parameters, array, i, observation.tau, frame, instant.remanence, observation.tool_sensor_T[i]);
+    const Vector3d scale = root_weight * observation.inverse_sigma[i];
+    const Vector3d r = scale.cwiseProduct(residual.r);
+    const Eigen::Matrix<double, 3, kOwn> own = scale.asDiagonal() * residual.own;
+    const LocalJacobian J = scale.asDiagonal() * residual.array;
+    block.chi2 += observation.inverse_sigma[i].cwiseProduct(residual.r).squaredNorm();
+    block.cost += r.squaredNorm();
+    block.H += own.transpose() * own;
+    block.g += own.transpose() * r;
+    block.C.middleCols<kSensorUnknowns>(kSensorUnknowns * static_cast<int>(i)) =
+        own.transpose() * J.leftCols<kSensorUnknowns>();
+    block.C.middleCols<kSampleShared>(shared_at) += own.transpose() * J.rightCols<kSampleShared>();
+    sums[i].H += J.transpose() * J;
+    sums[i].g += J.transpose() * r;
+    Count(residual.r, observation.inverse_sigma[i], observation.weight, sums[i].fit);
+  }
+  if (observation.touches_hull) AddTouch(nominal, frame, observation.touch_weight, touch_sigma_m, block);
+  return block;
+}
+
+void Scatter(const std::vector<LocalSums>& sums, int shared_at, System& system) {
+  constexpr int n = kSensorUnknowns, s = kSampleShared;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const int at = n * static_cast<int>(i);
+    const auto& H = sums[i].H;
+    system.H.block<n, n>(at, at) += H.topLeftCorner<n, n>();
+    system.H.block<n, s>(at, shared_at) += H.topRightCorner<n, s>();
+    system.H.block<s, n>(shared_at, at) += H.bottomLeftCorner<s, n>();
+    system.H.block<s, s>(shared_at, shared_at) += H.bottomRightCorner<s, s>();
+    system.g.segment<n>(at) += sums[i].g.head<n>();
+    system.g.segment<s>(shared_at) += sums[i].g.tail<s>();
+    system.sensors.push_back(sums[i].fit);
+  }
+}
+
+// An axis that is missing or saturated has no weight.
+void PrepareSensor(const base::SensorCalibration& sensor, const Sample& sample, std::size_t i,
+                   const base::Calibration& nominal, double model_error, Observation& observation) {
+  const Vector3d read = base::ToEigen(sample.field_sensor_T[i]);
+  const Eigen::Map<const RowMajor3d> map(sensor.current_map_T_A.data());
+  const Vector3d coils = map * Eigen::Map<const Vector3d>(sample.coil_current_A.data());
+  const Vector3d y = read - base::ToEigen(sensor.background_sensor_T) - coils;
+  Vector3d known = Vector3d::Zero(), inverse = Vector3d::Zero();
+  double square = 0;
+  for (int axis = 0; axis < 3; ++axis) square += std::isfinite(y[axis]) ? y[axis] * y[axis] : 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(y[axis])) continue;
+    const double noise = sample.noise_scale * nominal.sensor_noise_T[static_cast<std::size_t>(axis)];
+    known[axis] = y[axis];
+    inverse[axis] = 1 / std::sqrt(noise * noise + model_error * model_error * square);
+    ++observation.readings;
+  }
+  observation.tool_sensor_T.push_back(known);
+  observation.inverse_sigma.push_back(inverse);
+}
+
+}  // namespace
+
+Instant Moved(const Instant& instant, const OwnVector& step) {
+  const magnetics::TangentBasis basis = magnetics::MakeTangentBasis(instant.axis_base);
+  return {instant.position_base_m + step.head<3>(),
+          (instant.axis_base + step[3] * basis.e1 + step[4] * basis.e2).normalized(),
+          instant.remanence + step.tail<3>()};
+}
+
+Problem::Problem(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
+                 const Recording& recording, const Tolerances& tolerances)
+    : nominal_(nominal), touch_sigma_m_(tolerances.touch_m), remanence_A_(tolerances.remanence_A) {
+  for (std::size_t i = 0; i < recording.responses.size(); ++i) {
+    const CoilResponse& response = recording.responses[i];
+    nominal_.sensors[i].background_sensor_T = response.background_sensor_T;
+    nominal_.sensors[i].current_map_T_A = response.map_sensor_T_A;
+    map_error_T_A_.push_back(response.map_error_T_A);
+  }
+  for (std::size_t k = 0; !recording.responses.empty() && k < coils.size(); ++k) {
+    const auto winding = magnetics::MakeWinding(coils[k], static_cast<int>(k));
+    magnetics::CoilMoments moments = magnetics::WindingMoments(winding);
+    const magnetics::CoilMoments core = magnetics::CoreMoments(winding, nominal.core_radius_m, nominal.core_kappa);
+    for (std::size_t l = 0; l < moments.size(); ++l) moments[l] += core[l];
+    coil_moments_.push_back(moments);
+  }
+  double first_s = 0, last_s = 0;
+  if (!recording.samples.empty()) {
+    const auto [first, last] = std::minmax_element(recording.samples.begin(), recording.samples.end(),
+                                                   [](const Sample& a, const Sample& b) { return a.t_s < b.t_s; });
+    first_s = first->t_s, last_s = last->t_s;
+  }
+  for (const Sample& sample : recording.samples) {
+    Observation observation;
+    observation.tau = last_s > first_s ? 2 * (sample.t_s - first_s) / (last_s - first_s) - 1 : 0.0;
+    observation.touches_hull = sample.touches_hull && nominal.hull_radius_m > 0;
+    for (std::size_t i = 0; i < nominal_.sensors.size(); ++i) {
+      PrepareSensor(nominal_.sensors[i], sample, i, nominal_, tolerances.model_error_relative, observation);
+    }
+    observations_.push_back(std::move(observation));
+  }
+}
+
+// Every unknown of the array is 0 with variance 1, and the mean gain is 1. (3), (4)
+void Problem::AddPriors(const Parameters& parameters, System& system) const {
+  system.H.diagonal().array() += 1;
+  system.g += parameters.x();
+  system.cost += parameters.x().squaredNorm();
+  const Eigen::VectorXd v = GainScaleDirection(parameters);
+  const double scale = v.dot(parameters.x());
+  system.H += kGaugeWeight * v * v.transpose();
+  system.g += (kGaugeWeight * scale) * v;
+  system.cost += kGaugeWeight * scale * scale;
+}
+
+// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis). (5)
+void Problem::AddMaps(const Parameters& parameters, System& system) const {
+  constexpr int n = kSensorUnknowns;
+  const Tolerances& t = parameters.tolerances();
+  const int shared_at = parameters.shared_at();
+  for (int k = 0; k < static_cast<int>(coil_moments_.size()); ++k) {
+    const auto& moments = coil_moments_[static_cast<std::size_t>(k)];
+    const double strength = parameters.CoilStrength(k);
+    const Vector3d axis = (parameters.CoilAxis(k) + parameters.CoilTilt(k).cross(parameters.CoilAxis(k))).normalized();
+    const Eigen::Matrix<double, 3, 2> tilt = parameters.CoilTiltAxes(k);
+    for (int i = 0; i < parameters.sensors(); ++i) {
+      const SensorState sensor = parameters.Sensor(i);
+      const Vector3d B = magnetics::ZonalField(moments, axis, sensor.position_base_m);
+      const Matrix3d by_axis = magnetics::ZonalAxisDerivative(moments, axis, sensor.position_base_m);
+      const auto& map = nominal_.sensors[static_cast<std::size_t>(i)].current_map_T_A;
+      const Vector3d measured = Eigen::Map<const RowMajor3d>(map.data()).col(k);
+      const double sigma = std::hypot(map_error_T_A_[static_cast<std::size_t>(i)], t.coil_shape * measured.norm());
+      const Vector3d r = (strength * (sensor.gain * B) - measured) / sigma;
+      Eigen::Matrix<double, 3, n + 3> J;
+      J.middleCols<3>(kPositionAt) = (strength * t.sensor_position_m) * sensor.gain *
+                                     magnetics::ZonalGradient(moments, axis, sensor.position_base_m);
+      J.middleCols<9>(kGainAt) = parameters.GainJacobian(strength * (sensor.nominal * B));
+      J.col(n) = t.coil_strength * (sensor.gain * B);
+      for (int j = 0; j < 2; ++j) {
+        J.col(n + 1 + j) = (strength * t.coil_axis_rad) * (sensor.gain * (by_axis * tilt.col(j).cross(axis)));
+      }
+      J /= sigma;
+      const Eigen::Matrix<double, n + 3, n + 3> H = J.transpose() * J;
+      const Eigen::Matrix<double, n + 3, 1> g = J.transpose() * r;
+      std::array<int, n + 3> at{};
+      for (int e = 0; e < n; ++e) at[static_cast<std::size_t>(e)] = n * i + e;
+      at[n] = shared_at + kStrengthAt + k;
+      at[n + 1] = shared_at + kTiltAt + 2 * k;
+      at[n + 2] = at[n + 1] + 1;
+      for (int a = 0; a < n + 3; ++a) {
+        system.g[at[static_cast<std::size_t>(a)]] += g[a];
+        for (int b = 0; b < n + 3; ++b)
+          system.H(at[static_cast<std::size_t>(a)], at[static_cast<std::size_t>(b)]) += H(a, b);
+      }
+      system.map_chi2 += r.squaredNorm();
+      system.map_readings += 3;
+    }
+  }
+  system.cost += system.map_chi2;
+}
+
+System Problem::Linearise(const Parameters& parameters, std::span<const Instant> instants) const {
+  const Array array = MakeArray(parameters, nominal_, remanence_A_);
+  System system;
+  system.H.setZero(parameters.size(), parameters.size());
+  system.g.setZero(parameters.size());
+  std::vector<LocalSums> sums(array.sensors.size());
+  system.samples.reserve(observations_.size());
+  for (std::size_t n = 0; n < observations_.size(); ++n) {
+    system.samples.push_back(
+        AddSample(parameters, nominal_, array, observations_[n], instants[n], touch_sigma_m_, sums));
+    system.cost += system.samples.back().cost;
+  }
+  Scatter(sums, parameters.shared_at(), system);
+  AddPriors(parameters, system);
+  AddMaps(parameters, system);
+  return system;
+}
+
+Eigen::VectorXd GainScaleDirection(const Parameters& parameters) {
+  Eigen::VectorXd v = Eigen::VectorXd::Zero(parameters.size());
+  for (int i = 0; i < parameters.sensors(); ++i) v.segment<3>(kSensorUnknowns * i + kGainAt).setOnes();
+  return v.normalized();
+}
+
+}  // namespace omni::calibration

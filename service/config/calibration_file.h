@@ -1,0 +1,59 @@
+// calibration.toml: what self-calibration found of one particular base. Errors name file, key, value and remedy.
+// Sizes that calibration does not measure (magnet, core, hull, noise) come from the device's geometry.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
+#include "service/base/result.h"
+
+namespace omni::config {
+
+inline constexpr int kCalibrationFormat = 1;
+
+// What the adjustment said of itself.
+struct CalibrationQuality {
+  double expected_error_mm = 0;   // rms position error that it leaves, noise apart
+  double frame_rotation_deg = 0;  // how well the frame's rotation about the core is known
+  double chi2_per_dof = 0;
+  double coverage = 0;  // of the upper hemisphere, 0 to 1
+  int samples = 0;
+  int touches = 0;
+  int unfixed = 0;  // parameters that the recording did not fix
+};
+
+struct CalibrationFile {
+  base::Calibration calibration;
+  std::string serial;  // of the base
+  std::string date;    // ISO 8601, UTC
+  CalibrationQuality quality;
+};
+
+// Over everything of the geometry that calibration starts from, to 9 digits; electrical limits are left out.
+std::uint64_t GeometryHash(const base::DeviceGeometry& device);
+
+// `serial` empty: any.
+base::Result<CalibrationFile> LoadCalibrationFile(const std::string& path, const base::DeviceGeometry& device,
+                                                  const std::string& serial);
+// `name` stands for the file in messages.
+base::Result<CalibrationFile> ParseCalibration(const std::string& text, const std::string& name,
+                                               const base::DeviceGeometry& device, const std::string& serial);
+
+std::string WriteCalibration(const CalibrationFile& file, const base::DeviceGeometry& device);
+// Replaces `path` in one step; makes its folder.
+base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file,
+                                 const base::DeviceGeometry& device);
+
+// Which calibration a program works with: `path` if given, else the user's own file if there is one.
+struct CalibrationChoice {
+  std::optional<CalibrationFile> file;  // none: the drawing
+  std::string path;                     // of the file, or of what was refused; empty: there is none
+  std::string problem;                  // why a file that is there is not used
+};
+CalibrationChoice ChooseCalibration(const std::string& path, const base::DeviceGeometry& device,
+                                    const std::string& serial);
+
+}  // namespace omni::config

@@ -1,0 +1,134 @@
+// omni bench calibration: bases that start wrong by manufacturing tolerances, calibrated from what a person would
+// record, judged by the truth of the simulation. Errors: static single scans, solved cold. Two recordings per base:
+// "held" (500 poses and 120 touches held still, one scan each) and "moving" (the whole of `omni calibrate` on the twin:
+// coil sweep, pen waved for 20 s by a trembling hand, 100 touches, asynchronous sensors in low-power noise, and every
+// effect of the twin: eddy currents, remanence, drift, a warming magnet, current errors, bent sensors).
+#include "service/calibration/self_calibration.h"
+#include "service/config/device_file.h"
+#include "service/config/twin_file.h"
+#include "service/magnetics/nominal.h"
+#include "service/tools/bench.h"
+#include "service/tools/calibrate_twin.h"
+#include "service/tools/calibration_error.h"
+#include "service/tools/rig_recording.h"
+#include "service/tools/statistics.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr int kRigs = 10;
+constexpr int kHeldWaves = 500, kHeldTouches = 120;
+constexpr double kTouchSigma_m = 0.1e-3;
+constexpr double kUncalibrated = 0.05;  // model error that a solver must allow before calibration
+
+// A base that nobody has calibrated, and everything that happens to the twin, faster than usual: over the hundred
+// seconds of the recording the pen warms by 10 K and the background drifts by 5 mG.
+base::TruthParameters HardTruth() {
+  base::TruthParameters truth = config::DefaultTwin();
+  const double nonlinearity = truth.imperfections.sensor_nonlinearity;
+  truth.imperfections = sim::UncalibratedImperfections();
+  truth.imperfections.sensor_nonlinearity = nonlinearity;
+  truth.effects.magnet_warming_K = 10;
+  truth.effects.run_s = 100;
+  return truth;
+}
+
+base::DeviceGeometry DeviceIn(sim::NoiseMode noise) {
+  base::DeviceGeometry device = config::DefaultDevice();
+  device.sensor_noise_T = sim::NoiseOf_T(noise);
+  return device;
+}
+
+struct Done {
+  calibration::Outcome outcome;
+  sim::Rig rig;  // the same base, for the judgement
+};
+
+base::Result<Done> CalibrateHeld(std::uint64_t seed) {
+  const base::DeviceGeometry device = DeviceIn(sim::NoiseMode::kUltraHigh);
+  sim::Rig rig(device, {.seed = seed, .sizes = sim::UncalibratedImperfections()});
+  const calibration::Recording recording = MakeRecording(
+      rig, {.waves = kHeldWaves, .touches = kHeldTouches, .touch_sigma_m = kTouchSigma_m, .seed = seed + 1});
+  auto outcome = calibration::SelfCalibrate(magnetics::NominalCalibration(device), device.coils, recording);
+  if (!outcome.ok()) return base::Error{outcome.error()};
+  return Done{std::move(*outcome), std::move(rig)};
+}
+
+base::Result<Done> CalibrateMoving(std::uint64_t seed) {
+  const base::TruthParameters truth = HardTruth();
+  auto done = CalibrateTwin(DeviceIn(sim::NoiseMode::kLowPower), seed, truth);
+  if (!done.ok()) return base::Error{done.error()};
+  // Judged with the magnet as warm as it was, and nothing else of the effects: they are the run's, not the base's.
+  base::TruthEffects effects;
+  effects.magnet_warming_K = truth.effects.magnet_warming_K;
+  effects.magnet_per_K = truth.effects.magnet_per_K;
+  effects.run_s = truth.effects.run_s;
+  sim::Rig rig(config::DefaultDevice(), {.seed = seed, .sizes = truth.imperfections, .effects = effects});
+  rig.SetTime(done->middle_s);
+  return Done{std::move(done->outcome), std::move(rig)};
+}
+
+base::Result<nlohmann::ordered_json> Row(int number, std::uint64_t seed, const char* recording, Done& done) {
+  const base::Calibration nominal = magnetics::NominalCalibration(DeviceIn(sim::NoiseMode::kUltraHigh));
+  base::Calibration calibrated = done.outcome.calibration;
+  calibrated.sensor_noise_T = nominal.sensor_noise_T;
+  const auto before = MeasureCalibrationError(done.rig, nominal,
+                                              {.poses = 300, .model_error_relative = kUncalibrated, .seed = seed + 2});
+  if (!before.ok()) return base::Error{before.error()};
+  const auto after = MeasureCalibrationError(done.rig, calibrated, {.poses = 1500, .seed = seed + 3});
+  const auto systematic =
+      MeasureCalibrationError(done.rig, calibrated, {.poses = 700, .noise = false, .seed = seed + 4});
+  if (!after.ok() || !systematic.ok()) return base::Error{after.ok() ? systematic.error() : after.error()};
+  const calibration::Report& report = done.outcome.report;
+  return nlohmann::ordered_json{{"rig", std::to_string(number)},
+                                {"seed", seed},
+                                {"before_mm", before->raw_mm},
+                                {"raw_mm", after->raw_mm},
+                                {"aligned_mm", after->aligned_mm},
+                                {"systematic_mm", systematic->aligned_mm},
+                                {"seconds", report.seconds},
+                                {"recording", recording},
+                                {"systematic_raw_mm", systematic->raw_mm},
+                                {"rotation_deg", systematic->rotation_deg},
+                                {"orientation_deg", after->orientation_deg},
+                                {"chi2_per_dof", report.chi2_per_dof},
+                                {"expected_mm", 1e3 * report.expected_error_m}};
+}
+
+// Mean and worst of the rows of one kind of recording.
+void AddSummary(const char* recording, BenchRows& rows) {
+  nlohmann::ordered_json mean = rows.back(), worst = rows.back();
+  for (const auto& [key, value] : rows.back().items()) {
+    if (!value.is_number_float()) continue;
+    std::vector<double> values;
+    for (const auto& row : rows) {
+      if (row["recording"] == recording) values.push_back(row[key].get<double>());
+    }
+    mean[key] = Mean(values);
+    worst[key] = Quantile(values, 1);
+  }
+  mean["rig"] = "mean", worst["rig"] = "worst";
+  mean["seed"] = worst["seed"] = nullptr;
+  rows.push_back(mean);
+  rows.push_back(worst);
+}
+
+}  // namespace
+
+base::Result<BenchRows> BenchCalibration(const BenchOptions& options) {
+  BenchRows rows;
+  for (const char* recording : {"held", "moving"}) {
+    for (int n = 0; n < kRigs; ++n) {
+      const std::uint64_t seed = 1000 * options.seed + 10 * static_cast<std::uint64_t>(n);
+      auto done = std::string(recording) == "held" ? CalibrateHeld(seed) : CalibrateMoving(seed);
+      if (!done.ok()) return base::Error{"seed " + std::to_string(seed) + ": " + done.error()};
+      auto row = Row(n, seed, recording, *done);
+      if (!row.ok()) return base::Error{row.error()};
+      rows.push_back(*row);
+    }
+    AddSummary(recording, rows);
+  }
+  return rows;
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,189 @@
+#include "service/tools/bench_plot.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+#include "service/tools/json_text.h"
+#include "service/tools/plot.h"
+
+namespace omni::tools {
+namespace {
+
+using nlohmann::json;
+
+// Empty: not there. A row may be anything: the file may be another's.
+std::string Word(const json& row, const char* key) {
+  const std::string word = row.is_object() ? TextAt(row, (std::string("/") + key).c_str()) : "-";
+  return word == "-" ? std::string() : word;
+}
+
+double Value(const json& row, const char* key) {
+  return row.is_object() ? NumberAt(row, (std::string("/") + key).c_str()) : std::nan("");
+}
+
+std::string Origin(const json& document) {
+  return "commit " + Word(document, "commit") + "; " + Word(document, "machine");
+}
+
+// One dot per row: time of a solve against its error. Methods differ by colour, warm and cold by mark.
+base::Result<std::string> DrawSolver(const json& document, const std::string& file) {
+  std::map<std::string, PlotSeries> by_name;
+  std::vector<double> times_us, errors_mm;
+  std::vector<std::string> methods;
+  for (const json& row : ArrayAt(document, "/rows")) {
+    const double us = Value(row, "us_median"), mm = Value(row, "rms_mm");
+    const std::string method = Word(row, "method"), start = Word(row, "start");
+    if (!(us > 0 && mm > 0) || method.empty()) continue;
+    if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
+    const auto colour = static_cast<std::size_t>(std::find(methods.begin(), methods.end(), method) - methods.begin());
+    PlotSeries& series = by_name[std::to_string(colour) + method + start];
+    series.name = method + ", " + start;
+    series.colour = PlotColour(colour);
+    series.mark = start == "cold" ? PlotSeries::Mark::kRings : PlotSeries::Mark::kDots;
+    series.points.push_back({us, mm});
+    const std::string model = Word(row, "model"), precision = Word(row, "precision");
+    series.labels.push_back(model + (precision == "float" ? " (float)" : ""));
+    times_us.push_back(us);
+    errors_mm.push_back(mm);
+  }
+  if (times_us.empty())
+    return base::Error{file + ": no row has method, us_median and rms_mm; make it with omni bench solver"};
+  std::vector<PlotSeries> series;
+  for (auto& [key, one] : by_name) series.push_back(std::move(one));
+  Svg svg(960, 560);
+  const PlotBox box{.top_px = 60,
+                    .width_px = 640,
+                    .height_px = 430,
+                    .title = "One solve: run time against error",
+                    .x = AxisFor("median time of a solve, us", times_us, true),
+                    .y = AxisFor("position error, mm rms", errors_mm, true)};
+  DrawPlot(svg, box, series);
+  svg.Text(70, 24, "omni bench solver", "font-size=\"16\" fill=\"#222\"");
+  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
+  return svg.Finish();
+}
+
+std::string Condition(const json& row) {
+  std::string text = Word(row, "model") + ", " + Word(row, "noise");
+  const double amplitude_A = Value(row, "actuation_A");
+  if (amplitude_A > 0) {
+    char current[32];
+    std::snprintf(current, sizeof(current), ", +-%g A", amplitude_A);
+    text += current;
+    if (Word(row, "currents") == "hidden") text += " hidden";
+  }
+  const std::string calibrated = Word(row, "calibrated");
+  if (!calibrated.empty()) text += ", calibrated: " + calibrated;
+  if (TrueAt(row, "/moving")) text += ", moving";
+  return text;
+}
+
+// One line a row: mean, p95 and worst on a logarithmic scale, and the time of a tick where it was measured.
+base::Result<std::string> DrawTracking(const json& document, const std::string& file) {
+  std::vector<const json*> rows;
+  std::vector<double> errors_mm;
+  for (const json& row : ArrayAt(document, "/rows")) {
+    if (!(Value(row, "mean_mm") > 0 && Value(row, "p95_mm") > 0)) continue;
+    rows.push_back(&row);
+    for (const char* key : {"mean_mm", "p95_mm", "max_mm"}) errors_mm.push_back(Value(row, key));
+  }
+  if (rows.empty()) return base::Error{file + ": no row has mean_mm and p95_mm; make it with omni bench tracking"};
+  const double line_px = 24, height_px = line_px * static_cast<double>(rows.size());
+  Svg svg(1080, static_cast<int>(height_px) + 170);
+  const PlotBox box{.left_px = 420,
+                    .top_px = 70,
+                    .width_px = 480,
+                    .height_px = height_px,
+                    .title = "Position error by condition",
+                    .x = AxisFor("mm", errors_mm, true),
+                    .y = {"", 0, static_cast<double>(rows.size())},
+                    .y_ticks = false};
+  PlotSeries mean{.name = "mean", .colour = PlotColour(0), .mark = PlotSeries::Mark::kDots};
+  PlotSeries p95{.name = "95 %", .colour = PlotColour(1), .mark = PlotSeries::Mark::kRings};
+  PlotSeries worst{.name = "worst", .colour = PlotColour(6), .mark = PlotSeries::Mark::kDiamonds};
+  svg.Text(20, 28, "omni bench tracking", "font-size=\"16\" fill=\"#222\"");
+  std::vector<PlotSeries> series;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const json& row = *rows[i];
+    const double y = static_cast<double>(rows.size() - i) - 0.5;
+    series.push_back({.colour = "#bbbbbb",
+                      .points = {{Value(row, "mean_mm"), y}, {Value(row, "p95_mm"), y}, {Value(row, "max_mm"), y}}});
+    mean.points.push_back({Value(row, "mean_mm"), y});
+    p95.points.push_back({Value(row, "p95_mm"), y});
+    worst.points.push_back({Value(row, "max_mm"), y});
+    std::string label = Condition(row);
+    if (const double us = Value(row, "us_median"); us > 0) {
+      char time[32];
+      std::snprintf(time, sizeof(time), ", %.2f us", us);
+      label += time;
+    }
+    svg.Text(408, InBox(box, {box.x.low, y}).y + 4, label, "text-anchor=\"end\" fill=\"#444\"");
+  }
+  series.insert(series.end(), {mean, p95, worst});
+  DrawPlot(svg, box, series);
+  svg.Text(20, height_px + 150, Origin(document), "font-size=\"10\" fill=\"#777\"");
+  return svg.Finish();
+}
+
+// Empty: drawn.
+std::string PlotFile(const std::string& path, const std::string& folder) {
+  std::ifstream file(path);
+  if (!file) return path + ": cannot be read (" + std::strerror(errno) + "); check the path";
+  const json document = json::parse(file, nullptr, false);
+  const auto svg = DrawBench(document, path);
+  if (!svg.ok()) return svg.error();
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  const std::string output = folder + "/" + std::filesystem::path(path).stem().string() + ".svg";
+  std::ofstream picture(output);
+  picture << *svg;
+  picture.close();
+  if (!picture) return output + ": cannot be written; check the folder";
+  std::cout << output << "\n";
+  return {};
+}
+
+}  // namespace
+
+base::Result<std::string> DrawBench(const json& document, const std::string& file) {
+  if (!document.is_object() || !document.contains("rows")) {
+    return base::Error{file +
+                       ": no benchmark document ({name, commit, machine, rows}); make it with omni bench NAME --json"};
+  }
+  const std::string name = Word(document, "name");
+  if (name == "solver") return DrawSolver(document, file);
+  if (name == "tracking") return DrawTracking(document, file);
+  return base::Error{file + ": is of omni bench " + name + "; pictures are made of solver and tracking"};
+}
+
+void AddBenchPlot(CLI::App& bench) {
+  CLI::App* plot =
+      bench.add_subcommand("plot", "pictures (SVG) of run time against error from JSON files of omni bench");
+  auto files = std::make_shared<std::vector<std::string>>();
+  auto folder = std::make_shared<std::string>(".");
+  plot->add_option("files", *files, "JSON files of omni bench solver and omni bench tracking")->required();
+  plot->add_option("-o,--output", *folder, "folder to write NAME.svg into")->capture_default_str();
+  plot->callback([files, folder] {
+    for (const std::string& file : *files) {
+      if (const std::string problem = PlotFile(file, *folder); !problem.empty()) {
+        std::cerr << "omni bench plot: " << problem << "\n";
+        throw CLI::RuntimeError(kExitFailed);
+      }
+    }
+    throw CLI::RuntimeError(kExitOk);
+  });
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,141 @@
+// omni calibrate: guides a person through a self-calibration and writes calibration.toml. With the twin a scripted hand
+// of the simulation does what the person would.
+#include <cstdio>
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "service/config/calibration_file.h"
+#include "service/config/device_file.h"
+#include "service/config/paths.h"
+#include "service/config/twin_file.h"
+#include "service/tools/calibrate_session.h"
+#include "service/tools/calibrate_text.h"
+#include "service/tools/calibrate_twin.h"
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+#include "service/tools/terminal.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr int kBarWidth = 30;
+
+struct Arguments {
+  std::string device = "twin";
+  std::string device_file;
+  std::string output;
+  std::uint64_t seed = 1;
+  SessionOptions session;
+};
+
+int Fail(const std::string& message) {
+  std::cerr << "omni calibrate: " << message << "\n";
+  return kExitFailed;
+}
+
+// On a terminal one line that changes, else a line per step.
+class Display {
+ public:
+  explicit Display(const SessionOptions& options) : options_(options), live_(CanDraw()) {}
+
+  void Show(const CalibrationSession& session) {
+    if (session.step() != step_ || first_) {
+      if (live_ && !first_) std::printf("\n");
+      std::printf("%s\n", StepText(session.step(), options_).c_str());
+      step_ = session.step();
+      percent_ = -1;
+      first_ = false;
+    }
+    const int percent = static_cast<int>(100 * session.progress());
+    if (!live_ || percent == percent_ || step_ == CalibrationStep::kDone) return;
+    percent_ = percent;
+    std::printf("\r     %s", ProgressBar(session.progress(), kBarWidth).c_str());
+    if (step_ == CalibrationStep::kWave || step_ == CalibrationStep::kTouch) {
+      std::printf("  top %s rim", CoverageText(session.coverage()).c_str());
+    }
+    std::fflush(stdout);
+  }
+
+ private:
+  SessionOptions options_;
+  bool live_;
+  bool first_ = true;
+  CalibrationStep step_ = CalibrationStep::kClear;
+  int percent_ = -1;
+};
+
+std::string Now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+config::CalibrationFile ToFile(const calibration::Outcome& outcome, const std::string& serial) {
+  const calibration::Report& report = outcome.report;
+  return {.calibration = outcome.calibration,
+          .serial = serial,
+          .date = Now(),
+          .quality = {.expected_error_mm = 1e3 * report.expected_error_m,
+                      .frame_rotation_deg = 57.29577951308232 * report.frame_rotation_rad,
+                      .chi2_per_dof = report.chi2_per_dof,
+                      .coverage = report.coverage,
+                      .samples = report.samples,
+                      .touches = report.touches,
+                      .unfixed = static_cast<int>(report.unfixed.size())}};
+}
+
+int Calibrate(const Arguments& arguments) {
+  base::DeviceGeometry device = config::DefaultDevice();
+  if (!arguments.device_file.empty()) {
+    auto loaded = config::LoadDeviceFile(arguments.device_file);
+    if (!loaded.ok()) return Fail(loaded.error());
+    device = *loaded;
+  }
+  const std::string output = arguments.output.empty() ? config::UserCalibrationFile() : arguments.output;
+  if (output.empty()) return Fail("no home folder to write calibration.toml to; name a file with -o FILE");
+
+  std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
+              static_cast<unsigned long long>(arguments.seed));
+  Display display(arguments.session);
+  const auto done = CalibrateTwin(device, arguments.seed, config::DefaultTwin(), arguments.session,
+                                  [&](const CalibrationSession& session) { display.Show(session); });
+  if (!done.ok()) return Fail(done.error());
+  const calibration::Outcome& outcome = done->outcome;
+  std::printf("%s", ReportText(outcome.report).c_str());
+  const base::Status saved =
+      config::SaveCalibrationFile(output, ToFile(outcome, "twin-" + std::to_string(arguments.seed)), device);
+  if (!saved.ok()) return Fail(saved.error());
+  std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddCalibrate(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* calibrate =
+      app.add_subcommand("calibrate", "measure this base: sweep, wave, touch; writes calibration.toml");
+  calibrate->add_option("--device", arguments->device, "twin: the digital twin (a simulation)")
+      ->check(CLI::IsMember({"twin"}))
+      ->capture_default_str();
+  calibrate->add_option("--device-file", arguments->device_file, "geometry (default: the built-in omni.toml)");
+  calibrate->add_option("--seed", arguments->seed, "of the twin: the same base as `omnid --twin-seed`")
+      ->capture_default_str();
+  calibrate->add_option("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
+  calibrate->add_option("--wave-seconds", arguments->session.wave_s, "how long to wave the pen")
+      ->check(CLI::Range(3.0, 60.0))
+      ->capture_default_str();
+  calibrate->add_option("--touches", arguments->session.touches, "how many places to touch")
+      ->check(CLI::Range(20, 150))
+      ->capture_default_str();
+  calibrate->callback([arguments] { throw CLI::RuntimeError(Calibrate(*arguments)); });
+}
+
+}  // namespace omni::tools

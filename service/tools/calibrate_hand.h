@@ -1,0 +1,21 @@
+// The hand that calibrates the twin: a scripted person of the simulation, who takes the pen away, waves it and touches
+// the hull as `omni calibrate` asks.
+#pragma once
+
+#include <cstdint>
+
+#include "service/base/device_geometry.h"
+#include "service/sim/twin.h"
+
+namespace omni::tools {
+
+struct CalibratingHand {
+  double away_s = 4;  // pen out of reach: the coil sweep
+  double wave_s = 22;
+  int touches = 130;
+  std::uint64_t seed = 1;
+};
+
+sim::HandScript MakeCalibratingHand(const base::DeviceGeometry& device, const CalibratingHand& options);
+
+}  // namespace omni::tools

@@ -1,0 +1,73 @@
+// One calibration, scan by scan: sweep the coils without the pen, wave the pen, touch the hull. Knows no device, no
+// terminal and no clock, so that the command, the benchmark and the tests drive the same code.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/base/actuation_types.h"
+#include "service/base/device_geometry.h"
+#include "service/base/hall_scan.h"
+#include "service/base/result.h"
+#include "service/calibration/coil_sweep.h"
+#include "service/calibration/coverage.h"
+#include "service/calibration/self_calibration.h"
+#include "service/calibration/start.h"
+#include "service/calibration/touches.h"
+#include "service/calibration/window.h"
+
+namespace omni::tools {
+
+enum class CalibrationStep { kClear, kSweep, kWave, kTouch, kDone };
+
+struct SessionOptions {
+  double wave_s = 20;
+  int touches = 100;
+  calibration::SweepPlan sweep;
+};
+
+class CalibrationSession {
+ public:
+  CalibrationSession(const base::DeviceGeometry& device, const SessionOptions& options);
+
+  // Every scan in turn; returns the currents to set next.
+  base::CoilCurrents Add(const base::HallScan& scan);
+
+  CalibrationStep step() const { return step_; }
+  double progress() const;                                 // of this step, 0 to 1
+  const std::string& problem() const { return problem_; }  // why it ended before its time; empty: it did not
+  const calibration::Coverage& coverage() const { return coverage_; }
+  const calibration::Recording& recording() const { return recording_; }
+
+  // Step kDone: the adjustment.
+  base::Result<calibration::Outcome> Finish() const;
+
+ private:
+  void AddClear(const base::HallScan& scan);
+  base::CoilCurrents AddSweep(const base::HallScan& scan);
+  void FinishSweep();
+  calibration::ColdPose RoughPose(const calibration::Sample& sample) const;
+  void AddWave(const calibration::WindowResult& window);
+  void AddTouch(const calibration::WindowResult& window);
+
+  base::DeviceGeometry device_;
+  SessionOptions options_;
+  base::Calibration nominal_;
+  std::optional<calibration::ColdStart> cold_;  // on the drawing with measured maps and background, after the sweep
+  std::vector<calibration::SweepStep> plan_;
+  calibration::CoilSweep sweep_;
+  calibration::Window window_;
+  calibration::TouchPicker picker_;
+  calibration::Coverage coverage_;
+  calibration::Recording recording_;
+  CalibrationStep step_ = CalibrationStep::kClear;
+  std::string problem_;
+  int clear_scans_ = 0;
+  std::size_t sweep_step_ = 0;
+  int sweep_scans_ = 0;  // of this sweep step
+  int sweep_scans_all_ = 0;
+  int touches_ = 0;
+};
+
+}  // namespace omni::tools

@@ -1,0 +1,26 @@
+// The whole of a calibration on the twin in virtual time, a scripted hand doing what the person would (a simulation).
+// The base is that of a sim::Rig with the same seed and imperfections.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "service/base/device_geometry.h"
+#include "service/base/result.h"
+#include "service/base/truth_parameters.h"
+#include "service/calibration/self_calibration.h"
+#include "service/tools/calibrate_session.h"
+
+namespace omni::tools {
+
+struct TwinCalibration {
+  calibration::Outcome outcome;
+  double middle_s = 0;  // of the recording, since the twin's start: the moment is that of this time
+};
+
+// `device`: its sensor_noise_T is the twin's. `observer` sees the session after every scan.
+base::Result<TwinCalibration> CalibrateTwin(const base::DeviceGeometry& device, std::uint64_t seed,
+                                            const base::TruthParameters& truth, const SessionOptions& options = {},
+                                            const std::function<void(const CalibrationSession&)>& observer = {});
+
+}  // namespace omni::tools

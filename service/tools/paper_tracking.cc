@@ -1,0 +1,218 @@
+// Fig. 6: tracking error without and with actuation. The paper's method runs as published on simulated devices whose
+// sensors are 1 mm, 1.5 % and 1.15 deg away from the drawing it believes in.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "service/magnetics/nominal.h"
+#include "service/peers/paper_method.h"
+#include "service/sim/rig.h"
+#include "service/tools/paper.h"
+#include "service/tools/plot.h"
+#include "service/tools/statistics.h"
+#include "service/tracker/tracker.h"
+
+namespace omni::tools {
+namespace {
+
+using base::Vec3;
+
+// In the text: mean and standard deviation of the distance, mean of its components, mm.
+struct InText {
+  double mean, deviation;
+  std::array<double, 3> by_axis;
+};
+struct Condition {
+  const char* name;
+  double amplitude_A;  // saw-tooth on every axis
+  InText text;
+};
+constexpr Condition kConditions[] = {{"no actuation", 0, {4.9, 1.8, {3.4, 3.1, 2.7}}},
+                                     {"+-4 A saw-tooth", 4, {6.9, 3.2, {4.4, 5.2, 3.3}}}};
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+sim::ImperfectionSizes RigSizes() {
+  sim::ImperfectionSizes sizes;  // coils, magnet and current sensors: as a careful maker leaves them
+  sizes.sensor_position_m = 1e-3;
+  sizes.sensor_gain = 0.015;
+  sizes.sensor_rotation_rad = 1.15 * kDegree;
+  return sizes;
+}
+
+struct Errors {
+  std::vector<double> distance_mm, turn_deg;
+  std::array<std::vector<double>, 3> axis_mm;
+  int lost = 0;
+
+  void Add(const Vec3& p, const Vec3& u, const sim::MagnetPose& truth) {
+    const Vec3& t = truth.centre_base_m;
+    const std::array<double, 3> d{1e3 * (p.x - t.x), 1e3 * (p.y - t.y), 1e3 * (p.z - t.z)};
+    for (std::size_t i = 0; i < 3; ++i) axis_mm[i].push_back(std::abs(d[i]));
+    distance_mm.push_back(std::hypot(d[0], d[1], d[2]));
+    const Vec3& v = truth.axis_base;
+    const Vec3 cross{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+    turn_deg.push_back(std::atan2(std::hypot(cross.x, cross.y, cross.z), u.x * v.x + u.y * v.y + u.z * v.z) / kDegree);
+  }
+};
+
+double Deviation(const std::vector<double>& values) {
+  const double mean = Mean(values);
+  double square = 0;
+  for (const double value : values) square += (value - mean) * (value - mean);
+  return values.size() > 1 ? std::sqrt(square / (static_cast<double>(values.size()) - 1)) : 0;
+}
+
+// What the paper's method measures once, with the pen away.
+std::vector<Vec3> Sweep(sim::Rig& rig) {
+  std::vector<Vec3> sweep(3 * base::kSensorCount);
+  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+    sim::CoilArray current_A{};
+    current_A[k] = 1;
+    const auto readings = rig.Readings(nullptr, current_A);
+    for (std::size_t i = 0; i < readings.size(); ++i) sweep[3 * i + k] = readings[i];
+  }
+  return sweep;
+}
+
+struct Both {
+  Errors paper, ours;
+};
+
+// Radius uniform in 41-101 mm, then the tilt within what the hull leaves at that radius (by bisection), up to 60 deg.
+sim::MagnetPose DrawPose(const sim::Rig& rig, sim::Random& random) {
+  const sim::PoseRange standard;
+  const double radius_m = random.Uniform(standard.radius_min_m, standard.radius_max_m);
+  double low = 0, high = standard.tilt_max_rad;
+  for (int i = 0; i < 40; ++i) {
+    const double tilt = 0.5 * (low + high);
+    const sim::MagnetPose tilted{{0, 0, radius_m}, {std::sin(tilt), 0, -std::cos(tilt)}};
+    const base::DeviceGeometry& device = rig.device();
+    (sim::GapToHull(device.magnet, device.hull_radius_m, tilted).gap_m > 0 ? low : high) = tilt;
+  }
+  sim::PoseRange range = standard;
+  range.radius_min_m = range.radius_max_m = radius_m;
+  range.tilt_max_rad = low;
+  return rig.DrawPose(range, random);
+}
+
+void RunRig(const base::DeviceGeometry& device, const Condition& condition, std::uint64_t seed, int poses, Both& into) {
+  sim::Rig rig(device, {.seed = seed, .sizes = RigSizes()});
+  peers::PaperSolver solver(peers::MakePaperModel(magnetics::NominalCalibration(device), Sweep(rig)));
+  const tracker::Config config = tracker::MakeConfig(rig.ExactCalibration());
+  sim::Random random(seed + 1'000'000);
+  for (int n = 0; n < poses; ++n) {
+    const sim::MagnetPose pose = DrawPose(rig, random);
+    sim::CoilArray current_A{};
+    for (double& current : current_A) current = condition.amplitude_A * random.Uniform(-1, 1);
+    const base::HallScan scan = rig.Scan(&pose, current_A, random);
+    const peers::PaperFit fit = solver.SolveCold({.field_sensor_T = scan.field_sensor_T,
+                                                  .saturated_mask = scan.saturated_mask,
+                                                  .current_A = scan.coil_current_A});
+    into.paper.Add(fit.pose.position_base_m, peers::AxisOf(fit.pose), pose);
+    tracker::State state;
+    base::ToolState tool;
+    tracker::Update(config, scan, state, tool);
+    if (tool.status == base::TrackingStatus::kTracking) {
+      into.ours.Add(tool.position_base_m, tool.axis_base, pose);
+    } else {
+      ++into.ours.lost;
+    }
+  }
+}
+
+void AddRows(const Condition& condition, const Both& both, BenchRows& rows) {
+  const auto add = [&](const char* quantity, nlohmann::ordered_json paper, double method, double ours) {
+    nlohmann::ordered_json deviation;
+    if (paper.is_number()) deviation = 100 * (method / paper.get<double>() - 1);
+    rows.push_back({{"condition", condition.name},
+                    {"quantity", quantity},
+                    {"paper", paper},
+                    {"paper_method_on_twin", method},
+                    {"deviation_pct", deviation},
+                    {"ours", ours}});
+  };
+  add("mean_mm", condition.text.mean, Mean(both.paper.distance_mm), Mean(both.ours.distance_mm));
+  add("deviation_mm", condition.text.deviation, Deviation(both.paper.distance_mm), Deviation(both.ours.distance_mm));
+  constexpr const char* kAxes[] = {"mean_x_mm", "mean_y_mm", "mean_z_mm"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    add(kAxes[i], condition.text.by_axis[i], Mean(both.paper.axis_mm[i]), Mean(both.ours.axis_mm[i]));
+  }
+  add("p95_mm", nullptr, Quantile(both.paper.distance_mm, 0.95), Quantile(both.ours.distance_mm, 0.95));
+  add("max_mm", nullptr, Quantile(both.paper.distance_mm, 1), Quantile(both.ours.distance_mm, 1));
+  add("orientation_mean_deg", nullptr, Mean(both.paper.turn_deg), Mean(both.ours.turn_deg));
+}
+
+PlotSeries Distribution(const std::string& name, const char* colour, PlotSeries::Mark mark,
+                        const std::vector<double>& values_mm) {
+  constexpr double kBin_mm = 0.5;
+  PlotSeries series{.name = name, .colour = colour, .mark = mark};
+  for (double low = 0; low < 20; low += kBin_mm) {
+    const auto inside = std::count_if(values_mm.begin(), values_mm.end(),
+                                      [&](double value) { return value >= low && value < low + kBin_mm; });
+    const double share =
+        100 * static_cast<double>(inside) / static_cast<double>(std::max<std::size_t>(1, values_mm.size()));
+    series.points.push_back({low, share});
+    series.points.push_back({low + kBin_mm, share});
+  }
+  return series;
+}
+
+std::string Figure(const std::array<Both, 2>& results) {
+  Svg svg(900, 430);
+  PlotBox box{.title = "Distribution of the tracking error on the twin (after Fig. 6)",
+              .x = {"distance to the truth, mm", 0, 16},
+              .y = {"share of the poses per 0.5 mm, %", 0, 16}};
+  using Mark = PlotSeries::Mark;
+  std::vector<PlotSeries> series{
+      Distribution("paper's method, no current", PlotColour(0), Mark::kLine, results[0].paper.distance_mm),
+      Distribution("paper's method, +-4 A", PlotColour(1), Mark::kLine, results[1].paper.distance_mm)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double x = kConditions[i].text.mean;
+    series.push_back({.name = i == 0 ? "paper's mean, no current" : "paper's mean, +-4 A",
+                      .colour = PlotColour(i),
+                      .points = {{x, 0}, {x, 16}},
+                      .mark = Mark::kDashes});
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double x = Mean(results[i].ours.distance_mm);
+    series.push_back({.name = i == 0 ? "our mean, no current" : "our mean, +-4 A",
+                      .colour = PlotColour(i),
+                      .points = {{x, 15.0 - static_cast<double>(i)}},
+                      .mark = Mark::kDiamonds});
+  }
+  DrawPlot(svg, box, series);
+  return svg.Finish();
+}
+
+}  // namespace
+
+PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOptions& options) {
+  PaperSection section{.title = "Tracking (Fig. 6)", .figure_name = "fig6-tracking.svg"};
+  std::array<Both, 2> results;
+  for (std::size_t c = 0; c < results.size(); ++c) {
+    for (int rig = 0; rig < options.rigs; ++rig) {
+      RunRig(device, kConditions[c], options.seed + static_cast<std::uint64_t>(rig), options.poses, results[c]);
+    }
+    AddRows(kConditions[c], results[c], section.rows);
+  }
+  const std::uint64_t last = options.seed + static_cast<std::uint64_t>(options.rigs) - 1;
+  section.notes = {
+      "rigs: seeds " + std::to_string(options.seed) + " to " + std::to_string(last) + ", " +
+          std::to_string(options.poses) +
+          " static scans each; sensors 1 mm, 1.5 %, 1.15 deg off (sd per axis), noise " +
+          "3.2/3.2/4.1 mG; r uniform in 41-101 mm, upper hemisphere, tilt <= 60 deg as far as the hull allows",
+      "paper's method: sensors as drawn, dipoles, C fitted to a current sweep, L-BFGS from 9 fixed poses, best fit "
+      "kept",
+      "ours: the same scans one by one, cold start, exact calibration (what self-calibration leaves: omni bench "
+      "calibration); not tracked: " +
+          std::to_string(results[0].ours.lost + results[1].ours.lost),
+      "free parameters: the sizes of the sensors' errors, chosen for this comparison; the paper gives only the 1 mm "
+      "that "
+      "its method needs to converge"};
+  section.figure_svg = Figure(results);
+  return section;
+}
+
+}  // namespace omni::tools

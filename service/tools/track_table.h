@@ -1,0 +1,56 @@
+// A strict CSV table: header line, finite numbers, nothing else. For recordings that somebody else wrote; our own runs
+// are read by csv_table.h. Errors name file, line, column, value and remedy.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "service/base/result.h"
+
+namespace omni::tools {
+
+class TrackTable {
+ public:
+  static base::Result<TrackTable> Read(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  std::size_t rows() const { return lines_.size(); }
+  const std::vector<std::string>& names() const { return names_; }
+  bool Has(const std::string& column) const { return IndexOf(column) < names_.size(); }
+  // Precondition: Has(column).
+  double At(std::size_t row, const std::string& column) const { return At(row, IndexOf(column)); }
+  double At(std::size_t row, std::size_t column) const { return values_[row * names_.size() + column]; }
+  std::size_t IndexOf(const std::string& column) const;  // names().size(): absent
+
+  // "file:line: ", of that row in the file.
+  std::string Where(std::size_t row) const;
+
+  // Error unless all are there.
+  base::Status Require(const std::vector<std::string>& columns) const;
+
+  // A column `stem`_<unit> in any of the units that `stem` allows; SI value = factor * number.
+  struct UnitColumn {
+    std::size_t column = 0;
+    double factor = 1;
+    std::string unit;
+  };
+  base::Result<UnitColumn> FieldColumn(const std::string& stem) const;   // T, mT, uT, G, mG
+  base::Result<UnitColumn> LengthColumn(const std::string& stem) const;  // m, mm
+
+  // A whole number >= 0; the error names row and column.
+  base::Result<std::size_t> Count(std::size_t row, const std::string& column) const;
+
+ private:
+  struct Unit {
+    const char* name;
+    double factor;
+  };
+  base::Result<UnitColumn> ColumnWithUnit(const std::string& stem, const Unit* units, std::size_t count) const;
+
+  std::string path_;
+  std::vector<std::string> names_;
+  std::vector<double> values_;
+  std::vector<int> lines_;  // line number in the file, per row
+};
+
+}  // namespace omni::tools

@@ -1,0 +1,89 @@
+// omni calibrate: the session's steps, what it shows, and the whole of it on the twin.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "service/config/device_file.h"
+#include "service/config/twin_file.h"
+#include "service/sim/rig.h"
+#include "service/tools/calibrate_text.h"
+#include "service/tools/calibrate_twin.h"
+#include "service/tools/calibration_error.h"
+
+namespace omni::tools {
+namespace {
+
+base::HallScan ScanAt(int tick, sim::Rig& rig, const sim::MagnetPose* pose, const sim::CoilArray& current_A,
+                      sim::Random& random) {
+  base::HallScan scan = rig.Scan(pose, current_A, random);
+  scan.t_ns = 1'000'000'000LL + 1'000'000LL * tick;
+  return scan;
+}
+
+TEST(ToolsCalibrate, WaitsUntilThePenIsAwayAndRefusesASweepWithoutCurrents) {
+  sim::Rig rig(config::DefaultDevice(), {.seed = 3, .noise = sim::NoiseMode::kLowPower});
+  sim::Random random(4);
+  CalibrationSession session(config::DefaultDevice(), {});
+  const sim::MagnetPose near{{0, 0, 0.05}, {0, 0, -1}};
+  int tick = 0;
+  for (; tick < 500; ++tick) session.Add(ScanAt(tick, rig, &near, {}, random));
+  EXPECT_EQ(session.step(), CalibrationStep::kClear);
+  EXPECT_EQ(session.progress(), 0);
+  bool asked = false;
+  for (; tick < 10000 && session.step() != CalibrationStep::kDone; ++tick) {
+    const base::CoilCurrents wanted = session.Add(ScanAt(tick, rig, nullptr, {}, random));
+    for (const double current_A : wanted.current_A) asked = asked || std::abs(current_A) > 1;
+  }
+  EXPECT_TRUE(asked);
+  ASSERT_EQ(session.step(), CalibrationStep::kDone);
+  EXPECT_NE(session.problem().find("coil x carried"), std::string::npos) << session.problem();
+  EXPECT_FALSE(session.Finish().ok());
+}
+
+TEST(ToolsCalibrate, AScriptedHandCalibratesTheTwin) {
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  base::TruthParameters truth = config::DefaultTwin();
+  truth.imperfections = sim::UncalibratedImperfections();
+  CalibrationStep last = CalibrationStep::kClear;
+  const auto done = CalibrateTwin(device, 5, truth, {.wave_s = 6, .touches = 20}, [&](const CalibrationSession& now) {
+    EXPECT_GE(static_cast<int>(now.step()), static_cast<int>(last));
+    last = now.step();
+    EXPECT_GE(now.progress(), 0);
+    EXPECT_LE(now.progress(), 1);
+  });
+  ASSERT_TRUE(done.ok()) << done.error();
+  EXPECT_EQ(last, CalibrationStep::kDone);
+  EXPECT_EQ(done->outcome.report.touches, 20);
+  sim::Rig rig(device, {.seed = 5, .sizes = truth.imperfections});
+  const auto after = MeasureCalibrationError(rig, done->outcome.calibration, {.poses = 200});
+  ASSERT_TRUE(after.ok()) << after.error();
+  EXPECT_LT(after->raw_mm, 0.6);
+  EXPECT_LT(after->orientation_deg, 0.6);
+}
+
+TEST(ToolsCalibrate, ShowsProgressCoverageAndResult) {
+  EXPECT_EQ(ProgressBar(0.5, 10), "[#####.....]  50 %");
+  EXPECT_EQ(ProgressBar(-1, 4), "[....]   0 %");
+  EXPECT_EQ(ProgressBar(7, 4), "[####] 100 %");
+  calibration::Coverage coverage;
+  EXPECT_EQ(CoverageText(coverage), "...... ...... ...... ......");
+  coverage.Add({0.001, 0.0001, 0.1});
+  EXPECT_EQ(CoverageText(coverage), "+..... ...... ...... ......");
+  for (int i = 0; i < 5; ++i) coverage.Add({0.1, -0.01, 0.001});
+  EXPECT_EQ(CoverageText(coverage), "+..... ...... ...... .....#");
+  EXPECT_NE(StepText(CalibrationStep::kTouch, {.touches = 42}).find("42 places"), std::string::npos);
+  calibration::Report report;
+  report.expected_error_m = 0.09e-3;
+  report.sensors.resize(2);
+  report.unfixed.push_back({"sensor 1 gain x", 1.4, 1.5, "%"});
+  const std::string text = ReportText(report);
+  for (const char* part : {"excellent: 0.09 mm", "sensor 1 ", "sensor 1 gain x", "tolerance 1.5"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " not in:\n" << text;
+  }
+  EXPECT_EQ(QualityWord(0.15e-3), "good");
+  EXPECT_EQ(QualityWord(0.4e-3), "fair");
+  EXPECT_EQ(QualityWord(std::nan("")), "poor");
+}
+
+}  // namespace
+}  // namespace omni::tools
