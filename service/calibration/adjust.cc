@@ -11,6 +11,7 @@ constexpr double kDampingFirst = 1e-4;
 constexpr double kDampingMin = 1e-9;
 constexpr double kDampingMax = 1e6;
 constexpr double kDone = 0.1;     // expected decrease of the cost: far below what a parameter's deviation costs
+constexpr double kEnough = 1e-3;  // of the cost: enough before the weights are settled
 constexpr int kRoundsMax = 4;     // of weights
 constexpr double kSettled = 0.1;  // largest change of a weight that needs no further round
 constexpr double kTouchGate = 9;  // chi2 of a touch that keeps its full weight
@@ -72,12 +73,12 @@ double Reweigh(const System& system, std::vector<Observation>& observations) {
   return change;
 }
 
-// One round with fixed weights. True: converged.
-bool Minimise(const Problem& problem, int iterations_max, Adjustment& state) {
+// One round with fixed weights, until a step promises less than `enough` of the cost. True: converged.
+bool Minimise(const Problem& problem, double enough, int iterations_max, Adjustment& state) {
   double damping = kDampingFirst;
   while (state.iterations < iterations_max) {
     const Step step = MakeStep(state.system, damping);
-    if (step.finite && step.expected < kDone && damping <= 1e-3) return true;
+    if (step.finite && step.expected < std::max(kDone, enough * state.system.cost) && damping <= 1e-3) return true;
     if (step.finite) {
       Parameters parameters = state.parameters;
       parameters.x() += step.array;
@@ -130,8 +131,9 @@ Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> 
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
   state.system = problem.Linearise(state.parameters, state.instants);
   for (int round = 0; round < kRoundsMax; ++round) {
-    state.converged = Minimise(problem, iterations_max, state);
-    if (!state.converged || Reweigh(state.system, problem.observations()) < kSettled) break;
+    state.converged = Minimise(problem, round == 0 ? kEnough : 0.0, iterations_max, state);
+    const bool settled = Reweigh(state.system, problem.observations()) < kSettled;
+    if (!state.converged || (settled && round > 0)) break;
     state.system = problem.Linearise(state.parameters, state.instants);
     ++state.iterations;
   }
