@@ -15,7 +15,8 @@ constexpr double kEnough = 1e-3;  // of the cost: enough before the weights are 
 constexpr int kRoundsMax = 4;     // of weights
 constexpr double kSettled = 0.1;  // largest change of a weight that needs no further round
 constexpr double kTouchGate = 9;  // chi2 of a touch that keeps its full weight
-constexpr int kStack = 32;        // samples eliminated at a time
+constexpr double kLeapMax_m = 0.02, kLeapMax_rad = 0.5;
+constexpr int kStack = 32;  // samples eliminated at a time
 
 Eigen::LLT<OwnMatrix> Factor(const SampleBlock& block, double damping) {
   OwnMatrix H = block.H;
@@ -26,20 +27,25 @@ Eigen::LLT<OwnMatrix> Factor(const SampleBlock& block, double damping) {
 struct Step {
   Eigen::VectorXd array;
   std::vector<OwnVector> own;
-  double expected = 0;  // decrease of the cost in the linear model without damping terms
+  double expected = 0;  // decrease of the cost that the array's step promises; a wild sample may wander for long
   bool finite = false;
 };
+
+// A sample does not leap: far from its place the linear model says nothing.
+OwnVector Shortened(const OwnVector& step) {
+  const double shrink = std::max({1.0, step.head<3>().norm() / kLeapMax_m, step.segment<2>(3).norm() / kLeapMax_rad});
+  return step / shrink;
+}
 
 // Back-substitution: own = -H^-1 (g + C dx).
 Step MakeStep(const System& system, double damping) {
   const Reduced reduced = Eliminate(system, damping);
   Step step;
   step.array = -reduced.H.llt().solve(reduced.g);
-  step.expected = -step.array.dot(system.g);
+  step.expected = -step.array.dot(reduced.g);
   for (const SampleBlock& block : system.samples) {
     const OwnVector right = block.g + block.C * step.array;
-    step.own.push_back(-Factor(block, damping).solve(right));
-    step.expected -= step.own.back().dot(block.g);
+    step.own.push_back(Shortened(-Factor(block, damping).solve(right)));
   }
   step.finite = step.array.allFinite() && std::isfinite(step.expected);
   return step;
