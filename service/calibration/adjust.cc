@@ -10,11 +10,14 @@ namespace {
 constexpr double kDampingFirst = 1e-4;
 constexpr double kDampingMin = 1e-9;
 constexpr double kDampingMax = 1e6;
-constexpr double kDone = 0.1;     // expected decrease of the cost: far below what a parameter's deviation costs
-constexpr int kRoundsMax = 4;     // of weights
-constexpr double kSettled = 0.1;  // largest change of a weight that needs no further round
-constexpr double kTouchGate = 9;  // chi2 of a touch that keeps its full weight
-constexpr int kStack = 32;        // samples eliminated at a time
+constexpr double kDone = 0.1;         // expected decrease of the cost: far below what a parameter's deviation costs
+constexpr double kEnough = 1e-3;      // of the cost: enough before the weights are settled
+constexpr int kRoundsMax = 4;         // of weights
+constexpr double kSettled = 0.1;      // largest change of a weight that needs no further round
+constexpr double kTouchGate = 9;      // chi2 of a touch that keeps its full weight
+constexpr double kTouchDoubt = 1e-3;  // weight of touches at first: a rest in the air must not bend the array
+constexpr double kLeapMax_m = 0.02, kLeapMax_rad = 0.5;
+constexpr int kStack = 32;  // samples eliminated at a time
 
 Eigen::LLT<OwnMatrix> Factor(const SampleBlock& block, double damping) {
   OwnMatrix H = block.H;
@@ -25,20 +28,25 @@ Eigen::LLT<OwnMatrix> Factor(const SampleBlock& block, double damping) {
 struct Step {
   Eigen::VectorXd array;
   std::vector<OwnVector> own;
-  double expected = 0;  // decrease of the cost in the linear model without damping terms
+  double expected = 0;  // decrease of the cost that the array's step promises; a wild sample may wander for long
   bool finite = false;
 };
+
+// A sample does not leap: far from its place the linear model says nothing.
+OwnVector Shortened(const OwnVector& step) {
+  const double shrink = std::max({1.0, step.head<3>().norm() / kLeapMax_m, step.segment<2>(3).norm() / kLeapMax_rad});
+  return step / shrink;
+}
 
 // Back-substitution: own = -H^-1 (g + C dx).
 Step MakeStep(const System& system, double damping) {
   const Reduced reduced = Eliminate(system, damping);
   Step step;
   step.array = -reduced.H.llt().solve(reduced.g);
-  step.expected = -step.array.dot(system.g);
+  step.expected = -step.array.dot(reduced.g);
   for (const SampleBlock& block : system.samples) {
     const OwnVector right = block.g + block.C * step.array;
-    step.own.push_back(-Factor(block, damping).solve(right));
-    step.expected -= step.own.back().dot(block.g);
+    step.own.push_back(Shortened(-Factor(block, damping).solve(right)));
   }
   step.finite = step.array.allFinite() && std::isfinite(step.expected);
   return step;
@@ -48,22 +56,30 @@ double PerDof(const SampleBlock& block, const Observation& observation) {
   return block.chi2 / std::max(1, observation.readings - 5);
 }
 
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 // w = min(1, gate / chi2): samples far beyond the usual misfit lose their say. The usual misfit is the median, so that
 // nothing is thrown away while the array is still wrong. (8)
 double Reweigh(const System& system, std::vector<Observation>& observations) {
-  std::vector<double> misfit;
-  for (std::size_t n = 0; n < observations.size(); ++n) misfit.push_back(PerDof(system.samples[n], observations[n]));
-  std::vector<double> sorted = misfit;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double usual = std::max(1.0, *middle);
+  std::vector<double> misfit, touch_misfit;
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    misfit.push_back(PerDof(system.samples[n], observations[n]));
+    if (observations[n].touches_hull) touch_misfit.push_back(system.samples[n].touch_chi2);
+  }
+  const double usual = std::max(1.0, Median(misfit));
+  const double touch_gate = kTouchGate * std::max(1.0, Median(touch_misfit));
   double change = 0;
   for (std::size_t n = 0; n < observations.size(); ++n) {
     Observation& observation = observations[n];
     const double gate = usual * (1 + 4 * std::sqrt(2.0 / std::max(1, observation.readings - 5)));
     const double weight = misfit[n] > gate ? gate / misfit[n] : 1.0;
     const double touch = system.samples[n].touch_chi2;
-    const double touch_weight = touch > kTouchGate ? kTouchGate / touch : 1.0;
+    const double touch_weight = touch > touch_gate ? touch_gate / touch : 1.0;
     change =
         std::max({change, std::abs(weight - observation.weight), std::abs(touch_weight - observation.touch_weight)});
     observation.weight = weight;
@@ -72,12 +88,12 @@ double Reweigh(const System& system, std::vector<Observation>& observations) {
   return change;
 }
 
-// One round with fixed weights. True: converged.
-bool Minimise(const Problem& problem, int iterations_max, Adjustment& state) {
+// One round with fixed weights, until a step promises less than `enough` of the cost. True: converged.
+bool Minimise(const Problem& problem, double enough, int iterations_max, Adjustment& state) {
   double damping = kDampingFirst;
   while (state.iterations < iterations_max) {
     const Step step = MakeStep(state.system, damping);
-    if (step.finite && step.expected < kDone && damping <= 1e-3) return true;
+    if (step.finite && step.expected < std::max(kDone, enough * state.system.cost) && damping <= 1e-3) return true;
     if (step.finite) {
       Parameters parameters = state.parameters;
       parameters.x() += step.array;
@@ -128,10 +144,12 @@ Reduced Eliminate(const System& system, double damping) {
 
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
+  for (Observation& observation : problem.observations()) observation.touch_weight = kTouchDoubt;
   state.system = problem.Linearise(state.parameters, state.instants);
   for (int round = 0; round < kRoundsMax; ++round) {
-    state.converged = Minimise(problem, iterations_max, state);
-    if (!state.converged || Reweigh(state.system, problem.observations()) < kSettled) break;
+    state.converged = Minimise(problem, round == 0 ? kEnough : 0.0, iterations_max, state);
+    const bool settled = Reweigh(state.system, problem.observations()) < kSettled;
+    if (!state.converged || (settled && round > 0)) break;
     state.system = problem.Linearise(state.parameters, state.instants);
     ++state.iterations;
   }

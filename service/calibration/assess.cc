@@ -57,7 +57,8 @@ void DescribeFit(const Problem& problem, const Adjustment& adjustment, Report& r
 
 bool IsCalibrated(const Parameters& parameters, int index) {
   const int shared = index - parameters.shared_at();
-  return shared < 0 || shared == kMomentAt || shared == kKappaAt;
+  const bool has_core = parameters.nominal().core_radius_m > 0;
+  return shared < 0 || shared == kMomentAt || (shared == kKappaAt && has_core);
 }
 
 // Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 says less than them.

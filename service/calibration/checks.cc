@@ -156,15 +156,15 @@ std::string PosesProblem(const base::Calibration& nominal, const Recording& reco
 
 std::string ResultProblem(const Adjustment& adjustment, const Report& report, const Limits& limits) {
   const Parameters& parameters = adjustment.parameters;
-  if (!(std::abs(report.moment_relative) <= limits.moment_max)) {
-    return "the magnet is " + Percent(std::abs(report.moment_relative)) +
-           (report.moment_relative < 0 ? " weaker" : " stronger") + " than in the device file, allowed are " +
-           Percent(limits.moment_max) + "; is it the right magnet?";
-  }
   if (!(report.chi2_per_dof <= limits.chi2_per_dof_max)) {
     return "readings and model disagree: chi2 per degree of freedom is " + Number(report.chi2_per_dof) +
            ", allowed is " + Number(limits.chi2_per_dof_max) +
            "; look for a second magnet, moving iron or a base that was pushed, and record anew";
+  }
+  if (!(std::abs(report.moment_relative) <= limits.moment_max)) {
+    return "the magnet is " + Percent(std::abs(report.moment_relative)) +
+           (report.moment_relative < 0 ? " weaker" : " stronger") + " than in the device file, allowed are " +
+           Percent(limits.moment_max) + "; is it the right magnet?";
   }
   if (!adjustment.converged || !adjustment.covariance.allFinite()) {
     return "the adjustment did not settle in " + std::to_string(report.iterations) +

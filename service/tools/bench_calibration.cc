@@ -41,7 +41,8 @@ base::DeviceGeometry DeviceIn(sim::NoiseMode noise) {
 
 struct Done {
   calibration::Outcome outcome;
-  sim::Rig rig;  // the same base, for the judgement
+  sim::Rig rig;             // the same base, for the judgement
+  double moment_scale = 1;  // of its magnet, as warm as it was
 };
 
 base::Result<Done> CalibrateHeld(std::uint64_t seed) {
@@ -65,7 +66,8 @@ base::Result<Done> CalibrateMoving(std::uint64_t seed) {
   effects.run_s = truth.effects.run_s;
   sim::Rig rig(config::DefaultDevice(), {.seed = seed, .sizes = truth.imperfections, .effects = effects});
   rig.SetTime(done->middle_s);
-  return Done{std::move(done->outcome), std::move(rig)};
+  const double moment_scale = rig.environment().At(done->middle_s).magnet_scale;
+  return Done{std::move(done->outcome), std::move(rig), moment_scale};
 }
 
 base::Result<nlohmann::ordered_json> Row(int number, std::uint64_t seed, const char* recording, Done& done) {
@@ -78,6 +80,12 @@ base::Result<nlohmann::ordered_json> Row(int number, std::uint64_t seed, const c
   const auto after = MeasureCalibrationError(done.rig, calibrated, {.poses = 1500, .seed = seed + 3});
   const auto systematic =
       MeasureCalibrationError(done.rig, calibrated, {.poses = 700, .noise = false, .seed = seed + 4});
+  base::Calibration exact = done.rig.ExactCalibration();
+  exact.moment_Am2 *= done.moment_scale;
+  const auto best = MeasureCalibrationError(done.rig, exact, {.poses = 1500, .seed = seed + 3});
+  const auto best_systematic =
+      MeasureCalibrationError(done.rig, exact, {.poses = 300, .noise = false, .seed = seed + 4});
+  if (!best.ok() || !best_systematic.ok()) return base::Error{"the exact calibration is none that a solver takes"};
   if (!after.ok() || !systematic.ok()) return base::Error{after.ok() ? systematic.error() : after.error()};
   const calibration::Report& report = done.outcome.report;
   return nlohmann::ordered_json{{"rig", std::to_string(number)},
@@ -88,6 +96,8 @@ base::Result<nlohmann::ordered_json> Row(int number, std::uint64_t seed, const c
                                 {"systematic_mm", systematic->aligned_mm},
                                 {"seconds", report.seconds},
                                 {"recording", recording},
+                                {"exact_mm", best->raw_mm},
+                                {"exact_systematic_mm", best_systematic->raw_mm},
                                 {"systematic_raw_mm", systematic->raw_mm},
                                 {"rotation_deg", systematic->rotation_deg},
                                 {"orientation_deg", after->orientation_deg},
