@@ -18,9 +18,11 @@ struct QuietTiming {
   int batches = 0;
 };
 
-// Calls work(i) for i = 0, 1, ... and times `group` calls at a time (short work drowns in the clock's own 25 ns).
+// Calls work(i) for i = 0, 1, ... and times `group` calls at a time (short work drowns in the clock's own 25 ns), until
+// `quiet_batches` are together or kPatience_s are over.
 template <class Work>
-QuietTiming TimeQuietly(int batches, int batch_size, int group, Work&& work) {
+QuietTiming TimeQuietly(int quiet_batches, int batch_size, int group, Work&& work) {
+  constexpr double kPatience_s = 10;
   using Clock = std::chrono::steady_clock;
   const auto switches = [] {
     rusage usage{};
@@ -28,9 +30,12 @@ QuietTiming TimeQuietly(int batches, int batch_size, int group, Work&& work) {
     return usage.ru_nivcsw;
   };
   std::vector<double> medians, tails, us(static_cast<std::size_t>(batch_size));
-  QuietTiming timing{.batches = batches};
+  QuietTiming timing;
   std::uint64_t next = 0;
-  for (int batch = 0; batch < batches; ++batch) {
+  const Clock::time_point start = Clock::now();
+  while (timing.quiet_batches < quiet_batches &&
+         std::chrono::duration<double>(Clock::now() - start).count() < kPatience_s) {
+    ++timing.batches;
     const long before = switches();
     for (double& each_us : us) {
       const Clock::time_point begin = Clock::now();
