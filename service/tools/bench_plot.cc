@@ -54,7 +54,9 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
     series.mark = start == "cold" ? PlotSeries::Mark::kRings : PlotSeries::Mark::kDots;
     series.points.push_back({us, mm});
     const std::string model = Word(row, "model"), precision = Word(row, "precision");
-    series.labels.push_back(model + (precision == "float" ? " (float)" : ""));
+    // The product's own model goes without saying: most dots are of it, and lie close.
+    const std::string rung = model == "default" ? "" : model;
+    series.labels.push_back(precision != "float" ? rung : rung.empty() ? "float" : rung + " (float)");
     times_us.push_back(us);
     errors_mm.push_back(mm);
   }

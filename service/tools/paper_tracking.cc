@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "service/magnetics/nominal.h"
@@ -33,11 +34,11 @@ constexpr Condition kConditions[] = {{"no actuation", 0, {4.9, 1.8, {3.4, 3.1, 2
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-sim::ImperfectionSizes RigSizes() {
+sim::ImperfectionSizes RigSizes(double factor) {
   sim::ImperfectionSizes sizes;  // coils, magnet and current sensors: as a careful maker leaves them
-  sizes.sensor_position_m = 1e-3;
-  sizes.sensor_gain = 0.015;
-  sizes.sensor_rotation_rad = 1.15 * kDegree;
+  sizes.sensor_position_m = factor * 1e-3;
+  sizes.sensor_gain = factor * 0.015;
+  sizes.sensor_rotation_rad = factor * 1.15 * kDegree;
   return sizes;
 }
 
@@ -97,8 +98,9 @@ sim::MagnetPose DrawPose(const sim::Rig& rig, sim::Random& random) {
   return rig.DrawPose(range, random);
 }
 
-void RunRig(const base::DeviceGeometry& device, const Condition& condition, std::uint64_t seed, int poses, Both& into) {
-  sim::Rig rig(device, {.seed = seed, .sizes = RigSizes()});
+void RunRig(const base::DeviceGeometry& device, const Condition& condition, double factor, std::uint64_t seed,
+            int poses, Both& into) {
+  sim::Rig rig(device, {.seed = seed, .sizes = RigSizes(factor)});
   peers::PaperSolver solver(peers::MakePaperModel(magnetics::NominalCalibration(device), Sweep(rig)));
   const tracker::Config config = tracker::MakeConfig(rig.ExactCalibration());
   sim::Random random(seed + 1'000'000);
@@ -122,26 +124,62 @@ void RunRig(const base::DeviceGeometry& device, const Condition& condition, std:
   }
 }
 
-void AddRows(const Condition& condition, const Both& both, BenchRows& rows) {
-  const auto add = [&](const char* quantity, nlohmann::ordered_json paper, double method, double ours) {
-    nlohmann::ordered_json deviation;
-    if (paper.is_number()) deviation = 100 * (method / paper.get<double>() - 1);
+using Results = std::array<Both, 2>;
+
+Results RunRigs(const base::DeviceGeometry& device, double factor, const PaperOptions& options) {
+  Results results;
+  for (std::size_t c = 0; c < results.size(); ++c) {
+    for (int rig = 0; rig < options.rigs; ++rig) {
+      const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(rig);
+      RunRig(device, kConditions[c], factor, seed, options.poses, results[c]);
+    }
+  }
+  return results;
+}
+
+// The factor on the sensors' errors with which the two means deviate from the text by nothing on average. Seeds of its
+// own: what is reported comes from others.
+double FitFactor(const base::DeviceGeometry& device, const PaperOptions& options) {
+  const PaperOptions own{.seed = options.seed + 500'000, .rigs = options.rigs, .poses = std::min(options.poses, 60)};
+  double low = 0.2, high = 4;
+  for (int i = 0; i < 6; ++i) {
+    const double factor = 0.5 * (low + high);
+    const Results results = RunRigs(device, factor, own);
+    double deviation = 0;
+    for (std::size_t c = 0; c < results.size(); ++c) {
+      deviation += Mean(results[c].paper.distance_mm) / kConditions[c].text.mean - 1;
+    }
+    (deviation < 0 ? low : high) = factor;
+  }
+  return 0.5 * (low + high);
+}
+
+void AddRows(const Condition& condition, const Both& both, const Both& fitted, BenchRows& rows) {
+  const auto add = [&](const char* quantity, nlohmann::ordered_json paper, const auto& of) {
+    const double method = of(both.paper), adjusted = of(fitted.paper);
+    nlohmann::ordered_json deviation, adjusted_deviation;
+    if (paper.is_number()) {
+      deviation = 100 * (method / paper.get<double>() - 1);
+      adjusted_deviation = 100 * (adjusted / paper.get<double>() - 1);
+    }
     rows.push_back({{"condition", condition.name},
                     {"quantity", quantity},
                     {"paper", paper},
                     {"paper_method_on_twin", method},
                     {"deviation_pct", deviation},
-                    {"ours", ours}});
+                    {"paper_method_fitted", adjusted},
+                    {"deviation_fitted_pct", adjusted_deviation},
+                    {"ours", of(both.ours)}});
   };
-  add("mean_mm", condition.text.mean, Mean(both.paper.distance_mm), Mean(both.ours.distance_mm));
-  add("deviation_mm", condition.text.deviation, Deviation(both.paper.distance_mm), Deviation(both.ours.distance_mm));
+  add("mean_mm", condition.text.mean, [](const Errors& e) { return Mean(e.distance_mm); });
+  add("deviation_mm", condition.text.deviation, [](const Errors& e) { return Deviation(e.distance_mm); });
   constexpr const char* kAxes[] = {"mean_x_mm", "mean_y_mm", "mean_z_mm"};
   for (std::size_t i = 0; i < 3; ++i) {
-    add(kAxes[i], condition.text.by_axis[i], Mean(both.paper.axis_mm[i]), Mean(both.ours.axis_mm[i]));
+    add(kAxes[i], condition.text.by_axis[i], [i](const Errors& e) { return Mean(e.axis_mm[i]); });
   }
-  add("p95_mm", nullptr, Quantile(both.paper.distance_mm, 0.95), Quantile(both.ours.distance_mm, 0.95));
-  add("max_mm", nullptr, Quantile(both.paper.distance_mm, 1), Quantile(both.ours.distance_mm, 1));
-  add("orientation_mean_deg", nullptr, Mean(both.paper.turn_deg), Mean(both.ours.turn_deg));
+  add("p95_mm", nullptr, [](const Errors& e) { return Quantile(e.distance_mm, 0.95); });
+  add("max_mm", nullptr, [](const Errors& e) { return Quantile(e.distance_mm, 1); });
+  add("orientation_mean_deg", nullptr, [](const Errors& e) { return Mean(e.turn_deg); });
 }
 
 PlotSeries Distribution(const std::string& name, const char* colour, PlotSeries::Mark mark,
@@ -159,15 +197,15 @@ PlotSeries Distribution(const std::string& name, const char* colour, PlotSeries:
   return series;
 }
 
-std::string Figure(const std::array<Both, 2>& results) {
+std::string Figure(const Results& results, const Results& fitted) {
   Svg svg(900, 430);
   PlotBox box{.title = "Distribution of the tracking error on the twin (after Fig. 6)",
               .x = {"distance to the truth, mm", 0, 16},
               .y = {"share of the poses per 0.5 mm, %", 0, 16}};
   using Mark = PlotSeries::Mark;
   std::vector<PlotSeries> series{
-      Distribution("paper's method, no current", PlotColour(0), Mark::kLine, results[0].paper.distance_mm),
-      Distribution("paper's method, +-4 A", PlotColour(1), Mark::kLine, results[1].paper.distance_mm)};
+      Distribution("paper's method, no current", PlotColour(0), Mark::kLine, fitted[0].paper.distance_mm),
+      Distribution("paper's method, +-4 A", PlotColour(1), Mark::kLine, fitted[1].paper.distance_mm)};
   for (std::size_t i = 0; i < 2; ++i) {
     const double x = kConditions[i].text.mean;
     series.push_back({.name = i == 0 ? "paper's mean, no current" : "paper's mean, +-4 A",
@@ -186,17 +224,19 @@ std::string Figure(const std::array<Both, 2>& results) {
   return svg.Finish();
 }
 
+std::string Text(const char* format, double factor) {
+  std::array<char, 320> text{};
+  std::snprintf(text.data(), text.size(), format, factor, factor * 1.0, factor * 1.5, factor * 1.15);
+  return text.data();
+}
+
 }  // namespace
 
 PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOptions& options) {
   PaperSection section{.title = "Tracking (Fig. 6)", .figure_name = "fig6-tracking.svg"};
-  std::array<Both, 2> results;
-  for (std::size_t c = 0; c < results.size(); ++c) {
-    for (int rig = 0; rig < options.rigs; ++rig) {
-      RunRig(device, kConditions[c], options.seed + static_cast<std::uint64_t>(rig), options.poses, results[c]);
-    }
-    AddRows(kConditions[c], results[c], section.rows);
-  }
+  const double factor = FitFactor(device, options);
+  const Results results = RunRigs(device, 1, options), fitted = RunRigs(device, factor, options);
+  for (std::size_t c = 0; c < results.size(); ++c) AddRows(kConditions[c], results[c], fitted[c], section.rows);
   const std::uint64_t last = options.seed + static_cast<std::uint64_t>(options.rigs) - 1;
   section.notes = {
       "rigs: seeds " + std::to_string(options.seed) + " to " + std::to_string(last) + ", " +
@@ -208,10 +248,11 @@ PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOption
       "ours: the same scans one by one, cold start, exact calibration (what self-calibration leaves: omni bench "
       "calibration); not tracked: " +
           std::to_string(results[0].ours.lost + results[1].ours.lost),
-      "free parameters: the sizes of the sensors' errors, chosen for this comparison; the paper gives only the 1 mm "
-      "that "
-      "its method needs to converge"};
-  section.figure_svg = Figure(results);
+      Text(
+          "free parameter of the fitted column: the sensors' errors times %.2f (%.2f mm, %.2f %%, %.2f deg); the paper "
+          "gives none of them, only that the method needs 1 mm to converge",
+          factor)};
+  section.figure_svg = Figure(results, fitted);
   return section;
 }
 

@@ -23,8 +23,7 @@ namespace {
 struct TrackArguments {
   std::string device, readings, truth;
   std::string output, residuals, json, convert;
-  std::string data;
-  int layout = 0;
+  std::string data, layout;
   double magnet_diameter_mm = 10, magnet_height_mm = 10, noise_uT = 5;
   std::string currents = "auto";
 };
@@ -51,7 +50,7 @@ base::Result<Loaded> Load(const TrackArguments& arguments) {
     if (!array.ok()) return base::Error{array.error()};
     loaded.array = std::move(*array);
   } else {
-    auto array = ReadMagnet16Layout(arguments.data + "/layout-" + std::to_string(arguments.layout) + ".csv",
+    auto array = ReadMagnet16Layout(arguments.data + "/layout-" + arguments.layout + ".csv",
                                     {.magnet_diameter_m = 1e-3 * arguments.magnet_diameter_mm,
                                      .magnet_height_m = 1e-3 * arguments.magnet_height_mm,
                                      .noise_T = 1e-6 * arguments.noise_uT});
@@ -174,12 +173,14 @@ void AddTrack(CLI::App& app) {
   CLI::App* track = app.add_subcommand("track", "track a recording of any sensor array offline");
   auto arguments = std::make_shared<TrackArguments>();
   CLI::Option* device = track->add_option("--device", arguments->device, "device file (.toml) of the array");
-  track->add_option("--readings", arguments->readings, "CSV file of the readings; with --data: number of the recording")
+  track
+      ->add_option("--readings", arguments->readings,
+                   "CSV file of the readings; with --data: N of readings-N.csv and truth-N.csv")
       ->required();
   CLI::Option* truth = track->add_option("--truth", arguments->truth, "CSV file of the true poses");
   CLI::Option* data =
       track->add_option("--data", arguments->data, "folder of layout-N.csv, readings-N.csv, truth-N.csv");
-  CLI::Option* layout = track->add_option("--layout", arguments->layout, "with --data: number of the layout");
+  CLI::Option* layout = track->add_option("--layout", arguments->layout, "with --data: N of layout-N.csv");
   device->excludes(data);
   truth->excludes(data);
   data->needs(layout);
