@@ -8,7 +8,7 @@
 namespace omni::calibration {
 
 struct TouchOptions {
-  int windows_min = 3;           // at rest in a row: 0.1 s
+  int windows_min = 3;           // at rest in a row: 72 ms
   double apart_relative = 0.02;  // change of the field that makes it another place (a few mm)
 };
 

@@ -11,7 +11,7 @@
 namespace omni::calibration {
 
 struct WindowOptions {
-  int scans = 40;                // at 1 kHz: 40 ms
+  int scans = 24;                // at 1 kHz: 24 ms
   double misfit_max = 2;         // mean square deviation from the parabola, in noise variances: more is a jerk
   double still_relative = 2e-3;  // change of the field from the middle to the end that counts as still ...
   double still_sigmas = 4;       // ... beside so many standard deviations of the noise in it
