@@ -37,9 +37,9 @@ struct DriverParameters {
 // Two nodes: each coil's copper, and the body (core, plastic, table) that all three share.
 struct ThermalParameters {
   double copper_J_K = 44.4;
-  double body_J_K = 198.4 - 2 * 44.4;
-  double copper_to_body_W_K = 2.483;
-  double body_to_air_W_K = 0.7593;
+  double body_J_K = 94.2;
+  double copper_to_body_W_K = 1.048;
+  double body_to_air_W_K = 0.7903;
   double air_C = 24;
   double resistance_per_K = 0.00393;  // of copper, about 20 C
 };

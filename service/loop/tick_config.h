@@ -19,6 +19,7 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device) {
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const base::Calibration& calibration) {
   TickConfig config = MakeTickConfig(device);
   config.tracker = tracker::MakeConfig(calibration);
+  config.actuation = actuation::MakeConfig(device, calibration);
   return config;
 }
 

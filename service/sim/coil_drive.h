@@ -15,7 +15,7 @@ using DriveConfig = base::DriverParameters;
 // Each coil's copper, and the body that all three share:
 //   Cc dTc = I^2 R(Tc) dt - Gcb (Tc - Tb) dt,  Cb dTb = sum Gcb (Tc - Tb) dt - Gba (Tb - Ta) dt
 // fitted to the paper's temperatures of one coil (39 C at 65 s after 15 A for 25 s, 47 C after 15 min at 5 A) with the
-// copper's heat capacity from its mass. That fit's body, 198.4 J/K, contained the two idle coils: they are nodes here.
+// copper's heat capacity from its mass.
 using ThermalConfig = base::ThermalParameters;
 
 class CoilDrive {

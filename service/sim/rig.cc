@@ -87,9 +87,10 @@ base::Calibration Rig::ExactCalibration() const {
 
 MagnetPose Rig::DrawPose(const PoseRange& range, Random& random) const noexcept {
   MagnetPose pose;
+  const double radius_m = random.Uniform(range.radius_min_m, range.radius_max_m);  // kept: near the hull few tilts fit
   do {
     const Vec3 outwards = DrawDirection(std::sin(range.elevation_min_rad), 1, random);
-    pose.centre_base_m = random.Uniform(range.radius_min_m, range.radius_max_m) * outwards;
+    pose.centre_base_m = radius_m * outwards;
     // Uniform on the cap of directions within the tilt of -outwards.
     const double c = random.Uniform(std::cos(range.tilt_max_rad), 1);
     const double angle = random.Uniform(0, 2 * std::numbers::pi);

@@ -29,7 +29,7 @@ struct RigOptions {
   base::SensorParameters sensor;
 };
 
-// Where random poses lie. The magnet never cuts the hull: such draws are drawn again.
+// Where random poses lie. The magnet never cuts the hull: directions that make it are drawn again, at the same radius.
 struct PoseRange {
   double radius_min_m = 0.041, radius_max_m = 0.101;  // of the centre, uniform in the radius
   double elevation_min_rad = 0;                       // of the centre above the base's plane: upper hemisphere

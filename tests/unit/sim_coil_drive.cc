@@ -131,7 +131,7 @@ TEST(SimDrive, WarmsUpAsMeasured) {
     story.drive.Step(story.t_ns, 1e-3);
   }
   for (int i = 0; i < 90000; ++i) story.drive.Heat(10e-3);
-  EXPECT_NEAR(story.drive.temperature_C()[1], 54.5, 1.0);
+  EXPECT_NEAR(story.drive.temperature_C()[1], 65.4, 1.0);
   EXPECT_NEAR(story.drive.temperature_C()[0], 47.0, 1.0) << "an idle coil takes the body's temperature";
 }
 
