@@ -7,20 +7,23 @@
 
 namespace omni::loop {
 
-inline TickConfig MakeTickConfig(const base::DeviceGeometry& device) {
+inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const tracker::Config& tracker,
+                                 const actuation::Config& actuation) {
   TickConfig config;
-  config.tracker = tracker::MakeConfig(device);
-  config.actuation = actuation::MakeConfig(device);
+  config.tracker = tracker;
+  config.actuation = actuation;
   config.tip_offset_m = device.magnet.tip_offset_m;
   return config;
 }
 
+// As drawn.
+inline TickConfig MakeTickConfig(const base::DeviceGeometry& device) {
+  return MakeTickConfig(device, tracker::MakeConfig(device), actuation::MakeConfig(device));
+}
+
 // The same for a base that has been calibrated.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const base::Calibration& calibration) {
-  TickConfig config = MakeTickConfig(device);
-  config.tracker = tracker::MakeConfig(calibration);
-  config.actuation = actuation::MakeConfig(device, calibration);
-  return config;
+  return MakeTickConfig(device, tracker::MakeConfig(calibration), actuation::MakeConfig(device, calibration));
 }
 
 }  // namespace omni::loop

@@ -1,7 +1,7 @@
 // omni bench thermal: the paper's two heat runs on the twin, and in the host's model fed with the twin's measured
-// currents; then all coils at full current for 15 minutes under the host's derating. "twin": with the constants of the
-// device file, which the paper's three temperatures fix; "twin-default": with its own. peak_C, peak_s and end_C are the
-// body's, where the paper's thermometer was; the copper's own, which it could not see, stand beside them.
+// currents; then all coils at full current for 15 minutes under the host's derating. The twin's constants are those
+// that the paper's three temperatures fix. peak_C, peak_s and end_C are the body's, where the paper's thermometer was;
+// the copper's own, which it could not see, stand beside them.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -51,21 +51,11 @@ struct Both {
   Curves twin, host;
 };
 
-sim::ThermalConfig OfDeviceFile(const base::DeviceGeometry& device) {
-  sim::ThermalConfig thermal;
-  thermal.copper_J_K = device.heat.copper_J_K;
-  thermal.body_J_K = device.heat.body_J_K;
-  thermal.copper_to_body_W_K = device.heat.copper_to_body_W_K;
-  thermal.body_to_air_W_K = device.heat.body_to_air_W_K;
-  thermal.air_C = device.heat.air_C;
-  return thermal;
-}
-
-Both Simulate(const base::DeviceGeometry& device, const sim::ThermalConfig& thermal, const Run& run) {
+Both Simulate(const base::DeviceGeometry& device, const Run& run) {
   const actuation::Config config = actuation::MakeConfig(device);
   base::DeviceGeometry tripless = device;  // the paper's base had only its thermometer: nothing cut the copper's peak
   if (!run.derated) tripless.temperature_max_C = 1000;
-  sim::CoilDrive drive(tripless, {}, thermal, {});
+  sim::CoilDrive drive(tripless, {}, {}, {});
   actuation::State host;
   Both both;
   double last_A = 0;
@@ -126,10 +116,9 @@ base::Result<BenchRows> BenchThermal(const BenchOptions&) {
   BenchRows rows;
   for (const Run& run : kRuns) {
     const base::DeviceGeometry& device = config::DefaultDevice();
-    const Both both = Simulate(device, OfDeviceFile(device), run);
+    const Both both = Simulate(device, run);
     rows.push_back(Row(run, "twin", both.twin));
     rows.push_back(Row(run, "host", both.host));
-    rows.push_back(Row(run, "twin-default", Simulate(device, {}, run).twin));
   }
   return rows;
 }

@@ -4,29 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "service/config/device_file.h"
+#include "tests/support/manifest_text.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::config {
 namespace {
 
-std::string Manifest() {
-  std::ifstream file(OMNI_SOURCE_DIR "/manifests/device/omni.toml");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+std::string Manifest() { return test::ManifestText("device/omni.toml"); }
 
 // The manifest with the first occurrence of `from` replaced.
-std::string Changed(const std::string& from, const std::string& to) {
-  std::string text = Manifest();
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
+std::string Changed(const std::string& from, const std::string& to) { return test::Replaced(Manifest(), from, to); }
 
 std::string ErrorOf(const std::string& text) {
   const auto device = ParseDevice(text, "test.toml");

@@ -1,27 +1,18 @@
 // The twin's file: what is read, that every key counts, and what each mistake is told.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
+#include <string>
 
 #include "service/config/twin_file.h"
+#include "tests/support/manifest_text.h"
 
 namespace omni::config {
 namespace {
 
-std::string Manifest() {
-  std::ifstream file(OMNI_SOURCE_DIR "/manifests/device/twin.toml");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+std::string Manifest() { return test::ManifestText("device/twin.toml"); }
 
-std::string Changed(const std::string& from, const std::string& to) {
-  std::string text = Manifest();
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
+// The manifest with the first occurrence of `from` replaced.
+std::string Changed(const std::string& from, const std::string& to) { return test::Replaced(Manifest(), from, to); }
 
 TEST(ConfigTwin, ReadsTheManifest) {
   const auto twin = LoadTwinFile(OMNI_SOURCE_DIR "/manifests/device/twin.toml");
