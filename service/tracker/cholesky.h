@@ -35,6 +35,25 @@ class SmallCholesky {
     return true;
   }
 
+  // A^-1 = S L^-T D^-1 L^-1 S, S: the scale of the diagonal. `inverse` is row-major, kSize to a row.
+  void Invert(double* inverse) const noexcept {
+    double M[kSize][kSize];  // L^-1, unit lower triangle
+    for (int j = 0; j < kSize; ++j) {
+      for (int i = j + 1; i < kSize; ++i) {
+        double sum = -L_[i][j];
+        for (int k = j + 1; k < i; ++k) sum -= L_[i][k] * M[k][j];
+        M[i][j] = sum;
+      }
+    }
+    for (int i = 0; i < kSize; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        double sum = inverse_[i] * (i == j ? 1.0 : M[i][j]);
+        for (int k = i + 1; k < kSize; ++k) sum += M[k][i] * inverse_[k] * M[k][j];
+        inverse[kSize * i + j] = inverse[kSize * j + i] = sum * scale_[i] * scale_[j];
+      }
+    }
+  }
+
   Vector Solve(const Vector& b) const noexcept {
     Vector x;
     for (int i = 0; i < kSize; ++i) {

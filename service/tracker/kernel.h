@@ -3,32 +3,40 @@
 // the processor has is chosen once. All widths add in the same order and fuse nothing, so they give the same bits.
 #pragma once
 
+#include <type_traits>
+
 namespace omni::tracker {
 
 inline constexpr int kBlockSensors = 8;
 inline constexpr int kNuisancesMax = 6;  // of one scan: three currents, three components of an ambient field
 inline constexpr int kParameters = 5;    // position x, y, z (m); turn of the axis along e1, e2 (rad)
 
+// Where eight sensors are, and how the core answers there: the image of a sensor s at s' = (a/|s|)^2 s, n = s/|s|, and
+// kappa (a/|s|)^3, kappa a/|s|^2. Without a core they are zero. docs/theory/tracking.md (1)
+template <class Real>
+struct alignas(64) SensorPlaces {
+  Real position_base_m[3][kBlockSensors];
+  Real image_base_m[3][kBlockSensors];
+  Real radial_base[3][kBlockSensors];
+  Real image_field_gain[kBlockSensors];
+  Real image_potential_gain_1_m[kBlockSensors];
+};
+
 // Eight sensors of one scan, whitened: weight = diag(1/sigma) gain (zero row: that axis is not used), so that a
 // residual is weight * B_model - whitened. Unused lanes repeat a sensor with zero weight.
 template <class Real>
 struct alignas(64) SensorBlock {
-  Real position_base_m[3][kBlockSensors];
-  Real over_r3_base[3][kBlockSensors];              // s / |s|^3: field shape of a charge at the core's centre
   Real weight[9][kBlockSensors];                    // 3 axis + component of B
   Real whitened[3][kBlockSensors];                  // by axis
   Real age_s[kBlockSensors];                        // the sample is so much older than the pose
   Real nuisance[3 * kNuisancesMax][kBlockSensors];  // 3 n + axis: whitened field of nuisance n at size 1
 };
 
-// The tool and its images. Points are padded to a block with zero moments.
 template <class Real>
-struct alignas(64) ToolSource {
-  Real ring_1_m[kBlockSensors], ring_2_m[kBlockSensors], axial_m[kBlockSensors], moment_Am2[kBlockSensors];
+struct ToolSource {
   Real zonal[3];          // q1, q3, q5, A m^(l+1)
   bool multipole = true;  // false: q3 = q5 = 0
-  int points = 0;         // images to add; 0: no core
-  Real core_radius_m, core_kappa;
+  bool core = true;       // false: no iron answers
 };
 
 // Where to linearise. axis, tangent_1, tangent_2 are orthonormal; rates move the pose back to each sensor's instant.
@@ -56,6 +64,12 @@ struct KernelSums {
   double MtJ[kParameters], MtM, Mtr;
 };
 
+// Whitened derivatives of eight sensors' readings: axis, parameter, sensor.
+template <class Real>
+struct alignas(64) JacobianBlock {
+  Real J[3][kParameters][kBlockSensors];
+};
+
 // B in frame B at eight sensors and its derivative by the five parameters.
 struct BlockField {
   double B_T[3][kBlockSensors];
@@ -80,16 +94,28 @@ struct PlaceScores {
   float moment_Am2[3][kGridLanes];
 };
 
+// In one precision. `places`, `blocks` and `jacobian` hold block_count entries.
+template <class Real>
+struct KernelIn {
+  // Writes `jacobian` too, unless it is null.
+  void (*sum)(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
+              const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
+              JacobianBlock<Real>* jacobian, KernelSums& sums) noexcept;
+  // Residuals at another pose against the derivatives of a pose nearby, at a third of the cost: renews rtr, Jtr, Ctr.
+  // Ignores task.moment.
+  void (*residual)(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
+                   const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
+                   const JacobianBlock<Real>* jacobian, KernelSums& sums) noexcept;
+};
+
 struct Kernel {
   const char* name;
-  void (*sum_float)(const SensorBlock<float>* blocks, int block_count, const ToolSource<float>& tool,
-                    const KernelPose& pose, const KernelTask& task, KernelSums& sums) noexcept;
-  void (*sum_double)(const SensorBlock<double>* blocks, int block_count, const ToolSource<double>& tool,
-                     const KernelPose& pose, const KernelTask& task, KernelSums& sums) noexcept;
+  KernelIn<float> in_float;
+  KernelIn<double> in_double;
   // field_sensor: (reading, moment axis, place), T / A m^2
   void (*score)(const float* field_sensor, const ScoreTask& task, PlaceScores& scores) noexcept;
-  void (*field)(const double (*position_base_m)[kBlockSensors], const double (*over_r3_base)[kBlockSensors],
-                const ToolSource<double>& tool, const KernelPose& pose, BlockField& result) noexcept;
+  void (*field)(const SensorPlaces<double>& places, const ToolSource<double>& tool, const KernelPose& pose,
+                BlockField& result) noexcept;
 };
 
 // The widest that this processor runs.
@@ -102,13 +128,13 @@ struct KernelList {
 };
 KernelList RunnableKernels() noexcept;
 
-inline void Sum(const Kernel& kernel, const SensorBlock<float>* blocks, int count, const ToolSource<float>& tool,
-                const KernelPose& pose, const KernelTask& task, KernelSums& sums) noexcept {
-  kernel.sum_float(blocks, count, tool, pose, task, sums);
-}
-inline void Sum(const Kernel& kernel, const SensorBlock<double>* blocks, int count, const ToolSource<double>& tool,
-                const KernelPose& pose, const KernelTask& task, KernelSums& sums) noexcept {
-  kernel.sum_double(blocks, count, tool, pose, task, sums);
+template <class Real>
+const KernelIn<Real>& In(const Kernel& kernel) noexcept {
+  if constexpr (std::is_same_v<Real, float>) {
+    return kernel.in_float;
+  } else {
+    return kernel.in_double;
+  }
 }
 
 }  // namespace omni::tracker

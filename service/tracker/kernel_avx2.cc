@@ -6,6 +6,7 @@
 namespace omni::tracker {
 
 extern const Kernel kKernelAvx2;
-const Kernel kKernelAvx2{"avx2", SumAny<float>, SumAny<double>, ScorePlaces, FieldOfBlock};
+const Kernel kKernelAvx2{
+    "avx2", {SumAny<float>, ResidualAny<float>}, {SumAny<double>, ResidualAny<double>}, ScorePlaces, FieldOfBlock};
 
 }  // namespace omni::tracker

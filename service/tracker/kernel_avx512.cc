@@ -6,6 +6,7 @@
 namespace omni::tracker {
 
 extern const Kernel kKernelAvx512;
-const Kernel kKernelAvx512{"avx512", SumAny<float>, SumAny<double>, ScorePlaces, FieldOfBlock};
+const Kernel kKernelAvx512{
+    "avx512", {SumAny<float>, ResidualAny<float>}, {SumAny<double>, ResidualAny<double>}, ScorePlaces, FieldOfBlock};
 
 }  // namespace omni::tracker

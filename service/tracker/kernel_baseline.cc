@@ -6,6 +6,7 @@
 namespace omni::tracker {
 
 extern const Kernel kKernelBaseline;
-const Kernel kKernelBaseline{"baseline", SumAny<float>, SumAny<double>, ScorePlaces, FieldOfBlock};
+const Kernel kKernelBaseline{
+    "baseline", {SumAny<float>, ResidualAny<float>}, {SumAny<double>, ResidualAny<double>}, ScorePlaces, FieldOfBlock};
 
 }  // namespace omni::tracker

@@ -97,50 +97,101 @@ inline void Reduce(const Lane<Real>* sums, const KernelTask& task, KernelSums& r
 }
 
 template <class Real, int kCount>
-void SumBlocks(const SensorBlock<Real>* blocks, int block_count, const ToolSource<Real>& tool, const KernelPose& pose,
-               const KernelTask& task, KernelSums& result) noexcept {
+void SumBlocks(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
+               const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
+               JacobianBlock<Real>* jacobian, KernelSums& result) noexcept {
   const RealPose<Real> at = Narrow<Real>(pose);
-  ImageTable<Real> images;
-  MakeImages<Real, kCount>(tool, at, images);
+  const LanePotential<Real, kCount> centre = CentrePotential<Real, kCount>(tool, at);
   Lane<Real> sums[kGroups<Real> * kSums];
   const int used = kFirstNuisance + task.nuisances * kPerNuisance;
   for (int group = 0; group < kGroups<Real>; ++group) {
     for (int e = 0; e < used; ++e) sums[group * kSums + e] = Lane<Real>{};
   }
   for (int b = 0; b < block_count; ++b) {
-    const SensorBlock<Real>& block = blocks[b];
     for (int group = 0; group < kGroups<Real>; ++group) {
       const int first = group * kLanes<Real>;
-      LaneField<Real, kCount> field;
-      FieldAt<Real, kCount>(tool, images, at, Load3<Real>(block.position_base_m, first),
-                            Load3<Real>(block.over_r3_base, first), field);
-      AddRows<Real, kCount>(Whiten<Real, kCount>(block, first, field, at.rate), block, first, task,
-                            sums + group * kSums);
+      const LaneField<Real, kCount> field = FieldAt<Real, kCount>(tool, at, centre, places[b], first);
+      const Rows<Real, kCount> rows = Whiten<Real, kCount>(blocks[b], first, field, at.rate);
+      AddRows<Real, kCount>(rows, blocks[b], first, task, sums + group * kSums);
+      if (jacobian == nullptr) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        for (int k = 0; k < kCount; ++k) Store<Real>(rows.J[axis][k], jacobian[b].J[axis][k] + first);
+      }
     }
   }
   Reduce<Real, kCount>(sums, task, result);
 }
 
 template <class Real>
-void SumAny(const SensorBlock<Real>* blocks, int block_count, const ToolSource<Real>& tool, const KernelPose& pose,
-            const KernelTask& task, KernelSums& result) noexcept {
+void SumAny(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
+            const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task, JacobianBlock<Real>* jacobian,
+            KernelSums& result) noexcept {
   if (task.parameters == 3) {
-    SumBlocks<Real, 3>(blocks, block_count, tool, pose, task, result);
+    SumBlocks<Real, 3>(places, blocks, block_count, tool, pose, task, jacobian, result);
   } else {
-    SumBlocks<Real, kParameters>(blocks, block_count, tool, pose, task, result);
+    SumBlocks<Real, kParameters>(places, blocks, block_count, tool, pose, task, jacobian, result);
   }
 }
 
-void FieldOfBlock(const double (*position_base_m)[kBlockSensors], const double (*over_r3_base)[kBlockSensors],
-                  const ToolSource<double>& tool, const KernelPose& pose, BlockField& result) noexcept {
+// One group's share of r^T r, J^T r, C^T r, in this order.
+template <class Real, int kCount>
+inline void AddResidual(const SensorBlock<Real>& block, const JacobianBlock<Real>& jacobian, int first,
+                        const Lane3<Real>& B, const Real (&rate)[kParameters], int nuisances, Lane<Real>* sums) {
+  const Lane<Real> age = Load<Real>(block.age_s + first);
+  for (int axis = 0; axis < 3; ++axis) {
+    Lane<Real> J[kCount], drift{};
+    for (int k = 0; k < kCount; ++k) {
+      J[k] = Load<Real>(jacobian.J[axis][k] + first);
+      drift += J[k] * rate[k];
+    }
+    const Lane<Real> r =
+        Dot(Load3<Real>(block.weight + 3 * axis, first), B) - Load<Real>(block.whitened[axis] + first) - age * drift;
+    sums[0] += r * r;
+    for (int k = 0; k < kCount; ++k) sums[1 + k] += J[k] * r;
+    for (int n = 0; n < nuisances; ++n) {
+      sums[1 + kCount + n] += Load<Real>(block.nuisance[3 * n + axis] + first) * r;
+    }
+  }
+}
+
+template <class Real, int kCount>
+void ResidualBlocks(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
+                    const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
+                    const JacobianBlock<Real>* jacobian, KernelSums& result) noexcept {
+  constexpr int kStride = 1 + kCount + kNuisancesMax;
+  const RealPose<Real> at = Narrow<Real>(pose);
+  const Lane<Real> centre = PotentialOf(LookFromCentre(tool, at));
+  Lane<Real> sums[kGroups<Real> * kStride] = {};
+  for (int b = 0; b < block_count; ++b) {
+    for (int group = 0; group < kGroups<Real>; ++group) {
+      const int first = group * kLanes<Real>;
+      const Lane3<Real> B = FieldOnlyAt<Real>(tool, at, centre, places[b], first);
+      AddResidual<Real, kCount>(blocks[b], jacobian[b], first, B, at.rate, task.nuisances, sums + group * kStride);
+    }
+  }
+  result.rtr = SumBlock<Real>(sums, kStride);
+  for (int k = 0; k < kCount; ++k) result.Jtr[k] = SumBlock<Real>(sums + 1 + k, kStride);
+  for (int n = 0; n < task.nuisances; ++n) result.Ctr[n] = SumBlock<Real>(sums + 1 + kCount + n, kStride);
+}
+
+template <class Real>
+void ResidualAny(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
+                 const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
+                 const JacobianBlock<Real>* jacobian, KernelSums& result) noexcept {
+  if (task.parameters == 3) {
+    ResidualBlocks<Real, 3>(places, blocks, block_count, tool, pose, task, jacobian, result);
+  } else {
+    ResidualBlocks<Real, kParameters>(places, blocks, block_count, tool, pose, task, jacobian, result);
+  }
+}
+
+void FieldOfBlock(const SensorPlaces<double>& places, const ToolSource<double>& tool, const KernelPose& pose,
+                  BlockField& result) noexcept {
   const RealPose<double> at = Narrow<double>(pose);
-  ImageTable<double> images;
-  MakeImages<double, kParameters>(tool, at, images);
+  const LanePotential<double, kParameters> centre = CentrePotential<double, kParameters>(tool, at);
   for (int group = 0; group < kGroups<double>; ++group) {
     const int first = group * kLanes<double>;
-    LaneField<double, kParameters> field;
-    FieldAt<double, kParameters>(tool, images, at, Load3<double>(position_base_m, first),
-                                 Load3<double>(over_r3_base, first), field);
+    const LaneField<double, kParameters> field = FieldAt<double, kParameters>(tool, at, centre, places, first);
     const auto store = [first](const Lane3<double>& B, double(*rows)[kBlockSensors]) {
       Store<double>(B.x, rows[0] + first);
       Store<double>(B.y, rows[1] + first);

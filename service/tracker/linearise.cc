@@ -28,36 +28,35 @@ void Eliminate(const KernelTask& task, const KernelSums& sums,
   const auto count = static_cast<std::size_t>(task.parameters);
   const auto nuisances = static_cast<std::size_t>(task.nuisances);
   result.chi2 = sums.rtr;
-  result.MtM = task.moment ? sums.MtM : 0;
-  result.Mtr = task.moment ? sums.Mtr : 0;
-  std::array<std::array<double, kParameters>, kNuisancesMax> S_CtJ{};
+  for (std::size_t k = 0, e = 0; k < count; ++k) {
+    result.Jtr[k] = sums.Jtr[k];
+    for (std::size_t j = 0; j <= k; ++j) {
+      result.JtJ[kParameters * k + j] = result.JtJ[kParameters * j + k] = sums.JtJ[e++];
+    }
+  }
+  if (task.moment) {
+    result.MtM = sums.MtM;
+    result.Mtr = sums.Mtr;
+    std::copy_n(sums.MtJ, count, result.MtJ.begin());
+  }
   for (std::size_t a = 0; a < nuisances; ++a) {
     double S_Ctr = 0, S_CtM = 0;
+    std::array<double, kParameters> S_CtJ{};
     for (std::size_t b = 0; b < nuisances; ++b) {
       const double s = S[a * kNuisancesMax + b];
       S_Ctr += s * sums.Ctr[b];
       if (task.moment) S_CtM += s * sums.CtM[b];
-      for (std::size_t k = 0; k < count; ++k) S_CtJ[a][k] += s * sums.CtJ[b][k];
+      for (std::size_t k = 0; k < count; ++k) S_CtJ[k] += s * sums.CtJ[b][k];
     }
     result.chi2 -= sums.Ctr[a] * S_Ctr;
-    if (task.moment) {
-      result.MtM -= sums.CtM[a] * S_CtM;
-      result.Mtr -= sums.CtM[a] * S_Ctr;
+    for (std::size_t k = 0; k < count; ++k) {
+      result.Jtr[k] -= S_CtJ[k] * sums.Ctr[a];
+      for (std::size_t j = 0; j < count; ++j) result.JtJ[kParameters * k + j] -= sums.CtJ[a][k] * S_CtJ[j];
     }
-  }
-  for (std::size_t k = 0, e = 0; k < count; ++k) {
-    double Jtr = sums.Jtr[k], MtJ = task.moment ? sums.MtJ[k] : 0;
-    for (std::size_t a = 0; a < nuisances; ++a) {
-      Jtr -= S_CtJ[a][k] * sums.Ctr[a];
-      if (task.moment) MtJ -= S_CtJ[a][k] * sums.CtM[a];
-    }
-    result.Jtr[k] = Jtr;
-    result.MtJ[k] = MtJ;
-    for (std::size_t j = 0; j <= k; ++j) {
-      double JtJ = sums.JtJ[e++];
-      for (std::size_t a = 0; a < nuisances; ++a) JtJ -= sums.CtJ[a][k] * S_CtJ[a][j];
-      result.JtJ[kParameters * k + j] = result.JtJ[kParameters * j + k] = JtJ;
-    }
+    if (!task.moment) continue;
+    result.MtM -= sums.CtM[a] * S_CtM;
+    result.Mtr -= sums.CtM[a] * S_Ctr;
+    for (std::size_t k = 0; k < count; ++k) result.MtJ[k] -= S_CtJ[k] * sums.CtM[a];
   }
 }
 
@@ -68,8 +67,9 @@ void Linearise(const Model& model, const BasicMeasurement<kCapacity>& measuremen
   Pack(model, measurement, problem);
   const KernelTask task{kParameters, measurement.nuisances, true};
   KernelSums sums;
-  Sum(ActiveKernel(), problem.blocks, problem.block_count, problem.tool,
-      ToKernel(pose, measurement.velocity_base_m_s, measurement.axis_rate_base_1_s), task, sums);
+  ActiveKernel().in_double.sum(problem.places, problem.blocks, problem.block_count, problem.tool,
+                               ToKernel(pose, measurement.velocity_base_m_s, measurement.axis_rate_base_1_s), task,
+                               nullptr, sums);
   Eliminate(task, sums, measurement.nuisance_covariance, result);
 }
 template void Linearise(const Model&, const Measurement&, const PosePoint&, NormalEquations&) noexcept;
@@ -79,13 +79,8 @@ void EvaluateField(const Model& model, const PosePoint& pose, std::span<double> 
                    std::span<std::array<double, kParameters>> jacobian) noexcept {
   const KernelPose at = ToKernel(pose, {}, {});
   for (int first = 0; first < model.sensors; first += kBlockSensors) {
-    double position_base_m[3][kBlockSensors], over_r3_base[3][kBlockSensors];
-    for (std::size_t row = 0; row < 3; ++row) {
-      std::copy_n(model.sensor_position_base_m[row].data() + first, kBlockSensors, position_base_m[row]);
-      std::copy_n(model.sensor_over_r3_base[row].data() + first, kBlockSensors, over_r3_base[row]);
-    }
     BlockField field;
-    ActiveKernel().field(position_base_m, over_r3_base, model.tool, at, field);
+    ActiveKernel().field(model.places[static_cast<std::size_t>(first / kBlockSensors)], model.tool, at, field);
     for (int lane = 0; lane < kBlockSensors && first + lane < model.sensors; ++lane) {
       const auto i = static_cast<std::size_t>(first + lane);
       for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -25,16 +25,16 @@ using SensorLanes = std::array<double, kArraySensors>;
 enum class Rung : std::uint8_t {
   kDipole,      // point dipole, no core
   kDipoleCore,  // point dipole and its image in the core
-  kFull         // octupole and l = 5 of the magnet, images of its ring of dipoles
+  kFull         // octupole and l = 5 of the magnet and of its image
 };
 
 // Prepared once from a Calibration.
 struct Model {
   int sensors = 0;
   // Lanes beyond `sensors` repeat the last sensor and are never weighed.
-  std::array<SensorLanes, 3> sensor_position_base_m{};
-  std::array<SensorLanes, 3> sensor_over_r3_base{};  // s / |s|^3: field shape of a charge at the core's centre
-  std::array<SensorLanes, 9> gain_sensor_base{};     // row-major, R_SB with gain and misalignment
+  std::array<SensorPlaces<double>, kArraySensors / kBlockSensors> places{};
+  std::array<SensorPlaces<float>, kArraySensors / kBlockSensors> places_float{};
+  std::array<SensorLanes, 9> gain_sensor_base{};  // row-major, R_SB with gain and misalignment
   std::array<SensorLanes, 3> background_sensor_T{};
   std::array<double, std::size_t{3} * kArraySensors * base::kCoilCount> coil_map_T_A{};  // row 3 i + axis, column coil
   std::array<double, 3> noise_T{};                                                       // rms per sensor axis

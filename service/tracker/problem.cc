@@ -10,12 +10,11 @@ void Copy(const Source& source, std::size_t first, Real (&lanes)[kBlockSensors])
   for (std::size_t i = 0; i < kBlockSensors; ++i) lanes[i] = static_cast<Real>(source[first + i]);
 }
 
-// The moment's scale multiplies every source.
+// The moment's scale multiplies every order.
 template <class Real>
 void Scale(Real factor, ToolSource<Real>& tool) noexcept {
   if (factor == 1) return;
   for (Real& q : tool.zonal) q *= factor;
-  for (Real& moment : tool.moment_Am2) moment *= factor;
 }
 
 }  // namespace
@@ -25,8 +24,10 @@ void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
           Problem<Real, kCapacity>& problem) noexcept {
   if constexpr (std::is_same_v<Real, float>) {
     problem.tool = model.tool_float;
+    problem.places = model.places_float.data();
   } else {
     problem.tool = model.tool;
+    problem.places = model.places.data();
   }
   Scale(static_cast<Real>(measurement.moment_scale), problem.tool);
   problem.block_count = (measurement.sensors + kBlockSensors - 1) / kBlockSensors;
@@ -34,8 +35,6 @@ void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
     SensorBlock<Real>& block = problem.blocks[b];
     const auto first = static_cast<std::size_t>(b * kBlockSensors);
     for (std::size_t row = 0; row < 3; ++row) {
-      Copy(model.sensor_position_base_m[row], first, block.position_base_m[row]);
-      Copy(model.sensor_over_r3_base[row], first, block.over_r3_base[row]);
       Copy(measurement.whitened[row], first, block.whitened[row]);
     }
     for (std::size_t row = 0; row < 9; ++row) Copy(measurement.weight[row], first, block.weight[row]);

@@ -17,6 +17,7 @@ struct PosePoint {
 
 template <class Real, int kCapacity>
 struct Problem {
+  const SensorPlaces<Real>* places = nullptr;  // of the model
   SensorBlock<Real> blocks[kCapacity / kBlockSensors];
   int block_count = 0;
   ToolSource<Real> tool;

@@ -15,20 +15,41 @@ constexpr double kDecrementDone = 0.04;  // d^T JtJ d: the last step is 20 % of 
 constexpr double kDampingFirst = 1e-4;   // after the first refused step
 constexpr double kDampingNewton = 1e-3;  // below this a step counts as a Gauss-Newton step
 constexpr double kDampingMax = 1e8;
+constexpr double kChordMove = 0.02;  // of the distance from the base
+constexpr double kChordTurn_rad = 0.02;
 
 void Store(const Eigen::Vector3d& v, std::array<double, 3>& out) noexcept { out = {v.x(), v.y(), v.z()}; }
 
 template <int kCount>
 using Step = std::array<double, kCount>;
 
+template <int kCount>
+double MovedSquare_m2(const Step<kCount>& d) noexcept {
+  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+template <int kCount>
+double TurnedSquare_rad2(const Step<kCount>& d) noexcept {
+  if constexpr (kCount == kParameters) {
+    return d[3] * d[3] + d[4] * d[4];
+  } else {
+    return 0;
+  }
+}
+
 // Keeps a step within what the linearisation can mean.
 template <int kCount>
 void Shorten(Step<kCount>& d) noexcept {
-  const double metres = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  double shrink = std::max(1.0, metres / kStepMax_m);
-  if constexpr (kCount == kParameters) shrink = std::max(shrink, std::hypot(d[3], d[4]) / kTurnMax_rad);
-  if (shrink == 1) return;
-  for (double& x : d) x /= shrink;
+  const double excess = std::max(MovedSquare_m2<kCount>(d) / (kStepMax_m * kStepMax_m),
+                                 TurnedSquare_rad2<kCount>(d) / (kTurnMax_rad * kTurnMax_rad));
+  if (!(excess > 1)) return;
+  for (double& x : d) x /= std::sqrt(excess);
+}
+
+// A step so short that the derivatives before it still hold to a few per cent.
+template <int kCount>
+bool IsShort(const Step<kCount>& d, const Eigen::Vector3d& position_base_m) noexcept {
+  return MovedSquare_m2<kCount>(d) < kChordMove * kChordMove * position_base_m.squaredNorm() &&
+         TurnedSquare_rad2<kCount>(d) < kChordTurn_rad * kChordTurn_rad;
 }
 
 // p + dp; u + a e1 + b e2, normalised: a step on the sphere without a singular direction.
@@ -64,6 +85,7 @@ class Search {
         kernel_(options.kernel != nullptr ? *options.kernel : ActiveKernel()),
         task_{kCount, measurement.nuisances, options.last_sums != nullptr} {
     Pack(model, measurement, problem_);
+    keeps_jacobian_ = options.chord && !options.take_every_step && !task_.moment && options.damping == 0;
   }
 
   Fit Run(const Pose& start) noexcept {
@@ -92,6 +114,10 @@ class Search {
       }
       if (last) break;
       const PosePoint next_point = MakePosePoint(candidate);
+      if (keeps_jacobian_ && lambda == 0 && IsShort<kCount>(d, fit.pose.position_base_m)) {
+        ++fit.iterations;
+        if (FinishByChord(candidate, next_point, current.chi2, factors, fit)) break;
+      }
       const NormalEquations next = Evaluate(next_point);
       ++fit.iterations;
       if (next.chi2 <= current.chi2 || options_.take_every_step) {  // false for NaN
@@ -109,14 +135,35 @@ class Search {
   }
 
  private:
+  KernelPose At(const PosePoint& point) const noexcept {
+    return ToKernel(point, measurement_.velocity_base_m_s, measurement_.axis_rate_base_1_s);
+  }
+
   NormalEquations Evaluate(const PosePoint& point) noexcept {
-    KernelSums sums;
-    Sum(kernel_, problem_.blocks, problem_.block_count, problem_.tool,
-        ToKernel(point, measurement_.velocity_base_m_s, measurement_.axis_rate_base_1_s), task_, sums);
+    In<Real>(kernel_).sum(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point), task_,
+                          keeps_jacobian_ ? jacobian_ : nullptr, sums_);
     NormalEquations equations;
-    Eliminate(task_, sums, measurement_.nuisance_covariance, equations);
-    if (options_.last_sums != nullptr) *options_.last_sums = sums;
+    Eliminate(task_, sums_, measurement_.nuisance_covariance, equations);
+    if (options_.last_sums != nullptr) *options_.last_sums = sums_;
     return equations;
+  }
+
+  // Newton's step with the derivatives and factors of the pose before: only the residuals are evaluated. Ends the
+  // search if that step is small; otherwise nothing has happened. docs/theory/tracking.md, Solver
+  bool FinishByChord(const Pose& pose, const PosePoint& point, double chi2_before, SmallCholesky<kCount>& factors,
+                     Fit& fit) noexcept {
+    In<Real>(kernel_).residual(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point), task_,
+                               jacobian_, sums_);
+    NormalEquations equations;
+    Eliminate(task_, sums_, measurement_.nuisance_covariance, equations);
+    if (!(equations.chi2 <= chi2_before)) return false;
+    Step<kCount> g{};
+    for (std::size_t i = 0; i < kCount; ++i) g[i] = -equations.Jtr[i];
+    const Step<kCount> d = factors.Solve(g);
+    const double decrement = Quadratic<kCount>(equations, d);
+    if (!(decrement < kDecrementDone)) return false;
+    Finish(equations, d, decrement, 0, Retract<kCount>(pose, point, d), factors, fit);
+    return true;
   }
 
   // The quadratic model is exact at this size: takes the step without another evaluation.
@@ -128,14 +175,12 @@ class Search {
     fit.chi2 = std::max(0.0, at.chi2 + 2 * gd + decrement);
     if (lambda > 0 && !factors.Factor(at.JtJ.data(), kParameters, 0)) return;
     fit.converged = true;
-    for (std::size_t column = 0; column < kCount; ++column) {
-      Step<kCount> unit{};
-      unit[column] = 1;
-      const Step<kCount> x = factors.Solve(unit);
-      for (std::size_t row = 0; row < kCount; ++row) {
-        fit.covariance(static_cast<int>(row), static_cast<int>(column)) = x[row];
-      }
-      fit.converged = fit.converged && x[column] > 0 && x[column] < 1e300;
+    double inverse[kCount * kCount];
+    factors.Invert(inverse);
+    for (int row = 0; row < kCount; ++row) {
+      for (int column = 0; column < kCount; ++column) fit.covariance(row, column) = inverse[kCount * row + column];
+      const double variance = inverse[(kCount + 1) * row];
+      fit.converged = fit.converged && variance > 0 && variance < 1e300;
     }
   }
 
@@ -144,6 +189,9 @@ class Search {
   const Kernel& kernel_;
   KernelTask task_;
   Problem<Real, kCapacity> problem_;
+  KernelSums sums_;
+  bool keeps_jacobian_ = false;
+  JacobianBlock<Real> jacobian_[kCapacity / kBlockSensors];
 };
 
 template <class Real, int kCapacity>

@@ -18,9 +18,10 @@ enum class Precision : std::uint8_t { kFloat, kDouble };  // of the sums; the st
 
 struct SolveOptions {
   Precision precision = Precision::kDouble;
-  int parameters = kParameters;     // 3: the axis is held, its covariance is zero
-  int iterations_max = 20;          // evaluations of the model
-  double damping = 0;               // 0 trusts the start (warm), > 0 steps carefully at first (cold)
+  int parameters = kParameters;  // 3: the axis is held, its covariance is zero
+  int iterations_max = 20;       // evaluations of the model
+  double damping = 0;            // 0 trusts the start (warm), > 0 steps carefully at first (cold)
+  bool chord = true;  // a short first step may be followed by one with the same derivatives: a warm start only
   bool take_every_step = false;     // exactly iterations_max Gauss-Newton steps, none refused: for benches
   bool moment = false;              // also tells what the scan says about the moment
   KernelSums* last_sums = nullptr;  // the sums of the last evaluation, with the moment's column, go here

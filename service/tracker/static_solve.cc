@@ -122,7 +122,7 @@ StaticPose StaticSolver::Solve(std::span<const ArrayReading> readings,
     return result;
   }
   const double gate = ChiSquareGate(options_.chi2_max, result.dof);
-  SolveOptions solve{.precision = options_.precision, .parameters = options_.parameters};
+  SolveOptions solve{.precision = options_.precision, .parameters = options_.parameters, .chord = false};
   const auto attempt = [&](const Pose& from) {
     const Fit fit = SolvePose(model_, measurement, from, solve);
     result.iterations += fit.iterations;

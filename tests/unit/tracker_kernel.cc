@@ -19,19 +19,26 @@ using support::Uniform;
 // Eight sensors each around a magnet at 0.05 m height; sizes and signs as in the base, otherwise random.
 template <class Real>
 struct Scene {
+  std::vector<SensorPlaces<Real>> places;
   std::vector<SensorBlock<Real>> blocks;
   ToolSource<Real> tool{};
   KernelPose pose{};
 
-  Scene(std::uint64_t seed, int block_count, int points) : blocks(static_cast<std::size_t>(block_count)) {
+  Scene(std::uint64_t seed, int block_count, bool core)
+      : places(static_cast<std::size_t>(block_count)), blocks(static_cast<std::size_t>(block_count)) {
     Rng rng(seed);
     const auto real = [&rng](double low, double high) { return static_cast<Real>(Uniform(rng, low, high)); };
-    for (auto& block : blocks) {
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      SensorBlock<Real>& block = blocks[b];
       for (int i = 0; i < kBlockSensors; ++i) {
         const Eigen::Vector3d s = Uniform(rng, 0.09, 0.13) * support::RandomUnit(rng);
+        const double ratio = 0.015 / s.norm();
+        places[b].image_field_gain[i] = static_cast<Real>(std::pow(ratio, 3));
+        places[b].image_potential_gain_1_m[i] = static_cast<Real>(ratio / s.norm());
         for (int c = 0; c < 3; ++c) {
-          block.position_base_m[c][i] = static_cast<Real>(s[c]);
-          block.over_r3_base[c][i] = static_cast<Real>(s[c] / std::pow(s.norm(), 3));
+          places[b].position_base_m[c][i] = static_cast<Real>(s[c]);
+          places[b].image_base_m[c][i] = static_cast<Real>(ratio * ratio * s[c]);
+          places[b].radial_base[c][i] = static_cast<Real>(s[c] / s.norm());
           block.whitened[c][i] = real(-1000, 1000);
         }
         for (auto& row : block.weight) row[i] = real(-3e6, 3e6);
@@ -39,18 +46,10 @@ struct Scene {
         block.age_s[i] = real(0, 1e-3);
       }
     }
-    for (int p = 0; p < points; ++p) {
-      tool.ring_1_m[p] = real(-0.01, 0.01);
-      tool.ring_2_m[p] = real(-0.01, 0.01);
-      tool.axial_m[p] = real(-0.002, 0.002);
-      tool.moment_Am2[p] = 1;
-    }
     tool.zonal[0] = 5;
     tool.zonal[1] = static_cast<Real>(-8e-4);
     tool.zonal[2] = static_cast<Real>(1e-7);
-    tool.points = points;
-    tool.core_radius_m = static_cast<Real>(0.015);
-    tool.core_kappa = 1;
+    tool.core = core;
     const Eigen::Vector3d u = support::RandomUnit(rng);
     const Eigen::Vector3d e1 = u.unitOrthogonal(), e2 = u.cross(e1);
     const double position[3] = {0.01, -0.02, 0.05};
@@ -65,7 +64,8 @@ struct Scene {
 
   KernelSums Sums(const Kernel& kernel, const KernelTask& task) const {
     KernelSums sums{};
-    Sum(kernel, blocks.data(), static_cast<int>(blocks.size()), tool, pose, task, sums);
+    In<Real>(kernel).sum(places.data(), blocks.data(), static_cast<int>(blocks.size()), tool, pose, task, nullptr,
+                         sums);
     return sums;
   }
 };
@@ -73,16 +73,16 @@ struct Scene {
 template <class Real>
 void ExpectEqualBits() {
   const KernelList list = RunnableKernels();
-  for (const int points : {0, 1, 2, 5}) {
+  for (const bool core : {false, true}) {
     for (const int blocks : {1, 2, 8}) {
-      const Scene<Real> scene(static_cast<std::uint64_t>(10 * points + blocks), blocks, points);
+      const Scene<Real> scene(static_cast<std::uint64_t>(blocks), blocks, core);
       for (const KernelTask task : {KernelTask{3, 0, false}, KernelTask{5, 3, false}, KernelTask{5, 6, true}}) {
         const KernelSums expected = scene.Sums(*list.kernels[0], task);
         ASSERT_TRUE(std::isfinite(expected.rtr) && expected.rtr > 0);
         for (int k = 1; k < list.count; ++k) {
           const KernelSums sums = scene.Sums(*list.kernels[k], task);
           ASSERT_EQ(std::memcmp(&sums, &expected, sizeof sums), 0)
-              << list.kernels[k]->name << " points " << points << " blocks " << blocks;
+              << list.kernels[k]->name << " core " << core << " blocks " << blocks;
         }
       }
     }
@@ -94,8 +94,8 @@ TEST(TrackerKernel, AllWidthsGiveTheSameBitsInDoublePrecision) { ExpectEqualBits
 
 TEST(TrackerKernel, SinglePrecisionIsDoublePrecisionRounded) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    const Scene<double> exact(seed, 1, 5);
-    const Scene<float> rounded(seed, 1, 5);
+    const Scene<double> exact(seed, 1, true);
+    const Scene<float> rounded(seed, 1, true);
     const KernelTask task{5, 3, true};
     const KernelSums a = exact.Sums(ActiveKernel(), task), b = rounded.Sums(ActiveKernel(), task);
     EXPECT_NEAR(b.rtr / a.rtr, 1, 1e-4);
@@ -104,8 +104,34 @@ TEST(TrackerKernel, SinglePrecisionIsDoublePrecisionRounded) {
   }
 }
 
+// At the pose of the derivatives the residual kernel says what the sums said; elsewhere, J^T r with the old J.
+template <class Real>
+void ExpectResidualsOf(double tolerance) {
+  const KernelList list = RunnableKernels();
+  for (const int parameters : {3, 5}) {
+    const Scene<Real> scene(7, 2, true);
+    const KernelTask task{parameters, 4, false};
+    KernelSums first{};
+    for (int k = 0; k < list.count; ++k) {
+      const KernelIn<Real>& kernel = In<Real>(*list.kernels[k]);
+      JacobianBlock<Real> jacobian[2];
+      KernelSums sums{}, renewed{};
+      kernel.sum(scene.places.data(), scene.blocks.data(), 2, scene.tool, scene.pose, task, jacobian, sums);
+      kernel.residual(scene.places.data(), scene.blocks.data(), 2, scene.tool, scene.pose, task, jacobian, renewed);
+      EXPECT_NEAR(renewed.rtr / sums.rtr, 1, tolerance);
+      for (int p = 0; p < parameters; ++p) EXPECT_NEAR(renewed.Jtr[p] / sums.Jtr[p], 1, 1e3 * tolerance) << p;
+      for (int n = 0; n < 4; ++n) EXPECT_NEAR(renewed.Ctr[n] / sums.Ctr[n], 1, 1e3 * tolerance) << n;
+      if (k == 0) first = renewed;
+      EXPECT_EQ(std::memcmp(&renewed, &first, sizeof first), 0) << list.kernels[k]->name;
+    }
+  }
+}
+
+TEST(TrackerKernel, ResidualsAreThoseOfTheSumsInSinglePrecision) { ExpectResidualsOf<float>(1e-5); }
+TEST(TrackerKernel, ResidualsAreThoseOfTheSumsInDoublePrecision) { ExpectResidualsOf<double>(1e-13); }
+
 TEST(TrackerKernel, FewerParametersAreTheLeadingOnes) {
-  const Scene<double> scene(3, 1, 5);
+  const Scene<double> scene(3, 1, true);
   const KernelSums three = scene.Sums(ActiveKernel(), {3, 3, true});
   Scene<double> still = scene;  // the axis' rates belong to the two parameters left out
   still.pose.rate_1_s[3] = still.pose.rate_1_s[4] = 0;
