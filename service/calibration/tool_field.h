@@ -1,5 +1,7 @@
 // The tool's field with derivatives by everything that calibration asks for: pose, sensor position, moment, core.
-// The tracker's model (docs/theory/tracking.md (1)), written for derivatives rather than for speed.
+// The tracker's model (docs/theory/tracking.md (1)) with the tool's image made of point dipoles
+// (docs/theory/magnetics.md (9) - (11)): the derivative by a sensor's place is short then. Within 3e-5 of the
+// tracker's.
 #pragma once
 
 #include <Eigen/Core>

@@ -9,7 +9,7 @@
 namespace omni::tools {
 
 // Faults in episodes upon a moving pen, fed to Tick: rows fault, ticks, not_finite, over_limit, allocations, tracking,
-// wrong, current_max_A, recovery_ms, seed; the last row sums up.
+// wrong, silent (wrong and no ToolState::limits bit says so), current_max_A, recovery_ms, seed; the last row sums up.
 base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed);
 
 // Side table "basin": starts off by so much, shares of solves that arrive.

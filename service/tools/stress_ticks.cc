@@ -42,7 +42,7 @@ bool IsFinite(const loop::TickOutput& out) {
 }
 
 struct Tally {
-  std::uint64_t ticks = 0, not_finite = 0, over_limit = 0, allocations = 0, tracking = 0, wrong = 0;
+  std::uint64_t ticks = 0, not_finite = 0, over_limit = 0, allocations = 0, tracking = 0, wrong = 0, silent = 0;
   double current_max_A = 0;
   int recovery_ticks_max = 0;  // after an episode, until a right pose is published
 };
@@ -149,11 +149,9 @@ class StressRun {
     const bool tracking = output_->tool.status == base::TrackingStatus::kTracking;
     tally.tracking += tracking ? 1 : 0;
     const bool right = tracking && !ErrorOf(row.pose, output_->tool.position_base_m, output_->tool.axis_base).failed();
-    if (ScanFaults()[fault_].pen_is_there) {
-      tally.wrong += tracking && !right ? 1 : 0;
-    } else {
-      tally.wrong += tracking && episode_ticks_ > kGraceTicks ? 1 : 0;
-    }
+    const bool wrong = tracking && (ScanFaults()[fault_].pen_is_there ? !right : episode_ticks_ > kGraceTicks);
+    tally.wrong += wrong ? 1 : 0;
+    tally.silent += wrong && output_->tool.limits == 0 ? 1 : 0;
     if (fault_ != 0 || after_ == 0) return;
     ++recovery_ticks_;
     if (!right) return;
@@ -187,6 +185,7 @@ nlohmann::ordered_json Row(const char* fault, const Tally& tally, std::uint64_t 
           {"allocations", tally.allocations},
           {"tracking", tally.tracking},
           {"wrong", tally.wrong},
+          {"silent", tally.silent},
           {"current_max_A", tally.current_max_A},
           {"recovery_ms", tally.recovery_ticks_max},
           {"seed", seed}};
@@ -225,6 +224,7 @@ base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed) {
     sum.allocations += tally.allocations;
     sum.tracking += tally.tracking;
     sum.wrong += tally.wrong;
+    sum.silent += tally.silent;
     sum.current_max_A = std::max(sum.current_max_A, tally.current_max_A);
     sum.recovery_ticks_max = std::max(sum.recovery_ticks_max, tally.recovery_ticks_max);
   }

@@ -71,7 +71,7 @@ class SmallCholesky {
   }
 
  private:
-  double L_[kSize][kSize]{}, D_[kSize]{}, inverse_[kSize]{}, scale_[kSize]{};
+  double L_[kSize][kSize], D_[kSize], inverse_[kSize], scale_[kSize];  // written by Factor
 };
 
 }  // namespace omni::tracker

@@ -10,13 +10,14 @@
 namespace omni::tracker {
 
 // With the nuisances at their best: for every pose, chi2 is the least over them of |r + C n|^2 + prior.
+// Entries that the task leaves out are not written, nor cleared: that would cost as much as the sums are worth.
 struct NormalEquations {
-  std::array<double, std::size_t{kParameters} * kParameters> JtJ{};  // symmetric
-  std::array<double, kParameters> Jtr{};
-  double chi2 = 0;
-  // Column of a relative change of the tool's moment; only if the task asks for it.
-  std::array<double, kParameters> MtJ{};
-  double MtM = 0, Mtr = 0;
+  std::array<double, std::size_t{kParameters} * kParameters> JtJ;  // symmetric
+  std::array<double, kParameters> Jtr;
+  double chi2;
+  // Column of a relative change of the tool's moment.
+  std::array<double, kParameters> MtJ;
+  double MtM, Mtr;
 };
 
 KernelPose ToKernel(const PosePoint& pose, const std::array<double, 3>& velocity_base_m_s,

@@ -17,6 +17,7 @@ constexpr double kDampingNewton = 1e-3;  // below this a step counts as a Gauss-
 constexpr double kDampingMax = 1e8;
 constexpr double kChordMove = 0.02;  // of the distance from the base
 constexpr double kChordTurn_rad = 0.02;
+constexpr double kChordShrink = 0.1;  // of d^T JtJ d, from one step to the next
 
 void Store(const Eigen::Vector3d& v, std::array<double, 3>& out) noexcept { out = {v.x(), v.y(), v.z()}; }
 
@@ -116,7 +117,7 @@ class Search {
       const PosePoint next_point = MakePosePoint(candidate);
       if (keeps_jacobian_ && lambda == 0 && IsShort<kCount>(d, fit.pose.position_base_m)) {
         ++fit.iterations;
-        if (FinishByChord(candidate, next_point, current.chi2, factors, fit)) break;
+        if (FinishByChord(candidate, next_point, current.chi2, decrement, factors, fit)) break;
       }
       const NormalEquations next = Evaluate(next_point);
       ++fit.iterations;
@@ -148,10 +149,11 @@ class Search {
     return equations;
   }
 
-  // Newton's step with the derivatives and factors of the pose before: only the residuals are evaluated. Ends the
-  // search if that step is small; otherwise nothing has happened. docs/theory/tracking.md, Solver
-  bool FinishByChord(const Pose& pose, const PosePoint& point, double chi2_before, SmallCholesky<kCount>& factors,
-                     Fit& fit) noexcept {
+  // Newton's step with the derivatives and factors of the pose before: only the residuals are evaluated. Steps of this
+  // kind shrink by a constant ratio, so the next one would be d'^2/d: ends the search if that is small; otherwise
+  // nothing has happened. docs/theory/tracking.md, Solver
+  bool FinishByChord(const Pose& pose, const PosePoint& point, double chi2_before, double decrement_before,
+                     SmallCholesky<kCount>& factors, Fit& fit) noexcept {
     In<Real>(kernel_).residual(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point), task_,
                                jacobian_, sums_);
     NormalEquations equations;
@@ -161,7 +163,9 @@ class Search {
     for (std::size_t i = 0; i < kCount; ++i) g[i] = -equations.Jtr[i];
     const Step<kCount> d = factors.Solve(g);
     const double decrement = Quadratic<kCount>(equations, d);
-    if (!(decrement < kDecrementDone)) return false;
+    if (!(decrement * decrement < kDecrementDone * decrement_before && decrement < kChordShrink * decrement_before)) {
+      return false;
+    }
     Finish(equations, d, decrement, 0, Retract<kCount>(pose, point, d), factors, fit);
     return true;
   }

@@ -242,6 +242,13 @@ void SetLevel(Level level, Config& config) noexcept {
 }
 
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
+  const bool old = state.currents.valid && scan.t_ns == state.currents.t_ns;
+  state.old_scans = old ? std::min(state.old_scans + 1, config.lost_after_scans) : 0;
+  if (old) {
+    if (state.old_scans >= config.lost_after_scans) Hold(config, scan, state);
+    tool = state.published;
+    return;
+  }
   ++state.scans;
   const CurrentHistory currents = Remember(scan, state.currents);
   const bool wide = IsWideScan(config, state);

@@ -70,6 +70,42 @@ TEST_F(TrackerUpdate, FirstScanIsAFix) {
   EXPECT_NEAR(tool.device_point_base_m.z, tool.position_base_m.z + 0.005 * tool.axis_base.z, 1e-12);
 }
 
+// Sensors slower than the tick: the scan in between is the last one again.
+TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothing) {
+  Run(50);
+  for (int i = 0; i < 20; ++i) {
+    const base::HallScan scan = NextScan();
+    Feed(scan);
+    const base::ToolState first = tool;
+    for (int again = 0; again < 6; ++again) {
+      Feed(scan);
+      ASSERT_EQ(std::memcmp(&tool, &first, sizeof tool), 0);
+    }
+    t_ns += 6'000'000;
+  }
+  EXPECT_EQ(tool.status, TrackingStatus::kTracking);
+}
+
+// A device whose clock stands while its sensors go on: no pose may pass for one of now.
+TEST_F(TrackerUpdate, ClockThatStandsIsLostThenAbsentThenFoundAgain) {
+  Run(50);
+  const std::int64_t stands_ns = t_ns;
+  for (int i = 1; i <= 100; ++i) {
+    pose.position_base_m.x() += 0.4e-3;
+    base::HallScan scan = NextScan();
+    scan.t_ns = stands_ns;
+    Feed(scan);
+    ASSERT_EQ(tool.status, i < 18                                 ? TrackingStatus::kTracking
+                           : i < 18 + config.lost_after_scans - 1 ? TrackingStatus::kLost
+                                                                  : TrackingStatus::kAbsent)
+        << i;
+    EXPECT_TRUE(tool.status != TrackingStatus::kTracking || Error_m() < 0.01) << i;
+  }
+  Run(3);
+  EXPECT_EQ(tool.status, TrackingStatus::kTracking);
+  EXPECT_LT(Error_m(), 1e-3);
+}
+
 TEST_F(TrackerUpdate, StillPenIsFilteredBelowOneScansNoise) {
   config.drift.enabled = false;  // what it allows for slowly wanders
   Run(200);
