@@ -38,7 +38,7 @@ struct OutNode {
   std::vector<std::uint32_t> children;  // only nodes that no other has
 };
 
-struct Document {
+struct Document {  // NOLINT(bugprone-exception-escape): the JSON library's move is noexcept and only asserts
   std::string title;
   std::vector<OutMaterial> materials;
   std::vector<OutMesh> meshes;

@@ -151,8 +151,9 @@ class Painter {
     if (camera_.eye.z < 0.02) return s;
     // The floor under the pixel.
     const auto width = static_cast<std::size_t>(camera_.width);
-    const double x = (static_cast<double>(i % width) + 0.5 - camera_.width / 2.0) / camera_.scale;
-    const double y = (camera_.height / 2.0 - static_cast<double>(i / width) - 0.5) / camera_.scale;
+    const std::size_t column = i % width, row = i / width;
+    const double x = (static_cast<double>(column) + 0.5 - camera_.width / 2.0) / camera_.scale;
+    const double y = (camera_.height / 2.0 - static_cast<double>(row) - 0.5) / camera_.scale;
     const Vec on_plane = camera_.centre + camera_.right * x + camera_.up * y;
     s.p = on_plane + camera_.eye * ((floor_ - on_plane.z) / camera_.eye.z);
     const double away = glm::length(glm::dvec2(s.p.x - centre_.x, s.p.y - centre_.y));
@@ -227,7 +228,8 @@ class Painter {
   }
 
   Vec Background(std::size_t i) const {
-    const double y = static_cast<double>(i / static_cast<std::size_t>(camera_.width)) / camera_.height;
+    const std::size_t row = i / static_cast<std::size_t>(camera_.width);
+    const double y = static_cast<double>(row) / camera_.height;
     return glm::mix(Vec(0.42, 0.50, 0.60), Vec(0.66, 0.67, 0.66), y);
   }
 

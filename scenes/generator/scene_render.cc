@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
+#include <stdexcept>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #pragma GCC diagnostic push
@@ -13,7 +14,9 @@
 
 #include "scenes/generator/picture.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int Draw(int argc, char** argv) {
   using omni::scenes::View;
   const std::map<std::string, View> views = {{"front", {"front", 12, 8}},
                                              {"side", {"side", -90, 8}},
@@ -35,16 +38,23 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.view = views.at(view);
   if (elevation->count() > 0) options.view.elevation_deg = elevation_deg;
-  try {
-    const std::vector<std::uint8_t> pixels = Render(omni::scenes::ReadGlb(in), options);
-    stbi_write_png_compression_level = 9;
-    if (stbi_write_png(out.c_str(), options.width, options.height, 3, pixels.data(), options.width * 3) == 0) {
-      std::fprintf(stderr, "%s: cannot be written\n", out.c_str());
-      return 1;
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", in.c_str(), error.what());
-    return 1;
+  const std::vector<std::uint8_t> pixels = Render(omni::scenes::ReadGlb(in), options);
+  stbi_write_png_compression_level = 9;
+  if (stbi_write_png(out.c_str(), options.width, options.height, 3, pixels.data(), options.width * 3) == 0) {
+    throw std::runtime_error(out + ": cannot be written");
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Draw(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "scene_render: %s: %s\n", argc > 1 ? argv[1] : "no file", error.what());
+  } catch (...) {
+    std::fprintf(stderr, "scene_render: failed\n");
+  }
+  return 1;
 }

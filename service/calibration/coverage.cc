@@ -14,7 +14,7 @@ void Coverage::Add(const base::Vec3& position_base_m) noexcept {
   const double turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi);
   const int band = std::min(kCoverageBands - 1, static_cast<int>(height * kCoverageBands));
   const int sector = std::min(kCoverageSectors - 1, static_cast<int>((turn < 0 ? turn + 1 : turn) * kCoverageSectors));
-  ++visits[static_cast<std::size_t>(band * kCoverageSectors + sector)];
+  ++visits[static_cast<std::size_t>(band) * kCoverageSectors + static_cast<std::size_t>(sector)];
 }
 
 double Coverage::share() const noexcept {

@@ -15,48 +15,66 @@ ToolFrame MakeToolFrame(const Vector3d& position_base_m, const Vector3d& axis_ba
   return {position_base_m, axis_base, basis.e1, basis.e2};
 }
 
-FieldAtSensor::FieldAtSensor(const Vector3d& sensor_base_m, double core_radius_m)
-    : sensor_base_m_(sensor_base_m), core_radius_m_(core_radius_m) {
-  for (int axis = 0; core_radius_m > 0 && axis < 3; ++axis) {
-    images_[static_cast<std::size_t>(axis)] =
-        magnetics::ImageInCore(Vector3d::Unit(axis), sensor_base_m, core_radius_m, 1);
-  }
+namespace {
+
+// The tool seen from a fixed place: potential and field with their derivatives by the pose.
+struct Seen {
+  double potential;
+  Vector3d B;
+  Eigen::Matrix<double, 1, 5> potential_by_pose;
+  Eigen::Matrix<double, 3, 5> B_by_pose;
+  Matrix3d gradient;
+};
+
+Seen See(const magnetics::DiscMagnet& unit, const ToolFrame& tool, const Vector3d& place) {
+  const Vector3d d = place - tool.position_base_m;
+  Seen seen;
+  seen.potential = magnetics::ZonalPotential(unit.zonal, tool.axis_base, d);
+  seen.B = magnetics::ZonalField(unit.zonal, tool.axis_base, d);
+  seen.gradient = magnetics::ZonalGradient(unit.zonal, tool.axis_base, d);
+  const Vector3d potential_by_axis = magnetics::ZonalPotentialAxisDerivative(unit.zonal, tool.axis_base, d);
+  const Matrix3d B_by_axis = magnetics::ZonalAxisDerivative(unit.zonal, tool.axis_base, d);
+  seen.potential_by_pose << seen.B.transpose(), potential_by_axis.dot(tool.e1), potential_by_axis.dot(tool.e2);
+  seen.B_by_pose << -seen.gradient, B_by_axis * tool.e1, B_by_axis * tool.e2;
+  return seen;
 }
 
-// B_e(s; m, P) = m . B_image(P; e at s): rows of field and gradient come from the images of e, the derivative by s from
-// the image of m.
-void FieldAtSensor::AddImage(const magnetics::MagnetPoint& point, double kappa, const ToolFrame& tool,
+}  // namespace
+
+FieldAtSensor::FieldAtSensor(const Vector3d& sensor_base_m, double core_radius_m)
+    : sensor_base_m_(sensor_base_m), core_radius_m_(core_radius_m) {}
+
+// B_image(s) = -g^3 M B(s') - (a/r^2) (phi(s') - phi(0)) n,   g = a/r, M = I - 2 n n^T, s' = g^2 s, and with
+// ds'/ds = g^2 M, dn/ds = P/r, P = I - n n^T, its derivative by s.                  docs/theory/tracking.md (1)
+void FieldAtSensor::AddImage(const magnetics::DiscMagnet& unit, double kappa, const ToolFrame& tool,
                              ToolField& field) const noexcept {
-  const Vector3d& u = tool.axis_base;
-  const Vector3d P = tool.position_base_m + magnetics::PointOffset(point, tool.e1, tool.e2, u);
-  // Turning u by e1 carries the ring along: de1 = -u, du = e1.
-  const Vector3d P_1 = point.axial_m * tool.e1 - point.ring_1_m * u;
-  const Vector3d P_2 = point.axial_m * tool.e2 - point.ring_2_m * u;
-  for (int axis = 0; axis < 3; ++axis) {
-    const magnetics::CoreImage& image = images_[static_cast<std::size_t>(axis)];
-    const Vector3d B = point.share * magnetics::CoreImageField(image, P);
-    const Vector3d by_place = point.share * (magnetics::CoreImageGradient(image, P) * u);
-    field.image[axis] += B.dot(u);
-    field.by_pose.block<1, 3>(axis, 0) += kappa * by_place.transpose();
-    field.by_pose(axis, 3) += kappa * (by_place.dot(P_1) + B.dot(tool.e1));
-    field.by_pose(axis, 4) += kappa * (by_place.dot(P_2) + B.dot(tool.e2));
-  }
-  const magnetics::CoreImage image = magnetics::ImageInCore(point.share * u, P, core_radius_m_, 1);
-  field.by_sensor += kappa * magnetics::CoreImageGradient(image, sensor_base_m_);
+  const double r = sensor_base_m_.norm();
+  const Vector3d n = sensor_base_m_ / r;
+  const double g = core_radius_m_ / r, g2 = g * g, g3 = g2 * g;
+  const double potential_gain = g / r;
+  const Matrix3d M = Matrix3d::Identity() - 2 * n * n.transpose();
+  const Matrix3d P = Matrix3d::Identity() - n * n.transpose();
+  const Seen image = See(unit, tool, g2 * sensor_base_m_);
+  const Seen centre = See(unit, tool, Vector3d::Zero());
+  const double potential = image.potential - centre.potential;
+  field.image = -g3 * M * image.B - potential_gain * potential * n;
+  field.by_pose +=
+      kappa * (-g3 * M * image.B_by_pose - potential_gain * n * (image.potential_by_pose - centre.potential_by_pose));
+  const Matrix3d of_mirror =
+      (3 * M * image.B * n.transpose() + 2 * n.dot(image.B) * P + 2 * n * (P * image.B).transpose()) / r;
+  const Matrix3d of_potential = (Matrix3d::Identity() - 3 * n * n.transpose()) * (potential / r);
+  field.by_sensor += kappa * (g3 * (of_mirror - g2 * M * image.gradient * M) -
+                              potential_gain * (of_potential - g2 * n * (M * image.B).transpose()));
 }
 
 ToolField FieldAtSensor::Evaluate(const magnetics::DiscMagnet& unit, double kappa,
                                   const ToolFrame& tool) const noexcept {
-  const Vector3d d = sensor_base_m_ - tool.position_base_m;
+  const Seen seen = See(unit, tool, sensor_base_m_);
   ToolField field;
-  field.direct = magnetics::ZonalField(unit.zonal, tool.axis_base, d);
-  field.by_sensor = magnetics::ZonalGradient(unit.zonal, tool.axis_base, d);
-  const Matrix3d by_axis = magnetics::ZonalAxisDerivative(unit.zonal, tool.axis_base, d);
-  field.by_pose.leftCols<3>() = -field.by_sensor;
-  field.by_pose.col(3) = by_axis * tool.e1;
-  field.by_pose.col(4) = by_axis * tool.e2;
-  if (!(core_radius_m_ > 0)) return field;
-  for (int i = 0; i < unit.point_count; ++i) AddImage(unit.points[static_cast<std::size_t>(i)], kappa, tool, field);
+  field.direct = seen.B;
+  field.by_sensor = seen.gradient;
+  field.by_pose = seen.B_by_pose;
+  if (core_radius_m_ > 0) AddImage(unit, kappa, tool, field);
   return field;
 }
 

@@ -1,15 +1,10 @@
 // The tool's field with derivatives by everything that calibration asks for: pose, sensor position, moment, core.
-// The tracker's model (docs/theory/tracking.md (1)) with the tool's image made of point dipoles
-// (docs/theory/magnetics.md (9) - (11)): the derivative by a sensor's place is short then. Within 3e-5 of the
-// tracker's.
+// The tracker's model (docs/theory/tracking.md (1)), written for derivatives rather than for speed.
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <vector>
 
 #include "service/base/calibration.h"
-#include "service/magnetics/core_image.h"
 #include "service/magnetics/disc_magnet.h"
 
 namespace omni::calibration {
@@ -31,8 +26,7 @@ struct ToolField {
   Eigen::Matrix3d by_sensor = Eigen::Matrix3d::Zero();                        // by the place of observation
 };
 
-// One place of observation. By reciprocity the field that a dipole m at P sends to s along e is m . (what a dipole e at
-// s sends to P), so that the core's images of three unit dipoles at s serve every pose. docs/theory/calibration.md (2)
+// One place of observation, with its image in the core.
 class FieldAtSensor {
  public:
   FieldAtSensor(const Eigen::Vector3d& sensor_base_m, double core_radius_m);
@@ -41,12 +35,11 @@ class FieldAtSensor {
   ToolField Evaluate(const magnetics::DiscMagnet& unit, double kappa, const ToolFrame& tool) const noexcept;
 
  private:
-  void AddImage(const magnetics::MagnetPoint& point, double kappa, const ToolFrame& tool,
+  void AddImage(const magnetics::DiscMagnet& unit, double kappa, const ToolFrame& tool,
                 ToolField& field) const noexcept;
 
   Eigen::Vector3d sensor_base_m_;
   double core_radius_m_;
-  std::array<magnetics::CoreImage, 3> images_;  // of unit dipoles along x, y, z
 };
 
 // Clearance of the magnet and the hull with its derivative by the pose. docs/theory/tracking.md (13)

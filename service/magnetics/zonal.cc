@@ -20,6 +20,7 @@ ZonalSums SumZonal(std::span<const double> q, double r, double c) noexcept {
     const double A = scale * moment;
     const double beta = (l + 1) * P + c * P1;
     const double beta_d = (l + 2) * P1 + c * P2;
+    sums.p0 += A * P;
     sums.p1 += A * P1;
     sums.p2 += A * P2;
     sums.beta += A * beta;
@@ -63,6 +64,17 @@ Matrix3d ZonalAxisDerivative(std::span<const double> q, const Vector3d& u, const
   const Vector3d n = d / r;
   const ZonalSums s = SumZonal(q, r, u.dot(n));
   return s.beta_d * n * n.transpose() - s.p2 * u * n.transpose() - s.p1 * Matrix3d::Identity();
+}
+
+// phi = r sum A P, and r n = d.
+double ZonalPotential(std::span<const double> q, const Vector3d& u, const Vector3d& d) noexcept {
+  const double r = d.norm();
+  return r * SumZonal(q, r, u.dot(d) / r).p0;
+}
+
+Vector3d ZonalPotentialAxisDerivative(std::span<const double> q, const Vector3d& u, const Vector3d& d) noexcept {
+  const double r = d.norm();
+  return SumZonal(q, r, u.dot(d) / r).p1 * d;
 }
 
 Vector3d ZonalGradientTimes(std::span<const double> q, const Vector3d& u, const Vector3d& d,

@@ -12,6 +12,7 @@ namespace omni::magnetics {
 // The scalars from which field and derivatives are built (docs/theory/magnetics.md (5)), mu0/4pi and powers of r in:
 // with A_l = mu0/4pi q_l / r^(l+2), P = P_l(c), beta = (l+1) P + c P', beta' = (l+2) P' + c P'':
 struct ZonalSums {
+  double p0 = 0;         // sum A P
   double p1 = 0;         // sum A P'
   double p2 = 0;         // sum A P''
   double beta = 0;       // sum A beta
@@ -29,6 +30,12 @@ Eigen::Matrix3d ZonalGradient(std::span<const double> q, const Eigen::Vector3d& 
 // dB/du: change of B when u turns by a small vector perpendicular to u. docs/theory/magnetics.md (7)
 Eigen::Matrix3d ZonalAxisDerivative(std::span<const double> q, const Eigen::Vector3d& u,
                                     const Eigen::Vector3d& d) noexcept;
+
+// Scalar potential, B = -grad, T m; and its change when u turns by a small vector perpendicular to u.
+// docs/theory/magnetics.md (4)
+double ZonalPotential(std::span<const double> q, const Eigen::Vector3d& u, const Eigen::Vector3d& d) noexcept;
+Eigen::Vector3d ZonalPotentialAxisDerivative(std::span<const double> q, const Eigen::Vector3d& u,
+                                             const Eigen::Vector3d& d) noexcept;
 
 // ZonalGradient(q, u, d) * w without building the matrix.
 Eigen::Vector3d ZonalGradientTimes(std::span<const double> q, const Eigen::Vector3d& u, const Eigen::Vector3d& d,

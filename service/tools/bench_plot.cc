@@ -48,8 +48,10 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
     if (!(us > 0 && mm > 0) || method.empty()) continue;
     if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
     const auto colour = static_cast<std::size_t>(std::find(methods.begin(), methods.end(), method) - methods.begin());
-    PlotSeries& series = by_name[std::to_string(colour) + method + start];
-    series.name = method + ", " + start;
+    std::string name = method;
+    name.append(", ").append(start);
+    PlotSeries& series = by_name[std::to_string(colour) + name];
+    series.name = std::move(name);
     series.colour = PlotColour(colour);
     series.mark = start == "cold" ? PlotSeries::Mark::kRings : PlotSeries::Mark::kDots;
     series.points.push_back({us, mm});
@@ -63,6 +65,7 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
   if (times_us.empty())
     return base::Error{file + ": no row has method, us_median and rms_mm; make it with omni bench solver"};
   std::vector<PlotSeries> series;
+  series.reserve(by_name.size());
   for (auto& [key, one] : by_name) series.push_back(std::move(one));
   Svg svg(960, 560);
   const PlotBox box{.top_px = 60,

@@ -60,7 +60,7 @@ base::Result<BenchRows> BenchTracking(const BenchOptions& options) {
   BenchRows rows;
   for (const Part& part : kParts) {
     std::cerr << part.about << " ...\n";
-    const auto more = part.run(plan);
+    auto more = part.run(plan);
     if (!more.ok()) return more;
     rows.insert(rows.end(), more->begin(), more->end());
   }

@@ -69,10 +69,7 @@ double Nees(const sim::MagnetPose& truth, const tracker::StaticPose& fit) {
   const base::Vec3 e = base::FromEigen(fit.pose.position_base_m) - truth.centre_base_m;
   const base::Vec3 du = base::FromEigen(fit.pose.axis_base) - truth.axis_base;
   std::array<double, 25> C{};
-  for (int row = 0; row < 5; ++row) {
-    for (int column = 0; column < 5; ++column)
-      C[static_cast<std::size_t>(5 * row + column)] = fit.covariance(row, column);
-  }
+  Eigen::Map<Eigen::Matrix<double, 5, 5, Eigen::RowMajor>>(C.data()) = fit.covariance;
   return QuadraticOfInverse(
              C, {e.x, e.y, e.z, sim::Dot(du, base::FromEigen(basis.e1)), sim::Dot(du, base::FromEigen(basis.e2))}) /
          5;
@@ -93,7 +90,9 @@ BenchRows BoundByRadius(const TrackingPlan& plan) {
                               {"currents", {.noise_T = noise_T, .current_prior_A = kUnknown}},
                               {"ambient", {.noise_T = noise_T, .ambient_prior_T = kUnknown}}};
   BenchRows rows;
-  for (double radius_m = 0.041; radius_m < 0.102; radius_m += 0.010) {
+  constexpr int kRadii = 7;
+  for (int step = 0; step < kRadii; ++step) {
+    const double radius_m = 0.041 + 0.010 * step;
     std::array<std::vector<double>, std::size(unknowns)> position_mm;
     std::vector<double> axis_deg;
     for (const std::uint64_t seed : plan.seeds) {

@@ -65,7 +65,8 @@ sim::HandScript MakeCalibratingHand(const base::DeviceGeometry& device, const Ca
   script.waypoints.back().duration_s = options.away_s;
 
   const double contact_m = device.hull_radius_m + device.magnet.half_height_m;
-  for (double t_s = 0; t_s < options.wave_s; t_s += kWaveLeg_s) {
+  const int legs = static_cast<int>(std::ceil(options.wave_s / kWaveLeg_s));
+  for (int leg = 0; leg < legs; ++leg) {
     const Vec3 outwards = DrawOutwards(random);
     const Place place{outwards, DrawAxis(outwards, kWaveTilt_rad, random)};
     script.waypoints.push_back(At(device, place, random.Uniform(contact_m, kWaveFar_m), kWaveLeg_s));

@@ -62,7 +62,8 @@ std::string CoverageText(const calibration::Coverage& coverage) {
   for (int band = calibration::kCoverageBands - 1; band >= 0; --band) {
     text += text.empty() ? "" : " ";
     for (int sector = 0; sector < calibration::kCoverageSectors; ++sector) {
-      const int visits = coverage.visits[static_cast<std::size_t>(band * calibration::kCoverageSectors + sector)];
+      const int visits = coverage.visits[static_cast<std::size_t>(band) * calibration::kCoverageSectors +
+                                         static_cast<std::size_t>(sector)];
       text += visits == 0 ? '.' : visits < 3 ? '+' : '#';
     }
   }

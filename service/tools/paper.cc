@@ -61,7 +61,7 @@ int RunPaper(const PaperArguments& arguments) {
     std::cout << "\n" << section.title << "\n" << BenchTable(section.rows);
     for (const std::string& note : section.notes) std::cout << "  " << note << "\n";
     std::cout << std::flush;
-    for (nlohmann::ordered_json row : section.rows) {
+    for (const nlohmann::ordered_json& row : section.rows) {
       nlohmann::ordered_json flat{{"section", entry.name}};
       flat.update(row);
       all.push_back(flat);

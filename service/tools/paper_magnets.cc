@@ -53,7 +53,9 @@ Sweep SweepSizes(const base::DeviceGeometry& device, Model model) {
   }
   // The same volume as the paper's magnet, wider or taller.
   const double shape_m3 = device.magnet.radius_m * device.magnet.radius_m * 2 * device.magnet.half_height_m;
-  for (double radius_m = 0.008; radius_m < 0.0255; radius_m += 5e-4) {
+  constexpr int kShapes = 35;
+  for (int i = 0; i < kShapes; ++i) {
+    const double radius_m = 0.008 + 5e-4 * i;
     const double height_m = shape_m3 / (radius_m * radius_m);
     const double force_N = NetForce_N(device, radius_m, height_m, model);
     if (force_N > sweep.best_of_volume_N) {
@@ -91,7 +93,7 @@ void DrawMap(Svg& svg, double left_px, const std::string& title, const base::Dev
   const double cell_px = box.width_px / kSteps, cell_height_px = box.height_px / kSteps;
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
-      const double force_N = sweep.force_N[static_cast<std::size_t>(i * kSteps + j)];
+      const double force_N = sweep.force_N[static_cast<std::size_t>(i) * kSteps + static_cast<std::size_t>(j)];
       const std::string fill = "fill=\"" + Colour(force_N, std::max(0.05, sweep.best_N)) + "\"";
       svg.Rect(box.left_px + cell_px * i, box.top_px + box.height_px - cell_height_px * (j + 1), cell_px + 0.2,
                cell_height_px + 0.2, fill.c_str());
@@ -99,7 +101,9 @@ void DrawMap(Svg& svg, double left_px, const std::string& title, const base::Dev
   }
   PlotSeries volume{.colour = "#333333", .mark = PlotSeries::Mark::kDashes};
   const double radius_m = device.magnet.radius_m, height_m = 2 * device.magnet.half_height_m;
-  for (double r = kRadiusLow_m; r < 0.0255; r += 2e-4) {
+  const int points = static_cast<int>((0.0255 - kRadiusLow_m) / 2e-4);
+  for (int i = 0; i <= points; ++i) {
+    const double r = kRadiusLow_m + 2e-4 * i;
     volume.points.push_back({1e3 * r, 1e3 * radius_m * radius_m * height_m / (r * r)});
   }
   const PlotSeries mark{.colour = "#111111",

@@ -228,8 +228,10 @@ void AddRows(const Condition& condition, const Both& both, const Both& fitted, B
 PlotSeries Distribution(const std::string& name, const char* colour, PlotSeries::Mark mark,
                         const std::vector<double>& values_mm) {
   constexpr double kBin_mm = 0.5;
+  constexpr int kBins = 40;
   PlotSeries series{.name = name, .colour = colour, .mark = mark};
-  for (double low = 0; low < 20; low += kBin_mm) {
+  for (int bin = 0; bin < kBins; ++bin) {
+    const double low = bin * kBin_mm;
     const auto inside = std::count_if(values_mm.begin(), values_mm.end(),
                                       [&](double value) { return value >= low && value < low + kBin_mm; });
     const double share =

@@ -30,7 +30,10 @@ std::vector<double> Ticks(const PlotAxis& axis) {
   std::vector<double> ticks;
   if (axis.logarithmic) {
     const bool few = axis.high / axis.low < 200;
-    for (double decade = std::pow(10, std::floor(std::log10(axis.low))); decade <= axis.high * 1.001; decade *= 10) {
+    const int first = static_cast<int>(std::floor(std::log10(axis.low)));
+    const int last = static_cast<int>(std::floor(std::log10(axis.high * 1.001)));
+    for (int power = first; power <= last; ++power) {
+      const double decade = std::pow(10, power);
       for (const double factor : {1.0, 2.0, 5.0}) {
         if ((few || factor == 1) && Holds(axis, decade * factor)) ticks.push_back(decade * factor);
       }
@@ -40,9 +43,9 @@ std::vector<double> Ticks(const PlotAxis& axis) {
   const double rough = (axis.high - axis.low) / 6;
   const double decade = std::pow(10, std::floor(std::log10(rough)));
   const double step = decade * (rough < 1.5 * decade ? 1 : rough < 3.5 * decade ? 2 : rough < 7.5 * decade ? 5 : 10);
-  for (double tick = std::ceil(axis.low / step - 1e-9) * step; tick <= axis.high + 1e-9 * step; tick += step) {
-    ticks.push_back(tick);
-  }
+  const double first = std::ceil(axis.low / step - 1e-9);
+  const int count = static_cast<int>(std::floor(axis.high / step + 1e-9) - first) + 1;
+  for (int i = 0; i < count; ++i) ticks.push_back((first + i) * step);
   return ticks;
 }
 

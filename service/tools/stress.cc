@@ -22,7 +22,7 @@ base::Result<BenchRows> BenchStress(const BenchOptions& options) {
   auto rows = StressTicks(options.ticks > 0 ? options.ticks : kTicks / share, seed);
   if (!rows.ok()) return rows;
   std::cerr << "basins of attraction ...\n";
-  const auto basins = StressBasins(kBasinSolves / share, seed);
+  auto basins = StressBasins(kBasinSolves / share, seed);
   if (!basins.ok()) return basins;
   Append(*basins, *rows);
   std::cerr << "singular poses ...\n";

@@ -18,11 +18,8 @@ std::array<double, 9> GainOf(double gain, const Eigen::Vector3d& rotation) {
   Eigen::Matrix3d R_BS = Eigen::Matrix3d::Identity();
   if (angle > 0) R_BS = Eigen::AngleAxisd(angle, rotation / angle).toRotationMatrix();
   std::array<double, 9> map{};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      map[static_cast<std::size_t>(3 * row + column)] = gain * R_BS(column, row);
-    }
-  }
+  // Column-major R_BS read row by row: R_SB.
+  Eigen::Map<Eigen::Matrix3d>(map.data()) = gain * R_BS;
   return map;
 }
 

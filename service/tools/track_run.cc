@@ -45,11 +45,7 @@ TrackedPose Describe(const tracker::StaticPose& solved, std::size_t sensors) {
   pose.found = solved.status == tracker::StaticStatus::kFound || solved.status == tracker::StaticStatus::kPoorFit;
   pose.position_base_m = base::FromEigen(solved.pose.position_base_m);
   pose.axis_base = base::FromEigen(solved.pose.axis_base);
-  for (int row = 0; row < 5; ++row) {
-    for (int column = 0; column < 5; ++column) {
-      pose.covariance[static_cast<std::size_t>(5 * row + column)] = solved.covariance(row, column);
-    }
-  }
+  std::copy_n(solved.covariance.data(), pose.covariance.size(), pose.covariance.begin());  // symmetric
   pose.chi2 = solved.chi2;
   pose.dof = solved.dof;
   pose.iterations = solved.iterations;

@@ -9,7 +9,7 @@
 
 namespace omni::tools {
 
-struct WatchFrame {
+struct WatchFrame {  // NOLINT(bugprone-exception-escape): the JSON library's move is noexcept and only asserts
   bool connected = false;
   std::string problem;  // why not, and what to do
   bool has_sample = false;

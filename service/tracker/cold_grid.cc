@@ -41,7 +41,7 @@ struct Box {
 };
 
 Box VolumeOf(const base::Calibration& calibration) {
-  const Box given{base::ToEigen(calibration.volume_min_base_m), base::ToEigen(calibration.volume_max_base_m)};
+  Box given{base::ToEigen(calibration.volume_min_base_m), base::ToEigen(calibration.volume_max_base_m)};
   if ((given.high - given.low).minCoeff() > 0) return given;
   constexpr double kHuge = std::numeric_limits<double>::max();
   Box around{Vector3d::Constant(kHuge), Vector3d::Constant(-kHuge)};

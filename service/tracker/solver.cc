@@ -17,7 +17,8 @@ constexpr double kDampingNewton = 1e-3;  // below this a step counts as a Gauss-
 constexpr double kDampingMax = 1e8;
 constexpr double kChordMove = 0.02;  // of the distance from the base
 constexpr double kChordTurn_rad = 0.02;
-constexpr double kChordShrink = 0.1;  // of d^T JtJ d, from one step to the next
+constexpr double kChordDone = 2.5e-3;  // d^T JtJ d of the step that is not taken: 5 % of a standard deviation
+constexpr double kChordShrink = 0.1;   // of d^T JtJ d, from one step to the next
 
 void Store(const Eigen::Vector3d& v, std::array<double, 3>& out) noexcept { out = {v.x(), v.y(), v.z()}; }
 
@@ -163,7 +164,7 @@ class Search {
     for (std::size_t i = 0; i < kCount; ++i) g[i] = -equations.Jtr[i];
     const Step<kCount> d = factors.Solve(g);
     const double decrement = Quadratic<kCount>(equations, d);
-    if (!(decrement * decrement < kDecrementDone * decrement_before && decrement < kChordShrink * decrement_before)) {
+    if (!(decrement * decrement < kChordDone * decrement_before && decrement < kChordShrink * decrement_before)) {
       return false;
     }
     Finish(equations, d, decrement, 0, Retract<kCount>(pose, point, d), factors, fit);

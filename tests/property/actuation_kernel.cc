@@ -85,6 +85,7 @@ TEST(ActuationKernel, FollowsTheFormulasOfMagnetics) {
     const Pose at = RandomPose(rng);
     const magnetics::TangentBasis e = magnetics::MakeTangentBasis(at.u);
     std::vector<Vector3d> points;
+    points.reserve(kForcePoints);
     for (int s = 0; s < kForcePoints; ++s) {
       points.push_back(at.p + t.ring_1_m[s] * e.e1 + t.ring_2_m[s] * e.e2 + t.axial_m[s] * at.u);
     }

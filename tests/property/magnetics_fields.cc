@@ -73,6 +73,31 @@ TEST(MagneticsFields, ZonalAxisDerivativeMatchesDifferences) {
   }
 }
 
+TEST(MagneticsFields, ZonalFieldIsMinusTheGradientOfItsPotential) {
+  Rng rng(3);
+  for (int i = 0; i < kPoses; ++i) {
+    const double r = Uniform(rng, 0.02, 0.2), h = kStep * r;
+    const Vector3d d = r * RandomUnit(rng), u = RandomUnit(rng), e = u.unitOrthogonal();
+    const std::array<double, 3> q{1.0, Uniform(rng, -1, 1) * r * r, Uniform(rng, -1, 1) * std::pow(r, 4)};
+    const auto potential = [&](const Vector3d& axis, const Vector3d& x) {
+      return ZonalPotential(q, axis.normalized(), x);
+    };
+    const auto slope = [](double p2, double p1, double m1, double m2, double step) {
+      return (8 * (p1 - m1) - (p2 - m2)) / (12 * step);
+    };
+    Vector3d gradient;
+    for (int c = 0; c < 3; ++c) {
+      const Vector3d s = h * Vector3d::Unit(c);
+      gradient[c] =
+          slope(potential(u, d + 2 * s), potential(u, d + s), potential(u, d - s), potential(u, d - 2 * s), h);
+    }
+    EXPECT_LT(RelativeError(ZonalField(q, u, d), -gradient), kTolerance);
+    const double by_turn = slope(potential(u + 2 * kStep * e, d), potential(u + kStep * e, d),
+                                 potential(u - kStep * e, d), potential(u - 2 * kStep * e, d), kStep);
+    EXPECT_NEAR(ZonalPotentialAxisDerivative(q, u, d).dot(e), by_turn, 1e-5 * gradient.norm() * r);
+  }
+}
+
 TEST(MagneticsFields, OrderOneIsTheDipole) {
   Rng rng(3);
   for (int i = 0; i < 100; ++i) {

@@ -80,7 +80,7 @@ TEST(PeersSolvers, FindTheTrackersMinimum) {
   for (const Named& named : AllPeers(problem, {.function_tolerance = 1e-10})) {
     for (const Case& one : problem.cases) {
       const tracker::Pose start{base::ToEigen(one.start.position_base_m), base::ToEigen(one.start.axis_base)};
-      const tracker::Fit ours = tracker::SolvePose(problem.config.model, one.measurement, start, 0, 20);
+      const tracker::Fit ours = tracker::SolvePose(problem.config.model, one.measurement, start, {.chord = false});
       ASSERT_TRUE(ours.converged);
       const PeerFit theirs = named.peer->Solve(one.scan, one.start);
       EXPECT_TRUE(theirs.converged) << named.name;

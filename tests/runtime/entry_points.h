@@ -68,6 +68,7 @@
 
 namespace omni::runtime {
 
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a declaration
 #define OMNI_DECLARE(name) std::remove_pointer_t<PFN_xr##name> name;
 OMNI_RUNTIME_FUNCTIONS(OMNI_DECLARE)
 #undef OMNI_DECLARE

@@ -96,7 +96,9 @@ XrResult FindSlot(Session& session, const Action& action, XrPath subaction, Slot
   } while (false)
 
 // Declares `name`, the object behind `handle`, or leaves with HANDLE_INVALID / INSTANCE_LOST / SESSION_LOST.
+// NOLINTBEGIN(bugprone-macro-parentheses): a declaration
 #define OMNI_FIND(Type, name, handle)                                        \
   Type* const name = ::omni::runtime::TheState().handles.Find<Type>(handle); \
   if (name == nullptr) return XR_ERROR_HANDLE_INVALID;                       \
   if (const XrResult loss_of_##name = ::omni::runtime::Loss(*name); XR_FAILED(loss_of_##name)) return loss_of_##name
+// NOLINTEND(bugprone-macro-parentheses)

@@ -9,7 +9,7 @@
 namespace omni::scene::test {
 namespace {
 
-void ExpectRefused(Loaded loaded, const std::string& part) {
+void ExpectRefused(const Loaded& loaded, const std::string& part) {
   ASSERT_FALSE(loaded.result.ok()) << "loaded, expected: " << part;
   EXPECT_NE(loaded.result.error().find(part), std::string::npos) << loaded.result.error() << "\nexpected: " << part;
 }

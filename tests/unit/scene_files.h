@@ -49,7 +49,7 @@ inline std::vector<float> TetraPositions() {
 }
 inline std::vector<std::uint16_t> TetraIndices() { return {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}; }
 
-struct Model {
+struct Model {  // NOLINT(bugprone-exception-escape): the JSON library's move is noexcept and only asserts
   Json json;
   std::string bin;
   std::string Bytes() const { return Glb(json, bin); }

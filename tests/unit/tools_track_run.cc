@@ -35,13 +35,14 @@ Made MakePatch(int count, int poses, double noise_T, std::uint64_t seed) {
   const Vector3d centre(0.6, -0.2, 0.7);
   for (int i = 0; i < count; ++i) {
     base::SensorCalibration sensor;
-    sensor.position_base_m = base::FromEigen(
-        centre + Vector3d(0.015 * (i % 4) - 0.0225, 0.015 * (i / 4) - 0.0225, 0.004 * support::Uniform(rng, -1, 1)));
+    const int column_of_4 = i % 4, row_of_4 = i / 4;
+    sensor.position_base_m = base::FromEigen(centre + Vector3d(0.015 * column_of_4 - 0.0225, 0.015 * row_of_4 - 0.0225,
+                                                               0.004 * support::Uniform(rng, -1, 1)));
     const Eigen::Matrix3d R =
         Eigen::Quaterniond(normal(rng), normal(rng), normal(rng), normal(rng)).normalized().toRotationMatrix();
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) {
-        sensor.gain_sensor_base[static_cast<std::size_t>(3 * row + column)] = 1.03 * R(row, column);
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t column = 0; column < 3; ++column) {
+        sensor.gain_sensor_base[3 * row + column] = 1.03 * R(static_cast<int>(row), static_cast<int>(column));
       }
     }
     sensor.background_sensor_T = {2e-5, -1e-5, 3e-5};
@@ -87,8 +88,8 @@ TEST(TrackRun, ColdAndWarmAgreeAndTheCovarianceIsHonest) {
     EXPECT_STREQ(row.cold.status, "found");
     EXPECT_EQ(row.cold.dof, 43);
     Eigen::Matrix3d P;
-    for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) P(i, k) = row.cold.covariance[static_cast<std::size_t>(5 * i + k)];
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) P(static_cast<int>(i), static_cast<int>(k)) = row.cold.covariance[5 * i + k];
     }
     const Vector3d e =
         base::ToEigen(row.cold.position_base_m) - base::ToEigen(made.truth.at(row.number).position_base_m);

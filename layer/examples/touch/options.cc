@@ -86,7 +86,7 @@ std::string Parse(int argc, char** argv, Options* options) {
     const std::string flag = argv[i];
     if (ParseFlag(flag, options)) continue;
     if (i + 1 == argc) return flag + ": no such option, or its value is missing";
-    const std::string error = ParseValue(flag, argv[++i], options);
+    std::string error = ParseValue(flag, argv[++i], options);
     if (!error.empty()) return error;
   }
   return "";

@@ -225,6 +225,7 @@ TEST_F(SpaceTest, ManyThreads) {
   std::atomic<long> located{0};
   const XrTime time = Now();
   std::vector<std::thread> readers;
+  readers.reserve(3);
   for (int i = 0; i < 3; ++i) {
     readers.emplace_back([&] {
       while (!stop) {
