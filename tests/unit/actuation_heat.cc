@@ -168,7 +168,9 @@ TEST(ActuationHeat, CeilingFallsSteadilyWithTheCopper) {
   for (const double body_C : {24.0, 45.0, 60.0}) {
     double last_A = CurrentCeiling_A(config, 1, body_C, body_C);
     EXPECT_GT(last_A, 5);
-    for (double copper_C = body_C; copper_C < 75; copper_C += 0.05) {
+    const int steps = static_cast<int>((75 - body_C) / 0.05);
+    for (int step = 0; step <= steps; ++step) {
+      const double copper_C = body_C + 0.05 * step;
       const double now_A = CurrentCeiling_A(config, 1, copper_C, body_C);
       EXPECT_LE(now_A, last_A + 1e-12);
       EXPECT_LT(last_A - now_A, 0.3) << copper_C << " C over a body of " << body_C << " C";
