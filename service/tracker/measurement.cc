@@ -149,6 +149,7 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
     change_A[k] = rate_A_s[k] != 0 ? measured_A[k] - previous.coil_current_A[k] : 0.0;
   }
   Currents variance_A2 = CurrentVariance(trust, measured_A, change_A);
+  result.current_variance_A2 = variance_A2;
   for (std::size_t k = 0; k < variance_A2.size(); ++k) variance_A2[k] += offsets.remanence_variance_A2[k];
   SetNuisances(model, variance_A2, Square(trust.ambient_error_T), result);
   return result;
