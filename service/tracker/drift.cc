@@ -61,6 +61,23 @@ bool Gather(const Measurement& measurement, const KernelSums& sums, Evidence& ev
   return true;
 }
 
+// So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.
+//   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md (18)
+double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
+  const auto norm = [](const std::array<double, 3>& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  };
+  const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +
+                            norm(measurement.axis_rate_base_1_s) / noise.same_error_rad + 1 / noise.same_error_s;
+  const double repeats = std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
+  return 1 / (1 + (repeats - 1) * measurement.systematic_share);
+}
+
+void Scale(double factor, Evidence& evidence) noexcept {
+  for (double& value : evidence.information) value *= factor;
+  for (double& value : evidence.gradient) value *= factor;
+}
+
 // A scan sees its three currents' own errors, variance V, on top of the states that look like them: their share is
 // not evidence of the states.   docs/theory/tracking.md (17)
 //   I' = I - I_c (I_cc + V^-1)^-1 I_c^T,   g' = g - I_c (I_cc + V^-1)^-1 g_c
@@ -121,6 +138,7 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
     const double room = std::max(0.0, 1 - variance / WanderOf(noise, k).variance);
     variance += std::min(1.0, Square(noise.current_step_error * current_step_A[k])/ WanderOf(noise, k).variance) * room* WanderOf(noise, k).variance;
   }
+  drift.step_s = dt_s;
   drift.valid = true;
 }
 
@@ -144,6 +162,7 @@ bool CorrectDrift(const DriftNoise& noise, const Measurement& measurement, const
   Evidence evidence;
   if (!Gather(measurement, sums, evidence)) return false;
   if (!AllowForCurrents(measurement.current_variance_A2, evidence)) return false;
+  Scale(EvidenceShare(noise, measurement, drift.step_s), evidence);
   auto P = drift.covariance;
   if (!InvertSymmetric(kDriftStates, kDriftStates, P.data())) return false;
   for (std::size_t e = 0; e < P.size(); ++e) P[e] += evidence.information[e];
