@@ -16,10 +16,10 @@ constexpr double kSteady_A = 0.05;  // change from scan to scan that is noise of
 constexpr double kSwingMin_A = 1;   // each way
 constexpr double kScansMin = 200;
 constexpr double kWipeRatio = 0.7;
-constexpr double kStepMin_A = 0.1;    // less does not turn over what the core keeps
-constexpr double kNoise_T = 1e-6;     // for the two priors below
-constexpr double kKept_T = 3e-6;      // field that the core keeps, at a sensor
-constexpr double kLag_T = 2e-7;       // tail of the eddy currents at a sensor, a second after a step of 1 A
+constexpr double kStepMin_A = 0.1;  // less does not turn over what the core keeps
+constexpr double kNoise_T = 1e-6;   // for the two priors below
+constexpr double kKept_T = 3e-6;    // field that the core keeps, at a sensor
+constexpr double kLag_T = 2e-7;     // tail of the eddy currents at a sensor, a second after a step of 1 A
 
 }  // namespace
 

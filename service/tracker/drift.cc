@@ -62,11 +62,10 @@ bool Gather(const Measurement& measurement, const KernelSums& sums, Evidence& ev
 }
 
 // So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.
-//   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md (18)
+//   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md
+//   (18)
 double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
-  const auto norm = [](const std::array<double, 3>& v) {
-    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  };
+  const auto norm = [](const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
   const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +
                             norm(measurement.axis_rate_base_1_s) / noise.same_error_rad + 1 / noise.same_error_s;
   const double repeats = std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
@@ -136,7 +135,8 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
     double& variance = drift.covariance[k * kStates + k];
     const double room = std::max(0.0, 1 - variance / WanderOf(noise, k).variance);
-    variance += std::min(1.0, Square(noise.current_step_error * current_step_A[k])/ WanderOf(noise, k).variance) * room* WanderOf(noise, k).variance;
+    variance += std::min(1.0, Square(noise.current_step_error * current_step_A[k]) / WanderOf(noise, k).variance) *
+                room * WanderOf(noise, k).variance;
   }
   drift.step_s = dt_s;
   drift.valid = true;

@@ -16,8 +16,8 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kVelocitySigma_m_s = 0.3;  // of a hand whose motion is not known yet
 constexpr double kRateSigma_rad_s = 3;
-constexpr double kManoeuvreGate = 16.3;   // chi2 of 3 degrees of freedom exceeds it once in 1,000 scans
-constexpr double kRestartGate = 400;      // 20 standard deviations: not this motion
+constexpr double kManoeuvreGate = 16.3;  // chi2 of 3 degrees of freedom exceeds it once in 1,000 scans
+constexpr double kRestartGate = 400;     // 20 standard deviations: not this motion
 constexpr double kLearnMax = 10;
 constexpr double kManoeuvreGate2 = 13.8;  // the same for 2 degrees of freedom
 
@@ -45,8 +45,8 @@ void AddAngularAcceleration(double q, double dt, FilterState& state) {
 void Learn(const FilterNoise& noise, const Vector3d& whitened, Liveliness& liveliness) {
   Eigen::Map<Vector3d> recent(liveliness.recent.data());
   const double step = noise.calm_rate * std::clamp(whitened.dot(recent), -kLearnMax, kLearnMax);
-  liveliness.log_factor = std::clamp(liveliness.log_factor + step, std::log(noise.calm_factor_min),
-                                     std::log(noise.calm_factor_max));
+  liveliness.log_factor =
+      std::clamp(liveliness.log_factor + step, std::log(noise.calm_factor_min), std::log(noise.calm_factor_max));
   recent += noise.calm_memory * (whitened - recent);
 }
 

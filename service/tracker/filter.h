@@ -15,15 +15,15 @@ struct FilterNoise {
   // Both are multiplied by a factor that is learnt: innovations that follow one another mean that it is too small.
   double calm_factor_min = 0.01;
   double calm_factor_max = 10;
-  double calm_rate = 0.05;    // per scan
-  double calm_memory = 0.2;  // share of the newest innovation in the mean of those before
-  double manoeuvre_factor = 100;              // on both while the pen starts, stops or hits something
+  double calm_rate = 0.05;        // per scan
+  double calm_memory = 0.2;       // share of the newest innovation in the mean of those before
+  double manoeuvre_factor = 100;  // on both while the pen starts, stops or hits something
 };
 
 // How much the pen's motion deviates from a straight one, learnt from whether innovations follow one another.
 struct Liveliness {
-  double log_factor = 0;                // on the density of the acceleration
-  std::array<double, 3> recent{};       // mean of the last innovations in their standard deviations
+  double log_factor = 0;           // on the density of the acceleration
+  std::array<double, 3> recent{};  // mean of the last innovations in their standard deviations
 };
 
 struct FilterState {

@@ -49,11 +49,11 @@ struct BasicMeasurement {
   NuisanceMatrix nuisance_covariance{};
   std::array<double, 3> velocity_base_m_s{};
   std::array<double, 3> axis_rate_base_1_s{};
-  double moment_scale = 1;  // of the model's moment
-  double field_rms_T = 0;   // |B| of the tool, root mean square over the usable readings
+  double moment_scale = 1;      // of the model's moment
+  double field_rms_T = 0;       // |B| of the tool, root mean square over the usable readings
   double systematic_share = 0;  // of the readings' variance: what the model gets wrong; mean over them
-  int axes = 0;             // usable readings
-  int fixed = 0;            // of those, spent on unknowns without a prior
+  int axes = 0;                 // usable readings
+  int fixed = 0;                // of those, spent on unknowns without a prior
 };
 using Measurement = BasicMeasurement<kSensors>;            // of the base, in the tick
 using ArrayMeasurement = BasicMeasurement<kArraySensors>;  // of any array, off the tick
