@@ -16,9 +16,9 @@ namespace omni::calibration {
 struct SweepPlan {
   double amplitude_A = 4;
   int plateau_scans = 150;
-  int repeats = 2;           // of each amplitude
-  double small_share = 0.3;  // what the core keeps (hysteresis) does not grow with the current: two amplitudes show it
-  int wipe_steps = 12;       // of alternating sign, each at 0.7 of the one before
+  int repeats = 2;            // of each amplitude
+  double small_share = 0.15;  // what the core keeps (hysteresis) does not grow with the current: two amplitudes show it
+  int wipe_steps = 12;        // of alternating sign, each at 0.7 of the one before
   int wipe_scans = 30;
   int rest_scans = 1000;
 };

@@ -31,7 +31,7 @@ Outcome RunRacetrack(std::uint64_t seed, double seconds) {
                               .noise = sim::NoiseMode::kLowPower,
                               .effects = truth.effects,
                               .sensor = truth.sensor});
-  const std::string path = FindScene("racetrack");
+  const std::string path = OMNI_SOURCE_DIR "/scenes/racetrack.glb";
   const auto loaded = LoadScene(path, {});
   const auto hand = sim::LoadHandScript(FindHandScript(path));
   EXPECT_TRUE(loaded.ok() && hand.ok());
