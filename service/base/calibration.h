@@ -34,6 +34,7 @@ struct Calibration {
   double core_radius_m = 0;                // 0: no core
   double core_kappa = 1;                   // (mu_r - 1) / (mu_r + 2)
   double hull_radius_m = 0;                // 0: no hull
+  double expected_error_m = 0;             // rms position error that the calibration says it leaves; 0: unknown
   // Where the magnet may be; equal corners: derived from hull or sensors.
   Vec3 volume_min_base_m, volume_max_base_m;
 };

@@ -16,15 +16,20 @@ constexpr double kSteady_A = 0.05;  // change from scan to scan that is noise of
 constexpr double kSwingMin_A = 1;   // each way
 constexpr double kScansMin = 200;
 constexpr double kWipeRatio = 0.7;
+constexpr double kStepMin_A = 0.1;  // less does not turn over what the core keeps
+constexpr double kNoise_T = 1e-6;   // for the two priors below
+constexpr double kKept_T = 3e-6;    // field that the core keeps, at a sensor
+constexpr double kLag_T = 2e-7;     // tail of the eddy currents at a sensor, a second after a step of 1 A
 
 }  // namespace
 
 std::vector<SweepStep> MakeSweep(const SweepPlan& plan) {
   std::vector<SweepStep> steps;
-  for (int repeat = 0; repeat < plan.repeats; ++repeat) {
+  for (int repeat = 0; repeat < 2 * plan.repeats; ++repeat) {
+    const double amplitude_A = plan.amplitude_A * (repeat < plan.repeats ? 1 : plan.small_share);
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
       // The order turns round, so that what the core remembers of the step before cancels.
-      const double first_A = repeat % 2 == 0 ? plan.amplitude_A : -plan.amplitude_A;
+      const double first_A = repeat % 2 == 0 ? amplitude_A : -amplitude_A;
       for (const double current_A : {first_A, -first_A}) {
         SweepStep step{{}, plan.plateau_scans, false};
         step.current_A[k] = current_A;
@@ -40,12 +45,32 @@ std::vector<SweepStep> MakeSweep(const SweepPlan& plan) {
   return steps;
 }
 
+// A plateau that has settled tells the step that led to it.
+void CoilSweep::FollowSteps(const Vector3d& current_A) {
+  const Vector3d change_A = current_A - settled_A_;
+  if (!(change_A.norm() > kStepMin_A)) return;
+  last_direction_ = change_A.normalized();
+  steps_.push_back({step_scan_, change_A});
+  settled_A_ = current_A;
+}
+
+// Eddy currents die out in solid iron like the root of time.
+CoilSweep::Regressor CoilSweep::MakeRegressor(const Vector3d& current_A) const {
+  Vector3d lag = Vector3d::Zero();
+  for (const Step& step : steps_) lag -= step.change_A / std::sqrt((scan_ - step.scan) * base::kTickPeriod_s);
+  Regressor regressor;
+  regressor << 1, current_A, -last_direction_, lag;
+  return regressor;
+}
+
 void CoilSweep::Add(const base::HallScan& scan, bool rest) {
+  ++scan_;
   double change_A = 0;
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     change_A = std::max(change_A, std::abs(scan.coil_current_A[k] - last_current_A_[k]));
   }
   last_current_A_ = scan.coil_current_A;
+  if (change_A > kSteady_A && steady_scans_ > 0) step_scan_ = scan_ - 1;
   steady_scans_ = change_A <= kSteady_A ? steady_scans_ + 1 : 0;
   if (steady_scans_ < kSettleScans) return;
   Eigen::Matrix<double, kReadings, 1> reading;
@@ -58,14 +83,14 @@ void CoilSweep::Add(const base::HallScan& scan, bool rest) {
     ++bad_scans_;
     return;
   }
+  FollowSteps(current_A);
   if (rest) {
     rest_sum_ += reading;
     rest_current_sum_A_ += current_A;
     ++rest_scans_;
     return;
   }
-  Eigen::Matrix<double, kRegressors, 1> regressor;
-  regressor << 1, current_A;
+  const Regressor regressor = MakeRegressor(current_A);
   N_ += regressor * regressor.transpose();
   right_ += regressor * reading.transpose();
   square_ += reading.cwiseAbs2();
@@ -93,17 +118,23 @@ base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
     return refused("coil " + std::string(1, "xyz"[k]) + " carried " + range +
                    ", at least -1 to 1 A are needed; check its driver and supply");
   }
-  // reading = constant + A I: the constant takes what hysteresis leaves on average, the rest gives the background.
-  const Eigen::LDLT<Eigen::Matrix<double, kRegressors, kRegressors>> solver(N_);
+  // reading = constant + A I - K (direction of the last step) - E sum step / sqrt(time since it): what the core keeps
+  // lags behind the last step whatever its size, so that without K it would pass for a smaller A. The priors of K and
+  // E decide where a plan does not tell them from A.
+  Eigen::Matrix<double, kRegressors, kRegressors> N = N_;
+  const double kept = kNoise_T / kKept_T, lag = kNoise_T / kLag_T;
+  N.diagonal().segment<3>(kKeptAt).array() += kept * kept;
+  N.diagonal().segment<3>(kLagAt).array() += lag * lag;
+  const Eigen::LDLT<Eigen::Matrix<double, kRegressors, kRegressors>> solver(N);
   const Eigen::Matrix<double, kRegressors, kReadings> fit = solver.solve(right_);
   if (!fit.allFinite()) return refused("the currents do not tell the coils apart; sweep them one by one");
   const Eigen::Matrix<double, kReadings, 1> explained = (fit.cwiseProduct(right_)).colwise().sum().transpose();
   const Vector3d rest_A = rest_current_sum_A_ / rest_scans_;
-  const double current_rms_A = std::sqrt(N_.diagonal().tail<3>().minCoeff() / scans_);
+  const double current_rms_A = std::sqrt(N_.diagonal().segment<3>(kCurrentsAt).minCoeff() / scans_);
   std::vector<CoilResponse> responses(base::kSensorCount);
   for (std::size_t i = 0; i < responses.size(); ++i) {
     const int at = 3 * static_cast<int>(i);
-    const RowMajor3d map = fit.block<3, 3>(1, at).transpose();
+    const RowMajor3d map = fit.block<3, 3>(kCurrentsAt, at).transpose();
     Eigen::Map<RowMajor3d>(responses[i].map_sensor_T_A.data()) = map;
     const Vector3d background = rest_sum_.segment<3>(at) / rest_scans_ - map * rest_A;
     responses[i].background_sensor_T = {background.x(), background.y(), background.z()};

@@ -11,12 +11,14 @@
 
 namespace omni::calibration {
 
-// Each coil to + and - amplitude_A, then falling alternation that wipes the core's memory, then rest.
+// Each coil to + and - amplitude_A, then the same with small_share of it, then falling alternation that wipes the
+// core's memory, then rest.
 struct SweepPlan {
   double amplitude_A = 4;
   int plateau_scans = 150;
-  int repeats = 2;
-  int wipe_steps = 12;  // of alternating sign, each at 0.7 of the one before
+  int repeats = 2;            // of each amplitude
+  double small_share = 0.15;  // what the core keeps (hysteresis) does not grow with the current: two amplitudes show it
+  int wipe_steps = 12;        // of alternating sign, each at 0.7 of the one before
   int wipe_scans = 30;
   int rest_scans = 1000;
 };
@@ -37,10 +39,25 @@ class CoilSweep {
   base::Result<std::vector<CoilResponse>> Finish() const;
 
  private:
-  static constexpr int kRegressors = 1 + base::kCoilCount;  // constant and currents
+  // Constant, currents, hysteresis, eddy currents. docs/theory/calibration.md (14)
+  static constexpr int kCurrentsAt = 1, kKeptAt = 4, kLagAt = 7, kRegressors = 10;
   static constexpr int kReadings = 3 * base::kSensorCount;
 
+  using Regressor = Eigen::Matrix<double, kRegressors, 1>;
+  struct Step {
+    double scan = 0;  // when
+    Eigen::Vector3d change_A = Eigen::Vector3d::Zero();
+  };
+
+  void FollowSteps(const Eigen::Vector3d& current_A);
+  Regressor MakeRegressor(const Eigen::Vector3d& current_A) const;
+
   int steady_scans_ = 0;
+  double scan_ = 0;                                           // since the start
+  double step_scan_ = 0;                                      // when the current began to change
+  std::vector<Step> steps_;                                   // that have settled
+  Eigen::Vector3d settled_A_ = Eigen::Vector3d::Zero();       // of the last plateau
+  Eigen::Vector3d last_direction_ = Eigen::Vector3d::Zero();  // from the plateau before to it
   std::array<double, base::kCoilCount> last_current_A_{};
   Eigen::Matrix<double, kRegressors, kRegressors> N_ = Eigen::Matrix<double, kRegressors, kRegressors>::Zero();
   Eigen::Matrix<double, kRegressors, kReadings> right_ = Eigen::Matrix<double, kRegressors, kReadings>::Zero();

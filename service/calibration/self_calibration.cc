@@ -92,6 +92,7 @@ base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<
                                        std::move(kept.instants), options.iterations_max);
   Outcome outcome{ToCalibration(problem, adjustment.parameters), Assess(problem, adjustment)};
   CountSamples(recording, problem, outcome.report);
+  outcome.calibration.expected_error_m = outcome.report.expected_error_m;
   outcome.report.coverage = kept.coverage.share();
   outcome.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (const std::string why = ResultProblem(adjustment, outcome.report, options.limits); !why.empty()) {

@@ -197,6 +197,7 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   ReadSensors(problem, root, device, file.calibration);
   root.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
+  file.calibration.expected_error_m = 1e-3 * file.quality.expected_error_mm;
   file.calibration.sensor_noise_T = device.sensor_noise_T;
   file.calibration.sensor_range_T = device.sensor_range_T;
   file.calibration.magnet = device.magnet;

@@ -10,7 +10,7 @@
 namespace omni::tools {
 
 struct CalibratingHand {
-  double away_s = 4;  // pen out of reach: the coil sweep
+  double away_s = 6;  // pen out of reach: the coil sweep
   double wave_s = 22;
   int touches = 130;
   std::uint64_t seed = 1;

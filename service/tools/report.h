@@ -8,9 +8,24 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "service/base/result.h"
+#include "service/base/vec.h"
 #include "service/tools/csv_table.h"
 
 namespace omni::tools {
+
+// A pose that the tracker published while tracking.
+struct TrackedPosition {
+  double t_ns = 0;
+  base::Vec3 magnet_base_m;
+};
+
+// |magnet centre - truth|, base frame, not aligned, each estimate against the truth at its own stamp.
+struct TrackingErrors {
+  std::uint64_t compared_ticks = 0;  // tracked ticks with a true pose to compare with
+  double mean_mm = 0, p95_mm = 0, max_mm = 0;
+};
+// Precondition: `truth` is a recording of the twin.
+TrackingErrors CompareTracking(const std::vector<TrackedPosition>& tracked, const CsvTable& truth);
 
 struct RunReport {
   std::string scene;
@@ -18,10 +33,7 @@ struct RunReport {
   std::string profile;  // empty: none became current
   std::uint64_t ticks = 0;
   std::uint64_t late_ticks = 0;
-  std::uint64_t compared_ticks = 0;  // tracked ticks with a true pose to compare with
-  double tracking_mean_mm = 0;       // |magnet centre - truth|, base frame, not aligned
-  double tracking_p95_mm = 0;
-  double tracking_max_mm = 0;
+  TrackingErrors tracking;
   std::uint64_t contact_ticks = 0;  // rendered force over 10 mN
   double peak_force_N = 0;          // commanded
   std::uint64_t haptic_pulses = 0;  // that reached the coil command

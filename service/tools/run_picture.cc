@@ -127,7 +127,7 @@ std::string DrawRun(const RunReport& report, const RunData& data, const haptics:
   svg.Text(20, 24, title, "font-size=\"16\" fill=\"#222\"");
   std::snprintf(title, sizeof(title),
                 "tracking error mean %.2f mm, p95 %.2f mm; %llu contact ticks, peak %.2f N; %llu select presses",
-                report.tracking_mean_mm, report.tracking_p95_mm, static_cast<unsigned long long>(report.contact_ticks),
+                report.tracking.mean_mm, report.tracking.p95_mm, static_cast<unsigned long long>(report.contact_ticks),
                 report.peak_force_N, static_cast<unsigned long long>(report.select_edges));
   svg.Text(20, 44, title, "fill=\"#444\"");
   const View side{20, 60, 0, 0.045, [](const base::Vec3& p) { return p.x; }, [](const base::Vec3& p) { return p.z; }};

@@ -1,13 +1,20 @@
-// omni twin run: the whole loop against the twin in this process, in virtual time. Deterministic: prints a hash.
+// omni twin run: the whole loop against the twin in this process, in virtual time. Deterministic: prints a hash. The
+// truth is recorded by the twin and compared when the run is over.
 // omni twin path: a hand script for any scene.
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 
+#include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/daemon/virtual_run.h"
@@ -15,6 +22,7 @@
 #include "service/sim/twin.h"
 #include "service/tools/commands.h"
 #include "service/tools/hand_path.h"
+#include "service/tools/report.h"
 #include "service/tools/scene_source.h"
 
 namespace omni::tools {
@@ -25,6 +33,7 @@ struct RunArguments {
   std::string hand;
   std::string record;
   std::string twin;
+  std::string calibration;
   std::uint64_t seed = 1;
   double seconds = 0;
   bool fit = false;
@@ -43,6 +52,36 @@ int Fail(const std::string& message) {
   return 1;
 }
 
+// Where the twin records its truth: the file asked for, else one of our own that goes away again.
+class TruthFile {
+ public:
+  explicit TruthFile(const std::string& wanted) : path_(wanted), ours_(wanted.empty()) {
+    if (!ours_) return;
+    path_ = (std::filesystem::temp_directory_path() / "omni-truth-XXXXXX").string();
+    const int fd = ::mkstemp(path_.data());
+    if (fd >= 0) ::close(fd);
+  }
+  ~TruthFile() {
+    std::error_code error;
+    if (ours_) std::filesystem::remove(path_, error);
+  }
+  TruthFile(const TruthFile&) = delete;
+  TruthFile& operator=(const TruthFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  bool ours_;
+};
+
+base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const base::DeviceGeometry& device) {
+  if (arguments.calibration.empty()) return loop::MakeTickConfig(device);
+  auto file = config::LoadCalibrationFile(arguments.calibration, device, "");
+  if (!file.ok()) return base::Error{file.error()};
+  return loop::MakeTickConfig(device, file->calibration);
+}
+
 int RunTwin(const RunArguments& arguments) {
   const std::string path = FindScene(arguments.scene);
   auto loaded = LoadScene(path, {.fit = arguments.fit});
@@ -57,14 +96,26 @@ int RunTwin(const RunArguments& arguments) {
     if (!parameters.ok()) return Fail(parameters.error());
     truth = *parameters;
   }
-  const auto twin = sim::MakeVirtualTwin(device,
-                                         {.seed = arguments.seed,
-                                          .script = *hand,
-                                          .truth = truth,
-                                          .flip_coil_sign = arguments.flip_coil_sign,
-                                          .recording_path = arguments.record},
-                                         seconds);
-  const daemon::VirtualRunSummary summary = daemon::RunVirtual(loop::MakeTickConfig(device), *twin, loaded->scene);
+  const auto tick = ConfigFor(arguments, device);
+  if (!tick.ok()) return Fail(tick.error());
+  const TruthFile recording(arguments.record);
+  auto twin = sim::MakeVirtualTwin(device,
+                                   {.seed = arguments.seed,
+                                    .script = *hand,
+                                    .truth = truth,
+                                    .flip_coil_sign = arguments.flip_coil_sign,
+                                    .recording_path = recording.path()},
+                                   seconds);
+  std::vector<TrackedPosition> tracked;
+  const daemon::VirtualRunSummary summary =
+      daemon::RunVirtual(*tick, *twin, loaded->scene, {}, [&](const base::HallScan& scan, const loop::TickOutput& out) {
+        if (out.tool.status != base::TrackingStatus::kTracking) return;
+        tracked.push_back({static_cast<double>(scan.t_ns), out.tool.position_base_m});
+      });
+  twin.reset();  // the recording is complete then
+  const auto table = CsvTable::Read(recording.path());
+  if (!table.ok()) return Fail(table.error());
+  const TrackingErrors errors = CompareTracking(tracked, *table);
   std::printf("scene            %s\n", path.c_str());
   std::printf("device           digital twin (a simulation), seed %llu\n",
               static_cast<unsigned long long>(arguments.seed));
@@ -74,6 +125,8 @@ int RunTwin(const RunArguments& arguments) {
   std::printf("contact ticks    %llu\n", static_cast<unsigned long long>(summary.contact_ticks));
   std::printf("select presses   %llu\n", static_cast<unsigned long long>(summary.select_presses));
   std::printf("peak force       %.3f N\n", summary.peak_force_N);
+  std::printf("tracking error   mean %.3f mm, p95 %.3f mm, max %.3f mm over %llu ticks\n", errors.mean_mm,
+              errors.p95_mm, errors.max_mm, static_cast<unsigned long long>(errors.compared_ticks));
   std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
   return 0;
 }
@@ -102,6 +155,8 @@ void AddTwinRun(CLI::App& twin) {
   run->add_option("--seconds", arguments->seconds, "default: the script's length");
   run->add_option("--record", arguments->record, "CSV file of the twin's truth");
   run->add_option("--twin", arguments->twin, "imperfections and effects (.toml); default: the built-in twin.toml");
+  run->add_option("--calibration", arguments->calibration,
+                  "calibration.toml of `omni calibrate` with the same seed; default: the drawing");
   run->add_flag("--fit", arguments->fit, "scale and move the model into reach");
   run->add_flag("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
   run->callback([arguments] { throw CLI::RuntimeError(RunTwin(*arguments)); });

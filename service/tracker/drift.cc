@@ -61,6 +61,52 @@ bool Gather(const Measurement& measurement, const KernelSums& sums, Evidence& ev
   return true;
 }
 
+// So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.
+//   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md
+//   (18)
+double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
+  const auto norm = [](const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
+  const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +
+                            norm(measurement.axis_rate_base_1_s) / noise.same_error_rad + 1 / noise.same_error_s;
+  const double repeats = std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
+  return 1 / (1 + (repeats - 1) * measurement.systematic_share);
+}
+
+void Scale(double factor, Evidence& evidence) noexcept {
+  for (double& value : evidence.information) value *= factor;
+  for (double& value : evidence.gradient) value *= factor;
+}
+
+// A scan sees its three currents' own errors, variance V, on top of the states that look like them: their share is
+// not evidence of the states.   docs/theory/tracking.md (17)
+//   I' = I - I_c (I_cc + V^-1)^-1 I_c^T,   g' = g - I_c (I_cc + V^-1)^-1 g_c
+bool AllowForCurrents(const std::array<double, base::kCoilCount>& variance_A2, Evidence& evidence) noexcept {
+  constexpr std::size_t kCurrents = base::kCoilCount;
+  std::array<double, kCurrents * kCurrents> S{};
+  for (std::size_t a = 0; a < kCurrents; ++a) {
+    if (!(variance_A2[a] > 0)) return true;  // currents are exact
+    for (std::size_t b = 0; b < kCurrents; ++b) S[a * kCurrents + b] = evidence.information[a * kStates + b];
+    S[a * kCurrents + a] += 1 / variance_A2[a];
+  }
+  if (!InvertSymmetric(kCurrents, kCurrents, S.data())) return false;
+  const Evidence before = evidence;
+  for (std::size_t r = 0; r < kStates; ++r) {
+    std::array<double, kCurrents> share{};
+    for (std::size_t a = 0; a < kCurrents; ++a) {
+      for (std::size_t b = 0; b < kCurrents; ++b) {
+        share[b] += before.information[r * kStates + a] * S[a * kCurrents + b];
+      }
+    }
+    for (std::size_t b = 0; b < kCurrents; ++b) {
+      evidence.gradient[r] -= share[b] * before.gradient[b];
+      for (std::size_t c = 0; c < kStates; ++c) {
+        evidence.information[r * kStates + c] -= share[b] * before.information[b * kStates + c];
+      }
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 Offsets OffsetsOf(const DriftState& drift) noexcept {
@@ -87,17 +133,24 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
     drift.covariance[a * kStates + a] += (1 - Square(keep[a])) * WanderOf(noise, a).variance;
   }
   for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
-    drift.covariance[k * kStates + k] += Square(noise.current_step_error * current_step_A[k]);
+    double& variance = drift.covariance[k * kStates + k];
+    const double room = std::max(0.0, 1 - variance / WanderOf(noise, k).variance);
+    variance += std::min(1.0, Square(noise.current_step_error * current_step_A[k]) / WanderOf(noise, k).variance) *
+                room * WanderOf(noise, k).variance;
   }
+  drift.step_s = dt_s;
   drift.valid = true;
 }
 
 void AllowForDrift(const Model& model, const DriftState& drift, Measurement& measurement) noexcept {
   const auto variance = [&drift](std::size_t a) { return drift.covariance[a * kStates + a]; };
-  SetNuisances(model, {variance(0), variance(1), variance(2)}, variance(3), measurement);
+  const auto& of_scan = measurement.current_variance_A2;
+  SetNuisances(model, {variance(0) + of_scan[0], variance(1) + of_scan[1], variance(2) + of_scan[2]}, variance(3),
+               measurement);
   NuisanceMatrix prior{};
   for (std::size_t a = 0; a < kNuisancesMax; ++a) {
     for (std::size_t b = 0; b < kNuisancesMax; ++b) prior[a * kNuisancesMax + b] = drift.covariance[a * kStates + b];
+    if (a < of_scan.size()) prior[a * kNuisancesMax + a] += of_scan[a];
   }
   SetNuisancePrior(prior, measurement);
 }
@@ -108,6 +161,8 @@ bool CorrectDrift(const DriftNoise& noise, const Measurement& measurement, const
                   DriftState& drift) noexcept {
   Evidence evidence;
   if (!Gather(measurement, sums, evidence)) return false;
+  if (!AllowForCurrents(measurement.current_variance_A2, evidence)) return false;
+  Scale(EvidenceShare(noise, measurement, drift.step_s), evidence);
   auto P = drift.covariance;
   if (!InvertSymmetric(kDriftStates, kDriftStates, P.data())) return false;
   for (std::size_t e = 0; e < P.size(); ++e) P[e] += evidence.information[e];

@@ -21,11 +21,14 @@ struct DriftNoise {
   double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
   double moment_max = 0.05;
+  // What the model gets wrong is wrong again in the next scan, until the pen is elsewhere.
+  double same_error_m = 0.02, same_error_rad = 0.3, same_error_s = 10;
 };
 
 struct DriftState {
   bool valid = false;
   std::int64_t t_ns = 0;                                  // of the last prediction
+  double step_s = 0;                                      // that it bridged
   std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
   std::array<double, kDriftStates> mean{};
   std::array<double, std::size_t{kDriftStates} * kDriftStates> covariance{};  // row-major

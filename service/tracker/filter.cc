@@ -1,5 +1,6 @@
 #include "service/tracker/filter.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,9 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kVelocitySigma_m_s = 0.3;  // of a hand whose motion is not known yet
 constexpr double kRateSigma_rad_s = 3;
-constexpr double kManoeuvreGate = 16.3;   // chi2 of 3 degrees of freedom exceeds it once in 1,000 scans
-constexpr double kRestartGate = 400;      // 20 standard deviations: not this motion
+constexpr double kManoeuvreGate = 16.3;  // chi2 of 3 degrees of freedom exceeds it once in 1,000 scans
+constexpr double kRestartGate = 400;     // 20 standard deviations: not this motion
+constexpr double kLearnMax = 10;
 constexpr double kManoeuvreGate2 = 13.8;  // the same for 2 degrees of freedom
 
 Matrix3d Load(const std::array<double, 9>& values) { return Eigen::Map<const RowMajor3>(values.data()); }
@@ -38,6 +40,15 @@ void AddAngularAcceleration(double q, double dt, FilterState& state) {
   state.variance_rate += q * dt;
 }
 
+// A filter whose q is right has white innovations [Mehra 1970]: `whitened` . `recent` is zero on the average; positive
+// means that the filter lags behind.
+void Learn(const FilterNoise& noise, const Vector3d& whitened, Liveliness& liveliness) {
+  Eigen::Map<Vector3d> recent(liveliness.recent.data());
+  const double step = noise.calm_rate * std::clamp(whitened.dot(recent), -kLearnMax, kLearnMax);
+  liveliness.log_factor = std::clamp(liveliness.log_factor + step, noise.calm_log_min, noise.calm_log_max);
+  recent += noise.calm_memory * (whitened - recent);
+}
+
 double AngleVariance(const PoseMeasurement& measured) {
   return 0.5 * (measured.covariance[18] + measured.covariance[24]);
 }
@@ -54,9 +65,12 @@ bool CorrectPosition(const FilterNoise& noise, const PoseMeasurement& measured, 
   Matrix3d S_inverse = (Load(state.covariance_pp) + R).inverse();
   if (innovation.dot(S_inverse * innovation) > kManoeuvreGate) {
     AddAcceleration(noise.acceleration_m2_s3 * noise.manoeuvre_factor, dt, state);
+    state.position_liveliness.log_factor = std::max(state.position_liveliness.log_factor, 0.0);
     S_inverse = (Load(state.covariance_pp) + R).inverse();
     if (!(innovation.dot(S_inverse * innovation) <= kRestartGate)) return false;
   }
+  const Eigen::LLT<Matrix3d> root(S_inverse);
+  Learn(noise, root.matrixU() * innovation, state.position_liveliness);
   const Matrix3d pp = Load(state.covariance_pp), pv = Load(state.covariance_pv), vv = Load(state.covariance_vv);
   const Matrix3d K_p = pp * S_inverse;
   const Matrix3d K_v = pv.transpose() * S_inverse;
@@ -79,7 +93,9 @@ void CorrectAxis(const FilterNoise& noise, const PoseMeasurement& measured, doub
   const double R = AngleVariance(measured);
   if (angle * angle > kManoeuvreGate2 * (state.variance_angle + R)) {
     AddAngularAcceleration(noise.angular_acceleration_rad2_s3 * noise.manoeuvre_factor, dt, state);
+    state.axis_liveliness.log_factor = std::max(state.axis_liveliness.log_factor, 0.0);
   }
+  Learn(noise, innovation / std::sqrt(state.variance_angle + R), state.axis_liveliness);
   const double S = state.variance_angle + R;
   const double K_angle = state.variance_angle / S;
   const double K_rate = state.covariance_angle_rate / S;
@@ -123,8 +139,8 @@ void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) no
   Store(pv + dt_s * vv, state.covariance_pv);
   state.variance_angle += dt_s * (2 * state.covariance_angle_rate + dt_s * state.variance_rate);
   state.covariance_angle_rate += dt_s * state.variance_rate;
-  AddAcceleration(noise.acceleration_m2_s3, dt_s, state);
-  AddAngularAcceleration(noise.angular_acceleration_rad2_s3, dt_s, state);
+  AddAcceleration(noise.acceleration_m2_s3 * std::exp(state.position_liveliness.log_factor), dt_s, state);
+  AddAngularAcceleration(noise.angular_acceleration_rad2_s3 * std::exp(state.axis_liveliness.log_factor), dt_s, state);
 }
 
 void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, bool with_axis,

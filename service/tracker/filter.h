@@ -10,9 +10,20 @@
 namespace omni::tracker {
 
 struct FilterNoise {
-  double acceleration_m2_s3 = 1.0;            // spectral density of the position's acceleration
+  double acceleration_m2_s3 = 1.0;            // spectral density of the position's acceleration, of a hand at work
   double angular_acceleration_rad2_s3 = 100;  // of the axis's
-  double manoeuvre_factor = 100;              // on both while the pen starts, stops or hits something
+  // Both are multiplied by a factor that is learnt: innovations that follow one another mean that it is too small.
+  double calm_log_min = -4.6;     // natural logarithms of 0.01 ...
+  double calm_log_max = 2.3;      // ... and 10
+  double calm_rate = 0.05;        // per scan
+  double calm_memory = 0.2;       // share of the newest innovation in the mean of those before
+  double manoeuvre_factor = 100;  // on both while the pen starts, stops or hits something
+};
+
+// How much the pen's motion deviates from a straight one, learnt from whether innovations follow one another.
+struct Liveliness {
+  double log_factor = 0;           // on the density of the acceleration
+  std::array<double, 3> recent{};  // mean of the last innovations in their standard deviations
 };
 
 struct FilterState {
@@ -20,6 +31,7 @@ struct FilterState {
   base::Vec3 axis_base{0, 0, -1}, angular_velocity_base_rad_s;
   std::array<double, 9> covariance_pp{}, covariance_pv{}, covariance_vv{};  // row-major, symmetric but for pv
   double variance_angle = 0, covariance_angle_rate = 0, variance_rate = 0;  // per tangent
+  Liveliness position_liveliness, axis_liveliness;
 };
 static_assert(std::is_trivially_copyable_v<FilterState>);
 

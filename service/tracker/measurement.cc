@@ -81,6 +81,7 @@ double AddSensor(const Model& model, const Trust& trust, const base::Vec3& B, un
     }
     result.whitened[axis][i] = inverse_sigma * tool_T[axis];
     result.inverse_sigma[axis][i] = inverse_sigma;
+    result.systematic_share += systematic * inverse_sigma * inverse_sigma;
     ++result.axes;
   }
   return tool_square;
@@ -143,12 +144,16 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
     square_sum +=
         AddSensor(model, trust, scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7u, coils, i, result);
   }
-  if (result.axes > 0) result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
+  if (result.axes > 0) {
+    result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
+    result.systematic_share /= result.axes;
+  }
   Currents change_A{};
   for (std::size_t k = 0; k < change_A.size(); ++k) {
     change_A[k] = rate_A_s[k] != 0 ? measured_A[k] - previous.coil_current_A[k] : 0.0;
   }
   Currents variance_A2 = CurrentVariance(trust, measured_A, change_A);
+  result.current_variance_A2 = variance_A2;
   for (std::size_t k = 0; k < variance_A2.size(); ++k) variance_A2[k] += offsets.remanence_variance_A2[k];
   SetNuisances(model, variance_A2, Square(trust.ambient_error_T), result);
   return result;

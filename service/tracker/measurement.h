@@ -43,15 +43,17 @@ struct BasicMeasurement {
   // Nuisances are unknowns of every scan, eliminated from the normal equations: whitened columns (row 3 n + axis), what
   // the usable axes say about them, C^T C, and S = (C^T C + prior)^-1; row-major, kNuisancesMax to a row.
   int nuisances = 0;
+  std::array<double, base::kCoilCount> current_variance_A2{};  // of this scan's currents, what lasts left out
   std::array<Lanes, std::size_t{3} * kNuisancesMax> nuisance{};
   NuisanceMatrix nuisance_information{};
   NuisanceMatrix nuisance_covariance{};
   std::array<double, 3> velocity_base_m_s{};
   std::array<double, 3> axis_rate_base_1_s{};
-  double moment_scale = 1;  // of the model's moment
-  double field_rms_T = 0;   // |B| of the tool, root mean square over the usable readings
-  int axes = 0;             // usable readings
-  int fixed = 0;            // of those, spent on unknowns without a prior
+  double moment_scale = 1;      // of the model's moment
+  double field_rms_T = 0;       // |B| of the tool, root mean square over the usable readings
+  double systematic_share = 0;  // of the readings' variance: what the model gets wrong; mean over them
+  int axes = 0;                 // usable readings
+  int fixed = 0;                // of those, spent on unknowns without a prior
 };
 using Measurement = BasicMeasurement<kSensors>;            // of the base, in the tick
 using ArrayMeasurement = BasicMeasurement<kArraySensors>;  // of any array, off the tick

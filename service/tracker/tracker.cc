@@ -20,6 +20,8 @@ constexpr double kPredictMax_s = 0.020;
 constexpr double kColdDamping = 1e-2;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
+constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
+constexpr double kModelErrorMax = 0.05;      // an uncalibrated base
 
 // Seconds from b to a. The difference of far-apart stamps does not fit 64 bits; it is out of any range anyway.
 double Elapsed_s(std::int64_t a_ns, std::int64_t b_ns) noexcept {
@@ -226,11 +228,19 @@ int ParametersOf(const Config& config, const State& state, bool wide) noexcept {
   return hold ? 3 : kParameters;
 }
 
+// A position error dp at the distance d passes for 3 dp / d of a dipole's field; never less than the nominal share,
+// which is what a calibration cannot tell of itself (sensors that are not straight).   docs/theory/tracking.md (3)
+double ModelErrorOf(const base::Calibration& calibration, double nominal) {
+  if (!(calibration.expected_error_m > 0)) return nominal;
+  return std::clamp(3 * calibration.expected_error_m / kTypicalDistance_m, nominal, kModelErrorMax);
+}
+
 }  // namespace
 
 Config MakeConfig(const base::Calibration& calibration) {
   Config config;
   config.model = MakeModel(calibration);
+  config.trust.model_error_relative = ModelErrorOf(calibration, config.trust.model_error_relative);
   return config;
 }
 

