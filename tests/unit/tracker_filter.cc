@@ -58,7 +58,7 @@ TEST_F(TrackerFilter, ACalmHandGivesACalmPose) {
   RmsAt(at, 2000);
   EXPECT_LT(RmsAt(at, 4000), 0.8 * without_m);
   EXPECT_LT(state.position_liveliness.log_factor, std::log(0.2));
-  EXPECT_GE(state.position_liveliness.log_factor, std::log(noise.calm_factor_min) - 1e-9);
+  EXPECT_GE(state.position_liveliness.log_factor, noise.calm_log_min - 1e-9);
 }
 
 TEST_F(TrackerFilter, AHandThatSetsOffIsNotHeldBack) {
@@ -79,7 +79,7 @@ TEST_F(TrackerFilter, LearningStaysWithinItsBounds) {
   for (int i = 0; i < 3000; ++i) {
     const double t_s = kTick_s * i;
     Feed({0.02 * std::sin(60 * t_s), 0.02 * std::cos(60 * t_s), 0.07});
-    EXPECT_LE(state.position_liveliness.log_factor, std::log(noise.calm_factor_max) + 1e-9);
+    EXPECT_LE(state.position_liveliness.log_factor, noise.calm_log_max + 1e-9);
   }
   EXPECT_GT(state.position_liveliness.log_factor, 0);
 }
