@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/stamp.h"
+
 namespace omni::actuation {
 namespace {
 
@@ -88,8 +90,7 @@ void UpdateHeat(const HeatConfig& config, const base::HallScan& scan,
     Start(config, scan, state);
     return;
   }
-  // As doubles: a wild stamp must not overflow. Their error, 0.1 us, does not matter here.
-  const double elapsed_s = (static_cast<double>(scan.t_ns) - static_cast<double>(state.t_ns)) * 1e-9;
+  const double elapsed_s = base::Elapsed_s(scan.t_ns, state.t_ns);
   const double dt_s = std::clamp(elapsed_s, 0.0, kStepMax_s);
   state.t_ns = scan.t_ns;
   std::array<double, base::kCoilCount> heating_A{};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/stamp.h"
+
 namespace omni::loop {
 namespace {
 
@@ -29,7 +31,7 @@ bool SelectWithHysteresis(const InputConfig& config, double force_N, bool presse
 // First-order low-pass; goes to rest at once when nothing is live.
 double FilterForce(const InputConfig& config, double force_N, bool live, std::int64_t t_ns,
                    InputTracker& tracker) noexcept {
-  const double dt_s = std::clamp(static_cast<double>(t_ns - tracker.t_ns) * 1e-9, 0.0, 0.1);
+  const double dt_s = std::clamp(base::Elapsed_s(t_ns, tracker.t_ns), 0.0, 0.1);
   const double share = config.force_filter_s > 0 ? dt_s / (config.force_filter_s + dt_s) : 1.0;
   const double wanted_N = std::isfinite(force_N) ? force_N : 0;
   tracker.tip_force_N = live ? tracker.tip_force_N + share * (wanted_N - tracker.tip_force_N) : 0;

@@ -7,6 +7,7 @@
 #include "service/base/eigen.h"
 #include "service/base/force_limit.h"
 #include "service/base/limits.h"
+#include "service/base/stamp.h"
 
 namespace omni::loop {
 namespace {
@@ -23,7 +24,7 @@ double Advance(const base::HallScan& scan, LoopState& state, TickOutput& output)
     state.t_ns = scan.t_ns;
     return base::kTickPeriod_s;
   }
-  const double elapsed_s = static_cast<double>(scan.t_ns - state.t_ns) * 1e-9;
+  const double elapsed_s = base::Elapsed_s(scan.t_ns, state.t_ns);
   if (!(elapsed_s > 0 && elapsed_s <= kMaxStep_s)) output.faults |= kFaultTime;
   state.t_ns = scan.t_ns;
   return std::clamp(elapsed_s, 0.0, kMaxStep_s);
@@ -32,7 +33,7 @@ double Advance(const base::HallScan& scan, LoopState& state, TickOutput& output)
 // The gain on everything rendered: opens slowly, closes fast, and fades when the owner falls silent.
 void MoveGate(const TickConfig& config, const Commands& commands, std::int64_t t_ns, double dt_s, LoopState& state,
               TickOutput& output) noexcept {
-  const bool stale = t_ns - commands.t_ns > config.command_timeout_ns;
+  const bool stale = base::StampDifference_ns(t_ns, commands.t_ns) > config.command_timeout_ns;
   if (stale) output.faults |= kFaultCommandsStale;
   const bool swap = commands.scene_generation != state.scene_generation;
   if (output.faults & kFaultDevice || swap || commands.gate == ForceGate::kClosed) {
@@ -59,8 +60,8 @@ void CarryOrientation(const base::ToolState& tool, LoopState& state, TickOutput&
 
 haptics::Input MakeHapticInput(const TickConfig& config, const base::ToolState& tool, const base::ForceLimit& limit,
                                double dt_s) noexcept {
-  const base::ToolState ahead =
-      tracker::Predict(tool, tool.t_ns + static_cast<std::int64_t>(config.predict_s * 1e9), config.tip_offset_m);
+  const base::ToolState ahead = tracker::Predict(
+      tool, base::StampAfter_ns(tool.t_ns, static_cast<std::int64_t>(config.predict_s * 1e9)), config.tip_offset_m);
   return {.t_ns = tool.t_ns,
           .dt_s = dt_s,
           .tracked = tool.status == base::TrackingStatus::kTracking,

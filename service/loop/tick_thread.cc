@@ -1,6 +1,7 @@
 #include "service/loop/tick_thread.h"
 
 #include "service/base/clock.h"
+#include "service/base/stamp.h"
 #include "service/loop/denormals.h"
 
 namespace omni::loop {
@@ -63,10 +64,11 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
   const std::int64_t end_ns = base::MonotonicNow_ns();
   source_.Apply(record_.output.currents);
   record_.done_ns = base::MonotonicNow_ns();
-  record_.late = record_.done_ns - scan.t_ns > kLate_ns;
+  const std::int64_t latency_ns = base::StampDifference_ns(record_.done_ns, scan.t_ns);
+  record_.late = latency_ns > kLate_ns;
   sink_.Publish(record_.output);
   statistics_->tick_time.Add(end_ns - begin_ns);
-  statistics_->latency.Add(record_.done_ns - scan.t_ns);
+  statistics_->latency.Add(latency_ns);
   statistics_->ticks.fetch_add(1, std::memory_order_relaxed);
   if (record_.late) statistics_->late.fetch_add(1, std::memory_order_relaxed);
   if (options_.telemetry) {

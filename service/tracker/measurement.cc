@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "service/base/stamp.h"
 #include "service/tracker/nuisance.h"
 
 namespace omni::tracker {
@@ -25,7 +26,7 @@ bool ArePlausible(const Currents& current_A) noexcept {
 // dI/dt between two scans; zero when the scan before is missing or too old.
 Currents CurrentRate(const base::HallScan& scan, const CurrentHistory& previous) noexcept {
   Currents rate_A_s{};
-  const double dt_s = 1e-9 * (static_cast<double>(scan.t_ns) - static_cast<double>(previous.t_ns));
+  const double dt_s = base::Elapsed_s(scan.t_ns, previous.t_ns);
   if (!previous.valid || !ArePlausible(previous.coil_current_A)) return rate_A_s;
   if (!(dt_s > 0 && dt_s <= kScanGapMax_s)) return rate_A_s;
   for (std::size_t k = 0; k < rate_A_s.size(); ++k) {
@@ -113,7 +114,7 @@ Trust NoiseOnly() noexcept {
 // follows a drifting device clock.
 CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept {
   CurrentHistory now{true, scan.t_ns, scan.sequence, scan.coil_current_A, 0};
-  const double elapsed_s = 1e-9 * (static_cast<double>(scan.t_ns) - static_cast<double>(previous.t_ns));
+  const double elapsed_s = base::Elapsed_s(scan.t_ns, previous.t_ns);
   const std::uint64_t ticks = scan.sequence - previous.sequence;
   if (!previous.valid || !(ticks >= 1 && ticks <= kTickGapMax)) return now;
   const double lead_s =

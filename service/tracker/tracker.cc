@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "service/base/eigen.h"
+#include "service/base/stamp.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/cold_start.h"
 #include "service/tracker/gap.h"
@@ -22,13 +23,6 @@ constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kModelErrorMax = 0.05;      // an uncalibrated base
-
-// Seconds from b to a. The difference of far-apart stamps does not fit 64 bits; it is out of any range anyway.
-double Elapsed_s(std::int64_t a_ns, std::int64_t b_ns) noexcept {
-  std::int64_t difference = 0;
-  if (__builtin_sub_overflow(a_ns, b_ns, &difference)) return std::copysign(1e10, a_ns < b_ns ? -1.0 : 1.0);
-  return 1e-9 * static_cast<double>(difference);
-}
 
 bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
   return fit.converged &&
@@ -162,7 +156,7 @@ base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * f
 // Holds the last pose while the velocities fade.
 void Hold(const Config& config, const base::HallScan& scan, State& state) noexcept {
   base::ToolState& tool = state.published;
-  const double dt_s = std::clamp(Elapsed_s(scan.t_ns, tool.t_ns), 0.0, 1.0);
+  const double dt_s = std::clamp(base::Elapsed_s(scan.t_ns, tool.t_ns), 0.0, 1.0);
   const bool absent = ++state.bad_scans >= config.lost_after_scans || !state.ever_tracked;
   state.bad_scans = std::min(state.bad_scans, config.lost_after_scans);
   const double fade = absent ? 0.0 : std::exp(-dt_s / config.velocity_decay_s);
@@ -208,7 +202,7 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& d
     sum_A += std::abs(step_A[k]);
   }
   if (!(sum_A <= kCurrentStepMax_A)) step_A = {};  // not a current: the scan is not used
-  PredictDrift(config.drift, std::clamp(Elapsed_s(scan.t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, drift);
+  PredictDrift(config.drift, std::clamp(base::Elapsed_s(scan.t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, drift);
   drift.t_ns = scan.t_ns;
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
 }
@@ -269,7 +263,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   if (wide) AllowForDrift(config.model, state.drift, measurement);
   state.currents = currents;
 
-  const double dt_s = Elapsed_s(scan.t_ns, state.filter_t_ns);
+  const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
   const bool continues = state.warm && dt_s >= 0 && dt_s <= config.coast_max_s;
   FilterState predicted = state.filter;
   if (continues) PredictFilter(config.filter, dt_s, predicted);
@@ -294,7 +288,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
 }
 
 base::ToolState Predict(const base::ToolState& tool, std::int64_t t_ns, double tip_offset_m) noexcept {
-  const double dt_s = std::clamp(Elapsed_s(t_ns, tool.t_ns), -kPredictMax_s, kPredictMax_s);
+  const double dt_s = std::clamp(base::Elapsed_s(t_ns, tool.t_ns), -kPredictMax_s, kPredictMax_s);
   base::ToolState ahead = tool;
   const auto step_ns = static_cast<std::int64_t>(std::lround(dt_s * 1e9));
   if (__builtin_add_overflow(tool.t_ns, step_ns, &ahead.t_ns)) ahead.t_ns = tool.t_ns;
