@@ -18,7 +18,7 @@ enum Face : std::uint32_t { kBody, kTop, kRight, kFront };
 // Coordinates along one edge of the sharp box: fillet, flat, fillet.
 std::vector<double> Ticks(double half_m, int flat_steps) {
   std::vector<double> ticks;
-  ticks.reserve(static_cast<std::size_t>(2 * kFilletSteps + flat_steps + 1));
+  ticks.reserve(static_cast<std::size_t>(flat_steps) + 2 * kFilletSteps + 1);
   for (int i = 0; i < kFilletSteps; ++i) ticks.push_back(-half_m + kFillet_m * i / kFilletSteps);
   for (int i = 0; i <= flat_steps; ++i) ticks.push_back((half_m - kFillet_m) * (2.0 * i / flat_steps - 1));
   for (int i = kFilletSteps - 1; i >= 0; --i) ticks.push_back(half_m - kFillet_m * i / kFilletSteps);

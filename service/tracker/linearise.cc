@@ -82,7 +82,7 @@ void EvaluateField(const Model& model, const PosePoint& pose, std::span<double> 
     BlockField field;
     ActiveKernel().field(model.places[static_cast<std::size_t>(first / kBlockSensors)], model.tool, at, field);
     for (int lane = 0; lane < kBlockSensors && first + lane < model.sensors; ++lane) {
-      const auto i = static_cast<std::size_t>(first + lane);
+      const std::size_t i = static_cast<std::size_t>(first) + static_cast<std::size_t>(lane);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto in_sensor = [&](const double(&B)[3][kBlockSensors]) {
           return model.gain_sensor_base[3 * axis][i] * B[0][lane] +

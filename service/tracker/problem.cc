@@ -33,7 +33,7 @@ void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
   problem.block_count = (measurement.sensors + kBlockSensors - 1) / kBlockSensors;
   for (int b = 0; b < problem.block_count; ++b) {
     SensorBlock<Real>& block = problem.blocks[b];
-    const auto first = static_cast<std::size_t>(b * kBlockSensors);
+    const std::size_t first = static_cast<std::size_t>(b) * kBlockSensors;
     for (std::size_t row = 0; row < 3; ++row) {
       Copy(measurement.whitened[row], first, block.whitened[row]);
     }

@@ -238,13 +238,13 @@ TEST(ActuationForces, CompensationFadesInSmoothlyFromZero) {
     const base::ForceLimit limit = ComputeForceLimit(config, tool, {25, 25, 25});
     const Vector3d direction = RandomUnit(rng);
     Vector3d last = Vector3d::Zero();
-    const double step_N = 1e-3;
-    for (double f = 0; f < 0.6; f += step_N) {
+    for (int millinewtons = 0; millinewtons < 600; ++millinewtons) {
+      const double f = 1e-3 * millinewtons;
       State state;
       base::CoilCurrents currents;
       Allocate(config, limit, base::FromEigen(f * direction), 1e-3, state, currents);
       const Vector3d now = Eigen::Map<const Vector3d>(currents.current_A.data());
-      if (f == 0) {
+      if (millinewtons == 0) {
         EXPECT_EQ(now.norm(), 0);
       }
       EXPECT_LT((now - last).norm(), 0.3);

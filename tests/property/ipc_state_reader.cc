@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <cstring>
+#include <bit>
+#include <cstddef>
 #include <deque>
 #include <limits>
 #include <new>
@@ -44,7 +46,10 @@ ToolSample SampleOf(std::int64_t t_ns) {
   return sample;
 }
 
-bool SameBits(const ToolSample& a, const ToolSample& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+bool SameBits(const ToolSample& a, const ToolSample& b) {
+  using Bytes = std::array<std::byte, sizeof(ToolSample)>;
+  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
+}
 
 TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
   std::mt19937_64 random(11);

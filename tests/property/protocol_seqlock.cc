@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
+#include <bit>
+#include <cstddef>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -27,7 +30,10 @@ ToolSample SampleOf(std::uint64_t n) {
   return sample;
 }
 
-bool SameBits(const ToolSample& a, const ToolSample& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+bool SameBits(const ToolSample& a, const ToolSample& b) {
+  using Bytes = std::array<std::byte, sizeof(ToolSample)>;
+  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
+}
 
 TEST(Seqlock, UnwrittenCellReadsAsNothing) {
   const RingSlot slot;

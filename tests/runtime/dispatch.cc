@@ -41,7 +41,7 @@ struct NamedFunction {
 };
 
 const NamedFunction kTable[] = {
-#define OMNI_ROW(name) {"xr" #name, reinterpret_cast<PFN_xrVoidFunction>(&Entry<k##name, &name>::Call)},
+#define OMNI_ROW(name) {"xr" #name, reinterpret_cast<PFN_xrVoidFunction>(&Entry<k##name, &(name)>::Call)},
     OMNI_RUNTIME_FUNCTIONS(OMNI_ROW)
 #undef OMNI_ROW
 };

@@ -128,6 +128,7 @@ XrResult RuntimeTest::TryAction(XrActionSet set, const std::string& name, XrActi
 XrAction RuntimeTest::AddActionTo(XrActionSet set, const std::string& name, XrActionType type,
                                   const std::vector<std::string>& hands) {
   std::vector<XrPath> paths;
+  paths.reserve(hands.size());
   for (const std::string& hand : hands) paths.push_back(Path("/user/hand/" + hand));
   XrAction action = XR_NULL_HANDLE;
   EXPECT_EQ(TryAction(set, name, type, paths, &action), XR_SUCCESS);
@@ -140,6 +141,7 @@ XrAction RuntimeTest::AddAction(const std::string& name, XrActionType type, cons
 
 XrResult RuntimeTest::Suggest(const std::string& profile, const std::vector<Binding>& bindings) {
   std::vector<XrActionSuggestedBinding> suggested;
+  suggested.reserve(bindings.size());
   for (const Binding& binding : bindings) suggested.push_back({binding.action, Path(binding.path)});
   auto info = Make<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
   info.interactionProfile = Path(profile);
