@@ -194,6 +194,7 @@ TEST(Server, ManySilentConnectionsDoNotPileUp) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   std::vector<std::unique_ptr<RawClient>> silent;
+  silent.reserve(32);
   for (int i = 0; i < 32; ++i) silent.push_back(std::make_unique<RawClient>(temp.Path("omnid.sock")));
   RawClient next(temp.Path("omnid.sock"));
   EXPECT_NE(next.RejectReason().find("have not said Hello"), std::string::npos);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "service/sim/trace.h"
 #include "tests/support/nominal_device.h"
@@ -64,7 +63,7 @@ TraceOptions Short() {
 }
 
 bool Same(const std::vector<TraceRow>& a, const std::vector<TraceRow>& b) {
-  return a.size() == b.size() && std::memcmp(&a.back().scan, &b.back().scan, sizeof(base::HallScan)) == 0;
+  return a.size() == b.size() && a.back().scan == b.back().scan;
 }
 
 TEST(SimTrace, EqualOptionsGiveEqualBits) {

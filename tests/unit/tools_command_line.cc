@@ -25,6 +25,7 @@ Outcome Omni(std::initializer_list<std::string> arguments) {
   std::vector<std::string> words{"omni"};
   words.insert(words.end(), arguments);
   std::vector<const char*> argv;
+  argv.reserve(words.size());
   for (const std::string& word : words) argv.push_back(word.c_str());
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();

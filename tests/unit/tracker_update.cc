@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -79,7 +78,7 @@ TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothing) {
     const base::ToolState first = tool;
     for (int again = 0; again < 6; ++again) {
       Feed(scan);
-      ASSERT_EQ(std::memcmp(&tool, &first, sizeof tool), 0);
+      ASSERT_TRUE(tool == first);
     }
     t_ns += 6'000'000;
   }
@@ -394,7 +393,7 @@ TEST_F(TrackerUpdate, EqualScansGiveEqualBits) {
     Feed(scan);
     base::ToolState other;
     Update(config, scan, second, other);
-    ASSERT_EQ(std::memcmp(&tool, &other, sizeof tool), 0);
+    ASSERT_TRUE(tool == other);
   }
 }
 
