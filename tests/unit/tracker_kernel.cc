@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -15,6 +17,12 @@ namespace {
 
 using support::Rng;
 using support::Uniform;
+
+template <class Sums>
+bool SameBits(const Sums& a, const Sums& b) {
+  using Bytes = std::array<std::byte, sizeof(Sums)>;
+  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
+}
 
 // Eight sensors each around a magnet at 0.05 m height; sizes and signs as in the base, otherwise random.
 template <class Real>
@@ -81,8 +89,7 @@ void ExpectEqualBits() {
         ASSERT_TRUE(std::isfinite(expected.rtr) && expected.rtr > 0);
         for (int k = 1; k < list.count; ++k) {
           const KernelSums sums = scene.Sums(*list.kernels[k], task);
-          ASSERT_EQ(std::memcmp(&sums, &expected, sizeof sums), 0)
-              << list.kernels[k]->name << " core " << core << " blocks " << blocks;
+          ASSERT_TRUE(SameBits(sums, expected)) << list.kernels[k]->name << " core " << core << " blocks " << blocks;
         }
       }
     }
@@ -122,7 +129,7 @@ void ExpectResidualsOf(double tolerance) {
       for (int p = 0; p < parameters; ++p) EXPECT_NEAR(renewed.Jtr[p] / sums.Jtr[p], 1, 1e3 * tolerance) << p;
       for (int n = 0; n < 4; ++n) EXPECT_NEAR(renewed.Ctr[n] / sums.Ctr[n], 1, 1e3 * tolerance) << n;
       if (k == 0) first = renewed;
-      EXPECT_EQ(std::memcmp(&renewed, &first, sizeof first), 0) << list.kernels[k]->name;
+      EXPECT_TRUE(SameBits(renewed, first)) << list.kernels[k]->name;
     }
   }
 }
@@ -161,7 +168,7 @@ TEST(TrackerKernel, PlacesScoreTheSameInAllWidths) {
   for (int k = 1; k < list.count; ++k) {
     PlaceScores scores;
     list.kernels[k]->score(field.data(), task, scores);
-    EXPECT_EQ(std::memcmp(&scores, &expected, sizeof scores), 0) << list.kernels[k]->name;
+    EXPECT_TRUE(SameBits(scores, expected)) << list.kernels[k]->name;
   }
 }
 
