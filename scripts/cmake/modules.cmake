@@ -23,22 +23,6 @@ function(omni_module name)
   endif()
 endfunction()
 
-# omni_precompile(TARGET headers...): headers of libraries, never ours; each file goes on including what it uses.
-function(omni_precompile target)
-  if(OMNI_PRECOMPILE)
-    target_precompile_headers(${target} PRIVATE ${ARGN})
-  endif()
-endfunction()
-
-# Tests with the same definitions share the precompiled headers of test_base, which is the first of them.
-function(omni_precompile_test target)
-  if(target STREQUAL test_base)
-    omni_precompile(test_base <gtest/gtest.h> <Eigen/Dense> <cmath> <filesystem> <random> <string> <vector>)
-  elseif(OMNI_PRECOMPILE)
-    target_precompile_headers(${target} REUSE_FROM test_base)
-  endif()
-endfunction()
-
 # omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [SERIAL]): test_NAME from tests/*/NAME.cc and
 # tests/*/NAME_*.cc, registered with ctest test by test. SERIAL: nothing else runs meanwhile.
 function(omni_test name)
@@ -54,7 +38,6 @@ function(omni_test name)
   target_link_libraries(test_${name} PRIVATE ${ARG_DEPS} GTest::gtest GTest::gtest_main)
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_compile_definitions(test_${name} PRIVATE OMNI_SOURCE_DIR="${CMAKE_SOURCE_DIR}" OMNI_BINARY_DIR="${CMAKE_BINARY_DIR}")
-  omni_precompile_test(test_${name})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
