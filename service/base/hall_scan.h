@@ -24,7 +24,6 @@ struct HallScan {
   std::array<double, kCoilCount> coil_temperature_C{};  // estimated by the device
   double supply_V = 0;
   std::uint32_t device_faults = 0;  // wire::Fault bits; != 0 means the device holds its coils at zero
-  friend bool operator==(const HallScan&, const HallScan&) = default;
 };
 static_assert(std::is_trivially_copyable_v<HallScan>);
 

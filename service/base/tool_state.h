@@ -44,7 +44,6 @@ struct ToolState {
   double chi2 = 0;  // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;
-  friend bool operator==(const ToolState&, const ToolState&) = default;
 };
 static_assert(std::is_trivially_copyable_v<ToolState>);
 

@@ -7,10 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <bit>
-#include <cstddef>
 #include <deque>
 #include <limits>
 #include <new>
@@ -21,6 +18,7 @@
 #include "service/ipc/state_publisher.h"
 #include "service/protocol/sample_range.h"
 #include "service/protocol/seqlock.h"
+#include "tests/support/same_bits.h"
 
 namespace omni {
 namespace {
@@ -29,6 +27,7 @@ using client::StateReader;
 using ipc::StatePublisher;
 using protocol::StateMemory;
 using protocol::ToolSample;
+using support::SameBits;
 
 constexpr std::size_t kKept = protocol::kRingCapacity - 1;
 
@@ -44,11 +43,6 @@ ToolSample SampleOf(std::int64_t t_ns) {
   sample.position_sigma_m = x + 4;
   sample.gap_m = x + 5;
   return sample;
-}
-
-bool SameBits(const ToolSample& a, const ToolSample& b) {
-  using Bytes = std::array<std::byte, sizeof(ToolSample)>;
-  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
 }
 
 TEST(StateReaderProperty, AroundAgreesWithBruteForce) {

@@ -3,16 +3,17 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <atomic>
-#include <bit>
-#include <cstddef>
 #include <memory>
 #include <thread>
 #include <vector>
 
+#include "tests/support/same_bits.h"
+
 namespace omni::protocol {
 namespace {
+
+using support::SameBits;
 
 // Every field follows from one number, so that a mix of two samples shows.
 ToolSample SampleOf(std::uint64_t n) {
@@ -28,11 +29,6 @@ ToolSample SampleOf(std::uint64_t n) {
   sample.position_sigma_m = x + 4;
   sample.gap_m = x + 5;
   return sample;
-}
-
-bool SameBits(const ToolSample& a, const ToolSample& b) {
-  using Bytes = std::array<std::byte, sizeof(ToolSample)>;
-  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
 }
 
 TEST(Seqlock, UnwrittenCellReadsAsNothing) {

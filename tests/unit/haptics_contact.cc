@@ -5,6 +5,7 @@
 
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/stability.h"
+#include "tests/support/same_bits.h"
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
@@ -403,9 +404,9 @@ TEST(Contact, EqualInputsGiveEqualBits) {
     const Vec3 tip = random.Uniform(0.7, 1.2) * 0.02 * Normalized(Vec3{1, 0.3, 0.2} + random.InBox(0.2));
     a.MoveTo(tip);
     b.MoveTo(tip);
-    ASSERT_EQ(a.output.force_base_N, b.output.force_base_N);
+    ASSERT_TRUE(support::SameBits(a.output.force_base_N, b.output.force_base_N));
   }
-  EXPECT_EQ(a.state.contacts[0].proxy_base_m, b.state.contacts[0].proxy_base_m);
+  EXPECT_TRUE(support::SameBits(a.state.contacts[0].proxy_base_m, b.state.contacts[0].proxy_base_m));
 }
 
 }  // namespace

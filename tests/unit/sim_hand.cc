@@ -50,7 +50,7 @@ TEST(SimHand, VelocityOfThePathIsItsDerivative) {
   script.tremor_m = 1e-3;
   script.repeat = true;
   const HandPath path(script, 0.005, random);
-  for (int step = 0; step < 125; ++step) {
+  for (int step = 0; step < 126; ++step) {
     const double t = 0.013 + 0.0317 * step;
     const double h = 1e-6;
     const Vec3 slope = (1 / (2 * h)) * (path.At(t + h).centre_base_m - path.At(t - h).centre_base_m);

@@ -6,6 +6,7 @@
 
 #include "service/sim/trace.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/same_bits.h"
 
 namespace omni::sim {
 namespace {
@@ -63,7 +64,7 @@ TraceOptions Short() {
 }
 
 bool Same(const std::vector<TraceRow>& a, const std::vector<TraceRow>& b) {
-  return a.size() == b.size() && a.back().scan == b.back().scan;
+  return a.size() == b.size() && support::SameBits(a.back().scan, b.back().scan);
 }
 
 TEST(SimTrace, EqualOptionsGiveEqualBits) {

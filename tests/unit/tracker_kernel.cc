@@ -2,27 +2,20 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstddef>
 #include <memory>
 #include <vector>
 
 #include "service/tracker/kernel.h"
 #include "tests/support/numeric.h"
+#include "tests/support/same_bits.h"
 
 namespace omni::tracker {
 namespace {
 
 using support::Rng;
+using support::SameBits;
 using support::Uniform;
-
-template <class Sums>
-bool SameBits(const Sums& a, const Sums& b) {
-  using Bytes = std::array<std::byte, sizeof(Sums)>;
-  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
-}
 
 // Eight sensors each around a magnet at 0.05 m height; sizes and signs as in the base, otherwise random.
 template <class Real>

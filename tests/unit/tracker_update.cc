@@ -9,6 +9,7 @@
 
 #include "service/tracker/tracker.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/tool_scan.h"
 
 namespace omni::tracker {
@@ -78,7 +79,7 @@ TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothing) {
     const base::ToolState first = tool;
     for (int again = 0; again < 6; ++again) {
       Feed(scan);
-      ASSERT_TRUE(tool == first);
+      ASSERT_TRUE(support::SameBits(tool, first));
     }
     t_ns += 6'000'000;
   }
@@ -393,7 +394,7 @@ TEST_F(TrackerUpdate, EqualScansGiveEqualBits) {
     Feed(scan);
     base::ToolState other;
     Update(config, scan, second, other);
-    ASSERT_TRUE(tool == other);
+    ASSERT_TRUE(support::SameBits(tool, other));
   }
 }
 
