@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 
 namespace omni::tools {
@@ -77,21 +78,16 @@ std::vector<std::pair<std::string, BenchRows>> TakeSideTables(BenchRows& rows) {
 
 int RunBench(const Bench& bench, const BenchOptions& options, const std::string& json_path) {
   auto rows = bench.run(options);
-  if (!rows.ok()) {
-    std::cerr << "omni bench " << bench.name << ": " << rows.error() << "\n";
-    return 1;
-  }
+  if (!rows.ok()) return Fail(std::string("omni bench ") + bench.name, rows.error());
   BenchRows own = *rows;
   const auto tables = TakeSideTables(own);
   std::cout << BenchTable(own);
   for (const auto& [name, side] : tables) std::cout << "\n" << name << "\n" << BenchTable(side);
-  if (json_path.empty()) return 0;
+  if (json_path.empty()) return kExitOk;
   std::ofstream file(json_path);
   file << BenchDocument(bench.name, *rows).dump(2) << "\n";
   file.close();
-  if (file) return 0;
-  std::cerr << "omni bench: " << json_path << ": cannot be written\n";
-  return 1;
+  return file ? kExitOk : Fail("omni bench", json_path + ": cannot be written");
 }
 
 }  // namespace

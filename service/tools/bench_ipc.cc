@@ -90,10 +90,10 @@ base::Status CountCalls(const Folders& folders, BenchRows& rows) {
 // Reads of the state memory alone, without OpenXR.
 template <class Call>
 ordered_json TimeReads(const char* name, Call call) {
-  constexpr int kBatches = 4000;
+  constexpr int kCallBatches = 4000;
   constexpr int kPerBatch = 64;
   std::vector<double> ns;
-  for (int batch = 0; batch < kBatches; ++batch) {
+  for (int batch = 0; batch < kCallBatches; ++batch) {
     const std::int64_t begin_ns = base::MonotonicNow_ns();
     for (int i = 0; i < kPerBatch; ++i) call();
     ns.push_back(static_cast<double>(base::MonotonicNow_ns() - begin_ns) / kPerBatch);

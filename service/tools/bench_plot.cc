@@ -183,8 +183,7 @@ void AddBenchPlot(CLI::App& bench) {
   plot->callback([files, folder] {
     for (const std::string& file : *files) {
       if (const std::string problem = PlotFile(file, *folder); !problem.empty()) {
-        std::cerr << "omni bench plot: " << problem << "\n";
-        throw CLI::RuntimeError(kExitFailed);
+        throw CLI::RuntimeError(Fail("omni bench plot", problem));
       }
     }
     throw CLI::RuntimeError(kExitOk);

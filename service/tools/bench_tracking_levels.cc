@@ -13,7 +13,7 @@ namespace {
 
 using tracker::Level;
 
-constexpr double kTrace_s = 20;
+constexpr double kLevelTrace_s = 20;
 constexpr std::size_t kSettleTicks = 200;
 constexpr std::size_t kRounds = 200;
 constexpr std::size_t kTries = 3;  // per round, when the machine takes the core away
@@ -50,7 +50,7 @@ base::Result<BenchRows> Levels(const TrackingPlan& plan) {
   const std::uint64_t seed = plan.seeds.front();
   sim::Rig rig(config::DefaultDevice(),
                {.seed = seed, .sizes = sim::NoImperfections(), .noise = sim::NoiseMode::kLowPower});
-  sim::TraceOptions options{.duration_s = plan.share > 1 ? 2.0 : kTrace_s, .seed = seed};
+  sim::TraceOptions options{.duration_s = plan.share > 1 ? 2.0 : kLevelTrace_s, .seed = seed};
   options.motion.seed = seed;
   options.currents = sim::StaggeredSawtooth(4, 0.5);
   const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);

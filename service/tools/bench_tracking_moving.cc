@@ -24,7 +24,7 @@ using sim::operator*;
 using sim::operator+=;
 
 constexpr std::size_t kRigsPerSeed = 4;  // 12 in all
-constexpr double kTrace_s = 60;
+constexpr double kMovingTrace_s = 60;
 constexpr double kCalibrating_s = 100;
 constexpr double kSettle_s = 0.2;
 constexpr double kUncalibrated = 0.05;  // error of the model that the tracker must allow then, or nothing would fit
@@ -113,7 +113,7 @@ base::Result<std::array<base::Calibration, 3>> Calibrations(const sim::Rig& rig,
 
 base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan) {
   const std::size_t rigs = plan.share > 1 ? 1 : kRigsPerSeed;
-  const double duration_s = plan.share > 1 ? 5.0 : kTrace_s;
+  const double duration_s = plan.share > 1 ? 5.0 : kMovingTrace_s;
   std::array<std::array<RunErrors, kAmplitudes_A.size()>, kKnowledge.size()> all;
   for (const std::uint64_t seed : plan.seeds) {
     for (std::size_t r = 0; r < rigs; ++r) {

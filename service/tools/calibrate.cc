@@ -2,7 +2,6 @@
 // of the simulation does what the person would.
 #include <cstdio>
 #include <ctime>
-#include <iostream>
 #include <memory>
 #include <string>
 
@@ -31,11 +30,6 @@ struct Arguments {
   std::uint64_t seed = 1;
   SessionOptions session;
 };
-
-int Fail(const std::string& message) {
-  std::cerr << "omni calibrate: " << message << "\n";
-  return kExitFailed;
-}
 
 // On a terminal one line that changes, else a line per step.
 class Display {
@@ -95,23 +89,24 @@ int Calibrate(const Arguments& arguments) {
   base::DeviceGeometry device = config::DefaultDevice();
   if (!arguments.device_file.empty()) {
     auto loaded = config::LoadDeviceFile(arguments.device_file);
-    if (!loaded.ok()) return Fail(loaded.error());
+    if (!loaded.ok()) return Fail("omni calibrate", loaded.error());
     device = *loaded;
   }
   const std::string output = arguments.output.empty() ? config::UserCalibrationFile() : arguments.output;
-  if (output.empty()) return Fail("no home folder to write calibration.toml to; name a file with -o FILE");
+  if (output.empty())
+    return Fail("omni calibrate", "no home folder to write calibration.toml to; name a file with -o FILE");
 
   std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
               static_cast<unsigned long long>(arguments.seed));
   Display display(arguments.session);
   const auto done = CalibrateTwin(device, arguments.seed, config::DefaultTwin(), arguments.session,
                                   [&](const CalibrationSession& session) { display.Show(session); });
-  if (!done.ok()) return Fail(done.error());
+  if (!done.ok()) return Fail("omni calibrate", done.error());
   const calibration::Outcome& outcome = done->outcome;
   std::printf("%s", ReportText(outcome.report).c_str());
   const base::Status saved =
       config::SaveCalibrationFile(output, ToFile(outcome, "twin-" + std::to_string(arguments.seed)), device);
-  if (!saved.ok()) return Fail(saved.error());
+  if (!saved.ok()) return Fail("omni calibrate", saved.error());
   std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
   return kExitOk;
 }

@@ -39,6 +39,11 @@ int Parse(CLI::App& app, int argc, const char* const* argv) {
 
 }  // namespace
 
+int Fail(const std::string& command, const std::string& message) {
+  std::cerr << command << ": " << message << "\n";
+  return kExitFailed;
+}
+
 int RunCommandLine(int argc, const char* const* argv) {
   try {
     CLI::App app{kAbout, "omni"};

@@ -1,6 +1,8 @@
 // omni: the one command-line tool.
 #pragma once
 
+#include <string>
+
 namespace omni::tools {
 
 // What every subcommand means by its exit status; --help says so too.
@@ -10,6 +12,9 @@ enum ExitStatus : int {
   kExitUsage = 2,      // wrong arguments
   kExitNoService = 3,  // omnid does not run, or does not answer
 };
+
+// Writes "COMMAND: MESSAGE" to stderr; kExitFailed. command: "omni calibrate".
+int Fail(const std::string& command, const std::string& message);
 
 // Runs argv; the exit status for main.
 int RunCommandLine(int argc, const char* const* argv);

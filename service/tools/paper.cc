@@ -42,16 +42,11 @@ std::string WriteText(const std::string& path, const std::string& text) {
   return file ? std::string() : path + ": cannot be written (" + std::strerror(errno) + ")";
 }
 
-int Fail(const std::string& message) {
-  std::cerr << "omni paper: " << message << "\n";
-  return kExitFailed;
-}
-
 int RunPaper(const PaperArguments& arguments) {
   if (!arguments.figures.empty()) {
     std::error_code error;
     std::filesystem::create_directories(arguments.figures, error);
-    if (error) return Fail(arguments.figures + ": cannot be made (" + error.message() + ")");
+    if (error) return Fail("omni paper", arguments.figures + ": cannot be made (" + error.message() + ")");
   }
   std::cout << "paper: Langerak et al., Omni, UIST 2020; twin and ours: simulation\n";
   BenchRows all;
@@ -68,12 +63,13 @@ int RunPaper(const PaperArguments& arguments) {
     }
     if (arguments.figures.empty()) continue;
     const std::string path = arguments.figures + "/" + section.figure_name;
-    if (const std::string problem = WriteText(path, section.figure_svg); !problem.empty()) return Fail(problem);
+    if (const std::string problem = WriteText(path, section.figure_svg); !problem.empty())
+      return Fail("omni paper", problem);
     std::cout << "  figure: " << path << "\n";
   }
   if (arguments.json.empty()) return kExitOk;
   const std::string problem = WriteText(arguments.json, BenchDocument("paper", all).dump(2) + "\n");
-  return problem.empty() ? kExitOk : Fail(problem);
+  return problem.empty() ? kExitOk : Fail("omni paper", problem);
 }
 
 }  // namespace

@@ -190,7 +190,7 @@ PaperSection PaperForces(const base::DeviceGeometry& device) {
 PaperSection PaperDecay(const base::DeviceGeometry& device) {
   PaperSection section{.title = "Decay with the gap, 2 N at contact (text: 1/(d0 + g)^4, d0 = 41 mm)",
                        .figure_name = "decay.svg"};
-  constexpr double kContact_N = 2;
+  constexpr double kPaperContact_N = 2;
   const double contact_m = device.hull_radius_m + device.magnet.half_height_m;
   const ForceTable twin_0 = TwinForces(device, contact_m, device.core_kappa);
   const ForceTable ours_0 = OurForces(device, contact_m, device.core_kappa);
@@ -201,10 +201,10 @@ PaperSection PaperDecay(const base::DeviceGeometry& device) {
   for (int gap_mm = 0; gap_mm <= 60; gap_mm += 5) {
     const double d = contact_m + 1e-3 * gap_mm;
     const ForceTable twin = TwinForces(device, d, device.core_kappa), ours = OurForces(device, d, device.core_kappa);
-    const double law_N = kContact_N * std::pow(contact_m / d, 4);
-    const double twin_N = kContact_N * twin.radial_z_N_A / twin_0.radial_z_N_A;
-    const double side_N = kContact_N * twin.tangential_x_N_A / twin_0.tangential_x_N_A;
-    const double ours_N = kContact_N * ours.radial_z_N_A / ours_0.radial_z_N_A;
+    const double law_N = kPaperContact_N * std::pow(contact_m / d, 4);
+    const double twin_N = kPaperContact_N * twin.radial_z_N_A / twin_0.radial_z_N_A;
+    const double side_N = kPaperContact_N * twin.tangential_x_N_A / twin_0.tangential_x_N_A;
+    const double ours_N = kPaperContact_N * ours.radial_z_N_A / ours_0.radial_z_N_A;
     law.points.push_back({static_cast<double>(gap_mm), law_N});
     radial.points.push_back({static_cast<double>(gap_mm), twin_N});
     tangential.points.push_back({static_cast<double>(gap_mm), side_N});

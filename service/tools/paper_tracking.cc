@@ -87,7 +87,7 @@ struct Background {
   sim::SensorFields still;
   std::vector<Vec3> per_A;  // 3 sensor + coil
 };
-Background Sweep(sim::Rig& rig) {
+Background MeasureBackground(sim::Rig& rig) {
   Background background{rig.Readings(nullptr, {}), std::vector<Vec3>(3 * base::kSensorCount)};
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     sim::CoilArray current_A{};
@@ -140,7 +140,7 @@ sim::MagnetPose DrawPose(const sim::Rig& rig, sim::Random& random) {
 void RunRig(const base::DeviceGeometry& device, const Condition& condition, double factor, std::uint64_t seed,
             int poses, const std::optional<tracker::Config>& ours, Both& into) {
   sim::Rig rig = MakeRig(device, factor, seed);
-  const Background background = Sweep(rig);
+  const Background background = MeasureBackground(rig);
   peers::PaperSolver solver(peers::MakePaperModel(magnetics::NominalCalibration(device), background.per_A));
   sim::Random random(seed + 1'000'000);
   for (int n = 0; n < poses; ++n) {

@@ -15,8 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kContact_N = 0.010;
-
 // Piecewise linear truth at t_ns; the twin records every device tick. False: outside of the recording, or no pen there.
 struct Truth {
   const CsvTable& table;

@@ -13,6 +13,8 @@
 
 namespace omni::tools {
 
+constexpr double kContact_N = 0.010;  // rendered force of a tick that counts as contact
+
 // A pose that the tracker published while tracking.
 struct TrackedPosition {
   double t_ns = 0;
@@ -34,7 +36,7 @@ struct RunReport {
   std::uint64_t ticks = 0;
   std::uint64_t late_ticks = 0;
   TrackingErrors tracking;
-  std::uint64_t contact_ticks = 0;  // rendered force over 10 mN
+  std::uint64_t contact_ticks = 0;  // rendered force over kContact_N
   double peak_force_N = 0;          // commanded
   std::uint64_t haptic_pulses = 0;  // that reached the coil command
   std::uint64_t select_edges = 0;   // false -> true seen by the app's own xrGetActionState

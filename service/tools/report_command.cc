@@ -10,6 +10,7 @@
 
 #include "service/config/device_file.h"
 #include "service/tools/bench.h"
+#include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/report.h"
 #include "service/tools/run_picture.h"
@@ -24,11 +25,6 @@ struct ReportArguments {
   std::string name, scene, summary, picture, table;
   RunFiles files;
 };
-
-int Fail(const std::string& message) {
-  std::cerr << "omni report: " << message << "\n";
-  return 1;
-}
 
 // Adds the row to {"scenes": [...]}; a row of the same scene is replaced.
 bool AppendToSummary(const std::string& path, const RunReport& report) {
@@ -64,7 +60,7 @@ bool WritePicture(const ReportArguments& arguments, const RunReport& report, con
 int ShowTable(const std::string& path) {
   std::ifstream file(path);
   const json summary = json::parse(file, nullptr, false);
-  if (!summary.is_object() || !summary.contains("scenes")) return Fail(path + ": not a summary");
+  if (!summary.is_object() || !summary.contains("scenes")) return Fail("omni report", path + ": not a summary");
   BenchRows rows;
   for (const json& row : summary["scenes"]) {
     nlohmann::ordered_json line;
@@ -82,12 +78,12 @@ int ShowTable(const std::string& path) {
 int MakeRunReport(const ReportArguments& arguments) {
   RunData data;
   auto report = MakeReport(arguments.name, arguments.files, data);
-  if (!report.ok()) return Fail(report.error());
+  if (!report.ok()) return Fail("omni report", report.error());
   if (!arguments.summary.empty() && !AppendToSummary(arguments.summary, *report)) {
-    return Fail(arguments.summary + ": cannot be written");
+    return Fail("omni report", arguments.summary + ": cannot be written");
   }
   if (!arguments.picture.empty() && !WritePicture(arguments, *report, data)) {
-    return Fail(arguments.picture + ": cannot be written");
+    return Fail("omni report", arguments.picture + ": cannot be written");
   }
   const std::vector<std::string> shortcomings = Shortcomings(*report);
   for (const std::string& line : shortcomings) std::cerr << line << "\n";

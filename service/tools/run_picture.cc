@@ -13,7 +13,6 @@ constexpr double kScale_px_m = 3600;  // views: 100 mm = 360 px
 constexpr double kView_m = 0.11;      // width and height of a view
 constexpr std::size_t kPathStride = 8;
 constexpr std::size_t kMaxDrawnTriangles = 4000;  // of the scene's silhouette
-constexpr double kContact_N = 0.010;
 
 double ForceAt(const CsvTable& loop, std::size_t i) {
   return std::hypot(loop["force_x_N"][i], loop["force_y_N"][i], loop["force_z_N"][i]);

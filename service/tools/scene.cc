@@ -25,10 +25,7 @@ int Explain(const ExplainArguments& arguments) {
   const std::string path = FindScene(arguments.scene);
   const base::Result<LoadedScene> loaded =
       LoadScene(path, {.fit = arguments.fit, .hull_radius_m = config::DefaultDevice().hull_radius_m});
-  if (!loaded.ok()) {
-    std::cerr << "omni scene explain: " << loaded.error() << "\n";
-    return kExitFailed;
-  }
+  if (!loaded.ok()) return Fail("omni scene explain", loaded.error());
   if (arguments.as_json) {
     std::cout << SceneJson(path, *loaded).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {

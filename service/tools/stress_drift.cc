@@ -14,7 +14,7 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kTrace_s = 60;
+constexpr double kDriftTrace_s = 60;
 constexpr double kHour_s = 3600;
 constexpr int kRowsMax = 10;
 constexpr int kSettleTicks = 50;  // after the jump from the trace's end to its start
@@ -27,7 +27,7 @@ BenchRows StressDrift(double hours, std::uint64_t seed) {
   sim::Rig rig(device, {.seed = seed, .sizes = sim::NoImperfections(), .noise = sim::NoiseMode::kLowPower});
   loop::TickConfig config = loop::MakeTickConfig(device);
   config.tracker = tracker::MakeConfig(rig.ExactCalibration());
-  sim::TraceOptions options{.duration_s = kTrace_s, .seed = seed};
+  sim::TraceOptions options{.duration_s = kDriftTrace_s, .seed = seed};
   options.motion.seed = seed;
   options.currents = sim::StaggeredSawtooth(4, 0.5);
   const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
@@ -36,7 +36,7 @@ BenchRows StressDrift(double hours, std::uint64_t seed) {
   const auto output = std::make_unique<loop::TickOutput>();
   const haptics::Scene scene;
   loop::EnterScene(scene, 1, *state);
-  const auto passes = static_cast<std::uint64_t>(std::ceil(hours * kHour_s / kTrace_s));
+  const auto passes = static_cast<std::uint64_t>(std::ceil(hours * kHour_s / kDriftTrace_s));
   const std::uint64_t passes_per_row = std::max<std::uint64_t>(1, passes / kRowsMax);
   BenchRows rows;
   ErrorSet errors;
@@ -61,7 +61,7 @@ BenchRows StressDrift(double hours, std::uint64_t seed) {
     }
     if ((pass + 1) % passes_per_row != 0) continue;
     rows.push_back({{"table", "drift"},
-                    {"hours", static_cast<double>(pass + 1) * kTrace_s / kHour_s},
+                    {"hours", static_cast<double>(pass + 1) * kDriftTrace_s / kHour_s},
                     {"mean_mm", Mean(errors.position_mm)},
                     {"p95_mm", Quantile(errors.position_mm, 0.95)},
                     {"max_mm", Quantile(errors.position_mm, 1)},

@@ -18,7 +18,7 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kTrace_s = 20;
+constexpr double kTickTrace_s = 20;
 constexpr int kEpisodeTicksMax = 200;
 constexpr int kPauseTicksMax = 300;
 constexpr int kGraceTicks = 20;         // a removed pen may be published for so long
@@ -200,7 +200,7 @@ base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   sim::Rig rig(device, {.seed = seed, .noise = sim::NoiseMode::kLowPower});
   const loop::TickConfig config = loop::MakeTickConfig(device);
-  sim::TraceOptions trace_options{.duration_s = kTrace_s, .seed = seed};
+  sim::TraceOptions trace_options{.duration_s = kTickTrace_s, .seed = seed};
   trace_options.motion.seed = seed;
   trace_options.currents = sim::StaggeredSawtooth(4, 0.5);
   const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, trace_options);

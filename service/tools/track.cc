@@ -127,40 +127,37 @@ void PrintFits(const std::vector<TrackedRow>& rows, TrackCurrents currents) {
   if (currents == TrackCurrents::kHidden) std::printf("currents         not told to the tracker\n");
 }
 
-int Fail(const std::string& message) {
-  std::cerr << "omni track: " << message << "\n";
-  return kExitFailed;
-}
-
 int Report(const TrackArguments& arguments, const Loaded& loaded, const std::vector<TrackedRow>& rows) {
   if (!loaded.truth.empty()) {
     const BenchRows errors = TrackErrors(rows, loaded.truth);
     std::cout << "\n" << BenchTable(errors);
     if (!arguments.json.empty()) {
       const std::string problem = WriteText(arguments.json, BenchDocument("track", errors).dump(2) + "\n");
-      if (!problem.empty()) return Fail(problem);
+      if (!problem.empty()) return Fail("omni track", problem);
     }
   }
   for (const auto& [path, text] :
        {std::pair{arguments.output, &WritePoses}, std::pair{arguments.residuals, &WriteResiduals}}) {
     if (path.empty()) continue;
-    if (const std::string problem = WriteText(path, text(rows)); !problem.empty()) return Fail(problem);
+    if (const std::string problem = WriteText(path, text(rows)); !problem.empty()) return Fail("omni track", problem);
   }
   const auto lost = std::count_if(rows.begin(), rows.end(), [](const TrackedRow& row) { return !row.cold.found; });
-  return lost == 0 ? kExitOk : Fail(std::to_string(lost) + " poses without an answer; see the column status (-o FILE)");
+  return lost == 0
+             ? kExitOk
+             : Fail("omni track", std::to_string(lost) + " poses without an answer; see the column status (-o FILE)");
 }
 
 int RunTrack(const TrackArguments& arguments) {
   const auto loaded = Load(arguments);
-  if (!loaded.ok()) return Fail(loaded.error());
+  if (!loaded.ok()) return Fail("omni track", loaded.error());
   if (!arguments.convert.empty()) {
     const std::string problem = Convert(arguments, *loaded);
-    if (!problem.empty()) return Fail(problem);
+    if (!problem.empty()) return Fail("omni track", problem);
   }
   const auto currents = CurrentsOf(arguments, *loaded);
-  if (!currents.ok()) return Fail(currents.error());
+  if (!currents.ok()) return Fail("omni track", currents.error());
   const auto rows = TrackRecording(loaded->array, loaded->recording, {.currents = *currents});
-  if (!rows.ok()) return Fail(rows.error());
+  if (!rows.ok()) return Fail("omni track", rows.error());
   std::printf("device           %s, %zu sensors\n", loaded->array.device.c_str(), loaded->array.sensors.size());
   PrintFits(*rows, *currents);
   std::fflush(stdout);

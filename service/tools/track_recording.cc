@@ -8,8 +8,6 @@
 namespace omni::tools {
 namespace {
 
-// No magnet of the allowed kind makes more at a sensor outside it; uT written as T does.
-constexpr double kFieldMax_T = 2;
 constexpr double kPositionMax_m = 20;
 constexpr double kCurrentMax_A = 1000;
 constexpr double kUnitTolerance = 1e-2;

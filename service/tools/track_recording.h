@@ -13,6 +13,9 @@
 
 namespace omni::tools {
 
+// No magnet of the allowed kind makes more at a sensor outside it; uT written as T does.
+constexpr double kFieldMax_T = 2;
+
 struct RecordedPose {
   std::size_t number = 0;                  // as the file calls it
   std::vector<base::Vec3> field_sensor_T;  // by sensor, background included

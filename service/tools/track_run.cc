@@ -15,7 +15,6 @@ namespace {
 
 using base::Vec3;
 
-constexpr double kFieldMax_T = 2;  // of any reading; the recording's own limit is checked when it is read
 constexpr double kSamePosition_m = 1e-5, kSameTurn_rad = 1e-2 * std::numbers::pi / 180;
 
 double Angle_rad(const Vec3& a, const Vec3& b) {

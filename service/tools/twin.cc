@@ -1,7 +1,6 @@
 // omni twin serve: the simulated base as a process of its own, behind an inherited socket.
 #include <fcntl.h>
 
-#include <iostream>
 #include <memory>
 #include <string>
 
@@ -42,32 +41,28 @@ sim::HandScript IdleHand() {
   return script;
 }
 
-int Fail(const std::string& message) {
-  std::cerr << "omni twin serve: " << message << "\n";
-  return kExitFailed;
-}
-
 int Serve(const ServeArguments& arguments) {
   if (::fcntl(arguments.fd, F_GETFD) < 0) {
-    return Fail("--fd " + std::to_string(arguments.fd) +
-                " is not an open descriptor; omnid starts the twin itself: run `omnid --device twin`");
+    return Fail("omni twin serve",
+                "--fd " + std::to_string(arguments.fd) +
+                    " is not an open descriptor; omnid starts the twin itself: run `omnid --device twin`");
   }
   base::DeviceGeometry device = config::DefaultDevice();
   if (!arguments.device.empty()) {
     base::Result<base::DeviceGeometry> loaded = config::LoadDeviceFile(arguments.device);
-    if (!loaded.ok()) return Fail(loaded.error());
+    if (!loaded.ok()) return Fail("omni twin serve", loaded.error());
     device = *loaded;
   }
   sim::TwinOptions options{
       .seed = arguments.seed, .script = IdleHand(), .truth = config::DefaultTwin(), .recording_path = arguments.record};
   if (!arguments.twin.empty()) {
     base::Result<base::TruthParameters> loaded = config::LoadTwinFile(arguments.twin);
-    if (!loaded.ok()) return Fail(loaded.error());
+    if (!loaded.ok()) return Fail("omni twin serve", loaded.error());
     options.truth = *loaded;
   }
   if (!arguments.script.empty()) {
     base::Result<sim::HandScript> loaded = sim::LoadHandScript(arguments.script);
-    if (!loaded.ok()) return Fail(loaded.error());
+    if (!loaded.ok()) return Fail("omni twin serve", loaded.error());
     options.script = *loaded;
   }
   return sim::ServeTwin(device, options, arguments.fd, arguments.linger_s);

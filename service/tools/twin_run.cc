@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "service/daemon/virtual_run.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin.h"
+#include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/hand_path.h"
 #include "service/tools/report.h"
@@ -45,11 +45,6 @@ base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::
   const std::string file = arguments.hand.empty() ? FindHandScript(scene_path) : arguments.hand;
   if (!file.empty()) return sim::LoadHandScript(file);
   return MakeHandPath(scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
-}
-
-int Fail(const std::string& message) {
-  std::cerr << "omni twin: " << message << "\n";
-  return 1;
 }
 
 // Where the twin records its truth: the file asked for, else one of our own that goes away again.
@@ -85,19 +80,19 @@ base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const ba
 int RunTwin(const RunArguments& arguments) {
   const std::string path = FindScene(arguments.scene);
   auto loaded = LoadScene(path, {.fit = arguments.fit});
-  if (!loaded.ok()) return Fail(loaded.error());
+  if (!loaded.ok()) return Fail("omni twin", loaded.error());
   auto hand = HandFor(arguments, path, loaded->scene);
-  if (!hand.ok()) return Fail(hand.error());
+  if (!hand.ok()) return Fail("omni twin", hand.error());
   const base::DeviceGeometry& device = config::DefaultDevice();
   const double seconds = arguments.seconds > 0 ? arguments.seconds : hand->duration_s();
   base::TruthParameters truth = config::DefaultTwin();
   if (!arguments.twin.empty()) {
     base::Result<base::TruthParameters> parameters = config::LoadTwinFile(arguments.twin);
-    if (!parameters.ok()) return Fail(parameters.error());
+    if (!parameters.ok()) return Fail("omni twin", parameters.error());
     truth = *parameters;
   }
   const auto tick = ConfigFor(arguments, device);
-  if (!tick.ok()) return Fail(tick.error());
+  if (!tick.ok()) return Fail("omni twin", tick.error());
   const TruthFile recording(arguments.record);
   auto twin = sim::MakeVirtualTwin(device,
                                    {.seed = arguments.seed,
@@ -114,7 +109,7 @@ int RunTwin(const RunArguments& arguments) {
       });
   twin.reset();  // the recording is complete then
   const auto table = CsvTable::Read(recording.path());
-  if (!table.ok()) return Fail(table.error());
+  if (!table.ok()) return Fail("omni twin", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
   std::printf("scene            %s\n", path.c_str());
   std::printf("device           digital twin (a simulation), seed %llu\n",
@@ -134,13 +129,13 @@ int RunTwin(const RunArguments& arguments) {
 int WritePath(const RunArguments& arguments, const std::string& output) {
   const std::string path = FindScene(arguments.scene);
   auto loaded = LoadScene(path, {.fit = arguments.fit});
-  if (!loaded.ok()) return Fail(loaded.error());
+  if (!loaded.ok()) return Fail("omni twin", loaded.error());
   auto hand = MakeHandPath(loaded->scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
-  if (!hand.ok()) return Fail(path + ": " + hand.error());
+  if (!hand.ok()) return Fail("omni twin", path + ": " + hand.error());
   std::ofstream file(output);
   file << WriteHandScript(*hand);
   file.close();
-  return file ? 0 : Fail(output + ": cannot be written");
+  return file ? 0 : Fail("omni twin", output + ": cannot be written");
 }
 
 }  // namespace

@@ -6,25 +6,26 @@
 namespace omni::tools {
 namespace {
 
-constexpr const char* kFix =
+constexpr const char* kRuntimeFix =
     "install a runtime (Monado, WiVRn, SteamVR) and make it active, or set XR_RUNTIME_JSON to its manifest";
 
 }  // namespace
 
 Finding LookForRuntime(const Surroundings& surroundings) {
   const std::filesystem::path file = ActiveRuntime(surroundings);
-  if (file.empty()) return {Verdict::kFail, "no active_runtime.json is found and XR_RUNTIME_JSON is not set", kFix};
+  if (file.empty())
+    return {Verdict::kFail, "no active_runtime.json is found and XR_RUNTIME_JSON is not set", kRuntimeFix};
   std::ifstream stream(file);
   const nlohmann::json document = nlohmann::json::parse(stream, nullptr, false);
   const nlohmann::json::json_pointer at("/runtime/library_path");
   if (!document.is_object() || !document.contains(at) || !document[at].is_string()) {
-    return {Verdict::kFail, file.string() + " is not a runtime manifest with runtime.library_path", kFix};
+    return {Verdict::kFail, file.string() + " is not a runtime manifest with runtime.library_path", kRuntimeFix};
   }
   std::error_code error;
   const std::filesystem::path real = std::filesystem::canonical(file, error);  // the active file is often a link
   const std::string library = ResolveLibrary(error ? file : real, document[at].get<std::string>());
   if (library.find('/') != std::string::npos && !std::filesystem::exists(library, error)) {
-    return {Verdict::kFail, file.string() + ": " + library + " does not exist", kFix};
+    return {Verdict::kFail, file.string() + ": " + library + " does not exist", kRuntimeFix};
   }
   return {Verdict::kOk, file.string() + " -> " + library, {}};
 }

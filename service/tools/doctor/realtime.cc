@@ -14,7 +14,7 @@ namespace omni::tools {
 namespace {
 
 constexpr int kPriority = 80;  // what omnid asks for
-constexpr const char* kFix =
+constexpr const char* kRealtimeFix =
     "copy manifests/limits/99-omni-realtime.conf to /etc/security/limits.d and log in again, or run omnid by its "
     "systemd unit, or ask rtkit (each step by step: docs/howto/realtime.md)";
 
@@ -45,14 +45,15 @@ Finding LookAtRealtime(const Surroundings& surroundings) {
               "granted to omnid; " + TextAt(status, "/tick/late") + " late ticks of " + TextAt(status, "/tick/count"),
               {}};
     }
-    return {Verdict::kWarn, "omnid runs without: " + TextAt(status, "/tick/realtime_reason"), kFix};
+    return {Verdict::kWarn, "omnid runs without: " + TextAt(status, "/tick/realtime_reason"), kRealtimeFix};
   }
   if (const int refused = TryFifo(); refused != 0) {
     return {Verdict::kWarn,
-            std::string("SCHED_FIFO is refused (") + std::strerror(refused) + "): ticks come late under load", kFix};
+            std::string("SCHED_FIFO is refused (") + std::strerror(refused) + "): ticks come late under load",
+            kRealtimeFix};
   }
   if (!MayLockMemory()) {
-    return {Verdict::kWarn, "memory may not be locked (RLIMIT_MEMLOCK): a page fault can delay a tick", kFix};
+    return {Verdict::kWarn, "memory may not be locked (RLIMIT_MEMLOCK): a page fault can delay a tick", kRealtimeFix};
   }
   return {Verdict::kOk, "SCHED_FIFO and locked memory are allowed", {}};
 }
