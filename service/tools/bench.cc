@@ -47,6 +47,22 @@ std::string Machine() {
   return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads, Linux " + system.release;
 }
 
+// What was typed, without --json FILE.
+std::string CommandLine() {
+  std::ifstream file("/proc/self/cmdline");
+  std::string command = "omni";
+  std::string word;
+  std::getline(file, word, '\0');
+  while (std::getline(file, word, '\0')) {
+    if (word == "--json") {
+      std::getline(file, word, '\0');
+    } else {
+      command += " " + word;
+    }
+  }
+  return command;
+}
+
 std::string Cell(const nlohmann::ordered_json& value) {
   if (value.is_string()) return value;
   if (value.is_null()) return "-";
@@ -95,7 +111,8 @@ int RunBench(const Bench& bench, const BenchOptions& options, const std::string&
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows) {
   BenchRows own = rows;
   const auto tables = TakeSideTables(own);
-  nlohmann::ordered_json document{{"name", name}, {"commit", OMNI_COMMIT}, {"machine", Machine()}, {"rows", own}};
+  nlohmann::ordered_json document{
+      {"name", name}, {"command", CommandLine()}, {"commit", OMNI_COMMIT}, {"machine", Machine()}, {"rows", own}};
   for (const auto& [table, side] : tables) document["tables"][table] = side;
   return document;
 }
@@ -142,6 +159,7 @@ void AddBench(CLI::App& app) {
     sub->callback([&bench, options, json_path] { throw CLI::RuntimeError(RunBench(bench, *options, *json_path)); });
   }
   AddBenchPlot(*bench_app);
+  AddBenchPage(*bench_app);
 }
 
 }  // namespace omni::tools

@@ -52,7 +52,7 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);
 
-// {"name", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
+// {"name", "command", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);
 // Aligned columns, one line a row.
 std::string BenchTable(const BenchRows& rows);

@@ -15,6 +15,7 @@ void AddTwin(CLI::App& app);  // omni twin serve, and below it:
 void AddTwinRun(CLI::App& twin);
 void AddBench(CLI::App& app);
 void AddBenchPlot(CLI::App& bench);  // below it
+void AddBenchPage(CLI::App& bench);  // below it
 void AddReport(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddPaper(CLI::App& app);
