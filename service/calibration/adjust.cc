@@ -142,6 +142,14 @@ Reduced Eliminate(const System& system, double damping) {
   return reduced;
 }
 
+Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector<Instant> instants,
+                      int iterations_max) {
+  Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
+  state.system = problem.Linearise(state.parameters, state.instants);
+  state.converged = Minimise(problem, 0.0, iterations_max, state);
+  return state;
+}
+
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
   for (Observation& observation : problem.observations()) observation.touch_weight = kTouchDoubt;

@@ -1,5 +1,5 @@
 // Bundle adjustment: Levenberg-Marquardt on array and samples together, the samples eliminated. Samples that do not fit
-// lose weight. docs/theory/calibration.md (6) - (8)
+// lose weight. docs/theory/calibration.md (6) - (8), docs/decisions/0009
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,10 @@ struct Adjustment {
   bool converged = false;
 };
 
-// `problem`: weights of its observations are changed.
+// One round: least squares with the weights that the observations have. Without covariance.
+Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
+
+// Rounds until the weights settle. `problem`: weights of its observations are changed.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
 
 // H and g with the samples eliminated; damping multiplies the diagonals. (7)

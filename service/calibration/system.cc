@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "service/base/eigen.h"
+#include "service/calibration/residual.h"
 #include "service/calibration/tool_field.h"
 #include "service/magnetics/zonal.h"
 
@@ -14,10 +15,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kGaugeWeight = 1e6;  // the mean gain is 1 within 1e-3 tolerances
-constexpr int kLocal = kSensorUnknowns + kSampleShared;
-
-using LocalJacobian = Eigen::Matrix<double, 3, kLocal>;
 // One sensor's share of the array block: its own unknowns, then the shared ones.
 struct LocalSums {
   Eigen::Matrix<double, kLocal, kLocal> H = Eigen::Matrix<double, kLocal, kLocal>::Zero();
@@ -35,62 +32,6 @@ void Count(const Vector3d& residual_T, const Vector3d& inverse_sigma, double wei
   }
 }
 
-// Everything about the array that one linearisation needs.
-struct Array {
-  std::vector<SensorState> sensors;
-  std::vector<FieldAtSensor> fields;
-  std::vector<Matrix3d> remanence;  // reading per unit of remanence
-  magnetics::DiscMagnet unit;
-  double kappa = 0;
-};
-
-Array MakeArray(const Parameters& parameters, const base::Calibration& nominal, double remanence_A) {
-  Array array;
-  array.unit = magnetics::MakeDiscMagnet(nominal.magnet, 1);
-  array.kappa = parameters.Kappa();
-  for (int i = 0; i < parameters.sensors(); ++i) {
-    array.sensors.push_back(parameters.Sensor(i));
-    array.fields.emplace_back(array.sensors.back().position_base_m, nominal.core_radius_m);
-    const auto& map = nominal.sensors[static_cast<std::size_t>(i)].current_map_T_A;
-    array.remanence.push_back(remanence_A * Eigen::Map<const RowMajor3d>(map.data()));
-  }
-  return array;
-}
-
-struct Residual {
-  Vector3d r;
-  Eigen::Matrix<double, 3, kOwn> own;
-  LocalJacobian array;
-};
-
-// r = E N (m (direct + kappa image) + ambient) + map remanence - y, with its derivatives. docs/theory/calibration.md
-// (1)
-Residual Compare(const Parameters& parameters, const Array& array, std::size_t i, double tau, const ToolFrame& frame,
-                 const Vector3d& remanence, const Vector3d& y) {
-  const Tolerances& t = parameters.tolerances();
-  const SensorState& sensor = array.sensors[i];
-  const double m = parameters.Moment_Am2(tau);
-  const double m_drawn = parameters.nominal().moment_Am2;
-  const ToolField field = array.fields[i].Evaluate(array.unit, array.kappa, frame);
-  const Vector3d shape = field.direct + array.kappa * field.image;
-  const Vector3d b = sensor.nominal * (m * shape + parameters.Ambient_T(tau));
-  const Vector3d by_moment = m_drawn * (sensor.gain * shape);
-  Residual out;
-  out.r = sensor.error * b + array.remanence[i] * remanence - y;
-  out.own.leftCols<5>() = m * sensor.gain * field.by_pose;
-  out.own.rightCols<3>() = array.remanence[i];
-  out.array.middleCols<3>(kPositionAt) = (t.sensor_position_m * m) * sensor.gain * field.by_sensor;
-  out.array.middleCols<9>(kGainAt) = parameters.GainJacobian(b);
-  auto shared = out.array.rightCols<kSampleShared>();
-  shared.col(kMomentAt) = t.moment * by_moment;
-  shared.col(kMomentDriftAt) = (t.moment_drift * tau) * by_moment;
-  shared.col(kMomentBowAt) = (kBowOfDrift * t.moment_drift * Bow(tau)) * by_moment;
-  shared.col(kKappaAt) = (t.core_kappa * m) * (sensor.gain * field.image);
-  shared.middleCols<3>(kAmbientAt) = t.ambient_T * sensor.gain;
-  shared.middleCols<3>(kAmbientDriftAt) = (t.ambient_T * tau) * sensor.gain;
-  return out;
-}
-
 void AddTouch(const base::Calibration& nominal, const ToolFrame& frame, double weight, double sigma_m,
               SampleBlock& block) {
   const HullGap gap = GapToHull(nominal.magnet, nominal.hull_radius_m, frame);
@@ -102,7 +43,7 @@ void AddTouch(const base::Calibration& nominal, const ToolFrame& frame, double w
   block.g.head<5>() += weight * r * J;
 }
 
-SampleBlock AddSample(const Parameters& parameters, const base::Calibration& nominal, const Array& array,
+SampleBlock AddSample(const Parameters& parameters, const base::Calibration& nominal, const ArrayState& array,
                       const Observation& observation, const Instant& instant, double touch_sigma_m,
                       std::vector<LocalSums>& sums) {
   const ToolFrame frame = MakeToolFrame(instant.position_base_m, instant.axis_base);
@@ -275,7 +216,7 @@ void Problem::AddMaps(const Parameters& parameters, System& system) const {
 }
 
 System Problem::Linearise(const Parameters& parameters, std::span<const Instant> instants) const {
-  const Array array = MakeArray(parameters, nominal_, remanence_A_);
+  const ArrayState array = MakeArrayState(parameters, nominal_, remanence_A_);
   System system;
   system.H.setZero(parameters.size(), parameters.size());
   system.g.setZero(parameters.size());

@@ -8,13 +8,12 @@
 
 #include "service/base/device_geometry.h"
 #include "service/calibration/parameters.h"
+#include "service/calibration/residual.h"
 #include "service/calibration/samples.h"
 #include "service/magnetics/coil.h"
 
 namespace omni::calibration {
 
-// A sample's own unknowns: position (3), turn of the axis (2), remanence of the core as currents (3).
-inline constexpr int kOwn = 8;
 using OwnVector = Eigen::Matrix<double, kOwn, 1>;
 using OwnMatrix = Eigen::Matrix<double, kOwn, kOwn>;
 
@@ -74,6 +73,8 @@ class Problem {
   std::vector<Observation>& observations() { return observations_; }
   const std::vector<Observation>& observations() const { return observations_; }
   const base::Calibration& nominal() const { return nominal_; }
+  double touch_sigma_m() const { return touch_sigma_m_; }
+  double remanence_A() const { return remanence_A_; }
   bool has_coils() const { return !coil_moments_.empty(); }
 
   System Linearise(const Parameters& parameters, std::span<const Instant> instants) const;
@@ -90,6 +91,7 @@ class Problem {
   std::vector<magnetics::CoilMoments> coil_moments_;  // winding and core, per coil
 };
 
+inline constexpr double kGaugeWeight = 1e6;  // the mean gain is 1 within 1e-3 tolerances
 // The direction in which all gains grow together: not observable beside the moment, held at zero. (4)
 Eigen::VectorXd GainScaleDirection(const Parameters& parameters);
 

@@ -3,10 +3,15 @@
 // "held" (500 poses and 120 touches held still, one scan each) and "moving" (the whole of `omni calibrate` on the twin:
 // coil sweep, pen waved for 20 s by a trembling hand, 100 touches, asynchronous sensors in low-power noise, and every
 // effect of the twin: eddy currents, remanence, drift, a warming magnet, current errors, bent sensors).
+#include <chrono>
+
+#include "service/calibration/adjust.h"
 #include "service/calibration/self_calibration.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/magnetics/nominal.h"
+#include "service/peers/ceres_bundle.h"
+#include "service/tools/adjustment_start.h"
 #include "service/tools/bench.h"
 #include "service/tools/calibrate_twin.h"
 #include "service/tools/calibration_error.h"
@@ -19,6 +24,7 @@ namespace {
 constexpr int kRigs = 10;
 constexpr int kHeldWaves = 500, kHeldTouches = 120;
 constexpr double kTouchSigma_m = 0.1e-3;
+constexpr int kAdjustIterations = 60;
 constexpr double kUncalibrated = 0.05;  // model error that a solver must allow before calibration
 
 // A base that nobody has calibrated, and everything that happens to the twin, faster than usual: over the hundred
@@ -123,6 +129,34 @@ void AddSummary(const char* recording, BenchRows& rows) {
   rows.push_back(worst);
 }
 
+// Our own bundle adjustment beside Ceres on the same problem: fixed weights, no maps, both from the cold start's poses.
+base::Result<BenchRows> CompareAdjustments(std::uint64_t seed) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = MakeAdjustmentStart(
+      DeviceIn(sim::NoiseMode::kUltraHigh), seed,
+      {.waves = kHeldWaves, .touches = kHeldTouches, .touch_sigma_m = kTouchSigma_m, .seed = seed + 1});
+  if (!start.ok()) return base::Error{start.error()};
+  const auto& [problem, parameters, instants] = *start;
+  const auto begin = Clock::now();
+  const calibration::Adjustment ours = calibration::AdjustOnce(problem, parameters, instants, kAdjustIterations);
+  const auto middle = Clock::now();
+  const peers::BundleFit theirs =
+      peers::SolveBundle(problem, parameters, instants, {.iterations_max = kAdjustIterations});
+  const auto end = Clock::now();
+  const auto row = [&](const char* method, Clock::duration time, int iterations, double cost, bool converged) {
+    return nlohmann::ordered_json{{"table", "adjustment"},
+                                  {"method", method},
+                                  {"seed", seed},
+                                  {"samples", start->instants.size()},
+                                  {"seconds", std::chrono::duration<double>(time).count()},
+                                  {"iterations", iterations},
+                                  {"cost", cost},
+                                  {"converged", converged}};
+  };
+  return BenchRows{row("omni", middle - begin, ours.iterations, ours.system.cost, ours.converged),
+                   row("ceres DENSE_SCHUR", end - middle, theirs.iterations, theirs.cost, theirs.converged)};
+}
+
 }  // namespace
 
 base::Result<BenchRows> BenchCalibration(const BenchOptions& options) {
@@ -137,6 +171,11 @@ base::Result<BenchRows> BenchCalibration(const BenchOptions& options) {
       rows.push_back(*row);
     }
     AddSummary(recording, rows);
+  }
+  for (const std::uint64_t seed : ThreeSeeds(options.seed)) {
+    auto both = CompareAdjustments(seed);
+    if (!both.ok()) return base::Error{both.error()};
+    rows.insert(rows.end(), both->begin(), both->end());
   }
   return rows;
 }

@@ -13,7 +13,7 @@ namespace omni::tools {
 
 struct PaperOptions {
   std::uint64_t seed = 2101;  // of the first rig; the others follow
-  int rigs = 10;
+  int rigs = 40;
   int poses = 200;  // per rig and condition
 };
 

@@ -86,7 +86,7 @@ const std::vector<Rule>& Rules() {
       {"service/tracker", {"service/base", "service/magnetics"}},
       {"service/actuation", {"service/base", "service/magnetics"}},
       {"service/calibration", {"service/base", "service/magnetics", "service/tracker"}},
-      {"service/peers", {"service/base", "service/magnetics", "service/tracker"}},
+      {"service/peers", {"service/base", "service/magnetics", "service/tracker", "service/calibration"}},
       {"service/scene", {"service/base", "service/haptics"}},
       {"service/device", {"service/base", "firmware/wire"}},
       {"firmware/core", {"firmware/wire"}},

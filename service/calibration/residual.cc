@@ -1,0 +1,47 @@
+#include "service/calibration/residual.h"
+
+namespace omni::calibration {
+
+using Eigen::Vector3d;
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+ArrayState MakeArrayState(const Parameters& parameters, const base::Calibration& nominal, double remanence_A) {
+  ArrayState array;
+  array.unit = magnetics::MakeDiscMagnet(nominal.magnet, 1);
+  array.kappa = parameters.Kappa();
+  for (int i = 0; i < parameters.sensors(); ++i) {
+    array.sensors.push_back(parameters.Sensor(i));
+    array.fields.emplace_back(array.sensors.back().position_base_m, nominal.core_radius_m);
+    const auto& map = nominal.sensors[static_cast<std::size_t>(i)].current_map_T_A;
+    array.remanence.push_back(remanence_A * Eigen::Map<const RowMajor3d>(map.data()));
+  }
+  return array;
+}
+
+Residual Compare(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
+                 const ToolFrame& frame, const Vector3d& remanence, const Vector3d& y) {
+  const Tolerances& t = parameters.tolerances();
+  const SensorState& sensor = array.sensors[i];
+  const double m = parameters.Moment_Am2(tau);
+  const double m_drawn = parameters.nominal().moment_Am2;
+  const ToolField field = array.fields[i].Evaluate(array.unit, array.kappa, frame);
+  const Vector3d shape = field.direct + array.kappa * field.image;
+  const Vector3d b = sensor.nominal * (m * shape + parameters.Ambient_T(tau));
+  const Vector3d by_moment = m_drawn * (sensor.gain * shape);
+  Residual out;
+  out.r = sensor.error * b + array.remanence[i] * remanence - y;
+  out.own.leftCols<5>() = m * sensor.gain * field.by_pose;
+  out.own.rightCols<3>() = array.remanence[i];
+  out.array.middleCols<3>(kPositionAt) = (t.sensor_position_m * m) * sensor.gain * field.by_sensor;
+  out.array.middleCols<9>(kGainAt) = parameters.GainJacobian(b);
+  auto shared = out.array.rightCols<kSampleShared>();
+  shared.col(kMomentAt) = t.moment * by_moment;
+  shared.col(kMomentDriftAt) = (t.moment_drift * tau) * by_moment;
+  shared.col(kMomentBowAt) = (kBowOfDrift * t.moment_drift * Bow(tau)) * by_moment;
+  shared.col(kKappaAt) = (t.core_kappa * m) * (sensor.gain * field.image);
+  shared.middleCols<3>(kAmbientAt) = t.ambient_T * sensor.gain;
+  shared.middleCols<3>(kAmbientDriftAt) = (t.ambient_T * tau) * sensor.gain;
+  return out;
+}
+
+}  // namespace omni::calibration

@@ -1,0 +1,42 @@
+// One sensor's reading of the tool against the model, with its derivatives by everything unknown.
+// docs/theory/calibration.md (1), (2)
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "service/base/calibration.h"
+#include "service/calibration/parameters.h"
+#include "service/calibration/tool_field.h"
+#include "service/magnetics/disc_magnet.h"
+
+namespace omni::calibration {
+
+// A sample's own unknowns: position (3), turn of the axis (2), remanence of the core as currents (3).
+inline constexpr int kOwn = 8;
+// What a sample's reading of one sensor depends on: that sensor's unknowns, then the shared ones.
+inline constexpr int kLocal = kSensorUnknowns + kSampleShared;
+using LocalJacobian = Eigen::Matrix<double, 3, kLocal>;
+
+// Everything about the array that one linearisation needs.
+struct ArrayState {
+  std::vector<SensorState> sensors;
+  std::vector<FieldAtSensor> fields;
+  std::vector<Eigen::Matrix3d> remanence;  // reading per unit of remanence, T
+  magnetics::DiscMagnet unit;
+  double kappa = 0;
+};
+// remanence_A: its unit, Tolerances::remanence_A.
+ArrayState MakeArrayState(const Parameters& parameters, const base::Calibration& nominal, double remanence_A);
+
+// r = E N (m (direct + kappa image) + ambient) + map remanence - y, T. (1)
+struct Residual {
+  Eigen::Vector3d r;
+  Eigen::Matrix<double, 3, kOwn> own;
+  LocalJacobian array;
+};
+// Of sensor i; `tau` in [-1, 1] over the recording; `remanence` in its unit; y: the reading, T.
+Residual Compare(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
+                 const ToolFrame& frame, const Eigen::Vector3d& remanence, const Eigen::Vector3d& y);
+
+}  // namespace omni::calibration
