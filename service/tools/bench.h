@@ -41,7 +41,7 @@ base::Result<BenchRows> BenchForce(const BenchOptions& options);
 base::Result<BenchRows> BenchThermal(const BenchOptions& options);
 
 // Per base: rig, seed, before_mm, raw_mm, aligned_mm, systematic_mm, seconds and more; then mean and worst.
-// Side table: our bundle adjustment beside that of Ceres.
+// Side tables: the whole of `omni calibrate` with a moving pen; our bundle adjustment beside that of Ceres.
 base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
 
 // Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, levels.

@@ -38,7 +38,10 @@ class Display {
 
   void Show(const CalibrationSession& session) {
     if (session.step() != step_ || first_) {
-      if (live_ && !first_) std::printf("\n");
+      if (live_ && !first_) {
+        Draw(session, 1);
+        std::printf("\n");
+      }
       std::printf("%s\n", StepText(session.step(), options_).c_str());
       step_ = session.step();
       percent_ = -1;
@@ -47,14 +50,18 @@ class Display {
     const int percent = static_cast<int>(100 * session.progress());
     if (!live_ || percent == percent_ || step_ == CalibrationStep::kDone) return;
     percent_ = percent;
-    std::printf("\r     %s", ProgressBar(session.progress(), kBarWidth).c_str());
+    Draw(session, session.progress());
+  }
+
+ private:
+  void Draw(const CalibrationSession& session, double progress) const {
+    std::printf("\r     %s", ProgressBar(progress, kBarWidth).c_str());
     if (step_ == CalibrationStep::kWave || step_ == CalibrationStep::kTouch) {
       std::printf("  top %s rim", CoverageText(session.coverage()).c_str());
     }
     std::fflush(stdout);
   }
 
- private:
   SessionOptions options_;
   bool live_;
   bool first_ = true;
