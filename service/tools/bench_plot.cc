@@ -37,6 +37,18 @@ std::string Origin(const json& document) {
   return "commit " + Word(document, "commit") + "; " + Word(document, "machine");
 }
 
+// Of dots with the same label only the rightmost keeps it.
+void LabelOnce(PlotSeries& series) {
+  std::map<std::string, std::size_t> rightmost;
+  for (std::size_t i = 0; i < series.labels.size(); ++i) {
+    const auto [kept, first] = rightmost.try_emplace(series.labels[i], i);
+    if (first) continue;
+    const std::size_t other = kept->second;
+    if (series.points[i].x > series.points[other].x) kept->second = i;
+    series.labels[series.points[i].x > series.points[other].x ? other : i].clear();
+  }
+}
+
 // One dot per row: time of a solve against its error. Methods differ by colour, warm and cold by mark.
 base::Result<std::string> DrawSolver(const json& document, const std::string& file) {
   std::map<std::string, PlotSeries> by_name;
@@ -55,10 +67,9 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
     series.colour = PlotColour(colour);
     series.mark = start == "cold" ? PlotSeries::Mark::kRings : PlotSeries::Mark::kDots;
     series.points.push_back({us, mm});
-    const std::string model = Word(row, "model"), precision = Word(row, "precision");
     // The product's own model goes without saying: most dots are of it, and lie close.
-    const std::string rung = model == "default" ? "" : model;
-    series.labels.push_back(precision != "float" ? rung : rung.empty() ? "float" : rung + " (float)");
+    const std::string model = Word(row, "model");
+    series.labels.push_back(model == "default" || model == "full" ? "" : model);
     times_us.push_back(us);
     errors_mm.push_back(mm);
   }
@@ -66,7 +77,10 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
     return base::Error{file + ": no row has method, us_median and rms_mm; make it with omni bench solver"};
   std::vector<PlotSeries> series;
   series.reserve(by_name.size());
-  for (auto& [key, one] : by_name) series.push_back(std::move(one));
+  for (auto& [key, one] : by_name) {
+    LabelOnce(one);
+    series.push_back(std::move(one));
+  }
   Svg svg(960, 560);
   const PlotBox box{.top_px = 60,
                     .width_px = 640,
