@@ -42,7 +42,7 @@ std::string PageTable(const std::vector<ordered_json>& rows) {
   std::vector<std::string> keys;
   for (const ordered_json& row : rows) {
     for (const auto& [key, value] : row.items()) {
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+      if (!value.is_null() && std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
     }
   }
   std::string head = "|", rule = "|", body;
@@ -80,7 +80,7 @@ std::vector<ordered_json> FindRows(const ordered_json& document, const std::stri
   const std::string table = place.substr(1);
   if (place.front() == ':') {
     std::vector<ordered_json> rows = RowsOf(document["rows"], "");
-    std::erase_if(rows, [&table](const ordered_json& row) { return !row.contains(table); });
+    std::erase_if(rows, [&table](const ordered_json& row) { return row.value(table, ordered_json()).is_null(); });
     return rows;
   }
   const ordered_json tables = document.value("tables", ordered_json::object());
