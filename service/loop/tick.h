@@ -57,7 +57,7 @@ struct HapticWaveform {
 struct Commands {
   std::int64_t t_ns = 0;  // when the control thread wrote it (CLOCK_MONOTONIC)
   ForceGate gate = ForceGate::kClosed;
-  bool idle = true;                    // no client at all: the thread tracks at a low rate
+  bool idle = true;                    // no client at all: once coils are at zero the thread tracks at a low rate
   std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
   double force_scale = 1;              // [0, 1], from apps.d
   HapticWaveform haptic;
