@@ -36,8 +36,8 @@ struct Side {
   int sign;
   Face face;  // of its flat part
 };
-constexpr Side kSides[] = {{2, 1, kTop},   {2, -1, kBody},  {0, 1, kRight},
-                           {0, -1, kBody}, {1, -1, kFront}, {1, 1, kBody}};
+constexpr Side kBlockSides[] = {{2, 1, kTop},   {2, -1, kBody},  {0, 1, kRight},
+                                {0, -1, kBody}, {1, -1, kFront}, {1, 1, kBody}};
 
 void AddSide(const Side& side, const Vec& half_m, const std::vector<double> (&ticks)[3], Mesh& mesh) {
   const int u = (side.axis + 1) % 3, v = (side.axis + 2) % 3;
@@ -71,7 +71,7 @@ Mesh BlockMesh() {
   const Vec half_m(kLength_m / 2, kWidth_m / 2, kHeight_m / 2);
   const std::vector<double> ticks[3] = {Ticks(half_m.x, 8), Ticks(half_m.y, 6), Ticks(half_m.z, 3)};
   Mesh mesh;
-  for (const Side& side : kSides) AddSide(side, half_m, ticks, mesh);
+  for (const Side& side : kBlockSides) AddSide(side, half_m, ticks, mesh);
   Weld(mesh);
   return mesh;
 }

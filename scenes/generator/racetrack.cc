@@ -68,19 +68,19 @@ Mesh Box(const Vec& lower, const Vec& upper, double taper_x, double taper_y) {
 }
 
 Mesh Wheel(const Vec& centre, double radius, double half_width) {
-  constexpr int kWheelSides = 14;
+  constexpr int kSides = 14;
   Mesh mesh;
-  for (int i = 0; i < kWheelSides; ++i) {
-    const double a = 2 * kPi * i / kWheelSides;
+  for (int i = 0; i < kSides; ++i) {
+    const double a = 2 * kPi * i / kSides;
     for (const double y : {-half_width, half_width}) {
       mesh.positions.push_back(centre + Vec(radius * std::cos(a), y, radius * std::sin(a)));
     }
   }
-  for (std::uint32_t i = 0; i < kWheelSides; ++i) {
-    const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % kWheelSides);
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % kSides);
     mesh.triangles.push_back({a, b, b + 1});
     mesh.triangles.push_back({a, b + 1, a + 1});
-    if (i > 0 && i + 1 < kWheelSides) {
+    if (i > 0 && i + 1 < kSides) {
       mesh.triangles.push_back({0, b, a});
       mesh.triangles.push_back({1, a + 1, b + 1});
     }
@@ -140,21 +140,21 @@ Mesh Kerbs() {
 }
 
 Mesh Ground() {
-  constexpr int kGroundSides = 96;
+  constexpr int kSides = 96;
   Mesh mesh;
-  for (int i = 0; i < kGroundSides; ++i) {
-    const double a = 2 * kPi * i / kGroundSides;
+  for (int i = 0; i < kSides; ++i) {
+    const double a = 2 * kPi * i / kSides;
     const double c = std::cos(a), s = std::sin(a);
     // A superellipse of 112 x 84 mm.
     const double r = 1 / std::sqrt(std::sqrt(c * c * c * c + s * s * s * s));
     for (const double z : {kRoad_m - 0.0030, kRoad_m - 0.0012})
       mesh.positions.emplace_back(0.056 * r * c, 0.042 * r * s, z);
   }
-  for (std::uint32_t i = 0; i < kGroundSides; ++i) {
-    const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % kGroundSides);
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % kSides);
     mesh.triangles.push_back({a, b, b + 1});
     mesh.triangles.push_back({a, b + 1, a + 1});
-    if (i > 0 && i + 1 < kGroundSides) {
+    if (i > 0 && i + 1 < kSides) {
       mesh.triangles.push_back({0, b, a});
       mesh.triangles.push_back({1, a + 1, b + 1});
     }

@@ -5,17 +5,6 @@
 #include "service/loop/denormals.h"
 
 namespace omni::loop {
-namespace {
-
-bool Drives(const base::CoilCurrents& currents) noexcept {
-  for (const double current_A : currents.current_A) {
-    if (current_A != 0) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
 TickThread::TickThread(const TickConfig& config, const Options& options, TickSource& source, TickSink& sink)
     : config_(config),
       options_(options),
@@ -68,7 +57,8 @@ void TickThread::TakeScene(const Commands& commands) noexcept {
 
 void TickThread::Once(const base::HallScan& scan) noexcept {
   const Commands& commands = commands_.Read();
-  const bool rests = commands.idle && state_.gate == 0 && !Drives(record_.output.currents);
+  const bool at_zero = state_.gate == 0 && record_.output.currents.current_A == base::CoilCurrents{}.current_A;
+  const bool rests = commands.idle && at_zero;
   if (rests && scan.sequence % static_cast<std::uint64_t>(options_.idle_divider) != 0) return;
   const std::int64_t begin_ns = base::MonotonicNow_ns();
   Tick(config_, scan, commands, *scene_, state_, record_.output);

@@ -13,6 +13,7 @@
 
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -100,10 +101,8 @@ int RunBench(const Bench& bench, const BenchOptions& options, const std::string&
   std::cout << BenchTable(own);
   for (const auto& [name, side] : tables) std::cout << "\n" << name << "\n" << BenchTable(side);
   if (json_path.empty()) return kExitOk;
-  std::ofstream file(json_path);
-  file << BenchDocument(bench.name, *rows).dump(2) << "\n";
-  file.close();
-  return file ? kExitOk : Fail("omni bench", json_path + ": cannot be written");
+  const std::string problem = WriteText(json_path, BenchDocument(bench.name, *rows).dump(2) + "\n");
+  return problem.empty() ? kExitOk : Fail("omni bench", problem);
 }
 
 }  // namespace

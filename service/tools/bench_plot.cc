@@ -17,6 +17,7 @@
 #include "service/tools/commands.h"
 #include "service/tools/json_text.h"
 #include "service/tools/plot.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -166,10 +167,7 @@ std::string PlotFile(const std::string& path, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   const std::string output = folder + "/" + std::filesystem::path(path).stem().string() + ".svg";
-  std::ofstream picture(output);
-  picture << *svg;
-  picture.close();
-  if (!picture) return output + ": cannot be written; check the folder";
+  if (std::string problem = WriteText(output, *svg); !problem.empty()) return problem;
   std::cout << output << "\n";
   return {};
 }

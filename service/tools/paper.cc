@@ -1,9 +1,6 @@
 #include "service/tools/paper.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -12,6 +9,7 @@
 #include "service/config/device_file.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -33,14 +31,6 @@ constexpr SectionEntry kSections[] = {
     {"heat", [](const base::DeviceGeometry& device, const PaperOptions&) { return PaperHeat(device); }},
     {"magnets", [](const base::DeviceGeometry& device, const PaperOptions&) { return PaperMagnets(device); }},
 };
-
-// Empty: written.
-std::string WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  return file ? std::string() : path + ": cannot be written (" + std::strerror(errno) + ")";
-}
 
 int RunPaper(const PaperArguments& arguments) {
   if (!arguments.figures.empty()) {

@@ -1,9 +1,6 @@
 // omni track: a recording of any sensor array, tracked offline. docs/howto/track.md
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -13,6 +10,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/statistics.h"
+#include "service/tools/text_output.h"
 #include "service/tools/track_device.h"
 #include "service/tools/track_magnet16.h"
 #include "service/tools/track_run.h"
@@ -33,14 +31,6 @@ struct Loaded {
   Recording recording;
   Truth truth;
 };
-
-// Empty: written.
-std::string WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  return file ? std::string() : path + ": cannot be written (" + std::strerror(errno) + "); check the folder";
-}
 
 base::Result<Loaded> Load(const TrackArguments& arguments) {
   Loaded loaded;

@@ -1,0 +1,16 @@
+#include "service/tools/text_output.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace omni::tools {
+
+std::string WriteText(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  return file ? std::string() : path + ": cannot be written (" + std::strerror(errno) + "); check the folder";
+}
+
+}  // namespace omni::tools
