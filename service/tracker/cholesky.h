@@ -15,11 +15,13 @@ class SmallCholesky {
 
   // Factors A + damping diag(A), A row-major with `stride` to a row. False: not positive definite or not finite.
   bool Factor(const double* A, int stride, double damping) noexcept {
+    bool usable = true;
     for (int i = 0; i < kSize; ++i) {
       const double diagonal = A[i * stride + i];
-      if (!(diagonal > 0 && diagonal <= 1e300)) return false;
+      usable &= diagonal > 0 && diagonal <= 1e300;
       scale_[i] = 1 / std::sqrt(diagonal);
     }
+    if (!usable) return false;
     for (int j = 0; j < kSize; ++j) {
       double d = 1 + damping;
       for (int k = 0; k < j; ++k) d -= L_[j][k] * L_[j][k] * D_[k];
@@ -35,8 +37,8 @@ class SmallCholesky {
     return true;
   }
 
-  // A^-1 = S L^-T D^-1 L^-1 S, S: the scale of the diagonal. `inverse` is row-major, kSize to a row.
-  void Invert(double* inverse) const noexcept {
+  // A^-1 = S L^-T D^-1 L^-1 S, S: the scale of the diagonal. `inverse` is row-major, `stride` to a row.
+  void Invert(double* inverse, int stride) const noexcept {
     double M[kSize][kSize];  // L^-1, unit lower triangle
     for (int j = 0; j < kSize; ++j) {
       for (int i = j + 1; i < kSize; ++i) {
@@ -49,7 +51,7 @@ class SmallCholesky {
       for (int j = 0; j <= i; ++j) {
         double sum = inverse_[i] * (i == j ? 1.0 : M[i][j]);
         for (int k = i + 1; k < kSize; ++k) sum += M[k][i] * inverse_[k] * M[k][j];
-        inverse[kSize * i + j] = inverse[kSize * j + i] = sum * scale_[i] * scale_[j];
+        inverse[stride * i + j] = inverse[stride * j + i] = sum * scale_[i] * scale_[j];
       }
     }
   }
@@ -70,8 +72,37 @@ class SmallCholesky {
     return x;
   }
 
+  // Several right hand sides at once, b[row][side], in place.
+  template <std::size_t kSides>
+  void SolveSides(std::array<std::array<double, kSides>, kSize>& b) const noexcept {
+    const auto add = [&b](std::size_t to, double factor, std::size_t from) {
+      for (std::size_t c = 0; c < kSides; ++c) b[to][c] += factor * b[from][c];
+    };
+    const auto scale = [&b](std::size_t row, double factor) {
+      for (double& x : b[row]) x *= factor;
+    };
+    for (std::size_t i = 0; i < kSize; ++i) {
+      scale(i, scale_[i]);
+      for (std::size_t k = 0; k < i; ++k) add(i, -L_[i][k], k);
+    }
+    for (std::size_t i = kSize; i-- > 0;) {
+      scale(i, inverse_[i]);
+      for (std::size_t k = i + 1; k < kSize; ++k) add(i, -L_[k][i], k);
+    }
+    for (std::size_t i = 0; i < kSize; ++i) scale(i, scale_[i]);
+  }
+
  private:
   double L_[kSize][kSize], D_[kSize], inverse_[kSize], scale_[kSize];  // written by Factor
 };
+
+// In place, row-major, `stride` to a row. False: not positive definite, the matrix is as it was.
+template <int kSize>
+bool InvertPositive(double* matrix, int stride) noexcept {
+  SmallCholesky<kSize> factors;
+  if (!factors.Factor(matrix, stride, 0)) return false;
+  factors.Invert(matrix, stride);
+  return true;
+}
 
 }  // namespace omni::tracker

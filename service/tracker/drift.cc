@@ -4,13 +4,18 @@
 #include <cmath>
 
 #include "service/tracker/cholesky.h"
-#include "service/tracker/nuisance.h"
 
 namespace omni::tracker {
 namespace {
 
 constexpr std::size_t kStates = kDriftStates;
 constexpr std::size_t kMoment = kNuisancesMax;
+
+using StateRow = DriftEvidence::Row;
+
+void AddTo(StateRow& row, double factor, const StateRow& other) noexcept {
+  for (std::size_t a = 0; a < row.size(); ++a) row[a] += factor * other[a];
+}
 
 double Square(double x) noexcept { return x * x; }
 
@@ -27,37 +32,28 @@ Wander WanderOf(const DriftNoise& noise, std::size_t state) noexcept {
 // Information and its gradient about the seven states, the pose eliminated at the solution of the linearised scan:
 //   I = A - B H^-1 B^T,   g = -(c - B H^-1 J^T r)
 // with A = [C^T C, C^T M; M^T C, M^T M], B = [C^T J; M^T J], c = [C^T r; M^T r], H = J^T J.
-struct Evidence {
-  std::array<double, kStates * kStates> information{};
-  std::array<double, kStates> gradient{};
-};
-
-bool Gather(const Measurement& measurement, const KernelSums& sums, Evidence& evidence) noexcept {
-  std::array<double, std::size_t{kParameters} * kParameters> H{};
-  SmallCholesky<kParameters>::Vector Jtr{};
+bool EliminatePose(const Measurement& measurement, const KernelSums& sums, DriftEvidence& evidence) noexcept {
+  std::array<double, std::size_t{kParameters} * kParameters> H;
+  std::array<StateRow, kParameters> B{};
   for (std::size_t k = 0, e = 0; k < kParameters; ++k) {
-    for (std::size_t j = 0; j <= k; ++j, ++e) H[kParameters * k + j] = H[kParameters * j + k] = sums.JtJ[e];
-    Jtr[k] = sums.Jtr[k];
+    for (std::size_t j = 0; j <= k; ++j, ++e) H[kParameters * k + j] = sums.JtJ[e];
+    for (std::size_t a = 0; a < kMoment; ++a) B[k][a] = sums.CtJ[a][k];
+    B[k][kMoment] = sums.MtJ[k];
   }
   SmallCholesky<kParameters> factors;
   if (!factors.Factor(H.data(), kParameters, 0)) return false;
-  const SmallCholesky<kParameters>::Vector step = factors.Solve(Jtr);
-  std::array<SmallCholesky<kParameters>::Vector, kStates> B{}, H_B{};
+  std::array<StateRow, kParameters> H_B = B;
+  factors.SolveSides(H_B);
   for (std::size_t a = 0; a < kStates; ++a) {
-    const double* row = a < kMoment ? sums.CtJ[a] : sums.MtJ;
-    std::copy_n(row, kParameters, B[a].begin());
-    H_B[a] = factors.Solve(B[a]);
-    evidence.gradient[a] = -(a < kMoment ? sums.Ctr[a] : sums.Mtr);
-    for (std::size_t k = 0; k < kParameters; ++k) evidence.gradient[a] += B[a][k] * step[k];
-  }
-  for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b <= a; ++b) {
-      double value = a < kMoment ? measurement.nuisance_information[a * kNuisancesMax + b]
-                                 : (b < kMoment ? sums.CtM[b] : sums.MtM);
-      for (std::size_t k = 0; k < kParameters; ++k) value -= B[a][k] * H_B[b][k];
-      evidence.information[a * kStates + b] = evidence.information[b * kStates + a] = value;
+    StateRow& row = evidence.information[a];
+    for (std::size_t b = 0; b < kMoment; ++b) {
+      row[b] = a < kMoment ? measurement.nuisance_information[a * kNuisancesMax + b] : sums.CtM[b];
     }
+    row[kMoment] = a < kMoment ? sums.CtM[a] : sums.MtM;
+    for (std::size_t k = 0; k < kParameters; ++k) AddTo(row, -B[k][a], H_B[k]);
+    evidence.gradient[a] = -(a < kMoment ? sums.Ctr[a] : sums.Mtr);
   }
+  for (std::size_t k = 0; k < kParameters; ++k) AddTo(evidence.gradient, sums.Jtr[k], H_B[k]);
   return true;
 }
 
@@ -72,37 +68,27 @@ double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, do
   return 1 / (1 + (repeats - 1) * measurement.systematic_share);
 }
 
-void Scale(double factor, Evidence& evidence) noexcept {
-  for (double& value : evidence.information) value *= factor;
-  for (double& value : evidence.gradient) value *= factor;
-}
-
 // A scan sees its three currents' own errors, variance V, on top of the states that look like them: their share is
 // not evidence of the states.   docs/theory/tracking.md (17)
 //   I' = I - I_c (I_cc + V^-1)^-1 I_c^T,   g' = g - I_c (I_cc + V^-1)^-1 g_c
-bool AllowForCurrents(const std::array<double, base::kCoilCount>& variance_A2, Evidence& evidence) noexcept {
+bool AllowForCurrents(DriftEvidence& evidence) noexcept {
+  const auto& variance_A2 = evidence.current_variance_A2;
   constexpr std::size_t kCurrents = base::kCoilCount;
   std::array<double, kCurrents * kCurrents> S{};
   for (std::size_t a = 0; a < kCurrents; ++a) {
     if (!(variance_A2[a] > 0)) return true;  // currents are exact
-    for (std::size_t b = 0; b < kCurrents; ++b) S[a * kCurrents + b] = evidence.information[a * kStates + b];
+    for (std::size_t b = 0; b < kCurrents; ++b) S[a * kCurrents + b] = evidence.information[a][b];
     S[a * kCurrents + a] += 1 / variance_A2[a];
   }
-  if (!InvertSymmetric(kCurrents, kCurrents, S.data())) return false;
-  const Evidence before = evidence;
-  for (std::size_t r = 0; r < kStates; ++r) {
-    std::array<double, kCurrents> share{};
-    for (std::size_t a = 0; a < kCurrents; ++a) {
-      for (std::size_t b = 0; b < kCurrents; ++b) {
-        share[b] += before.information[r * kStates + a] * S[a * kCurrents + b];
-      }
-    }
-    for (std::size_t b = 0; b < kCurrents; ++b) {
-      evidence.gradient[r] -= share[b] * before.gradient[b];
-      for (std::size_t c = 0; c < kStates; ++c) {
-        evidence.information[r * kStates + c] -= share[b] * before.information[b * kStates + c];
-      }
-    }
+  if (!InvertPositive<kCurrents>(S.data(), kCurrents)) return false;
+  std::array<StateRow, kCurrents> share{};  // (I_cc + V^-1)^-1 I_c^T
+  for (std::size_t a = 0; a < kCurrents; ++a) {
+    for (std::size_t b = 0; b < kCurrents; ++b) AddTo(share[a], S[a * kCurrents + b], evidence.information[b]);
+  }
+  const DriftEvidence before = evidence;
+  for (std::size_t c = 0; c < kCurrents; ++c) {
+    for (std::size_t r = 0; r < kStates; ++r) AddTo(evidence.information[r], -before.information[r][c], share[c]);
+    AddTo(evidence.gradient, -before.gradient[c], share[c]);
   }
   return true;
 }
@@ -122,12 +108,12 @@ double MomentScale(const DriftState& drift) noexcept { return 1 + drift.mean[kMo
 // x <- phi x, P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)   [Ornstein & Uhlenbeck 1930]
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   DriftState& drift) noexcept {
-  std::array<double, kStates> keep{};
-  for (std::size_t a = 0; a < kStates; ++a) {
-    const Wander wander = WanderOf(noise, a);
-    keep[a] = drift.valid ? std::exp(-std::max(dt_s, 0.0) / wander.time_s) : 0;
-    drift.mean[a] *= keep[a];
-  }
+  const auto keep_of = [&](std::size_t state) {
+    return drift.valid ? std::exp(-std::max(dt_s, 0.0) / WanderOf(noise, state).time_s) : 0.0;
+  };
+  const double remanence = keep_of(0), ambient = keep_of(3), moment = keep_of(kMoment);
+  const std::array<double, kStates> keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
+  for (std::size_t a = 0; a < kStates; ++a) drift.mean[a] *= keep[a];
   for (std::size_t a = 0; a < kStates; ++a) {
     for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] *= keep[a] * keep[b];
     drift.covariance[a * kStates + a] += (1 - Square(keep[a])) * WanderOf(noise, a).variance;
@@ -142,45 +128,37 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   drift.valid = true;
 }
 
-void AllowForDrift(const Model& model, const DriftState& drift, Measurement& measurement) noexcept {
-  const auto variance = [&drift](std::size_t a) { return drift.covariance[a * kStates + a]; };
-  const auto& of_scan = measurement.current_variance_A2;
-  SetNuisances(model, {variance(0) + of_scan[0], variance(1) + of_scan[1], variance(2) + of_scan[2]}, variance(3),
-               measurement);
-  NuisanceMatrix prior{};
-  for (std::size_t a = 0; a < kNuisancesMax; ++a) {
-    for (std::size_t b = 0; b < kNuisancesMax; ++b) prior[a * kNuisancesMax + b] = drift.covariance[a * kStates + b];
-    if (a < of_scan.size()) prior[a * kNuisancesMax + a] += of_scan[a];
-  }
-  SetNuisancePrior(prior, measurement);
+DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
+                             double step_s) noexcept {
+  DriftEvidence evidence;
+  evidence.valid = EliminatePose(measurement, sums, evidence);
+  evidence.share = EvidenceShare(noise, measurement, step_s);
+  evidence.current_variance_A2 = measurement.current_variance_A2;
+  return evidence;
 }
 
 // Prior and evidence add up: P' = (P^-1 + I)^-1, x' = x + P' g   [information form of Kalman's correction]. The scan
 // was linearised with the prior mean already taken off, so that the prior pulls towards no change.
-bool CorrectDrift(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
-                  DriftState& drift) noexcept {
-  Evidence evidence;
-  if (!Gather(measurement, sums, evidence)) return false;
-  if (!AllowForCurrents(measurement.current_variance_A2, evidence)) return false;
-  Scale(EvidenceShare(noise, measurement, drift.step_s), evidence);
+bool CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept {
+  if (!evidence.valid || !AllowForCurrents(evidence)) return false;
   auto P = drift.covariance;
-  if (!InvertSymmetric(kDriftStates, kDriftStates, P.data())) return false;
-  for (std::size_t e = 0; e < P.size(); ++e) P[e] += evidence.information[e];
-  if (!InvertSymmetric(kDriftStates, kDriftStates, P.data())) return false;
+  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return false;
+  for (std::size_t a = 0; a < kStates; ++a) {
+    for (std::size_t b = 0; b < kStates; ++b) P[a * kStates + b] += evidence.share * evidence.information[a][b];
+  }
+  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return false;
   std::array<double, kStates> mean = drift.mean;
   double sum = 0;
   for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) mean[a] += P[a * kStates + b] * evidence.gradient[b];
+    for (std::size_t b = 0; b < kStates; ++b) {
+      mean[a] += P[a * kStates + b] * evidence.share * evidence.gradient[b];
+    }
     sum += mean[a];
   }
   if (!std::isfinite(sum)) return false;
   drift.mean = mean;
   drift.mean[kMoment] = std::clamp(drift.mean[kMoment], -noise.moment_max, noise.moment_max);
-  for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) {
-      drift.covariance[a * kStates + b] = 0.5 * (P[a * kStates + b] + P[b * kStates + a]);
-    }
-  }
+  drift.covariance = P;
   return true;
 }
 

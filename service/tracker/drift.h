@@ -15,8 +15,8 @@ inline constexpr int kDriftStates = kNuisancesMax + 1;  // 3 currents, 3 ambient
 // Each state wanders about zero: this far (rms), forgetting in this time.
 struct DriftNoise {
   bool enabled = true;
-  int every_scans = 4;  // a scan with all its unknowns costs half as much again
-  double remanence_A = 0.011, remanence_s = 1;
+  int every_scans = 4;                          // a scan that tells of them costs half as much again
+  double remanence_A = 0.011, remanence_s = 1;  // 0: nothing is estimated
   double ambient_T = 5e-7, ambient_s = 100;
   double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
@@ -35,6 +35,19 @@ struct DriftState {
 };
 static_assert(std::is_trivially_copyable_v<DriftState>);
 
+// What one scan says about the seven states, its pose eliminated at the solution of the linearised scan:
+//   information I = A - B H^-1 B^T,   gradient g = -(c - B H^-1 J^T r)
+// with A = [C^T C, C^T M; M^T C, M^T M], B = [C^T J; M^T J], c = [C^T r; M^T r], H = J^T J.
+struct DriftEvidence {
+  using Row = std::array<double, kDriftStates + 1>;  // by state; the eighth entry fills the vector and stays zero
+  bool valid = false;
+  std::array<Row, kDriftStates> information{};
+  Row gradient{};
+  double share = 0;  // of both that counts
+  std::array<double, base::kCoilCount> current_variance_A2{};
+};
+static_assert(std::is_trivially_copyable_v<DriftEvidence>);
+
 Offsets OffsetsOf(const DriftState& drift) noexcept;
 double MomentScale(const DriftState& drift) noexcept;
 
@@ -43,12 +56,11 @@ double MomentScale(const DriftState& drift) noexcept;
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   DriftState& drift) noexcept;
 
-// Makes the six offsets unknowns of `measurement`, with the drift's covariance as prior, in place of its own nuisances.
-void AllowForDrift(const Model& model, const DriftState& drift, Measurement& measurement) noexcept;
+// `sums`: of a fit of a measurement with the columns of AddAmbientColumns; step_s: since the evidence before.
+DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
+                             double step_s) noexcept;
 
-// Takes up what a fit's last evaluation, `sums` of the measurement made by AllowForDrift, says about the seven states.
-// False: nothing usable, the state is unchanged.
-bool CorrectDrift(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
-                  DriftState& drift) noexcept;
+// Before the next PredictDrift. False: nothing usable, the state is unchanged.
+bool CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept;
 
 }  // namespace omni::tracker

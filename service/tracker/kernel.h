@@ -101,8 +101,8 @@ struct KernelIn {
   void (*sum)(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
               const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
               JacobianBlock<Real>* jacobian, KernelSums& sums) noexcept;
-  // Residuals at another pose against the derivatives of a pose nearby, at a third of the cost: renews rtr, Jtr, Ctr.
-  // Ignores task.moment.
+  // Residuals at another pose against the derivatives of a pose nearby, at a third of the cost: renews rtr, Jtr, Ctr,
+  // and Mtr with the moment.
   void (*residual)(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
                    const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
                    const JacobianBlock<Real>* jacobian, KernelSums& sums) noexcept;

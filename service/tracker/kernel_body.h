@@ -133,7 +133,7 @@ void SumAny(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, i
   }
 }
 
-// One group's share of r^T r, J^T r, C^T r, in this order.
+// One group's share of r^T r, M^T r, J^T r, C^T r, in this order.
 template <class Real, int kCount>
 inline void AddResidual(const SensorBlock<Real>& block, const JacobianBlock<Real>& jacobian, int first,
                         const Lane3<Real>& B, const Real (&rate)[kParameters], int nuisances, Lane<Real>* sums) {
@@ -144,12 +144,13 @@ inline void AddResidual(const SensorBlock<Real>& block, const JacobianBlock<Real
       J[k] = Load<Real>(jacobian.J[axis][k] + first);
       drift += J[k] * rate[k];
     }
-    const Lane<Real> r =
-        Dot(Load3<Real>(block.weight + 3 * axis, first), B) - Load<Real>(block.whitened[axis] + first) - age * drift;
+    const Lane<Real> M = Dot(Load3<Real>(block.weight + 3 * axis, first), B);
+    const Lane<Real> r = M - Load<Real>(block.whitened[axis] + first) - age * drift;
     sums[0] += r * r;
-    for (int k = 0; k < kCount; ++k) sums[1 + k] += J[k] * r;
+    sums[1] += M * r;
+    for (int k = 0; k < kCount; ++k) sums[2 + k] += J[k] * r;
     for (int n = 0; n < nuisances; ++n) {
-      sums[1 + kCount + n] += Load<Real>(block.nuisance[3 * n + axis] + first) * r;
+      sums[2 + kCount + n] += Load<Real>(block.nuisance[3 * n + axis] + first) * r;
     }
   }
 }
@@ -158,7 +159,7 @@ template <class Real, int kCount>
 void ResidualBlocks(const SensorPlaces<Real>* places, const SensorBlock<Real>* blocks, int block_count,
                     const ToolSource<Real>& tool, const KernelPose& pose, const KernelTask& task,
                     const JacobianBlock<Real>* jacobian, KernelSums& result) noexcept {
-  constexpr int kStride = 1 + kCount + kNuisancesMax;
+  constexpr int kStride = 2 + kCount + kNuisancesMax;
   const RealPose<Real> at = Narrow<Real>(pose);
   const Lane<Real> centre = PotentialOf(LookFromCentre(tool, at));
   Lane<Real> sums[kGroups<Real> * kStride] = {};
@@ -170,8 +171,9 @@ void ResidualBlocks(const SensorPlaces<Real>* places, const SensorBlock<Real>* b
     }
   }
   result.rtr = SumBlock<Real>(sums, kStride);
-  for (int k = 0; k < kCount; ++k) result.Jtr[k] = SumBlock<Real>(sums + 1 + k, kStride);
-  for (int n = 0; n < task.nuisances; ++n) result.Ctr[n] = SumBlock<Real>(sums + 1 + kCount + n, kStride);
+  if (task.moment) result.Mtr = SumBlock<Real>(sums + 1, kStride);
+  for (int k = 0; k < kCount; ++k) result.Jtr[k] = SumBlock<Real>(sums + 2 + k, kStride);
+  for (int n = 0; n < task.nuisances; ++n) result.Ctr[n] = SumBlock<Real>(sums + 2 + kCount + n, kStride);
 }
 
 template <class Real>

@@ -42,7 +42,8 @@ struct BasicMeasurement {
   Lanes age_s{};
   // Nuisances are unknowns of every scan, eliminated from the normal equations: whitened columns (row 3 n + axis), what
   // the usable axes say about them, C^T C, and S = (C^T C + prior)^-1; row-major, kNuisancesMax to a row.
-  int nuisances = 0;
+  // Columns beyond the first `nuisances` are no unknowns of this scan; their sums say what it knows of them.
+  int nuisances = 0, columns = 0;
   std::array<double, base::kCoilCount> current_variance_A2{};  // of this scan's currents, what lasts left out
   std::array<Lanes, std::size_t{3} * kNuisancesMax> nuisance{};
   NuisanceMatrix nuisance_information{};

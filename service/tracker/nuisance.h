@@ -19,10 +19,7 @@ extern template void SetNuisances(const Model&, const std::array<double, base::k
 extern template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, double,
                                   ArrayMeasurement&) noexcept;
 
-// Replaces the priors by a full covariance of the nuisances, row-major, kNuisancesMax to a row.
-void SetNuisancePrior(const NuisanceMatrix& covariance, Measurement& result) noexcept;
-
-// In place, the leading n x n (`stride` to a row) of a positive definite matrix. False: not positive definite.
-bool InvertSymmetric(int n, int stride, double* matrix) noexcept;
+// To a scan whose unknowns are the three currents: the columns of an ambient field. Else nothing.
+void AddAmbientColumns(Measurement& result) noexcept;
 
 }  // namespace omni::tracker

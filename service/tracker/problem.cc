@@ -39,7 +39,7 @@ void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
     }
     for (std::size_t row = 0; row < 9; ++row) Copy(measurement.weight[row], first, block.weight[row]);
     Copy(measurement.age_s, first, block.age_s);
-    for (std::size_t row = 0; row < 3 * static_cast<std::size_t>(measurement.nuisances); ++row) {
+    for (std::size_t row = 0; row < 3 * static_cast<std::size_t>(measurement.columns); ++row) {
       Copy(measurement.nuisance[row], first, block.nuisance[row]);
     }
   }

@@ -85,9 +85,10 @@ class Search {
       : measurement_(measurement),
         options_(options),
         kernel_(options.kernel != nullptr ? *options.kernel : ActiveKernel()),
-        task_{kCount, measurement.nuisances, options.last_sums != nullptr} {
+        unknowns_{kCount, measurement.nuisances, false},
+        task_(options.sums == nullptr ? unknowns_ : KernelTask{kCount, measurement.columns, true}) {
     Pack(model, measurement, problem_);
-    keeps_jacobian_ = options.chord && !options.take_every_step && !task_.moment && options.damping == 0;
+    keeps_jacobian_ = options.chord && !options.take_every_step && options.damping == 0;
   }
 
   Fit Run(const Pose& start) noexcept {
@@ -145,8 +146,7 @@ class Search {
     In<Real>(kernel_).sum(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point), task_,
                           keeps_jacobian_ ? jacobian_ : nullptr, sums_);
     NormalEquations equations;
-    Eliminate(task_, sums_, measurement_.nuisance_covariance, equations);
-    if (options_.last_sums != nullptr) *options_.last_sums = sums_;
+    Eliminate(unknowns_, sums_, measurement_.nuisance_covariance, equations);
     return equations;
   }
 
@@ -158,7 +158,7 @@ class Search {
     In<Real>(kernel_).residual(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point), task_,
                                jacobian_, sums_);
     NormalEquations equations;
-    Eliminate(task_, sums_, measurement_.nuisance_covariance, equations);
+    Eliminate(unknowns_, sums_, measurement_.nuisance_covariance, equations);
     if (!(equations.chi2 <= chi2_before)) return false;
     Step<kCount> g{};
     for (std::size_t i = 0; i < kCount; ++i) g[i] = -equations.Jtr[i];
@@ -178,10 +178,12 @@ class Search {
     for (std::size_t i = 0; i < kCount; ++i) gd += at.Jtr[i] * d[i];
     fit.pose = candidate;
     fit.chi2 = std::max(0.0, at.chi2 + 2 * gd + decrement);
+    fit.has_sums = options_.sums != nullptr && lambda == 0;  // else the last evaluation may be of a refused step
+    if (fit.has_sums) *options_.sums = sums_;
     if (lambda > 0 && !factors.Factor(at.JtJ.data(), kParameters, 0)) return;
     fit.converged = true;
     double inverse[kCount * kCount];
-    factors.Invert(inverse);
+    factors.Invert(inverse, kCount);
     for (int row = 0; row < kCount; ++row) {
       for (int column = 0; column < kCount; ++column) fit.covariance(row, column) = inverse[kCount * row + column];
       const double variance = inverse[(kCount + 1) * row];
@@ -192,7 +194,7 @@ class Search {
   const BasicMeasurement<kCapacity>& measurement_;
   const SolveOptions& options_;
   const Kernel& kernel_;
-  KernelTask task_;
+  KernelTask unknowns_, task_;  // what the search solves for; what it sums
   Problem<Real, kCapacity> problem_;
   KernelSums sums_;
   bool keeps_jacobian_ = false;

@@ -22,10 +22,9 @@ struct SolveOptions {
   int iterations_max = 20;       // evaluations of the model
   double damping = 0;            // 0 trusts the start (warm), > 0 steps carefully at first (cold)
   bool chord = true;  // a short first step may be followed by one with the same derivatives: a warm start only
-  bool take_every_step = false;     // exactly iterations_max Gauss-Newton steps, none refused: for benches
-  bool moment = false;              // also tells what the scan says about the moment
-  KernelSums* last_sums = nullptr;  // the sums of the last evaluation, with the moment's column, go here
-  const Kernel* kernel = nullptr;   // null: ActiveKernel()
+  bool take_every_step = false;    // exactly iterations_max Gauss-Newton steps, none refused: for benches
+  KernelSums* sums = nullptr;      // where the search ended, of all columns and the moment: Fit::has_sums
+  const Kernel* kernel = nullptr;  // null: ActiveKernel()
 };
 
 struct Fit {
@@ -33,6 +32,7 @@ struct Fit {
   double chi2 = 0;
   int iterations = 0;      // evaluations of the model
   bool converged = false;  // the last step was a small fraction of its own standard deviation
+  bool has_sums = false;   // SolveOptions::sums was written: derivatives and residuals at or next to the pose
   // (J^T J)^-1 in (position, turn about the tangents of magnetics::MakeTangentBasis(axis)).
   Matrix5d covariance = Matrix5d::Zero();
 };

@@ -9,6 +9,7 @@
 #include "service/magnetics/nominal.h"
 #include "service/tracker/cold_start.h"
 #include "service/tracker/gap.h"
+#include "service/tracker/nuisance.h"
 #include "service/tracker/solver.h"
 #include "service/tracker/static_solve.h"
 
@@ -58,7 +59,7 @@ Outcome TryWarm(const Config& config, const FilterState& predicted, int paramete
                           {.precision = PrecisionOf(config),
                            .parameters = parameters,
                            .iterations_max = config.iterations_max,
-                           .last_sums = sums});
+                           .sums = sums});
   outcome.parameters = parameters;
   outcome.good = FitsReadings(config, measurement, outcome.fit) && IsInReach(config, outcome.fit.pose);
   return outcome;
@@ -190,7 +191,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
 
 // Every few scans all that drifts is an unknown. Hidden currents leave nothing to tell it by.
 bool IsWideScan(const Config& config, const State& state) noexcept {
-  return config.drift.enabled && !config.trust.currents_hidden &&
+  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden &&
          state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0;
 }
 
@@ -255,12 +256,16 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   }
   ++state.scans;
   const CurrentHistory currents = Remember(scan, state.currents);
+  if (state.evidence.valid) {
+    CorrectDrift(config.drift, state.evidence, state.drift);
+    state.evidence.valid = false;
+  }
   const bool wide = IsWideScan(config, state);
   if (wide) ForgetDrift(config, scan, state.drift);
   Measurement measurement = MakeMeasurement(config.model, config.trust, scan, state.currents, currents,
                                             state.drift.valid ? OffsetsOf(state.drift) : Offsets{});
   measurement.moment_scale = MomentScale(state.drift);
-  if (wide) AllowForDrift(config.model, state.drift, measurement);
+  if (wide) AddAmbientColumns(measurement);
   state.currents = currents;
 
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
@@ -280,7 +285,9 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
       state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
     }
     if (continues && IsEarlyJump(config, state, predicted, outcome)) outcome.good = false;
-    if (outcome.good && warm && wide) CorrectDrift(config.drift, measurement, sums, state.drift);
+    if (outcome.good && warm && outcome.fit.has_sums) {
+      state.evidence = GatherEvidence(config.drift, measurement, sums, state.drift.step_s);
+    }
   }
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
   Describe(config, scan, measurement, outcome, state.published);

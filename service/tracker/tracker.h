@@ -60,6 +60,7 @@ struct State {
   std::uint32_t scans = 0;
   FilterState filter;
   DriftState drift;
+  DriftEvidence evidence;  // of the last scan: the next takes it up, so that no scan pays for both
   CurrentHistory currents;
   base::ToolState published;  // the last output
 };

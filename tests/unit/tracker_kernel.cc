@@ -110,7 +110,7 @@ void ExpectResidualsOf(double tolerance) {
   const KernelList list = RunnableKernels();
   for (const int parameters : {3, 5}) {
     const Scene<Real> scene(7, 2, true);
-    const KernelTask task{parameters, 4, false};
+    const KernelTask task{parameters, 4, true};
     KernelSums first{};
     for (int k = 0; k < list.count; ++k) {
       const KernelIn<Real>& kernel = In<Real>(*list.kernels[k]);
@@ -119,6 +119,7 @@ void ExpectResidualsOf(double tolerance) {
       kernel.sum(scene.places.data(), scene.blocks.data(), 2, scene.tool, scene.pose, task, jacobian, sums);
       kernel.residual(scene.places.data(), scene.blocks.data(), 2, scene.tool, scene.pose, task, jacobian, renewed);
       EXPECT_NEAR(renewed.rtr / sums.rtr, 1, tolerance);
+      EXPECT_NEAR(renewed.Mtr / sums.Mtr, 1, 1e3 * tolerance);
       for (int p = 0; p < parameters; ++p) EXPECT_NEAR(renewed.Jtr[p] / sums.Jtr[p], 1, 1e3 * tolerance) << p;
       for (int n = 0; n < 4; ++n) EXPECT_NEAR(renewed.Ctr[n] / sums.Ctr[n], 1, 1e3 * tolerance) << n;
       if (k == 0) first = renewed;
