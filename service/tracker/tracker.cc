@@ -251,6 +251,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   state.old_scans = old ? std::min(state.old_scans + 1, config.lost_after_scans) : 0;
   if (old) {
     if (state.old_scans >= config.lost_after_scans) Hold(config, scan, state);
+    state.published.limits |= base::kToolRepeated;
     tool = state.published;
     return;
   }

@@ -73,9 +73,10 @@ void SetLevel(Level level, Config& config) noexcept;
 
 // Warm start from `state` (predicted to the scan's time) or cold start without a hint. Never throws, allocates or
 // returns a non-finite pose: a scan that does not fit gives kLost (the last good pose, velocities fading) and, after
-// lost_after_scans, kAbsent. A scan whose stamp did not move brings nothing new and changes nothing; lost_after_scans
-// of them are a clock that stands, and no longer fit. A first fix is published only when its chi2 passes. The published
-// covariance is the filter's: position block 3x3, tangents of magnetics::MakeTangentBasis(axis) 2x2, no cross terms.
+// lost_after_scans, kAbsent. A scan whose stamp did not move brings nothing new and changes only limits;
+// lost_after_scans of them are a clock that stands, and no longer fit. A first fix is published only when its chi2
+// passes. The published covariance is the filter's: position block 3x3, tangents of magnetics::MakeTangentBasis(axis)
+// 2x2, no cross terms.
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept;
 
 // Constant-velocity prediction of `tool` to t_ns, at most 20 ms away. gap_m and covariance stay those of the sample.

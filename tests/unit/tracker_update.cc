@@ -71,7 +71,7 @@ TEST_F(TrackerUpdate, FirstScanIsAFix) {
 }
 
 // Sensors slower than the tick: the scan in between is the last one again.
-TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothing) {
+TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothingAndSaysSo) {
   Run(50);
   for (int i = 0; i < 20; ++i) {
     const base::HallScan scan = NextScan();
@@ -79,6 +79,8 @@ TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothing) {
     const base::ToolState first = tool;
     for (int again = 0; again < 6; ++again) {
       Feed(scan);
+      ASSERT_EQ(tool.limits, first.limits | base::kToolRepeated);
+      tool.limits = first.limits;
       ASSERT_TRUE(support::SameBits(tool, first));
     }
     t_ns += 6'000'000;
@@ -100,9 +102,11 @@ TEST_F(TrackerUpdate, ClockThatStandsIsLostThenAbsentThenFoundAgain) {
                                                                   : TrackingStatus::kAbsent)
         << i;
     EXPECT_TRUE(tool.status != TrackingStatus::kTracking || Error_m() < 0.01) << i;
+    EXPECT_EQ(tool.limits & base::kToolRepeated, base::kToolRepeated) << i;
   }
   Run(3);
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
+  EXPECT_EQ(tool.limits, 0u);
   EXPECT_LT(Error_m(), 1e-3);
 }
 
