@@ -11,6 +11,11 @@ bool IsKnown(std::uint8_t type) noexcept {
     case MessageType::kHello:
     case MessageType::kTelemetry:
     case MessageType::kCommand:
+    case MessageType::kConfig:
+    case MessageType::kArm:
+    case MessageType::kEstop:
+    case MessageType::kFault:
+    case MessageType::kLog:
       return true;
   }
   return false;
@@ -55,8 +60,9 @@ Status OpenFrame(const std::uint8_t* data, std::size_t size, FrameView& view) no
   if (size > kFrameSizeMax) return Status::kTooLong;
   ByteReader reader(data, kHeaderSize);
   if (reader.U16() != kMagic) return Status::kBadMagic;
-  if (reader.U8() != kVersion) return Status::kBadVersion;
+  const std::uint8_t version = reader.U8();
   const std::uint8_t type = reader.U8();
+  if (version != kVersion && type != static_cast<std::uint8_t>(MessageType::kHello)) return Status::kBadVersion;
   Header header;
   header.seq = reader.U16();
   const std::size_t payload_size = reader.U16();

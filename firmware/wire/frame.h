@@ -5,7 +5,7 @@
 //   before
 //
 // Unknown trailing bytes of a payload are ignored (a newer minor version may append fields); another version is
-// refused.
+// refused, but for HELLO, whose layout never changes: both sides can say which of them is older.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,16 @@ constexpr std::size_t kTrailerSize = 4;
 constexpr std::size_t kFrameSizeMax = 511;
 constexpr std::size_t kPayloadSizeMax = kFrameSizeMax - kHeaderSize - kTrailerSize;
 
-enum class MessageType : std::uint8_t { kHello = 1, kTelemetry = 2, kCommand = 3 };
+enum class MessageType : std::uint8_t {
+  kHello = 1,
+  kTelemetry = 2,
+  kCommand = 3,
+  kConfig = 4,
+  kArm = 5,
+  kEstop = 6,
+  kFault = 7,
+  kLog = 8
+};
 
 enum class Status : std::uint8_t {
   kOk = 0,

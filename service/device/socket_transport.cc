@@ -79,7 +79,7 @@ class SocketTransport final : public Transport {
     }
     command.host_us = static_cast<std::uint64_t>(base::MonotonicNow_ns() / 1000);
     command.echo_device_us = newest_device_us_;
-    std::array<std::uint8_t, wire::kCommandFrameSize> frame;
+    std::array<std::uint8_t, wire::FrameSize<wire::Command>()> frame;
     const wire::Encoded encoded = wire::EncodeCommand(command, static_cast<float>(device_.current_max_A), command_seq_,
                                                       frame.data(), frame.size());
     if (encoded.status != wire::Status::kOk ||
@@ -121,7 +121,7 @@ class SocketTransport final : public Transport {
     if (opened == wire::Status::kUnknownType) return false;
     if (opened == wire::Status::kOk && view.header.type != wire::MessageType::kTelemetry) return false;
     wire::Telemetry telemetry;
-    if (opened != wire::Status::kOk || wire::DecodeTelemetry(view, telemetry) != wire::Status::kOk ||
+    if (opened != wire::Status::kOk || wire::Decode(view, telemetry) != wire::Status::kOk ||
         !sequence_.Advance(view.header.seq)) {
       ++counters_.bad_frames;
       return false;
@@ -182,7 +182,7 @@ base::Result<std::unique_ptr<Transport>> MakeSocketTransport(UniqueFd socket, co
     wire::FrameView view;
     wire::Hello hello;
     wire::Status status = OpenReceived(buffer, received.size, view);
-    if (status == wire::Status::kOk) status = wire::DecodeHello(view, hello);
+    if (status == wire::Status::kOk) status = wire::Decode(view, hello);
     if (status == wire::Status::kOk) return Connect(std::move(socket), name, hello);
     seen = "last frame: ";
     seen += wire::StatusName(status);

@@ -130,16 +130,16 @@ class Server {
   void SendHello() {
     std::array<std::uint8_t, wire::kFrameSizeMax> frame;
     const wire::Encoded encoded =
-        wire::EncodeHello(core_.Hello(), hello_seq_++, static_cast<std::uint64_t>(base::MonotonicNow_ns() / 1000),
-                          frame.data(), frame.size());
+        wire::Encode(core_.Hello(), hello_seq_++, static_cast<std::uint64_t>(base::MonotonicNow_ns() / 1000),
+                     frame.data(), frame.size());
     Send(frame.data(), encoded.size);
   }
 
   void SendTelemetry() {
-    std::array<std::uint8_t, wire::kTelemetryFrameSize> frame;
+    std::array<std::uint8_t, wire::FrameSize<wire::Telemetry>()> frame;
     const auto t_us = static_cast<std::uint64_t>((core_.newest_sample_ns() + clock_offset_ns_) / 1000);
-    const wire::Encoded encoded = wire::EncodeTelemetry(core_.telemetry(), static_cast<std::uint16_t>(core_.tick()),
-                                                        t_us, frame.data(), frame.size());
+    const wire::Encoded encoded =
+        wire::Encode(core_.telemetry(), static_cast<std::uint16_t>(core_.tick()), t_us, frame.data(), frame.size());
     Send(frame.data(), encoded.size);
   }
 

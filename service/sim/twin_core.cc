@@ -93,9 +93,7 @@ void TwinCore::Report() noexcept {
   }
   telemetry_.supply = wire::ToCounts<std::uint16_t>(device_.supply_V, wire::kSupplyUnit_V);
   telemetry_.faults = drive_.faults();
-  telemetry_.state = telemetry_.faults != 0 ? wire::State::kFault
-                     : driving              ? wire::State::kDriving
-                                            : wire::State::kIdle;
+  telemetry_.state = telemetry_.faults != 0 ? wire::State::kFault : driving ? wire::State::kArmed : wire::State::kIdle;
 }
 
 TruthRow TwinCore::Truth(std::int64_t clock_offset_ns) const noexcept {

@@ -26,7 +26,7 @@ Bytes RandomFrame(std::mt19937_64& random) {
     }
     telemetry.saturated_mask = static_cast<std::uint32_t>(random()) & 0xFFFFFFU;
     telemetry.ack_host_us = random();
-    encoded = EncodeTelemetry(telemetry, seq, random(), frame.data(), frame.size());
+    encoded = Encode(telemetry, seq, random(), frame.data(), frame.size());
   } else {
     Command command;
     command.mode = Mode::kCurrent;
@@ -51,8 +51,8 @@ Status Open(const Bytes& frame) {
     Hello hello;
     Telemetry telemetry;
     Command command;
-    DecodeHello(view, hello);
-    DecodeTelemetry(view, telemetry);
+    Decode(view, hello);
+    Decode(view, telemetry);
     DecodeCommand(view, kCurrentMax_A, command);
   }
   return status;

@@ -243,7 +243,7 @@ TEST(ServedTwin, GarbageDoesNotKeepTheCoilsAlive) {
     const ssize_t size = recv(host.get(), buffer.data(), buffer.size(), 0);
     wire::FrameView view;
     if (size > 0 && wire::OpenFrame(buffer.data(), static_cast<std::size_t>(size), view) == wire::Status::kOk) {
-      wire::DecodeTelemetry(view, telemetry);
+      wire::Decode(view, telemetry);
     }
   }
   EXPECT_GE(telemetry.rejected, 3);

@@ -64,7 +64,7 @@ TEST(Scan, FromTelemetry) {
   telemetry.current[1] = -800;
   telemetry.temperature[0] = 2450;
   telemetry.supply = 14400;
-  telemetry.faults = wire::kFaultSensor;
+  telemetry.faults = wire::kFaultHallSensor;
   const base::HallScan scan = ScanFromTelemetry(*info, telemetry, 123456, 70000);
   EXPECT_EQ(scan.t_ns, 123'456'000);
   EXPECT_EQ(scan.sequence, 70000U);
@@ -75,7 +75,7 @@ TEST(Scan, FromTelemetry) {
   EXPECT_NEAR(scan.coil_current_A[1], -1, 1e-12);
   EXPECT_NEAR(scan.coil_temperature_C[0], 24.5, 1e-12);
   EXPECT_NEAR(scan.supply_V, 18, 1e-12);
-  EXPECT_EQ(scan.device_faults, wire::kFaultSensor);
+  EXPECT_EQ(scan.device_faults, wire::kFaultHallSensor);
 }
 
 TEST(Sequence, ContinuesOverTheWrapAndCountsGaps) {

@@ -31,7 +31,7 @@ wire::Hello GoodHello() {
 
 Frame HelloFrame(const wire::Hello& hello) {
   Frame frame(wire::kFrameSizeMax);
-  frame.resize(wire::EncodeHello(hello, 0, 0, frame.data(), frame.size()).size);
+  frame.resize(wire::Encode(hello, 0, 0, frame.data(), frame.size()).size);
   return frame;
 }
 
@@ -39,7 +39,7 @@ Frame TelemetryFrame(std::uint16_t seq, std::uint64_t t_us) {
   wire::Telemetry telemetry;
   telemetry.field[0][0] = static_cast<std::int16_t>(seq);
   Frame frame(wire::kFrameSizeMax);
-  frame.resize(wire::EncodeTelemetry(telemetry, seq, t_us, frame.data(), frame.size()).size);
+  frame.resize(wire::Encode(telemetry, seq, t_us, frame.data(), frame.size()).size);
   return frame;
 }
 
