@@ -23,7 +23,7 @@ constexpr std::uint16_t kConfigReset = 0x8000;
 constexpr std::uint16_t kConfigFixed = 0x6000;
 constexpr std::uint16_t kConfigAfterReset = 0x6127;
 enum class Mode : std::uint16_t {
-  kCurrent = 5,            // a new current every 140 us, no voltage
+  kCurrentOnly = 5,        // a new current every 140 us, no voltage
   kCurrentAndVoltage = 7,  // in turn: each new every 280 us
 };
 
