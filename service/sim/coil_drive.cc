@@ -16,13 +16,10 @@ CoilDrive::CoilDrive(const base::DeviceGeometry& device, const DriveConfig& driv
                      const Imperfections& imperfections)
     : device_(device),
       drive_(drive),
-      thermal_(thermal),
+      coils_(device, thermal),
       current_gain_(imperfections.current_gain),
       current_offset_A_(imperfections.current_offset_A),
-      body_C_(thermal.air_C),
-      faults_(wire::kFaultHostSilent) {
-  copper_C_.fill(thermal.air_C);
-}
+      faults_(wire::kFaultHostSilent) {}
 
 void CoilDrive::Command(const CoilArray& set_point_A, double time_to_live_s, std::int64_t t_ns) noexcept {
   commanded_ = true;
@@ -34,17 +31,14 @@ void CoilDrive::Command(const CoilArray& set_point_A, double time_to_live_s, std
 void CoilDrive::Watch(double host_silence_s) noexcept {
   const double limit_s = std::min(drive_.host_timeout_s, time_to_live_s_);
   const bool silent = !commanded_ || !(host_silence_s < limit_s);
-  const double hottest_C = *std::max_element(copper_C_.begin(), copper_C_.end());
+  const CoilArray& copper_C = coils_.temperature_C();
+  const double hottest_C = *std::max_element(copper_C.begin(), copper_C.end());
   const bool was_hot = (faults_ & wire::kFaultOverTemperature) != 0;
   const bool hot = !(hottest_C < (was_hot ? device_.temperature_derate_C : device_.temperature_max_C));
   faults_ = (silent ? wire::kFaultHostSilent : 0U) | (hot ? wire::kFaultOverTemperature : 0U);
 }
 
-double CoilDrive::Resistance(std::size_t k) const noexcept {
-  return device_.coils[k].resistance_20C_ohm * (1 + thermal_.resistance_per_K * (copper_C_[k] - 20));
-}
-
-// L dI/dt = V - R I with V = R I_set as far as the supply reaches: exact over a step of constant V.
+// V = R I_set as far as the supply reaches.
 void CoilDrive::Step(std::int64_t t_ns, double dt_s) noexcept {
   std::size_t due = 0;
   while (due < pending_count_ && pending_[due].effective_ns <= t_ns) ++due;
@@ -54,28 +48,15 @@ void CoilDrive::Step(std::int64_t t_ns, double dt_s) noexcept {
               pending_.begin() + static_cast<std::ptrdiff_t>(pending_count_), pending_.begin());
     pending_count_ -= due;
   }
-  for (std::size_t k = 0; k < current_A_.size(); ++k) {
+  for (std::size_t k = 0; k < set_point_A_.size(); ++k) {
     const double limit_A = device_.current_max_A;
     if (faults_ != 0) {
       const double step_A = limit_A * dt_s / kRampToZero_s;
       set_point_A_[k] -= std::clamp(set_point_A_[k], -step_A, step_A);
     }
-    const double resistance = Resistance(k);
     const double wanted_A = std::clamp(set_point_A_[k], -limit_A, limit_A);
-    const double final_A = std::clamp(resistance * wanted_A, -device_.supply_V, device_.supply_V) / resistance;
-    const double decay = std::exp(-resistance * dt_s / device_.coils[k].inductance_H);
-    current_A_[k] = final_A + (current_A_[k] - final_A) * decay;
+    coils_.Step(k, std::clamp(coils_.Resistance(k) * wanted_A, -device_.supply_V, device_.supply_V), 0, dt_s);
   }
-}
-
-void CoilDrive::Heat(double dt_s) noexcept {
-  double into_body_W = -thermal_.body_to_air_W_K * (body_C_ - thermal_.air_C);
-  for (std::size_t k = 0; k < copper_C_.size(); ++k) {
-    const double flow_W = thermal_.copper_to_body_W_K * (copper_C_[k] - body_C_);
-    copper_C_[k] += (current_A_[k] * current_A_[k] * Resistance(k) - flow_W) * dt_s / thermal_.copper_J_K;
-    into_body_W += flow_W;
-  }
-  body_C_ += into_body_W * dt_s / thermal_.body_J_K;
 }
 
 CoilArray CoilDrive::Measured(const CoilArray& mean_current_A) const noexcept {

@@ -15,6 +15,8 @@ namespace omni::sim {
 
 class HallArray {
  public:
+  static constexpr std::int64_t kNever_ns = std::numeric_limits<std::int64_t>::min();
+
   // No sample is earlier than `start_ns`.
   HallArray(const base::DeviceGeometry& device, const base::SensorParameters& sensor_parameters, std::int64_t start_ns,
             Random& random);
@@ -28,10 +30,20 @@ class HallArray {
   // Fills field, masks and ages; returns the instant of the newest sample of all.
   std::int64_t Report(wire::Telemetry& telemetry) noexcept;
 
+  // What the chip's output registers hold, and when they were written.
+  struct Registers {
+    std::array<std::int16_t, 3> counts{};
+    std::int64_t sampled_ns = kNever_ns;
+    bool fresh = false;  // written by the last step
+  };
+  Registers Read(std::size_t index) const noexcept {
+    const Sensor& sensor = sensors_[index];
+    return {sensor.counts, sensor.sampled_ns, sensor.fresh};
+  }
+
   std::uint16_t full_scale() const noexcept { return full_scale_; }
 
  private:
-  static constexpr std::int64_t kNever_ns = std::numeric_limits<std::int64_t>::min();
   struct Sensor {
     std::int64_t period_ns = 0;
     std::int64_t next_ns = 0;

@@ -30,7 +30,7 @@ TickSampler::TickSampler(const base::DeviceGeometry& device, const base::TruthEf
 }
 
 void TickSampler::Begin() noexcept {
-  held_.front() = held_.back();
+  held_.front() = held_[added_];
   added_ = 0;
 }
 
@@ -47,8 +47,9 @@ Surroundings TickSampler::Now(double run_s) const noexcept {
 }
 
 TickSampler::Held TickSampler::Between(std::int64_t t_ns) const noexcept {
-  const std::int64_t since_start_ns = std::max<std::int64_t>(0, t_ns - (now_ns_ - base::kTickPeriod_ns));
-  const std::size_t i = std::min<std::size_t>(static_cast<std::size_t>(since_start_ns / kSubStep_ns), kSubSteps - 1);
+  const std::int64_t start_ns = now_ns_ - static_cast<std::int64_t>(added_) * kSubStep_ns;
+  const std::int64_t since_start_ns = std::max<std::int64_t>(0, t_ns - start_ns);
+  const std::size_t i = std::min(static_cast<std::size_t>(since_start_ns / kSubStep_ns), added_ - 1);
   const double s = static_cast<double>(since_start_ns - static_cast<std::int64_t>(i) * kSubStep_ns) /
                    static_cast<double>(kSubStep_ns);
   const Held& a = held_[i];

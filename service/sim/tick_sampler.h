@@ -28,7 +28,7 @@ class TickSampler {
               const base::SensorParameters& sensor, TruthModel& truth, const Snapshot& first,
               std::uint64_t environment_seed, std::int64_t start_ns, Random& random);
 
-  // A tick: Begin, kSubSteps times Add, Sample.
+  // A tick: Begin, kSubSteps times Add, Sample. Fewer Adds make a shorter one.
   void Begin() noexcept;
   void Add(const Snapshot& state, const Surroundings& background) noexcept;
   void Sample(const Surroundings& background, Random& random) noexcept;
