@@ -1,0 +1,27 @@
+// The device node of an emulated USB device. usbfs tells by POLLOUT that a transfer can be reaped; a plain file would
+// always say so, and libusb would spin. Hence a FIFO: full: not writable; drained: writable.
+#pragma once
+
+#include <string>
+
+#include "service/base/result.h"
+#include "service/device/unique_fd.h"
+
+namespace omni::hil {
+
+class UsbNode {
+ public:
+  // Makes the FIFO `path` and its folders.
+  static base::Result<UsbNode> Make(const std::string& path);
+
+  // True: something can be reaped.
+  void SetReady(bool ready);
+
+ private:
+  explicit UsbNode(device::UniqueFd fd) : fd_(std::move(fd)) {}
+
+  device::UniqueFd fd_;
+  bool ready_ = true;
+};
+
+}  // namespace omni::hil
