@@ -3,6 +3,8 @@
 
 #include <cstdio>
 #include <fstream>
+#include <memory>
+#include <set>
 #include <string>
 
 #include "firmware/board/mps2_an500/exit_codes.h"
@@ -60,6 +62,34 @@ TEST(Target, ExceptionEndsWithItsNumber) {
   ASSERT_TRUE(run.ok()) << run.error();
   EXPECT_EQ(run->status, board::kExitException + 6) << run->output;
   EXPECT_NE(run->output.find("exception 6, CFSR 00010000, at 0000"), std::string::npos) << run->output;
+}
+
+// Names that the linker has put into an image.
+std::set<std::string> SymbolsOf(const std::string& image) {
+  const std::string command = "arm-none-eabi-nm --demangle=auto " + ImagePath(image);
+  const std::unique_ptr<FILE, int (*)(FILE*)> output(::popen(command.c_str(), "r"), ::pclose);
+  std::set<std::string> symbols;
+  char line[4096];
+  while (output != nullptr && std::fgets(line, sizeof line, output.get()) != nullptr) {
+    const std::string text = line;  // "00001234 T name\n", or blanks for an address
+    if (text.size() > 12) symbols.insert(text.substr(11, text.size() - 12));
+  }
+  return symbols;
+}
+
+// The core promises: no heap, no exceptions, no libm (whose last bits differ from the host's), no printf.
+TEST(Target, FirmwareBringsNoHeapAndNoMathsLibrary) {
+  OMNI_NEEDS_BOARD();
+  const auto firmware = SymbolsOf("mps2_lockstep"), tests = SymbolsOf("mps2_tests");
+  ASSERT_EQ(firmware.count("Reset_Handler"), 1U);
+  for (const char* name : {"malloc", "_malloc_r", "free", "_sbrk", "operator new(unsigned int)", "__cxa_throw", "printf",
+                           "vsnprintf", "abort", "sinf", "cosf", "tanf", "atan2f", "sin", "cos", "tan", "atan2", "powf",
+                           "pow", "expf", "exp", "logf", "log", "hypot", "fmod"}) {
+    EXPECT_EQ(firmware.count(name), 0U) << name;
+  }
+  // Where there is a heap, its names are found.
+  EXPECT_EQ(tests.count("malloc"), 1U);
+  EXPECT_EQ(tests.count("operator new(unsigned int)"), 1U);
 }
 
 }  // namespace
