@@ -4,27 +4,27 @@
 //
 //   boot -> self-test -> idle <-> armed, any -> fault
 //
-// Coils are driven in kArmed only. Whatever is wrong: currents ramp to zero within 5 ms, the bridges brake, and after
-// 10 ms they sleep (brake before sleep, so that the bus does not pump up). docs/theory/firmware.md
+// Coils are driven in kArmed only, and by the self-test with about an ampere. Whatever is wrong: currents ramp to zero
+// within 5 ms, or the bridges brake at once where there is nothing left to control with; 10 ms later they sleep (brake
+// before sleep, so that the bus does not pump up). docs/theory/firmware.md, docs/protocol/faults.md
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/core/arming.h"
 #include "firmware/core/board_io.h"
+#include "firmware/core/command_gate.h"
+#include "firmware/core/drive.h"
+#include "firmware/core/fault_latch.h"
+#include "firmware/core/log_line.h"
+#include "firmware/core/outbox.h"
+#include "firmware/core/safety_monitor.h"
+#include "firmware/core/self_test.h"
 #include "firmware/core/settings.h"
+#include "firmware/core/tick_report.h"
 
 namespace omni::firmware {
-
-// Kept across a reset in memory that start-up does not clear; `check` tells a record from noise.
-struct FaultRecord {
-  std::uint32_t fault = 0, faults = 0;
-  std::uint8_t state = 0, part = 0;
-  std::uint16_t count = 0;  // of faults since the record was cleared
-  float value = 0;
-  std::uint64_t t_us = 0;
-  std::uint32_t check = 0;
-};
 
 class Core {
  public:
@@ -41,8 +41,86 @@ class Core {
   // fit `capacity` is lost.
   std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept;
 
-  wire::State state() const noexcept;
+  wire::State state() const noexcept { return state_; }
+  // Latched ones, and kFaultNotArmed in every state but kArmed.
   std::uint32_t faults() const noexcept;
+
+  // The settings in force; for tests and for what a board shows.
+  const Settings& settings() const noexcept { return settings_; }
+  const CoilHeat& heat() const noexcept { return heat_; }
+
+ private:
+  // What the watchdog is fed for.
+  struct Proof {
+    bool sensors = false, currents = false, control = false;
+  };
+
+  // core.cc: a step
+  void ReadClock(const Inputs& inputs) noexcept;
+  void Observe(const Inputs& inputs, Observation& seen) noexcept;
+  void Watch(const Observation& seen) noexcept;
+  void Advance(const Inputs& inputs, const Observation& seen) noexcept;
+  void AdvanceBoot(const Observation& seen) noexcept;
+  void AdvanceSelfTest() noexcept;
+  void DriveCoils(const Observation& seen, Outputs& outputs) noexcept;
+  void CheckNumbers(Outputs& outputs) noexcept;
+  void FinishTick(const Inputs& inputs) noexcept;
+  std::uint8_t FanSpeed(const Observation& seen) const noexcept;
+  void StartSelfTest() noexcept;
+  void Enter(wire::State state) noexcept;
+  bool Note(wire::Fault fault, std::uint8_t part, float value) noexcept;
+  void Raise(wire::Fault fault, std::uint8_t part, float value) noexcept;
+
+  // core_link.cc: frames
+  void Reject() noexcept { ++rejected_; }
+  void OnHello(const wire::FrameView& view, std::uint8_t version) noexcept;
+  void OnCommand(const wire::FrameView& view) noexcept;
+  void OnConfig(const wire::FrameView& view) noexcept;
+  void OnArm(const wire::FrameView& view) noexcept;
+  void OnEstop(const wire::FrameView& view) noexcept;
+  void OnFaultRequest(const wire::FrameView& view) noexcept;
+  wire::Arm AnswerArm(const wire::Arm& asked) noexcept;
+  wire::Arm RefuseArm(std::uint32_t faults) noexcept;
+  std::uint32_t ArmObstacles() noexcept;
+  wire::Hello Identity() const noexcept;
+  void Say(const LogLine& line) noexcept;
+
+  Settings built_;     // as constructed: the range of what CONFIG may set
+  Settings settings_;  // in force
+  bool settings_are_valid_;
+  FaultLatch latch_;
+  Arming arming_;
+  HallWatch hall_;
+  CoilHeat heat_;
+  SelfTest self_test_;
+  SelfTest::Step test_step_;
+  SafetyMonitor monitor_;
+  Drive drive_;
+  CommandGate gate_;
+  Outbox outbox_;
+  TickReport tick_;
+  LogRate log_rate_;
+
+  wire::State state_ = wire::State::kBoot;
+  int in_state_ = 0;  // steps
+  std::uint8_t retest_ = kRetestHall | kRetestCoils;
+  float set_point_A_[wire::kCoils] = {};
+  HallVerdict hall_verdict_;
+  CoilSample samples_[wire::kCoils];
+  Proof proof_;
+
+  std::uint64_t now_us_ = 0;
+  std::uint64_t tick_us_ = 0;  // of the newest telemetry
+  bool has_stepped_ = false;
+  bool clock_advances_ = true;
+  int steps_to_tick_ = kStepsPerTick;
+  std::uint8_t fan_ = 0;
+
+  bool host_is_compatible_ = true;
+  bool has_config_seq_ = false;
+  std::uint16_t config_seq_ = 0;
+  std::uint16_t rejected_ = 0;
+  std::uint16_t missed_ticks_ = 0;
 };
 
 }  // namespace omni::firmware

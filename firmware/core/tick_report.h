@@ -1,0 +1,27 @@
+// TELEMETRY of a tick from the control steps in it: means of currents and voltages, the newest Hall samples.
+#pragma once
+
+#include "firmware/core/coil_heat.h"
+#include "firmware/core/hall_watch.h"
+
+namespace omni::firmware {
+
+class TickReport {
+ public:
+  void Add(const Inputs& inputs, const HallVerdict& hall, const Outputs& outputs) noexcept;
+
+  // Electrical means, samples with their ages, temperatures; begins the next tick. The core adds what it alone knows.
+  // Returns the instant of the newest Hall sample; it never goes back.
+  std::uint64_t Take(const Settings& settings, const Inputs& inputs, const HallWatch& hall, const CoilHeat& heat,
+                     wire::Telemetry& telemetry) noexcept;
+
+ private:
+  void TakeField(const Inputs& inputs, const HallWatch& hall, wire::Telemetry& telemetry) noexcept;
+
+  std::int32_t current_[wire::kCoils] = {}, voltage_[wire::kCoils] = {}, duty_[wire::kCoils] = {};
+  int steps_ = 0;
+  std::uint8_t fresh_ = 0;
+  std::uint64_t t_device_us_ = 0;
+};
+
+}  // namespace omni::firmware
