@@ -1,0 +1,23 @@
+// Prints the checksum of the core's drill: "drill STEPS CHECKSUM". The host computes the same.
+//   drill STEPS
+#include "firmware/board/mps2_an500/exit_codes.h"
+#include "firmware/board/mps2_an500/semihosting.h"
+#include "firmware/board/mps2_an500/start.h"
+#include "firmware/board/mps2_an500/text.h"
+#include "firmware/core/drill.h"
+
+namespace omni::firmware::board {
+
+int Main(const char* command_line) {
+  std::uint32_t steps = 0;
+  if (!ParseNumber(command_line, steps)) {
+    Print("drill: says how many steps, e.g. drill 100000\n");
+    return kExitUsage;
+  }
+  Text text;
+  text.Add("drill ").Add(steps).Add(" ").AddHex(Drill(steps)).Add("\n");
+  Print(text.c_str());
+  return kExitOk;
+}
+
+}  // namespace omni::firmware::board
