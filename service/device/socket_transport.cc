@@ -12,6 +12,7 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/clock.h"
+#include "service/device/arming.h"
 #include "service/device/counters.h"
 #include "service/device/scan_conversion.h"
 
@@ -108,7 +109,9 @@ class SocketTransport final : public Transport {
       const Received received = ReceiveFrame(socket_.get(), buffer_);
       drained.gone = received.what == Receive::kGone;
       if (received.what != Receive::kFrame) break;
-      if (!Accept(received.size, scan)) continue;
+      const bool is_scan = Accept(received.size, scan);
+      SendArm();
+      if (!is_scan) continue;
       if (drained.scan) ++counters_.superseded;
       drained.scan = true;
     }
@@ -119,6 +122,7 @@ class SocketTransport final : public Transport {
     wire::FrameView view;
     const wire::Status opened = OpenReceived(buffer_, size, view);
     if (opened == wire::Status::kUnknownType) return false;
+    if (opened == wire::Status::kOk && view.header.type == wire::MessageType::kArm) return TakeArm(view);
     if (opened == wire::Status::kOk && view.header.type != wire::MessageType::kTelemetry) return false;
     wire::Telemetry telemetry;
     if (opened != wire::Status::kOk || wire::Decode(view, telemetry) != wire::Status::kOk ||
@@ -129,8 +133,26 @@ class SocketTransport final : public Transport {
     ++counters_.received;
     counters_.missed.Set(sequence_.missed());
     newest_device_us_ = view.header.t_device_us;
+    arming_.OnTelemetry(telemetry, base::MonotonicNow_ns());
     scan = ScanFromTelemetry(device_, telemetry, newest_device_us_, sequence_.sequence());
     return true;
+  }
+
+  // No scan. An answer that nobody asked for is a bad frame.
+  bool TakeArm(const wire::FrameView& view) noexcept {
+    wire::Arm arm;
+    if (wire::Decode(view, arm) != wire::Status::kOk || !arming_.OnArm(arm, base::MonotonicNow_ns())) {
+      ++counters_.bad_frames;
+    }
+    return false;
+  }
+
+  void SendArm() noexcept {
+    wire::Arm arm;
+    if (!arming_.Next(base::MonotonicNow_ns(), arm)) return;
+    std::array<std::uint8_t, wire::FrameSize<wire::Arm>()> frame;
+    const wire::Encoded encoded = wire::Encode(arm, arm_seq_++, 0, frame.data(), frame.size());
+    if (send(socket_.get(), frame.data(), encoded.size, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) ++counters_.send_failed;
   }
 
   UniqueFd socket_;
@@ -140,7 +162,8 @@ class SocketTransport final : public Transport {
   SequenceCounter sequence_;
   Buffer buffer_{};
   std::uint64_t newest_device_us_ = 0;
-  std::uint16_t command_seq_ = 0;
+  std::uint16_t command_seq_ = 0, arm_seq_ = 0;
+  Arming arming_;
 };
 
 // Why there is no connection; `seen` is what the last frame was.

@@ -131,9 +131,14 @@ TEST(SocketTransport, WriteSendsACommandThatTheDeviceAccepts) {
   peer.Send(TelemetryFrame(1, 4242));
   base::HallScan scan;
   ASSERT_EQ(transport->Read(scan, kPatience_ns), ReadStatus::kScan);
-  ASSERT_TRUE(transport->Write({{1.5, -2.25, 15}}));
-  const Frame frame = peer.Receive();
+  Frame frame = peer.Receive();
   wire::FrameView view;
+  wire::Arm arm;
+  ASSERT_EQ(wire::OpenFrame(frame.data(), frame.size(), view), wire::Status::kOk);
+  ASSERT_EQ(wire::Decode(view, arm), wire::Status::kOk) << "an idle base is armed";
+  EXPECT_EQ(arm.step, wire::ArmStep::kRequest);
+  ASSERT_TRUE(transport->Write({{1.5, -2.25, 15}}));
+  frame = peer.Receive();
   ASSERT_EQ(wire::OpenFrame(frame.data(), frame.size(), view), wire::Status::kOk);
   wire::Command command;
   ASSERT_EQ(wire::DecodeCommand(view, 15, command), wire::Status::kOk);
