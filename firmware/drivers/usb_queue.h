@@ -1,0 +1,74 @@
+// What the USB controller reads and writes in memory: queue heads (dQH), transfer descriptors (dTD) and packet buffers
+// [NXP IMXRT1060RM, USB: "Device Data Structures"]. All of it is one block, so that one MPU region and one address map
+// are enough. It may lie in cached memory: structures fill whole lines of 32 bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace omni::drivers::usb {
+
+constexpr std::size_t kCacheLine = 32;
+constexpr std::uint32_t kTerminate = 1;  // in place of an address: the list ends
+
+// Token of a dTD and of the overlay in a dQH.
+constexpr std::uint32_t kTokenActive = 1U << 7;
+constexpr std::uint32_t kTokenHalted = 1U << 6;
+constexpr std::uint32_t kTokenBufferError = 1U << 5;
+constexpr std::uint32_t kTokenTransactionError = 1U << 3;
+constexpr std::uint32_t kTokenErrors = kTokenHalted | kTokenBufferError | kTokenTransactionError;
+constexpr std::uint32_t kTokenInterrupt = 1U << 15;  // IOC
+constexpr int kTokenBytesShift = 16;                 // total bytes, 15 bits: counts down what is left
+constexpr std::uint32_t kTokenBytesMask = 0x7FFF;
+
+// No initial values: this may lie in memory that start-up leaves alone; the driver writes what it uses.
+struct alignas(32) TransferDescriptor {
+  volatile std::uint32_t next;
+  volatile std::uint32_t token;
+  volatile std::uint32_t page[5];
+  std::uint32_t reserved;
+};
+static_assert(sizeof(TransferDescriptor) == kCacheLine, "fills its line");
+
+// Capabilities of a dQH.
+constexpr int kPacketSizeShift = 16;
+constexpr std::uint32_t kInterruptOnSetup = 1U << 15;
+// ZLT: set, no empty packet ends a transfer that is a multiple of the packet size.
+constexpr std::uint32_t kNoZeroLengthEnd = 1U << 29;
+
+struct alignas(64) QueueHead {
+  // First line: written by us while the endpoint is not primed.
+  volatile std::uint32_t capabilities;
+  volatile std::uint32_t current;
+  volatile std::uint32_t next;
+  volatile std::uint32_t token;
+  volatile std::uint32_t page[4];
+  // Second line: the controller's, we only read `setup`.
+  volatile std::uint32_t page4;
+  std::uint32_t reserved;
+  volatile std::uint32_t setup[2];
+  std::uint32_t padding[4];
+};
+static_assert(sizeof(QueueHead) == 64 && offsetof(QueueHead, setup) == 40, "layout of the controller");
+
+// Queue heads stand in the order of the controller: OUT and IN of endpoint 0, OUT and IN of endpoint 1.
+constexpr int kControlOut = 0, kControlIn = 1, kBulkOut = 2, kBulkIn = 3;
+constexpr int kQueueHeads = 4;
+
+constexpr std::size_t kBufferSize = 512;
+constexpr int kReceiveDepth = 4;  // whole transfers kept until somebody asks; full: the host has to wait (NAK)
+constexpr int kSendDepth = 4;     // frames that wait for the host; full: Send refuses
+
+struct alignas(2048) UsbMemory {
+  QueueHead queues[kQueueHeads];
+  TransferDescriptor control_in[2];  // data and, if it must be said, its end
+  TransferDescriptor control_out;
+  TransferDescriptor bulk_out;
+  TransferDescriptor bulk_in;
+  alignas(kBufferSize) std::uint8_t control[kBufferSize];
+  std::uint8_t receive[kReceiveDepth][kBufferSize];
+  std::uint8_t send[kSendDepth][kBufferSize];
+};
+static_assert(sizeof(UsbMemory) % kCacheLine == 0, "nobody else in its lines");
+
+}  // namespace omni::drivers::usb
