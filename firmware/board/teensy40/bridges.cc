@@ -59,7 +59,7 @@ void Bridges::Start() noexcept {
     SetUpSubmodule(pwm.SM[i], kPwmTicks);
     pwm.SM[i].DISMAP0 = kAllFaultsStopA;
   }
-  // All four inputs stand for "switch pressed" until they are routed: outputs start out held low.
+  // Until they are routed, the coils' lines read low: outputs start out held.
   pwm.FCTRL = kFaultLevels;
   pwm.FFILT = kFilter;
   for (const Route& route : kFaultRoutes) Connect(route);

@@ -77,14 +77,6 @@ void SwitchCore() noexcept {
   WaitWhile(ccm_bits::kBusyPeriph);
 }
 
-void PeripheralSources() noexcept {
-  Ccm& c = ccm();
-  c.CSCMR1 = (c.CSCMR1 & ~ccm_bits::kPerclkMask) | ccm_bits::kPerclkOsc;
-  c.CSCDR2 &= ~ccm_bits::kLpi2cMask;
-  c.CBCMR = (c.CBCMR & ~ccm_bits::kLpspiMask) | ccm_bits::kLpspiPll2By8;
-  static_assert(528'000'000 / 8 == kSpiSource_Hz && 480'000'000 / 8 == kI2cSource_Hz, "sources");
-}
-
 }  // namespace
 
 void OpenClockGates() noexcept {
@@ -97,6 +89,14 @@ void OpenClockGates() noexcept {
   ccm().CCGR[6] |= GateOn(0) | GateOn(3);                            // USB, DCDC
 }
 
+void SetUpPeripheralClocks() noexcept {
+  Ccm& c = ccm();
+  c.CSCMR1 = (c.CSCMR1 & ~ccm_bits::kPerclkMask) | ccm_bits::kPerclkOsc;
+  c.CSCDR2 &= ~ccm_bits::kLpi2cMask;
+  c.CBCMR = (c.CBCMR & ~ccm_bits::kLpspiMask) | ccm_bits::kLpspiPll2By8;
+  static_assert(528'000'000 / 8 == kSpiSource_Hz && 480'000'000 / 8 == kI2cSource_Hz, "sources");
+}
+
 void SetUpClocks() noexcept {
   // Waiting for an interrupt stops the core only; in the reset setting it would stop the buses too [RM CCM, CLPCR].
   ccm().CLPCR &= ~ccm_bits::kLowPowerModeMask;
@@ -105,7 +105,7 @@ void SetUpClocks() noexcept {
   StartUsbPll();
   StartSystemPll();
   SwitchCore();
-  PeripheralSources();
+  SetUpPeripheralClocks();
 }
 
 }  // namespace omni::board

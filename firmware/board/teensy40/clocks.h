@@ -18,4 +18,7 @@ void OpenClockGates() noexcept;
 // never locks ends in the watchdog's reset with all bridges asleep.
 void SetUpClocks() noexcept;
 
+// What the above does last: the sources of SPI, I2C and timers. For a start-up code that is not ours.
+void SetUpPeripheralClocks() noexcept;
+
 }  // namespace omni::board

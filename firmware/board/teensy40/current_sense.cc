@@ -13,6 +13,7 @@ using drivers::BusStatus;
 constexpr std::int16_t kSideCounts = 800;
 constexpr std::uint32_t kCheckSteps = 64;  // a chip every 16 ms
 constexpr int kAlertWrites = 3;
+constexpr std::uint8_t kSupplyMisses = 4;  // 1 ms: it moves no faster than the loop of the capacitors
 
 ina260::Mode ModeOf(int chip) noexcept {
   return chip == CurrentSense::kSupply ? ina260::Mode::kCurrentAndVoltage : ina260::Mode::kCurrentOnly;
@@ -65,8 +66,13 @@ void CurrentSense::Collect(firmware::Inputs& inputs) noexcept {
   if (!paused_ && job_count_ != 0) {
     for (int coil = 0; coil < wire::kCoils; ++coil) TakeCurrent(coil);
     const I2cJob& supply = jobs_[kSupply];
-    // A supply that nobody measures counts as none.
-    supply_ = supply.status == BusStatus::kOk && running(kSupply) ? Value(supply) : std::uint16_t{0};
+    if (supply.status == BusStatus::kOk && running(kSupply)) {
+      supply_ = Value(supply);
+      supply_missed_ = 0;
+    } else if (++supply_missed_ > kSupplyMisses) {
+      supply_ = 0;  // one that nobody measures counts as none
+      supply_missed_ = kSupplyMisses;
+    }
     if (checking_ >= 0) {
       const I2cJob& check = jobs_[job_count_ - 1];
       const auto wanted =

@@ -62,6 +62,7 @@ class CurrentSense {
   Alert alerts_[wire::kCoils];
   std::int16_t current_[wire::kCoils] = {};
   std::uint16_t supply_ = 0;
+  std::uint8_t supply_missed_ = 0;
   std::uint8_t answers_ = 0;
   std::uint32_t step_ = 0;
   int checking_ = -1;  // chip whose configuration is the last job

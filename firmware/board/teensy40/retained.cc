@@ -1,7 +1,6 @@
 #include "firmware/board/teensy40/retained.h"
 
 #include "firmware/board/teensy40/memory_map.h"
-#include "firmware/board/teensy40/registers.h"
 
 namespace omni::board {
 namespace {
@@ -15,13 +14,10 @@ __attribute__((section(".retained"), used)) alignas(Retained) unsigned char g_re
 Retained& retained() noexcept { return *reinterpret_cast<Retained*>(g_retained); }
 
 firmware::ResetCause TakeResetCause() noexcept {
-  const std::uint32_t status = Word(kResetStatus);
-  Word(kResetStatus) = status;
   const bool crashed = retained().crashed == kCrashed;
   retained().crashed = 0;
   ++retained().resets;
-  if (crashed || (status & kResetByWatchdogs) != 0) return firmware::ResetCause::kWatchdog;
-  return (status & kResetBySoftware) != 0 ? firmware::ResetCause::kSoftware : firmware::ResetCause::kPower;
+  return TakeResetCause(crashed);
 }
 
 }  // namespace omni::board

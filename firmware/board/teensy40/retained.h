@@ -18,7 +18,11 @@ struct Retained {
 
 Retained& retained() noexcept;
 
-// Why the chip started, asked once: the answer is cleared. A processor fault counts as the watchdog's.
+// Why the chip started, asked once: the answer is cleared. `crashed`: the last run ended in a processor fault, which
+// counts as the watchdog's.
+firmware::ResetCause TakeResetCause(bool crashed) noexcept;
+
+// The same with what is kept here, which it counts and clears.
 firmware::ResetCause TakeResetCause() noexcept;
 
 }  // namespace omni::board
