@@ -38,7 +38,7 @@ void Board::ReadFaults(firmware::Inputs& inputs) noexcept {
   for (int i = 0; i < kBridges; ++i) {
     if (drivers_[i].fault()) inputs.driver_fault = static_cast<std::uint8_t>(inputs.driver_fault | 1U << i);
   }
-  inputs.emergency_stop = bridges_.EmergencyStop() || usb_.TakeEmergencyStop() ? 1 : 0;
+  inputs.emergency_stop = bridges_.EmergencyStop() || usb_.EmergencyStop() ? 1 : 0;
   // Only after they have been told, so that no short one is lost.
   if (bridges_.nothing_driven()) bridges_.ClearFaults();
 }

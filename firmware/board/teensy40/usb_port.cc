@@ -57,6 +57,11 @@ void UsbPort::Interrupt() noexcept {
   DataBarrier();
 }
 
-bool UsbPort::TakeEmergencyStop() noexcept { return handler_.emergency_stop.exchange(false); }
+bool UsbPort::EmergencyStop() noexcept {
+  if (handler_.emergency_stop.exchange(false)) stop_held_ = kEmergencyStopHold;
+  if (stop_held_ == 0) return false;
+  --stop_held_;
+  return true;
+}
 
 }  // namespace omni::board

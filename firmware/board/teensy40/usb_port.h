@@ -27,10 +27,13 @@ class UsbPort {
     nvic::Pend(Irq::kUsb1);
     return taken;
   }
-  // The host has asked for an emergency stop through endpoint 0 since the last call.
-  bool TakeEmergencyStop() noexcept;
+  // The host has asked for an emergency stop through endpoint 0: true for kEmergencyStopHold calls, one a control step,
+  // longer than the core needs to believe it.
+  bool EmergencyStop() noexcept;
 
  private:
+  static constexpr int kEmergencyStopHold = 40;  // 10 ms
+
   // firmware/drivers/usb_device.h. On-chip RAM is not cached here; what must not be reordered is kept in order.
   struct Bus {
     std::uint32_t Read(std::uint32_t offset) noexcept { return Word(kUsb1Base + offset); }
@@ -56,6 +59,7 @@ class UsbPort {
   drivers::usb::UsbDevice<Bus, Handler> device_;
   FrameRing<8> from_host_;
   FrameRing<16> to_host_;
+  int stop_held_ = 0;
 };
 
 }  // namespace omni::board
