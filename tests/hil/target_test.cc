@@ -67,6 +67,14 @@ TEST(Target, ExceptionEndsWithItsNumber) {
   EXPECT_NE(run->output.find("exception 6, CFSR 00010000, at 0000"), std::string::npos) << run->output;
 }
 
+// Below the stack is a guard of the memory protection unit, exception 4; no data is overwritten.
+TEST(Target, FullStackIsAnException) {
+  OMNI_NEEDS_BOARD();
+  const auto run = RunImage({"mps2_tests", {"overflow"}}, kTimeout_ms);
+  ASSERT_TRUE(run.ok()) << run.error();
+  EXPECT_EQ(run->status, board::kExitException + 4) << run->output;
+}
+
 // Names that the linker has put into an image.
 std::set<std::string> SymbolsOf(const std::string& image) {
   const std::string command = "arm-none-eabi-nm --demangle=auto " + ImagePath(image);

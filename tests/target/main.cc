@@ -2,6 +2,7 @@
 //   tests               all
 //   tests self          what this harness must notice: tests that fail, and one that does not
 //   tests exception     executes an undefined instruction; start-up ends with a status that names the exception
+//   tests overflow      calls itself until the stack is full: no data is overwritten, it is an exception too
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -67,6 +68,13 @@ int RunTests(bool self) {
   return std::min(failed, kExitFailuresMax);
 }
 
+// Deeper than any stack. The result depends on the frames, so that they are made.
+int Deeper(volatile int* outer, int level) {
+  volatile int here[64] = {};
+  here[0] = *outer + level;
+  return level == 0 ? here[0] : Deeper(here, level - 1) + here[0];
+}
+
 }  // namespace
 
 int Main(const char* command_line) {
@@ -76,7 +84,11 @@ int Main(const char* command_line) {
   if (what == "exception") {
     __asm__ volatile("udf #0");
   }
-  Print("tests: the argument is self, exception or nothing\n");
+  if (what == "overflow") {
+    volatile int zero = 0;
+    return Deeper(&zero, 1'000'000) == 0 ? kExitOk : kExitFailuresMax;
+  }
+  Print("tests: the argument is self, exception, overflow or nothing\n");
   return kExitUsage;
 }
 
