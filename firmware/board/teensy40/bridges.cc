@@ -28,7 +28,7 @@ struct Route {
 constexpr Route kFaultRoutes[] = {{49, 6}, {50, 7}, {37, 17}, {38, 14}};
 
 void Connect(const Route& route) noexcept {
-  volatile std::uint16_t& select = XbarSelect(route.output);
+  Reg16& select = XbarSelect(route.output);
   const int shift = (route.output & 1) != 0 ? 8 : 0;
   select = static_cast<std::uint16_t>((select & ~(0xFF << shift)) | (route.input << shift));
 }

@@ -1,22 +1,14 @@
-// The Cortex-M7 itself: barriers, interrupts, fault and cache registers. ARM: ARMv7-M Architecture Reference Manual
+// The Cortex-M7 itself: interrupts, fault and cache registers. ARM: ARMv7-M Architecture Reference Manual
 // (DDI 0403E); its section is named.
 #pragma once
 
 #include <cstdint>
 
+#include "firmware/board/teensy40/register_access.h"
+
 namespace omni::board {
 
-template <class T>
-inline volatile T& At(std::uint32_t address) noexcept {
-  return *reinterpret_cast<volatile T*>(address);
-}
-inline volatile std::uint32_t& Word(std::uint32_t address) noexcept { return At<std::uint32_t>(address); }
-
-inline void DataBarrier() noexcept { asm volatile("dsb" ::: "memory"); }
-inline void InstructionBarrier() noexcept { asm volatile("isb" ::: "memory"); }
-inline void InterruptsOff() noexcept { asm volatile("cpsid i" ::: "memory"); }
-inline void InterruptsOn() noexcept { asm volatile("cpsie i" ::: "memory"); }
-inline void WaitForInterrupt() noexcept { asm volatile("wfi" ::: "memory"); }
+inline Reg32& Word(std::uint32_t address) noexcept { return Block<Reg32>(address); }
 
 // i.MX RT1062 interrupt numbers [RM Interrupts, DMA events and XBAR assignments, CM7 domain interrupts].
 enum class Irq : std::uint8_t { kLpi2c1 = 28, kUsb1 = 113, kPit = 122 };
@@ -30,7 +22,7 @@ enum class Priority : std::uint8_t { kHigh = 0x20, kControl = 0x40, kLow = 0x80 
 namespace nvic {  // ARM B3.4
 inline void Enable(Irq irq, Priority priority) noexcept {
   const auto number = static_cast<std::uint32_t>(irq);
-  At<std::uint8_t>(0xE000E400 + number) = static_cast<std::uint8_t>(priority);
+  Block<Reg8>(0xE000E400 + number) = static_cast<std::uint8_t>(priority);
   Word(0xE000E100 + 4 * (number / 32)) = 1U << (number % 32);
 }
 // Makes it run as if its peripheral had asked.
@@ -41,7 +33,8 @@ inline void Pend(Irq irq) noexcept {
 inline void Disable(Irq irq) noexcept {
   const auto number = static_cast<std::uint32_t>(irq);
   Word(0xE000E180 + 4 * (number / 32)) = 1U << (number % 32);
-  asm volatile("dsb\n isb" ::: "memory");
+  DataBarrier();
+  InstructionBarrier();
 }
 inline void DisableAll() noexcept {
   for (std::uint32_t bank = 0; bank < (kInterrupts + 31) / 32; ++bank) Word(0xE000E180 + 4 * bank) = 0xFFFFFFFF;
@@ -49,12 +42,12 @@ inline void DisableAll() noexcept {
 }  // namespace nvic
 
 namespace scb {  // ARM B3.2
-inline volatile std::uint32_t& VectorTable() noexcept { return Word(0xE000ED08); }
-inline volatile std::uint32_t& ResetControl() noexcept { return Word(0xE000ED0C); }
-inline volatile std::uint32_t& ConfigControl() noexcept { return Word(0xE000ED14); }
-inline volatile std::uint32_t& HandlerControl() noexcept { return Word(0xE000ED24); }
-inline volatile std::uint32_t& CoprocessorAccess() noexcept { return Word(0xE000ED88); }
-inline volatile std::uint32_t& InvalidateInstructionCache() noexcept { return Word(0xE000EF50); }
+inline Reg32& VectorTable() noexcept { return Word(0xE000ED08); }
+inline Reg32& ResetControl() noexcept { return Word(0xE000ED0C); }
+inline Reg32& ConfigControl() noexcept { return Word(0xE000ED14); }
+inline Reg32& HandlerControl() noexcept { return Word(0xE000ED24); }
+inline Reg32& CoprocessorAccess() noexcept { return Word(0xE000ED88); }
+inline Reg32& InvalidateInstructionCache() noexcept { return Word(0xE000EF50); }
 constexpr std::uint32_t kResetRequest = 0x05FA0004;      // VECTKEY, SYSRESETREQ
 constexpr std::uint32_t kInstructionCacheOn = 1U << 17;  // CCR.IC
 constexpr std::uint32_t kFaultHandlersOn = 7U << 16;     // SHCSR: usage, bus and memory faults have their own handlers
@@ -62,9 +55,9 @@ constexpr std::uint32_t kFpuFullAccess = 0xFU << 20;     // CPACR: CP10, CP11
 }  // namespace scb
 
 namespace mpu {  // ARM B3.5
-inline volatile std::uint32_t& Control() noexcept { return Word(0xE000ED94); }
-inline volatile std::uint32_t& RegionBase() noexcept { return Word(0xE000ED9C); }
-inline volatile std::uint32_t& RegionSize() noexcept { return Word(0xE000EDA0); }
+inline Reg32& Control() noexcept { return Word(0xE000ED94); }
+inline Reg32& RegionBase() noexcept { return Word(0xE000ED9C); }
+inline Reg32& RegionSize() noexcept { return Word(0xE000EDA0); }
 }  // namespace mpu
 
 // Cycle counter, 600 MHz [ARM C1.8].

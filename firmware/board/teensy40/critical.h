@@ -3,15 +3,14 @@
 
 #include <cstdint>
 
+#include "firmware/board/teensy40/register_access.h"
+
 namespace omni::board {
 
 class Critical {
  public:
-  Critical() noexcept {
-    asm volatile("mrs %0, primask" : "=r"(before_));
-    asm volatile("cpsid i" ::: "memory");
-  }
-  ~Critical() { asm volatile("msr primask, %0" ::"r"(before_) : "memory"); }
+  Critical() noexcept : before_(InterruptMask()) { InterruptsOff(); }
+  ~Critical() { SetInterruptMask(before_); }
   Critical(const Critical&) = delete;
   Critical& operator=(const Critical&) = delete;
 

@@ -9,16 +9,13 @@
 
 namespace omni::board {
 
-using Reg16 = volatile std::uint16_t;
-using Reg32 = volatile std::uint32_t;
-
 template <std::size_t kBytes>
 struct Gap {
   std::uint8_t unused[kBytes];
 };
 
 // RM IOMUXC_GPR, GPR1 at +4.
-inline volatile std::uint32_t& Gpr(std::uint32_t number) noexcept { return Word(0x400AC000 + 4 * number); }
+inline Reg32& Gpr(std::uint32_t number) noexcept { return Word(0x400AC000 + 4 * number); }
 
 // RM Clock Controller Module (CCM).
 struct Ccm {
@@ -36,7 +33,7 @@ struct Ccm {
 static_assert(offsetof(Ccm, CSCMR1) == 0x1C && offsetof(Ccm, CSCDR2) == 0x38 && offsetof(Ccm, CDHIPR) == 0x48 &&
                   offsetof(Ccm, CLPCR) == 0x54 && offsetof(Ccm, CCGR) == 0x68,
               "CCM");
-inline Ccm& ccm() noexcept { return *reinterpret_cast<Ccm*>(0x400FC000); }
+inline Ccm& ccm() noexcept { return Block<Ccm>(0x400FC000); }
 
 namespace ccm_bits {
 constexpr std::uint32_t kArmPodfMask = 7U;         // CACRR
@@ -80,7 +77,7 @@ static_assert(offsetof(Analog, PLL_SYS) == 0x30 && offsetof(Analog, PFD_480) == 
                   offsetof(Analog, PMU_REG_3P0) == 0x120 && offsetof(Analog, MISC0) == 0x150 &&
                   offsetof(Analog, TEMPSENSE0) == 0x180,
               "CCM_ANALOG, PMU, TEMPMON");
-inline Analog& analog() noexcept { return *reinterpret_cast<Analog*>(0x400D8000); }
+inline Analog& analog() noexcept { return Block<Analog>(0x400D8000); }
 
 namespace analog_bits {
 constexpr std::uint32_t kLock = 1U << 31;
@@ -117,7 +114,7 @@ struct Gpio {
 };
 static_assert(offsetof(Gpio, DR_SET) == 0x84, "GPIO");
 inline Gpio& FastGpio(int port) noexcept {  // 1 to 4
-  return *reinterpret_cast<Gpio*>(0x42000000U + 0x4000U * static_cast<std::uint32_t>(port - 1));
+  return Block<Gpio>(0x42000000U + 0x4000U * static_cast<std::uint32_t>(port - 1));
 }
 
 // RM Low Power Serial Peripheral Interface.
@@ -134,7 +131,7 @@ struct Lpspi {
 static_assert(offsetof(Lpspi, CFGR1) == 0x24 && offsetof(Lpspi, CCR) == 0x40 && offsetof(Lpspi, TCR) == 0x60 &&
                   offsetof(Lpspi, RDR) == 0x74,
               "LPSPI");
-inline Lpspi& lpspi4() noexcept { return *reinterpret_cast<Lpspi*>(0x403A0000); }
+inline Lpspi& lpspi4() noexcept { return Block<Lpspi>(0x403A0000); }
 
 // RM Low Power Inter-Integrated Circuit, master half.
 struct Lpi2c {
@@ -152,7 +149,7 @@ struct Lpi2c {
 static_assert(offsetof(Lpi2c, MCFGR1) == 0x24 && offsetof(Lpi2c, MCCR0) == 0x48 && offsetof(Lpi2c, MCCR1) == 0x50 &&
                   offsetof(Lpi2c, MTDR) == 0x60 && offsetof(Lpi2c, MRDR) == 0x70,
               "LPI2C");
-inline Lpi2c& lpi2c1() noexcept { return *reinterpret_cast<Lpi2c*>(0x403F0000); }
+inline Lpi2c& lpi2c1() noexcept { return Block<Lpi2c>(0x403F0000); }
 
 // RM Enhanced Flex Pulse Width Modulator.
 struct PwmSubmodule {
@@ -168,20 +165,18 @@ static_assert(sizeof(PwmSubmodule) == 0x60 && offsetof(PwmSubmodule, VAL3) == 0x
                   offsetof(PwmSubmodule, DISMAP0) == 0x2C && offsetof(FlexPwm, MCTRL) == 0x188 &&
                   offsetof(FlexPwm, FSTS) == 0x18E,
               "FlexPWM");
-inline FlexPwm& flexpwm2() noexcept { return *reinterpret_cast<FlexPwm*>(0x403E0000); }
-inline FlexPwm& flexpwm4() noexcept { return *reinterpret_cast<FlexPwm*>(0x403E8000); }
+inline FlexPwm& flexpwm2() noexcept { return Block<FlexPwm>(0x403E0000); }
+inline FlexPwm& flexpwm4() noexcept { return Block<FlexPwm>(0x403E8000); }
 
 // RM Inter-Peripheral Crossbar Switch A1: one byte an output.
-inline volatile std::uint16_t& XbarSelect(std::uint32_t output) noexcept {
-  return At<std::uint16_t>(0x403BC000 + 2 * (output / 2));
-}
+inline Reg16& XbarSelect(std::uint32_t output) noexcept { return Block<Reg16>(0x403BC000 + 2 * (output / 2)); }
 
 // RM General Purpose Timer.
 struct Gpt {
   Reg32 CR, PR, SR, IR, OCR1, OCR2, OCR3, ICR1, ICR2, CNT;
 };
 static_assert(offsetof(Gpt, CNT) == 0x24, "GPT");
-inline Gpt& gpt2() noexcept { return *reinterpret_cast<Gpt*>(0x401F0000); }
+inline Gpt& gpt2() noexcept { return Block<Gpt>(0x401F0000); }
 
 // RM Periodic Interrupt Timer.
 struct PitChannel {
@@ -193,13 +188,13 @@ struct Pit {
   PitChannel channel[4];
 };
 static_assert(offsetof(Pit, channel) == 0x100, "PIT");
-inline Pit& pit() noexcept { return *reinterpret_cast<Pit*>(0x40084000); }
+inline Pit& pit() noexcept { return Block<Pit>(0x40084000); }
 
 // RM RT Watchdog (RTWDOG, WDOG3).
 struct RtWatchdog {
   Reg32 CS, CNT, TOVAL, WIN;
 };
-inline RtWatchdog& wdog3() noexcept { return *reinterpret_cast<RtWatchdog*>(0x400BC000); }
+inline RtWatchdog& wdog3() noexcept { return Block<RtWatchdog>(0x400BC000); }
 
 // RM Universal Serial Bus Controller and USB PHY; the device half belongs to firmware/drivers.
 constexpr std::uint32_t kUsb1Base = 0x402E0000;
@@ -211,6 +206,6 @@ struct UsbPhy {
   Twin CTRL;
 };
 static_assert(offsetof(UsbPhy, CTRL) == 0x30, "USBPHY");
-inline UsbPhy& usbphy1() noexcept { return *reinterpret_cast<UsbPhy*>(0x400D9000); }
+inline UsbPhy& usbphy1() noexcept { return Block<UsbPhy>(0x400D9000); }
 
 }  // namespace omni::board
