@@ -48,6 +48,7 @@ class Lis3mdlModel {
   }
 
   void Exchange(const std::uint8_t* out, std::uint8_t* in, std::size_t size) {
+    burst_began_at_ = samples_;
     Wait(1);
     in[0] = 0xFF;  // nobody drives the line during the address
     const bool read = (out[0] & 0x80) != 0;
@@ -96,7 +97,8 @@ class Lis3mdlModel {
     if (address == 0x0F) return identity_;
     const std::uint8_t value = registers_[static_cast<std::size_t>(address)];
     if (address >= 0x28 && address <= 0x2F) latched_[static_cast<std::size_t>((address - 0x28) / 2)] = address % 2 == 0;
-    if (address == 0x2D) registers_[0x27] = 0;  // the sample has been read
+    // The sample has been read, unless another one came meanwhile.
+    if (address == 0x2D && samples_ == burst_began_at_) registers_[0x27] = 0;
     return value;
   }
 
@@ -123,6 +125,7 @@ class Lis3mdlModel {
   double phase_us_ = 0;
   bool read_only_ = false;
   long samples_ = 0;
+  long burst_began_at_ = 0;
 };
 
 // The bus policy of the driver, with something wrong on the way if asked for.

