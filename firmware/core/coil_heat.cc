@@ -8,13 +8,13 @@ namespace {
 constexpr int kWindow_steps = 40;  // 10 ms: a sliding mean steadies both readings, heat is slower by far
 constexpr double kWindow_s = 10e-3;
 static_assert(kWindow_steps == 10 * kStepsPerMs, "one says the other");
-constexpr float kMeasurable_A = 1;       // 1.25 mA and 2 mA of offset are then worth less than a kelvin
-constexpr float kInducedShare = 0.02F;   // of the voltage: the inductance is known to 15 %, so 0.3 % or 0.8 K
+constexpr float kMeasurable_A = 1;      // 1.25 mA and 2 mA of offset are then worth less than a kelvin
+constexpr float kInducedShare = 0.02F;  // of the voltage: the inductance is known to 15 %, so 0.3 % or 0.8 K
 // Share per window. Up at once, or the current that shrinks with the temperature is too small to measure before it
 // trips; down slowly: the two readings differ by what the inductance is wrong.
 constexpr double kFollowUp = kWindow_s / 0.05;
 constexpr double kFollowDown = kWindow_s / 0.5;
-constexpr double kReference_C = 20;      // of Settings' resistances
+constexpr double kReference_C = 20;  // of Settings' resistances
 
 }  // namespace
 
