@@ -19,7 +19,7 @@ namespace {
 using namespace firmware;
 
 constexpr int kSteps = 100'000;  // 25 s of device time
-constexpr int kTimeout_ms = 100'000;
+constexpr int kTimeout_ms = 250'000;
 
 std::uint32_t Hash(std::uint32_t before, const LockstepAnswer& answer) {
   std::uint8_t bytes[4 + sizeof answer];

@@ -30,10 +30,10 @@ constexpr std::uint32_t kPaint = 0xA5A5A5A5U;
 volatile std::uint32_t& Register(std::uintptr_t address) noexcept {
   return *reinterpret_cast<volatile std::uint32_t*>(address);
 }
-constexpr std::uintptr_t kAircr = 0xE000ED0C;  // application interrupt and reset control
-constexpr std::uintptr_t kCcr = 0xE000ED14;    // configuration and control
-constexpr std::uintptr_t kShcsr = 0xE000ED24;  // system handler control and state
-constexpr std::uintptr_t kCfsr = 0xE000ED28;   // configurable fault status
+constexpr std::uintptr_t kAircr = 0xE000ED0C;       // application interrupt and reset control
+constexpr std::uintptr_t kCcr = 0xE000ED14;         // configuration and control
+constexpr std::uintptr_t kShcsr = 0xE000ED24;       // system handler control and state
+constexpr std::uintptr_t kCfsr = 0xE000ED28;        // configurable fault status
 constexpr std::uintptr_t kMpuControl = 0xE000ED94;  // memory protection unit [ARMv7-M, B3.5]
 constexpr std::uintptr_t kMpuRegion = 0xE000ED98;
 constexpr std::uintptr_t kMpuBase = 0xE000ED9C;

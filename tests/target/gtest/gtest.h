@@ -23,6 +23,7 @@ class Test {
   virtual void TestBody() = 0;
   static bool HasFatalFailure() { return fatal; }
   static bool HasFailure() { return failures_of_this_test > 0; }
+  static void RecordProperty(const std::string&, const std::string&) {}  // for a report that nobody writes here
 
   static inline bool fatal = false;
   static inline int failures_of_this_test = 0;
@@ -40,6 +41,20 @@ template <class Param>
 struct TestParamInfo {
   Param param;
   std::size_t index;
+};
+
+class Message {
+ public:
+  template <class Value>
+  Message& operator<<(const Value& value) {
+    out_ << value;
+    return *this;
+  }
+  std::string str() const { return out_.str(); }
+  friend std::ostream& operator<<(std::ostream& out, const Message& message) { return out << message.str(); }
+
+ private:
+  std::ostringstream out_;
 };
 
 namespace internal {
@@ -163,19 +178,6 @@ void PrintValue(std::ostream& out, const Value& value) {
     out << "(" << sizeof(Value) << " bytes)";
   }
 }
-
-class Message {
- public:
-  template <class Value>
-  Message& operator<<(const Value& value) {
-    out_ << value;
-    return *this;
-  }
-  std::string str() const { return out_.str(); }
-
- private:
-  std::ostringstream out_;
-};
 
 // "return Failure(...) = Message() << ..." ends the test's function, which returns nothing.
 class Failure {
@@ -303,15 +305,14 @@ std::vector<Value> Range(Value begin, Value end) {
   default:                                                             \
     if (const ::testing::internal::Outcome omni_outcome = (outcome)) { \
     } else                                                             \
-      ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), false) = ::testing::internal::Message()
-#define OMNI_TARGET_ASSERT(outcome)                                                        \
-  switch (0)                                                                               \
-  case 0:                                                                                  \
-  default:                                                                                 \
-    if (const ::testing::internal::Outcome omni_outcome = (outcome)) {                     \
-    } else                                                                                 \
-      return ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), true) = \
-                 ::testing::internal::Message()
+      ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), false) = ::testing::Message()
+#define OMNI_TARGET_ASSERT(outcome)                                    \
+  switch (0)                                                           \
+  case 0:                                                              \
+  default:                                                             \
+    if (const ::testing::internal::Outcome omni_outcome = (outcome)) { \
+    } else                                                             \
+      return ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), true) = ::testing::Message()
 
 #define EXPECT_EQ(a, b) OMNI_TARGET_EXPECT(::testing::internal::Eq(#a, #b, a, b))
 #define EXPECT_NE(a, b) OMNI_TARGET_EXPECT(::testing::internal::Ne(#a, #b, a, b))
@@ -338,7 +339,7 @@ std::vector<Value> Range(Value begin, Value end) {
 #define ASSERT_NEAR(a, b, within) OMNI_TARGET_ASSERT(::testing::internal::Near(#a, #b, a, b, within))
 #define ADD_FAILURE() OMNI_TARGET_EXPECT(::testing::internal::Outcome("failed"))
 #define FAIL() OMNI_TARGET_ASSERT(::testing::internal::Outcome("failed"))
-#define SUCCEED() ::testing::internal::Message()
+#define SUCCEED() ::testing::Message()
 #define OMNI_TARGET_JOIN(a, b) a##b
 #define OMNI_TARGET_NAME(a, b) OMNI_TARGET_JOIN(a, b)
 #define SCOPED_TRACE(value) \
