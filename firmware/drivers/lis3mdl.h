@@ -37,18 +37,24 @@ class Lis3mdl {
     return Count(status);
   }
 
-  // The newest sample. kNoNewSample fills it too, with the sample of before. Ten bytes on the bus.
+  // The newest sample. kNoNewSample fills it too, with the sample of before if there was one. Ten bytes on the bus.
   ChipStatus Read(Lis3mdlSample& sample) noexcept {
     if (!started_) return ChipStatus::kNotStarted;
     std::uint8_t bytes[9] = {};  // STATUS, OUT_X..OUT_Z, TEMP_OUT
     ChipStatus status = ReadRegisters(lis3mdl::kStatus, bytes, sizeof bytes);
-    if (status == ChipStatus::kOk && AllEqual(bytes, sizeof bytes)) status = ChipStatus::kNoAnswer;
+    if (status == ChipStatus::kOk && AllEqual(bytes, sizeof bytes)) {
+      // Only zeros are also what the chip holds before its first sample.
+      if (bytes[0] == 0x00 && !sampled_) return ChipStatus::kNoNewSample;
+      status = ChipStatus::kNoAnswer;
+    }
     if (status != ChipStatus::kOk) return Count(status);
     for (int axis = 0; axis < 3; ++axis) sample.field[axis] = Word(bytes + 1 + 2 * axis);
     // 8 counts a kelvin, 0 at 25 C [2.2]; in 0.01 C that is 12.5 a count.
     sample.temperature = Clip(2500 + Word(bytes + 7) * 25 / 2);
     sample.overrun = (bytes[0] & lis3mdl::kStatusOverrun) != 0;
-    return (bytes[0] & lis3mdl::kStatusNew) != 0 ? ChipStatus::kOk : ChipStatus::kNoNewSample;
+    const bool fresh = (bytes[0] & lis3mdl::kStatusNew) != 0;
+    sampled_ = sampled_ || fresh;
+    return fresh ? ChipStatus::kOk : ChipStatus::kNoNewSample;
   }
 
   // Are the control registers as configured? If not the chip had a brown-out: it is configured again (kChanged). Once a
@@ -112,6 +118,7 @@ class Lis3mdl {
   }
 
   ChipStatus Configure() noexcept {
+    sampled_ = false;
     std::uint8_t wanted[kRegisters];
     Wanted(wanted);
     ChipStatus status = WriteRegisters(lis3mdl::kCtrl1, wanted, kRegisters);
@@ -182,6 +189,7 @@ class Lis3mdl {
   Bus& bus_;
   bool started_ = false;
   bool self_test_ = false;
+  bool sampled_ = false;  // since the configuration was written
   ChipCounters counters_;
 };
 

@@ -14,7 +14,7 @@ std::string FindProgram(const std::string& name) {
   std::istringstream folders(path == nullptr ? "" : path);
   std::string folder;
   while (std::getline(folders, folder, ':')) {
-    const std::string program = folder + "/" + name;
+    std::string program = folder + "/" + name;
     if (!folder.empty() && ::access(program.c_str(), X_OK) == 0) return program;
   }
   return {};

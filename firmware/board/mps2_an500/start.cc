@@ -30,10 +30,14 @@ constexpr std::uint32_t kPaint = 0xA5A5A5A5U;
 volatile std::uint32_t& Register(std::uintptr_t address) noexcept {
   return *reinterpret_cast<volatile std::uint32_t*>(address);
 }
-constexpr std::uintptr_t kAircr = 0xE000ED0C;  // application interrupt and reset control
-constexpr std::uintptr_t kCcr = 0xE000ED14;    // configuration and control
-constexpr std::uintptr_t kShcsr = 0xE000ED24;  // system handler control and state
-constexpr std::uintptr_t kCfsr = 0xE000ED28;   // configurable fault status
+constexpr std::uintptr_t kAircr = 0xE000ED0C;       // application interrupt and reset control
+constexpr std::uintptr_t kCcr = 0xE000ED14;         // configuration and control
+constexpr std::uintptr_t kShcsr = 0xE000ED24;       // system handler control and state
+constexpr std::uintptr_t kCfsr = 0xE000ED28;        // configurable fault status
+constexpr std::uintptr_t kMpuControl = 0xE000ED94;  // memory protection unit [ARMv7-M, B3.5]
+constexpr std::uintptr_t kMpuRegion = 0xE000ED98;
+constexpr std::uintptr_t kMpuBase = 0xE000ED9C;
+constexpr std::uintptr_t kMpuSize = 0xE000EDA0;
 constexpr std::uint32_t kResetRequest = 0x05FA0000U | (1U << 2);
 constexpr std::uint32_t kDivideByZeroTraps = 1U << 4;
 constexpr std::uint32_t kMemoryBusUsageFaults = 7U << 16;  // each with its own number, instead of a hard fault
@@ -85,6 +89,18 @@ void PrepareMemory() noexcept {
   for (volatile std::uint32_t* word = _bss_begin; word < _bss_end; ++word) *word = 0;
 }
 
+// Nobody may touch the 16 MB below RAM, where a stack that is too small goes on; this board itself would ignore it.
+void GuardStack() noexcept {
+  constexpr std::uint32_t kNoAccessNoExecute = 1U << 28;
+  constexpr std::uint32_t kSize16MB = 23U << 1;
+  constexpr std::uint32_t kDefaultMapElsewhere = 1U << 2;
+  Register(kMpuRegion) = 0;
+  Register(kMpuBase) = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(_stack_limit)) - (1U << 24);
+  Register(kMpuSize) = kNoAccessNoExecute | kSize16MB | 1U;
+  Register(kMpuControl) = kDefaultMapElsewhere | 1U;
+  __asm__ volatile("dsb\n isb" ::: "memory");
+}
+
 // The words after the first, which is the program's name.
 const char* WithoutName(const char* text) noexcept {
   while (*text != '\0' && *text != ' ') ++text;
@@ -111,6 +127,7 @@ extern "C" __attribute__((naked)) void Reset_Handler() {
 
 extern "C" void Start() {
   PrepareMemory();
+  GuardStack();
   Register(kCcr) = Register(kCcr) | kDivideByZeroTraps;
   Register(kShcsr) = Register(kShcsr) | kMemoryBusUsageFaults;
   for (auto* constructor = _init_array_begin; constructor < _init_array_end; ++constructor) (*constructor)();

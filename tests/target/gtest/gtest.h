@@ -6,10 +6,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <sstream>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace testing {
 
@@ -21,26 +23,121 @@ class Test {
   virtual void TestBody() = 0;
   static bool HasFatalFailure() { return fatal; }
   static bool HasFailure() { return failures_of_this_test > 0; }
+  static void RecordProperty(const std::string&, const std::string&) {}  // for a report that nobody writes here
 
   static inline bool fatal = false;
   static inline int failures_of_this_test = 0;
 };
 
+template <class Param>
+class TestWithParam : public Test {
+ public:
+  using ParamType = Param;
+  static const Param& GetParam() { return *param; }
+  static inline const Param* param = nullptr;
+};
+
+template <class Param>
+struct TestParamInfo {
+  Param param;
+  std::size_t index;
+};
+
+class Message {
+ public:
+  template <class Value>
+  Message& operator<<(const Value& value) {
+    out_ << value;
+    return *this;
+  }
+  std::string str() const { return out_.str(); }
+  friend std::ostream& operator<<(std::ostream& out, const Message& message) { return out << message.str(); }
+
+ private:
+  std::ostringstream out_;
+};
+
 namespace internal {
 
+// A test to run; with parameters one for each of them.
 struct Registered {
   const char* suite;
-  const char* name;
-  Test* (*make)();
-  Registered* next;
+  std::string name;
+  std::function<Test*()> make;
+  const char* written;  // the same for all parameters
 };
-inline Registered* first = nullptr;
-inline Registered** last = &first;
+inline std::vector<Registered>& Tests() {
+  static std::vector<Registered> tests;
+  return tests;
+}
 
 struct Registration {
-  explicit Registration(Registered& test) {
-    *last = &test;
-    last = &test.next;
+  Registration(const char* suite, const char* name, Test* (*make)()) { Tests().push_back({suite, name, make, name}); }
+};
+
+// TEST_P and INSTANTIATE_TEST_SUITE_P of a suite, in whatever order they come; tests/target/main.cc brings them
+// together.
+inline std::vector<void (*)()>& Expansions() {
+  static std::vector<void (*)()> expansions;
+  return expansions;
+}
+
+template <class Suite>
+struct Parameters {
+  using Param = typename Suite::ParamType;
+  struct Written {
+    const char* suite;
+    const char* name;
+    Test* (*make)();
+  };
+  struct Value {
+    std::string name;
+    Param value;
+  };
+  static inline std::vector<Written> tests;
+  static inline std::vector<Value> values;
+
+  static void Expand() {
+    for (const Written& test : tests) {
+      for (const Value& value : values) {
+        const auto make = [&test, &value]() -> Test* {
+          TestWithParam<Param>::param = &value.value;
+          return test.make();
+        };
+        Tests().push_back({test.suite, std::string(test.name) + "/" + value.name, make, test.name});
+      }
+    }
+  }
+};
+
+template <class Suite>
+struct ParameterRegistration {
+  ParameterRegistration(const char* suite, const char* name, Test* (*make)()) {
+    if (Parameters<Suite>::tests.empty()) Expansions().push_back(Parameters<Suite>::Expand);
+    Parameters<Suite>::tests.push_back({suite, name, make});
+  }
+};
+
+template <class Suite>
+struct Instantiation {
+  using Param = typename Suite::ParamType;
+  template <class Values>
+  explicit Instantiation(const Values& values) {
+    Add(values, [](const TestParamInfo<Param>& info) { return std::to_string(info.index); });
+  }
+  template <class Values, class Name>
+  Instantiation(const Values& values, const Name& name) {
+    Add(values, name);
+  }
+
+ private:
+  template <class Values, class Name>
+  void Add(const Values& values, const Name& name) {
+    std::size_t index = 0;
+    for (const auto& value : values) {
+      Parameters<Suite>::values.push_back({name(TestParamInfo<Param>{Param(value), index}), Param(value)});
+      ++index;
+    }
   }
 };
 
@@ -81,19 +178,6 @@ void PrintValue(std::ostream& out, const Value& value) {
     out << "(" << sizeof(Value) << " bytes)";
   }
 }
-
-class Message {
- public:
-  template <class Value>
-  Message& operator<<(const Value& value) {
-    out_ << value;
-    return *this;
-  }
-  std::string str() const { return out_.str(); }
-
- private:
-  std::ostringstream out_;
-};
 
 // "return Failure(...) = Message() << ..." ends the test's function, which returns nothing.
 class Failure {
@@ -175,18 +259,44 @@ inline Outcome Is(const char* text, bool value, bool expected) {
 }  // namespace internal
 }  // namespace testing
 
-#define OMNI_TARGET_TEST(suite, name, base)                                                                            \
-  class suite##_##name : public base {                                                                                 \
-   public:                                                                                                             \
-    void TestBody() override;                                                                                          \
-    static ::testing::Test* Make() { return new suite##_##name; }                                                      \
-  };                                                                                                                   \
-  static ::testing::internal::Registered registered_##suite##_##name = {#suite, #name, suite##_##name::Make, nullptr}; \
-  static const ::testing::internal::Registration registration_##suite##_##name(registered_##suite##_##name);           \
+namespace testing {
+
+template <class Container>
+std::vector<typename Container::value_type> ValuesIn(const Container& values) {
+  return {values.begin(), values.end()};
+}
+template <class Value, std::size_t count>
+std::vector<Value> ValuesIn(const Value (&values)[count]) {
+  return {values, values + count};
+}
+template <class Value, class... More>
+std::vector<std::common_type_t<Value, More...>> Values(Value value, More... more) {
+  return {value, more...};
+}
+inline std::vector<bool> Bool() { return {false, true}; }
+template <class Value>
+std::vector<Value> Range(Value begin, Value end) {
+  std::vector<Value> values;
+  for (Value value = begin; value < end; ++value) values.push_back(value);
+  return values;
+}
+
+}  // namespace testing
+
+#define OMNI_TARGET_TEST(suite, name, base, registration)                                                            \
+  class suite##_##name : public base {                                                                               \
+   public:                                                                                                           \
+    void TestBody() override;                                                                                        \
+    static ::testing::Test* Make() { return new suite##_##name; }                                                    \
+  };                                                                                                                 \
+  static const ::testing::internal::registration registration_##suite##_##name(#suite, #name, suite##_##name::Make); \
   void suite##_##name::TestBody()
 
-#define TEST(suite, name) OMNI_TARGET_TEST(suite, name, ::testing::Test)
-#define TEST_F(fixture, name) OMNI_TARGET_TEST(fixture, name, fixture)
+#define TEST(suite, name) OMNI_TARGET_TEST(suite, name, ::testing::Test, Registration)
+#define TEST_F(fixture, name) OMNI_TARGET_TEST(fixture, name, fixture, Registration)
+#define TEST_P(fixture, name) OMNI_TARGET_TEST(fixture, name, fixture, ParameterRegistration<fixture>)
+#define INSTANTIATE_TEST_SUITE_P(prefix, suite, ...) \
+  static const ::testing::internal::Instantiation<suite> instantiation_##prefix##_##suite(__VA_ARGS__)
 
 // The switch keeps an else after it from being ours.
 #define OMNI_TARGET_EXPECT(outcome)                                    \
@@ -195,15 +305,14 @@ inline Outcome Is(const char* text, bool value, bool expected) {
   default:                                                             \
     if (const ::testing::internal::Outcome omni_outcome = (outcome)) { \
     } else                                                             \
-      ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), false) = ::testing::internal::Message()
-#define OMNI_TARGET_ASSERT(outcome)                                                        \
-  switch (0)                                                                               \
-  case 0:                                                                                  \
-  default:                                                                                 \
-    if (const ::testing::internal::Outcome omni_outcome = (outcome)) {                     \
-    } else                                                                                 \
-      return ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), true) = \
-                 ::testing::internal::Message()
+      ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), false) = ::testing::Message()
+#define OMNI_TARGET_ASSERT(outcome)                                    \
+  switch (0)                                                           \
+  case 0:                                                              \
+  default:                                                             \
+    if (const ::testing::internal::Outcome omni_outcome = (outcome)) { \
+    } else                                                             \
+      return ::testing::internal::Failure(__FILE__, __LINE__, omni_outcome.what(), true) = ::testing::Message()
 
 #define EXPECT_EQ(a, b) OMNI_TARGET_EXPECT(::testing::internal::Eq(#a, #b, a, b))
 #define EXPECT_NE(a, b) OMNI_TARGET_EXPECT(::testing::internal::Ne(#a, #b, a, b))
@@ -230,7 +339,7 @@ inline Outcome Is(const char* text, bool value, bool expected) {
 #define ASSERT_NEAR(a, b, within) OMNI_TARGET_ASSERT(::testing::internal::Near(#a, #b, a, b, within))
 #define ADD_FAILURE() OMNI_TARGET_EXPECT(::testing::internal::Outcome("failed"))
 #define FAIL() OMNI_TARGET_ASSERT(::testing::internal::Outcome("failed"))
-#define SUCCEED() ::testing::internal::Message()
+#define SUCCEED() ::testing::Message()
 #define OMNI_TARGET_JOIN(a, b) a##b
 #define OMNI_TARGET_NAME(a, b) OMNI_TARGET_JOIN(a, b)
 #define SCOPED_TRACE(value) \

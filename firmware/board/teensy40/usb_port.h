@@ -1,0 +1,65 @@
+// USB1: PHY, controller, and frames between the control step and the host. The driver runs in the USB interrupt alone;
+// the control step, which may interrupt it, only fills and empties rings and asks for that interrupt.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/board/teensy40/frame_ring.h"
+#include "firmware/board/teensy40/registers.h"
+#include "firmware/core/settings.h"
+#include "firmware/drivers/usb_device.h"
+
+namespace omni::board {
+
+class UsbPort {
+ public:
+  explicit UsbPort(const firmware::Settings& settings) noexcept;
+
+  // Clocks run already. Takes 25 ms if the boot loader has used the controller: the host must see the device leave.
+  void Start() noexcept;
+  void Interrupt() noexcept;
+
+  // Control step.
+  std::size_t Receive(std::uint8_t* frame, std::size_t capacity) noexcept { return from_host_.Pop(frame, capacity); }
+  bool Send(const std::uint8_t* frame, std::size_t size) noexcept {
+    const bool taken = to_host_.Push(frame, size);
+    nvic::Pend(Irq::kUsb1);
+    return taken;
+  }
+  // The host has asked for an emergency stop through endpoint 0: true for kEmergencyStopHold calls, one a control step,
+  // longer than the core needs to believe it.
+  bool EmergencyStop() noexcept;
+
+ private:
+  static constexpr int kEmergencyStopHold = 40;  // 10 ms
+
+  // firmware/drivers/usb_device.h. On-chip RAM is not cached here; what must not be reordered is kept in order.
+  struct Bus {
+    std::uint32_t Read(std::uint32_t offset) noexcept { return Word(kUsb1Base + offset); }
+    void Write(std::uint32_t offset, std::uint32_t value) noexcept {
+      DataBarrier();
+      Word(kUsb1Base + offset) = value;
+    }
+    std::uint32_t Address(const volatile void* memory) noexcept {
+      return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(memory));
+    }
+    void CleanCache(const volatile void*, std::size_t) noexcept { DataBarrier(); }
+    void InvalidateCache(const volatile void*, std::size_t) noexcept { DataBarrier(); }
+  };
+  struct Handler {
+    const firmware::Settings& settings;
+    std::atomic<bool> emergency_stop{false};
+    void EmergencyStop() noexcept { emergency_stop.store(true); }
+    std::size_t Hello(std::uint8_t* frame, std::size_t capacity) noexcept;
+  };
+
+  Bus bus_;
+  Handler handler_;
+  drivers::usb::UsbDevice<Bus, Handler> device_;
+  FrameRing<8> from_host_;
+  FrameRing<16> to_host_;
+  int stop_held_ = 0;
+};
+
+}  // namespace omni::board

@@ -1,0 +1,16 @@
+// WDOG3: resets the chip when the control step has not fed it for 8 ms. Started once, it cannot be stopped or changed
+// [RM RTWDOG].
+#pragma once
+
+#include <cstdint>
+
+namespace omni::board {
+
+constexpr std::uint32_t kWatchdogTimeout_us = 8000;
+
+// The chip comes up with whatever the ROM left; until the control step runs nothing may reset it.
+void StopWatchdogOfRom() noexcept;
+void StartWatchdog() noexcept;
+void FeedWatchdog() noexcept;
+
+}  // namespace omni::board
