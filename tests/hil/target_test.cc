@@ -82,9 +82,11 @@ TEST(Target, FirmwareBringsNoHeapAndNoMathsLibrary) {
   OMNI_NEEDS_BOARD();
   const auto firmware = SymbolsOf("mps2_lockstep"), tests = SymbolsOf("mps2_tests");
   ASSERT_EQ(firmware.count("Reset_Handler"), 1U);
-  for (const char* name : {"malloc", "_malloc_r", "free", "_sbrk", "operator new(unsigned int)", "__cxa_throw", "printf",
-                           "vsnprintf", "abort", "sinf", "cosf", "tanf", "atan2f", "sin", "cos", "tan", "atan2", "powf",
-                           "pow", "expf", "exp", "logf", "log", "hypot", "fmod"}) {
+  for (const char* name : {"malloc",      "_malloc_r", "free",      "_sbrk", "operator new(unsigned int)",
+                           "__cxa_throw", "printf",    "vsnprintf", "abort", "sinf",
+                           "cosf",        "tanf",      "atan2f",    "sin",   "cos",
+                           "tan",         "atan2",     "powf",      "pow",   "expf",
+                           "exp",         "logf",      "log",       "hypot", "fmod"}) {
     EXPECT_EQ(firmware.count(name), 0U) << name;
   }
   // Where there is a heap, its names are found.
