@@ -138,6 +138,7 @@ void Core::AdvanceSelfTest() noexcept {
   } else if (test_step_.result == SelfTest::Result::kPassed) {
     if ((retest_ & kRetestCoils) != 0) heat_.Start(settings_, self_test_.resistance_ohm());
     retest_ = 0;
+    drive_.Sleep();  // the test ends with braking
     Enter(latch_.latched() == 0 ? wire::State::kIdle : wire::State::kFault);
   }
 }

@@ -16,6 +16,8 @@ class Drive {
   void Wake() noexcept;
   // Ends in kAsleep. A brake overrules a ramp, never the other way round.
   void Stop(Reaction reaction) noexcept;
+  // Precondition: the coils have braked to zero.
+  void Sleep() noexcept { Enter(Phase::kAsleep); }
   // Everything forgotten, bridges braking: after a number that was none.
   void Panic() noexcept;
 

@@ -1,0 +1,29 @@
+// The drill reaches what it is there for, and gives the same number every time; other targets compare with it.
+#include "firmware/core/drill.h"
+
+#include <gtest/gtest.h>
+
+#include "firmware/wire/messages.h"
+
+namespace omni::firmware {
+namespace {
+
+TEST(FirmwareDrill, ArmsAndSeesItsFaults) {
+  const DrillTally tally = DrillWithTally(100'000);
+  EXPECT_GT(tally.armed_steps, 50'000U);
+  EXPECT_GE(tally.frames, 25'000U);
+  constexpr std::uint32_t kStory = wire::kFaultHostSilent | wire::kFaultEmergencyStop | wire::kFaultSupplyLow |
+                                   wire::kFaultHallStuck | wire::kFaultHallSensor | wire::kFaultOverCurrent |
+                                   wire::kFaultDriver;
+  EXPECT_EQ(tally.faults_seen & kStory, kStory) << std::hex << tally.faults_seen;
+}
+
+TEST(FirmwareDrill, GivesTheSameNumberEveryTime) {
+  const std::uint32_t crc = Drill(20'000);
+  EXPECT_EQ(Drill(20'000), crc);
+  EXPECT_NE(Drill(20'001), crc);
+  RecordProperty("crc", std::to_string(crc));
+}
+
+}  // namespace
+}  // namespace omni::firmware
