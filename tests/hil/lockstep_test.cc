@@ -82,11 +82,10 @@ TEST(Lockstep, DrillHasTheSameChecksum) {
   EXPECT_NE(on_host, Drill(kSteps - 1)) << "every step counts";
 }
 
-// What the core answers to an empty FAULT, after a number of steps; fault = 0: nothing is recorded.
+// What the core answers to FAULT's question; fault = 0: nothing is recorded.
 base::Result<wire::FaultEvent> AskForRecord(QemuBoard& target, Session& session) {
   LockstepRequest request;
-  request.frames[0].size = static_cast<std::uint16_t>(
-      wire::Encode(wire::FaultEvent{}, 30000, 0, request.frames[0].bytes, sizeof request.frames[0].bytes).size);
+  request.frames[0] = Question(wire::MessageType::kFault, 1);
   for (int i = 0; i < 40; ++i) {
     const auto answer = target.Step(request);
     if (!answer) return base::Error{answer.error()};

@@ -64,6 +64,15 @@ void NominalBase::StepHall(std::size_t i, bool test_field) {
   }
 }
 
+LockstepFrame Question(wire::MessageType type, std::uint16_t seq) {
+  wire::Header header;
+  header.type = type;
+  header.seq = seq;
+  LockstepFrame frame;
+  frame.size = static_cast<std::uint16_t>(wire::SealFrame(header, 0, frame.bytes, sizeof frame.bytes).size);
+  return frame;
+}
+
 const LockstepRequest& Session::Next(const LockstepAnswer& previous) {
   for (const LockstepFrame& frame : previous.frames) Read(frame);
   request_ = LockstepRequest{};
@@ -146,7 +155,7 @@ void Session::SpeakRoughly() {
       std::swap(request_.frames[0], request_.frames[1]);
       break;
     case 5:
-      Send(wire::Hello{});
+      frame = Question(wire::MessageType::kHello, ++seq_);
       break;
     case 6: {
       wire::Config config;
@@ -157,7 +166,7 @@ void Session::SpeakRoughly() {
       break;
     }
     case 7:
-      Send(wire::FaultEvent{});
+      frame = Question(wire::MessageType::kFault, ++seq_);
       break;
     default:
       break;

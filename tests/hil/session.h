@@ -32,6 +32,9 @@ class NominalBase {
   std::uint64_t step_ = 0;
 };
 
+// HELLO and FAULT without a payload are questions.
+firmware::LockstepFrame Question(wire::MessageType type, std::uint16_t seq);
+
 class Session {
  public:
   enum class Manner {

@@ -1,11 +1,12 @@
 // Runs the registered tests on the emulated board. The exit status is the number of tests that failed.
 //   tests               all
-//   tests self          what this harness must notice: two tests that fail, one that does not
+//   tests self          what this harness must notice: tests that fail, and one that does not
 //   tests exception     executes an undefined instruction; start-up ends with a status that names the exception
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 #include <string>
 
 #include "firmware/board/mps2_an500/exit_codes.h"
@@ -27,6 +28,10 @@ TEST(HarnessSelf, AFailedAssertionEndsTheTest) {
 }
 TEST(HarnessSelf, WhatHoldsPasses) { EXPECT_LT(1, 2); }
 
+class HarnessSelfParameters : public testing::TestWithParam<int> {};
+TEST_P(HarnessSelfParameters, EachComesOnce) { EXPECT_TRUE(GetParam() == 3 || GetParam() == 5); }
+INSTANTIATE_TEST_SUITE_P(Odd, HarnessSelfParameters, testing::Values(3, 4, 5));
+
 namespace omni::firmware::board {
 namespace {
 
@@ -45,16 +50,19 @@ bool Passes(const Registered& registered) {
 }
 
 int RunTests(bool self) {
+  for (void (*expand)() : testing::internal::Expansions()) expand();
   int run = 0, failed = 0;
-  for (const Registered* test = testing::internal::first; test != nullptr; test = test->next) {
-    if ((std::strcmp(test->suite, "HarnessSelf") == 0) != self) continue;
+  std::set<std::string> written;
+  for (const Registered& test : testing::internal::Tests()) {
+    if ((std::strncmp(test.suite, "HarnessSelf", 11) == 0) != self) continue;
     ++run;
-    if (Passes(*test)) continue;
+    written.insert(std::string(test.suite) + "." + test.written);
+    if (Passes(test)) continue;
     ++failed;
-    Print((std::string("FAILED ") + test->suite + "." + test->name + "\n").c_str());
+    Print((std::string("FAILED ") + test.suite + "." + test.name + "\n").c_str());
   }
-  Print((std::to_string(run) + " tests, " + std::to_string(failed) + " failed, " + std::to_string(StackUsed_bytes()) +
-         " bytes of stack\n")
+  Print((std::to_string(written.size()) + " tests, run " + std::to_string(run) + " times, " + std::to_string(failed) +
+         " failed, " + std::to_string(StackUsed_bytes()) + " bytes of stack\n")
             .c_str());
   return std::min(failed, kExitFailuresMax);
 }

@@ -6,10 +6,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <sstream>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace testing {
 
@@ -26,21 +28,101 @@ class Test {
   static inline int failures_of_this_test = 0;
 };
 
+template <class Param>
+class TestWithParam : public Test {
+ public:
+  using ParamType = Param;
+  static const Param& GetParam() { return *param; }
+  static inline const Param* param = nullptr;
+};
+
+template <class Param>
+struct TestParamInfo {
+  Param param;
+  std::size_t index;
+};
+
 namespace internal {
 
+// A test to run; with parameters one for each of them.
 struct Registered {
   const char* suite;
-  const char* name;
-  Test* (*make)();
-  Registered* next;
+  std::string name;
+  std::function<Test*()> make;
+  const char* written;  // the same for all parameters
 };
-inline Registered* first = nullptr;
-inline Registered** last = &first;
+inline std::vector<Registered>& Tests() {
+  static std::vector<Registered> tests;
+  return tests;
+}
 
 struct Registration {
-  explicit Registration(Registered& test) {
-    *last = &test;
-    last = &test.next;
+  Registration(const char* suite, const char* name, Test* (*make)()) { Tests().push_back({suite, name, make, name}); }
+};
+
+// TEST_P and INSTANTIATE_TEST_SUITE_P of a suite, in whatever order they come; tests/target/main.cc brings them
+// together.
+inline std::vector<void (*)()>& Expansions() {
+  static std::vector<void (*)()> expansions;
+  return expansions;
+}
+
+template <class Suite>
+struct Parameters {
+  using Param = typename Suite::ParamType;
+  struct Written {
+    const char* suite;
+    const char* name;
+    Test* (*make)();
+  };
+  struct Value {
+    std::string name;
+    Param value;
+  };
+  static inline std::vector<Written> tests;
+  static inline std::vector<Value> values;
+
+  static void Expand() {
+    for (const Written& test : tests) {
+      for (const Value& value : values) {
+        const auto make = [&test, &value]() -> Test* {
+          TestWithParam<Param>::param = &value.value;
+          return test.make();
+        };
+        Tests().push_back({test.suite, std::string(test.name) + "/" + value.name, make, test.name});
+      }
+    }
+  }
+};
+
+template <class Suite>
+struct ParameterRegistration {
+  ParameterRegistration(const char* suite, const char* name, Test* (*make)()) {
+    if (Parameters<Suite>::tests.empty()) Expansions().push_back(Parameters<Suite>::Expand);
+    Parameters<Suite>::tests.push_back({suite, name, make});
+  }
+};
+
+template <class Suite>
+struct Instantiation {
+  using Param = typename Suite::ParamType;
+  template <class Values>
+  explicit Instantiation(const Values& values) {
+    Add(values, [](const TestParamInfo<Param>& info) { return std::to_string(info.index); });
+  }
+  template <class Values, class Name>
+  Instantiation(const Values& values, const Name& name) {
+    Add(values, name);
+  }
+
+ private:
+  template <class Values, class Name>
+  void Add(const Values& values, const Name& name) {
+    std::size_t index = 0;
+    for (const auto& value : values) {
+      Parameters<Suite>::values.push_back({name(TestParamInfo<Param>{Param(value), index}), Param(value)});
+      ++index;
+    }
   }
 };
 
@@ -175,18 +257,44 @@ inline Outcome Is(const char* text, bool value, bool expected) {
 }  // namespace internal
 }  // namespace testing
 
-#define OMNI_TARGET_TEST(suite, name, base)                                                                            \
-  class suite##_##name : public base {                                                                                 \
-   public:                                                                                                             \
-    void TestBody() override;                                                                                          \
-    static ::testing::Test* Make() { return new suite##_##name; }                                                      \
-  };                                                                                                                   \
-  static ::testing::internal::Registered registered_##suite##_##name = {#suite, #name, suite##_##name::Make, nullptr}; \
-  static const ::testing::internal::Registration registration_##suite##_##name(registered_##suite##_##name);           \
+namespace testing {
+
+template <class Container>
+std::vector<typename Container::value_type> ValuesIn(const Container& values) {
+  return {values.begin(), values.end()};
+}
+template <class Value, std::size_t count>
+std::vector<Value> ValuesIn(const Value (&values)[count]) {
+  return {values, values + count};
+}
+template <class Value, class... More>
+std::vector<std::common_type_t<Value, More...>> Values(Value value, More... more) {
+  return {value, more...};
+}
+inline std::vector<bool> Bool() { return {false, true}; }
+template <class Value>
+std::vector<Value> Range(Value begin, Value end) {
+  std::vector<Value> values;
+  for (Value value = begin; value < end; ++value) values.push_back(value);
+  return values;
+}
+
+}  // namespace testing
+
+#define OMNI_TARGET_TEST(suite, name, base, registration)                                                            \
+  class suite##_##name : public base {                                                                               \
+   public:                                                                                                           \
+    void TestBody() override;                                                                                        \
+    static ::testing::Test* Make() { return new suite##_##name; }                                                    \
+  };                                                                                                                 \
+  static const ::testing::internal::registration registration_##suite##_##name(#suite, #name, suite##_##name::Make); \
   void suite##_##name::TestBody()
 
-#define TEST(suite, name) OMNI_TARGET_TEST(suite, name, ::testing::Test)
-#define TEST_F(fixture, name) OMNI_TARGET_TEST(fixture, name, fixture)
+#define TEST(suite, name) OMNI_TARGET_TEST(suite, name, ::testing::Test, Registration)
+#define TEST_F(fixture, name) OMNI_TARGET_TEST(fixture, name, fixture, Registration)
+#define TEST_P(fixture, name) OMNI_TARGET_TEST(fixture, name, fixture, ParameterRegistration<fixture>)
+#define INSTANTIATE_TEST_SUITE_P(prefix, suite, ...) \
+  static const ::testing::internal::Instantiation<suite> instantiation_##prefix##_##suite(__VA_ARGS__)
 
 // The switch keeps an else after it from being ours.
 #define OMNI_TARGET_EXPECT(outcome)                                    \
