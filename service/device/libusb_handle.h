@@ -1,7 +1,7 @@
 // Owners of what libusb hands out, and its errors in words. Only libusb_*.cc include this.
 #pragma once
 
-#include <libusb-1.0/libusb.h>
+#include <libusb.h>
 
 #include <memory>
 #include <string>

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kHelloTimeout_ns = 1'000'000'000;
 constexpr std::int64_t kFaultTimeout_ns = 200'000'000;
-constexpr std::int64_t kArmTimeout_ns = 1'000'000'000;
+constexpr std::int64_t kArmTimeout_ns = 5'000'000'000;  // a self-test may come first
 constexpr std::int64_t kCommandPeriod_ns = 5'000'000;
 constexpr std::uint16_t kSeqMargin = 1000;  // as in usb_session.cc
 
@@ -84,7 +84,8 @@ class Prober final : public UsbHandler {
     }
     Wait(kFaultTimeout_ns, [this] { return probe_.kept_fault.has_value(); });
   }
-  // A person asks for it, so faults that are latched do not keep us from trying.
+  // A person asks for it, so faults that are latched do not keep us from trying. A base that tests itself first refuses
+  // until it has; it is asked again.
   void Arm() {
     {
       const std::lock_guard lock(mutex_);
@@ -172,7 +173,7 @@ class Prober final : public UsbHandler {
     wire::Arm arm;
     if (wire::Decode(view, arm) != wire::Status::kOk) return false;
     if (arms_ && arm.step == wire::ArmStep::kRefused) {
-      arm_refused_ = true;
+      arm_refused_ = (arm.faults & ~(wire::kFaultsOfTheHost | wire::kFaultSelfTest)) != 0;
       probe_.refused_by = arm.faults;
     }
     return !arms_ || arming_.OnArm(arm, t_ns);

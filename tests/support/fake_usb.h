@@ -38,6 +38,7 @@ struct FakeBase {
   wire::State state = wire::State::kIdle;
   std::uint32_t faults = wire::kFaultNotArmed;
   std::uint32_t refuses_arm = 0;  // faults that it says
+  int self_test_ticks = 0;        // how long the self-test takes that the first ARM starts; 0: none
   bool answers_hello = true;
   bool keeps_fault = false;
   std::uint64_t t_us = 5'000'000;
@@ -61,6 +62,7 @@ struct FakeBase {
 
   UsbFrame Tick() {
     t_us += 1000;
+    if (state == wire::State::kSelfTest && --self_test_ticks <= 0) state = wire::State::kIdle;
     telemetry.state = state;
     telemetry.faults = faults;
     telemetry.fresh_mask = 0xFF;
@@ -103,6 +105,10 @@ struct FakeBase {
     if (refuses_arm != 0) {
       answer.step = wire::ArmStep::kRefused;
       answer.faults = refuses_arm;
+    } else if (self_test_ticks > 0) {
+      answer.step = wire::ArmStep::kRefused;
+      answer.faults = wire::kFaultSelfTest;
+      state = wire::State::kSelfTest;
     } else if (arm.step == wire::ArmStep::kRequest) {
       answer.step = wire::ArmStep::kChallenge;
     } else if (arm.step == wire::ArmStep::kConfirm && arm.nonce == nonce) {

@@ -74,6 +74,21 @@ TEST(UsbArming, AnArmedBaseWithAFaultGetsNoSetPoints) {
   EXPECT_TRUE(arming.held());
 }
 
+TEST(UsbArming, ASelfTestThatRunsRefusesOnlyForNow) {
+  UsbArming arming;
+  wire::Arm sent;
+  arming.OnTelemetry(Idle(), 0);
+  ASSERT_TRUE(arming.Next(0, sent));
+  wire::Arm refusal = Answer(wire::ArmStep::kRefused);
+  refusal.faults = wire::kFaultSelfTest;
+  ASSERT_TRUE(arming.OnArm(refusal, 0));
+  EXPECT_FALSE(arming.held());
+  wire::Telemetry failed = Idle();
+  failed.faults = wire::kFaultSelfTest;
+  arming.OnTelemetry(failed, 1);
+  EXPECT_TRUE(arming.held()) << "telemetry says that it failed";
+}
+
 TEST(UsbArming, TriesAgainAfterThePause) {
   UsbArming arming;
   wire::Arm sent;

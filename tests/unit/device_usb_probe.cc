@@ -52,6 +52,16 @@ TEST(UsbProbe, SaysWhatRefusesToArm) {
   EXPECT_EQ(probe->refused_by, wire::kFaultSupplyLow);
 }
 
+TEST(UsbProbe, ArmsAfterASelfTestThatComesFirst) {
+  FakeUsbBus bus(true);
+  FakeUsbBus::Entry& entry = bus.Add("A17");
+  entry.base.self_test_ticks = 300;
+  const auto probe = ProbeUsbBase(bus, entry.listed, {.listen_ns = kListen_ns, .arm = true});
+  ASSERT_TRUE(probe.ok()) << probe.error();
+  EXPECT_TRUE(probe->armed);
+  EXPECT_GE(entry.base.arms.size(), 3U);
+}
+
 TEST(UsbProbe, ErrorsNameTheBase) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
