@@ -162,11 +162,12 @@ bool WriteSummary(const std::string& path, const Json& summary) {
   return static_cast<bool>(file.flush());
 }
 
-// A real base does not wait for a scheduler. Where this is refused the chain merely ticks less evenly.
+// A real base does not wait for a scheduler. Where this is refused the chain merely ticks less evenly. Before any
+// thread or board is started: umockdev's thread is the bus, QEMU is the base, and both inherit it.
 void AskForRealTime() {
   sched_param param{};
   param.sched_priority = kRealTimePriority;
-  sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &param);
+  sched_setscheduler(0, SCHED_FIFO, &param);
 }
 
 }  // namespace
@@ -181,6 +182,7 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   std::signal(SIGINT, RequestStop);
   std::signal(SIGPIPE, SIG_IGN);
   prctl(PR_SET_TIMERSLACK, kTimerSlack_ns);
+  if (options.paced) AskForRealTime();
 
   auto board = [&] {
     const Without preload("LD_PRELOAD");
@@ -201,7 +203,6 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   if (!plugged) return Fail(plugged.error());
   auto host = HostProcess::Start(options.program);
   if (!host) return Fail(host.error());
-  if (options.paced) AskForRealTime();
   Run run(options, *host, plant, chain, **usb);
   const base::Status went = run.Go(recording.get());
   const int host_status = host->Stop();

@@ -1,5 +1,6 @@
 #include "tests/hil/host_process.h"
 
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -22,6 +23,8 @@ base::Result<HostProcess> HostProcess::Start(const std::vector<std::string>& arg
   if (pid < 0) return base::Error{std::string("fork: ") + std::strerror(errno)};
   if (pid == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const sched_param ordinary{};  // as a service manager starts it
+    sched_setscheduler(0, SCHED_OTHER, &ordinary);
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
