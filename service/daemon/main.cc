@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "service/daemon/open_device.h"
 #include "service/daemon/run.h"
 
 namespace {
@@ -10,7 +11,9 @@ namespace {
 int ParseAndRun(int argc, char** argv) {
   omni::daemon::RunOptions options;
   CLI::App app{"omnid: tracks the pen, renders forces, serves OpenXR applications through the Omni layer"};
-  app.add_option("--device", options.device, "twin: the digital twin (a simulation)")->check(CLI::IsMember({"twin"}));
+  app.add_option("--device", options.device, omni::daemon::DeviceHelp())
+      ->check(CLI::Validator(omni::daemon::DeviceProblem, "DEVICE"))
+      ->capture_default_str();
   app.add_option("--device-file", options.device_file, "geometry and limits (default: the built-in omni.toml)");
   app.add_option("--calibration", options.calibration_path,
                  "file of omni calibrate (default: $XDG_CONFIG_HOME/omni/calibration.toml, if it is there)");

@@ -3,11 +3,11 @@
 #include <csignal>
 #include <ctime>
 #include <exception>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <random>
-#include <vector>
+#include <string>
+#include <utility>
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -15,12 +15,13 @@
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/paths.h"
+#include "service/daemon/fault_log.h"
+#include "service/daemon/open_device.h"
 #include "service/daemon/publish.h"
 #include "service/daemon/recorder.h"
 #include "service/daemon/service.h"
 #include "service/daemon/transport_tick_source.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/twin.h"
 
 namespace omni::daemon {
 namespace {
@@ -41,18 +42,18 @@ sigset_t BlockEndSignals() {
 
 bool EndAsked(const sigset_t& set) { return sigtimedwait(&set, nullptr, &kPoll) > 0; }
 
-base::Result<std::unique_ptr<device::Transport>> OpenTwin(const RunOptions& options) {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string program = (self.parent_path() / "omni").string();
-  std::vector<std::string> arguments{"--seed", std::to_string(options.twin_seed)};
-  const auto add = [&](const char* name, const std::string& value) {
-    if (!value.empty()) arguments.insert(arguments.end(), {name, value});
-  };
-  add("--script", options.twin_script);
-  add("--record", options.twin_record);
-  add("--device", options.device_file);
-  return sim::SpawnTwin(program, arguments);
+// A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
+config::CalibrationChoice Choose(const RunOptions& options, const base::DeviceGeometry& device,
+                                 const std::string& serial) {
+  config::CalibrationChoice choice = config::ChooseCalibration(options.calibration_path, device, serial);
+  if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
+  if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
+  if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
+  return choice;
+}
+
+loop::TickConfig MakeConfig(const base::DeviceGeometry& device, const config::CalibrationChoice& choice) {
+  return choice.file ? loop::MakeTickConfig(device, choice.file->calibration) : loop::MakeTickConfig(device);
 }
 
 // One opened device with its loop; destroyed in reverse order.
@@ -67,17 +68,24 @@ struct DeviceSession {
   TransportTickSource source;
   loop::TickThread loop;
   std::unique_ptr<Recorder> recorder;
+  FaultLog faults;
 };
 
-std::unique_ptr<DeviceSession> OpenDevice(const RunOptions& options, const loop::TickConfig& config,
-                                          loop::TickSink& sink, Service& service) {
-  auto transport = OpenTwin(options);
-  if (!transport.ok()) {
-    service.Detach(transport.error());
-    spdlog::error("device: {}", transport.error());
+// `told`: the last error, which is not told again every second.
+std::unique_ptr<DeviceSession> OpenSession(const RunOptions& options, const base::DeviceGeometry& device,
+                                           loop::TickSink& sink, Service& service, std::string& told) {
+  auto opened = OpenDevice(options);
+  if (!opened.ok()) {
+    service.Detach(opened.error());
+    if (opened.error() != told) spdlog::error("device: {}; trying again every second", opened.error());
+    told = opened.error();
     return nullptr;
   }
-  auto session = std::make_unique<DeviceSession>(std::move(*transport), config, options, sink);
+  told.clear();
+  const config::CalibrationChoice calibration = Choose(options, device, opened->serial);
+  service.SetCalibration(calibration);
+  auto session =
+      std::make_unique<DeviceSession>(std::move(opened->transport), MakeConfig(device, calibration), options, sink);
   if (!options.record_path.empty()) {
     auto recorder = Recorder::Open(options.record_path, session->loop.telemetry());
     if (recorder.ok()) {
@@ -91,45 +99,39 @@ std::unique_ptr<DeviceSession> OpenDevice(const RunOptions& options, const loop:
   const std::string& refused = session->loop.realtime().reason;
   if (options.realtime && !refused.empty()) spdlog::warn("real-time: {}", refused);
   const device::TransportInfo& info = session->transport->info();
-  spdlog::info("device: {}{}", info.name, info.simulation ? " (simulation)" : "");
+  const std::string serial = info.simulation ? "(simulation)" : "(serial " + opened->serial + ")";
+  spdlog::info("device: {} {}", info.name, serial);
   return session;
 }
 
-void CloseDevice(std::unique_ptr<DeviceSession>& session, Service& service, const std::string& why) {
+void CloseSession(std::unique_ptr<DeviceSession>& session, Service& service, const std::string& why) {
   if (session == nullptr) return;
   service.Detach(why);
   session.reset();
 }
 
-void ServeUntilSignal(const RunOptions& options, const loop::TickConfig& config, loop::TickSink& sink, Service& service,
-                      const sigset_t& end_signals) {
-  std::unique_ptr<DeviceSession> session = OpenDevice(options, config, sink, service);
+void TellFaults(DeviceSession& session) {
+  for (const FaultLine& line : session.faults.News(session.transport->state())) {
+    spdlog::log(line.is_problem ? spdlog::level::err : spdlog::level::info, "device: {}", line.text);
+  }
+}
+
+void ServeUntilSignal(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
+                      Service& service, const sigset_t& end_signals) {
+  std::string told;
+  std::unique_ptr<DeviceSession> session = OpenSession(options, device, sink, service, told);
   int polls = 0;
   while (!EndAsked(end_signals)) {
+    if (session != nullptr) TellFaults(*session);
     if (session != nullptr && session->loop.finished()) {
       spdlog::error("device: lost; trying again every second");
-      CloseDevice(session, service, "lost");
+      CloseSession(session, service, "lost");
       polls = 0;
     }
-    if (session == nullptr && ++polls % kReopenPolls == 0) session = OpenDevice(options, config, sink, service);
+    if (session != nullptr || ++polls % kReopenPolls != 0) continue;
+    session = OpenSession(options, device, sink, service, told);
   }
-  CloseDevice(session, service, "the service is ending");
-}
-
-// The twin's imperfections follow from its seed: it is another base with every seed.
-std::string SerialOf(const RunOptions& options) { return "twin-" + std::to_string(options.twin_seed); }
-
-// A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
-config::CalibrationChoice Choose(const RunOptions& options, const base::DeviceGeometry& device) {
-  config::CalibrationChoice choice = config::ChooseCalibration(options.calibration_path, device, SerialOf(options));
-  if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
-  if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
-  if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
-  return choice;
-}
-
-loop::TickConfig MakeConfig(const base::DeviceGeometry& device, const config::CalibrationChoice& choice) {
-  return choice.file ? loop::MakeTickConfig(device, choice.file->calibration) : loop::MakeTickConfig(device);
+  CloseSession(session, service, "the service is ending");
 }
 
 std::uint64_t RandomInstance() {
@@ -137,7 +139,7 @@ std::uint64_t RandomInstance() {
   return (static_cast<std::uint64_t>(random()) << 32) | random();
 }
 
-int RunChecked(const RunOptions& options) {
+int RunChecked(RunOptions options) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("omnid"));
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   const sigset_t end_signals = BlockEndSignals();
@@ -151,7 +153,7 @@ int RunChecked(const RunOptions& options) {
     from_file = *loaded;
   }
   const base::DeviceGeometry& device = from_file ? *from_file : config::DefaultDevice();
-  const config::CalibrationChoice calibration = Choose(options, device);
+  options.device = SettleDevice(options.device);
   const std::uint64_t instance = RandomInstance();
   auto publisher = ipc::StatePublisher::Create(instance);
   if (!publisher.ok()) {
@@ -162,8 +164,7 @@ int RunChecked(const RunOptions& options) {
   Service service({.version = OMNI_VERSION,
                    .instance = instance,
                    .apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder()),
-                   .hull_radius_m = device.hull_radius_m,
-                   .calibration = calibration});
+                   .hull_radius_m = device.hull_radius_m});
   auto server = ipc::Server::Open(
       {.socket_path = options.socket_path, .service_instance = instance, .state_fd = (*publisher)->fd()}, service);
   if (!server.ok()) {
@@ -173,7 +174,7 @@ int RunChecked(const RunOptions& options) {
   service.SetServer(server->get());
   (*server)->Start();
   spdlog::info("omnid {} listens on {}", OMNI_VERSION, (*server)->socket_path());
-  ServeUntilSignal(options, MakeConfig(device, calibration), sink, service, end_signals);
+  ServeUntilSignal(options, device, sink, service, end_signals);
   (*server)->Stop();
   return 0;
 }

@@ -16,9 +16,11 @@ constexpr std::size_t kMaxProblems = 20;  // the oldest goes when full
 }  // namespace
 
 Service::Service(ServiceOptions options)
-    : options_(std::move(options)), start_ns_(base::MonotonicNow_ns()), builder_(options_.hull_radius_m) {
+    : options_(std::move(options)),
+      start_ns_(base::MonotonicNow_ns()),
+      builder_(options_.hull_radius_m),
+      calibration_(options_.calibration) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
-  if (!options_.calibration.problem.empty()) problems_.push_back("calibration: " + options_.calibration.problem);
 }
 
 Service::~Service() = default;
@@ -40,6 +42,11 @@ void Service::Detach(const std::string& why) {
   loop_ = nullptr;
   transport_ = nullptr;
   device_absent_why_ = why;
+}
+
+void Service::SetCalibration(config::CalibrationChoice choice) {
+  const std::lock_guard lock(loop_mutex_);
+  calibration_ = std::move(choice);
 }
 
 void Service::OnClient(const ipc::ClientInfo& client) {
@@ -167,8 +174,7 @@ std::string Service::StatusJson() {
   StatusInput input{.version = options_.version,
                     .instance = options_.instance,
                     .uptime_s = static_cast<double>(base::MonotonicNow_ns() - start_ns_) * 1e-9,
-                    .problems = problems_,
-                    .calibration = options_.calibration};
+                    .problems = problems_};
   for (const auto& [id, client] : clients_) {
     input.clients.push_back({.id = id,
                              .pid = client.info.pid,
@@ -184,6 +190,8 @@ std::string Service::StatusJson() {
     input.scene_triangles = wanted_->scene->header().triangle_count;
   }
   const std::lock_guard lock(loop_mutex_);
+  input.calibration = calibration_;
+  if (!calibration_.problem.empty()) input.problems.push_back("calibration: " + calibration_.problem);
   input.loop = loop_;
   input.transport = transport_;
   input.device_absent_why = device_absent_why_;

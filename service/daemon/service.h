@@ -24,7 +24,7 @@ struct ServiceOptions {
   std::uint64_t instance = 0;
   config::AppTable apps;
   double hull_radius_m = 0;
-  config::CalibrationChoice calibration;
+  config::CalibrationChoice calibration;  // until SetCalibration
 };
 
 class Service : public ipc::ServerHandler {
@@ -37,6 +37,8 @@ class Service : public ipc::ServerHandler {
   // Any thread. Both outlive the attachment. Detach stops the loop and returns when nobody here uses the two any more.
   void Attach(loop::TickThread& loop, const device::Transport& transport);
   void Detach(const std::string& why);
+  // Any thread: what the device that is being opened works with.
+  void SetCalibration(config::CalibrationChoice choice);
 
   void OnClient(const ipc::ClientInfo& client) override;
   void OnGone(ipc::ClientId id) override;
@@ -73,6 +75,7 @@ class Service : public ipc::ServerHandler {
   std::mutex loop_mutex_;
   loop::TickThread* loop_ = nullptr;
   const device::Transport* transport_ = nullptr;
+  config::CalibrationChoice calibration_;
   std::string device_absent_why_ = "not opened yet";
 };
 

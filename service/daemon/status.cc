@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "firmware/wire/names.h"
+
 namespace omni::daemon {
 namespace {
 
@@ -21,16 +23,30 @@ const char* SessionName(protocol::SessionState state) {
   return "none";
 }
 
+json FaultNames(std::uint32_t faults) {
+  json names = json::array();
+  for (const wire::FaultText& fault : wire::Faults()) {
+    if ((faults & fault.fault) != 0) names.push_back(fault.name);
+  }
+  return names;
+}
+
 json Device(const StatusInput& input) {
   if (input.transport == nullptr) return {{"name", nullptr}, {"absent", input.device_absent_why}};
   const device::TransportCounters counters = input.transport->counters();
   const device::TransportInfo& info = input.transport->info();
+  const device::TransportState state = input.transport->state();
   return {{"name", info.name},
           {"serial", info.serial},
           {"simulation", info.simulation},
+          {"faults", FaultNames(state.faults)},
+          {"waits_for_person", state.waits_for_person},
           {"received", counters.received},
           {"missed", counters.missed},
+          {"superseded", counters.superseded},
           {"bad_frames", counters.bad_frames},
+          {"bad_crc", counters.bad_crc},
+          {"interrupted", counters.interrupted},
           {"sent", counters.sent},
           {"send_failed", counters.send_failed}};
 }

@@ -8,7 +8,16 @@ namespace omni::device {
 
 static_assert(wire::kSensors == base::kSensorCount && wire::kCoils == base::kCoilCount);
 
-base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello) {
+namespace {
+
+// Far wider than any Hall sensor and coil driver, far narrower than what a corrupt or lying HELLO can say.
+constexpr float kFieldLsbMin_T = 1e-10F;
+constexpr float kFieldLsbMax_T = 1e-5F;
+constexpr float kCurrentMax_A = 100;
+
+}  // namespace
+
+base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello, Clocks clocks) {
   DeviceInfo info;
   for (const char c : hello.serial) {
     if (c == '\0') break;
@@ -19,12 +28,20 @@ base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello) {
                        " to " + std::to_string(hello.version_max) + ", this service speaks " +
                        std::to_string(wire::kVersion) + ": update whichever is older"};
   }
-  if ((hello.capabilities & wire::kDeviceClockIsHostMonotonic) == 0) {
+  info.clock_is_host = (hello.capabilities & wire::kDeviceClockIsHostMonotonic) != 0;
+  if (clocks == Clocks::kHostOnly && !info.clock_is_host) {
     return base::Error{"device " + info.serial +
                        ": keeps a clock of its own, but this transport needs stamps of the host's CLOCK_MONOTONIC: "
                        "connect it through a transport that maps clocks"};
   }
+  if (!(hello.field_lsb_T >= kFieldLsbMin_T && hello.field_lsb_T <= kFieldLsbMax_T && hello.current_max_A > 0 &&
+        hello.current_max_A <= kCurrentMax_A)) {
+    return base::Error{"device " + info.serial + ": says a field count is " + std::to_string(hello.field_lsb_T * 1e9F) +
+                       " nT and its largest current " + std::to_string(hello.current_max_A) +
+                       " A, which no base has: put the right firmware on it (omni device flash-help)"};
+  }
   info.firmware_version = hello.firmware_version;
+  info.arming = (hello.capabilities & wire::kArming) != 0;
   info.simulation = (hello.capabilities & wire::kSimulation) != 0;
   info.field_lsb_T = static_cast<double>(hello.field_lsb_T);
   info.current_max_A = static_cast<double>(hello.current_max_A);

@@ -15,13 +15,19 @@ struct DeviceInfo {
   std::string serial;
   std::uint16_t firmware_version = 0;
   bool simulation = false;
+  bool clock_is_host = false;  // its stamps are CLOCK_MONOTONIC
+  bool arming = false;         // its coils stay at zero until it is armed
   double field_lsb_T = 0;
   double current_max_A = 0;
   std::uint64_t calibration_hash = 0;
 };
 
-// Refuses a base whose protocol or clock this build cannot work with; the message says which and what to do.
-base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello);
+// Whose stamps a transport can work with.
+enum class Clocks : std::uint8_t { kHostOnly, kAny };
+
+// Refuses a base whose protocol or clock the transport cannot work with, and one whose scales are none that a base has;
+// the message says which and what to do.
+base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello, Clocks clocks = Clocks::kHostOnly);
 
 // `t_device_us` is the instant of the newest Hall sample on CLOCK_MONOTONIC. A sensor whose age is 255 units ("that or
 // older") and an unknown one are reported with that age and no fresh bit; the caller decides what it is worth.

@@ -29,9 +29,18 @@ struct TransportCounters {
   std::uint64_t received = 0;
   std::uint64_t missed = 0;      // gaps in the device's sequence
   std::uint64_t superseded = 0;  // received, but a newer scan was already waiting
-  std::uint64_t bad_frames = 0;  // CRC, size, magic or version
+  std::uint64_t bad_frames = 0;  // CRC, size, magic, version, order or content
+  std::uint64_t bad_crc = 0;     // those of them that CRC refused
   std::uint64_t sent = 0;
   std::uint64_t send_failed = 0;
+  std::uint64_t interrupted = 0;  // system calls and transfers that were begun again
+};
+
+// What the base said last of itself.
+struct TransportState {
+  std::uint8_t state = 0;         // wire::State
+  bool waits_for_person = false;  // not armed again by itself: a fault came up that is not the host's
+  std::uint32_t faults = 0;       // wire::Fault
 };
 
 class Transport {
@@ -44,6 +53,8 @@ class Transport {
   virtual const TransportInfo& info() const noexcept = 0;
   // Any thread, while another reads and writes.
   virtual TransportCounters counters() const noexcept = 0;
+  // Any thread. All zero where a transport does not know.
+  virtual TransportState state() const noexcept { return {}; }
 };
 
 }  // namespace omni::device

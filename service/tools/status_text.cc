@@ -48,7 +48,13 @@ std::string Duration(double seconds) {
 std::string DeviceLine(const json& status) {
   const std::string name = DeviceName(status);
   if (name == "-") return "none: " + TextAt(status, "/device/absent");
-  return name + ", " + TextAt(status, "/device/received") + " scans, " + TextAt(status, "/device/missed") + " missed";
+  std::string text =
+      name + ", " + TextAt(status, "/device/received") + " scans, " + TextAt(status, "/device/missed") + " missed";
+  for (const json& fault : ArrayAt(status, "/device/faults")) {
+    text += ", fault: " + (fault.is_string() ? protocol::Printable(fault.get<std::string>()) : fault.dump());
+  }
+  if (TrueAt(status, "/device/waits_for_person")) text += "; coils off until `omni device selftest`";
+  return text;
 }
 
 std::string TickLine(const json& status) {

@@ -108,7 +108,7 @@ const std::vector<Rule>& Rules() {
 const std::vector<Confined>& ConfinedHeaders() {
   static const std::vector<Confined> kConfined = {
       {"tiny_gltf.h", {"service/scene/"}},
-      {"libusb", {"service/device/"}},
+      {"libusb", {"service/device/libusb_"}},
       {"ceres/", {"service/calibration/", "service/peers/"}},
       {"openxr/", {"layer/"}},
       {"toml++/", {"service/config/"}},

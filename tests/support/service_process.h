@@ -96,10 +96,9 @@ class ServiceProcess {
 class TestApplication {
  public:
   explicit TestApplication(const ServiceProcess& service, const std::string& name = "process_test")
-      : connection_({.application = name,
-                     .engine = "",
-                     .socket_path = service.socket_path(),
-                     .retry_interval_ns = 50'000'000}) {}
+      : TestApplication(service.socket_path(), name) {}
+  TestApplication(const std::string& socket_path, const std::string& name)
+      : connection_({.application = name, .engine = "", .socket_path = socket_path, .retry_interval_ns = 50'000'000}) {}
 
   // Runs for `ms` or until `until` says so. False: `until` was never true.
   template <class Until>

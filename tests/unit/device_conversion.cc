@@ -53,6 +53,17 @@ TEST(DeviceInfo, OtherProtocolAndOwnClockAreRefusedWithARemedy) {
   EXPECT_NE(info.error().find("CLOCK_MONOTONIC"), std::string::npos) << info.error();
 }
 
+TEST(DeviceInfo, OwnClockIsFineWhereATransportMapsIt) {
+  wire::Hello hello = GoodHello();
+  EXPECT_TRUE(InfoFromHello(hello)->clock_is_host);
+  EXPECT_FALSE(InfoFromHello(hello)->arming);
+  hello.capabilities = wire::kArming;
+  const auto info = InfoFromHello(hello, Clocks::kAny);
+  ASSERT_TRUE(info.ok()) << info.error();
+  EXPECT_FALSE(info->clock_is_host);
+  EXPECT_TRUE(info->arming);
+}
+
 TEST(Scan, FromTelemetry) {
   const auto info = InfoFromHello(GoodHello());
   ASSERT_TRUE(info.ok());

@@ -1,0 +1,102 @@
+#include "service/daemon/open_device.h"
+
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "service/device/usb_transport.h"
+#include "service/sim/twin.h"
+
+namespace omni::daemon {
+namespace {
+
+constexpr const char* kAuto = "auto";
+
+base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string& /*argument*/) {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string program = (self.parent_path() / "omni").string();
+  std::vector<std::string> arguments{"--seed", std::to_string(options.twin_seed)};
+  const auto add = [&](const char* name, const std::string& value) {
+    if (!value.empty()) arguments.insert(arguments.end(), {name, value});
+  };
+  add("--script", options.twin_script);
+  add("--record", options.twin_record);
+  add("--device", options.device_file);
+  base::Result<std::unique_ptr<device::Transport>> twin = sim::SpawnTwin(program, arguments);
+  if (!twin.ok()) return base::Error{twin.error()};
+  // The twin's imperfections follow from its seed: it is another base with every seed.
+  return OpenedDevice{std::move(*twin), "twin-" + std::to_string(options.twin_seed)};
+}
+
+base::Result<OpenedDevice> OpenUsb(const RunOptions& options, const std::string& serial) {
+  base::Result<std::unique_ptr<device::UsbBus>> bus = device::MakeUsbBus(options.realtime);
+  if (!bus.ok()) return base::Error{bus.error()};
+  base::Result<std::unique_ptr<device::Transport>> base = device::MakeUsbTransport(**bus, serial);
+  if (!base.ok()) return base::Error{base.error()};
+  const std::string told = (*base)->info().serial;
+  return OpenedDevice{std::move(*base), told};
+}
+
+struct DeviceEntry {
+  const char* name;
+  const char* argument;  // what may follow after a colon; empty: nothing
+  const char* about;
+  base::Result<OpenedDevice> (*open)(const RunOptions& options, const std::string& argument);
+};
+
+constexpr DeviceEntry kDevices[] = {
+    {"twin", "", "the digital twin (a simulation)", OpenTwin},
+    {"usb", "SERIAL", "a base on USB; SERIAL when there are several", OpenUsb},
+};
+
+struct Wanted {
+  const DeviceEntry* entry = nullptr;  // null: there is no such device
+  std::string argument;
+};
+
+Wanted Parse(const std::string& device) {
+  const std::size_t colon = device.find(':');
+  const std::string name = device.substr(0, colon);
+  const std::string argument = colon == std::string::npos ? "" : device.substr(colon + 1);
+  for (const DeviceEntry& entry : kDevices) {
+    const bool fits = colon == std::string::npos || (entry.argument[0] != '\0' && !argument.empty());
+    if (name == entry.name && fits) return {&entry, argument};
+  }
+  return {};
+}
+
+std::string Words(const DeviceEntry& entry) {
+  return entry.name + (entry.argument[0] == '\0' ? std::string() : "[:" + std::string(entry.argument) + "]");
+}
+
+}  // namespace
+
+std::string DeviceHelp() {
+  std::string text;
+  for (const DeviceEntry& entry : kDevices) text += Words(entry) + ": " + entry.about + "; ";
+  return text + kAuto + ": usb if a base is connected, else the twin";
+}
+
+std::string DeviceProblem(const std::string& device) {
+  if (device == kAuto || Parse(device).entry != nullptr) return {};
+  std::string known;
+  for (const DeviceEntry& entry : kDevices) known += Words(entry) + ", ";
+  return "\"" + device + "\" is no device; there is " + known + kAuto;
+}
+
+std::string SettleDevice(const std::string& device) {
+  if (device != kAuto) return device;
+  base::Result<std::unique_ptr<device::UsbBus>> bus = device::MakeUsbBus(false);
+  if (!bus.ok()) return "twin";
+  const base::Result<std::vector<device::UsbBase>> bases = (*bus)->List();
+  return bases.ok() && !bases->empty() ? "usb" : "twin";
+}
+
+base::Result<OpenedDevice> OpenDevice(const RunOptions& options) {
+  const Wanted wanted = Parse(options.device);
+  if (wanted.entry == nullptr) return base::Error{DeviceProblem(options.device)};
+  return wanted.entry->open(options, wanted.argument);
+}
+
+}  // namespace omni::daemon

@@ -1,0 +1,31 @@
+// What omnid --device means: one row a kind of device.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "service/base/result.h"
+#include "service/daemon/run.h"
+#include "service/device/transport.h"
+
+namespace omni::daemon {
+
+struct OpenedDevice {
+  std::unique_ptr<device::Transport> transport;
+  std::string serial;  // what a calibration must have been made of
+};
+
+// For --help: every kind with what it is.
+std::string DeviceHelp();
+
+// Why `device` is no word for one; empty: it is.
+std::string DeviceProblem(const std::string& device);
+
+// "auto" becomes "usb" if a base is connected now, else "twin"; anything else stays. A service that has once begun with
+// a base never goes on with a simulation, or the other way round.
+std::string SettleDevice(const std::string& device);
+
+// Precondition: DeviceProblem(options.device) is empty and the device is settled.
+base::Result<OpenedDevice> OpenDevice(const RunOptions& options);
+
+}  // namespace omni::daemon

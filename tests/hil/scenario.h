@@ -1,0 +1,98 @@
+// What happens to a base while a hand presses against a surface: faults at their times, and how fast the coils answer.
+// All times are device times.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/sim/plant.h"
+#include "tests/hil/chain.h"
+#include "tests/hil/host_process.h"
+#include "tests/hil/usb_emulator.h"
+
+namespace omni::hil {
+
+// Everything an event may touch.
+struct Rig {
+  sim::Plant& plant;
+  UsbEmulator& usb;
+  HostProcess& host;
+  Chain& chain;
+};
+
+struct Event {
+  double at_s = 0;  // after the pen has been in contact for a while
+  const char* what = nullptr;
+  base::Status (*act)(Rig&) = nullptr;
+};
+
+constexpr std::size_t kEventsMax = 4;
+
+struct Scenario {
+  const char* name;
+  const char* about;
+  std::array<Event, kEventsMax> events;  // in order; without an act: no more
+  double end_s;
+};
+
+// Null: there is none. AllScenarios: for help and for tests.
+const Scenario* FindScenario(const std::string& name);
+const std::vector<Scenario>& AllScenarios();
+
+// What followed an event, until the next one or the end. Milliseconds of device time after it.
+struct Reaction {
+  std::string what;
+  double t_s = 0;                  // device time
+  double window_ms = 0;            // observed
+  double peak_A = 0;               // of any coil
+  double hot_A = 0;                // largest current of a coil that is truly hotter than kHot_C
+  double hottest_C = 0;            // true, of any coil
+  double zero_ms = 0;              // last instant with more than kZero_A in any coil
+  std::optional<double> fault_ms;  // first telemetry with a fault that was not there at the event
+  std::optional<double> back_ms;   // first instant with more than kContact_A again, after they had been at zero
+  std::uint32_t faults = 0;        // at the end of the window
+  std::uint8_t state = 0;          // wire::State, as above
+};
+
+class ScenarioRun {
+ public:
+  static constexpr double kContact_A = 0.3;  // somebody presses
+  static constexpr double kContactHeld_s = 0.3;
+  static constexpr double kZero_A = 0.02;
+  static constexpr double kHot_C = 75;
+
+  // `scenario` null: nothing happens, nothing ends.
+  ScenarioRun(const Scenario* scenario, double contact_timeout_s)
+      : scenario_(scenario), contact_timeout_s_(contact_timeout_s) {}
+
+  // After every control step. An error: an event could not be carried out, or there was no contact in time.
+  base::Status Step(Rig& rig);
+
+  bool ended() const { return ended_; }
+  double contact_s() const { return static_cast<double>(contact_steps_) * 250e-6; }  // of more than kContact_A
+  double peak_A() const { return peak_A_; }
+  const std::vector<Reaction>& reactions() const { return reactions_; }
+
+ private:
+  void Watch(Rig& rig, double t_s);
+  base::Status Advance(Rig& rig, double t_s);
+
+  const Scenario* scenario_;
+  double contact_timeout_s_;
+  std::optional<double> start_s_;  // of the events' clock
+  double held_since_s_ = -1;
+  std::size_t next_ = 0;
+  bool ended_ = false;
+  std::uint64_t contact_steps_ = 0;
+  double peak_A_ = 0;
+  bool at_zero_ = false;
+  std::uint32_t faults_before_ = 0;
+  std::vector<Reaction> reactions_;
+};
+
+}  // namespace omni::hil

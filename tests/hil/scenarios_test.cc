@@ -1,0 +1,130 @@
+// What can happen to a base at work, through the whole chain: plant, control core, emulated USB, the unmodified omnid
+// and an application that presses against a block. Beside the wall clock; reactions are judged in device time.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "firmware/wire/messages.h"
+#include "tests/hil/hil_session.h"
+
+namespace omni::hil {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kFaultZero_ms = 20;  // from the cause
+// A silent host: 20 ms of time to live of its last command, 5 ms of ramp, the coils' own lag.
+constexpr double kSilenceZero_ms = wire::kTimeToLiveMax_ms + 10;
+constexpr double kBack_ms = 3000;  // a service that looks for its base every second
+
+// What the scenario's summary must say. Reactions by the order of the scenario's events.
+struct Expected {
+  const char* scenario;
+  void (*check)(const json& summary);
+};
+
+std::uint32_t Faults(const json& reaction) { return reaction["faults"].get<std::uint32_t>(); }
+
+void ExpectZero(const json& reaction, double within_ms) {
+  EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << "there was nothing to take away";
+  EXPECT_LE(reaction["zero_ms"].get<double>(), within_ms) << reaction["what"];
+}
+void ExpectBack(const json& reaction) {
+  ASSERT_TRUE(reaction["back_ms"].is_number()) << reaction["what"] << ": no force again";
+  EXPECT_LE(reaction["back_ms"].get<double>(), kBack_ms);
+  EXPECT_EQ(Faults(reaction), 0U);
+}
+void ExpectUninterrupted(const json& reaction) {
+  EXPECT_TRUE(reaction["fault_ms"].is_null()) << reaction["what"];
+  EXPECT_GE(reaction["zero_ms"].get<double>(), 0.98 * reaction["window_ms"].get<double>());
+}
+
+const Expected kExpected[] = {
+    {"steady",
+     [](const json& summary) {
+       EXPECT_GT(summary["contact_s"].get<double>(), 2.9);
+       EXPECT_GT(summary["peak_A"].get<double>(), 0.3);
+       EXPECT_EQ(summary["faults"], 0U);
+       EXPECT_EQ(summary["rejected"], 0);
+     }},
+    {"replug",
+     [](const json& summary) {
+       ExpectZero(summary["reactions"][0], kSilenceZero_ms);
+       EXPECT_GE(summary["usb"]["aborted"].get<int>(), 1) << "transfers were in flight";
+       EXPECT_EQ(summary["usb"]["plugged"], 2);
+       ExpectBack(summary["reactions"][1]);
+     }},
+    {"crc",
+     [](const json& summary) {
+       ExpectUninterrupted(summary["reactions"][0]);
+       ExpectZero(summary["reactions"][1], kSilenceZero_ms);
+       ExpectBack(summary["reactions"][2]);
+       EXPECT_GE(summary["rejected"].get<int>(), summary["to_base"]["corrupted"].get<int>());
+       EXPECT_GT(summary["to_base"]["corrupted"].get<int>(), 100);
+       EXPECT_GT(summary["to_host"]["corrupted"].get<int>(), 30);
+     }},
+    {"silence",
+     [](const json& summary) {
+       ExpectZero(summary["reactions"][0], kSilenceZero_ms);
+       EXPECT_NE(Faults(summary["reactions"][0]) & wire::kFaultHostSilent, 0U);
+       ExpectBack(summary["reactions"][1]);
+     }},
+    {"kill",
+     [](const json& summary) {
+       ExpectZero(summary["reactions"][0], kSilenceZero_ms);
+       EXPECT_EQ(summary["host_status"], 128 + 9);
+     }},
+    {"heat",
+     [](const json& summary) {
+       EXPECT_GT(summary["reactions"][0]["hottest_C"].get<double>(), 75);
+       EXPECT_LT(summary["reactions"][0]["hot_A"].get<double>(), 1.1) << "below 1 A nobody can tell";
+     }},
+    {"estop",
+     [](const json& summary) {
+       ExpectZero(summary["reactions"][0], kFaultZero_ms);
+       EXPECT_NE(Faults(summary["reactions"][1]) & wire::kFaultEmergencyStop, 0U) << "latched until somebody looks";
+       EXPECT_EQ(summary["reactions"][1]["zero_ms"], 0.0);
+     }},
+    {"stuck",
+     [](const json& summary) {
+       ExpectZero(summary["reactions"][0], 2 * kFaultZero_ms);
+       EXPECT_NE(Faults(summary["reactions"][0]) & wire::kFaultHallStuck, 0U);
+     }},
+    {"bridge",
+     [](const json& summary) {
+       ExpectZero(summary["reactions"][0], kFaultZero_ms);
+       EXPECT_NE(Faults(summary["reactions"][0]) & wire::kFaultDriver, 0U);
+     }},
+};
+
+void Show(const std::string& name, const HilSession& session, const json& summary) {
+  std::printf("%-8s wall %5.1f s, device %5.2f s, %5.0f steps/s, %d of %d ticks late (worst %.1f ms), peak %.2f A\n",
+              name.c_str(), session.wall_s(), summary["device_s"].get<double>(), summary["steps_per_s"].get<double>(),
+              summary["late_ticks"].get<int>(), summary["ticks"].get<int>(), summary["worst_late_ms"].get<double>(),
+              summary["peak_A"].get<double>());
+  for (const json& reaction : summary["reactions"]) {
+    std::printf("         %-24s at zero %6.2f ms after it, faults %05x\n", reaction["what"].get<std::string>().c_str(),
+                reaction["zero_ms"].get<double>(), Faults(reaction));
+  }
+}
+
+class HilScenario : public testing::TestWithParam<Expected> {};
+
+TEST_P(HilScenario, EndsAsItMust) {
+  HilSession session;
+  const json summary = session.Run(GetParam().scenario);
+  ASSERT_TRUE(summary.is_object()) << "no summary";
+  ASSERT_EQ(summary["problem"], "");
+  Show(GetParam().scenario, session, summary);
+  GetParam().check(summary);
+}
+
+void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.scenario; }
+
+INSTANTIATE_TEST_SUITE_P(All, HilScenario, testing::ValuesIn(kExpected),
+                         [](const auto& expected) { return std::string(expected.param.scenario); });
+
+}  // namespace
+}  // namespace omni::hil
