@@ -8,12 +8,11 @@ bool Outbox::PushTelemetry(const wire::Telemetry& telemetry, std::uint64_t t_dev
   const bool was_fetched = !has_telemetry_;
   telemetry_ = telemetry;
   telemetry_us_ = t_device_us;
-  ++telemetry_seq_;
   has_telemetry_ = true;
   return was_fetched;
 }
 
-// TELEMETRY counts ticks, also those whose frame nobody fetched. Answers count as they leave.
+// Sequence numbers are given when a frame leaves, so that they are in the order of leaving.
 std::size_t Outbox::Next(std::uint64_t now_us, std::uint8_t* frame, std::size_t capacity) noexcept {
   wire::Encoded encoded;
   if (count_ > 0) {
@@ -27,12 +26,12 @@ std::size_t Outbox::Next(std::uint64_t now_us, std::uint8_t* frame, std::size_t 
     std::memcpy(frame + wire::kHeaderSize, answer.payload, answer.size);
     wire::Header header;
     header.type = answer.type;
-    header.seq = answer_seq_++;
+    header.seq = seq_;
     header.t_device_us = now_us;
     encoded = wire::SealFrame(header, answer.size, frame, capacity);
   } else if (has_telemetry_) {
     has_telemetry_ = false;
-    encoded = wire::Encode(telemetry_, telemetry_seq_, telemetry_us_, frame, capacity);
+    encoded = wire::Encode(telemetry_, seq_, telemetry_us_, frame, capacity);
   } else {
     return 0;
   }
@@ -40,6 +39,7 @@ std::size_t Outbox::Next(std::uint64_t now_us, std::uint8_t* frame, std::size_t 
     ++lost_;
     return 0;
   }
+  ++seq_;
   return encoded.size;
 }
 

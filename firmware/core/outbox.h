@@ -54,7 +54,7 @@ class Outbox {
   wire::Telemetry telemetry_;
   std::uint64_t telemetry_us_ = 0;
   bool has_telemetry_ = false;
-  std::uint16_t answer_seq_ = 0, telemetry_seq_ = 0;
+  std::uint16_t seq_ = 0;
   std::uint32_t lost_ = 0;
 };
 

@@ -51,7 +51,7 @@ const char* StatusName(Status status) noexcept;
 
 struct Header {
   MessageType type = MessageType::kHello;
-  std::uint16_t seq = 0;          // of each type by itself, TELEMETRY: ticks; compare with SeqDistance
+  std::uint16_t seq = 0;          // per direction and type-independent; compare with SeqDistance
   std::uint64_t t_device_us = 0;  // TELEMETRY: instant of the newest Hall sample. COMMAND: 0
 };
 

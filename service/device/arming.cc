@@ -36,7 +36,8 @@ bool Arming::OnArm(const wire::Arm& arm, std::int64_t t_ns) noexcept {
   if (arm.step == wire::ArmStep::kArmed && phase_ == Phase::kConfirmed) return true;  // telemetry says it, too
   const bool asked = phase_ == Phase::kAsked || phase_ == Phase::kConfirmed;
   if (arm.step == wire::ArmStep::kRefused && asked) {
-    held_ = held_ || OfOthers(arm.faults);
+    // A self-test that is running refuses, too; one that failed stands in the telemetry.
+    held_ = held_ || OfOthers(arm.faults & ~wire::kFaultSelfTest);
     Rest(t_ns + kPause_ns);
     return true;
   }

@@ -122,8 +122,11 @@ class SocketTransport final : public Transport {
     wire::FrameView view;
     const wire::Status opened = OpenReceived(buffer_, size, view);
     if (opened == wire::Status::kUnknownType) return false;
-    if (opened == wire::Status::kOk && view.header.type == wire::MessageType::kArm) return TakeArm(view);
-    if (opened == wire::Status::kOk && view.header.type != wire::MessageType::kTelemetry) return false;
+    if (opened == wire::Status::kOk && view.header.type != wire::MessageType::kTelemetry) {
+      if (sequence_.Advance(view.header.seq)) ++answers_;
+      if (view.header.type == wire::MessageType::kArm) TakeArm(view);
+      return false;
+    }
     wire::Telemetry telemetry;
     if (opened != wire::Status::kOk || wire::Decode(view, telemetry) != wire::Status::kOk ||
         !sequence_.Advance(view.header.seq)) {
@@ -134,17 +137,16 @@ class SocketTransport final : public Transport {
     counters_.missed.Set(sequence_.missed());
     newest_device_us_ = view.header.t_device_us;
     arming_.OnTelemetry(telemetry, base::MonotonicNow_ns());
-    scan = ScanFromTelemetry(device_, telemetry, newest_device_us_, sequence_.sequence());
+    scan = ScanFromTelemetry(device_, telemetry, newest_device_us_, sequence_.sequence() - answers_);
     return true;
   }
 
-  // No scan. An answer that nobody asked for is a bad frame.
-  bool TakeArm(const wire::FrameView& view) noexcept {
+  // An answer that nobody asked for is a bad frame.
+  void TakeArm(const wire::FrameView& view) noexcept {
     wire::Arm arm;
     if (wire::Decode(view, arm) != wire::Status::kOk || !arming_.OnArm(arm, base::MonotonicNow_ns())) {
       ++counters_.bad_frames;
     }
-    return false;
   }
 
   void SendArm() noexcept {
@@ -160,6 +162,7 @@ class SocketTransport final : public Transport {
   TransportInfo info_;
   Counters counters_;
   SequenceCounter sequence_;
+  std::uint64_t answers_ = 0;  // frames between telemetry
   Buffer buffer_{};
   std::uint64_t newest_device_us_ = 0;
   std::uint16_t command_seq_ = 0, arm_seq_ = 0;

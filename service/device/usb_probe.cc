@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "service/base/clock.h"
+#include "service/device/arming.h"
 #include "service/device/ready_event.h"
 #include "service/device/scan_conversion.h"
-#include "service/device/usb_arming.h"
 
 namespace omni::device {
 namespace {
@@ -182,7 +182,7 @@ class Prober final : public UsbHandler {
   UsbProbe probe_;
   ReadyEvent ready_;
   std::mutex mutex_;
-  UsbArming arming_;
+  Arming arming_;
   bool gone_ = false, wants_hello_ = true, wants_fault_ = false, listens_ = false, arms_ = false, arm_refused_ = false;
   bool seq_known_ = false;
   std::int64_t hello_next_ns_ = 0, alive_next_ns_ = 0;

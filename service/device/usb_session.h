@@ -12,12 +12,12 @@
 #include "service/base/actuation_types.h"
 #include "service/base/hall_scan.h"
 #include "service/base/latest.h"
+#include "service/device/arming.h"
 #include "service/device/clock_map.h"
 #include "service/device/counters.h"
 #include "service/device/ready_event.h"
 #include "service/device/scan_conversion.h"
 #include "service/device/transport.h"
-#include "service/device/usb_arming.h"
 #include "service/device/usb_bus.h"
 
 namespace omni::device {
@@ -92,7 +92,7 @@ class UsbSession final : public UsbHandler {
   Counters counters_;
   Counter bad_crc_, interrupted_;
   SequenceCounter sequence_;
-  UsbArming arming_;
+  Arming arming_;
   ClockMap clock_;
   std::int64_t hello_next_ns_ = 0;
   std::uint64_t newest_device_us_ = 0;

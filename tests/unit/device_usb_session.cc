@@ -164,7 +164,7 @@ TEST_F(UsbSessionTest, ARefusalIsNotFollowedByAStorm) {
   Begin();
   const std::int64_t begin_ns = base::MonotonicNow_ns();
   Live(50);
-  const std::int64_t pauses = (base::MonotonicNow_ns() - begin_ns) / UsbArming::kPause_ns;
+  const std::int64_t pauses = (base::MonotonicNow_ns() - begin_ns) / Arming::kPause_ns;
   EXPECT_GE(base_.arms.size(), 1U);
   EXPECT_LE(base_.arms.size(), static_cast<std::size_t>(1 + pauses));
   EXPECT_FALSE(session_.state().waits_for_person);

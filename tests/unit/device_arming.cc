@@ -1,7 +1,7 @@
 // The handshake by itself: times and orders that a whole session does not show.
 #include <gtest/gtest.h>
 
-#include "service/device/usb_arming.h"
+#include "service/device/arming.h"
 
 namespace omni::device {
 namespace {
@@ -20,23 +20,23 @@ wire::Arm Answer(wire::ArmStep step, std::uint32_t nonce = 0) {
   return arm;
 }
 
-TEST(UsbArming, AsksOncePerAttempt) {
-  UsbArming arming;
+TEST(Arming, AsksOncePerAttempt) {
+  Arming arming;
   wire::Arm sent;
   EXPECT_FALSE(arming.Next(0, sent)) << "nothing is known of the base yet";
   arming.OnTelemetry(Idle(), 0);
   ASSERT_TRUE(arming.Next(0, sent));
   EXPECT_EQ(sent.step, wire::ArmStep::kRequest);
   EXPECT_FALSE(arming.Next(0, sent));
-  arming.OnTelemetry(Idle(), UsbArming::kAnswer_ns);
-  EXPECT_FALSE(arming.Next(UsbArming::kAnswer_ns, sent)) << "the answer may still come";
-  arming.OnTelemetry(Idle(), UsbArming::kAnswer_ns + 1);
-  EXPECT_TRUE(arming.Next(UsbArming::kAnswer_ns + 1, sent));
+  arming.OnTelemetry(Idle(), Arming::kAnswer_ns);
+  EXPECT_FALSE(arming.Next(Arming::kAnswer_ns, sent)) << "the answer may still come";
+  arming.OnTelemetry(Idle(), Arming::kAnswer_ns + 1);
+  EXPECT_TRUE(arming.Next(Arming::kAnswer_ns + 1, sent));
   EXPECT_EQ(sent.step, wire::ArmStep::kRequest);
 }
 
-TEST(UsbArming, ConfirmsWithTheNonceOnce) {
-  UsbArming arming;
+TEST(Arming, ConfirmsWithTheNonceOnce) {
+  Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
   ASSERT_TRUE(arming.Next(0, sent));
@@ -55,17 +55,17 @@ TEST(UsbArming, ConfirmsWithTheNonceOnce) {
   EXPECT_FALSE(arming.Next(4, sent));
 }
 
-TEST(UsbArming, AnswersOutOfPlaceAreRefused) {
+TEST(Arming, AnswersOutOfPlaceAreRefused) {
   for (const wire::ArmStep step : {wire::ArmStep::kRequest, wire::ArmStep::kChallenge, wire::ArmStep::kConfirm,
                                    wire::ArmStep::kArmed, wire::ArmStep::kRefused}) {
-    UsbArming arming;
+    Arming arming;
     EXPECT_FALSE(arming.OnArm(Answer(step), 0));
     EXPECT_FALSE(arming.held());
   }
 }
 
-TEST(UsbArming, AnArmedBaseWithAFaultGetsNoSetPoints) {
-  UsbArming arming;
+TEST(Arming, AnArmedBaseWithAFaultGetsNoSetPoints) {
+  Arming arming;
   wire::Telemetry telemetry = Idle();
   telemetry.state = wire::State::kArmed;
   telemetry.faults = wire::kFaultFan;
@@ -74,8 +74,8 @@ TEST(UsbArming, AnArmedBaseWithAFaultGetsNoSetPoints) {
   EXPECT_TRUE(arming.held());
 }
 
-TEST(UsbArming, ASelfTestThatRunsRefusesOnlyForNow) {
-  UsbArming arming;
+TEST(Arming, ASelfTestThatRunsRefusesOnlyForNow) {
+  Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
   ASSERT_TRUE(arming.Next(0, sent));
@@ -89,16 +89,16 @@ TEST(UsbArming, ASelfTestThatRunsRefusesOnlyForNow) {
   EXPECT_TRUE(arming.held()) << "telemetry says that it failed";
 }
 
-TEST(UsbArming, TriesAgainAfterThePause) {
-  UsbArming arming;
+TEST(Arming, TriesAgainAfterThePause) {
+  Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
   ASSERT_TRUE(arming.Next(0, sent));
   ASSERT_TRUE(arming.OnArm(Answer(wire::ArmStep::kRefused), 0));
-  arming.OnTelemetry(Idle(), UsbArming::kPause_ns - 1);
-  EXPECT_FALSE(arming.Next(UsbArming::kPause_ns - 1, sent));
-  arming.OnTelemetry(Idle(), UsbArming::kPause_ns);
-  EXPECT_TRUE(arming.Next(UsbArming::kPause_ns, sent));
+  arming.OnTelemetry(Idle(), Arming::kPause_ns - 1);
+  EXPECT_FALSE(arming.Next(Arming::kPause_ns - 1, sent));
+  arming.OnTelemetry(Idle(), Arming::kPause_ns);
+  EXPECT_TRUE(arming.Next(Arming::kPause_ns, sent));
 }
 
 }  // namespace
