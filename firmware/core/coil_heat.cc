@@ -8,10 +8,13 @@ namespace {
 constexpr int kWindow_steps = 40;  // 10 ms: a sliding mean steadies both readings, heat is slower by far
 constexpr double kWindow_s = 10e-3;
 static_assert(kWindow_steps == 10 * kStepsPerMs, "one says the other");
-constexpr float kMeasurable_A = 1;       // 1.25 mA and 2 mA of offset are then worth less than a kelvin
-constexpr float kInducedShare = 0.02F;   // of the voltage: the inductance is known to 15 %, so 0.3 % or 0.8 K
-constexpr double kFollow = 10e-3 / 0.5;  // share per window: time constant 0.5 s
-constexpr double kReference_C = 20;      // of Settings' resistances
+constexpr float kMeasurable_A = 1;      // 1.25 mA and 2 mA of offset are then worth less than a kelvin
+constexpr float kInducedShare = 0.02F;  // of the voltage: the inductance is known to 15 %, so 0.3 % or 0.8 K
+// Share per window. Up at once, or the current that shrinks with the temperature is too small to measure before it
+// trips; down slowly: the two readings differ by what the inductance is wrong.
+constexpr double kFollowUp = kWindow_s / 0.05;
+constexpr double kFollowDown = kWindow_s / 0.5;
+constexpr double kReference_C = 20;  // of Settings' resistances
 
 }  // namespace
 
@@ -87,7 +90,8 @@ void CoilHeat::FollowResistance(const Settings& settings, int coil, const Window
   const float resistance_ohm = (window.voltage_sum_V - induced_V) / window.current_sum_A;
   const float ratio = resistance_ohm / settings.coils[coil].resistance_20C_ohm;
   const double measured_C = kReference_C + static_cast<double>((ratio - 1) / settings.resistance_per_K);
-  by_resistance_C_[coil] += kFollow * (measured_C - by_resistance_C_[coil]);
+  const double higher_K = measured_C - by_resistance_C_[coil];
+  by_resistance_C_[coil] += (higher_K > 0 ? kFollowUp : kFollowDown) * higher_K;
 }
 
 float CoilHeat::temperature_C(int coil) const noexcept { return Max(by_resistance_C(coil), by_heat_C(coil)); }

@@ -1,6 +1,7 @@
 #include "firmware/core/core.h"
 
 #include "firmware/core/config_table.h"
+#include "firmware/wire/names.h"
 #include "firmware/wire/scaling.h"
 
 namespace omni::firmware {
@@ -16,11 +17,6 @@ int LowestBit(std::uint8_t mask) noexcept {
   int bit = 0;
   while (bit < 7 && ((mask >> bit) & 1U) == 0) ++bit;
   return bit;
-}
-
-const char* NameOf(wire::State state) noexcept {
-  constexpr const char* kNames[] = {"boot", "self-test", "idle", "armed", "fault"};
-  return kNames[static_cast<int>(state)];
 }
 
 }  // namespace
@@ -202,7 +198,7 @@ void Core::FinishTick(const Inputs& inputs) noexcept {
 void Core::Enter(wire::State state) noexcept {
   if (state == state_) return;
   LogLine line(state == wire::State::kFault ? wire::LogLevel::kWarning : wire::LogLevel::kInfo);
-  Say(line.Text(NameOf(state_)).Text(" -> ").Text(NameOf(state)));
+  Say(line.Text(wire::StateName(state_)).Text(" -> ").Text(wire::StateName(state)));
   state_ = state;
   in_state_ = 0;
 }

@@ -82,9 +82,9 @@ constexpr float kPowerFilter_s = 10e-3F;
 // Coil open: less than this share of the current that the measured voltage gives, once that is worth looking at.
 constexpr float kOpenShare = 0.25F;
 constexpr float kOpenCurrent_A = 0.3F;
-// Coil short: more than this share of it and an ampere.
+// Coil short: more than this share of it, and this beyond; more than the self-test's ampere, whose sign may be wrong.
 constexpr float kShortShare = 1.5F;
-constexpr float kShortCurrent_A = 1;
+constexpr float kShortCurrent_A = 1.5F;
 // Model: this far from what was expected of the step, whichever is larger.
 constexpr float kModelShare = 0.2F;
 constexpr float kModelCurrent_A = 1;

@@ -74,13 +74,14 @@ void SafetyMonitor::CheckModel(int coil, const Settings& settings, const Observa
   const float before_A = model_A_[coil];
   const float after_A = model.Next(before_A, drive.direction(coil) * seen.voltage_V[coil]);
   model_A_[coil] = drive.is_asleep() ? 0 : after_A;
-  const float given_A = Abs(0.5F * (before_A + after_A));
+  const float given_A = 0.5F * (before_A + after_A);
   const float current_A = seen.current_A[coil];
   const float size_A = Abs(current_A);
 
-  const bool is_open = is_driven && is_known && given_A > kOpenCurrent_A && size_A < kOpenShare * given_A;
+  const bool is_open = is_driven && is_known && Abs(given_A) > kOpenCurrent_A && size_A < kOpenShare * Abs(given_A);
   Check(wire::kFaultCoilOpen, coil, is_open, current_A);
-  const bool is_short = is_driven && is_known && size_A > kShortShare * given_A + kShortCurrent_A;
+  const float same_way_A = Max(current_A < 0 ? -given_A : given_A, 0);
+  const bool is_short = is_driven && is_known && size_A > kShortShare * same_way_A + kShortCurrent_A;
   Check(wire::kFaultCoilShort, coil, is_short, current_A);
 
   const float expected_A = drive.expected_A(coil);
