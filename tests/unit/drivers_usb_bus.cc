@@ -52,6 +52,19 @@ TEST_F(UsbBus, AResetInTheMiddleOfATransferLeavesNoHalf) {
   EXPECT_EQ(device.counters().received, 1U);
 }
 
+TEST_F(UsbBus, AClearedHaltInTheMiddleOfATransferLeavesNoHalf) {
+  ASSERT_TRUE(host.Enumerate(false));
+  ASSERT_TRUE(Send(UsbBench::Frame(160, 1)));
+  ASSERT_EQ(controller.In(host.address, 1).data.size(), 64U);
+  ASSERT_EQ(controller.Out(host.address, 1, host.out_toggle, UsbBench::Frame(64, 1)),
+            support::ChipideaModel::Answer::kAck);
+  ASSERT_EQ(host.Control({0x02, 1, 0, 0x01, 0}).status, Status::kOk);
+  ASSERT_EQ(host.Control({0x02, 1, 0, 0x81, 0}).status, Status::kOk);
+  host.ResetToggles();
+  EXPECT_EQ(host.BulkIn().data, UsbBench::Frame(160, 1)) << "from its beginning";
+  ExpectWorks(6);
+}
+
 TEST_F(UsbBus, AResetInTheMiddleOfAControlTransfer) {
   for (const bool before_interrupt : {false, true}) {
     if (before_interrupt) {
