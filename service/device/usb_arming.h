@@ -10,7 +10,7 @@ namespace omni::device {
 
 class UsbArming {
  public:
-  static constexpr std::int64_t kAnswer_ns = 200'000'000;   // how long an answer may take; the nonce is good for 100 ms
+  static constexpr std::int64_t kAnswer_ns = 200'000'000;  // how long an answer may take; the nonce is good for 100 ms
   static constexpr std::int64_t kPause_ns = 100'000'000;   // after a refusal
 
   void OnTelemetry(const wire::Telemetry& telemetry, std::int64_t t_ns) noexcept;

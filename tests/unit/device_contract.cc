@@ -18,7 +18,9 @@
 
 #include "firmware/wire/messages.h"
 #include "service/device/socket_transport.h"
+#include "service/device/usb_transport.h"
 #include "service/sim/twin.h"
+#include "tests/support/fake_usb.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/twin_story.h"
 
@@ -78,13 +80,27 @@ Opened OpenSpawned() {
   return {nullptr, link.ok() ? std::move(link.value()) : nullptr};
 }
 
+// The real transport on a bus that this program plays.
+Opened OpenUsb() {
+  auto bus = std::make_shared<test::FakeUsbBus>(true);
+  test::FakeBase& base = bus->Add("A17").base;
+  base.hello.capabilities = wire::kSimulation | wire::kCurrentSensors;
+  base.faults = wire::kFaultHostSilent;
+  base.follows = true;
+  auto link = MakeUsbTransport(*bus, "");
+  EXPECT_TRUE(link.ok());
+  return {bus, link.ok() ? std::move(link.value()) : nullptr};
+}
+
 struct Row {
   const char* name;
   Opened (*open)();
 };
 
-constexpr Row kTransports[] = {
-    {"virtual_twin", OpenVirtual}, {"served_twin", OpenServedInThread}, {"spawned_twin", OpenSpawned}};
+constexpr Row kTransports[] = {{"virtual_twin", OpenVirtual},
+                               {"served_twin", OpenServedInThread},
+                               {"spawned_twin", OpenSpawned},
+                               {"usb", OpenUsb}};
 
 class TransportContract : public testing::TestWithParam<Row> {
  protected:
@@ -174,7 +190,7 @@ TEST_P(TransportContract, AnyThreadReadsTheCounters) {
     }
   });
   base::HallScan scan;
-  for (int i = 0; i < 50; ++i) Exchange(scan, {});
+  for (int i = 0; i < 100; ++i) Exchange(scan, {});  // where the newest command wins, one may replace another
   done = true;
   reader.join();
   EXPECT_GE(opened_.link->counters().sent, 50U);
