@@ -13,7 +13,8 @@ constexpr double kRoundTripMin_ns = -2'000;                          // stamps o
 constexpr double kRoundTripMax_ns = 100'000'000;
 constexpr double kLeap_ns = 1'000'000;
 constexpr double kWindow_s = 30;
-constexpr double kNoise_ns = 10'000;           // of a sample with the least round trip
+constexpr double kNoise_ns = 10'000;           // of a sample with the least round trip, and
+constexpr double kHiddenShare = 0.05;          // of that: even the least one of a busy link has waited
 constexpr double kDriftUsual_ns_per_s = 50e3;  // crystals; what the slope is held to until samples say more
 constexpr double kDriftMax_ns_per_s = 200e3;
 
@@ -137,8 +138,9 @@ void ClockMap::VisitWindow(Visit&& visit) const noexcept {
 // s = Sxy / (Sxx + 1 / sigma_s^2); the last term is what is known of crystals.
 void ClockMap::Fit() noexcept {
   const double least_ns = round_trip_us() * 1e3;
-  const auto weight = [least_ns](const Sample& sample) {
-    const double sigma_ns = kNoise_ns + 0.5 * (sample.round_trip_ns - least_ns);
+  const double noise_ns = kNoise_ns + kHiddenShare * least_ns;
+  const auto weight = [least_ns, noise_ns](const Sample& sample) {
+    const double sigma_ns = noise_ns + 0.5 * (sample.round_trip_ns - least_ns);
     return 1 / (sigma_ns * sigma_ns);
   };
   double sum = 0;

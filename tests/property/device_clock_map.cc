@@ -231,9 +231,9 @@ TEST(ClockMap, LateHostIsNoReset) {
   ClockMap map;
   WorstError_us(link, map, 10, 10);
   link.Stall(2 * kSecond_ns);
-  EXPECT_LT(WorstError_us(link, map, 10, 12), 25) << "stamps stay those of the samples";
+  EXPECT_LT(WorstError_us(link, map, 10, 12), 40) << "stamps stay those of the samples";
   link.Stall(0);
-  EXPECT_LT(WorstError_us(link, map, 12, 20), 25);
+  EXPECT_LT(WorstError_us(link, map, 12, 20), 40);
   EXPECT_EQ(map.restarts(), 0U);
 }
 

@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
+#include "service/device/recording_transport.h"
+#include "service/device/replay_transport.h"
 #include "service/device/socket_transport.h"
 #include "service/device/usb_transport.h"
 #include "service/sim/twin.h"
@@ -92,6 +94,38 @@ Opened OpenUsb() {
   return {bus, link.ok() ? std::move(link.value()) : nullptr};
 }
 
+std::unique_ptr<Transport> Recorded(std::unique_ptr<Transport> inner, const std::string& path) {
+  auto recorder =
+      DeviceRecorder::Open(path, DescribeForRecording(inner->info(), support::NominalDevice().current_max_A));
+  if (!recorder.ok()) return nullptr;
+  return std::make_unique<RecordingTransport>(std::move(inner), std::move(*recorder));
+}
+
+Opened OpenRecorded() {
+  auto folder = std::make_shared<test::TempFolder>();
+  auto link = Recorded(OpenVirtual().link, folder->Path("device.rec"));
+  return {std::move(folder), std::move(link)};
+}
+
+// Recorded from a host that does what the contract's hosts do: says nothing, then wants currents.
+Opened OpenReplayed(ReplayPace pace) {
+  auto folder = std::make_shared<test::TempFolder>();
+  const std::string path = folder->Path("device.rec");
+  {
+    auto link = Recorded(OpenVirtual().link, path);
+    base::HallScan scan;
+    for (int i = 0; i < 1500 && link != nullptr; ++i) {
+      link->Read(scan, 0);
+      if (i > 0) link->Write({{0.5, -1, 2}});
+    }
+  }
+  auto link = OpenReplay(path, pace);
+  EXPECT_TRUE(link.ok());
+  return {std::move(folder), link.ok() ? std::move(*link) : nullptr};
+}
+Opened OpenReplayedFast() { return OpenReplayed(ReplayPace::kFast); }
+Opened OpenReplayedInTime() { return OpenReplayed(ReplayPace::kRecorded); }
+
 struct Row {
   const char* name;
   Opened (*open)();
@@ -100,6 +134,9 @@ struct Row {
 constexpr Row kTransports[] = {{"virtual_twin", OpenVirtual},
                                {"served_twin", OpenServedInThread},
                                {"spawned_twin", OpenSpawned},
+                               {"recorded_twin", OpenRecorded},
+                               {"replay_fast", OpenReplayedFast},
+                               {"replay_in_time", OpenReplayedInTime},
                                {"usb", OpenUsb}};
 
 class TransportContract : public testing::TestWithParam<Row> {
