@@ -18,6 +18,7 @@ class RecordingTransport final : public Transport {
   bool Write(const base::CoilCurrents& currents) noexcept override;
   const TransportInfo& info() const noexcept override { return inner_->info(); }
   TransportCounters counters() const noexcept override { return inner_->counters(); }
+  TransportState state() const noexcept override { return inner_->state(); }
   // Its Close() goes behind the last Read and Write.
   DeviceRecorder& recorder() noexcept { return *recorder_; }
 

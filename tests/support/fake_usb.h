@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
+#include "firmware/wire/scaling.h"
 #include "service/base/clock.h"
 #include "service/device/usb_bus.h"
 
@@ -38,6 +39,7 @@ struct FakeBase {
   wire::State state = wire::State::kIdle;
   std::uint32_t faults = wire::kFaultNotArmed;
   std::uint32_t refuses_arm = 0;  // faults that it says
+  bool follows = false;           // coils have the commanded currents at once, and no host is a fault
   int self_test_ticks = 0;        // how long the self-test takes that the first ARM starts; 0: none
   bool answers_hello = true;
   bool keeps_fault = false;
@@ -67,6 +69,7 @@ struct FakeBase {
     telemetry.faults = faults;
     telemetry.fresh_mask = 0xFF;
     telemetry.supply = 14400;
+    for (std::int16_t& temperature : telemetry.temperature) temperature = 2400;
     return Frame(telemetry);
   }
 
@@ -126,6 +129,12 @@ struct FakeBase {
     telemetry.ack_seq = view.header.seq;
     telemetry.ack_host_us = command.host_us;
     telemetry.ack_rx_device_us = static_cast<std::uint32_t>(t_us);
+    if (!follows) return;
+    faults &= ~wire::kFaultHostSilent;
+    for (int k = 0; k < wire::kCoils; ++k) {
+      telemetry.current[k] =
+          wire::ToCounts<std::int16_t>(static_cast<double>(command.set_point_A[k]), wire::kCurrentUnit_A);
+    }
   }
 };
 

@@ -20,7 +20,9 @@
 #include "service/device/recording_transport.h"
 #include "service/device/replay_transport.h"
 #include "service/device/socket_transport.h"
+#include "service/device/usb_transport.h"
 #include "service/sim/twin.h"
+#include "tests/support/fake_usb.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/twin_story.h"
 
@@ -80,6 +82,18 @@ Opened OpenSpawned() {
   return {nullptr, link.ok() ? std::move(link.value()) : nullptr};
 }
 
+// The real transport on a bus that this program plays.
+Opened OpenUsb() {
+  auto bus = std::make_shared<test::FakeUsbBus>(true);
+  test::FakeBase& base = bus->Add("A17").base;
+  base.hello.capabilities = wire::kSimulation | wire::kCurrentSensors;
+  base.faults = wire::kFaultHostSilent;
+  base.follows = true;
+  auto link = MakeUsbTransport(*bus, "");
+  EXPECT_TRUE(link.ok());
+  return {bus, link.ok() ? std::move(link.value()) : nullptr};
+}
+
 std::unique_ptr<Transport> Recorded(std::unique_ptr<Transport> inner, const std::string& path) {
   auto recorder =
       DeviceRecorder::Open(path, DescribeForRecording(inner->info(), support::NominalDevice().current_max_A));
@@ -117,9 +131,13 @@ struct Row {
   Opened (*open)();
 };
 
-constexpr Row kTransports[] = {{"virtual_twin", OpenVirtual},     {"served_twin", OpenServedInThread},
-                               {"spawned_twin", OpenSpawned},     {"recorded_twin", OpenRecorded},
-                               {"replay_fast", OpenReplayedFast}, {"replay_in_time", OpenReplayedInTime}};
+constexpr Row kTransports[] = {{"virtual_twin", OpenVirtual},
+                               {"served_twin", OpenServedInThread},
+                               {"spawned_twin", OpenSpawned},
+                               {"recorded_twin", OpenRecorded},
+                               {"replay_fast", OpenReplayedFast},
+                               {"replay_in_time", OpenReplayedInTime},
+                               {"usb", OpenUsb}};
 
 class TransportContract : public testing::TestWithParam<Row> {
  protected:
@@ -209,7 +227,7 @@ TEST_P(TransportContract, AnyThreadReadsTheCounters) {
     }
   });
   base::HallScan scan;
-  for (int i = 0; i < 50; ++i) Exchange(scan, {});
+  for (int i = 0; i < 100; ++i) Exchange(scan, {});  // where the newest command wins, one may replace another
   done = true;
   reader.join();
   EXPECT_GE(opened_.link->counters().sent, 50U);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/device/usb_transport.h"
+#include "service/loop/probe/alloc_probe.h"
 #include "tests/support/fake_usb.h"
 
 namespace omni::device {
@@ -10,6 +11,7 @@ namespace {
 using test::FakeUsbBus;
 
 constexpr std::int64_t kShort_ns = 3'000'000;
+constexpr std::int64_t kPatience_ns = 5'000'000'000;
 
 void ExpectRefused(FakeUsbBus& bus, const std::string& serial, std::initializer_list<const char*> parts) {
   const auto transport = MakeUsbTransport(bus, serial, kShort_ns);
@@ -94,6 +96,34 @@ TEST(UsbTransport, AHelloThatLiesAboutItsScalesIsRefused) {
   FakeUsbBus bus;
   bus.Add("A17").base.hello.current_max_A = 1e6F;
   ExpectRefused(bus, "", {"which no base has"});
+}
+
+// The link on its thread, the tick on this one: scans in order, nothing torn, no allocation in Read and Write.
+TEST(UsbTransport, TwoThreadsMeetAndNeverAllocate) {
+  FakeUsbBus bus(true);
+  test::FakeBase& base = bus.Add("A17").base;
+  const auto transport = MakeUsbTransport(bus, "");
+  ASSERT_TRUE(transport.ok()) << transport.error();
+  base::HallScan before;
+  std::uint64_t allocations = 0;
+  for (int i = 0; i < 500; ++i) {
+    base::HallScan scan;
+    const loop::AllocProbe quiet;
+    const ReadStatus read = (*transport)->Read(scan, kPatience_ns);
+    const bool written = (*transport)->Write({{0.001 * i, 0, 0}});
+    allocations += quiet.count();
+    ASSERT_EQ(read, ReadStatus::kScan);
+    ASSERT_TRUE(written);
+    ASSERT_GT(scan.sequence, before.sequence);
+    ASSERT_GE(scan.t_ns, before.t_ns);
+    before = scan;
+  }
+  EXPECT_EQ(allocations, 0U);
+  EXPECT_EQ((*transport)->state().state, static_cast<std::uint8_t>(wire::State::kArmed));
+  const TransportCounters counters = (*transport)->counters();
+  EXPECT_EQ(counters.bad_frames, 0U);
+  EXPECT_GE(counters.received, 500U);
+  EXPECT_EQ(base.bad, 0);
 }
 
 TEST(UsbTransport, ALostBaseIsOpenedAgain) {
