@@ -83,6 +83,34 @@ TEST(FirmwareCurrent, WhereTheVoltageDoesNotSufficeItGivesWhatThereIs) {
   EXPECT_NEAR(bench.plant.current_A(2), 5, 0.03);
 }
 
+// Near its upper limit the supply takes nothing back: coils that reverse brake first, and still get there.
+TEST(FirmwareCurrent, DoesNotFeedASupplyThatIsHighAlready) {
+  for (const double supply_V : {18.0, 25.2}) {
+    FirmwarePlant::Options options;
+    options.supply_V = supply_V;
+    FirmwareBench bench({}, options);
+    ASSERT_TRUE(bench.RunToArmed());
+    bench.SetAll(12);
+    bench.RunMs(20);
+    double fed_J = 0;
+    bench.each_step = [&] {
+      for (int k = 0; k < wire::kCoils; ++k) {
+        const double power_W = supply_V * bench.outputs.duty[k] / wire::kDutyFull * bench.plant.current_A(k);
+        if (power_W < 0) fed_J -= power_W * 250e-6;
+      }
+    };
+    bench.SetAll(-12);
+    bench.RunMs(30);
+    if (supply_V < 20) {
+      EXPECT_GT(fed_J, 0.05);  // it reverses with all its voltage
+    } else {
+      EXPECT_LT(fed_J, 0.02);
+    }
+    EXPECT_NEAR(bench.plant.current_A(0), -12, 0.1);
+    EXPECT_EQ(bench.core.faults(), 0U);
+  }
+}
+
 TEST(FirmwareCurrent, PowerOfAllCoilsIsShared) {
   Settings settings;
   settings.power_max_W = 150;
