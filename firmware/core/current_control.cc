@@ -8,6 +8,8 @@ namespace {
 constexpr float kCrossover_rad_s = 1000;
 // What model errors can be worth. More is a fault, not a correction.
 constexpr float kIntegralShare = 0.35F;
+// Below, a coil holds a thousandth of its energy: it may always go through zero.
+constexpr float kFreeCurrent_A = 0.5F;
 
 }  // namespace
 
@@ -18,13 +20,15 @@ float CurrentControl::Step(const CoilModel& model, const CurrentRequest& request
   // (7): what was measured is compared with what the model expected of that same step, so that the delay between
   // measuring and acting is in both and cancels.
   const float error_A = request.is_measured ? expected_A_ - request.measured_A : 0;
+  const float low_V = reference_A_ > kFreeCurrent_A ? -request.against * limit_V : -limit_V;
+  const float high_V = reference_A_ < -kFreeCurrent_A ? request.against * limit_V : limit_V;
   const float correction_V = Clamp(gain_ohm * error_A + integral_V_, -limit_V, limit_V);
 
   // (5), (6): a step towards the target, as far as slew rate and the voltage left allow.
   const float wanted_A = request.approach * (request.target_A - reference_A_);
   const float slewed_A = reference_A_ + Clamp(wanted_A, -request.slew_A, request.slew_A);
-  const float lowest_A = model.Next(reference_A_, -limit_V - correction_V);
-  const float highest_A = model.Next(reference_A_, limit_V - correction_V);
+  const float lowest_A = model.Next(reference_A_, low_V - correction_V);
+  const float highest_A = model.Next(reference_A_, high_V - correction_V);
   const float next_A = Clamp(slewed_A, lowest_A, highest_A);
 
   // (9): no integration in the direction in which the voltage is used up.
@@ -36,7 +40,7 @@ float CurrentControl::Step(const CoilModel& model, const CurrentRequest& request
   const float voltage_V = model.VoltageFor(reference_A_, next_A) + correction_V;
   expected_A_ = model.Mean(reference_A_, next_A);
   reference_A_ = next_A;
-  return Clamp(voltage_V, -limit_V, limit_V);
+  return Clamp(voltage_V, low_V, high_V);
 }
 
 }  // namespace omni::firmware

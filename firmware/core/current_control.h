@@ -11,6 +11,7 @@ struct CurrentRequest {
   float slew_A = 0;          // largest change of the reference in a step
   float approach = 1;        // share of the way to the target per step, 0 < approach <= 1
   float voltage_max_V = 0;   // of the mean over the next step
+  float against = 1;         // share of it that may work against the current and so feed the supply, 0 to 1
   float measured_A = 0;      // mean over the step before
   bool is_measured = false;  // false: no measurement, only the model acts
 };

@@ -15,12 +15,21 @@ constexpr int kBrake_steps = 10 * kStepsPerMs;
 constexpr float kVoltageUse = 0.97F;
 // Share of the way to a set-point per step: rounds the corner off, which is what a wrong inductance would overshoot.
 constexpr float kApproach = 0.7F;
+// Coils that reverse feed the supply's capacitors. Below its upper limit by this much that begins to be held back, and
+// by this much it has ended: currents then fall as fast as a brake lets them.
+constexpr float kFeedFrom_V = 3;
+constexpr float kFeedTo_V = 1;
 constexpr float kSupplyUsable_V = 1;  // below: no duty
 
 // (20): from 1 at the temperature where currents shrink to 0 where they trip.
 float DerateShare(const Settings& settings, float temperature_C) noexcept {
   const float span_K = settings.temperature_max_C - settings.temperature_derate_C;
   return Clamp((settings.temperature_max_C - temperature_C) / span_K, 0, 1);
+}
+
+// (28)
+float FeedShare(const Settings& settings, float supply_V) noexcept {
+  return Clamp((settings.supply_max_V - kFeedTo_V - supply_V) / (kFeedFrom_V - kFeedTo_V), 0, 1);
 }
 
 }  // namespace
@@ -98,6 +107,7 @@ void Drive::Control(const Settings& settings, const CoilHeat& heat, const Demand
     request.slew_A = phase_ == Phase::kRamp ? ramp_A_[k] : settings.slew_max_A_s * kStep_s;
     request.approach = phase_ == Phase::kRamp ? 1 : kApproach;
     request.voltage_max_V = kVoltageUse * demand.supply_V;
+    request.against = FeedShare(settings, demand.supply_V);
     request.measured_A = demand.measured_A[k];
     request.is_measured = ((demand.measured_mask >> k) & 1U) != 0;
     SetDuty(k, controls_[k].Step(model, request), demand.supply_V);

@@ -37,6 +37,7 @@ class SelfTest {
     kHallSettle,   // it comes on
     kHallField,    // samples with it
     kHallRelease,  // it goes
+    kHallAgain,    // samples without it: what has drifted meanwhile
     kCoilWake,     // bridges wake up, braking
     kCoilDrive,    // about an ampere
     kCoilRest,     // brake
@@ -61,7 +62,7 @@ class SelfTest {
   int in_phase_ = 0;  // steps
   int attempt_ = 0;
   int coil_ = 0;
-  Sums rest_, field_;
+  Sums rest_, field_, again_;
   float current_sum_A_ = 0, voltage_sum_V_ = 0;
   float resistance_ohm_[wire::kCoils] = {};
 };

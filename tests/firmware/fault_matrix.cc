@@ -1,9 +1,9 @@
 #include "tests/firmware/fault_matrix.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "firmware/wire/names.h"
+#include "tests/firmware/fixed_text.h"
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
@@ -119,14 +119,6 @@ const char* ReactionText(Reaction reaction) {
       return "brake";
   }
   return "";
-}
-
-std::string Fixed(double value, int digits) {
-  const double scale = std::pow(10.0, digits);
-  std::string text = std::to_string(std::llround(std::floor(value * scale + 0.5) / scale * scale));
-  if (digits == 0) return text;
-  while (static_cast<int>(text.size()) <= digits) text.insert(0, "0");
-  return text.insert(text.size() - static_cast<std::size_t>(digits), ".");
 }
 
 std::string HoldText(const FaultRule& rule) {
