@@ -66,7 +66,8 @@ Json ToJson(const LinkCounts& counts) {
 Json ToJson(const Reaction& reaction) {
   Json json{{"what", reaction.what},       {"t_s", reaction.t_s},       {"window_ms", reaction.window_ms},
             {"peak_A", reaction.peak_A},   {"hot_A", reaction.hot_A},   {"hottest_C", reaction.hottest_C},
-            {"zero_ms", reaction.zero_ms}, {"faults", reaction.faults}, {"state", reaction.state}};
+            {"zero_ms", reaction.zero_ms}, {"faults", reaction.faults}, {"faults_seen", reaction.faults_seen},
+            {"state", reaction.state}};
   json["fault_ms"] = reaction.fault_ms ? Json(*reaction.fault_ms) : Json(nullptr);
   json["back_ms"] = reaction.back_ms ? Json(*reaction.back_ms) : Json(nullptr);
   return json;

@@ -116,6 +116,7 @@ void ScenarioRun::Watch(Rig& rig, double t_s) {
     if (coil_C > kHot_C) reaction.hot_A = std::max(reaction.hot_A, std::abs(rig.plant.current_A()[k]));
   }
   reaction.faults = telemetry.faults;
+  reaction.faults_seen |= telemetry.faults & ~faults_before_;
   reaction.state = static_cast<std::uint8_t>(telemetry.state);
   if (!reaction.fault_ms && (telemetry.faults & ~faults_before_) != 0) reaction.fault_ms = reaction.window_ms;
   if (at_zero_ && !reaction.back_ms && now_A > kContact_A) reaction.back_ms = reaction.window_ms;

@@ -55,7 +55,8 @@ struct Reaction {
   double zero_ms = 0;              // last instant with more than kZero_A in any coil
   std::optional<double> fault_ms;  // first telemetry with a fault that was not there at the event
   std::optional<double> back_ms;   // first instant with more than kContact_A again, after they had been at zero
-  std::uint32_t faults = 0;        // at the end of the window
+  std::uint32_t faults_seen = 0;   // new ones, at any time of the window
+  std::uint32_t faults = 0;        // at its end
   std::uint8_t state = 0;          // wire::State, as above
 };
 

@@ -8,6 +8,7 @@
 
 #include "firmware/wire/messages.h"
 #include "tests/hil/hil_session.h"
+#include "tests/hil/tools.h"
 
 namespace omni::hil {
 namespace {
@@ -36,9 +37,11 @@ void ExpectBack(const json& reaction) {
   EXPECT_LE(reaction["back_ms"].get<double>(), kBack_ms);
   EXPECT_EQ(Faults(reaction), 0U);
 }
-void ExpectUninterrupted(const json& reaction) {
-  EXPECT_TRUE(reaction["fault_ms"].is_null()) << reaction["what"];
-  EXPECT_GE(reaction["zero_ms"].get<double>(), 0.98 * reaction["window_ms"].get<double>());
+// Damage alone takes no force away; a busy machine may fall silent for a moment, and comes back.
+void ExpectServed(const json& reaction) {
+  EXPECT_EQ(reaction["faults_seen"].get<std::uint32_t>() & ~wire::kFaultsOfTheHost, 0U) << reaction["what"];
+  EXPECT_EQ(Faults(reaction), 0U) << reaction["what"];
+  EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << reaction["what"];
 }
 
 const Expected kExpected[] = {
@@ -58,7 +61,7 @@ const Expected kExpected[] = {
      }},
     {"crc",
      [](const json& summary) {
-       ExpectUninterrupted(summary["reactions"][0]);
+       ExpectServed(summary["reactions"][0]);
        ExpectZero(summary["reactions"][1], kSilenceZero_ms);
        ExpectBack(summary["reactions"][2]);
        EXPECT_GE(summary["rejected"].get<int>(), summary["to_base"]["corrupted"].get<int>());
@@ -108,6 +111,18 @@ void Show(const std::string& name, const HilSession& session, const json& summar
     std::printf("         %-24s at zero %6.2f ms after it, faults %05x\n", reaction["what"].get<std::string>().c_str(),
                 reaction["zero_ms"].get<double>(), Faults(reaction));
   }
+}
+
+// Beside the wall clock with the core in an emulated Cortex-M7 instead of this process.
+TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
+  OMNI_NEEDS_BOARD();
+  HilSession session;
+  const json summary = session.Run("silence", {"--board", "qemu"});
+  ASSERT_TRUE(summary.is_object()) << "no summary";
+  ASSERT_EQ(summary["problem"], "");
+  Show("qemu", session, summary);
+  ExpectZero(summary["reactions"][0], kSilenceZero_ms);
+  ExpectBack(summary["reactions"][1]);
 }
 
 class HilScenario : public testing::TestWithParam<Expected> {};
