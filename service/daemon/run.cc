@@ -3,11 +3,9 @@
 #include <csignal>
 #include <ctime>
 #include <exception>
-#include <filesystem>
-#include <memory>
 #include <optional>
 #include <random>
-#include <vector>
+#include <string>
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -15,18 +13,16 @@
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/paths.h"
+#include "service/daemon/device_keeper.h"
+#include "service/daemon/open_device.h"
 #include "service/daemon/publish.h"
-#include "service/daemon/recorder.h"
 #include "service/daemon/service.h"
-#include "service/daemon/transport_tick_source.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/twin.h"
 
 namespace omni::daemon {
 namespace {
 
 constexpr timespec kPoll{.tv_sec = 0, .tv_nsec = 100'000'000};
-constexpr int kReopenPolls = 10;  // one second between attempts to open a device
 
 // Blocks the signals that end the service; every thread started later inherits this.
 sigset_t BlockEndSignals() {
@@ -41,87 +37,10 @@ sigset_t BlockEndSignals() {
 
 bool EndAsked(const sigset_t& set) { return sigtimedwait(&set, nullptr, &kPoll) > 0; }
 
-base::Result<std::unique_ptr<device::Transport>> OpenTwin(const RunOptions& options) {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string program = (self.parent_path() / "omni").string();
-  std::vector<std::string> arguments{"--seed", std::to_string(options.twin_seed)};
-  const auto add = [&](const char* name, const std::string& value) {
-    if (!value.empty()) arguments.insert(arguments.end(), {name, value});
-  };
-  add("--script", options.twin_script);
-  add("--record", options.twin_record);
-  add("--device", options.device_file);
-  return sim::SpawnTwin(program, arguments);
-}
-
-// One opened device with its loop; destroyed in reverse order.
-struct DeviceSession {
-  DeviceSession(std::unique_ptr<device::Transport> opened, const loop::TickConfig& config, const RunOptions& options,
-                loop::TickSink& sink)
-      : transport(std::move(opened)),
-        source(*transport),
-        loop(config, {.realtime = options.realtime, .telemetry = !options.record_path.empty()}, source, sink) {}
-
-  std::unique_ptr<device::Transport> transport;
-  TransportTickSource source;
-  loop::TickThread loop;
-  std::unique_ptr<Recorder> recorder;
-};
-
-std::unique_ptr<DeviceSession> OpenDevice(const RunOptions& options, const loop::TickConfig& config,
-                                          loop::TickSink& sink, Service& service) {
-  auto transport = OpenTwin(options);
-  if (!transport.ok()) {
-    service.Detach(transport.error());
-    spdlog::error("device: {}", transport.error());
-    return nullptr;
-  }
-  auto session = std::make_unique<DeviceSession>(std::move(*transport), config, options, sink);
-  if (!options.record_path.empty()) {
-    auto recorder = Recorder::Open(options.record_path, session->loop.telemetry());
-    if (recorder.ok()) {
-      session->recorder = std::move(*recorder);
-    } else {
-      spdlog::error("{}", recorder.error());
-    }
-  }
-  session->loop.Start();
-  service.Attach(session->loop, *session->transport);
-  const std::string& refused = session->loop.realtime().reason;
-  if (options.realtime && !refused.empty()) spdlog::warn("real-time: {}", refused);
-  const device::TransportInfo& info = session->transport->info();
-  spdlog::info("device: {}{}", info.name, info.simulation ? " (simulation)" : "");
-  return session;
-}
-
-void CloseDevice(std::unique_ptr<DeviceSession>& session, Service& service, const std::string& why) {
-  if (session == nullptr) return;
-  service.Detach(why);
-  session.reset();
-}
-
-void ServeUntilSignal(const RunOptions& options, const loop::TickConfig& config, loop::TickSink& sink, Service& service,
-                      const sigset_t& end_signals) {
-  std::unique_ptr<DeviceSession> session = OpenDevice(options, config, sink, service);
-  int polls = 0;
-  while (!EndAsked(end_signals)) {
-    if (session != nullptr && session->loop.finished()) {
-      spdlog::error("device: lost; trying again every second");
-      CloseDevice(session, service, "lost");
-      polls = 0;
-    }
-    if (session == nullptr && ++polls % kReopenPolls == 0) session = OpenDevice(options, config, sink, service);
-  }
-  CloseDevice(session, service, "the service is ending");
-}
-
-// The twin's imperfections follow from its seed: it is another base with every seed.
-std::string SerialOf(const RunOptions& options) { return "twin-" + std::to_string(options.twin_seed); }
-
 // A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
-config::CalibrationChoice Choose(const RunOptions& options, const base::DeviceGeometry& device) {
-  config::CalibrationChoice choice = config::ChooseCalibration(options.calibration_path, device, SerialOf(options));
+config::CalibrationChoice Choose(const RunOptions& options, const base::DeviceGeometry& device,
+                                 const std::string& serial) {
+  config::CalibrationChoice choice = config::ChooseCalibration(options.calibration_path, device, serial);
   if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
   if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
   if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
@@ -130,6 +49,16 @@ config::CalibrationChoice Choose(const RunOptions& options, const base::DeviceGe
 
 loop::TickConfig MakeConfig(const base::DeviceGeometry& device, const config::CalibrationChoice& choice) {
   return choice.file ? loop::MakeTickConfig(device, choice.file->calibration) : loop::MakeTickConfig(device);
+}
+
+// Until a signal comes or a replay is over. False: there is nothing to replay.
+bool ServeDevice(const RunOptions& options, const loop::TickConfig& config, double current_max_A, loop::TickSink& sink,
+                 Service& service, const sigset_t& end_signals) {
+  DeviceKeeper keeper(options, config, current_max_A, sink, service);
+  if (!keeper.Open() && IsReplay(options.device)) return false;
+  while (!EndAsked(end_signals) && keeper.Watch()) {
+  }
+  return true;
 }
 
 std::uint64_t RandomInstance() {
@@ -151,7 +80,12 @@ int RunChecked(const RunOptions& options) {
     from_file = *loaded;
   }
   const base::DeviceGeometry& device = from_file ? *from_file : config::DefaultDevice();
-  const config::CalibrationChoice calibration = Choose(options, device);
+  const auto serial = DeviceSerial(options);
+  if (!serial.ok()) {
+    spdlog::error("{}", serial.error());
+    return 1;
+  }
+  const config::CalibrationChoice calibration = Choose(options, device, *serial);
   const std::uint64_t instance = RandomInstance();
   auto publisher = ipc::StatePublisher::Create(instance);
   if (!publisher.ok()) {
@@ -173,9 +107,10 @@ int RunChecked(const RunOptions& options) {
   service.SetServer(server->get());
   (*server)->Start();
   spdlog::info("omnid {} listens on {}", OMNI_VERSION, (*server)->socket_path());
-  ServeUntilSignal(options, MakeConfig(device, calibration), sink, service, end_signals);
+  const loop::TickConfig config = MakeConfig(device, calibration);
+  const bool served = ServeDevice(options, config, device.current_max_A, sink, service, end_signals);
   (*server)->Stop();
-  return 0;
+  return served ? 0 : 1;
 }
 
 }  // namespace

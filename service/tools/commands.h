@@ -20,5 +20,6 @@ void AddReport(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddPaper(CLI::App& app);
 void AddCalibrate(CLI::App& app);
+void AddReplay(CLI::App& app);
 
 }  // namespace omni::tools
