@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <string>
 
 #include "service/daemon/open_device.h"
 #include "service/daemon/run.h"
@@ -14,17 +15,24 @@ int ParseAndRun(int argc, char** argv) {
   app.add_option("--device", options.device, omni::daemon::DeviceHelp())
       ->check(CLI::Validator(omni::daemon::DeviceProblem, "DEVICE"))
       ->capture_default_str();
+  app.add_flag("--replay-fast", options.replay_fast, "replay:FILE as fast as possible, with the stamps of then");
   app.add_option("--device-file", options.device_file, "geometry and limits (default: the built-in omni.toml)");
   app.add_option("--calibration", options.calibration_path,
                  "file of omni calibrate (default: $XDG_CONFIG_HOME/omni/calibration.toml, if it is there)");
   app.add_option("--socket", options.socket_path,
                  "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
   app.add_option("--record", options.record_path, "CSV file with one line a tick");
+  app.add_option("--record-device", options.record_device_path, "file of all scans and commands, to replay");
   app.add_option("--twin-script", options.twin_script, "hand script (.json) of the twin");
   app.add_option("--twin-record", options.twin_record, "CSV file of the twin's true pose and currents");
   app.add_option("--twin-seed", options.twin_seed, "seed of the twin's noise and imperfections");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error")->capture_default_str();
   app.add_flag("!--no-realtime", options.realtime, "do not ask for SCHED_FIFO and mlockall");
+  app.final_callback([&options] {
+    if (options.replay_fast && !omni::daemon::IsReplay(options.device)) {
+      throw CLI::ValidationError("--replay-fast", "needs --device replay:FILE");
+    }
+  });
   CLI11_PARSE(app, argc, argv);
   return omni::daemon::Run(options);
 }

@@ -11,6 +11,7 @@ namespace omni::daemon {
 namespace {
 
 constexpr const char* kAuto = "auto";
+constexpr const char* kReplay = "replay";
 
 base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string& /*argument*/) {
   std::error_code error;
@@ -26,7 +27,7 @@ base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string
   base::Result<std::unique_ptr<device::Transport>> twin = sim::SpawnTwin(program, arguments);
   if (!twin.ok()) return base::Error{twin.error()};
   // The twin's imperfections follow from its seed: it is another base with every seed.
-  return OpenedDevice{std::move(*twin), "twin-" + std::to_string(options.twin_seed)};
+  return OpenedDevice{.transport = std::move(*twin), .serial = "twin-" + std::to_string(options.twin_seed)};
 }
 
 base::Result<OpenedDevice> OpenUsb(const RunOptions& options, const std::string& serial) {
@@ -35,19 +36,30 @@ base::Result<OpenedDevice> OpenUsb(const RunOptions& options, const std::string&
   base::Result<std::unique_ptr<device::Transport>> base = device::MakeUsbTransport(**bus, serial);
   if (!base.ok()) return base::Error{base.error()};
   const std::string told = (*base)->info().serial;
-  return OpenedDevice{std::move(*base), told};
+  return OpenedDevice{.transport = std::move(*base), .serial = told};
+}
+
+base::Result<OpenedDevice> OpenRecording(const RunOptions& options, const std::string& path) {
+  auto replay =
+      device::OpenReplay(path, options.replay_fast ? device::ReplayPace::kFast : device::ReplayPace::kRecorded);
+  if (!replay.ok()) return base::Error{replay.error()};
+  OpenedDevice opened{.serial = (*replay)->info().serial, .replay = replay->get()};
+  opened.transport = std::move(*replay);
+  return opened;
 }
 
 struct DeviceEntry {
   const char* name;
   const char* argument;  // what may follow after a colon; empty: nothing
+  bool needs_argument;
   const char* about;
   base::Result<OpenedDevice> (*open)(const RunOptions& options, const std::string& argument);
 };
 
 constexpr DeviceEntry kDevices[] = {
-    {"twin", "", "the digital twin (a simulation)", OpenTwin},
-    {"usb", "SERIAL", "a base on USB; SERIAL when there are several", OpenUsb},
+    {"twin", "", false, "the digital twin (a simulation)", OpenTwin},
+    {"usb", "SERIAL", false, "a base on USB; SERIAL when there are several", OpenUsb},
+    {kReplay, "FILE", true, "a recording of --record-device", OpenRecording},
 };
 
 struct Wanted {
@@ -60,14 +72,17 @@ Wanted Parse(const std::string& device) {
   const std::string name = device.substr(0, colon);
   const std::string argument = colon == std::string::npos ? "" : device.substr(colon + 1);
   for (const DeviceEntry& entry : kDevices) {
-    const bool fits = colon == std::string::npos || (entry.argument[0] != '\0' && !argument.empty());
+    const bool fits =
+        colon == std::string::npos ? !entry.needs_argument : entry.argument[0] != '\0' && !argument.empty();
     if (name == entry.name && fits) return {&entry, argument};
   }
   return {};
 }
 
 std::string Words(const DeviceEntry& entry) {
-  return entry.name + (entry.argument[0] == '\0' ? std::string() : "[:" + std::string(entry.argument) + "]");
+  const std::string argument = ":" + std::string(entry.argument);
+  if (entry.argument[0] == '\0') return entry.name;
+  return entry.name + (entry.needs_argument ? argument : "[" + argument + "]");
 }
 
 }  // namespace
@@ -97,6 +112,23 @@ base::Result<OpenedDevice> OpenDevice(const RunOptions& options) {
   const Wanted wanted = Parse(options.device);
   if (wanted.entry == nullptr) return base::Error{DeviceProblem(options.device)};
   return wanted.entry->open(options, wanted.argument);
+}
+
+bool IsReplay(const std::string& device) {
+  const DeviceEntry* entry = Parse(device).entry;
+  return entry != nullptr && entry->open == OpenRecording;
+}
+
+std::string RecordDevice(const RunOptions& options, double current_max_A, int n, OpenedDevice& opened) {
+  const std::string path = options.record_device_path + (n > 1 ? "." + std::to_string(n) : "");
+  device::RecordingInfo info = device::DescribeForRecording(opened.transport->info(), current_max_A);
+  info.serial = opened.serial;
+  auto recorder = device::DeviceRecorder::Open(path, info);
+  if (!recorder.ok()) return recorder.error();
+  auto recording = std::make_unique<device::RecordingTransport>(std::move(opened.transport), std::move(*recorder));
+  opened.recording = recording.get();
+  opened.transport = std::move(recording);
+  return "";
 }
 
 }  // namespace omni::daemon

@@ -6,13 +6,17 @@
 
 #include "service/base/result.h"
 #include "service/daemon/run.h"
+#include "service/device/recording_transport.h"
+#include "service/device/replay_transport.h"
 #include "service/device/transport.h"
 
 namespace omni::daemon {
 
 struct OpenedDevice {
   std::unique_ptr<device::Transport> transport;
-  std::string serial;  // what a calibration must have been made of
+  std::string serial;                               // what a calibration must have been made of
+  const device::ReplayTransport* replay = nullptr;  // within `transport`, if it is one
+  device::RecordingTransport* recording = nullptr;  // within `transport`, if it is recorded
 };
 
 // For --help: every kind with what it is.
@@ -27,5 +31,12 @@ std::string SettleDevice(const std::string& device);
 
 // Precondition: DeviceProblem(options.device) is empty and the device is settled.
 base::Result<OpenedDevice> OpenDevice(const RunOptions& options);
+
+bool IsReplay(const std::string& device);
+
+// Has `opened` written to options.record_device_path, from its next scan on. The n-th device that omnid opens (after
+// the one before was lost) gets ".n" behind the path, so that no recording is overwritten by the next one. Empty, or
+// why not: then nothing is recorded.
+std::string RecordDevice(const RunOptions& options, double current_max_A, int n, OpenedDevice& opened);
 
 }  // namespace omni::daemon

@@ -1,4 +1,4 @@
-// Runs omnid until SIGINT or SIGTERM.
+// Runs omnid until SIGINT or SIGTERM, or to the end of a replay.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,13 @@
 namespace omni::daemon {
 
 struct RunOptions {
-  std::string device = "twin";
+  std::string device = "twin";  // DeviceProblem (open_device.h) says which there are
   std::string device_file;
   std::string calibration_path;  // empty: the user's own, if it is there
   std::string socket_path;
-  std::string record_path;
+  std::string record_path;         // ticks, as CSV
+  std::string record_device_path;  // scans and commands, for --device replay:FILE
+  bool replay_fast = false;
   std::string twin_script;
   std::string twin_record;
   std::uint64_t twin_seed = 1;
@@ -19,7 +21,7 @@ struct RunOptions {
   bool realtime = true;
 };
 
-// Exit status for main: 0 after a signal, 1 with a message otherwise.
+// Exit status for main: 0 after a signal or a replay's end, 1 with a message otherwise.
 int Run(const RunOptions& options);
 
 }  // namespace omni::daemon

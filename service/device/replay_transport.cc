@@ -30,7 +30,8 @@ class FileReplay final : public ReplayTransport {
   }
 
   ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {
-    while (next_ == Next::kCommand) {  // of then, without one of now
+    if (counters_.received.value() == summary_.scans) return ReadStatus::kEnd;  // last commands may still be written
+    while (next_ == Next::kCommand) {                                           // of then, without one of now
       ++missing_;
       Advance();
     }

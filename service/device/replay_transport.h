@@ -22,7 +22,7 @@ struct ReplayComparison {
   std::uint64_t same = 0;  // all three currents equal
   std::uint64_t different = 0;
   std::uint64_t extra = 0;    // written now, not then
-  std::uint64_t missing = 0;  // written then, not now
+  std::uint64_t missing = 0;  // written then, not now; those behind the last scan do not count
   double largest_difference_A = 0;
 };
 

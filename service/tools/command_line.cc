@@ -15,8 +15,8 @@ namespace {
 struct CommandEntry {
   void (*add)(CLI::App& app);
 };
-constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch}, {AddDoctor}, {AddScene},     {AddTwin},  {AddBench},
-                                      {AddReport}, {AddTrack}, {AddPaper},  {AddCalibrate}, {AddDevice}};
+constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch}, {AddDoctor}, {AddScene},     {AddTwin},   {AddBench},
+                                      {AddReport}, {AddTrack}, {AddPaper},  {AddCalibrate}, {AddDevice}, {AddReplay}};
 
 constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
 constexpr const char* kExitCodes =

@@ -64,7 +64,7 @@ TEST(Replay, CommandsAreComparedAndCounted) {
   EXPECT_EQ(comparison.same, 1U);
   EXPECT_EQ(comparison.extra, 1U);
   EXPECT_EQ(comparison.different, 1U);
-  EXPECT_EQ(comparison.missing, 2U);
+  EXPECT_EQ(comparison.missing, 1U) << "behind the last scan it may still come";
   EXPECT_NEAR(comparison.largest_difference_A, 1, 1e-9);
   EXPECT_EQ(replay->counters().sent, 3U);
   EXPECT_EQ(replay->counters().send_failed, 2U);

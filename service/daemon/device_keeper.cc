@@ -1,0 +1,143 @@
+#include "service/daemon/device_keeper.h"
+
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "service/config/calibration_file.h"
+#include "service/daemon/fault_log.h"
+#include "service/daemon/recorder.h"
+#include "service/daemon/transport_tick_source.h"
+
+namespace omni::daemon {
+namespace {
+
+constexpr int kReopenPolls = 10;  // one second between attempts to open a device
+
+}  // namespace
+
+// One opened device with its loop; destroyed in reverse order.
+struct DeviceKeeper::Session {
+  Session(OpenedDevice device, const loop::TickConfig& config, const RunOptions& options, loop::TickSink& sink)
+      : opened(std::move(device)),
+        source(*opened.transport),
+        loop(config, {.realtime = WantsRealtime(options), .telemetry = !options.record_path.empty()}, source, sink) {}
+
+  // A loop that never waits would starve the rest of the machine.
+  bool WantsRealtime(const RunOptions& options) const {
+    return options.realtime && !opened.transport->info().virtual_time;
+  }
+
+  OpenedDevice opened;
+  TransportTickSource source;
+  loop::TickThread loop;
+  std::unique_ptr<Recorder> recorder;
+  FaultLog faults;
+  bool recording_failed = false;  // and told
+};
+
+DeviceKeeper::DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
+                           Service& service)
+    : options_(options), device_(device), sink_(sink), service_(service) {}
+
+DeviceKeeper::~DeviceKeeper() { Close("the service is ending"); }
+
+bool DeviceKeeper::Open() {
+  auto opened = OpenDevice(options_);
+  if (!opened.ok()) {
+    service_.Detach(opened.error());
+    if (opened.error() != told_) spdlog::error("device: {}; trying again every second", opened.error());
+    told_ = opened.error();
+    return false;
+  }
+  told_.clear();
+  ++opened_;
+  const loop::TickConfig config = Calibrated(opened->serial);
+  Record(*opened);
+  session_ = std::make_unique<Session>(std::move(*opened), config, options_, sink_);
+  if (!options_.record_path.empty()) {
+    auto recorder = Recorder::Open(options_.record_path, session_->loop.telemetry());
+    if (recorder.ok()) {
+      session_->recorder = std::move(*recorder);
+    } else {
+      spdlog::error("{}", recorder.error());
+    }
+  }
+  session_->loop.Start();
+  service_.Attach(session_->loop, *session_->opened.transport);
+  const std::string& refused = session_->loop.realtime().reason;
+  if (session_->WantsRealtime(options_) && !refused.empty()) spdlog::warn("real-time: {}", refused);
+  const device::TransportInfo& info = session_->opened.transport->info();
+  spdlog::info("device: {} {}", info.name,
+               info.simulation ? "(simulation)" : "(serial " + session_->opened.serial + ")");
+  return true;
+}
+
+// A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
+loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
+  const config::CalibrationChoice choice = config::ChooseCalibration(options_.calibration_path, device_, serial);
+  if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
+  if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
+  if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
+  service_.SetCalibration(choice);
+  return choice.file ? loop::MakeTickConfig(device_, choice.file->calibration) : loop::MakeTickConfig(device_);
+}
+
+void DeviceKeeper::TellFaults() {
+  for (const FaultLine& line : session_->faults.News(session_->opened.transport->state())) {
+    spdlog::log(line.is_problem ? spdlog::level::err : spdlog::level::info, "device: {}", line.text);
+  }
+}
+
+void DeviceKeeper::Record(OpenedDevice& opened) {
+  if (opened.replay != nullptr && !opened.replay->summary().cut.empty()) {
+    spdlog::warn("replay: {}", opened.replay->summary().cut);
+  }
+  if (options_.record_device_path.empty()) return;
+  const std::string problem = RecordDevice(options_, device_.current_max_A, opened_, opened);
+  if (!problem.empty()) spdlog::error("{}", problem);
+}
+
+void DeviceKeeper::WatchRecording() {
+  if (session_ == nullptr || session_->opened.recording == nullptr || session_->recording_failed) return;
+  const std::string problem = session_->opened.recording->recorder().problem();
+  if (problem.empty()) return;
+  session_->recording_failed = true;
+  spdlog::error("{}", problem);
+}
+
+bool DeviceKeeper::Watch() {
+  WatchRecording();
+  if (session_ != nullptr) TellFaults();
+  if (session_ != nullptr && session_->loop.finished()) {
+    if (session_->loop.end_status() == loop::WaitStatus::kEnd) {
+      Close("the recording is over");
+      return false;
+    }
+    spdlog::error("device: lost; trying again every second");
+    Close("lost");
+    polls_ = 0;
+  }
+  if (session_ == nullptr && ++polls_ % kReopenPolls == 0) Open();
+  return true;
+}
+
+void DeviceKeeper::Close(const std::string& why) {
+  if (session_ == nullptr) return;
+  service_.Detach(why);  // the loop has ended: nobody reads or writes any more
+  if (session_->opened.replay != nullptr) {
+    const device::ReplayComparison commands = session_->opened.replay->comparison();
+    spdlog::info("replay: {} scans; commands: {} as recorded, {} others (by at most {:.3g} A), {} extra, {} missing",
+                 session_->opened.replay->counters().received, commands.same, commands.different,
+                 commands.largest_difference_A, commands.extra, commands.missing);
+  }
+  if (session_->opened.recording != nullptr) {
+    device::DeviceRecorder& recorder = session_->opened.recording->recorder();
+    recorder.Close();
+    WatchRecording();
+    spdlog::info("recorded: {}: {} scans and commands, {} lost", recorder.path(), recorder.written(), recorder.lost());
+  }
+  session_.reset();
+}
+
+}  // namespace omni::daemon

@@ -1,0 +1,111 @@
+// omnid records its device, omni says what the recording holds, and omnid plays it: real processes.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "service/device/device_recorder.h"
+#include "service/device/recording_reader.h"
+#include "tests/support/service_process.h"
+
+namespace omni::test {
+namespace {
+
+const std::string kOmnid = OMNI_BINARY_DIR "/bin/omnid";
+const std::string kOmni = OMNI_BINARY_DIR "/bin/omni";
+
+class ProcessReplay : public testing::Test {
+ protected:
+  ProcessReplay() {
+    std::filesystem::create_directories(folder_.Path("run"));
+    std::filesystem::permissions(folder_.Path("run"), std::filesystem::perms::owner_all);
+  }
+
+  base::Result<tools::ChildProcess> Start(std::vector<std::string> words, const std::string& output = {}) {
+    return tools::ChildProcess::Start(
+        words, {"OMNI_SOCKET=" + folder_.Path("run/omnid.sock"), "XDG_CONFIG_HOME=" + folder_.Path("config")}, output);
+  }
+
+  // stdout of `words`, started and ended by itself; stderr is the test's.
+  std::string OutputOf(std::vector<std::string> words, int status) {
+    const std::string path = folder_.Path("output.txt");
+    auto child = Start(std::move(words), path);
+    if (!child.ok()) return "";
+    EXPECT_EQ(child->Wait(), status);
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  // Until the recording has several hundred scans, which takes a busy machine longer; then `signal`.
+  void Record(int signal) {
+    auto omnid = Start({kOmnid, "--record-device", recording_, "--twin-seed", "3", "--log-level", "warn"});
+    ASSERT_TRUE(omnid.ok()) << omnid.error();
+    std::error_code error;
+    for (int i = 0; i < 300 && !(std::filesystem::file_size(recording_, error) > 400'000 && !error); ++i) SleepMs(100);
+    kill(omnid->pid(), signal);
+    const int status = omnid->Wait();
+    EXPECT_EQ(status, signal == SIGTERM ? 0 : 128 + signal);
+  }
+
+  const TempFolder folder_;
+  const std::string recording_ = folder_.Path("device.rec");
+};
+
+TEST_F(ProcessReplay, RecordedShownAndPlayed) {
+  Record(SIGTERM);
+  const auto summary = device::SummariseRecording(recording_);
+  ASSERT_TRUE(summary.ok()) << summary.error();
+  EXPECT_EQ(summary->info.serial, "twin-3") << "so that a calibration of that base is taken again";
+  EXPECT_TRUE(summary->info.simulation);
+  EXPECT_GT(summary->scans, 500U);
+  EXPECT_GT(summary->commands, 30U);
+  EXPECT_TRUE(summary->ended);
+  const std::string shown = OutputOf({kOmni, "replay", recording_}, 0);
+  EXPECT_NE(shown.find("serial twin-3, a simulation"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("scans     " + std::to_string(summary->scans) + " in "), std::string::npos) << shown;
+  EXPECT_NE(shown.find("end       closed by omnid"), std::string::npos) << shown;
+  // Each ends by itself, at the end of the recording.
+  EXPECT_EQ(OutputOf({kOmnid, "--device", "replay:" + recording_, "--replay-fast", "--log-level", "warn"}, 0), "");
+  const std::int64_t begin_ns = base::MonotonicNow_ns();
+  const std::string again = folder_.Path("again.rec");
+  EXPECT_EQ(OutputOf({kOmnid, "--device", "replay:" + recording_, "--record-device", again, "--log-level", "warn"}, 0),
+            "");
+  EXPECT_GE(static_cast<double>(base::MonotonicNow_ns() - begin_ns) * 1e-9, summary->duration_s);
+  const auto second = device::SummariseRecording(again);
+  ASSERT_TRUE(second.ok()) << second.error();
+  EXPECT_EQ(second->scans, summary->scans);
+  EXPECT_EQ(second->missed, summary->missed);
+  EXPECT_NEAR(second->duration_s, summary->duration_s, 1e-9);
+}
+
+TEST_F(ProcessReplay, RefusesWhatIsNoRecording) {
+  const std::string text = folder_.Write("text.rec", "not a recording, but some words that are long enough for one");
+  OutputOf({kOmnid, "--device", "replay:" + text}, 1);
+  OutputOf({kOmnid, "--device", "replay:" + folder_.Path("missing")}, 1);
+  OutputOf({kOmni, "replay", text}, 1);
+  const std::string empty = folder_.Path("empty.rec");
+  ASSERT_TRUE(device::DeviceRecorder::Open(empty, {}).ok());
+  OutputOf({kOmnid, "--device", "replay:" + empty}, 1);
+  // What CLI11 refuses, omnid reports with that library's own status.
+  auto other = Start({kOmnid, "--device", "toaster"});
+  ASSERT_TRUE(other.ok());
+  EXPECT_NE(other->Wait(), 0);
+  auto fast = Start({kOmnid, "--replay-fast"});
+  ASSERT_TRUE(fast.ok());
+  EXPECT_NE(fast->Wait(), 0);
+}
+
+// Killed in the middle: what was written is good, and says where it ends.
+TEST_F(ProcessReplay, RecordingOfAKilledServiceIsGoodUpToThere) {
+  Record(SIGKILL);
+  const auto summary = device::SummariseRecording(recording_);
+  ASSERT_TRUE(summary.ok()) << summary.error();
+  EXPECT_GT(summary->scans, 500U);
+  EXPECT_NE(summary->cut.find(recording_ + ": at byte "), std::string::npos);
+  EXPECT_EQ(OutputOf({kOmnid, "--device", "replay:" + recording_, "--replay-fast", "--log-level", "error"}, 0), "");
+}
+
+}  // namespace
+}  // namespace omni::test
