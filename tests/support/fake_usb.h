@@ -64,7 +64,7 @@ struct FakeBase {
 
   UsbFrame Tick() {
     t_us += 1000;
-    if (state == wire::State::kSelfTest && --self_test_ticks <= 0) state = wire::State::kIdle;
+    if (state == wire::State::kSelfTest && self_test_ticks > 0 && --self_test_ticks == 0) state = wire::State::kIdle;
     telemetry.state = state;
     telemetry.faults = faults;
     telemetry.fresh_mask = 0xFF;
