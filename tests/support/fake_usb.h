@@ -54,6 +54,10 @@ struct FakeBase {
   int stops = 0;
   int bad = 0;
 
+  FakeBase() {
+    for (std::int16_t& temperature : telemetry.temperature) temperature = 2400;
+  }
+
   template <class Message>
   UsbFrame Frame(const Message& message) {
     UsbFrame frame(wire::kFrameSizeMax);
@@ -69,7 +73,6 @@ struct FakeBase {
     telemetry.faults = faults;
     telemetry.fresh_mask = 0xFF;
     telemetry.supply = 14400;
-    for (std::int16_t& temperature : telemetry.temperature) temperature = 2400;
     return Frame(telemetry);
   }
 
