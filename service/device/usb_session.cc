@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::int64_t kAskHelloAgain_ns = 100'000'000;
 constexpr std::int64_t kCommandLife_ns = std::int64_t{wire::kTimeToLiveMax_ms} * 1'000'000;
+constexpr std::int64_t kRepeat_ns = 5'000'000;  // a resting tick writes every 16 ms only, the base waits for 20
+constexpr std::int64_t kRest_ns = 100'000'000;  // a tick that writes nothing for so long does not rest, it is stuck
 constexpr int kOutOfOrderMax = 20;  // frames in a row that are older than the last good one: the base has restarted
 // How far ahead of the newest command that the base knows, from an earlier program, ours begin: beyond the frames of
 // other types that came after it, and well within what serial-number arithmetic takes for newer.
@@ -234,12 +236,22 @@ std::size_t UsbSession::NextFrame(std::int64_t t_ns, std::uint8_t* frame, std::s
   return NextCommand(t_ns, frame, capacity);
 }
 
+// Zero, and only zero, is said again between the writes of a tick that rests: the base stays armed, and nothing can
+// come of it.
+bool UsbSession::Repeats(const CommandSlot& slot, std::int64_t t_ns) const noexcept {
+  for (const float set_point_A : slot.set_point_A) {
+    if (set_point_A != 0) return false;
+  }
+  return slot.index != 0 && t_ns - slot.t_ns <= kRest_ns && t_ns - command_sent_ns_ >= kRepeat_ns;
+}
+
 // The newest set-points; none of them when nobody has armed, but the base is told that its host is alive.
 std::size_t UsbSession::NextCommand(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {
   const CommandSlot& slot = commands_.Read();
-  if (slot.index == commands_taken_) return 0;
+  const bool fresh = slot.index != commands_taken_;
+  if (!fresh && !Repeats(slot, t_ns)) return 0;
   commands_taken_ = slot.index;
-  if (t_ns - slot.t_ns > kCommandLife_ns) {  // the bus was blocked: what was right then is not now
+  if (fresh && t_ns - slot.t_ns > kCommandLife_ns) {  // the bus was blocked: what was right then is not now
     ++counters_.send_failed;
     return 0;
   }
@@ -257,6 +269,7 @@ std::size_t UsbSession::NextCommand(std::int64_t t_ns, std::uint8_t* frame, std:
   }
   ++seq_;
   ++counters_.sent;
+  command_sent_ns_ = t_ns;
   return encoded.size;
 }
 

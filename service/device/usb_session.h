@@ -73,6 +73,7 @@ class UsbSession final : public UsbHandler {
   bool InOrder(const wire::Header& header) noexcept;
   void Publish(const wire::Telemetry& telemetry, std::uint64_t t_device_us, std::int64_t scan_t_ns) noexcept;
   std::size_t AskHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept;
+  bool Repeats(const CommandSlot& slot, std::int64_t t_ns) const noexcept;
   std::size_t NextCommand(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept;
 
   UsbLink* link_ = nullptr;
@@ -98,6 +99,7 @@ class UsbSession final : public UsbHandler {
   std::uint64_t newest_device_us_ = 0;
   std::uint64_t published_ = 0;
   std::uint64_t commands_taken_ = 0;
+  std::int64_t command_sent_ns_ = 0;
   int out_of_order_ = 0;  // frames in a row
   std::uint16_t seq_ = 0;
   bool seq_known_ = false;

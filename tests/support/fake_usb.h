@@ -54,6 +54,10 @@ struct FakeBase {
   int stops = 0;
   int bad = 0;
 
+  FakeBase() {
+    for (std::int16_t& temperature : telemetry.temperature) temperature = 2400;
+  }
+
   template <class Message>
   UsbFrame Frame(const Message& message) {
     UsbFrame frame(wire::kFrameSizeMax);
@@ -64,12 +68,11 @@ struct FakeBase {
 
   UsbFrame Tick() {
     t_us += 1000;
-    if (state == wire::State::kSelfTest && --self_test_ticks <= 0) state = wire::State::kIdle;
+    if (state == wire::State::kSelfTest && self_test_ticks > 0 && --self_test_ticks == 0) state = wire::State::kIdle;
     telemetry.state = state;
     telemetry.faults = faults;
     telemetry.fresh_mask = 0xFF;
     telemetry.supply = 14400;
-    for (std::int16_t& temperature : telemetry.temperature) temperature = 2400;
     return Frame(telemetry);
   }
 

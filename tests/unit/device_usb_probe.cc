@@ -9,7 +9,7 @@ namespace {
 
 using test::FakeUsbBus;
 
-constexpr std::int64_t kListen_ns = 50'000'000;
+constexpr std::int64_t kListen_ns = 300'000'000;  // on a busy machine that may be few milliseconds of the base
 
 TEST(UsbProbe, SaysWhoItIsAndWhatItMeasures) {
   FakeUsbBus bus(true);
@@ -18,7 +18,7 @@ TEST(UsbProbe, SaysWhoItIsAndWhatItMeasures) {
   const auto probe = ProbeUsbBase(bus, entry.listed, {.listen_ns = kListen_ns});
   ASSERT_TRUE(probe.ok()) << probe.error();
   EXPECT_EQ(probe->hello.firmware_version, 0x0102);
-  EXPECT_GT(probe->frames, 2U);
+  ASSERT_GE(probe->frames, 2U);
   EXPECT_NEAR(static_cast<double>(probe->frames - 1) / probe->listened_s, 1000, 0.1) << "by the base's own clock";
   EXPECT_EQ(probe->missed, 0U);
   EXPECT_EQ(probe->bad_frames, 0U);

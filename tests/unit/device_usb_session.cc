@@ -227,6 +227,30 @@ TEST_F(UsbSessionTest, ACommandThatTheBusHeldUpIsNotSentLate) {
   EXPECT_EQ(session_.counters().send_failed, 1U);
 }
 
+// A tick that rests writes every 16 ms only; without more the base would take every hiccup for a host that is gone.
+TEST_F(UsbSessionTest, OnlyZeroIsSaidAgainAndNotForLong) {
+  Begin();
+  UsbFrame frame(wire::kFrameSizeMax);
+  std::int64_t written_ns = 0;
+  const auto again = [&](std::int64_t after_ms) {
+    return session_.NextFrame(written_ns + after_ms * 1'000'000, frame.data(), frame.size());
+  };
+  Live(5, {});
+  written_ns = base::MonotonicNow_ns();
+  const std::size_t size = again(6);
+  ASSERT_GT(size, 0U);
+  wire::FrameView view;
+  wire::Command command;
+  ASSERT_EQ(wire::OpenFrame(frame.data(), size, view), wire::Status::kOk);
+  ASSERT_EQ(wire::DecodeCommand(view, 15, command), wire::Status::kOk);
+  for (const float set_point_A : command.set_point_A) EXPECT_EQ(set_point_A, 0);
+  EXPECT_EQ(again(7), 0U) << "not more often than needed";
+  EXPECT_EQ(again(110), 0U) << "a tick that does not write for so long is stuck";
+  Live(1, {{0, 0.001, 0}});
+  written_ns = base::MonotonicNow_ns();
+  EXPECT_EQ(again(6), 0U) << "a current is never said twice";
+}
+
 TEST_F(UsbSessionTest, BadSetPointsNeverLeave) {
   Begin();
   Live(5);
