@@ -136,7 +136,7 @@ class SocketTransport final : public Transport {
     ++counters_.received;
     counters_.missed.Set(sequence_.missed());
     newest_device_us_ = view.header.t_device_us;
-    arming_.OnTelemetry(telemetry, base::MonotonicNow_ns());
+    if (device_.arming) arming_.OnTelemetry(telemetry, base::MonotonicNow_ns());
     scan = ScanFromTelemetry(device_, telemetry, newest_device_us_, sequence_.sequence() - answers_);
     return true;
   }

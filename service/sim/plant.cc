@@ -41,14 +41,13 @@ Plant::Plant(const base::DeviceGeometry& device, const PlantOptions& options)
       bridge_(options.bridge),
       random_(options.seed),
       imperfections_(Draw(options, random_)),
-      truth_(device, imperfections_, options.flip_coil_sign),
+      truth_(device, imperfections_, false),
       coils_(device, options.truth.thermal),
       rail_(options.supply, device.supply_V),
       hand_(options.script, device, random_),
       sampler_(device, Effects(options), options.truth.sensor, truth_, {hand_.pose(), hand_.present(), {}},
-               ~options.seed, options.start_ns, random_),
-      surroundings_(sampler_.Now(0)),
-      clock_zero_ns_(options.start_ns) {
+               ~options.seed, 0, random_),
+      surroundings_(sampler_.Now(0)) {
   Random gains(~options.seed ^ 0x5EED);
   for (double& gain : voltage_gain_) gain = options.imperfect ? 1 + kVoltageGainError * gains.Uniform(-1, 1) : 1;
   Report({});
@@ -68,12 +67,12 @@ const firmware::Inputs& Plant::Step(const firmware::Outputs& outputs) noexcept {
   }
   ++step_;
   sampler_.Begin();
-  surroundings_ = sampler_.Now(std::max(t_s, 0.0));
+  surroundings_ = sampler_.Now(t_s);
   Drive(outputs);
   coils_.Heat(TickSampler::kSubStep_s, faults_.extra_heat_W);
   hand_.Step(t_s, TickSampler::kSubStep_s, forces_.Force(coils_.current_A(), surroundings_));
   sampler_.Add({hand_.pose(), hand_.present(), coils_.current_A()}, surroundings_);
-  surroundings_ = sampler_.Now(std::max(t_s, 0.0));
+  surroundings_ = sampler_.Now(t_s);
   sampler_.Sample(surroundings_, random_);
   Report(outputs);
   return inputs_;

@@ -29,10 +29,8 @@ struct BridgeParameters {
 
 struct PlantOptions {
   std::uint64_t seed = 1;
-  HandScript script;            // no waypoints: no pen
-  bool imperfect = true;        // false: nominal device, nothing but noise and heat
-  bool flip_coil_sign = false;  // coil z wired backwards
-  std::int64_t start_ns = 0;    // < 0: the hand rests at its start until 0
+  HandScript script;      // no waypoints: no pen
+  bool imperfect = true;  // false: nominal device, nothing but noise and heat
   base::TruthParameters truth;
   BridgeParameters bridge;
   SupplyParameters supply;
@@ -60,7 +58,7 @@ class Plant {
 
   PlantFaults& faults() noexcept { return faults_; }
 
-  std::int64_t now_ns() const noexcept { return sampler_.now_ns(); }  // from options.start_ns on
+  std::int64_t now_ns() const noexcept { return sampler_.now_ns(); }  // since the plant began
   const CoilArray& current_A() const noexcept { return coils_.current_A(); }
   const CoilArray& temperature_C() const noexcept { return coils_.temperature_C(); }
   double supply_V() const noexcept { return rail_.voltage_V(); }

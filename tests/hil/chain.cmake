@@ -15,6 +15,6 @@ if(UMOCKDEV_FOUND AND LIBUSB_FOUND)
   # omni_hil [options] -- PROGRAM: any program of libusb on the base.
   add_executable(omni_hil hil_main.cc hil_run.cc host_process.cc scenario.cc)
   target_link_libraries(omni_hil PRIVATE omni_hil_usb omni_config CLI11::CLI11 nlohmann_json::nlohmann_json)
-  omni_hil_test(scenarios SERIAL DEPS omni_tools omni_hil_board omni_wire nlohmann_json::nlohmann_json)
+  omni_hil_test(scenarios LIVE DEPS omni_tools omni_hil_board omni_wire nlohmann_json::nlohmann_json)
   add_dependencies(test_hil_scenarios omni_hil omnid)
 endif()

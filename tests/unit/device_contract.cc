@@ -129,15 +129,16 @@ Opened OpenReplayedInTime() { return OpenReplayed(ReplayPace::kRecorded); }
 struct Row {
   const char* name;
   Opened (*open)();
+  bool has_watchdog = true;  // it is a base, not a recording of one, nor a played one
 };
 
 constexpr Row kTransports[] = {{"virtual_twin", OpenVirtual},
                                {"served_twin", OpenServedInThread},
                                {"spawned_twin", OpenSpawned},
                                {"recorded_twin", OpenRecorded},
-                               {"replay_fast", OpenReplayedFast},
-                               {"replay_in_time", OpenReplayedInTime},
-                               {"usb", OpenUsb}};
+                               {"replay_fast", OpenReplayedFast, false},
+                               {"replay_in_time", OpenReplayedInTime, false},
+                               {"usb", OpenUsb, false}};
 
 class TransportContract : public testing::TestWithParam<Row> {
  protected:
@@ -174,17 +175,18 @@ TEST_P(TransportContract, ScansAreInOrderAndSane) {
       ASSERT_GE(scan.age_ns[s], 0);
     }
     ASSERT_EQ(scan.saturated_mask >> 24, 0U);
-    ASSERT_NEAR(scan.supply_V, 18, 0.01);
+    ASSERT_NEAR(scan.supply_V, 18, 0.05);
     ASSERT_NEAR(scan.coil_temperature_C[0], 24, 3);  // by its resistance
   }
   EXPECT_GE(opened_.link->counters().received, 50U);
   EXPECT_EQ(opened_.link->counters().bad_frames, 0U);
 }
 
-TEST_P(TransportContract, IsArmedByItsTransportAndThenHasNoFault) {
+TEST_P(TransportContract, HasNoFaultOnceItIsCommanded) {
   base::HallScan scan;
   ASSERT_EQ(opened_.link->Read(scan, kPatience_ns), ReadStatus::kScan);
-  EXPECT_EQ(scan.device_faults, wire::kFaultNotArmed);
+  EXPECT_NE(scan.device_faults, 0U);
+  EXPECT_EQ(scan.device_faults & ~wire::kFaultsOfTheHost, 0U);
   bool cleared = false;
   for (int i = 0; i < 2000 && !cleared; ++i) {
     ASSERT_EQ(Exchange(scan, {}), ReadStatus::kScan);
@@ -233,8 +235,9 @@ TEST_P(TransportContract, AnyThreadReadsTheCounters) {
   EXPECT_GE(opened_.link->counters().sent, 50U);
 }
 
-// Silence disarms, and a host that comes back is armed again without anybody's help.
-TEST_P(TransportContract, SilentHostIsDisarmedUntilItComesBack) {
+// Silence is a fault that ends when the host comes back, without anybody's help.
+TEST_P(TransportContract, SilentHostIsAFaultUntilItComesBack) {
+  if (!GetParam().has_watchdog) return;
   base::HallScan scan;
   const auto until = [&](std::uint32_t faults, bool commands) {
     for (int i = 0; i < 2000; ++i) {
@@ -279,7 +282,7 @@ TEST(SpawnedTwin, OutlivesItsHostAndRecordsZeroCurrents) {
   ASSERT_GT(table.rows.size(), 10U);
   const std::size_t last = table.rows.size() - 1;
   EXPECT_LT(std::abs(table.At(last, "current_z_A")), 0.01);
-  EXPECT_EQ(table.At(last, "faults"), wire::kFaultsOfTheHost);
+  EXPECT_EQ(table.At(last, "faults"), wire::kFaultHostSilent);
   double peak_A = 0;
   for (std::size_t i = 0; i <= last; ++i) {
     peak_A = std::max(peak_A, table.At(i, "current_z_A"));
@@ -316,7 +319,7 @@ TEST(ServedTwin, GarbageDoesNotKeepTheCoilsAlive) {
     }
   }
   EXPECT_GE(telemetry.rejected, 3);
-  EXPECT_EQ(telemetry.faults, wire::kFaultNotArmed);
+  EXPECT_EQ(telemetry.faults, wire::kFaultHostSilent);
   host.Reset();
   server.join();
 }

@@ -62,8 +62,8 @@ struct Peer {
     frame.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     return frame;
   }
-  std::unique_ptr<Transport> Connect() {
-    Send(HelloFrame(GoodHello()));
+  std::unique_ptr<Transport> Connect(const wire::Hello& hello = GoodHello()) {
+    Send(HelloFrame(hello));
     auto transport = MakeSocketTransport(std::move(ours), "test", kPatience_ns);
     EXPECT_TRUE(transport.ok());
     return transport.ok() ? std::move(transport.value()) : nullptr;
@@ -131,14 +131,9 @@ TEST(SocketTransport, WriteSendsACommandThatTheDeviceAccepts) {
   peer.Send(TelemetryFrame(1, 4242));
   base::HallScan scan;
   ASSERT_EQ(transport->Read(scan, kPatience_ns), ReadStatus::kScan);
-  Frame frame = peer.Receive();
-  wire::FrameView view;
-  wire::Arm arm;
-  ASSERT_EQ(wire::OpenFrame(frame.data(), frame.size(), view), wire::Status::kOk);
-  ASSERT_EQ(wire::Decode(view, arm), wire::Status::kOk) << "an idle base is armed";
-  EXPECT_EQ(arm.step, wire::ArmStep::kRequest);
   ASSERT_TRUE(transport->Write({{1.5, -2.25, 15}}));
-  frame = peer.Receive();
+  const Frame frame = peer.Receive();
+  wire::FrameView view;
   ASSERT_EQ(wire::OpenFrame(frame.data(), frame.size(), view), wire::Status::kOk);
   wire::Command command;
   ASSERT_EQ(wire::DecodeCommand(view, 15, command), wire::Status::kOk);
@@ -147,6 +142,22 @@ TEST(SocketTransport, WriteSendsACommandThatTheDeviceAccepts) {
   EXPECT_EQ(command.echo_device_us, 4242U);
   EXPECT_EQ(command.time_to_live_ms, wire::kTimeToLiveMax_ms);
   EXPECT_EQ(transport->counters().sent, 1U);
+}
+
+TEST(SocketTransport, ArmsABaseThatAsksForIt) {
+  Peer peer;
+  wire::Hello hello = GoodHello();
+  hello.capabilities |= wire::kArming;
+  const auto transport = peer.Connect(hello);
+  peer.Send(TelemetryFrame(1, 4242));
+  base::HallScan scan;
+  ASSERT_EQ(transport->Read(scan, kPatience_ns), ReadStatus::kScan);
+  const Frame frame = peer.Receive();
+  wire::FrameView view;
+  wire::Arm arm;
+  ASSERT_EQ(wire::OpenFrame(frame.data(), frame.size(), view), wire::Status::kOk);
+  ASSERT_EQ(wire::Decode(view, arm), wire::Status::kOk);
+  EXPECT_EQ(arm.step, wire::ArmStep::kRequest);
 }
 
 TEST(SocketTransport, BadSetPointsNeverLeave) {
