@@ -10,6 +10,7 @@
 #include "firmware/wire/crc32c.h"
 #include "firmware/wire/messages.h"
 #include "firmware/wire/scaling.h"
+#include "tests/support/hex.h"
 
 namespace omni::wire {
 namespace {
@@ -17,16 +18,6 @@ namespace {
 constexpr float kCurrentMax_A = 15;
 
 using Bytes = std::vector<std::uint8_t>;
-
-std::string Hex(const Bytes& bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
-}
 
 Command SampleCommand() {
   Command command;
@@ -114,13 +105,13 @@ TEST(Crc32c, KnownVectors) {
 
 // Golden bytes were made by an independent program (Python struct and a bitwise CRC).
 TEST(WireGolden, CommandBytesNeverChange) {
-  EXPECT_EQ(Hex(EncodedCommand()),
+  EXPECT_EQ(support::Hex(EncodedCommand()),
             "4f4d0103010220000000000000000000010014000000c03f000000c00000803e08070605"
             "040302014d00000000000000bc950936");
 }
 
 TEST(WireGolden, TelemetryBytesNeverChange) {
-  EXPECT_EQ(Hex(EncodedTelemetry()),
+  EXPECT_EQ(support::Hex(EncodedTelemetry()),
             "4f4d01020700780040420f000000000048f449f44af430f831f832f818fc19fc1afc0000"
             "01000200e803e903ea03d007d107d207b80bb90bba0ba00fa10fa20ffd03000102030405"
             "0607010080000000c0f9000000000000c611403806000000ffff15cd5b07000000000300"

@@ -9,21 +9,12 @@
 
 #include "firmware/wire/crc32c.h"
 #include "firmware/wire/messages.h"
+#include "tests/support/hex.h"
 
 namespace omni::wire {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-
-std::string HexOf(const Bytes& bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
-}
 
 Hello SampleHello() {
   Hello hello;
@@ -98,32 +89,32 @@ Status Opened(const Bytes& frame, Message& message) {
 }
 
 TEST(WireGolden, HelloBytesNeverChange) {
-  EXPECT_EQ(HexOf(Framed(SampleHello(), 1, 2)),
+  EXPECT_EQ(support::Hex(Framed(SampleHello(), 1, 2)),
             "4f4d010101002c0002000000000000000101020103000000303132333435363738396162"
             "63646566ad1b7933f06a0000000070411032547698badcfe1232243c");
 }
 
 TEST(WireGolden, ConfigBytesNeverChange) {
-  EXPECT_EQ(HexOf(Framed(SampleConfig(), 65535, 0)), "4f4d0104ffff0800000000000000000002001200986e323f7ebbdd9a");
+  EXPECT_EQ(support::Hex(Framed(SampleConfig(), 65535, 0)), "4f4d0104ffff0800000000000000000002001200986e323f7ebbdd9a");
 }
 
 TEST(WireGolden, ArmBytesNeverChange) {
-  EXPECT_EQ(HexOf(Framed(SampleArm(), 9, 123'456'789'012)),
+  EXPECT_EQ(support::Hex(Framed(SampleArm(), 9, 123'456'789'012)),
             "4f4d010509000c00141a99be1c00000002010000efbeadde04000100ab65c034");
 }
 
 TEST(WireGolden, EstopBytesNeverChange) {
-  EXPECT_EQ(HexOf(Framed(SampleEstop(), 0, 0)), "4f4d010600000100000000000000000007183c8b36");
+  EXPECT_EQ(support::Hex(Framed(SampleEstop(), 0, 0)), "4f4d010600000100000000000000000007183c8b36");
 }
 
 TEST(WireGolden, FaultBytesNeverChange) {
-  EXPECT_EQ(HexOf(Framed(SampleFault(), 300, 5'000'000)),
+  EXPECT_EQ(support::Hex(Framed(SampleFault(), 300, 5'000'000)),
             "4f4d01072c011800404b4c000000000008000000080200000302010000007c41464a4c0000000000cc1ce600");
 }
 
 TEST(WireGolden, LogBytesNeverChange) {
   const std::string padding(2 * (kLogTextMax - 17), '0');
-  EXPECT_EQ(HexOf(Framed(SampleLog(), 2, 42)),
+  EXPECT_EQ(support::Hex(Framed(SampleLog(), 2, 42)),
             "4f4d010802007a002a00000000000000021166616e3a2030207475726e732f6d696e3f" + padding + "6396790a");
 }
 
