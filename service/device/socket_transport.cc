@@ -110,7 +110,7 @@ class SocketTransport final : public Transport {
       drained.gone = received.what == Receive::kGone;
       if (received.what != Receive::kFrame) break;
       const bool is_scan = Accept(received.size, scan);
-      SendArm();
+      if (device_.arming) SendArm();
       if (!is_scan) continue;
       if (drained.scan) ++counters_.superseded;
       drained.scan = true;

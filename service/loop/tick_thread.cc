@@ -59,10 +59,7 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
   const Commands& commands = commands_.Read();
   const bool at_zero = state_.gate == 0 && record_.output.currents.current_A == base::CoilCurrents{}.current_A;
   const bool rests = commands.idle && at_zero;
-  if (rests && scan.sequence % static_cast<std::uint64_t>(options_.idle_divider) != 0) {
-    source_.Apply({});  // a base that hears nothing for 20 ms disarms
-    return;
-  }
+  if (rests && scan.sequence % static_cast<std::uint64_t>(options_.idle_divider) != 0) return;
   const std::int64_t begin_ns = base::MonotonicNow_ns();
   Tick(config_, scan, commands, *scene_, state_, record_.output);
   const std::int64_t end_ns = base::MonotonicNow_ns();
