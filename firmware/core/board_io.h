@@ -10,8 +10,8 @@
 
 namespace omni::firmware {
 
-constexpr std::uint32_t kStepPeriod_us = 250;  // control step, 4 kHz: what three current sensors on I2C can follow
-constexpr int kStepsPerTick = 4;               // telemetry, 1 kHz
+constexpr std::uint32_t kStepPeriod_us = 250;       // control step, 4 kHz: what three current sensors on I2C can follow
+constexpr int kStepsPerTick = wire::kStepsPerTick;  // telemetry, 1 kHz
 
 struct Inputs {
   std::uint64_t now_us = 0;                         // since reset; never goes back

@@ -34,6 +34,12 @@ class CoilModel {
     return VoltageFor(from_A, to_A) / resistance_ohm_ - (to_A - from_A) / step_in_tau_;
   }
 
+  // (1) and (4): current at the end of a step whose mean current and voltage were measured.
+  float EndOf(float mean_A, float voltage_V) const noexcept {
+    const float final_A = voltage_V / resistance_ohm_;
+    return final_A + (mean_A - final_A) * step_in_tau_ * decay_ / (1 - decay_);
+  }
+
   float resistance_ohm() const noexcept { return resistance_ohm_; }
   float inductance_H() const noexcept { return inductance_H_; }
 

@@ -52,7 +52,7 @@ void Core::Step(const Inputs& inputs, Outputs& outputs) noexcept {
   fan_ = FanSpeed(seen);
   outputs.fan = fan_;
   outputs.feed_watchdog = proof_.sensors && proof_.currents && proof_.control && clock_advances_ ? 1 : 0;
-  tick_.Add(inputs, hall_verdict_, outputs);
+  tick_.Add(inputs, end_A_, hall_verdict_, outputs);
   if (--steps_to_tick_ == 0) FinishTick(inputs);
 }
 
@@ -73,6 +73,7 @@ void Core::Observe(const Inputs& inputs, Observation& seen) noexcept {
     const bool is_measured = ((seen.measured_mask >> k) & 1U) != 0;
     samples_[k] = {seen.current_A[k], seen.voltage_V[k],
                    is_measured && drive_.follows() && drive_.direction(k) * seen.current_A[k] > 0};
+    end_A_[k] = EndCurrent(seen, k);
   }
   seen.state = state_;
   seen.driver_fault = inputs.driver_fault & kAllCoils;
@@ -88,6 +89,14 @@ void Core::Observe(const Inputs& inputs, Observation& seen) noexcept {
   const bool is_armed = state_ == wire::State::kArmed;
   proof_.sensors = !is_armed || seen.hall.silent != 0xFF;
   proof_.currents = !is_armed || seen.measured_mask != 0;
+}
+
+// A bridge that sleeps leaves no voltage that the model knows; its coil has no current for long.
+float Core::EndCurrent(const Observation& seen, int coil) const noexcept {
+  const float mean_A = seen.current_A[coil];
+  if (((seen.measured_mask >> coil) & 1U) == 0 || drive_.is_asleep()) return mean_A;
+  const CoilModel model(heat_.resistance_ohm(coil), settings_.coils[coil].inductance_H);
+  return model.EndOf(mean_A, drive_.direction(coil) * seen.voltage_V[coil]);
 }
 
 void Core::Watch(const Observation& seen) noexcept {

@@ -58,6 +58,7 @@ class Core {
   // core.cc: a step
   void ReadClock(const Inputs& inputs) noexcept;
   void Observe(const Inputs& inputs, Observation& seen) noexcept;
+  float EndCurrent(const Observation& seen, int coil) const noexcept;
   void Watch(const Observation& seen) noexcept;
   void Advance(const Inputs& inputs, const Observation& seen) noexcept;
   void AdvanceBoot(const Observation& seen) noexcept;
@@ -107,6 +108,7 @@ class Core {
   float set_point_A_[wire::kCoils] = {};
   HallVerdict hall_verdict_;
   CoilSample samples_[wire::kCoils];
+  float end_A_[wire::kCoils] = {};  // currents at the end of the step before, docs/theory/firmware.md (4a)
   Proof proof_;
 
   std::uint64_t now_us_ = 0;

@@ -9,6 +9,7 @@ namespace {
 constexpr double kResistanceUnit_ohm = 1e-4;
 constexpr std::uint64_t kAgeUnit_us = static_cast<std::uint64_t>(wire::kAgeUnit_ns) / 1000;
 constexpr std::uint64_t kAgeMax = 255;
+constexpr std::uint64_t kLeadMax_us = 65535;
 
 std::int32_t RoundedMean(std::int32_t sum, int count) noexcept {
   return (sum >= 0 ? sum + count / 2 : sum - count / 2) / count;
@@ -16,9 +17,11 @@ std::int32_t RoundedMean(std::int32_t sum, int count) noexcept {
 
 }  // namespace
 
-void TickReport::Add(const Inputs& inputs, const HallVerdict& hall, const Outputs& outputs) noexcept {
+void TickReport::Add(const Inputs& inputs, const float (&end_A)[wire::kCoils], const HallVerdict& hall,
+                     const Outputs& outputs) noexcept {
+  const int step = steps_ < kStepsPerTick ? steps_ : kStepsPerTick - 1;
   for (int k = 0; k < wire::kCoils; ++k) {
-    current_[k] += inputs.current[k];
+    current_[step][k] = wire::ToCounts<std::int16_t>(static_cast<double>(end_A[k]), wire::kCurrentUnit_A);
     voltage_[k] += inputs.voltage[k];
     duty_[k] += outputs.duty[k];
   }
@@ -30,14 +33,14 @@ std::uint64_t TickReport::Take(const Settings& settings, const Inputs& inputs, c
                                const CoilHeat& heat, wire::Telemetry& telemetry) noexcept {
   const int steps = steps_ > 0 ? steps_ : 1;
   for (int k = 0; k < wire::kCoils; ++k) {
-    telemetry.current[k] = static_cast<std::int16_t>(RoundedMean(current_[k], steps));
+    for (int step = 0; step < kStepsPerTick; ++step) telemetry.current[step][k] = current_[step][k];
     telemetry.voltage[k] = static_cast<std::uint16_t>(RoundedMean(voltage_[k], steps));
     telemetry.duty[k] = static_cast<std::int16_t>(RoundedMean(duty_[k], steps));
     telemetry.temperature[k] =
         wire::ToCounts<std::int16_t>(static_cast<double>(heat.temperature_C(k)), wire::kTemperatureUnit_K);
     telemetry.resistance[k] =
         wire::ToCounts<std::uint16_t>(static_cast<double>(heat.resistance_ohm(k)), kResistanceUnit_ohm);
-    current_[k] = voltage_[k] = duty_[k] = 0;
+    voltage_[k] = duty_[k] = 0;
   }
   steps_ = 0;
   telemetry.supply = inputs.supply;
@@ -47,6 +50,8 @@ std::uint64_t TickReport::Take(const Settings& settings, const Inputs& inputs, c
   telemetry.fresh_mask = fresh_;
   fresh_ = 0;
   TakeField(inputs, hall, telemetry);
+  const std::uint64_t lead_us = inputs.now_us > t_device_us_ ? inputs.now_us - t_device_us_ : 0;
+  telemetry.tick_lead = static_cast<std::uint16_t>(lead_us < kLeadMax_us ? lead_us : kLeadMax_us);
   return t_device_us_;
 }
 

@@ -12,6 +12,7 @@ namespace omni::wire {
 
 constexpr int kSensors = 8;
 constexpr int kCoils = 3;
+constexpr int kStepsPerTick = 4;  // control steps, evenly spaced; the last ends with the tick
 constexpr std::uint16_t kTimeToLiveMax_ms = 20;
 constexpr std::int16_t kDutyFull = 32767;
 constexpr std::size_t kLogTextMax = 120;
@@ -102,7 +103,7 @@ struct Telemetry {
   State state = State::kIdle;
   std::uint8_t age[kSensors] = {};
   std::uint32_t saturated_mask = 0;
-  std::int16_t current[kCoils] = {};
+  std::int16_t current[kStepsPerTick][kCoils] = {};
   std::int16_t temperature[kCoils] = {};
   std::uint16_t supply = 0;
   std::uint32_t faults = 0;
@@ -116,15 +117,17 @@ struct Telemetry {
   std::int16_t board_temperature = 0;
   std::uint16_t fan_rpm = 0;
   std::uint32_t ack_rx_device_us = 0;
+  std::uint16_t tick_lead = 0;
 
   template <class Self, class Visitor>
   static constexpr void Visit(Self& self, Visitor&& visit) {
     visit("field", self.field, "counts", "in each sensor's own frame");
     visit("fresh_mask", self.fresh_mask, "bits", "i: sensor i has a new sample since the last frame");
     visit("state", self.state, "", "of State");
-    visit("age", self.age, "100 us", "of that sensor's sample at t_device_us; 255: that or older");
+    visit("age", self.age, "20 us", "of that sensor's sample at t_device_us; 255: that or older");
     visit("saturated_mask", self.saturated_mask, "bits", "3 i + axis");
-    visit("current", self.current, "1.25 mA", "mean over the tick");
+    visit("current", self.current, "1.25 mA",
+          "at the end of each control step, oldest first; the last: at the tick's end");
     visit("temperature", self.temperature, "0.01 C", "of the copper");
     visit("supply", self.supply, "1.25 mV", "");
     visit("faults", self.faults, "bits", "of Fault");
@@ -138,6 +141,7 @@ struct Telemetry {
     visit("board_temperature", self.board_temperature, "0.01 C", "");
     visit("fan_rpm", self.fan_rpm, "1/min", "");
     visit("ack_rx_device_us", self.ack_rx_device_us, "us", "device time at which that COMMAND came, low 32 bits");
+    visit("tick_lead", self.tick_lead, "us", "from t_device_us to the tick's end");
   }
 };
 

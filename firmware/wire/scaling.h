@@ -9,7 +9,7 @@ namespace omni::wire {
 constexpr double kCurrentUnit_A = 1.25e-3;  // INA260
 constexpr double kSupplyUnit_V = 1.25e-3;   // INA260
 constexpr double kTemperatureUnit_K = 0.01;
-constexpr std::int64_t kAgeUnit_ns = 100'000;
+constexpr std::int64_t kAgeUnit_ns = 20'000;
 
 // Nearest count of value / unit, clipped to what Count can hold; NaN gives 0.
 template <class Count>

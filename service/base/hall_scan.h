@@ -17,12 +17,20 @@ struct HallScan {
   std::uint64_t sequence = 0;  // device tick counter
   // Calibrated flux density in each sensor's own frame S, tesla. Not finite = unusable.
   std::array<Vec3, kSensorCount> field_sensor_T{};
-  std::array<std::int64_t, kSensorCount> age_ns{};      // t_ns - (time of that sensor's sample), >= 0
-  std::uint32_t fresh_mask = 0;                         // bit i: sensor i has a new sample since the last scan
-  std::uint32_t saturated_mask = 0;                     // bit 3 i + axis: that axis is at its limit
-  std::array<double, kCoilCount> coil_current_A{};      // measured
+  std::array<std::int64_t, kSensorCount> age_ns{};  // t_ns - (time of that sensor's sample), >= 0
+  std::uint32_t fresh_mask = 0;                     // bit i: sensor i has a new sample since the last scan
+  std::uint32_t saturated_mask = 0;                 // bit 3 i + axis: that axis is at its limit
+  std::array<double, kCoilCount> coil_current_A{};  // measured, mean over the tick
+  // The same at the ends of the tick's control steps, evenly spaced, oldest first; the last at the tick's end, which is
+  // `tick_lead_ns` after t_ns. Only where has_steps is not 0.
+  std::array<std::array<double, kCoilCount>, kStepsPerTick> step_current_A{};
+  std::int64_t tick_lead_ns = 0;
+  // From a scan's stamp to the control step from which on the set-points computed from it act, as measured at the base:
+  // about one answer in a hundred comes later. 0: not known.
+  std::int64_t response_ns = 0;
   std::array<double, kCoilCount> coil_temperature_C{};  // estimated by the device
   double supply_V = 0;
+  std::uint32_t has_steps = 0;
   std::uint32_t device_faults = 0;  // wire::Fault bits; != 0 means the device holds its coils at zero
 };
 static_assert(std::is_trivially_copyable_v<HallScan>);

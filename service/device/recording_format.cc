@@ -37,8 +37,14 @@ void VisitFields(Record& record, Visit&& visit) {
   visit(scan.fresh_mask);
   visit(scan.saturated_mask);
   for (auto& current_A : scan.coil_current_A) visit(current_A);
+  for (auto& step : scan.step_current_A) {
+    for (auto& current_A : step) visit(current_A);
+  }
+  visit(scan.tick_lead_ns);
+  visit(scan.response_ns);
   for (auto& temperature_C : scan.coil_temperature_C) visit(temperature_C);
   visit(scan.supply_V);
+  visit(scan.has_steps);
   visit(scan.device_faults);
 }
 template <RecordOf<RecordKind::kCommand> Record, class Visit>

@@ -18,7 +18,7 @@
 
 namespace omni::device {
 
-constexpr std::uint32_t kRecordingFormat = 1;
+constexpr std::uint32_t kRecordingFormat = 2;
 constexpr std::size_t kRecordingHeaderSize = 136;
 constexpr std::size_t kRecordPayloadMax = 1024;
 constexpr std::size_t kRecordHeadSize = 4;

@@ -6,7 +6,8 @@
 
 namespace omni::device {
 
-static_assert(wire::kSensors == base::kSensorCount && wire::kCoils == base::kCoilCount);
+static_assert(wire::kSensors == base::kSensorCount && wire::kCoils == base::kCoilCount &&
+              wire::kStepsPerTick == base::kStepsPerTick);
 
 namespace {
 
@@ -62,9 +63,15 @@ base::HallScan ScanFromTelemetry(const DeviceInfo& info, const wire::Telemetry& 
   scan.fresh_mask = telemetry.fresh_mask;
   scan.saturated_mask = telemetry.saturated_mask;
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-    scan.coil_current_A[k] = telemetry.current[k] * wire::kCurrentUnit_A;
+    for (std::size_t step = 0; step < base::kStepsPerTick; ++step) {
+      const double current_A = telemetry.current[step][k] * wire::kCurrentUnit_A;
+      scan.step_current_A[step][k] = current_A;
+      scan.coil_current_A[k] += current_A / base::kStepsPerTick;
+    }
     scan.coil_temperature_C[k] = telemetry.temperature[k] * wire::kTemperatureUnit_K;
   }
+  scan.has_steps = 1;
+  scan.tick_lead_ns = std::int64_t{telemetry.tick_lead} * 1000;
   scan.supply_V = telemetry.supply * wire::kSupplyUnit_V;
   scan.device_faults = telemetry.faults;
   return scan;

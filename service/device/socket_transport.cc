@@ -14,6 +14,7 @@
 #include "service/base/clock.h"
 #include "service/device/arming.h"
 #include "service/device/counters.h"
+#include "service/device/response_time.h"
 #include "service/device/scan_conversion.h"
 
 namespace omni::device {
@@ -88,7 +89,7 @@ class SocketTransport final : public Transport {
       ++counters_.send_failed;
       return false;
     }
-    ++command_seq_;
+    response_.OnSent(command_seq_++, newest_device_us_);
     ++counters_.sent;
     return true;
   }
@@ -137,7 +138,9 @@ class SocketTransport final : public Transport {
     counters_.missed.Set(sequence_.missed());
     newest_device_us_ = view.header.t_device_us;
     if (device_.arming) arming_.OnTelemetry(telemetry, base::MonotonicNow_ns());
+    response_.OnTelemetry(telemetry);
     scan = ScanFromTelemetry(device_, telemetry, newest_device_us_, sequence_.sequence() - answers_);
+    scan.response_ns = response_.late_ns();
     return true;
   }
 
@@ -167,6 +170,7 @@ class SocketTransport final : public Transport {
   std::uint64_t newest_device_us_ = 0;
   std::uint16_t command_seq_ = 0, arm_seq_ = 0;
   Arming arming_;
+  ResponseTime response_;
 };
 
 // Why there is no connection; `seen` is what the last frame was.

@@ -178,6 +178,7 @@ void UsbSession::TakeTelemetry(const wire::FrameView& view, std::int64_t t_ns) n
     return;
   }
   if (device_.arming) arming_.OnTelemetry(telemetry, t_ns);
+  response_.OnTelemetry(telemetry);
   ++counters_.received;
   Publish(telemetry, t_device_us, scan_t_ns);
 }
@@ -203,6 +204,7 @@ void UsbSession::Publish(const wire::Telemetry& telemetry, std::uint64_t t_devic
   slot.t_device_us = t_device_us;
   slot.scan = ScanFromTelemetry(device_, telemetry, t_device_us, published_ + sequence_.missed());
   slot.scan.t_ns = scan_t_ns;
+  slot.scan.response_ns = response_.late_ns();
   scans_.Write(slot);
   ready_.Signal();
 }
@@ -267,6 +269,7 @@ std::size_t UsbSession::NextCommand(std::int64_t t_ns, std::uint8_t* frame, std:
     ++counters_.send_failed;
     return 0;
   }
+  if (fresh) response_.OnSent(seq_, slot.echo_device_us);
   ++seq_;
   ++counters_.sent;
   command_sent_ns_ = t_ns;

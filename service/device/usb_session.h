@@ -16,6 +16,7 @@
 #include "service/device/clock_map.h"
 #include "service/device/counters.h"
 #include "service/device/ready_event.h"
+#include "service/device/response_time.h"
 #include "service/device/scan_conversion.h"
 #include "service/device/transport.h"
 #include "service/device/usb_bus.h"
@@ -95,6 +96,7 @@ class UsbSession final : public UsbHandler {
   SequenceCounter sequence_;
   Arming arming_;
   ClockMap clock_;
+  ResponseTime response_;
   std::int64_t hello_next_ns_ = 0;
   std::uint64_t newest_device_us_ = 0;
   std::uint64_t published_ = 0;

@@ -156,7 +156,7 @@ std::string DeviceLiveText(const device::UsbProbe& probe) {
   const wire::Telemetry& now = probe.telemetry;
   std::string text = Titled("state", wire::StateName(now.state));
   text += Titled("supply", TextOf("%.2f V", now.supply * wire::kSupplyUnit_V));
-  text += Titled("currents", ThreeCounts(now.current, wire::kCurrentUnit_A, "%.3f") + " A");
+  text += Titled("currents", ThreeCounts(now.current[wire::kStepsPerTick - 1], wire::kCurrentUnit_A, "%.3f") + " A");
   text += Titled("coils", ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
                               ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm");
   text +=

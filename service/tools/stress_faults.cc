@@ -101,9 +101,24 @@ void PenRemoved(FaultContext& context, HallScan& scan) {
   }
 }
 
-void CurrentNotANumber(FaultContext&, HallScan& scan) { scan.coil_current_A = {kNan, 1, kInfinity}; }
-void CurrentHuge(FaultContext&, HallScan& scan) { scan.coil_current_A = {1e200, -1e9, 400}; }
-void CurrentWrong(FaultContext&, HallScan& scan) { scan.coil_current_A[1] += 5; }
+void SetCurrents(HallScan& scan, const std::array<double, base::kCoilCount>& current_A) {
+  scan.coil_current_A = current_A;
+  scan.step_current_A.fill(current_A);
+}
+void CurrentNotANumber(FaultContext&, HallScan& scan) { SetCurrents(scan, {kNan, 1, kInfinity}); }
+void CurrentHuge(FaultContext&, HallScan& scan) { SetCurrents(scan, {1e200, -1e9, 400}); }
+void CurrentWrong(FaultContext&, HallScan& scan) {
+  scan.coil_current_A[1] += 5;
+  for (auto& step_A : scan.step_current_A) step_A[1] += 5;
+}
+// One control step alone: its neighbours say otherwise, the mean says nothing.
+void CurrentStepLies(FaultContext& context, HallScan& scan) {
+  const std::array<double, 4> values{kNan, kInfinity, 1e200, 40};
+  scan.step_current_A[context.random.Bits() % 4][context.random.Bits() % 3] = values[context.random.Bits() % 4];
+}
+void TickLeadLies(FaultContext& context, HallScan& scan) {
+  scan.tick_lead_ns = context.random.Bits() & 1U ? static_cast<std::int64_t>(context.random.Bits()) : -1;
+}
 
 void TimeBackwards(FaultContext& context, HallScan& scan) {
   scan.t_ns -= static_cast<std::int64_t>(context.random.Uniform(0, 1e10));
@@ -154,6 +169,8 @@ constexpr ScanFault kFaults[] = {
     {"current not finite", CurrentNotANumber, true},
     {"current huge", CurrentHuge, true},
     {"current 5 A wrong", CurrentWrong, true},
+    {"current step lies", CurrentStepLies, true},
+    {"tick lead lies", TickLeadLies, true},
     {"time backwards", TimeBackwards, true},
     {"time extreme", TimeExtreme, true},
     {"time stands", TimeStands, true},

@@ -3,37 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "service/base/stamp.h"
 #include "service/tracker/nuisance.h"
 
 namespace omni::tracker {
 namespace {
-
-constexpr double kScanGapMax_s = 5e-3;  // currents are not interpolated over a longer gap
-constexpr std::uint64_t kTickGapMax = 20;
-constexpr double kLeak_s = 1e-7;       // per tick: 100 ppm
-constexpr double kCurrentMax_A = 1e3;  // a larger value is no current
-
-using Currents = std::array<double, base::kCoilCount>;
-
-bool ArePlausible(const Currents& current_A) noexcept {
-  for (const double current : current_A) {
-    if (!(std::abs(current) <= kCurrentMax_A)) return false;
-  }
-  return true;
-}
-
-// dI/dt between two scans; zero when the scan before is missing or too old.
-Currents CurrentRate(const base::HallScan& scan, const CurrentHistory& previous) noexcept {
-  Currents rate_A_s{};
-  const double dt_s = base::Elapsed_s(scan.t_ns, previous.t_ns);
-  if (!previous.valid || !ArePlausible(previous.coil_current_A)) return rate_A_s;
-  if (!(dt_s > 0 && dt_s <= kScanGapMax_s)) return rate_A_s;
-  for (std::size_t k = 0; k < rate_A_s.size(); ++k) {
-    rate_A_s[k] = (scan.coil_current_A[k] - previous.coil_current_A[k]) / dt_s;
-  }
-  return rate_A_s;
-}
 
 double Square(double x) noexcept { return x * x; }
 
@@ -42,15 +15,14 @@ struct CoilField {
   std::array<double, 3> field_T{}, rate_T_s{};
 };
 
-// A_i (I + dI/dt (time from the middle of the current's tick to this sample))
-CoilField CoilsAt(const Model& model, std::size_t i, const Currents& current_A, const Currents& rate_A_s,
-                  double since_current_s) noexcept {
+// A_i I
+CoilField CoilsAt(const Model& model, std::size_t i, const CurrentInstant& coils_at) noexcept {
   CoilField coils;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double* row = &model.coil_map_T_A[(3 * i + axis) * base::kCoilCount];
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-      coils.field_T[axis] += row[k] * (current_A[k] + rate_A_s[k] * since_current_s);
-      coils.rate_T_s[axis] += row[k] * rate_A_s[k];
+      coils.field_T[axis] += row[k] * coils_at.current_A[k];
+      coils.rate_T_s[axis] += row[k] * coils_at.rate_A_s[k];
     }
   }
   return coils;
@@ -89,13 +61,14 @@ double AddSensor(const Model& model, const Trust& trust, const base::Vec3& B, un
 }
 
 // Variance of what is left of each current after its measured value was subtracted; infinite: no prior.
-Currents CurrentVariance(const Trust& trust, const Currents& current_A, const Currents& change_A) noexcept {
+Currents CurrentVariance(const Trust& trust, const Currents& current_A, const Currents& change_A,
+                         double change_error) noexcept {
   Currents variance_A2{};
   for (std::size_t k = 0; k < variance_A2.size(); ++k) {
     variance_A2[k] = trust.currents_hidden
                          ? std::numeric_limits<double>::infinity()
                          : Square(trust.current_error_A) + Square(trust.current_error_relative * current_A[k]) +
-                               Square(trust.current_change_error * change_A[k]) + Square(trust.remanence_A);
+                               Square(change_error * change_A[k]) + Square(trust.remanence_A);
   }
   return variance_A2;
 }
@@ -105,22 +78,9 @@ Currents CurrentVariance(const Trust& trust, const Currents& current_A, const Cu
 Trust NoiseOnly() noexcept {
   Trust trust;
   trust.model_error_relative = trust.coil_error_relative = trust.age_error_s = 0;
-  trust.current_error_A = trust.current_error_relative = trust.current_change_error = 0;
+  trust.current_error_A = trust.current_error_relative = 0;
+  trust.current_step_error = trust.current_change_error = 0;
   return trust;
-}
-
-// t_ns = (tick end) - lead, and ticks end every millisecond: lead grows by what the stamp fell behind the tick count.
-// Free-running sensors make lead touch zero every few hundred scans; there the tick's end is seen. The slow leak
-// follows a drifting device clock.
-CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept {
-  CurrentHistory now{true, scan.t_ns, scan.sequence, scan.coil_current_A, 0};
-  const double elapsed_s = base::Elapsed_s(scan.t_ns, previous.t_ns);
-  const std::uint64_t ticks = scan.sequence - previous.sequence;
-  if (!previous.valid || !(ticks >= 1 && ticks <= kTickGapMax)) return now;
-  const double lead_s =
-      previous.stamp_lead_s + static_cast<double>(ticks) * (base::kTickPeriod_s - kLeak_s) - elapsed_s;
-  now.stamp_lead_s = lead_s > 0 && lead_s < base::kTickPeriod_s ? lead_s : 0.0;
-  return now;
 }
 
 Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::HallScan& scan,
@@ -129,17 +89,15 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
   Measurement result;
   result.sensors = kSensors;
   const bool known = !trust.currents_hidden;
-  if (known && !ArePlausible(scan.coil_current_A)) return result;  // the coils' share is unknown: nothing is usable
-  const Currents measured_A = known ? scan.coil_current_A : Currents{};
-  const Currents rate_A_s = known ? CurrentRate(scan, previous) : Currents{};
-  Currents current_A{};
-  for (std::size_t k = 0; k < current_A.size(); ++k) current_A[k] = measured_A[k] + offsets.remanence_A[k];
+  const CoilCurrents currents(scan, previous, now, trust.current_age_s);
+  if (known && !currents.plausible()) return result;  // the coils' share is unknown: nothing is usable
   double square_sum = 0;
   for (std::size_t i = 0; i < kSensors; ++i) {
     if (!(scan.age_ns[i] >= 0 && scan.age_ns[i] <= trust.age_max_ns)) continue;
     result.age_s[i] = 1e-9 * static_cast<double>(scan.age_ns[i]);
-    const double since_current_s = trust.current_age_s - now.stamp_lead_s - result.age_s[i];
-    CoilField coils = CoilsAt(model, i, current_A, rate_A_s, since_current_s);
+    CurrentInstant then = known ? currents.At(result.age_s[i]) : CurrentInstant{};
+    for (std::size_t k = 0; k < base::kCoilCount; ++k) then.current_A[k] += offsets.remanence_A[k];
+    CoilField coils = CoilsAt(model, i, then);
     for (std::size_t e = 0; e < 9; ++e)
       coils.field_T[e / 3] += model.gain_sensor_base[e][i] * offsets.ambient_base_T[e % 3];
     square_sum +=
@@ -149,11 +107,9 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
     result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
     result.systematic_share /= result.axes;
   }
-  Currents change_A{};
-  for (std::size_t k = 0; k < change_A.size(); ++k) {
-    change_A[k] = rate_A_s[k] != 0 ? measured_A[k] - previous.coil_current_A[k] : 0.0;
-  }
-  Currents variance_A2 = CurrentVariance(trust, measured_A, change_A);
+  const double change_error = now.has_steps ? trust.current_step_error : trust.current_change_error;
+  Currents variance_A2 = known ? CurrentVariance(trust, scan.coil_current_A, currents.change_A(), change_error)
+                               : CurrentVariance(trust, {}, {}, 0);
   result.current_variance_A2 = variance_A2;
   for (std::size_t k = 0; k < variance_A2.size(); ++k) variance_A2[k] += offsets.remanence_variance_A2[k];
   SetNuisances(model, variance_A2, Square(trust.ambient_error_T), result);
@@ -170,10 +126,10 @@ void MakeArrayMeasurement(const Model& model, const Trust& trust, const ArrayRea
   double square_sum = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(model.sensors); ++i) {
     square_sum += AddSensor(model, trust, readings[i].field_sensor_T, readings[i].saturated_axes,
-                            CoilsAt(model, i, current_A, {}, 0), i, result);
+                            CoilsAt(model, i, {current_A, {}}), i, result);
   }
   if (result.axes > 0) result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
-  SetNuisances(model, CurrentVariance(trust, current_A, {}), Square(trust.ambient_error_T), result);
+  SetNuisances(model, CurrentVariance(trust, current_A, {}, 0), Square(trust.ambient_error_T), result);
 }
 
 }  // namespace omni::tracker

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "service/base/hall_scan.h"
+#include "service/tracker/coil_currents.h"
 #include "service/tracker/model.h"
 
 namespace omni::tracker {
@@ -15,14 +16,15 @@ struct Trust {
   double coil_error_relative = 2.5e-3;   // of the coils' field: the same, and windings
   double current_error_A = 3e-3;         // of a current sensor: offset ...
   double current_error_relative = 2e-3;  // ... gain ...
-  double current_change_error = 0.1;     // ... and of the change since the last scan: lag is no straight line
+  double current_step_error = 0.05;      // ... and of the largest change of a control step: inductance ...
+  double current_change_error = 0.1;     // ... or, where only means are told, of their change: lag is no straight line
   double remanence_A = 0;                // field that the core keeps, as currents: it looks like theirs
   bool currents_hidden = false;          // currents are not known at all: three unknowns without a prior
   double ambient_error_T = 0;            // of a uniform field that came after the background was measured
-  double age_error_s = 5e-5;             // of a sensor's age: half its resolution
-  double current_age_s = 3.75e-4;       // currents: means of 4 samples per tick, middle this long before the tick's end
-  double field_max_T = 5e-3;            // a larger value is no reading
-  std::int64_t age_max_ns = 5'000'000;  // an older sample is not used
+  double age_error_s = 2e-5;             // of a sensor's age
+  double current_age_s = 3.75e-4;        // mean currents: of the ends of 4 control steps, this long before the tick's
+  double field_max_T = 5e-3;             // a larger value is no reading
+  std::int64_t age_max_ns = 5'000'000;   // an older sample is not used
 };
 
 // Nothing but sensor noise: for readings whose model is exact.
@@ -58,19 +60,6 @@ struct BasicMeasurement {
 };
 using Measurement = BasicMeasurement<kSensors>;            // of the base, in the tick
 using ArrayMeasurement = BasicMeasurement<kArraySensors>;  // of any array, off the tick
-
-// What is remembered of the scans before, so that each sensor's coil field is taken at that sensor's own instant.
-struct CurrentHistory {
-  bool valid = false;
-  std::int64_t t_ns = 0;
-  std::uint64_t sequence = 0;
-  std::array<double, base::kCoilCount> coil_current_A{};
-  double stamp_lead_s = 0;  // end of the device's tick minus t_ns. docs/theory/tracking.md (5)
-};
-
-// The history after `scan`. The stamp is that of the newest sample, the currents belong to the device's tick; the
-// latest stamps of the past second show where its ticks end.
-CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept;
 
 // Offsets that were found to be in the readings.
 struct Offsets {

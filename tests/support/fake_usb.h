@@ -135,8 +135,9 @@ struct FakeBase {
     if (!follows) return;
     faults &= ~wire::kFaultHostSilent;
     for (int k = 0; k < wire::kCoils; ++k) {
-      telemetry.current[k] =
-          wire::ToCounts<std::int16_t>(static_cast<double>(command.set_point_A[k]), wire::kCurrentUnit_A);
+      for (auto& step : telemetry.current) {
+        step[k] = wire::ToCounts<std::int16_t>(static_cast<double>(command.set_point_A[k]), wire::kCurrentUnit_A);
+      }
     }
   }
 };

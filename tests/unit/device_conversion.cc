@@ -72,7 +72,9 @@ TEST(Scan, FromTelemetry) {
   telemetry.age[3] = 7;
   telemetry.fresh_mask = 0x81;
   telemetry.saturated_mask = 1U << 23;
-  telemetry.current[1] = -800;
+  for (auto& step : telemetry.current) step[1] = -800;
+  telemetry.current[3][1] = -1600;
+  telemetry.tick_lead = 321;
   telemetry.temperature[0] = 2450;
   telemetry.supply = 14400;
   telemetry.faults = wire::kFaultHallSensor;
@@ -80,10 +82,14 @@ TEST(Scan, FromTelemetry) {
   EXPECT_EQ(scan.t_ns, 123'456'000);
   EXPECT_EQ(scan.sequence, 70000U);
   EXPECT_NEAR(scan.field_sensor_T[7].z, -1e-3, 1e-9);
-  EXPECT_EQ(scan.age_ns[3], 700'000);
+  EXPECT_EQ(scan.age_ns[3], 140'000);
   EXPECT_EQ(scan.fresh_mask, 0x81U);
   EXPECT_EQ(scan.saturated_mask, 1U << 23);
-  EXPECT_NEAR(scan.coil_current_A[1], -1, 1e-12);
+  EXPECT_NEAR(scan.coil_current_A[1], -1.25, 1e-12) << "mean";
+  EXPECT_EQ(scan.has_steps, 1U);
+  EXPECT_NEAR(scan.step_current_A[2][1], -1, 1e-12);
+  EXPECT_NEAR(scan.step_current_A[3][1], -2, 1e-12);
+  EXPECT_EQ(scan.tick_lead_ns, 321'000);
   EXPECT_NEAR(scan.coil_temperature_C[0], 24.5, 1e-12);
   EXPECT_NEAR(scan.supply_V, 18, 1e-12);
   EXPECT_EQ(scan.device_faults, wire::kFaultHallSensor);

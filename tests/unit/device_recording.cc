@@ -194,10 +194,10 @@ TEST(DeviceRecording, OtherFilesAndFormatsAreRefusedWithARemedy) {
   support::RecordTwin(path, 3);
   const FileBytes whole = support::ReadBytes(path);
   FileBytes newer = whole;
-  newer[8] = 2;
+  newer[8] = 3;
   SealHeader(newer);
   support::WriteBytes(path, newer);
-  EXPECT_NE(Refusal(path).find("of format 2, this program reads format 1: use the version of omni that made it"),
+  EXPECT_NE(Refusal(path).find("of format 3, this program reads format 2: use the version of omni that made it"),
             std::string::npos)
       << Refusal(path);
   FileBytes other = whole;

@@ -19,10 +19,10 @@ TEST(FirmwareHall, AgesCountFromTheNewestSample) {
     int youngest = 255;
     for (int i = 0; i < wire::kSensors; ++i) {
       youngest = std::min<int>(youngest, bench.telemetry.age[i]);
-      // Its age now, less that of the newest, to the rounding of 100 us.
+      // Its age now, less that of the newest, to the rounding of 20 us.
       const double since_newest_us =
           bench.plant.inputs().field_age_us[i] - static_cast<double>(bench.plant.inputs().now_us - bench.telemetry_us);
-      EXPECT_NEAR(bench.telemetry.age[i] * 100.0, since_newest_us, 52);
+      EXPECT_NEAR(bench.telemetry.age[i] * 20.0, since_newest_us, 11);
       fresh += (bench.telemetry.fresh_mask >> i) & 1;
     }
     EXPECT_EQ(youngest, 0);

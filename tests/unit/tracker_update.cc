@@ -191,6 +191,37 @@ TEST_F(TrackerUpdate, ChangingCurrentsAreTakenAtEachSensorsInstant) {
   }
 }
 
+// A current that changes its slope in every control step, 5 A from one to the next: between the steps it is taken where
+// each sensor sampled, up to two ticks back; its mean would be wrong by amperes.
+TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
+  noise_scale = 0;
+  const auto knot_A = [](std::int64_t j) { return std::array<double, 3>{j % 2 != 0 ? 5.0 : 0.0, j % 3 - 1.0, 2.0}; };
+  const auto at_A = [&](std::int64_t t_ns) {
+    const std::int64_t j = t_ns / 250'000;
+    const double share = static_cast<double>(t_ns % 250'000) / 250e3;
+    std::array<double, 3> now_A = knot_A(j);
+    for (std::size_t k = 0; k < 3; ++k) now_A[k] += share * (knot_A(j + 1)[k] - knot_A(j)[k]);
+    return now_A;
+  };
+  for (int i = 0; i < 60; ++i) {
+    base::HallScan scan = NextScan();
+    scan.sequence = static_cast<std::uint64_t>(i);
+    scan.has_steps = 1;
+    scan.tick_lead_ns = 1000 * ((37 * i) % 400);
+    const std::int64_t end_ns = scan.t_ns + scan.tick_lead_ns;
+    for (std::size_t s = 0; s < base::kStepsPerTick; ++s) {
+      scan.step_current_A[s] = at_A(end_ns - 250'000 * static_cast<std::int64_t>(base::kStepsPerTick - 1 - s));
+    }
+    for (std::size_t s = 0; s < kSensors; ++s) {
+      scan.age_ns[s] = static_cast<std::int64_t>(s) * 130'000;
+      const auto then_A = at_A(scan.t_ns - scan.age_ns[s]);
+      scan.field_sensor_T[s] = support::MakeScan(config.model, pose, t_ns, rng, {0, then_A}).field_sensor_T[s];
+    }
+    Feed(scan);
+    if (i > 10) EXPECT_LT(Error_m(), 2e-5) << i;
+  }
+}
+
 // Stamps lag the device's tick by what the newest sensor happens to be old.
 TEST(TrackerCurrents, TheEndOfTheTickIsLearntFromTheStamps) {
   CurrentHistory history;

@@ -40,7 +40,7 @@ Telemetry SampleTelemetry() {
   telemetry.fresh_mask = 0xFD;
   telemetry.state = State::kArmed;
   telemetry.saturated_mask = 0x800001;
-  telemetry.current[1] = -1600;
+  for (int step = 0; step < kStepsPerTick; ++step) telemetry.current[step][1] = static_cast<std::int16_t>(-1600 - step);
   telemetry.temperature[2] = 4550;
   telemetry.supply = 14400;
   telemetry.faults = kFaultHostSilent | kFaultOverTemperature;
@@ -57,6 +57,7 @@ Telemetry SampleTelemetry() {
   telemetry.board_temperature = 2512;
   telemetry.fan_rpm = 3000;
   telemetry.ack_rx_device_us = 0xFFFFFFFEU;
+  telemetry.tick_lead = 777;
   return telemetry;
 }
 
@@ -112,10 +113,11 @@ TEST(WireGolden, CommandBytesNeverChange) {
 
 TEST(WireGolden, TelemetryBytesNeverChange) {
   EXPECT_EQ(support::Hex(EncodedTelemetry()),
-            "4f4d01020700780040420f000000000048f449f44af430f831f832f818fc19fc1afc0000"
+            "4f4d010207008c0040420f000000000048f449f44af430f831f832f818fc19fc1afc0000"
             "01000200e803e903ea03d007d107d207b80bb90bba0ba00fa10fa20ffd03000102030405"
-            "0607010080000000c0f9000000000000c611403806000000ffff15cd5b07000000000300"
-            "04006400c8002c011e19681aa81b01800000e803d009b80bfeffffff190a6473");
+            "0607010080000000c0f900000000bff900000000bef900000000bdf9000000000000c611"
+            "403806000000ffff15cd5b0700000000030004006400c8002c011e19681aa81b01800000"
+            "e803d009b80bfeffffff0903f07b2df4");
 }
 
 TEST(WireRoundTrip, Command) {
@@ -145,7 +147,8 @@ TEST(WireRoundTrip, Telemetry) {
   EXPECT_EQ(std::memcmp(telemetry.age, sent.age, sizeof sent.age), 0);
   EXPECT_EQ(telemetry.fresh_mask, sent.fresh_mask);
   EXPECT_EQ(telemetry.saturated_mask, sent.saturated_mask);
-  EXPECT_EQ(telemetry.current[1], sent.current[1]);
+  EXPECT_EQ(telemetry.current[2][1], sent.current[2][1]);
+  EXPECT_EQ(telemetry.tick_lead, 777);
   EXPECT_EQ(telemetry.temperature[2], sent.temperature[2]);
   EXPECT_EQ(telemetry.supply, sent.supply);
   EXPECT_EQ(telemetry.faults, sent.faults);

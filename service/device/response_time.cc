@@ -1,0 +1,26 @@
+#include "service/device/response_time.h"
+
+namespace omni::device {
+namespace {
+
+constexpr double kMax_us = 50'000;  // longer: the base had let go long before
+// Of the way to an answer that is later, or earlier: where both balance, about 1 % are later.
+constexpr double kRise = 0.05, kFall = 0.0005;
+
+}  // namespace
+
+void ResponseTime::OnSent(std::uint16_t seq, std::uint64_t t_device_us) noexcept {
+  sent_[seq % kKept] = {seq, true, t_device_us};
+}
+
+void ResponseTime::OnTelemetry(const wire::Telemetry& telemetry) noexcept {
+  Sent& sent = sent_[telemetry.ack_seq % kKept];
+  if (!sent.waits || sent.seq != telemetry.ack_seq) return;
+  sent.waits = false;
+  const std::uint32_t response_us = telemetry.ack_rx_device_us - static_cast<std::uint32_t>(sent.t_device_us);
+  const double us = response_us;
+  if (!(us <= kMax_us)) return;
+  late_us_ += late_us_ == 0 ? us : (us - late_us_) * (us > late_us_ ? kRise : kFall);
+}
+
+}  // namespace omni::device
