@@ -46,7 +46,7 @@ void HandPath::AddLeg(const HandWaypoint& from, const HandWaypoint& to, double d
 }
 
 HandTarget HandPath::At(double t_s) const noexcept {
-  const double t = period_s_ > 0 ? std::fmod(t_s, period_s_) : t_s;
+  const double t = std::max(0.0, period_s_ > 0 ? std::fmod(t_s, period_s_) : t_s);
   const auto after =
       std::upper_bound(legs_.begin(), legs_.end(), t, [](double time, const Leg& leg) { return time < leg.start_s; });
   const Leg& leg = after == legs_.begin() ? legs_.front() : *(after - 1);

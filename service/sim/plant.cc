@@ -19,6 +19,7 @@ constexpr double kTestField_T[3] = {2e-4, 2e-4, 0.5e-4};
 constexpr double kShortedResistance = 0.08, kShortedInductance = 0.02;
 
 Imperfections Draw(const PlantOptions& options, Random& random) noexcept {
+  if (options.imperfections) return *options.imperfections;
   return options.imperfect ? DrawImperfections(options.truth.imperfections, random) : Imperfections{};
 }
 
@@ -41,16 +42,25 @@ Plant::Plant(const base::DeviceGeometry& device, const PlantOptions& options)
       bridge_(options.bridge),
       random_(options.seed),
       imperfections_(Draw(options, random_)),
-      truth_(device, imperfections_, false),
+      truth_(device, imperfections_, options.flip_coil_sign),
       coils_(device, options.truth.thermal),
       rail_(options.supply, device.supply_V),
       hand_(options.script, device, random_),
-      sampler_(device, Effects(options), options.truth.sensor, truth_, {hand_.pose(), hand_.present(), {}},
-               ~options.seed, 0, random_),
-      surroundings_(sampler_.Now(0)) {
+      motion_(options.motion),
+      run_s_(options.run_s),
+      pen_(Pen(0)),
+      sampler_(device, Effects(options), options.truth.sensor, truth_, pen_,
+               options.environment_seed.value_or(~options.seed), options.start_ns, random_),
+      surroundings_(sampler_.Now(run_s_)),
+      clock_zero_ns_(options.start_ns) {
   Random gains(~options.seed ^ 0x5EED);
   for (double& gain : voltage_gain_) gain = options.imperfect ? 1 + kVoltageGainError * gains.Uniform(-1, 1) : 1;
   Report({});
+}
+
+Snapshot Plant::Pen(double t_s) const noexcept {
+  if (motion_ != nullptr) return {motion_->Pose(std::max(0.0, t_s)), true, {}};
+  return {hand_.pose(), hand_.present(), {}};
 }
 
 void Plant::ResetClock() noexcept {
@@ -58,24 +68,31 @@ void Plant::ResetClock() noexcept {
   inputs_.now_us = 0;
 }
 
-// The force map is taken once per tick of four steps, at the pose expected in its middle (midpoint rule), as in the
-// twin. Currents, spring and hull act in every step.
 const firmware::Inputs& Plant::Step(const firmware::Outputs& outputs) noexcept {
   const double t_s = static_cast<double>(now_ns()) * 1e-9;
-  if (step_ % firmware::kStepsPerTick == 0) {
-    forces_ = hand_.present() ? truth_.ForcesAt(hand_.Predicted(t_s + 0.5 * base::kTickPeriod_s)) : ForceMap{};
-  }
-  ++step_;
   sampler_.Begin();
-  surroundings_ = sampler_.Now(t_s);
+  surroundings_ = sampler_.Now(run_s_ + std::max(t_s, 0.0));
   Drive(outputs);
   coils_.Heat(TickSampler::kSubStep_s, faults_.extra_heat_W);
-  hand_.Step(t_s, TickSampler::kSubStep_s, forces_.Force(coils_.current_A(), surroundings_));
-  sampler_.Add({hand_.pose(), hand_.present(), coils_.current_A()}, surroundings_);
-  surroundings_ = sampler_.Now(t_s);
+  MovePen(t_s);
+  sampler_.Add({pen_.pose, pen_.present, coils_.current_A()}, surroundings_);
+  surroundings_ = sampler_.Now(run_s_ + std::max(t_s, 0.0));
   sampler_.Sample(surroundings_, random_);
   Report(outputs);
   return inputs_;
+}
+
+// The force map is taken once per tick of four steps, at the pose expected in its middle (midpoint rule). Currents,
+// spring and hull act in every step.
+void Plant::MovePen(double t_s) noexcept {
+  const bool is_tick = step_++ % firmware::kStepsPerTick == 0;
+  if (motion_ == nullptr) {
+    if (is_tick) {
+      forces_ = hand_.present() ? truth_.ForcesAt(hand_.Predicted(t_s + 0.5 * base::kTickPeriod_s)) : ForceMap{};
+    }
+    hand_.Step(t_s, TickSampler::kSubStep_s, forces_.Force(coils_.current_A(), surroundings_));
+  }
+  pen_ = Pen(t_s + TickSampler::kSubStep_s);
 }
 
 // Mean voltage duty * supply over a PWM period, the rest of it brakes: |duty| I flows out of the supply. A bridge that
@@ -155,9 +172,9 @@ void Plant::ReportCoil(std::size_t k) noexcept {
 TruthRow Plant::Truth(const HostView& host, std::int64_t clock_offset_ns) const noexcept {
   TruthRow row;
   row.t_ns = now_ns() + clock_offset_ns;
-  row.present = hand_.present();
-  row.magnet_m = hand_.pose().centre_base_m;
-  row.axis = hand_.pose().axis_base;
+  row.present = pen_.present;
+  row.magnet_m = pen_.pose.centre_base_m;
+  row.axis = pen_.pose.axis_base;
   row.tip_m = row.magnet_m + device_.magnet.tip_offset_m * row.axis;
   row.velocity_m_s = hand_.velocity_base_m_s();
   row.current_A = ToVec3(coils_.current_A());

@@ -5,12 +5,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 
 #include "firmware/core/board_io.h"
 #include "service/base/device_geometry.h"
 #include "service/base/truth_parameters.h"
 #include "service/sim/coil_bank.h"
 #include "service/sim/hand.h"
+#include "service/sim/motion.h"
 #include "service/sim/plant_faults.h"
 #include "service/sim/recording.h"
 #include "service/sim/supply_rail.h"
@@ -29,8 +32,16 @@ struct BridgeParameters {
 
 struct PlantOptions {
   std::uint64_t seed = 1;
-  HandScript script;      // no waypoints: no pen
-  bool imperfect = true;  // false: nominal device, nothing but noise and heat
+  HandScript script;            // no waypoints: no pen
+  bool imperfect = true;        // false: nominal device, nothing but noise and heat
+  bool flip_coil_sign = false;  // coil z wired backwards
+  std::int64_t start_ns = 0;    // < 0: the hand rests at its start until 0
+  // For traces. The pen follows this path instead of a hand, whatever pushes it; a base that is already known; what the
+  // environment is at time 0, and its seed.
+  std::shared_ptr<const FreeMotion> motion;
+  std::optional<Imperfections> imperfections;
+  double run_s = 0;
+  std::optional<std::uint64_t> environment_seed;
   base::TruthParameters truth;
   BridgeParameters bridge;
   SupplyParameters supply;
@@ -58,15 +69,19 @@ class Plant {
 
   PlantFaults& faults() noexcept { return faults_; }
 
-  std::int64_t now_ns() const noexcept { return sampler_.now_ns(); }  // since the plant began
+  std::int64_t now_ns() const noexcept { return sampler_.now_ns(); }  // from options.start_ns on
   const CoilArray& current_A() const noexcept { return coils_.current_A(); }
   const CoilArray& temperature_C() const noexcept { return coils_.temperature_C(); }
   double supply_V() const noexcept { return rail_.voltage_V(); }
-  const MagnetPose& pose() const noexcept { return hand_.pose(); }
+  const MagnetPose& pose() const noexcept { return pen_.pose; }
+  // At an instant of the last control step.
+  CoilArray CurrentAt(std::int64_t t_ns) const noexcept { return sampler_.At(t_ns).current_A; }
 
   TruthRow Truth(const HostView& host, std::int64_t clock_offset_ns) const noexcept;
 
  private:
+  Snapshot Pen(double t_s) const noexcept;
+  void MovePen(double t_s) noexcept;
   void Drive(const firmware::Outputs& outputs) noexcept;
   void Report(const firmware::Outputs& outputs) noexcept;
   void ReportHall(std::size_t i, bool test_field) noexcept;
@@ -80,6 +95,9 @@ class Plant {
   CoilBank coils_;
   SupplyRail rail_;
   Hand hand_;
+  std::shared_ptr<const FreeMotion> motion_;  // null: the hand
+  double run_s_;
+  Snapshot pen_;
   TickSampler sampler_;
   Surroundings surroundings_;
   ForceMap forces_;

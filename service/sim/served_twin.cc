@@ -1,4 +1,4 @@
-// The twin in a process of its own: a 1 kHz absolute timer drives TwinCore, frames travel over a seqpacket socket.
+// The twin in a process of its own: a 1 kHz absolute timer drives TwinCore, its frames travel over a seqpacket socket.
 #include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
@@ -18,7 +18,7 @@ namespace omni::sim {
 namespace {
 
 constexpr std::int64_t kCatchUpMax_ns = 100 * base::kTickPeriod_ns;  // later than this: the device's clock is set anew
-constexpr int kCommandsPerTickMax = 64;                              // the rest waits for the next tick
+constexpr int kFramesPerTickMax = 64;                                // the rest waits for the next tick
 constexpr int kRealTimePriority = 30;
 
 volatile std::sig_atomic_t stop_requested = 0;
@@ -61,22 +61,18 @@ void SleepUntil(std::int64_t t_ns) {
 class Server {
  public:
   Server(const base::DeviceGeometry& device, const TwinOptions& options, int fd, std::unique_ptr<Recording> recording)
-      : core_(device, options),
-        current_max_A_(static_cast<float>(device.current_max_A)),
-        fd_(fd),
-        recording_(std::move(recording)) {}
+      : core_(device, PlantOptionsOf(options), base::MonotonicNow_ns()), fd_(fd), recording_(std::move(recording)) {}
 
   void Run(double linger_s) {
     const auto linger_ns = static_cast<std::int64_t>(linger_s * 1e9);
-    clock_offset_ns_ = base::MonotonicNow_ns();
-    last_command_ns_ = clock_offset_ns_;
-    SendHello();
+    core_.MoveClock(base::MonotonicNow_ns() - core_.clock_offset_ns());
+    AskHello();
     while (stop_requested == 0 && (!gone_ || base::MonotonicNow_ns() - gone_ns_ < linger_ns)) {
       WaitForTick();
-      ReceiveCommands();
-      core_.Tick(static_cast<double>(base::MonotonicNow_ns() - last_command_ns_) * 1e-9);
-      if (recording_) recording_->Add(core_.Truth(clock_offset_ns_));
-      SendTelemetry();
+      ReceiveFrames();
+      core_.Tick();
+      if (recording_) recording_->Add(core_.Truth());
+      SendFrames();
     }
   }
 
@@ -84,22 +80,21 @@ class Server {
   // A tick covers the millisecond that has just passed. Short delays are caught up tick by tick; after a long one (a
   // suspended machine) device time continues from now.
   void WaitForTick() {
-    const std::int64_t due_ns = clock_offset_ns_ + core_.now_ns() + base::kTickPeriod_ns;
+    const std::int64_t due_ns = core_.clock_offset_ns() + core_.now_ns() + base::kTickPeriod_ns;
     const std::int64_t late_ns = base::MonotonicNow_ns() - due_ns;
     if (late_ns < 0) {
       SleepUntil(due_ns);
     } else if (late_ns > kCatchUpMax_ns) {
-      clock_offset_ns_ += late_ns;
-      core_.CountMissed(late_ns / base::kTickPeriod_ns);
+      core_.MoveClock(late_ns);
     }
   }
 
-  void ReceiveCommands() {
+  void ReceiveFrames() {
     std::array<std::uint8_t, wire::kFrameSizeMax + 1> buffer;
-    for (int i = 0; i < kCommandsPerTickMax && !gone_; ++i) {
+    for (int i = 0; i < kFramesPerTickMax && !gone_; ++i) {
       const ssize_t size = recv(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT | MSG_TRUNC);
       if (size > 0) {
-        Accept(buffer, static_cast<std::size_t>(size));
+        core_.Receive(buffer.data(), static_cast<std::size_t>(size));
       } else if (size < 0 && errno == EINTR) {
         continue;
       } else {
@@ -109,38 +104,18 @@ class Server {
     }
   }
 
-  void Accept(const std::array<std::uint8_t, wire::kFrameSizeMax + 1>& buffer, std::size_t size) {
-    wire::FrameView view;
-    wire::Status status = size > buffer.size() ? wire::Status::kTooLong : wire::OpenFrame(buffer.data(), size, view);
-    if (status == wire::Status::kUnknownType) return;
-    if (status == wire::Status::kOk && view.header.type == wire::MessageType::kHello) {
-      SendHello();
-      return;
-    }
-    wire::Command command;
-    if (status == wire::Status::kOk) status = wire::DecodeCommand(view, current_max_A_, command);
-    if (status != wire::Status::kOk) {
-      core_.CountRejected();
-      return;
-    }
-    core_.Command(command, view.header.seq);
-    last_command_ns_ = base::MonotonicNow_ns();
+  // The host need not ask for the first HELLO.
+  void AskHello() {
+    std::array<std::uint8_t, wire::kHeaderSize + wire::kTrailerSize> frame;
+    wire::Header header;
+    header.type = wire::MessageType::kHello;
+    core_.Receive(frame.data(), wire::SealFrame(header, 0, frame.data(), frame.size()).size);
+    SendFrames();
   }
 
-  void SendHello() {
+  void SendFrames() {
     std::array<std::uint8_t, wire::kFrameSizeMax> frame;
-    const wire::Encoded encoded =
-        wire::Encode(core_.Hello(), hello_seq_++, static_cast<std::uint64_t>(base::MonotonicNow_ns() / 1000),
-                     frame.data(), frame.size());
-    Send(frame.data(), encoded.size);
-  }
-
-  void SendTelemetry() {
-    std::array<std::uint8_t, wire::FrameSize<wire::Telemetry>()> frame;
-    const auto t_us = static_cast<std::uint64_t>((core_.newest_sample_ns() + clock_offset_ns_) / 1000);
-    const wire::Encoded encoded =
-        wire::Encode(core_.telemetry(), static_cast<std::uint16_t>(core_.tick()), t_us, frame.data(), frame.size());
-    Send(frame.data(), encoded.size);
+    for (std::size_t size = 0; (size = core_.NextFrame(frame.data(), frame.size())) != 0;) Send(frame.data(), size);
   }
 
   // Never waits: a host that does not read loses frames and sees the gap in the sequence.
@@ -155,12 +130,8 @@ class Server {
   }
 
   TwinCore core_;
-  float current_max_A_;
   int fd_;
   std::unique_ptr<Recording> recording_;
-  std::int64_t clock_offset_ns_ = 0;
-  std::int64_t last_command_ns_ = 0;
-  std::uint16_t hello_seq_ = 0;
   bool gone_ = false;
   std::int64_t gone_ns_ = 0;
 };

@@ -1,5 +1,5 @@
 // A moving run held in memory: a waved pen, prescribed coil currents, and what the device reported, scan by scan,
-// through the twin's own sensors, drive and effects. For benchmarks: every scan comes with its truth.
+// through the twin's own base: plant and control core. For benchmarks: every scan comes with its truth.
 #pragma once
 
 #include <array>
@@ -27,16 +27,14 @@ CurrentScript StaggeredSawtooth(double amplitude_A, double period_s) noexcept;
 
 struct TraceOptions {
   double duration_s = 20;
-  double start_s = 0;          // since the start of the run: of drift and warming
-  std::uint64_t seed = 1;      // of noise and sample instants
-  MotionOptions motion;        // its own seed
-  bool present = true;         // false: no pen
-  CurrentScript currents;      // device_.current_max_A holds
-  double current_delay_s = 0;  // set-point -> driver
+  double start_s = 0;      // since the start of the run: of drift and warming
+  std::uint64_t seed = 1;  // of noise and sample instants
+  MotionOptions motion;    // its own seed
+  bool present = true;     // false: no pen
+  CurrentScript currents;  // device_.current_max_A holds
 };
 
-// Of scan.t_ns, the instant of its newest sample. A scan's currents are means over the four sub-steps of its device
-// tick, 0 to 0.75 ms before tick_end_ns; sensor i sampled at scan.t_ns - scan.age_ns[i].
+// Of scan.t_ns, the instant of its newest sample; sensor i sampled at scan.t_ns - scan.age_ns[i].
 struct TraceRow {
   base::HallScan scan;
   MagnetPose pose;

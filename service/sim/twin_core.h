@@ -1,64 +1,58 @@
-// One simulated base with pen and hand, advanced one device tick at a time. It knows no sockets and no clocks: time is
-// an argument. The virtual twin and the served twin both drive this class.
+// One simulated base with pen and hand, advanced one device tick at a time: the plant, and the firmware's control core
+// that reads and drives it. It knows no sockets and no clocks: time is an argument. Virtual twin, served twin and
+// traces drive this class.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <memory>
 
-#include "firmware/wire/messages.h"
+#include "firmware/core/core.h"
 #include "service/base/device_geometry.h"
-#include "service/sim/coil_drive.h"
-#include "service/sim/hand.h"
+#include "service/sim/plant.h"
 #include "service/sim/recording.h"
-#include "service/sim/tick_sampler.h"
-#include "service/sim/truth_model.h"
 #include "service/sim/twin.h"
 
 namespace omni::sim {
 
+// Without the recording, which the core does not open.
+PlantOptions PlantOptionsOf(const TwinOptions& options);
+
 class TwinCore {
  public:
-  // Precondition: that of HandPath. The core does not open options.recording_path.
-  TwinCore(const base::DeviceGeometry& device, const TwinOptions& options);
+  // The base has been on for a while: at options.start_ns its self-test is over and it waits to be armed. Its clock is
+  // device time plus `clock_offset_ns`, so that it can be the host's. Precondition: that of HandPath.
+  TwinCore(const base::DeviceGeometry& device, const PlantOptions& options, std::int64_t clock_offset_ns);
 
-  wire::Hello Hello() const noexcept;
+  // A frame from the host; it is looked at in the next tick's first control step.
+  void Receive(const std::uint8_t* frame, std::size_t size) noexcept;
+  // A frame to the host; 0: none is left.
+  std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept { return core_.NextFrame(frame, capacity); }
 
-  // A valid command. It acts truth.driver.delay_s after the end of the last tick.
-  void Command(const wire::Command& command, std::uint16_t seq) noexcept;
-  void CountRejected() noexcept { ++telemetry_.rejected; }
-  void CountMissed(std::int64_t ticks) noexcept {
-    telemetry_.missed_ticks = static_cast<std::uint16_t>(telemetry_.missed_ticks + ticks);
-  }
+  // Device time is that much later from now on (a suspended machine): the core sees its clock jump.
+  void MoveClock(std::int64_t by_ns) noexcept { clock_offset_ns_ += by_ns; }
 
-  // Advances 1 ms. `host_silence_s`: since the last valid command, for the watchdog.
-  void Tick(double host_silence_s) noexcept;
+  // Advances 1 ms.
+  void Tick() noexcept;
 
-  // Of the last tick. `clock_offset_ns` turns device time (0 at start) into CLOCK_MONOTONIC.
-  const wire::Telemetry& telemetry() const noexcept { return telemetry_; }
-  std::int64_t newest_sample_ns() const noexcept { return newest_sample_ns_; }
-  std::int64_t now_ns() const noexcept { return now_ns_; }
+  std::int64_t now_ns() const noexcept { return plant_.now_ns(); }  // device time, 0 at start
+  std::int64_t clock_offset_ns() const noexcept { return clock_offset_ns_; }
   std::uint64_t tick() const noexcept { return tick_; }
-  TruthRow Truth(std::int64_t clock_offset_ns) const noexcept;
+  TruthRow Truth() const noexcept;
+  const Plant& plant() const noexcept { return plant_; }
 
  private:
-  void Advance() noexcept;
-  void Report() noexcept;
+  void Step() noexcept;
+  void Peek(const std::uint8_t* frame, std::size_t size) noexcept;
 
-  base::DeviceGeometry device_;
-  Random random_;
-  Imperfections imperfections_;
-  TruthModel truth_;
-  CoilDrive drive_;
-  Hand hand_;
-  TickSampler sampler_;
-  Surroundings surroundings_;
-  ForceMap forces_;
-  wire::Telemetry telemetry_;
-  std::int64_t now_ns_ = 0;
-  std::int64_t newest_sample_ns_ = 0;
+  Plant plant_;
+  firmware::FaultRecord record_;
+  firmware::Core core_;
+  firmware::Outputs outputs_;
+  std::int64_t clock_offset_ns_;
   std::uint64_t tick_ = 0;
-  double command_age_s_ = 0;
+  HostView host_;  // for the recording
+  std::int64_t command_ns_ = 0;
+  float current_max_A_;
 };
 
 }  // namespace omni::sim

@@ -130,7 +130,6 @@ base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan) {
         sim::TraceOptions options{.duration_s = duration_s, .seed = rig_seed};
         options.motion.seed = rig_seed;
         options.currents = sim::StaggeredSawtooth(kAmplitudes_A[a], kSawtooth_s);
-        options.current_delay_s = truth.driver.delay_s;
         const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
         for (std::size_t k = 0; k < kKnowledge.size(); ++k) {
           tracker::Config config = tracker::MakeConfig((*calibrations)[k]);

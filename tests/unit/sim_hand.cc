@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "service/sim/hand.h"
-#include "service/sim/twin_core.h"
+#include "service/sim/twin.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/twin_story.h"
 
@@ -131,17 +131,21 @@ TEST(SimHand, NeverEntersTheHull) {
 }
 
 TEST(SimHand, TwinPenSettlesWhereMagneticForceAndHandBalance) {
-  TwinCore twin(support::NominalDevice(), support::HoldingTwin({0, 0, 0.045}));
-  wire::Command command;
-  command.mode = wire::Mode::kCurrent;
-  command.set_point_A[2] = 2;
-  for (int i = 0; i < 2000; ++i) {
-    twin.Command(command, 0);
-    twin.Tick(0);
+  const test::TempFolder folder;
+  TwinOptions options = support::HoldingTwin({0, 0, 0.045});
+  options.recording_path = folder.Path("truth.csv");
+  {
+    const auto twin = MakeVirtualTwin(support::NominalDevice(), options, 2.1);
+    for (base::HallScan scan; twin->Read(scan, 0) == device::ReadStatus::kScan;) twin->Write({{0, 0, 2}});
   }
-  const TruthRow row = twin.Truth(0);
-  EXPECT_GT(row.coil_force_N.z, 0.1) << "opposed moments repel";
-  EXPECT_LT(Norm(row.magnet_m - Vec3{0, 0, 0.050} - (1.0 / 150) * row.force_N), 1e-5);
+  const support::Table table = support::ReadTable(options.recording_path);
+  const std::size_t last = table.rows.size() - 1;
+  EXPECT_GT(table.At(last, "coil_force_z_N"), 0.1) << "opposed moments repel";
+  const auto vector = [&](const std::string& name, const std::string& unit) {
+    return Vec3{table.At(last, name + "_x" + unit), table.At(last, name + "_y" + unit),
+                table.At(last, name + "_z" + unit)};
+  };
+  EXPECT_LT(Norm(vector("magnet", "_m") - Vec3{0, 0, 0.050} - (1.0 / 150) * vector("force", "_N")), 1e-5);
 }
 
 struct BadScript {

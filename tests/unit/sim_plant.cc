@@ -9,7 +9,6 @@
 
 #include "firmware/wire/scaling.h"
 #include "service/sim/plant.h"
-#include "service/sim/twin_core.h"
 #include "tests/support/twin_story.h"
 
 namespace omni::sim {
@@ -115,28 +114,6 @@ TEST(SimPlant, BrakingCoilsLeaveTheSupplyAlone) {
   }
   EXPECT_LE(highest_V, 18);
   for (const double current_A : story.plant.current_A()) EXPECT_LT(std::abs(current_A), 0.01);
-}
-
-// Without currents and noise the twin and the plant are the same base: equal counts, tick by tick.
-TEST(SimPlant, ReadsTheFieldsOfTheTwin) {
-  base::DeviceGeometry device = NominalDevice();
-  device.sensor_noise_T = {0, 0, 0};
-  const HandScript script = Holding({0.01, 0.005, 0.05});
-  TwinOptions twin_options;
-  twin_options.script = script;
-  twin_options.truth.imperfections.sensor_gain = 0.01;
-  PlantOptions plant_options;
-  plant_options.script = script;
-  plant_options.truth = twin_options.truth;
-  TwinCore twin(device, twin_options);
-  Plant plant(device, plant_options);
-  for (int tick = 0; tick < 50; ++tick) {
-    twin.Tick(0);
-    for (int i = 0; i < 4; ++i) plant.Step({});
-    ASSERT_EQ(std::memcmp(plant.inputs().field, twin.telemetry().field, sizeof plant.inputs().field), 0) << tick;
-    ASSERT_EQ(plant.now_ns(), twin.now_ns());
-  }
-  EXPECT_NE(plant.inputs().field[0][2], 0);
 }
 
 TEST(SimPlant, EverySensorHasItsOwnClock) {
