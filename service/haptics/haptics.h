@@ -17,7 +17,7 @@ struct Config {
   double force_slew_N_s = 850;      // |dF/dt| limit (0.85 N/ms)
   double ramp_s = 0.15;             // force fades in over this time after contact at start, scene swap, tracking loss
   double stiffness_max_N_m = 1000;  // offered at most, whatever the material says: rule in haptics/stability
-  double delay_s = 3e-3;            // sample instant to coil current, for the stability rule
+  double delay_s = 3e-3;            // as Input's, while none is measured; for the stability rule
   double coil_lag_s = 1e-3;
   double hand_damping_Ns_m = 1.0;      // assumed lower bound
   double contact_threshold_N = 0.010;  // "contact" in reports means more than this
@@ -30,6 +30,7 @@ struct Input {
   base::Vec3 device_point_base_m;
   base::Vec3 velocity_base_m_s;  // of the device point
   double position_sigma_m = 0;
+  double delay_s = 0;  // measured: sample instant to the control step that acts; 0: not known
   base::ForceLimit limit;
 };
 

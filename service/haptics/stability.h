@@ -13,11 +13,14 @@ namespace omni::haptics {
 
 inline constexpr double kNoiseForce_N = 0.030;  // K sigma above this is felt as a buzz
 
-// K = 0.5 b / (T/2 + delay + coil lag), and K sigma <= 30 mN   (3.1), (3.2). Zero if an input is not a number.
-inline double StiffnessLimit(const Config& config, double position_sigma_m) noexcept {
-  const double lag_s = 0.5 * base::kTickPeriod_s + config.delay_s + config.coil_lag_s;
+// K = 0.5 b / (T/2 + delay + coil lag), and K sigma <= 30 mN   (3.1), (3.2). The delay is the measured one, where there
+// is one. Zero if an input is not a number.
+inline double StiffnessLimit(const Config& config, const Input& input) noexcept {
+  const double position_sigma_m = input.position_sigma_m;
+  const double delay_s = input.delay_s != 0 ? input.delay_s : config.delay_s;
+  const double lag_s = 0.5 * base::kTickPeriod_s + delay_s + config.coil_lag_s;
   double limit = config.stiffness_max_N_m;
-  if (!(lag_s > 0 && config.hand_damping_Ns_m >= 0 && position_sigma_m >= 0 && limit >= 0)) return 0;
+  if (!(delay_s >= 0 && lag_s > 0 && config.hand_damping_Ns_m >= 0 && position_sigma_m >= 0 && limit >= 0)) return 0;
   limit = std::min(limit, 0.5 * config.hand_damping_Ns_m / lag_s);
   return position_sigma_m * limit > kNoiseForce_N ? kNoiseForce_N / position_sigma_m : limit;
 }

@@ -59,7 +59,7 @@ void CarryOrientation(const base::ToolState& tool, LoopState& state, TickOutput&
 }
 
 haptics::Input MakeHapticInput(const TickConfig& config, const base::ToolState& tool, const base::ForceLimit& limit,
-                               double dt_s) noexcept {
+                               double delay_s, double dt_s) noexcept {
   const base::ToolState ahead = tracker::Predict(
       tool, base::StampAfter_ns(tool.t_ns, static_cast<std::int64_t>(config.predict_s * 1e9)), config.tip_offset_m);
   return {.t_ns = tool.t_ns,
@@ -68,6 +68,7 @@ haptics::Input MakeHapticInput(const TickConfig& config, const base::ToolState& 
           .device_point_base_m = ahead.device_point_base_m,
           .velocity_base_m_s = ahead.device_point_velocity_base_m_s,
           .position_sigma_m = std::sqrt(std::max(0.0, tool.covariance[0] + tool.covariance[6] + tool.covariance[12])),
+          .delay_s = delay_s,
           .limit = limit};
 }
 
@@ -138,7 +139,9 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   base::ForceLimit limit = actuation::ComputeDeratedLimit(config.actuation, tool, state.actuation.heat);
   actuation::FadeWeight(state.gate, limit);
   output.near_singular = limit.near_singular;
-  haptics::Step(config.haptics, scene, MakeHapticInput(config, tool, limit, dt_s), state.haptics, output.haptics);
+  const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
+  haptics::Step(config.haptics, scene, MakeHapticInput(config, tool, limit, delay_s, dt_s), state.haptics,
+                output.haptics);
   const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 
   base::Vec3 force_N = Mix(output.haptics.force_base_N, vibration_N, limit, commands.force_scale, state);

@@ -49,9 +49,13 @@ TEST(Contact, DampingResistsButNeverPulls) {
 
 TEST(Contact, StabilityRuleCutsStiffness) {
   Config config;
-  EXPECT_NEAR(StiffnessLimit(config, 0), 0.5 * 1.0 / (0.5e-3 + 3e-3 + 1e-3), 1e-9);
-  EXPECT_NEAR(StiffnessLimit(config, 1e-3), 30, 1e-9) << "30 mN over 1 mm";
-  EXPECT_EQ(StiffnessLimit(config, std::numeric_limits<double>::quiet_NaN()), 0);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NEAR(StiffnessLimit(config, {}), 0.5 * 1.0 / (0.5e-3 + 3e-3 + 1e-3), 1e-9);
+  EXPECT_NEAR(StiffnessLimit(config, {.delay_s = 1.5e-3}), 0.5 * 1.0 / (0.5e-3 + 1.5e-3 + 1e-3), 1e-9) << "measured";
+  EXPECT_NEAR(StiffnessLimit(config, {.position_sigma_m = 1e-3}), 30, 1e-9) << "30 mN over 1 mm";
+  EXPECT_EQ(StiffnessLimit(config, {.position_sigma_m = kNan}), 0);
+  EXPECT_EQ(StiffnessLimit(config, {.delay_s = kNan}), 0);
+  EXPECT_EQ(StiffnessLimit(config, {.delay_s = -1}), 0);
   Pen pen(HardBlock());
   pen.config = config;
   pen.config.ramp_s = 0;

@@ -103,7 +103,7 @@ void PopIfTooHard(const Material& m, const Object& object, const ContactForce& f
 
 ContactForces ForcesOf(const Config& config, const Scene& scene, const Surface& surface, const Input& input,
                        const std::array<Vec3, kMaxContacts>& last_proxy, State& state) noexcept {
-  const double limit_N_m = StiffnessLimit(config, input.position_sigma_m);
+  const double limit_N_m = StiffnessLimit(config, input);
   std::array<Penetration, kMaxContacts> at;
   std::array<Vec3, kMaxContacts> normals;
   std::array<double, kMaxContacts> stiffness_N_m{};

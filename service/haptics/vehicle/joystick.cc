@@ -6,7 +6,7 @@ namespace omni::haptics {
 
 // F = -K (|u| - dead)+ u/|u| - b v: no spring inside the dead zone, continuous at its edge   (7.1)
 Vec3 JoystickForce(const JoystickInput& joystick, const Config& config, const Input& input) noexcept {
-  const double stiffness_N_m = std::clamp(joystick.stiffness_N_m, 0.0, StiffnessLimit(config, input.position_sigma_m));
+  const double stiffness_N_m = std::clamp(joystick.stiffness_N_m, 0.0, StiffnessLimit(config, input));
   const double damping_Ns_m = std::clamp(joystick.damping_Ns_m, 0.0, DampingLimit(config));
   const Vec3 u = input.device_point_base_m - joystick.centre_base_m;
   const double stretch_m = std::max(0.0, Norm(u) - joystick.dead_zone_m);
