@@ -13,6 +13,7 @@
 #include "firmware/wire/messages.h"
 #include "service/base/clock.h"
 #include "service/device/arming.h"
+#include "service/device/command_life.h"
 #include "service/device/counters.h"
 #include "service/device/scan_conversion.h"
 
@@ -78,6 +79,7 @@ class SocketTransport final : public Transport {
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
       command.set_point_A[k] = static_cast<float>(currents.current_A[k]);
     }
+    command.time_to_live_ms = TimeToLive_ms(command.set_point_A);
     command.host_us = static_cast<std::uint64_t>(base::MonotonicNow_ns() / 1000);
     command.echo_device_us = newest_device_us_;
     std::array<std::uint8_t, wire::FrameSize<wire::Command>()> frame;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/wire/scaling.h"
+#include "service/device/command_life.h"
 #include "service/device/scan_conversion.h"
 #include "service/sim/coil_drive.h"
 #include "service/sim/tick_sampler.h"
@@ -12,7 +13,7 @@ namespace omni::sim {
 namespace {
 
 constexpr std::int64_t kClockStart_ns = 1'000'000'000;  // stamps start at 1 s: 0 stays "never"
-constexpr double kTimeToLive_s = 0.020;
+constexpr double kTimeToLive_s = 1e-3 * device::kCommandTimeToLive_ms;
 constexpr int kLeadTicks = 50;  // before the first row: every sensor has sampled, currents have settled
 
 double SetPoint_A(const Sawtooth& tooth, double t_s) noexcept {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "service/device/command_life.h"
 #include "service/device/counters.h"
 #include "service/device/scan_conversion.h"
 #include "service/sim/twin_core.h"
@@ -44,6 +45,7 @@ class VirtualTwin final : public device::Transport {
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
       command.set_point_A[k] = static_cast<float>(currents.current_A[k]);
     }
+    command.time_to_live_ms = device::TimeToLive_ms(command.set_point_A);
     if (wire::CheckCommand(command, static_cast<float>(device_.current_max_A)) != wire::Status::kOk) {
       ++counters_.send_failed;
       return false;

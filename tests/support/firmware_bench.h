@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <new>
 #include <string>
 #include <vector>
 
 #include "firmware/core/core.h"
+#include "service/device/command_life.h"
 #include "tests/support/firmware_plant.h"
 
 namespace omni::firmware {
@@ -16,7 +18,10 @@ class FirmwareBench {
  public:
   explicit FirmwareBench(const Settings& settings = {}, const FirmwarePlant::Options& options = {},
                          ResetCause cause = ResetCause::kPower, const FaultRecord& record_before = {})
-      : record(record_before), core(settings, cause, 12345, record), plant(settings, options) {}
+      : record(record_before),
+        core(settings, cause, kNonceSeed, record),
+        plant(settings, options),
+        settings_(settings) {}
 
   // One control step, and the frames that follow it.
   void Step() {
@@ -67,6 +72,7 @@ class FirmwareBench {
     wire::Command command;
     command.mode = wire::Mode::kCurrent;
     command.host_us = steps_ * kStepPeriod_us;
+    command.time_to_live_ms = time_to_live_ms;
     for (int k = 0; k < wire::kCoils; ++k) command.set_point_A[k] = set_point_A[k];
     return command;
   }
@@ -104,6 +110,12 @@ class FirmwareBench {
     Take(answer);
     return answer;
   }
+  // The micro-controller starts again, its pins at rest meanwhile; plant, host and record stay.
+  void Reset(ResetCause cause) {
+    core.~Core();
+    new (&core) Core(settings_, cause, ++nonce_seed_, record);
+    outputs = Outputs{};
+  }
   // Boot, self-test, two steps.
   bool RunToArmed() { return RunUntil(wire::State::kIdle, 1000) && Arm().step == wire::ArmStep::kArmed; }
 
@@ -112,6 +124,7 @@ class FirmwareBench {
   FirmwarePlant plant;
   Outputs outputs;
   bool host_speaks = true;
+  std::uint16_t time_to_live_ms = device::kCommandTimeToLive_ms;
   float set_point_A[wire::kCoils] = {};
   std::uint16_t seq = 0;
   std::function<void()> each_step;
@@ -123,6 +136,10 @@ class FirmwareBench {
   std::vector<Bytes> answers;
 
  private:
+  static constexpr std::uint32_t kNonceSeed = 12345;
+
+  Settings settings_;
+  std::uint32_t nonce_seed_ = kNonceSeed;
   std::uint64_t steps_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <thread>
 
+#include "service/device/command_life.h"
 #include "service/device/usb_session.h"
 #include "tests/support/fake_usb.h"
 
@@ -92,7 +93,7 @@ TEST_F(UsbSessionTest, ArmsInTwoStepsAndSendsSetPointsOnlyThen) {
   EXPECT_EQ(base_.commands.front().set_point_A[2], 0);
   EXPECT_EQ(base_.commands.back().mode, wire::Mode::kCurrent);
   EXPECT_EQ(base_.commands.back().set_point_A[2], 3);
-  EXPECT_EQ(base_.commands.back().time_to_live_ms, wire::kTimeToLiveMax_ms);
+  EXPECT_EQ(base_.commands.back().time_to_live_ms, kCommandTimeToLive_ms);
   EXPECT_EQ(base_.bad, 0);
 }
 
