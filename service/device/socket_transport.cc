@@ -97,6 +97,7 @@ class SocketTransport final : public Transport {
 
   const TransportInfo& info() const noexcept override { return info_; }
   TransportCounters counters() const noexcept override { return counters_.Snapshot(); }
+  bool TakeNote(BaseNote& note) noexcept override { return notes_.Take(note); }
 
  private:
   struct Drained {
@@ -127,6 +128,7 @@ class SocketTransport final : public Transport {
     if (opened == wire::Status::kOk && view.header.type != wire::MessageType::kTelemetry) {
       if (sequence_.Advance(view.header.seq)) ++answers_;
       if (view.header.type == wire::MessageType::kArm) TakeArm(view);
+      if (view.header.type == wire::MessageType::kFault || view.header.type == wire::MessageType::kLog) KeepNote(view);
       return false;
     }
     wire::Telemetry telemetry;
@@ -151,6 +153,10 @@ class SocketTransport final : public Transport {
     }
   }
 
+  void KeepNote(const wire::FrameView& view) noexcept {
+    if (notes_.Add(view) != wire::Status::kOk) ++counters_.bad_frames;
+  }
+
   void SendArm() noexcept {
     wire::Arm arm;
     if (!arming_.Next(base::MonotonicNow_ns(), arm)) return;
@@ -169,6 +175,7 @@ class SocketTransport final : public Transport {
   std::uint64_t newest_device_us_ = 0;
   std::uint16_t command_seq_ = 0, arm_seq_ = 0;
   Arming arming_;
+  BaseNotes notes_;
 };
 
 // Why there is no connection; `seen` is what the last frame was.

@@ -138,9 +138,11 @@ void UsbSession::OnFrame(const std::uint8_t* data, std::size_t size, std::int64_
     case wire::MessageType::kArm:
       TakeArm(view, t_ns);
       break;
-    case wire::MessageType::kConfig:
     case wire::MessageType::kFault:
     case wire::MessageType::kLog:
+      KeepNote(view);
+      break;
+    case wire::MessageType::kConfig:
       break;  // valid, and nothing that this end has asked for
     case wire::MessageType::kCommand:
     case wire::MessageType::kEstop:
@@ -216,6 +218,11 @@ void UsbSession::TakeArm(const wire::FrameView& view, std::int64_t t_ns) noexcep
   } else if (!arming_.OnArm(arm, t_ns)) {
     Refuse(wire::Status::kOutOfRange);
   }
+}
+
+void UsbSession::KeepNote(const wire::FrameView& view) noexcept {
+  const wire::Status status = notes_.Add(view);
+  if (status != wire::Status::kOk) Refuse(status);
 }
 
 std::size_t UsbSession::AskHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {

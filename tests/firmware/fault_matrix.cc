@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/board/teensy40/watchdog.h"
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
@@ -11,6 +12,7 @@ using wire::State;
 
 constexpr double kStep_ms = 1.0 / kStepsPerMs;
 constexpr double kWatch_ms = 4000;
+constexpr double kWatchdog_ms = board::kWatchdogTimeout_us * 1e-3;
 constexpr float kPowerShare = 1.25F;  // limit of all coils together: this far above what they take
 constexpr float kSilenceCurrents_A[] = {1, 5, 10, 15};
 
@@ -60,8 +62,8 @@ const Cause kCauses[] = {
      [](FirmwareBench& b) { b.plant.faults.test_field_dead = true; }},
     {wire::kFaultSelfTest, "a coil's voltage reads 1.25 times", In(State::kBoot) | In(State::kSelfTest),
      [](FirmwareBench& b) { b.plant.faults.voltage_reading = 1.25; }},
-    {wire::kFaultWatchdog, "the watchdog resets it", kAnywhere,
-     [](FirmwareBench& b) { b.Reset(ResetCause::kWatchdog); }},
+    {wire::kFaultWatchdog, "the firmware hangs", kAnywhere,
+     [](FirmwareBench& b) { b.Reset(ResetCause::kWatchdog, kWatchdog_ms); }},
     {wire::kFaultInternal, "the clock stands", kAnywhere, [](FirmwareBench& b) { b.plant.faults.clock_stands = true; }},
     {wire::kFaultInternal, "a reset breaks the fault record", kAnywhere,
      [](FirmwareBench& b) {

@@ -25,10 +25,14 @@ class FirmwareBench {
 
   // One control step, and the frames that follow it.
   void Step() {
-    core.Step(plant.Step(outputs), outputs);
     ++steps_;
-    Fetch();
-    if (host_speaks && steps_ % kStepsPerTick == 0) SendCommand();
+    if (start_steps_ > 0) {
+      StepReset();
+    } else {
+      core.Step(plant.Step(outputs), outputs);
+      Fetch();
+    }
+    if (host_speaks && start_steps_ == 0 && steps_ % kStepsPerTick == 0) SendCommand();
     if (each_step) each_step();
   }
   void RunMs(double milliseconds) {
@@ -110,11 +114,12 @@ class FirmwareBench {
     Take(answer);
     return answer;
   }
-  // The micro-controller starts again, its pins at rest meanwhile; plant, host and record stay.
-  void Reset(ResetCause cause) {
-    core.~Core();
-    new (&core) Core(settings_, cause, ++nonce_seed_, record);
-    outputs = Outputs{};
+  // The micro-controller computes nothing for `hang_ms`, its pins as they are, and starts again. Meanwhile the board's
+  // pull-downs brake (firmware/README.md, pins PWM and SLP). Plant, host and record stay.
+  void Reset(ResetCause cause, double hang_ms = 0) {
+    reset_cause_ = cause;
+    hang_steps_ = static_cast<int>(hang_ms * kStepsPerMs);
+    start_steps_ = kStart_steps;
   }
   // Boot, self-test, two steps.
   bool RunToArmed() { return RunUntil(wire::State::kIdle, 1000) && Arm().step == wire::ArmStep::kArmed; }
@@ -137,9 +142,26 @@ class FirmwareBench {
 
  private:
   static constexpr std::uint32_t kNonceSeed = 12345;
+  static constexpr int kStart_steps = 10 * kStepsPerMs;  // at least; SLP stays up for that long
+
+  void StepReset() {
+    if (hang_steps_ > 0) {
+      --hang_steps_;
+    } else {
+      outputs = Outputs{};
+      outputs.awake = (1U << wire::kCoils) - 1;
+      --start_steps_;
+    }
+    plant.Step(outputs);
+    if (start_steps_ > 0) return;
+    core.~Core();
+    new (&core) Core(settings_, reset_cause_, ++nonce_seed_, record);
+  }
 
   Settings settings_;
   std::uint32_t nonce_seed_ = kNonceSeed;
+  ResetCause reset_cause_ = ResetCause::kPower;
+  int hang_steps_ = 0, start_steps_ = 0;
   std::uint64_t steps_ = 0;
 };
 
