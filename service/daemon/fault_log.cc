@@ -64,7 +64,7 @@ std::string FaultLog::TakePlace(std::uint32_t fault) {
   const auto found =
       std::find_if(heard_.begin(), heard_.end(), [&](const Heard& heard) { return heard.event.fault == fault; });
   if (found == heard_.end()) return {};
-  const std::string place = device::FaultPlaceText(found->event);
+  std::string place = device::FaultPlaceText(found->event);
   heard_.erase(found);
   return place;
 }
