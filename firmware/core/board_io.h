@@ -27,9 +27,10 @@ struct Inputs {
   std::uint8_t current_answers = 0;  // bit k: current sensor k answers
   std::uint8_t driver_fault = 0;     // bit k: H bridge k reports a fault, or current sensor k its alert
   std::uint8_t emergency_stop = 0;   // 1: the switch is open (a broken wire stops too)
-  std::uint8_t reserved[7] = {};
+  std::uint8_t reserved[9] = {};
 };
 static_assert(std::is_trivially_copyable<Inputs>::value && sizeof(Inputs) == 104, "same layout everywhere");
+static_assert(std::has_unique_object_representations<Inputs>::value, "no hidden padding: it goes over links as it is");
 
 struct Outputs {
   std::int16_t duty[wire::kCoils] = {};  // of wire::kDutyFull: mean voltage duty * supply; 0: brake
@@ -40,6 +41,7 @@ struct Outputs {
   std::uint8_t reserved[6] = {};
 };
 static_assert(std::is_trivially_copyable<Outputs>::value && sizeof(Outputs) == 16, "same layout everywhere");
+static_assert(std::has_unique_object_representations<Outputs>::value, "likewise");
 
 enum class ResetCause : std::uint8_t { kPower = 0, kWatchdog = 1, kSoftware = 2 };
 

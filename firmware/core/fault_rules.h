@@ -47,7 +47,7 @@ constexpr FaultRule kFaultRules[] = {
     {wire::kFaultModel, Reaction::kBrake, kRetestCoils, Steps(10)},
     {wire::kFaultCurrentSensor, Reaction::kBrake, kRetestCoils, Steps(1)},
     {wire::kFaultHallSensor, Reaction::kRamp, kRetestHall, Steps(1)},
-    {wire::kFaultHallStuck, Reaction::kRamp, 0, 16},
+    {wire::kFaultHallStuck, Reaction::kRamp, 0, 15},
     {wire::kFaultHallJump, Reaction::kRamp, 0, 3},
     {wire::kFaultFan, Reaction::kRamp, 0, Steps(3000)},
     {wire::kFaultEmergencyStop, Reaction::kBrake, 0, Steps(0.5F)},

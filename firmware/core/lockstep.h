@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "firmware/core/board_io.h"
 
@@ -32,5 +33,8 @@ struct LockstepAnswer {
   LockstepFrame frames[kLockstepFrames];
 };
 static_assert(sizeof(LockstepAnswer) == 16 + 2 * 520, "same layout everywhere");
+static_assert(std::has_unique_object_representations<LockstepRequest>::value &&
+                  std::has_unique_object_representations<LockstepAnswer>::value,
+              "no hidden padding: every byte that travels has a name");
 
 }  // namespace omni::firmware

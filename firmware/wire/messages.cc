@@ -135,9 +135,11 @@ Status Decode(const FrameView& view, Message& message) noexcept {
   return Status::kOk;
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type
 #define OMNI_WIRE_MESSAGE(Message)                                                                            \
   template Encoded Encode(const Message&, std::uint16_t, std::uint64_t, std::uint8_t*, std::size_t) noexcept; \
   template Status Decode(const FrameView&, Message&) noexcept;
+// NOLINTEND(bugprone-macro-parentheses)
 OMNI_WIRE_MESSAGE(Hello)
 OMNI_WIRE_MESSAGE(Telemetry)
 OMNI_WIRE_MESSAGE(Command)

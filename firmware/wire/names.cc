@@ -72,45 +72,47 @@ constexpr Name kLogLevels[] = {
 };
 
 constexpr FaultText kFaults[] = {
-    {kFaultNotArmed, "not armed", "nothing is wrong, nobody has armed", "Start the service: it arms by itself."},
+    {kFaultNotArmed, "not armed", "nothing is wrong, nobody has armed", "Start the service: it arms by itself.", "",
+     ""},
     {kFaultHostSilent, "host silent", "no valid COMMAND within its time to live",
-     "Check that omnid runs and that the cable sits; the service arms again by itself."},
+     "Check that omnid runs and that the cable sits; the service arms again by itself.", "", "s"},
     {kFaultOverTemperature, "over temperature", "a coil is too hot, by its resistance or by the heat put in",
-     "Let the base cool for some minutes, and check that its fan turns and its vents are free."},
+     "Let the base cool for some minutes, and check that its fan turns and its vents are free.", "coil", "C"},
     {kFaultOverCurrent, "over current", "a coil's current passed its limit, or the sensor raised its alert",
-     "Switch the base off, check the coil's wiring and bridge, then arm again."},
+     "Switch the base off, check the coil's wiring and bridge, then arm again.", "coil", "A"},
     {kFaultDriver, "driver fault", "an H bridge reports a fault",
-     "Switch the base off and on; if it stays, check that bridge for heat and shorts."},
+     "Switch the base off and on; if it stays, check that bridge for heat and shorts.", "coil", "A"},
     {kFaultSupplyLow, "supply low", "the supply's voltage is below its range",
-     "Check the power supply and its plug: it must hold its voltage under load."},
+     "Check the power supply and its plug: it must hold its voltage under load.", "", "V"},
     {kFaultSupplyHigh, "supply high", "the supply's voltage is above its range",
-     "Disconnect the power supply at once and use one of 12 to 24 V."},
+     "Disconnect the power supply at once and use one of 12 to 24 V.", "", "V"},
     {kFaultPower, "power limit", "all coils together take more than the limit",
-     "Arm again; if it comes back, lower power_max_W or use a stronger supply."},
+     "Arm again; if it comes back, lower power_max_W or use a stronger supply.", "", "W"},
     {kFaultCoilOpen, "coil open", "voltage on a coil but no current",
-     "Switch the base off and check that coil's connector and wire for a break."},
+     "Switch the base off and check that coil's connector and wire for a break.", "coil", "A"},
     {kFaultCoilShort, "coil short", "more current in a coil than its voltage gives",
-     "Switch the base off and measure that coil: turns touch, or its wire touches something."},
+     "Switch the base off and measure that coil: turns touch, or its wire touches something.", "coil", "A"},
     {kFaultModel, "current off its model", "a current does not follow its set-point",
-     "Arm again; if it comes back, run the self-test and check the coil's resistance and inductance settings."},
+     "Arm again; if it comes back, run the self-test and check the coil's resistance and inductance settings.", "coil",
+     "A or ohm"},
     {kFaultCurrentSensor, "current sensor", "a current sensor does not answer, or answers nonsense",
-     "Switch the base off and on; if it stays, check that sensor's bus and address."},
+     "Switch the base off and on; if it stays, check that sensor's bus and address.", "coil", "A"},
     {kFaultHallSensor, "Hall sensor", "a Hall sensor does not answer, is another chip or has no fresh sample",
-     "Switch the base off and on; if it stays, check that sensor's connector."},
+     "Switch the base off and on; if it stays, check that sensor's connector.", "sensor", ""},
     {kFaultHallStuck, "Hall sensor stuck", "a Hall sensor gives the same sample again and again",
-     "Switch the base off and on; if it stays, replace that sensor."},
+     "Switch the base off and on; if it stays, replace that sensor.", "sensor", ""},
     {kFaultHallJump, "Hall sensor jump", "a Hall sensor's field changed as no magnet can",
-     "Keep other magnets and loose cables away, then arm again."},
-    {kFaultFan, "fan stands", "the fan stands although it should turn",
-     "Free the fan, check its plug, then arm again."},
+     "Keep other magnets and loose cables away, then arm again.", "sensor", ""},
+    {kFaultFan, "fan stands", "the fan stands although it should turn", "Free the fan, check its plug, then arm again.",
+     "", "1/min"},
     {kFaultEmergencyStop, "emergency stop", "the switch, ESTOP, or the request of endpoint 0",
-     "Release the emergency stop when it is safe, then arm again."},
+     "Release the emergency stop when it is safe, then arm again.", "", ""},
     {kFaultSelfTest, "self-test", "the self-test at boot was not passed",
-     "Run omni device selftest: it names the part that failed."},
+     "Run omni device selftest: it names the part that failed.", "part", "T or ohm"},
     {kFaultWatchdog, "watchdog", "the last reset was the watchdog's",
-     "Arm again; if it comes back, report it with the output of omni device info."},
+     "Arm again; if it comes back, report it with the output of omni device info.", "", ""},
     {kFaultInternal, "internal", "a number that is not finite, or a broken record",
-     "Switch the base off and on; if it comes back, report it with the output of omni device info."},
+     "Switch the base off and on; if it comes back, report it with the output of omni device info.", "", ""},
 };
 
 constexpr const char* kUnknown = "unknown";
@@ -125,13 +127,6 @@ const char* Find(Rows<Name> names, std::uint32_t value) noexcept {
     if (row.value == value) return row.name;
   }
   return kUnknown;
-}
-
-const FaultText* FindFault(std::uint32_t fault) noexcept {
-  for (const FaultText& row : kFaults) {
-    if (row.fault == fault) return &row;
-  }
-  return nullptr;
 }
 
 }  // namespace
@@ -160,6 +155,13 @@ const char* ConfigIdName(std::uint16_t id) noexcept {
     if (id >= first && id < first + kCoils) return Find(ConfigIds(), first);
   }
   return Find(ConfigIds(), id);
+}
+
+const FaultText* FindFault(std::uint32_t fault) noexcept {
+  for (const FaultText& row : kFaults) {
+    if (row.fault == fault) return &row;
+  }
+  return nullptr;
 }
 
 const char* FaultName(std::uint32_t fault) noexcept {

@@ -19,6 +19,8 @@ struct FaultText {
   const char* name;     // two or three words
   const char* meaning;  // what the base saw
   const char* advice;   // one sentence: what a person does about it
+  const char* part;     // what FaultEvent::part counts, unless it is the whole base; empty: it always is
+  const char* unit;     // of FaultEvent::value; empty: the value says nothing
 };
 
 // A table that ends.
@@ -50,7 +52,8 @@ const char* ConfigOpName(ConfigOp op) noexcept;
 const char* ConfigIdName(std::uint16_t id) noexcept;  // per coil: the name without its coil
 const char* LogLevelName(LogLevel level) noexcept;
 
-// `fault` is one bit of Fault.
+// `fault` is one bit of Fault. Null for one that this build does not know.
+const FaultText* FindFault(std::uint32_t fault) noexcept;
 const char* FaultName(std::uint32_t fault) noexcept;
 const char* FaultAdvice(std::uint32_t fault) noexcept;
 

@@ -159,11 +159,14 @@ void PrintEnums() {
 }
 
 void PrintFaults() {
-  std::printf("### Fault bits\n\n| bit | name | what the base saw | what to do |\n|---|---|---|---|\n");
+  std::printf(
+      "### Fault bits\n\nIn FAULT, `part` counts what stands here (255: the whole base, or its board), and `value` has "
+      "this unit (empty: none).\n\n| bit | name | what the base saw | part | value | what to do "
+      "|\n|---|---|---|---|---|---|\n");
   for (const FaultText& row : Faults()) {
     unsigned bit = 0;
     while ((1UL << bit) != row.fault) ++bit;
-    std::printf("| %u | %s | %s | %s |\n", bit, row.name, row.meaning, row.advice);
+    std::printf("| %u | %s | %s | %s | %s | %s |\n", bit, row.name, row.meaning, row.part, row.unit, row.advice);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "service/base/clock.h"
 #include "service/config/calibration_file.h"
 #include "service/daemon/fault_log.h"
 #include "service/daemon/recorder.h"
@@ -83,8 +84,15 @@ loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
   return choice.file ? loop::MakeTickConfig(device_, choice.file->calibration) : loop::MakeTickConfig(device_);
 }
 
+// The state first: a fault that it shows has said before where it came.
 void DeviceKeeper::TellFaults() {
-  for (const FaultLine& line : session_->faults.News(session_->opened.transport->state())) {
+  device::Transport& transport = *session_->opened.transport;
+  const device::TransportState state = transport.state();
+  device::BaseNote note;
+  for (std::size_t i = 0; i < device::BaseNotes::kCapacity && transport.TakeNote(note); ++i) {
+    session_->faults.Hear(note, base::MonotonicNow_ns());
+  }
+  for (const FaultLine& line : session_->faults.News(state)) {
     spdlog::log(line.is_problem ? spdlog::level::err : spdlog::level::info, "device: {}", line.text);
   }
 }

@@ -39,6 +39,7 @@ json Device(const StatusInput& input) {
   return {{"name", info.name},
           {"serial", info.serial},
           {"simulation", info.simulation},
+          {"state", wire::StateName(static_cast<wire::State>(state.state))},
           {"faults", FaultNames(state.faults)},
           {"waits_for_person", state.waits_for_person},
           {"received", counters.received},

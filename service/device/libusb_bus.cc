@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/wire/frame.h"
+#include "service/device/base_notes.h"
 #include "service/device/libusb_handle.h"
 #include "service/device/usb_holders.h"
 
@@ -72,24 +73,18 @@ const char* SpeedOf(libusb_device* device) {
   }
 }
 
-std::string Printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
-}
-
 // What the kernel has read of it, for anyone to see.
 std::string SerialInSysfs(const std::string& port) {
   std::ifstream file("/sys/bus/usb/devices/" + port + "/serial");
   std::string serial;
   std::getline(file, serial);
-  return Printable(serial.substr(0, kSerialMax));
+  return PrintableText(serial.data(), std::min<std::size_t>(serial.size(), kSerialMax));
 }
 
 std::string SerialOf(libusb_device_handle* handle, std::uint8_t index) {
   std::array<unsigned char, kSerialMax> text{};
   const int size = index == 0 ? 0 : libusb_get_string_descriptor_ascii(handle, index, text.data(), kSerialMax);
-  return Printable(std::string(text.begin(), text.begin() + std::max(0, size)));
+  return PrintableText(reinterpret_cast<const char*>(text.data()), static_cast<std::size_t>(std::max(0, size)));
 }
 
 class LibusbBus final : public UsbBus {
@@ -187,7 +182,8 @@ std::string LibusbProblem(int error, const std::string& what, const std::string&
       return UsbPermissionHelp(node);
     case LIBUSB_ERROR_BUSY: {
       const std::string holders = HoldersText(HoldersOf(node));
-      return "another program holds " + node + ": " + (holders.empty() ? "none that this user can see" : holders) +
+      return "another program holds " + node + ": " +
+             (holders.empty() ? "another user's, which `sudo fuser -v " + node + "` names" : holders) +
              "; end it first";
     }
     case LIBUSB_ERROR_NO_DEVICE:

@@ -19,6 +19,7 @@ class RecordingTransport final : public Transport {
   const TransportInfo& info() const noexcept override { return inner_->info(); }
   TransportCounters counters() const noexcept override { return inner_->counters(); }
   TransportState state() const noexcept override { return inner_->state(); }
+  bool TakeNote(BaseNote& note) noexcept override { return inner_->TakeNote(note); }
   // Its Close() goes behind the last Read and Write.
   DeviceRecorder& recorder() noexcept { return *recorder_; }
 

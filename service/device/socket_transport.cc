@@ -13,6 +13,7 @@
 #include "firmware/wire/messages.h"
 #include "service/base/clock.h"
 #include "service/device/arming.h"
+#include "service/device/command_life.h"
 #include "service/device/counters.h"
 #include "service/device/response_time.h"
 #include "service/device/scan_conversion.h"
@@ -79,6 +80,7 @@ class SocketTransport final : public Transport {
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
       command.set_point_A[k] = static_cast<float>(currents.current_A[k]);
     }
+    command.time_to_live_ms = TimeToLive_ms(command.set_point_A);
     command.host_us = static_cast<std::uint64_t>(base::MonotonicNow_ns() / 1000);
     command.echo_device_us = newest_device_us_;
     std::array<std::uint8_t, wire::FrameSize<wire::Command>()> frame;
@@ -96,6 +98,7 @@ class SocketTransport final : public Transport {
 
   const TransportInfo& info() const noexcept override { return info_; }
   TransportCounters counters() const noexcept override { return counters_.Snapshot(); }
+  bool TakeNote(BaseNote& note) noexcept override { return notes_.Take(note); }
 
  private:
   struct Drained {
@@ -126,6 +129,7 @@ class SocketTransport final : public Transport {
     if (opened == wire::Status::kOk && view.header.type != wire::MessageType::kTelemetry) {
       if (sequence_.Advance(view.header.seq)) ++answers_;
       if (view.header.type == wire::MessageType::kArm) TakeArm(view);
+      if (view.header.type == wire::MessageType::kFault || view.header.type == wire::MessageType::kLog) KeepNote(view);
       return false;
     }
     wire::Telemetry telemetry;
@@ -152,6 +156,10 @@ class SocketTransport final : public Transport {
     }
   }
 
+  void KeepNote(const wire::FrameView& view) noexcept {
+    if (notes_.Add(view) != wire::Status::kOk) ++counters_.bad_frames;
+  }
+
   void SendArm() noexcept {
     wire::Arm arm;
     if (!arming_.Next(base::MonotonicNow_ns(), arm)) return;
@@ -170,7 +178,11 @@ class SocketTransport final : public Transport {
   std::uint64_t newest_device_us_ = 0;
   std::uint16_t command_seq_ = 0, arm_seq_ = 0;
   Arming arming_;
+<<<<<<< HEAD
   ResponseTime response_;
+=======
+  BaseNotes notes_;
+>>>>>>> c31c4e7a8155ec68445389934aabd704727896ef
 };
 
 // Why there is no connection; `seen` is what the last frame was.

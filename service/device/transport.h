@@ -8,6 +8,7 @@
 
 #include "service/base/actuation_types.h"
 #include "service/base/hall_scan.h"
+#include "service/device/base_notes.h"
 
 namespace omni::device {
 
@@ -55,6 +56,8 @@ class Transport {
   virtual TransportCounters counters() const noexcept = 0;
   // Any thread. All zero where a transport does not know.
   virtual TransportState state() const noexcept { return {}; }
+  // What the base has said since; false: nothing more. One thread, another one than Read's if need be.
+  virtual bool TakeNote(BaseNote& /*note*/) noexcept { return false; }
 };
 
 }  // namespace omni::device

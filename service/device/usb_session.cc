@@ -4,12 +4,13 @@
 #include <limits>
 
 #include "service/base/clock.h"
+#include "service/device/command_life.h"
 
 namespace omni::device {
 namespace {
 
 constexpr std::int64_t kAskHelloAgain_ns = 100'000'000;
-constexpr std::int64_t kCommandLife_ns = std::int64_t{wire::kTimeToLiveMax_ms} * 1'000'000;
+constexpr std::int64_t kCommandLife_ns = std::int64_t{kCommandTimeToLive_ms} * 1'000'000;
 constexpr std::int64_t kRepeat_ns = 5'000'000;  // a resting tick writes every 16 ms only, the base waits for 20
 constexpr std::int64_t kRest_ns = 100'000'000;  // a tick that writes nothing for so long does not rest, it is stuck
 constexpr int kOutOfOrderMax = 20;  // frames in a row that are older than the last good one: the base has restarted
@@ -137,9 +138,11 @@ void UsbSession::OnFrame(const std::uint8_t* data, std::size_t size, std::int64_
     case wire::MessageType::kArm:
       TakeArm(view, t_ns);
       break;
-    case wire::MessageType::kConfig:
     case wire::MessageType::kFault:
     case wire::MessageType::kLog:
+      KeepNote(view);
+      break;
+    case wire::MessageType::kConfig:
       break;  // valid, and nothing that this end has asked for
     case wire::MessageType::kCommand:
     case wire::MessageType::kEstop:
@@ -219,6 +222,11 @@ void UsbSession::TakeArm(const wire::FrameView& view, std::int64_t t_ns) noexcep
   }
 }
 
+void UsbSession::KeepNote(const wire::FrameView& view) noexcept {
+  const wire::Status status = notes_.Add(view);
+  if (status != wire::Status::kOk) Refuse(status);
+}
+
 std::size_t UsbSession::AskHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {
   if (t_ns < hello_next_ns_) return 0;
   hello_next_ns_ = t_ns + kAskHelloAgain_ns;
@@ -262,6 +270,7 @@ std::size_t UsbSession::NextCommand(std::int64_t t_ns, std::uint8_t* frame, std:
     command.mode = wire::Mode::kCurrent;
     for (int k = 0; k < wire::kCoils; ++k) command.set_point_A[k] = slot.set_point_A[k];
   }
+  command.time_to_live_ms = TimeToLive_ms(command.set_point_A);
   command.host_us = static_cast<std::uint64_t>(t_ns / 1000);
   command.echo_device_us = slot.echo_device_us;
   const wire::Encoded encoded = wire::EncodeCommand(command, current_max_A_, seq_, frame, capacity);

@@ -3,6 +3,7 @@
 //
 // Two threads meet here and never wait for each other. The link's thread calls the UsbHandler functions; the caller's
 // (the tick) calls Read and Write. Between them the newest scan and the newest command stand in a base::Latest each.
+// What the base says in words waits in a ring for whoever tells people (TakeNote, one thread of its own).
 #pragma once
 
 #include <atomic>
@@ -13,6 +14,7 @@
 #include "service/base/hall_scan.h"
 #include "service/base/latest.h"
 #include "service/device/arming.h"
+#include "service/device/base_notes.h"
 #include "service/device/clock_map.h"
 #include "service/device/counters.h"
 #include "service/device/ready_event.h"
@@ -44,6 +46,7 @@ class UsbSession final : public UsbHandler {
   bool Write(const base::CoilCurrents& currents) noexcept;
   TransportCounters counters() const noexcept;
   TransportState state() const noexcept;
+  bool TakeNote(BaseNote& note) noexcept { return notes_.Take(note); }
 
   void OnFrame(const std::uint8_t* data, std::size_t size, std::int64_t t_ns) noexcept override;
   std::size_t NextFrame(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept override;
@@ -69,6 +72,7 @@ class UsbSession final : public UsbHandler {
   void TakeHello(const wire::FrameView& view) noexcept;
   void TakeTelemetry(const wire::FrameView& view, std::int64_t t_ns) noexcept;
   void TakeArm(const wire::FrameView& view, std::int64_t t_ns) noexcept;
+  void KeepNote(const wire::FrameView& view) noexcept;
   bool Stamp(const wire::Telemetry& telemetry, std::uint64_t t_device_us, std::int64_t t_ns,
              std::int64_t& scan_t_ns) noexcept;
   bool InOrder(const wire::Header& header) noexcept;
@@ -89,6 +93,7 @@ class UsbSession final : public UsbHandler {
   base::Latest<CommandSlot> commands_;
   std::atomic<std::uint32_t> state_and_held_{0};
   std::atomic<std::uint32_t> faults_{0};
+  BaseNotes notes_;
 
   // The link's thread.
   Counters counters_;

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "service/device/command_life.h"
+
 namespace omni::sim {
 
 Loopback::Loopback(const base::DeviceGeometry& device, const PlantOptions& options)
@@ -21,6 +23,7 @@ bool Loopback::Write(const base::CoilCurrents& currents) noexcept {
   command.mode = wire::Mode::kCurrent;
   command.host_us = static_cast<std::uint64_t>(Now_ns() / 1000);
   for (std::size_t k = 0; k < base::kCoilCount; ++k) command.set_point_A[k] = static_cast<float>(currents.current_A[k]);
+  command.time_to_live_ms = device::TimeToLive_ms(command.set_point_A);
   std::array<std::uint8_t, wire::FrameSize<wire::Command>()> frame;
   const wire::Encoded encoded =
       wire::EncodeCommand(command, static_cast<float>(device_.current_max_A), command_seq_, frame.data(), frame.size());

@@ -1,13 +1,18 @@
 #include <algorithm>
 #include <ostream>
 
+#include <nlohmann/json.hpp>
+
 #include "service/tools/command_line.h"
 #include "service/tools/device_command.h"
+#include "service/tools/device_held.h"
 #include "service/tools/device_text.h"
+#include "service/tools/service_link.h"
 
 namespace omni::tools {
 namespace {
 
+constexpr const char* kServiceName = "omnid";   // as in /proc/PID/comm
 constexpr std::uint8_t kReasonCommandLine = 1;  // for the base's fault record
 
 base::Result<device::UsbBase> ChooseBase(device::UsbBus& bus, const std::string& serial) {
@@ -42,14 +47,23 @@ int DeviceList(device::UsbBus& bus, std::ostream& out) {
   return kExitOk;
 }
 
-int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out) {
+OtherPrograms ThoseOfThisMachine() {
+  return {.holders = [](const std::string& node) { return device::HoldersOf(node); },
+          .service_status = [] { return FetchStatus(""); }};
+}
+
+int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out, const OtherPrograms& others) {
   const base::Result<device::UsbBase> base = ChooseBase(bus, serial);
   if (!base.ok()) return Fail("omni device info", base.error());
   const base::Result<wire::Hello> hello = device::AskUsbHello(bus, *base);
   if (!hello.ok()) return Fail("omni device info", hello.error());
   out << DeviceIdentityText(*base, *hello);
-  if (const std::vector<device::Holder> holders = device::HoldersOf(base->node); !holders.empty()) {
-    out << "held by      " << device::HoldersText(holders) << "; `omni status` shows its faults\n";
+  if (const std::vector<device::Holder> holders = others.holders(base->node); !holders.empty()) {
+    const bool is_service = std::any_of(holders.begin(), holders.end(),
+                                        [](const device::Holder& holder) { return holder.name == kServiceName; });
+    out << DeviceHeldText(holders);
+    if (is_service) out << DeviceServedText(others.service_status(), *base);
+    out << DeviceFreeItText(is_service);
     return kExitOk;
   }
   const base::Result<device::UsbProbe> probe = device::ProbeUsbBase(bus, *base, {});

@@ -4,8 +4,13 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
+#include "service/base/result.h"
 #include "service/device/usb_bus.h"
+#include "service/device/usb_holders.h"
 
 namespace omni::tools {
 
@@ -13,8 +18,17 @@ namespace omni::tools {
 
 int DeviceList(device::UsbBus& bus, std::ostream& out);
 
-// `serial` empty: the only base there is.
-int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out);
+// Who else may have the base, and the status of the service if it is that; of this machine, and in tests of another
+// one.
+struct OtherPrograms {
+  std::function<std::vector<device::Holder>(const std::string& node)> holders;
+  std::function<base::Result<nlohmann::json>()> service_status;
+};
+OtherPrograms ThoseOfThisMachine();
+
+// `serial` empty: the only base there is. Of a base that omnid holds, what omnid knows.
+int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out,
+               const OtherPrograms& others = ThoseOfThisMachine());
 
 // `agreed` is asked before anything is done to the base; false ends it.
 int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::function<bool()>& agreed,

@@ -1,12 +1,11 @@
 #include "service/tools/device_text.h"
 
-#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
-#include <cstring>
 
 #include "firmware/wire/names.h"
 #include "firmware/wire/scaling.h"
+#include "service/device/base_notes.h"
 
 namespace omni::tools {
 namespace {
@@ -25,13 +24,6 @@ __attribute__((format(printf, 1, 2))) std::string TextOf(const char* format, ...
 }
 
 std::string Titled(const char* title, const std::string& text) { return TextOf("%-12s ", title) + text + "\n"; }
-
-std::string PrintableField(const char* text, std::size_t size) {
-  std::string clean(text, strnlen(text, size));
-  std::replace_if(
-      clean.begin(), clean.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return clean;
-}
 
 // "24.1, 24.0, 23.9"
 template <class Count>
@@ -59,13 +51,6 @@ std::string FaultNames(std::uint32_t faults) {
     if ((faults & fault.fault) != 0) text += (text.empty() ? "" : ", ") + std::string(fault.name);
   }
   return text.empty() ? "none" : text;
-}
-
-std::string KeptFaultText(const wire::FaultEvent& event) {
-  const std::string part = event.part == 255 ? "the whole base" : "part " + std::to_string(event.part);
-  return TextOf("%s, in state %s, %s, value %.4g, %.3f s after its start", wire::FaultName(event.fault),
-                wire::StateName(event.state), part.c_str(), static_cast<double>(event.value),
-                1e-6 * static_cast<double>(event.t_us));
 }
 
 // Sensors of a mask, for people: counted from 0 as in the manifest.
@@ -138,8 +123,8 @@ std::string DeviceListText(const std::vector<ListedBase>& bases) {
 }
 
 std::string DeviceIdentityText(const device::UsbBase& base, const wire::Hello& hello) {
-  std::string text = Titled("base", PrintableField(hello.serial, sizeof hello.serial) + " at port " + base.port + ", " +
-                                        base.speed + ", " + base.node);
+  std::string text = Titled("base", device::PrintableText(hello.serial, sizeof hello.serial) + " at port " + base.port +
+                                        ", " + base.speed + ", " + base.node);
   text += Titled("firmware",
                  FirmwareText(hello.firmware_version) + TextOf("; speaks protocol %d to %d, omni speaks %d",
                                                                hello.version_min, hello.version_max, wire::kVersion));
@@ -165,7 +150,7 @@ std::string DeviceLiveText(const device::UsbProbe& probe) {
   for (const wire::FaultText& fault : wire::Faults()) {
     if ((now.faults & fault.fault) != 0) text += Titled("", std::string(fault.name) + ": " + fault.advice);
   }
-  return text + Titled("kept fault", probe.kept_fault ? KeptFaultText(*probe.kept_fault) : "none");
+  return text + Titled("kept fault", probe.kept_fault ? device::FaultEventText(*probe.kept_fault) : "none");
 }
 
 std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {

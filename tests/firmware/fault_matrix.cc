@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "firmware/wire/names.h"
-#include "tests/firmware/fixed_text.h"
+#include "firmware/board/teensy40/watchdog.h"
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
@@ -11,10 +10,12 @@ namespace {
 
 using wire::State;
 
-constexpr double kZero_A = 0.05;
-constexpr float kArmed_A = 5;
+constexpr double kStep_ms = 1.0 / kStepsPerMs;
 constexpr double kWatch_ms = 4000;
-constexpr double kAfter_ms = 100;
+constexpr double kWatchdog_ms = board::kWatchdogTimeout_us * 1e-3;
+constexpr float kPowerShare = 1.25F;  // limit of all coils together: this far above what they take
+constexpr float kSilenceCurrents_A[] = {1, 5, 10, 15};
+
 constexpr std::uint32_t kAnywhere = 0x1F;
 constexpr std::uint32_t In(State state) { return 1U << static_cast<int>(state); }
 
@@ -26,6 +27,8 @@ struct Cause {
 };
 
 const Cause kCauses[] = {
+    {wire::kFaultNotArmed, "commands without ARM", kAnywhere & ~In(State::kArmed),
+     [](FirmwareBench& b) { b.SetAll(5); }},
     {wire::kFaultHostSilent, "commands end", In(State::kArmed), [](FirmwareBench& b) { b.host_speaks = false; }},
     {wire::kFaultOverTemperature, "board at 90 C", kAnywhere, [](FirmwareBench& b) { b.plant.faults.board_C = 90; }},
     {wire::kFaultOverTemperature, "all copper at 85 C at once", In(State::kArmed),
@@ -57,23 +60,32 @@ const Cause kCauses[] = {
     {wire::kFaultEmergencyStop, "ESTOP", kAnywhere, [](FirmwareBench& b) { b.Send(wire::Estop{}); }},
     {wire::kFaultSelfTest, "a sensor shows no test field", In(State::kBoot),
      [](FirmwareBench& b) { b.plant.faults.test_field_dead = true; }},
+    {wire::kFaultSelfTest, "a coil's voltage reads 1.25 times", In(State::kBoot) | In(State::kSelfTest),
+     [](FirmwareBench& b) { b.plant.faults.voltage_reading = 1.25; }},
+    {wire::kFaultWatchdog, "the firmware hangs", kAnywhere,
+     [](FirmwareBench& b) { b.Reset(ResetCause::kWatchdog, kWatchdog_ms); }},
     {wire::kFaultInternal, "the clock stands", kAnywhere, [](FirmwareBench& b) { b.plant.faults.clock_stands = true; }},
+    {wire::kFaultInternal, "a reset breaks the fault record", kAnywhere,
+     [](FirmwareBench& b) {
+       b.record.check ^= 1;
+       b.Reset(ResetCause::kSoftware);
+     }},
 };
 
 // Brings a base into a state; the self-test at its coil 1, kFault by another fault than the one to come.
-void Bring(FirmwareBench& bench, State state, wire::Fault coming) {
-  if (state == State::kBoot) return bench.RunMs(2);
-  if (state == State::kSelfTest) {
+void Bring(FirmwareBench& bench, const Situation& situation, wire::Fault coming) {
+  if (situation.state == State::kBoot) return bench.RunMs(2);
+  if (situation.state == State::kSelfTest) {
     while (bench.outputs.duty[1] == 0) bench.Step();
     return bench.RunMs(10);
   }
   bench.RunUntil(State::kIdle, 1000);
   bench.RunMs(500);  // the fan has come to speed
-  if (state == State::kIdle) return;
+  if (situation.state == State::kIdle) return;
   bench.Arm();
-  bench.SetAll(kArmed_A);
+  bench.SetAll(situation.current_A);
   bench.RunMs(50);
-  if (state == State::kArmed) return;
+  if (situation.state == State::kArmed) return;
   if (coming == wire::kFaultEmergencyStop) {
     bench.plant.SetSupply(8);
     bench.RunMs(50);
@@ -84,57 +96,36 @@ void Bring(FirmwareBench& bench, State state, wire::Fault coming) {
   bench.RunMs(100);
 }
 
-MatrixCell Measure(const Cause& cause, State state) {
+// So that coils at the situation's current are near the limit of all together.
+Settings SettingsFor(const Situation& situation) {
   Settings settings;
-  settings.power_max_W = 60;  // so that three coils at 5 A are near it
-  FirmwareBench bench(settings);
-  Bring(bench, state, cause.fault);
-  MatrixCell cell;
-  cell.state = state;
-  cell.happens = true;
+  float power_W = 0;
+  for (const CoilSettings& coil : settings.coils) {
+    power_W += situation.current_A * situation.current_A * coil.resistance_20C_ohm;
+  }
+  if (power_W > 0) settings.power_max_W = Min(settings.power_max_W, kPowerShare * power_W);
+  return settings;
+}
+
+MatrixCell Measure(const Cause& cause, const Situation& situation) {
+  FirmwareBench bench(SettingsFor(situation));
+  Bring(bench, situation, cause.fault);
+  MatrixCell cell{.situation = situation, .happens = true};
   cause.happen(bench);
   double after_ms = 0;
-  for (double ms = 0; ms < kWatch_ms && after_ms < kAfter_ms; ms += 0.25) {
+  for (double ms = 0; ms < kWatch_ms && after_ms < kAfter_ms; ms += kStep_ms) {
     if (!cell.detected && (bench.core.faults() & cause.fault) != 0) {
       cell.detected = true;
       cell.detected_ms = ms;
     }
-    if (bench.plant.largest_A() > kZero_A) cell.zero_ms = ms + 0.25;
-    if (cell.detected) after_ms += 0.25;
+    if (bench.plant.largest_A() > kZero_A) cell.zero_ms = ms + kStep_ms;
+    if (cell.detected) after_ms += kStep_ms;
     bench.Step();
   }
   cell.left_A = bench.plant.largest_A();
   const Outputs& out = bench.outputs;
   cell.resting = out.awake == 0 && out.duty[0] == 0 && out.duty[1] == 0 && out.duty[2] == 0;
   return cell;
-}
-
-const char* ReactionText(Reaction reaction) {
-  switch (reaction) {
-    case Reaction::kNone:
-      return "none";
-    case Reaction::kRamp:
-      return "ramp";
-    case Reaction::kBrake:
-      return "brake";
-  }
-  return "";
-}
-
-std::string HoldText(const FaultRule& rule) {
-  if (rule.fault == wire::kFaultHostSilent) return "time to live";
-  if (rule.fault == wire::kFaultHallStuck || rule.fault == wire::kFaultHallJump) {
-    return std::to_string(rule.hold) + " samples";
-  }
-  if (rule.hold == 1) return "1 step";
-  return Fixed(rule.hold * 0.25, rule.hold % 4 == 0 ? 0 : 1) + " ms";
-}
-
-std::string RetestText(const FaultRule& rule) {
-  if (rule.retest == (kRetestHall | kRetestCoils)) return "self-test";
-  if (rule.retest == kRetestHall) return "Hall self-test";
-  if (rule.retest == kRetestCoils) return "coil self-test";
-  return "cause gone";
 }
 
 }  // namespace
@@ -145,60 +136,37 @@ std::vector<MatrixRow> MeasureFaultMatrix() {
     MatrixRow row;
     row.fault = cause.fault;
     row.cause = cause.text;
-    for (int i = 0; i <= static_cast<int>(State::kFault); ++i) {
-      const State state = static_cast<State>(i);
-      MatrixCell cell;
-      cell.state = state;
-      if ((cause.states & In(state)) != 0) cell = Measure(cause, state);
-      row.cells.push_back(cell);
+    for (const Situation& situation : kSituations) {
+      const bool happens = (cause.states & In(situation.state)) != 0;
+      row.cells.push_back(happens ? Measure(cause, situation) : MatrixCell{.situation = situation});
     }
     rows.push_back(row);
   }
   return rows;
 }
 
-std::string FaultPage(const std::vector<MatrixRow>& rows) {
-  std::string page =
-      "# Faults\n\nPrinted by the target `fault_matrix` from `firmware/core/fault_rules.h` and from runs of the "
-      "control "
-      "core against a\nsimulated base in virtual time. A test compares.\n\n"
-      "## Rules\n\n`hold`: how long the condition must last. `ramp`: currents to zero within 5 ms, then brake; "
-      "`brake`: at "
-      "once, windings\nshorted. 10 ms of braking later the bridges sleep. A fault stays until ARM finds what the last "
-      "column says; a self-test is\nstarted by ARM, which is refused until it has passed.\n\n"
-      "| fault | hold | coils | ARM wants |\n|---|---|---|---|\n";
-  for (const FaultRule& rule : kFaultRules) {
-    page += std::string("| ") + wire::FaultName(rule.fault) + " | " + HoldText(rule) + " | " +
-            ReactionText(rule.reaction) + " | " + RetestText(rule) + " |\n";
-  }
-  page +=
-      "\n## Reactions\n\nPer state in ms from the cause: until the fault bit / until every coil stays below 50 mA (0: "
-      "none "
-      "had more). Armed: 5 A in\nall coils at 18 V; self-test: 1 A in the coil that is tried. `left`: the largest "
-      "current "
-      "of any coil and state 100 ms after\nthe bit; the bridges sleep by then. `-`: this state cannot see it.\n\n"
-      "| fault | cause | boot | self-test | idle | armed | fault | left, mA |\n|---|---|---|---|---|---|---|---|\n";
-  for (const MatrixRow& row : rows) {
-    page += std::string("| ") + wire::FaultName(row.fault) + " | " + row.cause + " |";
-    double left_A = 0;
-    for (const MatrixCell& cell : row.cells) {
-      left_A = std::max(left_A, cell.left_A);
-      if (!cell.happens) {
-        page += " - |";
-      } else if (!cell.detected) {
-        page += " never |";
-      } else {
-        page += " " + Fixed(cell.detected_ms, 2) + " / " + Fixed(cell.zero_ms, 2) + " |";
+std::vector<SilenceRow> MeasureSilence() {
+  std::vector<SilenceRow> rows;
+  for (const float current_A : kSilenceCurrents_A) {
+    SilenceRow row;
+    row.current_A = current_A;
+    for (const double supply_V : kSupplies_V) {
+      FirmwareBench bench({}, {.supply_V = supply_V});
+      bench.RunToArmed();
+      bench.SetAll(current_A);
+      bench.RunMs(50);
+      bench.host_speaks = false;  // the last one came in the step before
+      double zero_ms = 0;
+      for (double ms = 0; ms < kAfter_ms; ms += kStep_ms) {
+        if (bench.plant.largest_A() > kZero_A) zero_ms = ms + kStep_ms;
+        bench.Step();
       }
+      row.zero_ms.push_back(zero_ms);
+      row.left_A = std::max(row.left_A, bench.plant.largest_A());
     }
-    page += " " + Fixed(1000 * left_A, 0) + " |\n";
+    rows.push_back(row);
   }
-  page +=
-      "\n`not armed` is no failure but the state of a base that nobody has armed. `watchdog` is known at boot from the "
-      "reset's\ncause, and so is a fault record that did not survive it (`internal`); both end the self-test in the "
-      "state "
-      "fault.\n";
-  return page;
+  return rows;
 }
 
 }  // namespace omni::firmware

@@ -1,4 +1,5 @@
 // Every fault in every state: how long until the base says so, until the currents are gone, and what is left of them.
+// And a host that falls silent, at every current.
 #pragma once
 
 #include <string>
@@ -8,26 +9,48 @@
 
 namespace omni::firmware {
 
+// Where a fault may find a base.
+struct Situation {
+  wire::State state;
+  float current_A;  // in all coils, where it is armed
+  const char* name;
+};
+constexpr Situation kSituations[] = {
+    {wire::State::kBoot, 0, "boot"},        {wire::State::kSelfTest, 0, "self-test"}, {wire::State::kIdle, 0, "idle"},
+    {wire::State::kArmed, 5, "armed, 5 A"}, {wire::State::kArmed, 15, "armed, 15 A"}, {wire::State::kFault, 0, "fault"},
+};
+
 struct MatrixCell {
-  wire::State state = wire::State::kBoot;
-  bool happens = false;  // false: this state cannot see this fault
+  Situation situation;
+  bool happens = false;  // false: it cannot have this fault there
   bool detected = false;
   double detected_ms = 0;  // from the cause to the fault bit
-  double zero_ms = 0;      // from the cause until every coil stays below 50 mA
-  double left_A = 0;       // largest current of a coil 100 ms after the bit
+  double zero_ms = 0;      // from the cause until every coil stays below kZero_A
+  double left_A = 0;       // largest current of a coil kAfter_ms after the bit
   bool resting = false;    // by then the bridges sleep and no duty is given
 };
 
 struct MatrixRow {
   wire::Fault fault = wire::kFaultInternal;
   std::string cause;
-  std::vector<MatrixCell> cells;  // boot, self-test, idle, armed, fault
+  std::vector<MatrixCell> cells;  // in the order of kSituations
 };
 
-// All coils at 5 A where armed, one at 1 A in the self-test.
+// A host's last COMMAND, at one current in all coils.
+struct SilenceRow {
+  float current_A = 0;
+  std::vector<double> zero_ms;  // from that COMMAND until every coil stays below kZero_A; in the order of kSupplies_V
+  double left_A = 0;            // of any of them, kAfter_ms later
+};
+
+constexpr double kZero_A = 0.05;
+constexpr double kAfter_ms = 100;
+constexpr double kSupplies_V[] = {12, 18, 24};
+
 std::vector<MatrixRow> MeasureFaultMatrix();
+std::vector<SilenceRow> MeasureSilence();
 
 // docs/protocol/faults.md
-std::string FaultPage(const std::vector<MatrixRow>& rows);
+std::string FaultPage(const std::vector<MatrixRow>& rows, const std::vector<SilenceRow>& silence);
 
 }  // namespace omni::firmware

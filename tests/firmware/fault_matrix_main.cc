@@ -4,6 +4,7 @@
 #include "tests/firmware/fault_matrix.h"
 
 int main() {
-  std::fputs(omni::firmware::FaultPage(omni::firmware::MeasureFaultMatrix()).c_str(), stdout);
+  using namespace omni::firmware;
+  std::fputs(FaultPage(MeasureFaultMatrix(), MeasureSilence()).c_str(), stdout);
   return 0;
 }

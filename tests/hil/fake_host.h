@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
+#include "service/device/command_life.h"
 #include "tests/hil/chain.h"
 
 namespace omni::hil {
@@ -64,6 +65,7 @@ class FakeHost {
     wire::Command command;
     command.mode = wire::Mode::kCurrent;
     for (std::size_t k = 0; k < 3; ++k) command.set_point_A[k] = set_point_A[k];
+    command.time_to_live_ms = device::TimeToLive_ms(command.set_point_A);
     Send(command);
   }
 

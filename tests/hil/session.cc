@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "firmware/wire/scaling.h"
+#include "service/device/command_life.h"
 
 namespace omni::hil {
 namespace {
@@ -115,7 +116,7 @@ wire::Command Session::CommandNow() {
   wire::Command command;
   const bool is_armed = telemetry_.state == wire::State::kArmed;
   command.mode = is_armed ? wire::Mode::kCurrent : wire::Mode::kOff;
-  command.time_to_live_ms = wire::kTimeToLiveMax_ms;
+  command.time_to_live_ms = device::kCommandTimeToLive_ms;
   command.host_us = now_us_;
   command.echo_device_us = now_us_;
   const double t_s = 1e-6 * static_cast<double>(now_us_);

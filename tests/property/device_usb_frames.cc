@@ -1,5 +1,5 @@
 // A base that says anything: whatever frames come, nothing crashes, scans are finite, and what leaves the host is
-// either harmless or a valid set-point for a base that says it is armed. OMNI_FUZZ_FRAMES=10000000 for a long run.
+// either harmless or a valid set-point for a base that says it is armed. scripts/fuzz asks for more, by OMNI_FUZZ.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "service/device/usb_session.h"
 #include "tests/support/fake_usb.h"
@@ -20,7 +21,7 @@ using test::UsbFrame;
 constexpr float kCurrentMax_A = 15;
 
 std::uint64_t Frames() {
-  const char* wanted = std::getenv("OMNI_FUZZ_FRAMES");
+  const char* wanted = std::getenv("OMNI_FUZZ");
   return wanted == nullptr ? 200'000 : std::strtoull(wanted, nullptr, 10);
 }
 
@@ -29,7 +30,7 @@ class Liar {
   explicit Liar(std::uint32_t seed) : random_(seed) {}
 
   UsbFrame Next() {
-    switch (Below(8)) {
+    switch (Below(9)) {
       case 0:
         return Noise(Below(600));
       case 1:
@@ -41,7 +42,10 @@ class Liar {
         frame[Below(frame.size())] ^= static_cast<std::uint8_t>(1U << Below(8));
         return frame;
       }
-      case 4: {
+      case 4:
+        if (Below(2) == 0) return base_.Frame(Note<wire::FaultEvent>());
+        return base_.Frame(Note<wire::Log>());
+      case 5: {
         wire::Arm arm;
         arm.step = static_cast<wire::ArmStep>(1 + Below(5));
         arm.nonce = static_cast<std::uint32_t>(random_());
@@ -74,6 +78,25 @@ class Liar {
   std::size_t Below(std::size_t n) { return random_() % n; }
 
  private:
+  // Any bytes that its encoder takes.
+  template <class Message>
+  Message Note() {
+    for (;;) {
+      UsbFrame frame = Noise(wire::FrameSize<Message>());
+      frame[wire::kHeaderSize] = static_cast<std::uint8_t>(Below(4));                          // of LOG: its level
+      frame[wire::kHeaderSize + 1] = static_cast<std::uint8_t>(Below(wire::kLogTextMax + 1));  // its size
+      frame[wire::kHeaderSize + 8] = static_cast<std::uint8_t>(Below(5));                      // of FAULT: its state
+      wire::Header header;
+      header.type = Message::kType;
+      wire::SealFrame(header, wire::PayloadSize<Message>(), frame.data(), frame.size());
+      wire::FrameView view;
+      Message message;
+      if (wire::OpenFrame(frame.data(), frame.size(), view) == wire::Status::kOk &&
+          wire::Decode(view, message) == wire::Status::kOk) {
+        return message;
+      }
+    }
+  }
   UsbFrame Noise(std::size_t size) {
     UsbFrame frame(size);
     for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random_());
@@ -104,6 +127,18 @@ void ExpectSane(const base::HallScan& scan) {
     ASSERT_TRUE(std::isfinite(scan.coil_current_A[k]) && std::isfinite(scan.coil_temperature_C[k]));
   }
   ASSERT_EQ(scan.saturated_mask >> (3 * base::kSensorCount), 0U);
+}
+
+// As omnid tells people: one line of printable characters.
+std::size_t TakeNotes(UsbSession& session) {
+  std::size_t count = 0;
+  for (BaseNote note; session.TakeNote(note); ++count) {
+    const std::string text = note.type == wire::MessageType::kFault ? FaultEventText(note.fault)
+                                                                    : PrintableText(note.log.text, note.log.size);
+    EXPECT_LT(text.size(), 200U);
+    for (const char c : text) EXPECT_TRUE(c >= ' ' && c <= '~') << static_cast<int>(c);
+  }
+  return count;
 }
 
 // Takes everything the session wants to send; true: there was a set-point among it.
@@ -142,7 +177,7 @@ std::unique_ptr<UsbSession> Open(Liar& liar) {
 TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
   Liar liar(20261121);
   std::unique_ptr<UsbSession> session = Open(liar);
-  std::uint64_t scans = 0, drives = 0, refused = 0, reopened = 0;
+  std::uint64_t scans = 0, drives = 0, refused = 0, reopened = 0, notes = 0;
   const std::uint64_t frames = Frames();
   for (std::uint64_t i = 0; i < frames && !testing::Test::HasFailure(); ++i) {
     const UsbFrame frame = liar.Next();
@@ -155,6 +190,7 @@ TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
     }
     session->Write({{liar.Current_A(), liar.Current_A(), liar.Current_A()}});
     drives += CheckSent(*session) ? 1 : 0;
+    notes += TakeNotes(*session);
     if (read != ReadStatus::kGone && liar.Below(2000) != 0) continue;
     refused += session->counters().bad_frames;
     session = Open(liar);
@@ -165,7 +201,14 @@ TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
   EXPECT_GT(drives, frames / 1000);
   EXPECT_GT(refused, frames / 20);
   EXPECT_GT(reopened, frames / 5000);
-  RecordProperty("frames", std::to_string(frames));
+  EXPECT_GT(notes, frames / 20);
+  for (const auto& [name, value] : {std::pair<const char*, std::uint64_t>{"frames", frames},
+                                    {"refused", refused},
+                                    {"scans", scans},
+                                    {"commands_checked", drives},
+                                    {"notes", notes}}) {
+    RecordProperty(name, std::to_string(value));
+  }
 }
 
 // The same before HELLO: only a HELLO that decodes is taken, and nothing but questions leaves.

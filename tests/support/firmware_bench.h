@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <new>
 #include <string>
 #include <vector>
 
 #include "firmware/core/core.h"
+#include "service/device/command_life.h"
 #include "tests/support/firmware_plant.h"
 
 namespace omni::firmware {
@@ -16,14 +18,21 @@ class FirmwareBench {
  public:
   explicit FirmwareBench(const Settings& settings = {}, const FirmwarePlant::Options& options = {},
                          ResetCause cause = ResetCause::kPower, const FaultRecord& record_before = {})
-      : record(record_before), core(settings, cause, 12345, record), plant(settings, options) {}
+      : record(record_before),
+        core(settings, cause, kNonceSeed, record),
+        plant(settings, options),
+        settings_(settings) {}
 
   // One control step, and the frames that follow it.
   void Step() {
-    core.Step(plant.Step(outputs), outputs);
     ++steps_;
-    Fetch();
-    if (host_speaks && steps_ % kStepsPerTick == 0) SendCommand();
+    if (start_steps_ > 0) {
+      StepReset();
+    } else {
+      core.Step(plant.Step(outputs), outputs);
+      Fetch();
+    }
+    if (host_speaks && start_steps_ == 0 && steps_ % kStepsPerTick == 0) SendCommand();
     if (each_step) each_step();
   }
   void RunMs(double milliseconds) {
@@ -67,6 +76,7 @@ class FirmwareBench {
     wire::Command command;
     command.mode = wire::Mode::kCurrent;
     command.host_us = steps_ * kStepPeriod_us;
+    command.time_to_live_ms = time_to_live_ms;
     for (int k = 0; k < wire::kCoils; ++k) command.set_point_A[k] = set_point_A[k];
     return command;
   }
@@ -104,6 +114,13 @@ class FirmwareBench {
     Take(answer);
     return answer;
   }
+  // The micro-controller computes nothing for `hang_ms`, its pins as they are, and starts again. Meanwhile the board's
+  // pull-downs brake (firmware/README.md, pins PWM and SLP). Plant, host and record stay.
+  void Reset(ResetCause cause, double hang_ms = 0) {
+    reset_cause_ = cause;
+    hang_steps_ = static_cast<int>(hang_ms * kStepsPerMs);
+    start_steps_ = kStart_steps;
+  }
   // Boot, self-test, two steps.
   bool RunToArmed() { return RunUntil(wire::State::kIdle, 1000) && Arm().step == wire::ArmStep::kArmed; }
 
@@ -112,6 +129,7 @@ class FirmwareBench {
   FirmwarePlant plant;
   Outputs outputs;
   bool host_speaks = true;
+  std::uint16_t time_to_live_ms = device::kCommandTimeToLive_ms;
   float set_point_A[wire::kCoils] = {};
   std::uint16_t seq = 0;
   std::function<void()> each_step;
@@ -123,6 +141,27 @@ class FirmwareBench {
   std::vector<Bytes> answers;
 
  private:
+  static constexpr std::uint32_t kNonceSeed = 12345;
+  static constexpr int kStart_steps = 10 * kStepsPerMs;  // at least; SLP stays up for that long
+
+  void StepReset() {
+    if (hang_steps_ > 0) {
+      --hang_steps_;
+    } else {
+      outputs = Outputs{};
+      outputs.awake = (1U << wire::kCoils) - 1;
+      --start_steps_;
+    }
+    plant.Step(outputs);
+    if (start_steps_ > 0) return;
+    core.~Core();
+    new (&core) Core(settings_, reset_cause_, ++nonce_seed_, record);
+  }
+
+  Settings settings_;
+  std::uint32_t nonce_seed_ = kNonceSeed;
+  ResetCause reset_cause_ = ResetCause::kPower;
+  int hang_steps_ = 0, start_steps_ = 0;
   std::uint64_t steps_ = 0;
 };
 

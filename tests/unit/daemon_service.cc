@@ -184,6 +184,7 @@ TEST_F(ServiceTest, StatusSaysWhatIsThere) {
   }
   EXPECT_EQ(status["aligned"], false);
   EXPECT_EQ(status["device"]["name"], "quiet");
+  EXPECT_EQ(status["device"]["state"], "boot") << "it has said nothing of itself";
   service_.Detach("unplugged");
   EXPECT_EQ(Status()["device"]["absent"], "unplugged");
   EXPECT_TRUE(loop_->finished());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
+#include "service/device/command_life.h"
 #include "service/device/socket_transport.h"
 
 namespace omni::device {
@@ -140,8 +141,13 @@ TEST(SocketTransport, WriteSendsACommandThatTheDeviceAccepts) {
   EXPECT_EQ(command.mode, wire::Mode::kCurrent);
   EXPECT_EQ(command.set_point_A[1], -2.25F);
   EXPECT_EQ(command.echo_device_us, 4242U);
-  EXPECT_EQ(command.time_to_live_ms, wire::kTimeToLiveMax_ms);
+  EXPECT_EQ(command.time_to_live_ms, kCommandTimeToLive_ms);
   EXPECT_EQ(transport->counters().sent, 1U);
+  ASSERT_TRUE(transport->Write({}));
+  const Frame zero = peer.Receive();
+  ASSERT_EQ(wire::OpenFrame(zero.data(), zero.size(), view), wire::Status::kOk);
+  ASSERT_EQ(wire::DecodeCommand(view, 15, command), wire::Status::kOk);
+  EXPECT_EQ(command.time_to_live_ms, wire::kTimeToLiveMax_ms) << "nothing to take away: a resting tick keeps it awake";
 }
 
 TEST(SocketTransport, ArmsABaseThatAsksForIt) {

@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <thread>
 
+#include "service/device/command_life.h"
 #include "service/device/usb_session.h"
 #include "tests/support/fake_usb.h"
 
@@ -92,7 +94,7 @@ TEST_F(UsbSessionTest, ArmsInTwoStepsAndSendsSetPointsOnlyThen) {
   EXPECT_EQ(base_.commands.front().set_point_A[2], 0);
   EXPECT_EQ(base_.commands.back().mode, wire::Mode::kCurrent);
   EXPECT_EQ(base_.commands.back().set_point_A[2], 3);
-  EXPECT_EQ(base_.commands.back().time_to_live_ms, wire::kTimeToLiveMax_ms);
+  EXPECT_EQ(base_.commands.back().time_to_live_ms, kCommandTimeToLive_ms);
   EXPECT_EQ(base_.bad, 0);
 }
 
@@ -249,6 +251,57 @@ TEST_F(UsbSessionTest, OnlyZeroIsSaidAgainAndNotForLong) {
   Live(1, {{0, 0.001, 0}});
   written_ns = base::MonotonicNow_ns();
   EXPECT_EQ(again(6), 0U) << "a current is never said twice";
+}
+
+// Those of before Begin, too: a base says at its start what is wrong.
+TEST_F(UsbSessionTest, FaultAndLogFramesWaitForWhoTellsPeople) {
+  BaseNote note;
+  EXPECT_FALSE(session_.TakeNote(note));
+  wire::Log line;
+  line.level = wire::LogLevel::kWarning;
+  line.size = 5;
+  std::memcpy(line.text, "hello", 5);
+  const UsbFrame early = base_.Frame(line);
+  session_.OnFrame(early.data(), early.size(), base::MonotonicNow_ns());
+  Begin();
+  link_.Give(base_.Frame(FakeBase::KeptFault()));
+  Live(3);
+  ASSERT_TRUE(session_.TakeNote(note));
+  EXPECT_EQ(note.type, wire::MessageType::kLog);
+  EXPECT_EQ(PrintableText(note.log.text, note.log.size), "hello");
+  ASSERT_TRUE(session_.TakeNote(note));
+  EXPECT_EQ(note.type, wire::MessageType::kFault);
+  EXPECT_EQ(note.fault.part, 2);
+  EXPECT_EQ(note.lost_before, 0U);
+  EXPECT_FALSE(session_.TakeNote(note));
+  EXPECT_EQ(session_.counters().bad_frames, 0U);
+}
+
+TEST_F(UsbSessionTest, NotesWithoutRoomAreCounted) {
+  Begin();
+  constexpr std::size_t kMore = 7;
+  for (std::size_t i = 0; i < BaseNotes::kCapacity + kMore; ++i) link_.Give(base_.Frame(FakeBase::KeptFault()));
+  BaseNote note;
+  for (std::size_t i = 0; i < BaseNotes::kCapacity; ++i) ASSERT_TRUE(session_.TakeNote(note)) << i;
+  EXPECT_FALSE(session_.TakeNote(note));
+  link_.Give(base_.Frame(FakeBase::KeptFault()));
+  ASSERT_TRUE(session_.TakeNote(note));
+  EXPECT_EQ(note.lost_before, kMore);
+}
+
+TEST_F(UsbSessionTest, ANoteThatIsNoneIsABadFrame) {
+  Begin();
+  UsbFrame frame = base_.Frame(wire::Log{});
+  frame[wire::kHeaderSize] = 9;  // a level that does not exist
+  wire::Header header;
+  header.type = wire::MessageType::kLog;
+  header.seq = base_.seq++;
+  frame.resize(wire::kFrameSizeMax);
+  frame.resize(wire::SealFrame(header, wire::PayloadSize<wire::Log>(), frame.data(), frame.size()).size);
+  link_.Give(frame);
+  BaseNote note;
+  EXPECT_FALSE(session_.TakeNote(note));
+  EXPECT_EQ(session_.counters().bad_frames, 1U);
 }
 
 TEST_F(UsbSessionTest, BadSetPointsNeverLeave) {

@@ -1,6 +1,8 @@
 // Currents where they cannot do what is asked, and as the host streams them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tests/support/firmware_bench.h"
@@ -142,7 +144,9 @@ TEST(FirmwareCurrent, TelemetrySaysTheCurrentAtTheEndOfEachControlStep) {
   double worst_A = 0, worst_of_means_A = 0;
   int compared = 0, telemetry_count = bench.telemetry_count;
   bench.each_step = [&] {
-    if (bench.telemetry_count != telemetry_count) {  // it was made before the plant moved on
+    std::rotate(true_A.begin(), true_A.begin() + 1, true_A.end());
+    for (int k = 0; k < 3; ++k) true_A.back()[static_cast<std::size_t>(k)] = bench.plant.current_A(k);
+    if (bench.telemetry_count != telemetry_count) {
       for (std::size_t step = 0; step < kStepsPerTick; ++step) {
         for (std::size_t k = 0; k < 3; ++k) {
           const double told_A = bench.telemetry.current[step][k] * wire::kCurrentUnit_A;
@@ -153,8 +157,6 @@ TEST(FirmwareCurrent, TelemetrySaysTheCurrentAtTheEndOfEachControlStep) {
       ++compared;
     }
     telemetry_count = bench.telemetry_count;
-    std::rotate(true_A.begin(), true_A.begin() + 1, true_A.end());
-    for (int k = 0; k < 3; ++k) true_A.back()[static_cast<std::size_t>(k)] = bench.plant.current_A(k);
   };
   for (int ms = 0; ms < 100; ++ms) {
     for (int k = 0; k < 3; ++k) bench.set_point_A[k] = static_cast<float>(6 * std::sin(0.7 * ms + k));

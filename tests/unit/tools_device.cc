@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
 #include "firmware/wire/names.h"
 #include "service/tools/command_line.h"
 #include "service/tools/device_command.h"
@@ -70,7 +72,55 @@ TEST(ToolsDevice, InfoNamesFaultsWithAdviceAndTheKeptOne) {
   EXPECT_EQ(done.status, kExitOk) << done.err;
   ExpectHas(done.out, {"A17 at port 1-1", "1.2; speaks protocol 1 to 1", "15.00 A a coil", "42.1", "18.00 V",
                        wire::FaultName(wire::kFaultFan), wire::FaultAdvice(wire::kFaultFan),
-                       wire::FaultName(wire::kFaultOverTemperature), "part 2", "71.5", "12.346 s"});
+                       "over temperature at coil 2, 71.5 C, in state armed, 12.346 s"});
+}
+
+OtherPrograms Held(const std::vector<device::Holder>& holders, const base::Result<nlohmann::json>& status) {
+  return {.holders = [=](const std::string&) { return holders; }, .service_status = [=] { return status; }};
+}
+
+nlohmann::json ServiceStatus(const std::string& serial) {
+  return {{"device",
+           {{"serial", serial},
+            {"state", "fault"},
+            {"faults", {"fan stands"}},
+            {"waits_for_person", true},
+            {"received", 1234},
+            {"missed", 0},
+            {"bad_frames", 2}}}};
+}
+
+// The service holds the base: endpoint 0 says who it is, the service how it is, and nothing is claimed.
+TEST(ToolsDevice, InfoOfABaseThatTheServiceHoldsAsksTheService) {
+  FakeUsbBus bus;
+  FakeUsbBus::Entry& entry = bus.Add("A17");
+  entry.open_error = "it must not be opened";
+  const Done done = Do([&](std::ostream& out) {
+    return DeviceInfo(bus, "", out, Held({{.pid = 12, .name = "omnid"}}, ServiceStatus("A17")));
+  });
+  EXPECT_EQ(done.status, kExitOk) << done.err;
+  ExpectHas(done.out, {"A17 at port 1-1", "held by      omnid (pid 12)\n", "state        fault\n",
+                       "faults       fan stands\n", wire::FaultAdvice(wire::kFaultFan), "omni device selftest",
+                       "1234 frames came, 0 lost, 2 bad", "systemctl --user stop omnid"});
+}
+
+TEST(ToolsDevice, InfoOfAHeldBaseSaysWhyTheServiceDoesNotTell) {
+  FakeUsbBus bus;
+  bus.Add("A17");
+  const auto info = [&](const std::string& holder, const base::Result<nlohmann::json>& status) {
+    const Done done =
+        Do([&](std::ostream& out) { return DeviceInfo(bus, "", out, Held({{.pid = 7, .name = holder}}, status)); });
+    EXPECT_EQ(done.status, kExitOk) << done.err;
+    return done.out;
+  };
+  ExpectHas(info("omnid", base::Error{"omnid does not answer at /x"}),
+            {"omnid (pid 7)", "omnid does not answer at /x"});
+  const std::string other = info("omnid", ServiceStatus("B2"));
+  ExpectHas(other, {"another base", "systemctl --user stop omnid"});
+  EXPECT_EQ(other.find("fan stands"), std::string::npos) << other;
+  const std::string stranger = info("bench", ServiceStatus("A17"));
+  ExpectHas(stranger, {"bench (pid 7)", "end that program"});
+  EXPECT_EQ(stranger.find("fan stands"), std::string::npos) << stranger;
 }
 
 TEST(ToolsDevice, InfoOfTwoBasesAsksForASerial) {
