@@ -18,3 +18,10 @@ if(UMOCKDEV_FOUND AND LIBUSB_FOUND)
   omni_hil_test(scenarios LIVE DEPS omni_tools omni_hil_board omni_wire nlohmann_json::nlohmann_json)
   add_dependencies(test_hil_scenarios omni_hil omnid)
 endif()
+
+# omni_deep: a base on a USB port of an emulated computer (scripts/test --deep).
+pkg_check_modules(USBREDIR IMPORTED_TARGET libusbredirparser-0.5)
+if(USBREDIR_FOUND)
+  add_executable(omni_deep deep/deep_main.cc deep/redir_port.cc host_process.cc)
+  target_link_libraries(omni_deep PRIVATE omni_hil_chain omni_config omni_drivers CLI11::CLI11 PkgConfig::USBREDIR)
+endif()
