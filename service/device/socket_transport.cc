@@ -178,11 +178,8 @@ class SocketTransport final : public Transport {
   std::uint64_t newest_device_us_ = 0;
   std::uint16_t command_seq_ = 0, arm_seq_ = 0;
   Arming arming_;
-<<<<<<< HEAD
   ResponseTime response_;
-=======
   BaseNotes notes_;
->>>>>>> c31c4e7a8155ec68445389934aabd704727896ef
 };
 
 // Why there is no connection; `seen` is what the last frame was.

@@ -8,7 +8,6 @@
 namespace omni::sim {
 namespace {
 
-constexpr std::int64_t kBootMax_ns = 2'000'000'000;
 constexpr std::int64_t kBoot_ns = 400'000'000;  // self-test included
 constexpr std::uint32_t kNonceSeed = 1;
 
@@ -49,7 +48,7 @@ PlantOptions PlantOptionsOf(const TwinOptions& options) {
 TwinCore::TwinCore(const base::DeviceGeometry& device, const PlantOptions& options, std::int64_t clock_offset_ns)
     : plant_(device, StartedEarly(options)),
       core_(SettingsOf(device), firmware::ResetCause::kPower, kNonceSeed, record_),
-      clock_offset_ns_(std::max(clock_offset_ns, kBootMax_ns)),
+      clock_offset_ns_(std::max(clock_offset_ns, kBoot_ns - options.start_ns)),
       current_max_A_(static_cast<float>(device.current_max_A)) {
   std::uint8_t frame[wire::kFrameSizeMax];
   while (plant_.now_ns() < options.start_ns) {

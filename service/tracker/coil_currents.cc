@@ -75,7 +75,7 @@ CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previo
 
 CoilCurrents::CoilCurrents(const base::HallScan& scan, const CurrentHistory& previous, const CurrentHistory& now,
                            double mean_age_s) noexcept
-    : now_(now), mean_age_s_(mean_age_s), plausible_(ArePlausible(scan.coil_current_A)) {
+    : mean_A_(scan.coil_current_A), now_(now), mean_age_s_(mean_age_s), plausible_(ArePlausible(scan.coil_current_A)) {
   if (!plausible_) return;
   if (!now.has_steps) rate_A_s_ = RateOfMeans(scan, previous);
   for (std::size_t k = 0; k < change_A_.size(); ++k) {
@@ -92,7 +92,7 @@ CurrentInstant CoilCurrents::At(double age_s) const noexcept {
   if (!now_.has_steps) {
     instant.rate_A_s = rate_A_s_;
     for (std::size_t k = 0; k < instant.current_A.size(); ++k) {
-      instant.current_A[k] = now_.coil_current_A[k] + rate_A_s_[k] * (mean_age_s_ - before_end_s);
+      instant.current_A[k] = mean_A_[k] + rate_A_s_[k] * (mean_age_s_ - before_end_s);
     }
     return instant;
   }

@@ -36,7 +36,7 @@ struct CurrentInstant {
 // Of one scan.
 class CoilCurrents {
  public:
-  // `now` = Remember(scan, previous). `mean_age_s`: means lie this long before the tick's end.
+  // `now` = Remember(scan, previous); all outlive this. `mean_age_s`: means lie this long before the tick's end.
   CoilCurrents(const base::HallScan& scan, const CurrentHistory& previous, const CurrentHistory& now,
                double mean_age_s) noexcept;
 
@@ -49,6 +49,7 @@ class CoilCurrents {
   const Currents& change_A() const noexcept { return change_A_; }
 
  private:
+  const Currents& mean_A_;
   const CurrentHistory& now_;
   double mean_age_s_;
   Currents rate_A_s_{};  // of the means

@@ -43,6 +43,7 @@ TEST(Stress, EveryFaultChangesTheScan) {
     for (std::size_t i = 0; i < good.field_sensor_T.size(); ++i) {
       differs = differs || !(scan.field_sensor_T[i] == good.field_sensor_T[i]);
     }
+    differs = differs || scan.step_current_A != good.step_current_A || scan.tick_lead_ns != good.tick_lead_ns;
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
       differs = differs || !(scan.coil_current_A[k] == 0) || !(scan.coil_temperature_C[k] == 0);
     }

@@ -195,10 +195,12 @@ TEST_F(TrackerUpdate, ChangingCurrentsAreTakenAtEachSensorsInstant) {
 // each sensor sampled, up to two ticks back; its mean would be wrong by amperes.
 TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
   noise_scale = 0;
-  const auto knot_A = [](std::int64_t j) { return std::array<double, 3>{j % 2 != 0 ? 5.0 : 0.0, j % 3 - 1.0, 2.0}; };
-  const auto at_A = [&](std::int64_t t_ns) {
-    const std::int64_t j = t_ns / 250'000;
-    const double share = static_cast<double>(t_ns % 250'000) / 250e3;
+  const auto knot_A = [](std::int64_t j) {
+    return std::array<double, 3>{j % 2 != 0 ? 5.0 : 0.0, static_cast<double>(j % 3) - 1, 2.0};
+  };
+  const auto at_A = [&](std::int64_t then_ns) {
+    const std::int64_t j = then_ns / 250'000;
+    const double share = static_cast<double>(then_ns % 250'000) / 250e3;
     std::array<double, 3> now_A = knot_A(j);
     for (std::size_t k = 0; k < 3; ++k) now_A[k] += share * (knot_A(j + 1)[k] - knot_A(j)[k]);
     return now_A;
@@ -208,7 +210,8 @@ TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
     scan.sequence = static_cast<std::uint64_t>(i);
     scan.has_steps = 1;
     scan.tick_lead_ns = 1000 * ((37 * i) % 400);
-    const std::int64_t end_ns = scan.t_ns + scan.tick_lead_ns;
+    const std::int64_t end_ns = scan.t_ns;  // ticks are even, stamps are not
+    scan.t_ns -= scan.tick_lead_ns;
     for (std::size_t s = 0; s < base::kStepsPerTick; ++s) {
       scan.step_current_A[s] = at_A(end_ns - 250'000 * static_cast<std::int64_t>(base::kStepsPerTick - 1 - s));
     }
@@ -218,7 +221,9 @@ TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
       scan.field_sensor_T[s] = support::MakeScan(config.model, pose, t_ns, rng, {0, then_A}).field_sensor_T[s];
     }
     Feed(scan);
-    if (i > 10) EXPECT_LT(Error_m(), 2e-5) << i;
+    if (i > 10) {
+      EXPECT_LT(Error_m(), 2e-5) << i;
+    }
   }
 }
 
