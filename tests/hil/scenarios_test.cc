@@ -1,5 +1,5 @@
 // What can happen to a base at work, through the whole chain: plant, control core, emulated USB, the unmodified omnid
-// and an application that presses against a block. Beside the wall clock; reactions are judged in device time.
+// and an application that presses against a block. All in device time.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -103,17 +103,17 @@ const Expected kExpected[] = {
 };
 
 void Show(const std::string& name, const HilSession& session, const json& summary) {
-  std::printf("%-8s wall %5.1f s, device %5.2f s, %5.0f steps/s, %d of %d ticks late (worst %.1f ms), peak %.2f A\n",
+  std::printf("%-8s wall %5.1f s, device %5.2f s, %5.0f steps/s, %d of %d ticks unsettled %s, peak %.2f A\n",
               name.c_str(), session.wall_s(), summary["device_s"].get<double>(), summary["steps_per_s"].get<double>(),
-              summary["late_ticks"].get<int>(), summary["ticks"].get<int>(), summary["worst_late_ms"].get<double>(),
-              summary["peak_A"].get<double>());
+              summary["unsettled"].get<int>(), summary["ticks"].get<int>(),
+              summary["unsettled_by"].get<std::string>().c_str(), summary["peak_A"].get<double>());
   for (const json& reaction : summary["reactions"]) {
     std::printf("         %-24s at zero %6.2f ms after it, faults %05x\n", reaction["what"].get<std::string>().c_str(),
                 reaction["zero_ms"].get<double>(), Faults(reaction));
   }
 }
 
-// Beside the wall clock with the core in an emulated Cortex-M7 instead of this process.
+// The core in an emulated Cortex-M7 instead of this process.
 TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
   OMNI_NEEDS_BOARD();
   HilSession session;
