@@ -1,5 +1,5 @@
-// hil_app NAME: an application that is focused and alive until it is ended (omni_hil [options] -- omnid ... -- hil_app NAME).
-// It finds the service as every application does.
+// hil_app NAME: an application that is focused and alive until it is ended (omni_hil [options] -- omnid ... -- hil_app
+// NAME). It finds the service as every application does.
 #include <chrono>
 #include <cstdio>
 #include <thread>

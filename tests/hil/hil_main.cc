@@ -1,5 +1,6 @@
-// omni_hil [options] -- PROGRAM ARGUMENTS [-- APPLICATION ARGUMENTS]...: a base without hardware. The plant, the control
-// core and USB are emulated; PROGRAM (omnid --device usb) is what people run, and time is the device's. Example:
+// omni_hil [options] -- PROGRAM ARGUMENTS [-- APPLICATION ARGUMENTS]...: a base without hardware. The plant, the
+// control core and USB are emulated; PROGRAM (omnid --device usb) is what people run, and time is the device's.
+// Example:
 //   omni_hil --script scenes/extrusion.hand.json --record truth.csv -- omnid --device usb
 #include <cstdio>
 #include <exception>

@@ -31,7 +31,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two looks are short
 // Of real time.
-constexpr std::int64_t kPatience_us = 200'000;  // for a program that is at work all the time
+constexpr std::int64_t kPatience_us = 2'000'000;  // for a program that is at work all the time
+constexpr std::uint64_t kUnsettledMax = 10;       // ticks
 constexpr std::int64_t kEndPatience_ns = 5'000'000'000;
 constexpr int kStartPatience_ms = 10'000;
 
@@ -141,6 +142,7 @@ class Run {
   // The programs get what a control step has for them at its end, and their answer is there at the next one's begin.
   base::Status Tick(sim::Recording* recording) {
     if (options_.paced) pacer_.Wait(base::kTickPeriod_ns);
+    bool settled = false;
     for (int i = 0; i < firmware::kStepsPerTick; ++i) {
       base::Status stepped = rig_.chain.Step();
       const std::size_t events = scenario_.reactions().size();
@@ -148,8 +150,12 @@ class Run {
       if (!stepped) return stepped;
       const bool due = clock_.AdvanceTo(clock_.zero_ns() + rig_.plant.now_ns());
       const bool given = rig_.usb.Pump();
-      if (due || given || scenario_.reactions().size() != events || i == firmware::kStepsPerTick - 1) Settle();
+      if (!due && !given && scenario_.reactions().size() == events) continue;
+      Settle();
+      settled = true;
     }
+    if (!settled) Settle();  // a program may be at work on its own
+    if (unsettled_ > kUnsettledMax) return base::Error{unsettled_by_ + " never rests: virtual time stands still"};
     ++ticks_;
     if (recording != nullptr) recording->Add(rig_.plant.Truth(rig_.chain.host_view(), clock_.zero_ns()));
     return base::Ok{};

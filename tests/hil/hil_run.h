@@ -16,13 +16,13 @@ namespace omni::hil {
 struct HilOptions {
   std::string board = "host";  // or "qemu"
   sim::PlantOptions plant;
-  std::string record_path;           // CSV of truth and currents, every device tick; empty: none
-  std::string summary_path;          // JSON; empty: standard output
-  std::string scenario;              // empty: none
-  double contact_timeout_s = 15;     // of device time, for the scenario
-  double seconds = 0;                // of device time; 0: until the first program ends
-  bool paced = true;                 // not faster than the wall clock: for people, and programs beside the clock
-  std::string clock_path;            // of the virtual clock, for programs that somebody else starts; empty: none will
+  std::string record_path;        // CSV of truth and currents, every device tick; empty: none
+  std::string summary_path;       // JSON; empty: standard output
+  std::string scenario;           // empty: none
+  double contact_timeout_s = 15;  // of device time, for the scenario
+  double seconds = 0;             // of device time; 0: until the first program ends
+  bool paced = true;              // not faster than the wall clock: for people, and programs beside the clock
+  std::string clock_path;         // of the virtual clock, for programs that somebody else starts; empty: none will
   // Each with its arguments. The first talks to the base, the others are its applications.
   std::vector<std::vector<std::string>> programs;
 };

@@ -14,7 +14,8 @@ namespace omni::hil {
 
 class HostProcess {
  public:
-  // Arguments as of main; the first is found along PATH. Its output is ours. `environment`: "NAME=value", added to ours.
+  // Arguments as of main; the first is found along PATH. Its output is ours. `environment`: "NAME=value", added to
+  // ours.
   static base::Result<HostProcess> Start(const std::vector<std::string>& arguments,
                                          const std::vector<std::string>& environment);
   HostProcess(HostProcess&& other) noexcept;

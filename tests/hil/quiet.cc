@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -21,7 +20,9 @@ namespace {
 
 using device::UniqueFd;
 
-constexpr std::array kNap_us = {0, 0, 10, 20, 40, 80, 160, 320};
+// Every look takes time from those who work: none much before the usual time, then ever fewer.
+constexpr double kFirstLook = 0.8, kForget = 0.1;
+constexpr double kNapMin_us = 30, kNapMax_us = 500, kNapGrowth = 1.3;
 constexpr std::size_t kStatMax = 512, kCountsMax = 96;
 constexpr int kThreadsField = 17;  // after the state: num_threads [proc(5), stat (20)]
 
@@ -98,8 +99,8 @@ void QuietWatch::Follow(const std::vector<pid_t>& processes) {
                                   [&](const Process& process) { return !wanted(process.pid); }),
                    processes_.end());
   const auto follow = [&](pid_t pid) {
-    const bool known = std::any_of(processes_.begin(), processes_.end(),
-                                   [&](const Process& process) { return process.pid == pid; });
+    const bool known =
+        std::any_of(processes_.begin(), processes_.end(), [&](const Process& process) { return process.pid == pid; });
     if (known) return;
     processes_.emplace_back();
     processes_.back().pid = pid;
@@ -163,16 +164,18 @@ bool QuietWatch::IsQuiet() {
 
 bool QuietWatch::Wait(const std::vector<pid_t>& processes, std::int64_t patience_us) {
   Follow(processes);
-  const std::int64_t end_ns = base::MonotonicNow_ns() + patience_us * 1000;
-  for (std::size_t tries = 0;; ++tries) {
-    if (IsQuiet()) return true;
-    if (base::MonotonicNow_ns() > end_ns) return false;
-    const int nap_us = kNap_us[std::min(tries, kNap_us.size() - 1)];
-    if (nap_us == 0) {
-      std::this_thread::yield();
-    } else {
-      std::this_thread::sleep_for(std::chrono::microseconds(nap_us));
+  const std::int64_t begin_ns = base::MonotonicNow_ns();
+  double nap_us = std::max(kNapMin_us, kFirstLook * usual_us_);
+  for (double next_us = kNapMin_us;; next_us = std::min(kNapMax_us, kNapGrowth * next_us)) {
+    std::this_thread::sleep_for(std::chrono::duration<double, std::micro>(nap_us));
+    const bool quiet = IsQuiet();
+    const std::int64_t took_ns = base::MonotonicNow_ns() - begin_ns;
+    if (!quiet && took_ns > patience_us * 1000) return false;
+    if (quiet) {
+      usual_us_ += kForget * (std::min(1e-3 * static_cast<double>(took_ns), 2 * kNapMax_us) - usual_us_);
+      return true;
     }
+    nap_us = next_us;
   }
 }
 

@@ -46,6 +46,7 @@ class QuietWatch {
 
   pid_t own_thread_;
   std::vector<Process> processes_;
+  double usual_us_ = 0;  // how long it took of late: no use in looking much earlier
   std::string busy_;
 };
 

@@ -18,7 +18,7 @@ using nlohmann::json;
 constexpr double kFaultZero_ms = 20;  // from the cause
 // A silent host: 20 ms of time to live of its last command, 5 ms of ramp, the coils' own lag.
 constexpr double kSilenceZero_ms = wire::kTimeToLiveMax_ms + 10;
-constexpr double kBack_ms = 3000;  // a service that looks for its base every second
+constexpr double kBack_ms = 2000;  // a service that looks for its base every second
 
 // What the scenario's summary must say. Reactions by the order of the scenario's events.
 struct Expected {
@@ -28,6 +28,11 @@ struct Expected {
 
 std::uint32_t Faults(const json& reaction) { return reaction["faults"].get<std::uint32_t>(); }
 
+// Every run's: what the programs did, they did at their instant.
+void ExpectVirtual(const json& summary) {
+  EXPECT_EQ(summary["unsettled"], 0) << summary["unsettled_by"];
+  EXPECT_EQ(summary["lost_to_core"], 0);
+}
 void ExpectZero(const json& reaction, double within_ms) {
   EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << "there was nothing to take away";
   EXPECT_LE(reaction["zero_ms"].get<double>(), within_ms) << reaction["what"];
@@ -37,10 +42,9 @@ void ExpectBack(const json& reaction) {
   EXPECT_LE(reaction["back_ms"].get<double>(), kBack_ms);
   EXPECT_EQ(Faults(reaction), 0U);
 }
-// Damage alone takes no force away; a busy machine may fall silent for a moment, and comes back.
+// Damage alone takes no force away.
 void ExpectServed(const json& reaction) {
-  EXPECT_EQ(reaction["faults_seen"].get<std::uint32_t>() & ~wire::kFaultsOfTheHost, 0U) << reaction["what"];
-  EXPECT_EQ(Faults(reaction), 0U) << reaction["what"];
+  EXPECT_EQ(reaction["faults_seen"], 0U) << reaction["what"];
   EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << reaction["what"];
 }
 
@@ -48,6 +52,7 @@ const Expected kExpected[] = {
     {"steady",
      [](const json& summary) {
        EXPECT_GT(summary["contact_s"].get<double>(), 2.9);
+       EXPECT_EQ(summary["lost_to_host"], 0);
        EXPECT_GT(summary["peak_A"].get<double>(), 0.3);
        EXPECT_EQ(summary["faults"], 0U);
        EXPECT_EQ(summary["rejected"], 0);
@@ -121,6 +126,7 @@ TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
   ASSERT_TRUE(summary.is_object()) << "no summary";
   ASSERT_EQ(summary["problem"], "");
   Show("qemu", session, summary);
+  ExpectVirtual(summary);
   ExpectZero(summary["reactions"][0], kSilenceZero_ms);
   ExpectBack(summary["reactions"][1]);
 }
@@ -133,6 +139,7 @@ TEST_P(HilScenario, EndsAsItMust) {
   ASSERT_TRUE(summary.is_object()) << "no summary";
   ASSERT_EQ(summary["problem"], "");
   Show(GetParam().scenario, session, summary);
+  ExpectVirtual(summary);
   GetParam().check(summary);
 }
 

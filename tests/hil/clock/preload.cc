@@ -3,7 +3,7 @@
 //
 // The time stands still between two steps of its master, who goes on when everybody sleeps (tests/hil/quiet.h): what a
 // program computes takes no time. Replaced is what omnid, libusb, the OpenXR loader and test applications wait with:
-// sleeps, poll, epoll, condition variables, timerfd. Real time remains: CLOCK_REALTIME, processor times, sigtimedwait.
+// sleeps, poll, epoll, sigtimedwait, condition variables, timerfd. CLOCK_REALTIME and processor times stay real.
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -12,6 +12,7 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
+#include <sys/signalfd.h>
 #include <sys/syscall.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -97,7 +98,9 @@ bool IsVirtual(clockid_t clock) {
                                clock == CLOCK_MONOTONIC_COARSE || clock == CLOCK_BOOTTIME);
 }
 
-std::int64_t Nanoseconds(const timespec& time) { return static_cast<std::int64_t>(time.tv_sec) * kSecond_ns + time.tv_nsec; }
+std::int64_t Nanoseconds(const timespec& time) {
+  return static_cast<std::int64_t>(time.tv_sec) * kSecond_ns + time.tv_nsec;
+}
 timespec Timespec(std::int64_t t_ns) { return {t_ns / kSecond_ns, t_ns % kSecond_ns}; }
 
 bool IsValid(const timespec& time) { return time.tv_sec >= 0 && time.tv_nsec >= 0 && time.tv_nsec < kSecond_ns; }
@@ -337,10 +340,26 @@ int epoll_wait(int epoll, epoll_event* events, int capacity, int timeout_ms) {
   return epoll_pwait(epoll, events, capacity, timeout_ms, nullptr);
 }
 
+int sigtimedwait(const sigset_t* signals, siginfo_t* info, const timespec* timeout) {
+  const auto real = [&](const timespec* real_timeout) {
+    return static_cast<int>(syscall(SYS_rt_sigtimedwait, signals, info, real_timeout, kKernelSigset));
+  };
+  if (timers == nullptr || timeout == nullptr || Nanoseconds(*timeout) <= 0) return real(timeout);
+  pollfd pending{signalfd(-1, signals, SFD_CLOEXEC), POLLIN, 0};
+  if (pending.fd < 0) return -1;
+  const int ready = PollUntil(After(Nanoseconds(*timeout)), &pending, 1, nullptr);
+  const int error = errno;
+  syscall(SYS_close, pending.fd);
+  errno = error;
+  const timespec at_once{};
+  return ready < 0 ? -1 : real(&at_once);
+}
+
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* until) {
   static const auto next = Next<ClockWait>("pthread_cond_clockwait");
   if (!IsVirtual(clock)) return next(condition, mutex, clock, until);
-  return WaitInPieces(Nanoseconds(*until), [&](const timespec& piece) { return next(condition, mutex, clock, &piece); });
+  return WaitInPieces(Nanoseconds(*until),
+                      [&](const timespec& piece) { return next(condition, mutex, clock, &piece); });
 }
 
 // The clock is a secret of the condition variable; an instant before 2001 can only be of the monotonic one.
