@@ -31,8 +31,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two looks are short
 // Of real time.
-constexpr std::int64_t kPatience_us = 2'000'000;  // for a program that is at work all the time
-constexpr std::uint64_t kUnsettledMax = 10;       // ticks
+constexpr std::int64_t kPatience_us = 20'000'000;  // for a program that is at work all the time; a machine may swap
+constexpr std::uint64_t kUnsettledMax = 2;         // ticks
 constexpr std::int64_t kEndPatience_ns = 5'000'000'000;
 constexpr int kStartPatience_ms = 10'000;
 

@@ -133,6 +133,7 @@ bool QuietWatch::AllSleep() {
       const char state = thread->State(count);
       const bool same = count == static_cast<int>(process.threads.size()) + process.unwatched;
       if (state == 0 || !same) {
+        busy_ = "process " + std::to_string(process.pid) + ", whose threads come and go";
         process.listed = false;
         return false;
       }

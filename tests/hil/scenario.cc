@@ -110,11 +110,7 @@ void ScenarioRun::Watch(Rig& rig, double t_s) {
   const wire::Telemetry& telemetry = rig.chain.telemetry();
   reaction.window_ms = 1e3 * (t_s - reaction.t_s);
   reaction.peak_A = std::max(reaction.peak_A, now_A);
-  for (std::size_t k = 0; k < rig.plant.current_A().size(); ++k) {
-    const double coil_C = rig.plant.temperature_C()[k];
-    reaction.hottest_C = std::max(reaction.hottest_C, coil_C);
-    if (coil_C > kHot_C) reaction.hot_A = std::max(reaction.hot_A, std::abs(rig.plant.current_A()[k]));
-  }
+  WatchHeat(rig.plant, reaction);
   reaction.faults = telemetry.faults;
   reaction.faults_seen |= telemetry.faults & ~faults_before_;
   reaction.state = static_cast<std::uint8_t>(telemetry.state);
@@ -123,6 +119,20 @@ void ScenarioRun::Watch(Rig& rig, double t_s) {
   // The answer to this event: once the coils are back on purpose, they are no longer on their way to zero.
   if (now_A > kZero_A && !reaction.back_ms) reaction.zero_ms = reaction.window_ms;
   at_zero_ = now_A <= kZero_A || (at_zero_ && now_A <= kContact_A);
+}
+
+// It is the mean square that heats.
+void ScenarioRun::WatchHeat(const sim::Plant& plant, Reaction& reaction) {
+  reaction.hot_A = 0;
+  for (std::size_t k = 0; k < hot_s_.size(); ++k) {
+    const double coil_C = plant.temperature_C()[k];
+    reaction.hottest_C = std::max(reaction.hottest_C, coil_C);
+    if (coil_C > kHot_C) {
+      hot_square_A2s_[k] += plant.current_A()[k] * plant.current_A()[k] * kStep_s;
+      hot_s_[k] += kStep_s;
+    }
+    if (hot_s_[k] > 0) reaction.hot_A = std::max(reaction.hot_A, std::sqrt(hot_square_A2s_[k] / hot_s_[k]));
+  }
 }
 
 base::Status ScenarioRun::Advance(Rig& rig, double t_s) {
@@ -142,6 +152,8 @@ base::Status ScenarioRun::Advance(Rig& rig, double t_s) {
     reaction.what = event.what;
     reaction.t_s = t_s;
     reactions_.push_back(std::move(reaction));
+    hot_square_A2s_ = {};
+    hot_s_ = {};
     const base::Status done = event.act(rig);
     if (!done) return base::Error{std::string(event.what) + ": " + done.error()};
   }
