@@ -29,6 +29,7 @@ struct Event {
   double at_s = 0;  // after the pen has been in contact for a while
   const char* what = nullptr;
   base::Status (*act)(Rig&) = nullptr;
+  bool takes_force = true;  // then it waits until a coil has more than kContact_A, and later events with it
 };
 
 constexpr std::size_t kEventsMax = 4;
@@ -49,7 +50,7 @@ struct Reaction {
   std::string what;
   double t_s = 0;                  // device time
   double window_ms = 0;            // observed
-  double peak_A = 0;               // of any coil
+  double peak_A = 0;               // of any coil, at the event or after it
   double hot_A = 0;                // root mean square, while a coil was truly hotter than kHot_C; the worst coil's
   double hottest_C = 0;            // true, of any coil
   double zero_ms = 0;              // last instant with more than kZero_A in any coil
@@ -88,6 +89,8 @@ class ScenarioRun {
   const Scenario* scenario_;
   double contact_timeout_s_;
   std::optional<double> start_s_;  // of the events' clock
+  double now_A_ = 0;               // largest of any coil
+  double waited_s_ = 0;            // for a current to take away
   double held_since_s_ = -1;
   std::size_t next_ = 0;
   bool ended_ = false;

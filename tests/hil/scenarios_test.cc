@@ -18,8 +18,8 @@ using nlohmann::json;
 constexpr double kFaultZero_ms = 20;  // from the cause
 // A silent host: 20 ms of time to live of its last command, 5 ms of ramp, the coils' own lag.
 constexpr double kSilenceZero_ms = wire::kTimeToLiveMax_ms + 10;
-// The coils' resistance tells nothing below 1 A, so a hot coil may get that much, and for some milliseconds more until it
-// has told: root mean square. 15 A would be full current, here is a hundredth of its heat.
+// The coils' resistance tells nothing below 1 A, so a hot coil may get that much, and for some milliseconds more until
+// it has told: root mean square. 15 A would be full current, here is a hundredth of its heat.
 constexpr double kHotMax_A = 1.5;
 constexpr double kBack_ms = 2000;  // a service that looks for its base every second
 
@@ -123,6 +123,7 @@ void Show(const std::string& name, const HilSession& session, const json& summar
 
 // The core in an emulated Cortex-M7 instead of this process.
 TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
+  OMNI_NEEDS_PRELOAD();
   OMNI_NEEDS_BOARD();
   HilSession session;
   const json summary = session.Run("silence", {"--board", "qemu"});
@@ -137,6 +138,7 @@ TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
 class HilScenario : public testing::TestWithParam<Expected> {};
 
 TEST_P(HilScenario, EndsAsItMust) {
+  OMNI_NEEDS_PRELOAD();
   HilSession session;
   const json summary = session.Run(GetParam().scenario);
   ASSERT_TRUE(summary.is_object()) << "no summary";

@@ -15,6 +15,7 @@
 #include "service/base/clock.h"
 #include "tests/hil/host_process.h"
 #include "tests/hil/quiet.h"
+#include "tests/hil/tools.h"
 #include "tests/hil/virtual_clock.h"
 #include "tests/support/temp_folder.h"
 
@@ -28,6 +29,7 @@ const std::string kProbe = std::string(OMNI_BINARY_DIR) + "/tests/hil_clock_prob
 class VirtualClockTest : public testing::Test {
  protected:
   void SetUp() override {
+    OMNI_NEEDS_PRELOAD();
     const base::Status possible = QuietWatch::Possible();
     if (!possible) GTEST_SKIP() << possible.error();
     auto made = VirtualClock::Create(folder_.Path("clock"));
@@ -40,6 +42,13 @@ class VirtualClockTest : public testing::Test {
     if (!started.ok()) std::abort();
     EXPECT_TRUE(clock_->WaitForProcess(started->pid(), 10'000)) << "the probe did not come";
     return std::move(*started);
+  }
+
+  // The probe with another page, or none.
+  base::Result<HostProcess> StartElsewhere(const std::string& way, const std::string& page) {
+    std::vector<std::string> environment = clock_->Environment();
+    environment.front() = std::string(kClockVariable) + "=" + page;
+    return HostProcess::Start({kProbe, way, folder_.Path("out")}, environment);
   }
 
   // One step of the clock, and what follows from it. False: somebody is still at work.
@@ -154,15 +163,14 @@ TEST_F(VirtualClockTest, AProgramThatIsNotThereDoesNotCome) {
 
 TEST_F(VirtualClockTest, AWrongPageIsRefused) {
   const std::string path = folder_.Write("wrong", std::string(sizeof(ClockPage), 'x'));
-  auto started = HostProcess::Start({kProbe, "sleep", folder_.Path("out")},
-                                    {std::string(kClockVariable) + "=" + path, clock_->Environment().back()});
+  auto started = StartElsewhere("sleep", path);
   ASSERT_TRUE(started.ok());
   for (int i = 0; i < 100 && !started->Ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(started->Ended(), 127);
 }
 
 TEST_F(VirtualClockTest, WithoutAPageTimeIsReal) {
-  auto started = HostProcess::Start({kProbe, "work", folder_.Path("out")}, {clock_->Environment().back()});
+  auto started = StartElsewhere("work", "");
   ASSERT_TRUE(started.ok());
   for (int i = 0; i < 200 && !started->Ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(started->Kill(), 0);
