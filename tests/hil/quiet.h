@@ -37,7 +37,6 @@ class QuietWatch {
  private:
   class Thread;
   struct Process;
-  enum class Look : std::uint8_t { kQuiet, kBusy, kChanged };
 
   void Follow(const std::vector<pid_t>& processes);
   void List(Process& process);
