@@ -1,7 +1,6 @@
 #include "tests/hil/chain.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 
 #include "firmware/wire/usb_ids.h"
@@ -127,21 +126,7 @@ sim::HostView Chain::host_view() const {
           .faults = telemetry_.faults};
 }
 
-bool Chain::WaitForHost(std::int64_t timeout_us) {
-  std::unique_lock lock(mutex_);
-  const bool spoke = host_spoke_.wait_for(lock, std::chrono::microseconds(timeout_us), [this] { return spoke_; });
-  spoke_ = false;
-  return spoke;
-}
-
-void Chain::HostFrame(const std::uint8_t* data, std::size_t size) {
-  Push(Frame(data, data + size));
-  {
-    const std::lock_guard lock(mutex_);
-    spoke_ = true;
-  }
-  host_spoke_.notify_one();
-}
+void Chain::HostFrame(const std::uint8_t* data, std::size_t size) { Push(Frame(data, data + size)); }
 
 std::size_t Chain::NextFrame(std::uint8_t* frame, std::size_t capacity) {
   const std::lock_guard lock(mutex_);

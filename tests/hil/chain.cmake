@@ -7,16 +7,34 @@ target_link_libraries(omni_hil_chain PUBLIC omni_sim omni_hil_board)
 omni_hil_test(faulty_link DEPS omni_hil_chain)
 omni_hil_test(chain DEPS omni_hil_chain omni_config)
 
+# Virtual time for unmodified programs: a library to preload, and its master.
+add_library(omni_hil_clock SHARED clock/preload.cc clock/timers.cc)
+target_link_libraries(omni_hil_clock PRIVATE Threads::Threads ${CMAKE_DL_LIBS})
+target_include_directories(omni_hil_clock PRIVATE ${CMAKE_SOURCE_DIR})
+target_compile_options(omni_hil_clock PRIVATE -U_FORTIFY_SOURCE)
+add_library(omni_hil_time STATIC virtual_clock.cc quiet.cc host_process.cc)
+target_link_libraries(omni_hil_time PUBLIC omni_base Threads::Threads)
+target_compile_definitions(omni_hil_time PRIVATE OMNI_HIL_CLOCK_LIBRARY="$<TARGET_FILE:omni_hil_clock>")
+add_dependencies(omni_hil_time omni_hil_clock)
+add_executable(hil_clock_probe clock/probe.cc)
+target_link_libraries(hil_clock_probe PRIVATE omni_base Threads::Threads)
+set_target_properties(hil_clock_probe PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+omni_hil_test(virtual_clock DEPS omni_hil_time)
+add_dependencies(test_hil_virtual_clock hil_clock_probe)
+
 if(UMOCKDEV_FOUND AND LIBUSB_FOUND)
   add_library(omni_hil_usb STATIC usb_descriptors.cc usb_node.cc usb_emulator.cc)
   target_link_libraries(omni_hil_usb PUBLIC omni_hil_chain omni_device omni_wire PRIVATE PkgConfig::UMOCKDEV)
   omni_hil_test(usb_emulator DEPS omni_hil_usb PkgConfig::LIBUSB)
 
   # omni_hil [options] -- PROGRAM: any program of libusb on the base.
-  add_executable(omni_hil hil_main.cc hil_run.cc host_process.cc scenario.cc)
-  target_link_libraries(omni_hil PRIVATE omni_hil_usb omni_config CLI11::CLI11 nlohmann_json::nlohmann_json)
-  omni_hil_test(scenarios LIVE DEPS omni_tools omni_hil_board omni_wire nlohmann_json::nlohmann_json)
-  add_dependencies(test_hil_scenarios omni_hil omnid)
+  add_executable(omni_hil hil_main.cc hil_run.cc scenario.cc)
+  target_link_libraries(omni_hil PRIVATE omni_hil_usb omni_hil_time omni_config CLI11::CLI11
+                        nlohmann_json::nlohmann_json)
+  add_executable(hil_app hil_app.cc)
+  target_link_libraries(hil_app PRIVATE omni_client)
+  omni_hil_test(scenarios DEPS omni_tools omni_hil_board omni_wire nlohmann_json::nlohmann_json)
+  add_dependencies(test_hil_scenarios omni_hil omnid hil_app)
 endif()
 
 # omni_deep: a base on a USB port of an emulated computer (scripts/test --deep).

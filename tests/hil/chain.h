@@ -2,7 +2,6 @@
 // on the emulator's threads.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -35,9 +34,6 @@ class Chain final : public UsbFunction {
   // The controller starts anew; waiting frames are lost.
   base::Status Reset(firmware::ResetCause cause);
 
-  // Until the host has sent something since the last call, at most `timeout_us`. False: it has not.
-  bool WaitForHost(std::int64_t timeout_us);
-
   // Of the last telemetry that left the core, and of the last command that reached it. The stepping thread's.
   const wire::Telemetry& telemetry() const { return telemetry_; }
   sim::HostView host_view() const;
@@ -69,8 +65,6 @@ class Chain final : public UsbFunction {
   ChainCounts counts_;
 
   std::mutex mutex_;
-  std::condition_variable host_spoke_;
-  bool spoke_ = false;
   std::deque<Frame> from_host_, to_host_;
   Frame hello_;  // the newest that left the core
 };

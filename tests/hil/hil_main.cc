@@ -1,5 +1,6 @@
-// omni_hil [options] -- PROGRAM ARGUMENTS: a base without hardware. The plant, the control core and USB are emulated;
-// PROGRAM (omnid --device usb) is what people run. Example:
+// omni_hil [options] -- PROGRAM ARGUMENTS [-- APPLICATION ARGUMENTS]...: a base without hardware. The plant, the
+// control core and USB are emulated; PROGRAM (omnid --device usb) is what people run, and time is the device's.
+// Example:
 //   omni_hil --script scenes/extrusion.hand.json --record truth.csv -- omnid --device usb
 #include <cstdio>
 #include <exception>
@@ -23,13 +24,13 @@ int Fail(const std::string& message) {
   return 1;
 }
 
-int ParseAndRun(const std::vector<std::string>& own, std::vector<std::string> program) {
+int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std::string>> programs) {
   HilOptions options;
-  options.program = std::move(program);
+  options.programs = std::move(programs);
   options.plant.truth = omni::config::DefaultTwin();
   std::string script;
-  bool virtual_time = false;
-  CLI::App app{"omni_hil: a simulated base with its firmware behind an emulated USB plug, and a program on it"};
+  bool fast = false;
+  CLI::App app{"omni_hil: a simulated base with its firmware behind an emulated USB plug, and programs on it"};
   app.add_option("--board", options.board, "where the control core runs: host, qemu")->capture_default_str();
   app.add_option("--script", script, "hand script (.json); default: no pen");
   app.add_option("--seed", options.plant.seed, "of noise and imperfections")->capture_default_str();
@@ -39,14 +40,17 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::string> pr
   app.add_option("--contact-timeout", options.contact_timeout_s, "seconds a scenario waits for the pen's contact")
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "of device time (default: until the program ends)");
-  app.add_flag("--virtual", virtual_time, "virtual time: a device tick per message of the program, as fast as it can");
+  app.add_flag("--fast", fast, "as fast as the programs can (default: not faster than the wall clock)");
+  app.add_option("--clock", options.clock_path,
+                 "file of the virtual clock: programs started with OMNI_HIL_CLOCK=FILE and "
+                 "LD_PRELOAD=libomni_hil_clock.so join in");
   std::vector<std::string> reversed(own.rbegin(), own.rend());
   try {
     app.parse(reversed);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
   }
-  options.paced = !virtual_time;
+  options.paced = !fast;
   if (!script.empty()) {
     auto loaded = omni::sim::LoadHandScript(script);
     if (!loaded) return Fail(loaded.error());
@@ -60,17 +64,17 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::string> pr
 int main(int argc, char** argv) {
   const omni::base::Status mocked = omni::hil::EnterMockEnvironment(argv);
   if (!mocked) return Fail(mocked.error());
-  std::vector<std::string> own, program;
-  bool ours = true;
+  std::vector<std::string> own;
+  std::vector<std::vector<std::string>> programs;
   for (int i = 1; i < argc; ++i) {
-    if (ours && std::string(argv[i]) == "--") {
-      ours = false;
+    if (std::string(argv[i]) == "--") {
+      programs.emplace_back();
     } else {
-      (ours ? own : program).emplace_back(argv[i]);
+      (programs.empty() ? own : programs.back()).emplace_back(argv[i]);
     }
   }
   try {
-    return ParseAndRun(own, program);
+    return ParseAndRun(own, std::move(programs));
   } catch (const std::exception& error) {
     return Fail(error.what());
   }

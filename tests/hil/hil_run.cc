@@ -1,9 +1,9 @@
 #include "tests/hil/hil_run.h"
 
-#include <sched.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -19,17 +19,22 @@
 #include "tests/hil/hil_board.h"
 #include "tests/hil/host_process.h"
 #include "tests/hil/pacer.h"
+#include "tests/hil/quiet.h"
 #include "tests/hil/scenario.h"
 #include "tests/hil/usb_emulator.h"
+#include "tests/hil/virtual_clock.h"
 
 namespace omni::hil {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr unsigned long kTimerSlack_ns = 1000;  // umockdev sleeps in every emulated call; 50 us of slack would be felt
-constexpr int kRealTimePriority = 30;
-constexpr std::int64_t kHostPatience_us = 20'000;  // virtual time goes on without a host that says nothing
+constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two looks are short
+// Of real time.
+constexpr std::int64_t kPatience_us = 20'000'000;  // for a program that is at work all the time; a machine may swap
+constexpr std::uint64_t kUnsettledMax = 2;         // ticks
+constexpr std::int64_t kEndPatience_ns = 5'000'000'000;
+constexpr int kStartPatience_ms = 10'000;
 
 volatile std::sig_atomic_t stop_requested = 0;
 void RequestStop(int) { stop_requested = 1; }
@@ -75,23 +80,19 @@ Json ToJson(const Reaction& reaction) {
 
 class Run {
  public:
-  Run(const HilOptions& options, HostProcess& host, sim::Plant& plant, Chain& chain, UsbEmulator& usb)
+  Run(const HilOptions& options, std::vector<HostProcess>& programs, sim::Plant& plant, Chain& chain, UsbEmulator& usb,
+      VirtualClock& clock)
       : options_(options),
-        rig_{plant, usb, host, chain},
+        programs_(programs),
+        clock_(clock),
+        rig_{plant, usb, programs.front(), chain},
         scenario_(FindScenario(options.scenario), options.contact_timeout_s) {}
 
   base::Status Go(sim::Recording* recording) {
-    while (stop_requested == 0 && !scenario_.ended() && !OutOfTime() && !HostEnded()) {
-      WaitForTick();
-      for (int i = 0; i < firmware::kStepsPerTick; ++i) {
-        base::Status stepped = rig_.chain.Step();
-        if (stepped) stepped = scenario_.Step(rig_);
-        if (!stepped) return stepped;
-        rig_.usb.Pump();
-      }
-      if (recording != nullptr) recording->Add(rig_.plant.Truth(rig_.chain.host_view(), pacer_.zero_ns()));
-    }
-    return base::Ok{};
+    base::Status went = base::Ok{};
+    while (went && stop_requested == 0 && !scenario_.ended() && !OutOfTime() && !HostEnded()) went = Tick(recording);
+    if (went) went = End(recording);
+    return went;
   }
 
   Json Summary(int host_status, const std::string& problem) const {
@@ -100,7 +101,6 @@ class Run {
     const ChainCounts& chain = rig_.chain.counts();
     const UsbCounts usb = rig_.usb.counts();
     const wire::Telemetry& telemetry = rig_.chain.telemetry();
-    const PaceCounts& pace = pacer_.counts();
     Json json{{"board", options_.board},
               {"paced", options_.paced},
               {"scenario", options_.scenario},
@@ -110,10 +110,9 @@ class Run {
               {"wall_s", wall_s},
               {"steps", chain.steps},
               {"steps_per_s", static_cast<double>(chain.steps) / wall_s},
-              {"ticks", pace.waits},
-              {"late_ticks", pace.late},
-              {"worst_late_ms", static_cast<double>(pace.worst_late_ns) * 1e-6},
-              {"slips", pace.slips},
+              {"ticks", ticks_},
+              {"unsettled", unsettled_},
+              {"unsettled_by", unsettled_by_},
               {"contact_s", scenario_.contact_s()},
               {"peak_A", scenario_.peak_A()},
               {"telemetry", chain.telemetry},
@@ -140,19 +139,57 @@ class Run {
   // A scenario may go on without its host.
   bool HostEnded() { return options_.scenario.empty() && rig_.host.Ended().has_value(); }
 
-  void WaitForTick() {
-    if (options_.paced) {
-      pacer_.WaitFor(rig_.plant.now_ns() + base::kTickPeriod_ns);
-    } else {
-      rig_.chain.WaitForHost(kHostPatience_us);
+  // The programs get what a control step has for them at its end, and their answer is there at the next one's begin.
+  base::Status Tick(sim::Recording* recording) {
+    if (options_.paced) pacer_.Wait(base::kTickPeriod_ns);
+    bool settled = false;
+    for (int i = 0; i < firmware::kStepsPerTick; ++i) {
+      base::Status stepped = rig_.chain.Step();
+      const std::size_t events = scenario_.reactions().size();
+      if (stepped) stepped = scenario_.Step(rig_);
+      if (!stepped) return stepped;
+      const bool due = clock_.AdvanceTo(clock_.zero_ns() + rig_.plant.now_ns());
+      const bool given = rig_.usb.Pump();
+      if (!due && !given && scenario_.reactions().size() == events) continue;
+      Settle();
+      settled = true;
     }
+    if (!settled) Settle();  // a program may be at work on its own
+    if (unsettled_ > kUnsettledMax) return base::Error{unsettled_by_ + " never rests: virtual time stands still"};
+    ++ticks_;
+    if (recording != nullptr) recording->Add(rig_.plant.Truth(rig_.chain.host_view(), clock_.zero_ns()));
+    return base::Ok{};
+  }
+
+  void Settle() {
+    if (quiet_.Wait(clock_.Processes(), kPatience_us)) return;
+    ++unsettled_;
+    unsettled_by_ = quiet_.busy();
+  }
+
+  // Programs need time to end, too.
+  base::Status End(sim::Recording* recording) {
+    for (HostProcess& program : programs_) program.Ask();
+    base::Status went = base::Ok{};
+    const std::int64_t end_ns = base::MonotonicNow_ns() + kEndPatience_ns;
+    const auto ended = [](HostProcess& program) { return program.Ended().has_value(); };
+    while (went && base::MonotonicNow_ns() < end_ns && !std::all_of(programs_.begin(), programs_.end(), ended)) {
+      went = Tick(recording);
+    }
+    return went;
   }
 
   const HilOptions& options_;
+  std::vector<HostProcess>& programs_;
+  VirtualClock& clock_;
   Rig rig_;
   ScenarioRun scenario_;
   std::int64_t started_ns_ = base::MonotonicNow_ns();
   Pacer pacer_;
+  QuietWatch quiet_;
+  std::uint64_t ticks_ = 0;
+  std::uint64_t unsettled_ = 0;
+  std::string unsettled_by_;
 };
 
 bool WriteSummary(const std::string& path, const Json& summary) {
@@ -163,12 +200,17 @@ bool WriteSummary(const std::string& path, const Json& summary) {
   return static_cast<bool>(file.flush());
 }
 
-// A real base does not wait for a scheduler. Where this is refused the chain merely ticks less evenly. Before any
-// thread or board is started: umockdev's thread is the bus, QEMU is the base, and both inherit it.
-void AskForRealTime() {
-  sched_param param{};
-  param.sched_priority = kRealTimePriority;
-  sched_setscheduler(0, SCHED_FIFO, &param);
+base::Result<std::vector<HostProcess>> StartPrograms(const HilOptions& options, const VirtualClock& clock) {
+  std::vector<HostProcess> programs;
+  if (options.programs.empty()) return base::Error{"no program to start: give one after --"};
+  for (const std::vector<std::string>& program : options.programs) {
+    auto started = HostProcess::Start(program, clock.Environment());
+    if (!started) return base::Error{started.error()};
+    programs.push_back(std::move(*started));
+    if (clock.WaitForProcess(programs.back().pid(), kStartPatience_ms)) continue;
+    return base::Error{program.front() + " is not there, has ended at once, or is linked statically"};
+  }
+  return programs;
 }
 
 }  // namespace
@@ -183,7 +225,8 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   std::signal(SIGINT, RequestStop);
   std::signal(SIGPIPE, SIG_IGN);
   prctl(PR_SET_TIMERSLACK, kTimerSlack_ns);
-  if (options.paced) AskForRealTime();
+  const base::Status possible = QuietWatch::Possible();
+  if (!possible) return Fail(possible.error());
 
   auto board = [&] {
     const Without preload("LD_PRELOAD");
@@ -202,11 +245,14 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   }
   const base::Status plugged = (*usb)->Plug();
   if (!plugged) return Fail(plugged.error());
-  auto host = HostProcess::Start(options.program);
-  if (!host) return Fail(host.error());
-  Run run(options, *host, plant, chain, **usb);
+  auto clock = VirtualClock::Create(options.clock_path);
+  if (!clock) return Fail(clock.error());
+  auto programs = StartPrograms(options, *clock);
+  if (!programs) return Fail(programs.error());
+  Run run(options, *programs, plant, chain, **usb, *clock);
   const base::Status went = run.Go(recording.get());
-  const int host_status = host->Stop();
+  const int host_status = programs->front().Kill();
+  programs->clear();
   recording.reset();
   const std::string problem = went ? "" : went.error();
   if (!WriteSummary(options.summary_path, run.Summary(host_status, problem))) {

@@ -1,4 +1,6 @@
-// One run of the whole chain: plant, core, USB, and a program started on it, beside the wall clock or in virtual time.
+// One run of the whole chain: plant, core, USB, and programs started on it, in virtual time: CLOCK_MONOTONIC of the
+// programs is the device's time, and goes on when all of them have done what there was to do (quiet.h). How fast the
+// machine is does not matter.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +16,15 @@ namespace omni::hil {
 struct HilOptions {
   std::string board = "host";  // or "qemu"
   sim::PlantOptions plant;
-  std::string record_path;           // CSV of truth and currents, every device tick; empty: none
-  std::string summary_path;          // JSON; empty: standard output
-  std::string scenario;              // empty: none
-  double contact_timeout_s = 15;     // of device time, for the scenario
-  double seconds = 0;                // of device time; 0: until the program ends
-  bool paced = true;                 // false: virtual time, a tick per message of the host
-  std::vector<std::string> program;  // with its arguments
+  std::string record_path;        // CSV of truth and currents, every device tick; empty: none
+  std::string summary_path;       // JSON; empty: standard output
+  std::string scenario;           // empty: none
+  double contact_timeout_s = 15;  // of device time, for the scenario
+  double seconds = 0;             // of device time; 0: until the first program ends
+  bool paced = true;              // not faster than the wall clock: for people, and programs beside the clock
+  std::string clock_path;         // of the virtual clock, for programs that somebody else starts; empty: none will
+  // Each with its arguments. The first talks to the base, the others are its applications.
+  std::vector<std::vector<std::string>> programs;
 };
 
 // 0: the run did what it was asked for; what came of it stands in the summary. Messages go to stderr.

@@ -1,20 +1,19 @@
 #include "tests/hil/host_process.h"
 
-#include <sched.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstring>
-#include <thread>
 #include <utility>
 
 namespace omni::hil {
 
-base::Result<HostProcess> HostProcess::Start(const std::vector<std::string>& arguments) {
+base::Result<HostProcess> HostProcess::Start(const std::vector<std::string>& arguments,
+                                             const std::vector<std::string>& environment) {
   std::vector<char*> pointers;
   for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);
@@ -23,8 +22,7 @@ base::Result<HostProcess> HostProcess::Start(const std::vector<std::string>& arg
   if (pid < 0) return base::Error{std::string("fork: ") + std::strerror(errno)};
   if (pid == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    const sched_param ordinary{};  // as a service manager starts it
-    sched_setscheduler(0, SCHED_OTHER, &ordinary);
+    for (const std::string& entry : environment) putenv(const_cast<char*>(entry.c_str()));
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -48,13 +46,23 @@ std::optional<int> HostProcess::Ended() {
   return status_;
 }
 
-int HostProcess::Stop() {
-  if (pid_ <= 0) return 0;
+HostProcess::~HostProcess() {
+  if (pid_ > 0) Kill();
+}
+
+void HostProcess::Ask() {
   Signal(SIGCONT);
   Signal(SIGTERM);
-  for (int i = 0; i < 300 && !Ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  Signal(SIGKILL);
-  while (!Ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+int HostProcess::Kill() {
+  int status = 0;
+  if (!Ended()) {
+    kill(pid_, SIGKILL);
+    while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+    }
+    status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
   return *status_;
 }
 

@@ -1,4 +1,5 @@
-// The unmodified program that talks to the emulated base. It ends with us, whatever happens to us.
+// An unmodified program: the one that talks to the emulated base, or an application of it. It ends with us, whatever
+// happens to us.
 #pragma once
 
 #include <sys/types.h>
@@ -13,11 +14,13 @@ namespace omni::hil {
 
 class HostProcess {
  public:
-  // Arguments as of main; the first is found along PATH. Its output is ours.
-  static base::Result<HostProcess> Start(const std::vector<std::string>& arguments);
+  // Arguments as of main; the first is found along PATH. Its output is ours. `environment`: "NAME=value", added to
+  // ours.
+  static base::Result<HostProcess> Start(const std::vector<std::string>& arguments,
+                                         const std::vector<std::string>& environment);
   HostProcess(HostProcess&& other) noexcept;
   HostProcess& operator=(HostProcess&&) = delete;
-  ~HostProcess() { Stop(); }
+  ~HostProcess();  // kills it
 
   pid_t pid() const { return pid_; }
   void Signal(int signal);
@@ -25,8 +28,10 @@ class HostProcess {
   // Its exit status, or 128 + signal, once it has ended.
   std::optional<int> Ended();
 
-  // Asks it to end, after 3 s insists.
-  int Stop();
+  // Asks it to end; it goes on if it was stopped.
+  void Ask();
+  // Ends it; its exit status as above.
+  int Kill();
 
  private:
   explicit HostProcess(pid_t pid) : pid_(pid) {}

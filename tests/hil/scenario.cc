@@ -8,6 +8,7 @@ namespace omni::hil {
 namespace {
 
 constexpr std::size_t kStuckSensor = 2;
+constexpr double kContactLost_s = 2;
 
 base::Status PullCable(Rig& rig) {
   rig.usb.Unplug();
@@ -61,22 +62,25 @@ base::Status FailBridge(Rig& rig) {
 const std::vector<Scenario>& AllScenarios() {
   static const std::vector<Scenario> kScenarios = {
       {"steady", "nothing goes wrong", {}, 3.0},
-      {"replug", "the cable is pulled and comes back", {{{0.3, "unplug", &PullCable}, {0.8, "plug in", &PlugIn}}}, 4.0},
+      {"replug",
+       "the cable is pulled and comes back",
+       {{{0.3, "unplug", &PullCable}, {0.8, "plug in", &PlugIn, false}}},
+       4.0},
       {"crc",
        "damaged frames: some, then all commands, then none",
        {{{0.3, "some frames damaged", &DamageSome},
          {1.3, "every command damaged", &DamageAll},
-         {1.6, "cable sound", &DamageNothing}}},
+         {1.6, "cable sound", &DamageNothing, false}}},
        3.0},
       {"silence",
        "the service stands still and goes on",
-       {{{0.3, "service stopped", &SignalHost<SIGSTOP>}, {0.8, "service goes on", &SignalHost<SIGCONT>}}},
+       {{{0.3, "service stopped", &SignalHost<SIGSTOP>}, {0.8, "service goes on", &SignalHost<SIGCONT>, false}}},
        3.0},
       {"kill", "the service is killed", {{{0.3, "service killed", &SignalHost<SIGKILL>}}}, 0.8},
       {"heat", "the coils get hot from outside", {{{0.3, "heating", &HeatCoils}}}, 7.0},
       {"estop",
        "the emergency switch opens and closes",
-       {{{0.3, "switch opened", &OpenSwitch}, {0.8, "switch closed", &CloseSwitch}}},
+       {{{0.3, "switch opened", &OpenSwitch}, {0.8, "switch closed", &CloseSwitch, false}}},
        1.8},
       {"stuck", "a Hall sensor repeats itself", {{{0.3, "sensor stuck", &StickSensor}}}, 1.3},
       {"bridge", "an H bridge fails", {{{0.3, "bridge failed", &FailBridge}}}, 0.8},
@@ -101,6 +105,7 @@ base::Status ScenarioRun::Step(Rig& rig) {
 void ScenarioRun::Watch(Rig& rig, double t_s) {
   double now_A = 0;
   for (const double current_A : rig.plant.current_A()) now_A = std::max(now_A, std::abs(current_A));
+  now_A_ = now_A;
   peak_A_ = std::max(peak_A_, now_A);
   if (now_A > kContact_A) ++contact_steps_;
   if (!(now_A > kContact_A)) held_since_s_ = -1;
@@ -110,11 +115,7 @@ void ScenarioRun::Watch(Rig& rig, double t_s) {
   const wire::Telemetry& telemetry = rig.chain.telemetry();
   reaction.window_ms = 1e3 * (t_s - reaction.t_s);
   reaction.peak_A = std::max(reaction.peak_A, now_A);
-  for (std::size_t k = 0; k < rig.plant.current_A().size(); ++k) {
-    const double coil_C = rig.plant.temperature_C()[k];
-    reaction.hottest_C = std::max(reaction.hottest_C, coil_C);
-    if (coil_C > kHot_C) reaction.hot_A = std::max(reaction.hot_A, std::abs(rig.plant.current_A()[k]));
-  }
+  WatchHeat(rig.plant, reaction);
   reaction.faults = telemetry.faults;
   reaction.faults_seen |= telemetry.faults & ~faults_before_;
   reaction.state = static_cast<std::uint8_t>(telemetry.state);
@@ -123,6 +124,20 @@ void ScenarioRun::Watch(Rig& rig, double t_s) {
   // The answer to this event: once the coils are back on purpose, they are no longer on their way to zero.
   if (now_A > kZero_A && !reaction.back_ms) reaction.zero_ms = reaction.window_ms;
   at_zero_ = now_A <= kZero_A || (at_zero_ && now_A <= kContact_A);
+}
+
+// It is the mean square that heats.
+void ScenarioRun::WatchHeat(const sim::Plant& plant, Reaction& reaction) {
+  reaction.hot_A = 0;
+  for (std::size_t k = 0; k < hot_s_.size(); ++k) {
+    const double coil_C = plant.temperature_C()[k];
+    reaction.hottest_C = std::max(reaction.hottest_C, coil_C);
+    if (coil_C > kHot_C) {
+      hot_square_A2s_[k] += plant.current_A()[k] * plant.current_A()[k] * kStep_s;
+      hot_s_[k] += kStep_s;
+    }
+    if (hot_s_[k] > 0) reaction.hot_A = std::max(reaction.hot_A, std::sqrt(hot_square_A2s_[k] / hot_s_[k]));
+  }
 }
 
 base::Status ScenarioRun::Advance(Rig& rig, double t_s) {
@@ -136,12 +151,22 @@ base::Status ScenarioRun::Advance(Rig& rig, double t_s) {
   }
   const double since_s = t_s - *start_s_;
   while (next_ < kEventsMax && scenario_->events[next_].act != nullptr && since_s >= scenario_->events[next_].at_s) {
-    const Event& event = scenario_->events[next_++];
+    const Event& event = scenario_->events[next_];
+    if (event.takes_force && !(now_A_ > kContact_A)) {
+      *start_s_ += kStep_s;
+      waited_s_ += kStep_s;
+      if (waited_s_ < kContactLost_s) return base::Ok{};
+      return base::Error{std::string(event.what) + ": waits for a current, and there is none"};
+    }
+    ++next_;
     faults_before_ = rig.chain.telemetry().faults;
     Reaction reaction;
     reaction.what = event.what;
     reaction.t_s = t_s;
+    reaction.peak_A = now_A_;
     reactions_.push_back(std::move(reaction));
+    hot_square_A2s_ = {};
+    hot_s_ = {};
     const base::Status done = event.act(rig);
     if (!done) return base::Error{std::string(event.what) + ": " + done.error()};
   }

@@ -29,6 +29,7 @@ struct Event {
   double at_s = 0;  // after the pen has been in contact for a while
   const char* what = nullptr;
   base::Status (*act)(Rig&) = nullptr;
+  bool takes_force = true;  // then it waits until a coil has more than kContact_A, and later events with it
 };
 
 constexpr std::size_t kEventsMax = 4;
@@ -49,8 +50,8 @@ struct Reaction {
   std::string what;
   double t_s = 0;                  // device time
   double window_ms = 0;            // observed
-  double peak_A = 0;               // of any coil
-  double hot_A = 0;                // largest current of a coil that is truly hotter than kHot_C
+  double peak_A = 0;               // of any coil, at the event or after it
+  double hot_A = 0;                // root mean square, while a coil was truly hotter than kHot_C; the worst coil's
   double hottest_C = 0;            // true, of any coil
   double zero_ms = 0;              // last instant with more than kZero_A in any coil
   std::optional<double> fault_ms;  // first telemetry with a fault that was not there at the event
@@ -66,6 +67,7 @@ class ScenarioRun {
   static constexpr double kContactHeld_s = 0.3;
   static constexpr double kZero_A = 0.02;
   static constexpr double kHot_C = 75;
+  static constexpr double kStep_s = 250e-6;
 
   // `scenario` null: nothing happens, nothing ends.
   ScenarioRun(const Scenario* scenario, double contact_timeout_s)
@@ -75,17 +77,20 @@ class ScenarioRun {
   base::Status Step(Rig& rig);
 
   bool ended() const { return ended_; }
-  double contact_s() const { return static_cast<double>(contact_steps_) * 250e-6; }  // of more than kContact_A
+  double contact_s() const { return static_cast<double>(contact_steps_) * kStep_s; }  // of more than kContact_A
   double peak_A() const { return peak_A_; }
   const std::vector<Reaction>& reactions() const { return reactions_; }
 
  private:
   void Watch(Rig& rig, double t_s);
+  void WatchHeat(const sim::Plant& plant, Reaction& reaction);
   base::Status Advance(Rig& rig, double t_s);
 
   const Scenario* scenario_;
   double contact_timeout_s_;
   std::optional<double> start_s_;  // of the events' clock
+  double now_A_ = 0;               // largest of any coil
+  double waited_s_ = 0;            // for a current to take away
   double held_since_s_ = -1;
   std::size_t next_ = 0;
   bool ended_ = false;
@@ -93,6 +98,8 @@ class ScenarioRun {
   double peak_A_ = 0;
   bool at_zero_ = false;
   std::uint32_t faults_before_ = 0;
+  std::array<double, 3> hot_square_A2s_{};
+  std::array<double, 3> hot_s_{};
   std::vector<Reaction> reactions_;
 };
 

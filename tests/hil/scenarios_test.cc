@@ -1,5 +1,5 @@
 // What can happen to a base at work, through the whole chain: plant, control core, emulated USB, the unmodified omnid
-// and an application that presses against a block. Beside the wall clock; reactions are judged in device time.
+// and an application that presses against a block. All in device time.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -16,7 +16,10 @@ namespace {
 using nlohmann::json;
 
 constexpr double kFaultZero_ms = 20;  // from the cause; a silent host is one
-constexpr double kBack_ms = 3000;     // a service that looks for its base every second
+// The coils' resistance tells nothing below 1 A, so a hot coil may get that much, and for some milliseconds more until
+// it has told: root mean square. 15 A would be full current, here is a hundredth of its heat.
+constexpr double kHotMax_A = 1.5;
+constexpr double kBack_ms = 2000;  // a service that looks for its base every second
 
 // What the scenario's summary must say. Reactions by the order of the scenario's events.
 struct Expected {
@@ -26,6 +29,11 @@ struct Expected {
 
 std::uint32_t Faults(const json& reaction) { return reaction["faults"].get<std::uint32_t>(); }
 
+// Every run's: what the programs did, they did at their instant.
+void ExpectVirtual(const json& summary) {
+  EXPECT_EQ(summary["unsettled"], 0) << summary["unsettled_by"];
+  EXPECT_EQ(summary["lost_to_core"], 0);
+}
 void ExpectZero(const json& reaction, double within_ms) {
   EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << "there was nothing to take away";
   EXPECT_LE(reaction["zero_ms"].get<double>(), within_ms) << reaction["what"];
@@ -35,10 +43,9 @@ void ExpectBack(const json& reaction) {
   EXPECT_LE(reaction["back_ms"].get<double>(), kBack_ms);
   EXPECT_EQ(Faults(reaction), 0U);
 }
-// Damage alone takes no force away; a busy machine may fall silent for a moment, and comes back.
+// Damage alone takes no force away.
 void ExpectServed(const json& reaction) {
-  EXPECT_EQ(reaction["faults_seen"].get<std::uint32_t>() & ~wire::kFaultsOfTheHost, 0U) << reaction["what"];
-  EXPECT_EQ(Faults(reaction), 0U) << reaction["what"];
+  EXPECT_EQ(reaction["faults_seen"], 0U) << reaction["what"];
   EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << reaction["what"];
 }
 
@@ -46,6 +53,7 @@ const Expected kExpected[] = {
     {"steady",
      [](const json& summary) {
        EXPECT_GT(summary["contact_s"].get<double>(), 2.9);
+       EXPECT_EQ(summary["lost_to_host"], 0);
        EXPECT_GT(summary["peak_A"].get<double>(), 0.3);
        EXPECT_EQ(summary["faults"], 0U);
        EXPECT_EQ(summary["rejected"], 0);
@@ -80,7 +88,7 @@ const Expected kExpected[] = {
     {"heat",
      [](const json& summary) {
        EXPECT_GT(summary["reactions"][0]["hottest_C"].get<double>(), 75);
-       EXPECT_LT(summary["reactions"][0]["hot_A"].get<double>(), 1.1) << "below 1 A nobody can tell";
+       EXPECT_LT(summary["reactions"][0]["hot_A"].get<double>(), kHotMax_A);
      }},
     {"estop",
      [](const json& summary) {
@@ -101,24 +109,26 @@ const Expected kExpected[] = {
 };
 
 void Show(const std::string& name, const HilSession& session, const json& summary) {
-  std::printf("%-8s wall %5.1f s, device %5.2f s, %5.0f steps/s, %d of %d ticks late (worst %.1f ms), peak %.2f A\n",
+  std::printf("%-8s wall %5.1f s, device %5.2f s, %5.0f steps/s, %d of %d ticks unsettled %s, peak %.2f A\n",
               name.c_str(), session.wall_s(), summary["device_s"].get<double>(), summary["steps_per_s"].get<double>(),
-              summary["late_ticks"].get<int>(), summary["ticks"].get<int>(), summary["worst_late_ms"].get<double>(),
-              summary["peak_A"].get<double>());
+              summary["unsettled"].get<int>(), summary["ticks"].get<int>(),
+              summary["unsettled_by"].get<std::string>().c_str(), summary["peak_A"].get<double>());
   for (const json& reaction : summary["reactions"]) {
     std::printf("         %-24s at zero %6.2f ms after it, faults %05x\n", reaction["what"].get<std::string>().c_str(),
                 reaction["zero_ms"].get<double>(), Faults(reaction));
   }
 }
 
-// Beside the wall clock with the core in an emulated Cortex-M7 instead of this process.
+// The core in an emulated Cortex-M7 instead of this process.
 TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
+  OMNI_NEEDS_PRELOAD();
   OMNI_NEEDS_BOARD();
   HilSession session;
   const json summary = session.Run("silence", {"--board", "qemu"});
   ASSERT_TRUE(summary.is_object()) << "no summary";
   ASSERT_EQ(summary["problem"], "");
   Show("qemu", session, summary);
+  ExpectVirtual(summary);
   ExpectZero(summary["reactions"][0], kFaultZero_ms);
   ExpectBack(summary["reactions"][1]);
 }
@@ -126,11 +136,13 @@ TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
 class HilScenario : public testing::TestWithParam<Expected> {};
 
 TEST_P(HilScenario, EndsAsItMust) {
+  OMNI_NEEDS_PRELOAD();
   HilSession session;
   const json summary = session.Run(GetParam().scenario);
   ASSERT_TRUE(summary.is_object()) << "no summary";
   ASSERT_EQ(summary["problem"], "");
   Show(GetParam().scenario, session, summary);
+  ExpectVirtual(summary);
   GetParam().check(summary);
 }
 

@@ -385,12 +385,13 @@ bool UsbEmulator::Discard(Client* client, Data* argument) {
   return true;
 }
 
-void UsbEmulator::Pump() {
+bool UsbEmulator::Pump() {
   const std::lock_guard lock(mutex_);
-  PumpLocked();
+  return PumpLocked();
 }
 
-void UsbEmulator::PumpLocked() {
+bool UsbEmulator::PumpLocked() {
+  const std::uint64_t before = counts_.frames_in;
   std::uint8_t bytes[wire::kFrameSizeMax];
   while (plugged_ && !waiting_.empty()) {
     if (!overtaken_.empty()) {
@@ -400,9 +401,10 @@ void UsbEmulator::PumpLocked() {
       continue;
     }
     const std::size_t size = function_.NextFrame(bytes, sizeof bytes);
-    if (size == 0) return;
+    if (size == 0) break;
     to_host_.Pass(Frame(bytes, bytes + size), [this](Frame frame) { overtaken_.push_back(std::move(frame)); });
   }
+  return counts_.frames_in != before;
 }
 
 // Precondition: a transfer waits. One that is too small for the frame is a babble.

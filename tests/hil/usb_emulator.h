@@ -55,8 +55,9 @@ class UsbEmulator {
   void Unplug();
   bool plugged() const;
 
-  // Gives waiting frames of the function to waiting IN transfers. To be called whenever it may have some.
-  void Pump();
+  // Gives waiting frames of the function to waiting IN transfers. To be called whenever it may have some. True: the
+  // host has got one.
+  bool Pump();
 
   // Damage on the way.
   void SetFaults(const LinkFaults& to_host, const LinkFaults& to_base);
@@ -107,7 +108,7 @@ class UsbEmulator {
   void Finish(Urb urb, int status, std::size_t size);
   void Control(Urb urb);
   int Answer(const Request& request, std::uint8_t* answer);
-  void PumpLocked();
+  bool PumpLocked();
   void GiveToHost(Frame frame);
   void UpdateReady();
 
