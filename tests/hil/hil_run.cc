@@ -111,6 +111,8 @@ class Run {
               {"steps", chain.steps},
               {"steps_per_s", static_cast<double>(chain.steps) / wall_s},
               {"ticks", ticks_},
+              {"late_ticks", pacer_.late()},
+              {"behind_s", static_cast<double>(pacer_.behind_ns()) * 1e-9},
               {"unsettled", unsettled_},
               {"unsettled_by", unsettled_by_},
               {"contact_s", scenario_.contact_s()},

@@ -12,11 +12,13 @@ namespace omni::hil {
 
 class Pacer {
  public:
-  // Until the wall clock has gone on by `period_ns` since the last call.
+  // Until the wall clock has gone on by `period_ns` since the last call. Late: it had gone on by more.
   void Wait(std::int64_t period_ns) {
     due_ns_ += period_ns;
     const std::int64_t now_ns = base::MonotonicNow_ns();
     if (now_ns >= due_ns_) {
+      ++late_;
+      behind_ns_ += now_ns - due_ns_;
       due_ns_ = now_ns;
       return;
     }
@@ -24,8 +26,13 @@ class Pacer {
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr);
   }
 
+  std::uint64_t late() const { return late_; }           // calls
+  std::int64_t behind_ns() const { return behind_ns_; }  // in all
+
  private:
   std::int64_t due_ns_ = base::MonotonicNow_ns();
+  std::uint64_t late_ = 0;
+  std::int64_t behind_ns_ = 0;
 };
 
 }  // namespace omni::hil

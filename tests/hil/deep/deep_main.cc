@@ -135,7 +135,7 @@ base::Result<bool> RunDeep(const DeepOptions& options) {
   device::UniqueFd port_socket = SocketTo(kPortFd);
   device::UniqueFd orders_line = SocketTo(kOrdersFd);
   if (!port_socket || !orders_line) return base::Error{"no descriptors left for two sockets"};
-  auto emulator = HostProcess::Start(options.emulator);
+  auto emulator = HostProcess::Start(options.emulator, {});
   close(kPortFd);  // before the board, which may be an emulator too
   close(kOrdersFd);
   if (!emulator) return base::Error{emulator.error()};
@@ -147,10 +147,10 @@ base::Result<bool> RunDeep(const DeepOptions& options) {
   Orders orders(std::move(orders_line), port);
   port.Plug();
   Pacer pacer;
-  const std::int64_t end_ns = pacer.zero_ns() + static_cast<std::int64_t>(options.seconds * 1e9);
-  for (std::int64_t wait = 1; !emulator->Ended(); ++wait) {
+  const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(options.seconds * 1e9);
+  while (!emulator->Ended()) {
     if (base::MonotonicNow_ns() > end_ns) return base::Error{"the guest is not done in time"};
-    pacer.WaitFor(wait * kSlower * base::kTickPeriod_ns);
+    pacer.Wait(kSlower * base::kTickPeriod_ns);
     port.Serve();
     if (base::Status obeyed = orders.Serve(); !obeyed) return base::Error{obeyed.error()};
     if (port.HostIsBehind()) continue;
