@@ -29,11 +29,6 @@ struct SensorParameters {
   double oscillator_spread = 0.005;  // sample rates differ by up to this much, relative
 };
 
-struct DriverParameters {
-  double delay_s = 1e-3;          // command received -> set-point acts
-  double host_timeout_s = 0.020;  // silent longer than this: set-points ramp to zero
-};
-
 // Two nodes: each coil's copper, and the body (core, plastic, table) that all three share.
 struct ThermalParameters {
   double copper_J_K = 44.4;
@@ -62,7 +57,6 @@ struct TruthEffects {
 struct TruthParameters {
   ImperfectionSizes imperfections;
   SensorParameters sensor;
-  DriverParameters driver;
   ThermalParameters thermal;
   TruthEffects effects;
 };

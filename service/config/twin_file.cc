@@ -10,7 +10,6 @@
 namespace omni::config {
 namespace {
 
-using base::DriverParameters;
 using base::ImperfectionSizes;
 using base::SensorParameters;
 using base::ThermalParameters;
@@ -59,10 +58,6 @@ constexpr NumberKey<TruthEffects> kPenKeys[] = {
 constexpr NumberKey<TruthEffects> kDriverKeys[] = {
     {"pwm_frequency_Hz", &TruthEffects::pwm_frequency_Hz, {0, 1e7}},
     {"pwm_residual", &TruthEffects::pwm_residual, {0, 1}},
-};
-constexpr NumberKey<DriverParameters> kDelayKeys[] = {
-    {"delay_s", &DriverParameters::delay_s, {0, 0.1}},
-    {"host_timeout_s", &DriverParameters::host_timeout_s, {1e-3, 1}},
 };
 constexpr NumberKey<SensorParameters> kSensorKeys[] = {
     {"oscillator_spread", &SensorParameters::oscillator_spread, {0, 0.1}},
@@ -114,8 +109,7 @@ base::Result<base::TruthParameters> ParseTwin(const std::string& text, const std
     effects.background_known = reader.Choice("background", kBackgrounds, "known") == "known";
   });
   ReadSection(problem, root, "pen", kPenKeys, effects);
-  ReadSection(problem, root, "driver", kDriverKeys, effects,
-              [&](TableReader& reader) { ReadNumbers(reader, kDelayKeys, twin.driver); });
+  ReadSection(problem, root, "driver", kDriverKeys, effects);
   root.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
   return twin;

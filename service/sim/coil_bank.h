@@ -1,4 +1,4 @@
-// The coils as circuits and as heaters. What drives them is somebody else's: CoilDrive, or the plant's bridges.
+// The coils as circuits and as heaters. What drives them is somebody else's: the plant's bridges.
 #pragma once
 
 #include <array>
@@ -32,6 +32,9 @@ class CoilBank {
   // The bridge sleeps: the current runs against `against_V` > 0 (supply and two diodes) until it is gone. The mean
   // current of the step, A.
   double Coast(std::size_t k, double against_V, double dt_s) noexcept;
+
+  // An ideal source: that current flows, whatever it takes. For runs of heat alone.
+  void Set(const CoilArray& current_A) noexcept { current_A_ = current_A; }
 
   // The wire is cut.
   void Break(std::size_t k) noexcept { current_A_[k] = 0; }

@@ -32,6 +32,7 @@ constexpr Bench kBenches[] = {
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
     {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
+    {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 

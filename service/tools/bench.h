@@ -44,6 +44,10 @@ base::Result<BenchRows> BenchThermal(const BenchOptions& options);
 // Side tables: the whole of `omni calibrate` with a moving pen; our bundle adjustment beside that of Ceres.
 base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
 
+// Where the time goes from a sample to the current that answers it: stage, mean_us, late_us, what; side table: what
+// stiffness that allows.
+base::Result<BenchRows> BenchLatency(const BenchOptions& options);
+
 // Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, levels.
 base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 

@@ -9,7 +9,7 @@
 
 #include "service/actuation/actuation.h"
 #include "service/config/device_file.h"
-#include "service/sim/coil_drive.h"
+#include "service/sim/coil_bank.h"
 #include "service/tools/bench.h"
 
 namespace omni::tools {
@@ -53,9 +53,7 @@ struct Both {
 
 Both Simulate(const base::DeviceGeometry& device, const Run& run) {
   const actuation::Config config = actuation::MakeConfig(device);
-  base::DeviceGeometry tripless = device;  // the paper's base had only its thermometer: nothing cut the copper's peak
-  if (!run.derated) tripless.temperature_max_C = 1000;
-  sim::CoilDrive drive(tripless, {}, {}, {});
+  sim::CoilBank coils(device, {});  // without a trip: the paper's base had only its thermometer
   actuation::State host;
   Both both;
   double last_A = 0;
@@ -64,7 +62,7 @@ Both Simulate(const base::DeviceGeometry& device, const Run& run) {
     const double t_s = static_cast<double>(i) * kStep_s;
     base::HallScan scan;
     scan.t_ns = i * kStep_ns;
-    scan.coil_current_A = drive.Measured(drive.current_A());
+    scan.coil_current_A = coils.current_A();
     scan.coil_temperature_C.fill(config.heat.nodes.air_C);  // the host's model is on its own
     scan.supply_V = device.supply_V;
     actuation::UpdateHeat(config, scan, host);
@@ -82,13 +80,11 @@ Both Simulate(const base::DeviceGeometry& device, const Run& run) {
     }
     last_A = wanted_A[1];
     host.last_current_A = wanted_A;
-    drive.Command(wanted_A, 0.020, scan.t_ns);
-    drive.Watch(0);
-    drive.Step(scan.t_ns + kStep_ns, kStep_s);
-    drive.Heat(kStep_s);
+    coils.Set(wanted_A);
+    coils.Heat(kStep_s);
     const double end_s = t_s + kStep_s;
-    both.twin.body.Take(drive.body_C(), end_s);
-    both.twin.copper.Take(*std::max_element(drive.temperature_C().begin(), drive.temperature_C().end()), end_s);
+    both.twin.body.Take(coils.body_C(), end_s);
+    both.twin.copper.Take(*std::max_element(coils.temperature_C().begin(), coils.temperature_C().end()), end_s);
     both.host.body.Take(host.heat.body_C, end_s);
     both.host.copper.Take(*std::max_element(host.heat.copper_C.begin(), host.heat.copper_C.end()), end_s);
   }

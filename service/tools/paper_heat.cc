@@ -7,7 +7,7 @@
 
 #include "service/actuation/heat.h"
 #include "service/base/eigen.h"
-#include "service/sim/coil_drive.h"
+#include "service/sim/coil_bank.h"
 #include "service/tools/paper.h"
 #include "service/tools/plot.h"
 
@@ -42,10 +42,9 @@ sim::ThermalConfig OfDeviceFile(const base::HeatGeometry& heat) {
   return thermal;
 }
 
-// The paper's base did not trip in these runs: the twin's own limit is lifted.
-HeatCurve Simulate(base::DeviceGeometry device, const sim::ThermalConfig& thermal, const HeatRun& run) {
-  device.temperature_max_C = 1000;
-  sim::CoilDrive drive(device, {}, thermal, {});
+// The paper's base did not trip in these runs.
+HeatCurve Simulate(const base::DeviceGeometry& device, const sim::ThermalConfig& thermal, const HeatRun& run) {
+  sim::CoilBank coils(device, thermal);
   const actuation::HeatConfig host = actuation::MakeHeatConfig(device);
   actuation::HeatState believed;
   believed.copper_C.fill(device.heat.air_C);
@@ -56,8 +55,7 @@ HeatCurve Simulate(base::DeviceGeometry device, const sim::ThermalConfig& therma
   bool on = false;
   for (int i = 0; i <= steps; ++i) {
     const double t_s = i * kStep_s;
-    const auto t_ns = static_cast<std::int64_t>(std::llround(t_s * 1e9));
-    const double body_C = drive.body_C(), copper_C = drive.temperature_C()[1];
+    const double body_C = coils.body_C(), copper_C = coils.temperature_C()[1];
     if (body_C > curve.peak_C) curve.peak_C = body_C, curve.peak_s = t_s;
     curve.copper_peak_C = std::max(curve.copper_peak_C, copper_C);
     curve.end_C = body_C;
@@ -70,12 +68,10 @@ HeatCurve Simulate(base::DeviceGeometry device, const sim::ThermalConfig& therma
     }
     if (i == 0 || (on && t_s >= run.on_s)) {
       on = i == 0;
-      drive.Command({0, on ? run.current_A : 0, 0}, 1e9, t_ns);
+      coils.Set({0, on ? run.current_A : 0, 0});
     }
-    drive.Watch(0);
-    drive.Step(t_ns, kStep_s);
-    drive.Heat(kStep_s);
-    actuation::AdvanceHeat(host, drive.Measured(drive.current_A()), kStep_s, believed);
+    coils.Heat(kStep_s);
+    actuation::AdvanceHeat(host, coils.current_A(), kStep_s, believed);
   }
   return curve;
 }

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "service/actuation/actuation.h"
-#include "service/sim/coil_drive.h"
+#include "service/sim/coil_bank.h"
 #include "tests/support/nominal_device.h"
 #include "tests/support/numeric.h"
 
@@ -101,13 +101,13 @@ Derated RunDerated(double worse, bool device_reports) {
   thermal.body_J_K = device.heat.body_J_K / worse;
   thermal.copper_to_body_W_K = device.heat.copper_to_body_W_K / worse;
   thermal.body_to_air_W_K = device.heat.body_to_air_W_K / worse;
-  sim::CoilDrive drive(device, {}, thermal, {});
+  sim::CoilBank coils(device, thermal);
   State state;
   Derated derated;
   constexpr std::int64_t kStep_ns = 2'000'000;
   for (std::int64_t i = 0; i < 450'000; ++i) {
-    base::HallScan scan = ScanAt(i * kStep_ns, drive.current_A(), 24);
-    if (device_reports) scan.coil_temperature_C = drive.temperature_C();
+    base::HallScan scan = ScanAt(i * kStep_ns, coils.current_A(), 24);
+    if (device_reports) scan.coil_temperature_C = coils.temperature_C();
     const Currents before = state.heat.current_max_A;
     UpdateHeat(config, scan, state);
     state.last_current_A = state.heat.current_max_A;
@@ -116,13 +116,11 @@ Derated RunDerated(double worse, bool device_reports) {
         derated.step_max_A = std::max(derated.step_max_A, std::abs(state.heat.current_max_A[k] - before[k]));
       }
     }
-    drive.Command(state.heat.current_max_A, 0.02, scan.t_ns);
-    drive.Watch(0);
-    drive.Step(scan.t_ns + kStep_ns, 2e-3);
-    drive.Heat(2e-3);
+    coils.Set(state.heat.current_max_A);
+    coils.Heat(2e-3);
     derated.copper_max_C =
-        std::max(derated.copper_max_C, *std::max_element(drive.temperature_C().begin(), drive.temperature_C().end()));
-    derated.current_end_A = drive.current_A()[1];
+        std::max(derated.copper_max_C, *std::max_element(coils.temperature_C().begin(), coils.temperature_C().end()));
+    derated.current_end_A = coils.current_A()[1];
   }
   return derated;
 }
