@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/core/board_io.h"
 #include "firmware/wire/messages.h"
+#include "service/base/limits.h"
 #include "service/config/device_file.h"
 #include "service/haptics/stability.h"
 #include "service/loop/denormals.h"
@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kWavedTicks = 20'000;
 constexpr double kLateQuantile = 0.99;
-constexpr double kStep_us = firmware::kStepPeriod_us;
+constexpr double kStep_us = 1e6 * base::kTickPeriod_s / base::kStepsPerTick;
 // Eight magnetometers of 8 bytes each and a command byte at 10 MHz, with the pauses that the chips ask for: the time in
 // firmware/board/teensy40/hall_array.h, calculated.
 constexpr double kBus_us = 90;
