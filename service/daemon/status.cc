@@ -72,6 +72,7 @@ json Ticks(const loop::TickThread& loop) {
           {"us_max", s.tick_time.max_us()},
           {"latency_us_median", s.latency.Quantile_us(0.5)},
           {"latency_us_p99", s.latency.Quantile_us(0.99)},
+          {"response_us", 1e-3 * static_cast<double>(s.response_ns.load())},
           {"realtime", realtime.fifo && realtime.memory_locked},
           {"realtime_reason", realtime.reason}};
 }

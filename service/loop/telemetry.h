@@ -30,6 +30,7 @@ struct TickStatistics {
   std::atomic<std::uint64_t> late{0};
   std::atomic<std::uint64_t> timeouts{0};  // the source had no telemetry in time
   std::atomic<std::uint64_t> dropped_records{0};
+  std::atomic<std::int64_t> response_ns{0};  // of the newest scan: how late its base acts on answers; 0: not known
   std::atomic<std::uint64_t> scene_generation{0};  // acknowledged: the scene that ticks use now
 };
 

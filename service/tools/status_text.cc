@@ -60,7 +60,8 @@ std::string DeviceLine(const json& status) {
 std::string TickLine(const json& status) {
   return TextAt(status, "/tick/count") + " ticks, " + TextAt(status, "/tick/late") + " late; median " +
          TextAt(status, "/tick/us_median", 1) + " us, p99 " + TextAt(status, "/tick/us_p99", 1) + " us, max " +
-         TextAt(status, "/tick/us_max", 1) + " us";
+         TextAt(status, "/tick/us_max", 1) + " us; the base acts on answers " + TextAt(status, "/tick/response_us", 0) +
+         " us after the sample";
 }
 
 std::string RealtimeLine(const json& status) {

@@ -23,7 +23,7 @@ TEST(ToolsStatus, ShowsWhatTheServiceSays) {
   const json status = json::parse(R"({
     "service": {"version": "0.1.0", "pid": 42, "uptime_s": 3725.5, "instance": 1},
     "device": {"name": "twin", "simulation": true, "received": 1000, "missed": 3},
-    "tick": {"count": 1000, "late": 2, "us_median": 12.34, "us_p99": 20, "us_max": 99.9, "realtime": false,
+    "tick": {"count": 1000, "late": 2, "us_median": 12.34, "us_p99": 20, "us_max": 99.9, "response_us": 612.4, "realtime": false,
              "realtime_reason": "SCHED_FIFO refused"},
     "tracking": {"status": "tracking", "position_m": [0.001, 0.002, 0.0613], "gap_m": 0.0203, "sigma_mm": 0.08},
     "force": {"last_N": [0, 0, 1.25], "contact": true},
@@ -31,9 +31,9 @@ TEST(ToolsStatus, ShowsWhatTheServiceSays) {
     "scene": {"name": "/s/d.glb", "generation": 4, "triangles": 12000},
     "aligned": false, "problems": ["20-x.toml:3: bad"]})");
   ExpectHas(StatusText(status), {"0.1.0", "pid 42", "1:02:05", "twin (a simulation)", "3 missed", "2 late", "12.3 us",
-                                 "refused: SCHED_FIFO refused", "(1.0, 2.0, 61.3) mm", "gap 20.3 mm", "0.08",
-                                 "(0.00, 0.00, 1.25) N, in contact", "\"game\" (pid 77)", "focused", "owns the force",
-                                 "12000 triangles", "not aligned", "20-x.toml:3: bad"});
+                                 "612 us after the sample", "refused: SCHED_FIFO refused", "(1.0, 2.0, 61.3) mm",
+                                 "gap 20.3 mm", "0.08", "(0.00, 0.00, 1.25) N, in contact", "\"game\" (pid 77)",
+                                 "focused", "owns the force", "12000 triangles", "not aligned", "20-x.toml:3: bad"});
 }
 
 TEST(ToolsStatus, ToleratesWhatIsMissingOrStrange) {
