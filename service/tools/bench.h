@@ -37,7 +37,8 @@ base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 // Force map against the twin, by model and gap; timing: model, gap_mm, error_median_pct, ..., stage, us_median, us_p99.
 base::Result<BenchRows> BenchForce(const BenchOptions& options);
 
-// Heat runs of the paper on the twin and in the host: run, model, peak_C, peak_s, end_C, copper_peak_C, ...
+// Heat runs of the paper on the twin and in the host: run, model, peak_C, peak_s, end_C, copper_peak_C, ... Side
+// table: fifteen minutes of a constant set-point on the whole twin.
 base::Result<BenchRows> BenchThermal(const BenchOptions& options);
 
 // Per base: rig, seed, before_mm, raw_mm, aligned_mm, systematic_mm, seconds and more; then mean and worst.

@@ -21,6 +21,7 @@ void AddTrack(CLI::App& app);
 void AddPaper(CLI::App& app);
 void AddCalibrate(CLI::App& app);
 void AddDevice(CLI::App& app);  // omni device list, info, selftest, flash-help, estop
+void AddRecord(CLI::App& app);
 void AddReplay(CLI::App& app);
 
 }  // namespace omni::tools

@@ -61,7 +61,7 @@ const char* EndWords(device::ReadStatus status) {
   switch (status) {
     case device::ReadStatus::kScan:
     case device::ReadStatus::kTimeout:
-      return "closed by omnid";
+      return "closed by its writer";
     case device::ReadStatus::kGone:
       return "the device was gone";
     case device::ReadStatus::kEnd:

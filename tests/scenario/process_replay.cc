@@ -65,7 +65,7 @@ TEST_F(ProcessReplay, RecordedShownAndPlayed) {
   const std::string shown = OutputOf({kOmni, "replay", recording_}, 0);
   EXPECT_NE(shown.find("serial twin-3, a simulation"), std::string::npos) << shown;
   EXPECT_NE(shown.find("scans     " + std::to_string(summary->scans) + " in "), std::string::npos) << shown;
-  EXPECT_NE(shown.find("end       closed by omnid"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("end       closed by its writer"), std::string::npos) << shown;
   // Each ends by itself, at the end of the recording.
   EXPECT_EQ(OutputOf({kOmnid, "--device", "replay:" + recording_, "--replay-fast", "--log-level", "warn"}, 0), "");
   const std::int64_t begin_ns = base::MonotonicNow_ns();
@@ -78,6 +78,20 @@ TEST_F(ProcessReplay, RecordedShownAndPlayed) {
   EXPECT_EQ(second->scans, summary->scans);
   EXPECT_EQ(second->missed, summary->missed);
   EXPECT_NEAR(second->duration_s, summary->duration_s, 1e-9);
+}
+
+TEST_F(ProcessReplay, OmniRecordsABaseWithoutArmingIt) {
+  const std::string shown = OutputOf({kOmni, "record", recording_, "--device", "twin", "--seconds", "1"}, 0);
+  EXPECT_NE(shown.find("a simulation"), std::string::npos) << shown;
+  const auto summary = device::SummariseRecording(recording_);
+  ASSERT_TRUE(summary.ok()) << summary.error();
+  EXPECT_GT(summary->scans, 300U);
+  EXPECT_EQ(summary->commands, 0U);
+  EXPECT_TRUE(summary->ended);
+  EXPECT_LT(summary->current_peak_A, 0.05) << "a current sensor's offset";
+  OutputOf({kOmni, "record", recording_, "--device", "toaster"}, 1);
+  OutputOf({kOmni, "record", folder_.Path("again.rec"), "--device", "replay:" + recording_}, 1);
+  OutputOf({kOmni, "record", folder_.Path("missing/device.rec"), "--device", "twin", "--seconds", "1"}, 1);
 }
 
 TEST_F(ProcessReplay, RefusesWhatIsNoRecording) {

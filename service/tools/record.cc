@@ -1,0 +1,75 @@
+// omni record: what a base measures, without a service and without a force: it is never armed.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "service/base/clock.h"
+#include "service/config/device_file.h"
+#include "service/daemon/open_device.h"
+#include "service/device/recording_reader.h"
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+#include "service/tools/replay_text.h"
+#include "service/tools/terminal.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr std::int64_t kPatience_ns = 200'000'000;  // of one Read: how soon a signal is seen
+
+struct RecordRequest {
+  daemon::RunOptions run;
+  double seconds = 0;
+};
+
+int FailRecord(const std::string& why) { return Fail("omni record", why); }
+
+// Empty, or why it ended before it was asked to.
+std::string ReadScans(device::Transport& transport, double seconds) {
+  const EndSignals signals;
+  const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(seconds * 1e9);
+  base::HallScan scan;
+  while (!EndSignals::asked() && (seconds == 0 || base::MonotonicNow_ns() < end_ns)) {
+    const device::ReadStatus status = transport.Read(scan, kPatience_ns);
+    if (status == device::ReadStatus::kGone) return "the base is gone; what came before is in the file";
+  }
+  return "";
+}
+
+int RecordBase(RecordRequest request) {
+  const std::string& path = request.run.record_device_path;
+  if (const std::string problem = daemon::DeviceProblem(request.run.device); !problem.empty()) {
+    return FailRecord("--device: " + problem);
+  }
+  if (daemon::IsReplay(request.run.device)) return FailRecord("--device " + request.run.device + " is a recording");
+  request.run.device = daemon::SettleDevice(request.run.device);
+  base::Result<daemon::OpenedDevice> opened = daemon::OpenDevice(request.run);
+  if (!opened.ok()) return FailRecord(opened.error());
+  const std::string refused = daemon::RecordDevice(request.run, config::DefaultDevice().current_max_A, 1, *opened);
+  if (!refused.empty()) return FailRecord(refused);
+  const std::string ended = ReadScans(*opened->transport, request.seconds);
+  device::DeviceRecorder& recorder = opened->recording->recorder();
+  recorder.Close();
+  if (!recorder.problem().empty()) return FailRecord(recorder.problem());
+  const auto summary = device::SummariseRecording(path);
+  if (!summary.ok()) return FailRecord(summary.error());
+  std::cout << RecordingText(path, *summary);
+  return ended.empty() ? kExitOk : FailRecord(ended);
+}
+
+}  // namespace
+
+void AddRecord(CLI::App& app) {
+  auto request = std::make_shared<RecordRequest>();
+  request->run.device = "auto";
+  CLI::App* record = app.add_subcommand(
+      "record", "what a base measures, with its coils at rest, into a file; omnid --record-device does it at work");
+  record->add_option("file", request->run.record_device_path, "the recording; replaced if it is there")->required();
+  record->add_option("--device", request->run.device, daemon::DeviceHelp())->capture_default_str();
+  record->add_option("--seconds", request->seconds, "how long (default: until Ctrl-C)")->check(CLI::Range(0.001, 1e6));
+  record->callback([request] { throw CLI::RuntimeError(RecordBase(*request)); });
+}
+
+}  // namespace omni::tools
