@@ -20,7 +20,7 @@ enum class Reaction : std::uint8_t {
 constexpr std::uint8_t kRetestHall = 1U << 0;
 constexpr std::uint8_t kRetestCoils = 1U << 1;
 
-constexpr std::uint8_t kWholeBase = 255;  // FaultEvent::part
+using wire::kWholeBase;
 
 struct FaultRule {
   wire::Fault fault;

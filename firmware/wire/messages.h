@@ -16,6 +16,7 @@ constexpr int kStepsPerTick = 4;  // control steps, evenly spaced; the last ends
 constexpr std::uint16_t kTimeToLiveMax_ms = 20;
 constexpr std::int16_t kDutyFull = 32767;
 constexpr std::size_t kLogTextMax = 120;
+constexpr std::uint8_t kWholeBase = 255;  // FaultEvent::part
 
 // Capability bits of HELLO.
 constexpr std::uint32_t kDeviceClockIsHostMonotonic = 1U << 0;  // t_device_us is the host's CLOCK_MONOTONIC

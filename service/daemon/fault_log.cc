@@ -88,7 +88,7 @@ std::vector<FaultLine> FaultLog::News(const device::TransportState& state) {
   for (Heard& heard : heard_) heard.waits = false;
   if (now == 0 && before != 0) news.push_back({false, "no fault any more"});
   if (state.waits_for_person && !last_.waits_for_person) {
-    news.push_back({true, "its coils stay off until a person has looked: end omnid, then `omni device selftest`"});
+    news.push_back({true, device::kWaitsForPersonText});
   }
   last_ = state;
   return news;

@@ -7,11 +7,6 @@
 #include "firmware/wire/names.h"
 
 namespace omni::device {
-namespace {
-
-constexpr std::uint8_t kWholeBase = 255;  // FaultEvent::part
-
-}  // namespace
 
 wire::Status BaseNotes::Add(const wire::FrameView& view) noexcept {
   BaseNote note;
@@ -29,7 +24,7 @@ std::string FaultPlaceText(const wire::FaultEvent& event) {
   const char* part = words != nullptr ? words->part : "part";
   const char* unit = words != nullptr ? words->unit : "";
   std::string text;
-  if (event.part != kWholeBase && part[0] != '\0') {
+  if (event.part != wire::kWholeBase && part[0] != '\0') {
     text += " at " + std::string(part) + " " + std::to_string(event.part);
   }
   if (unit[0] != '\0') {

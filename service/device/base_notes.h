@@ -37,6 +37,10 @@ std::string FaultEventText(const wire::FaultEvent& event);
 // Where, and what was measured: " at coil 2, 71.5 C"; empty where there is nothing to say.
 std::string FaultPlaceText(const wire::FaultEvent& event);
 
+// What TransportState::waits_for_person means for people.
+inline constexpr const char* kWaitsForPersonText =
+    "its coils stay off until a person has looked: end omnid, then `omni device selftest`";
+
 // What came from outside, for terminals and logs: other characters than printable ASCII become '?'. Ends at a zero.
 std::string PrintableText(const char* text, std::size_t size);
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "firmware/wire/scaling.h"
+#include "service/device/base_notes.h"
 
 namespace omni::device {
 
@@ -20,10 +21,7 @@ constexpr float kCurrentMax_A = 100;
 
 base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello, Clocks clocks) {
   DeviceInfo info;
-  for (const char c : hello.serial) {
-    if (c == '\0') break;
-    info.serial += c >= ' ' && c <= '~' ? c : '?';
-  }
+  info.serial = PrintableText(hello.serial, sizeof hello.serial);
   if (!(wire::kVersion >= hello.version_min && wire::kVersion <= hello.version_max)) {
     return base::Error{"device " + info.serial + ": speaks protocol versions " + std::to_string(hello.version_min) +
                        " to " + std::to_string(hello.version_max) + ", this service speaks " +

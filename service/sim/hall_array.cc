@@ -41,31 +41,10 @@ void HallArray::Sample(std::size_t index, std::int64_t sample_ns, const Vec3& re
   const double full_scale_T = full_scale_ * lsb_T_;
   sensor.fresh = true;
   sensor.sampled_ns = sample_ns;
-  sensor.saturated = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double noisy_T = reading[axis] + noise_T_[axis] * random.Normal();
-    if (!(std::abs(noisy_T) < full_scale_T)) sensor.saturated |= 1U << axis;
     sensor.counts[axis] = wire::ToCounts<std::int16_t>(std::clamp(noisy_T, -full_scale_T, full_scale_T), lsb_T_);
   }
-}
-
-std::int64_t HallArray::Report(wire::Telemetry& telemetry) noexcept {
-  std::int64_t newest_ns = kNever_ns;
-  for (const Sensor& sensor : sensors_) newest_ns = std::max(newest_ns, sensor.sampled_ns);
-  if (newest_ns == kNever_ns) newest_ns = 0;
-  telemetry.fresh_mask = 0;
-  telemetry.saturated_mask = 0;
-  for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    const Sensor& sensor = sensors_[i];
-    std::copy(sensor.counts.begin(), sensor.counts.end(), telemetry.field[i]);
-    telemetry.fresh_mask = static_cast<std::uint8_t>(telemetry.fresh_mask | (sensor.fresh ? 1U << i : 0U));
-    telemetry.saturated_mask |= sensor.saturated << (3 * i);
-    telemetry.age[i] = sensor.sampled_ns == kNever_ns
-                           ? std::numeric_limits<std::uint8_t>::max()
-                           : wire::ToCounts<std::uint8_t>(static_cast<double>(newest_ns - sensor.sampled_ns),
-                                                          static_cast<double>(wire::kAgeUnit_ns));
-  }
-  return newest_ns;
 }
 
 }  // namespace omni::sim

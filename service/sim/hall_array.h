@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "firmware/wire/messages.h"
 #include "service/base/device_geometry.h"
 #include "service/base/truth_parameters.h"
 #include "service/sim/random.h"
@@ -27,9 +26,6 @@ class HallArray {
   // Takes that sample of the noise-free reading.
   void Sample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept;
 
-  // Fills field, masks and ages; returns the instant of the newest sample of all.
-  std::int64_t Report(wire::Telemetry& telemetry) noexcept;
-
   // What the chip's output registers hold, and when they were written.
   struct Registers {
     std::array<std::int16_t, 3> counts{};
@@ -41,8 +37,6 @@ class HallArray {
     return {sensor.counts, sensor.sampled_ns, sensor.fresh};
   }
 
-  std::uint16_t full_scale() const noexcept { return full_scale_; }
-
  private:
   struct Sensor {
     std::int64_t period_ns = 0;
@@ -50,7 +44,6 @@ class HallArray {
     std::int64_t sampled_ns = kNever_ns;
     bool fresh = false;
     std::array<std::int16_t, 3> counts{};
-    std::uint32_t saturated = 0;  // bit per axis
   };
 
   std::array<Sensor, base::kSensorCount> sensors_;

@@ -36,7 +36,6 @@ constexpr std::uint8_t WithBit(std::uint8_t mask, std::size_t i, bool on) noexce
 
 }  // namespace
 
-// What is random is drawn in TwinCore's order: equal seeds give the same base.
 Plant::Plant(const base::DeviceGeometry& device, const PlantOptions& options)
     : device_(device),
       bridge_(options.bridge),

@@ -91,12 +91,4 @@ void TickSampler::Sample(const Surroundings& background, Random& random) noexcep
   }
 }
 
-CoilArray TickSampler::MeanCurrent() const noexcept {
-  CoilArray mean_A{};
-  for (std::size_t i = 1; i < held_.size(); ++i) {
-    for (std::size_t k = 0; k < mean_A.size(); ++k) mean_A[k] += held_[i].state.current_A[k] / kSubSteps;
-  }
-  return mean_A;
-}
-
 }  // namespace omni::sim

@@ -42,7 +42,6 @@ class TickSampler {
   HallArray& hall() noexcept { return hall_; }
   const HallArray& hall() const noexcept { return hall_; }
   std::int64_t now_ns() const noexcept { return now_ns_; }
-  CoilArray MeanCurrent() const noexcept;  // of the last tick
 
  private:
   struct Held {

@@ -54,7 +54,6 @@ Waved RunLoop(const base::DeviceGeometry& device, std::uint64_t seed) {
   using Clock = std::chrono::steady_clock;
   sim::PlantOptions options;
   options.seed = seed;
-  options.truth = {};
   options.motion = std::make_shared<sim::FreeMotion>(device, sim::MotionOptions{.seed = seed},
                                                      (kWavedTicks + 1) * base::kTickPeriod_s);
   sim::Loopback twin(device, options);

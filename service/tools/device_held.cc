@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
+#include "service/device/base_notes.h"
 #include "service/protocol/text.h"
 #include "service/tools/json_text.h"
 
@@ -45,7 +46,7 @@ std::string DeviceServedText(const base::Result<json>& status, const device::Usb
   std::string text = HeldLine("state", TextAt(*status, "/device/state"));
   text += HeldFaults(ArrayAt(*status, "/device/faults"));
   if (TrueAt(*status, "/device/waits_for_person")) {
-    text += HeldLine("", "its coils stay off until a person has looked: end omnid, then `omni device selftest`");
+    text += HeldLine("", device::kWaitsForPersonText);
   }
   return text + HeldLine("telemetry", TextAt(*status, "/device/received") + " frames came, " +
                                           TextAt(*status, "/device/missed") + " lost, " +

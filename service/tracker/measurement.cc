@@ -108,8 +108,7 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
     result.systematic_share /= result.axes;
   }
   const double change_error = now.has_steps ? trust.current_step_error : trust.current_change_error;
-  Currents variance_A2 = known ? CurrentVariance(trust, scan.coil_current_A, currents.change_A(), change_error)
-                               : CurrentVariance(trust, {}, {}, 0);
+  Currents variance_A2 = CurrentVariance(trust, scan.coil_current_A, currents.change_A(), change_error);
   result.current_variance_A2 = variance_A2;
   for (std::size_t k = 0; k < variance_A2.size(); ++k) variance_A2[k] += offsets.remanence_variance_A2[k];
   SetNuisances(model, variance_A2, Square(trust.ambient_error_T), result);
