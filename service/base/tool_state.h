@@ -25,6 +25,13 @@ enum ToolLimit : std::uint32_t {
   kToolRepeated = 32       // the scan's stamp did not move: the state is that of the scan before
 };
 
+// How uncertain a point of the tool is along its worst axis: variances of position and velocity, and their covariance.
+struct PointNoise {
+  double position_m2 = 0;
+  double cross_m2_s = 0;
+  double velocity_m2_s2 = 0;
+};
+
 // Frame B: origin at the core's centre, +z up, right handed, metres.
 // The tool's axis u is the unit vector along the magnetic moment, from the magnet's centre to the tip.
 // The device point (HIP) is position + tip_offset_m * axis.
@@ -42,6 +49,7 @@ struct ToolState {
   double gap_m = 0;  // nearest point of the magnet to the hull; < 0: inside
   // Covariance of (position 3, tangent of u 2), row-major 5x5, SI.
   std::array<double, 25> covariance{};
+  PointNoise device_point_noise;
   double chi2 = 0;  // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;

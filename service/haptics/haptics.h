@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "service/base/actuation_types.h"
+#include "service/base/tool_state.h"
 #include "service/base/vec.h"
 #include "service/haptics/scene.h"
 
@@ -18,19 +19,20 @@ struct Config {
   double ramp_s = 0.15;             // force fades in over this time after contact at start, scene swap, tracking loss
   double stiffness_max_N_m = 1000;  // offered at most, whatever the material says: rule in haptics/stability
   double delay_s = 3e-3;            // as Input's, while none is measured; for the stability rule
-  double coil_lag_s = 1e-3;
-  double hand_damping_Ns_m = 1.0;      // assumed lower bound
+  double coil_lag_s = 0.4e-3;       // control step to 63 % of a current; `omni bench latency` measures .23 to .35 ms
+  double predict_max_s = 0.020;     // the tip is predicted to when the current acts, at most so far
+  double hand_damping_Ns_m = 1.0;   // assumed lower bound
   double contact_threshold_N = 0.010;  // "contact" in reports means more than this
 };
 
 struct Input {
   std::int64_t t_ns = 0;
-  double dt_s = 1e-3;    // time since the last tick, clamped to [0, 5 ms] by the caller
-  bool tracked = false;  // false: force goes to zero under the slew limit, contact is forgotten
-  base::Vec3 device_point_base_m;
-  base::Vec3 velocity_base_m_s;  // of the device point
-  double position_sigma_m = 0;
-  double delay_s = 0;  // measured: sample instant to the control step that acts; 0: not known
+  double dt_s = 1e-3;              // time since the last tick, clamped to [0, 5 ms] by the caller
+  bool tracked = false;            // false: force goes to zero under the slew limit; contacts are forgotten after 25 ms
+  base::Vec3 device_point_base_m;  // at t_ns, not predicted
+  base::Vec3 velocity_base_m_s;    // of the device point
+  base::PointNoise noise;          // of the device point
+  double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
   base::ForceLimit limit;
 };
 
@@ -80,13 +82,37 @@ struct VehicleState {
   bool away = false;      // left the start line, so that the next crossing is a lap
 };
 
+// The stiffness on offer, which moves slowly: haptics/stability.h.
+struct OfferState {
+  bool known = false;
+  double predict_s = 0;
+  double recent_N_m = 0;     // the limit, smoothed
+  double stiffness_N_m = 0;  // what is offered
+};
+
+inline constexpr std::uint32_t kEnergyHistory = 32;
+
+// What contacts have given to the hand: haptics/energy_watch.h.
+struct EnergyState {
+  std::array<base::Vec3, kEnergyHistory> sent_N{};  // forces of the last ticks, a ring
+  std::uint32_t next = 0;
+  bool has_tip = false;
+  base::Vec3 tip;
+  double given_J = 0;
+  double gain = 1;  // on contact forces
+  std::uint32_t leaking_ticks = 0;
+};
+
 // All that changes. Fixed size, trivially copyable, deterministic: equal inputs give equal bits.
 struct State {
   bool was_tracked = false;
+  double away_s = 0;  // time without a pose
   base::Vec3 last_device_point_base_m;
   std::array<ContactState, kMaxContacts> contacts;
   std::array<RegionState, kMaxRegions> regions;
   VehicleState vehicle;
+  OfferState offer;
+  EnergyState energy;
   double ramp = 0;  // 0..1 gain on contact forces
   base::Vec3 last_force_N;
   double texture_phase = 0;
@@ -116,6 +142,8 @@ struct Output {
   double thumbstick_x = 0, thumbstick_y = 0;  // -1..1, +y away from the user (+y of B), +x right
   bool saturated = false;                     // the limit cut the force
   double stiffness_cut = 1;                   // offered / asked stiffness of the stiffest contact
+  double stiffness_offered_N_m = 0;           // the most that any surface is given now
+  double energy_gain = 1;                     // < 1: contacts gave energy to the hand and are held back
 };
 static_assert(std::is_trivially_copyable_v<Output>);
 

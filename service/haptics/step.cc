@@ -3,6 +3,7 @@
 #include "service/haptics/contact/contact_force.h"
 #include "service/haptics/contact/contact_set.h"
 #include "service/haptics/contact/effects.h"
+#include "service/haptics/energy_watch.h"
 #include "service/haptics/extrude/extrude.h"
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/geometry/topology.h"
@@ -16,6 +17,9 @@ namespace {
 constexpr double kFarthestTip_m = 100;  // a tip beyond is not a measurement
 constexpr double kFastestTip_m_s = 1e3;
 constexpr double kLongestTick_s = 5e-3;
+constexpr double kGapMax_s = 25e-3;  // ticks without a pose that end no contact
+constexpr double kLeap_m = 0.5;      // 20 m/s over such a gap; farther is another place
+constexpr double kFast_m = 0.01;     // in one tick: no hand, so the force fades in, whatever was entered
 
 // The same input with what cannot be used taken out.
 Input Cleaned(const Input& input) noexcept {
@@ -67,14 +71,23 @@ Vec3 LookAround(const Scene& scene, const Surface& surface, const Vec3& tip, dou
   return pull_N * Normalized(nearest.closest.point - tip);
 }
 
+// What the contacts ask for, before limits.
+struct Touched {
+  Vec3 contacts_N;
+  Vec3 others_N;        // of magnets and of faces that are taken hold of
+  double stored_J = 0;  // in the contacts' springs
+  bool moving = false;  // a surface moves by itself
+};
+
 // Sums up what the contacts ask for and reports them.
-Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Output& output) noexcept {
+Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touched& touched, Output& output) noexcept {
   Vec3 sum;
   double stiffest_N_m = 0;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     if (!state.contacts[k].active || state.contacts[k].popped) continue;
     const ContactForce& force = forces.of[k];
     sum = sum + force.force_N;
+    touched.stored_J += 0.5 * force.elastic_N * force.depth_m;
     output.contacts[static_cast<std::size_t>(output.contact_count++)] = force.report;
     output.tip_normal_force_N += ramp * force.report.normal_force_N;
     if (force.asked_stiffness_N_m > stiffest_N_m) {
@@ -85,55 +98,62 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Outpu
   return sum;
 }
 
+// Follows the contacts to the tip and gives their forces.
+ContactForces Follow(const Scene& scene, const Surface& surface, const Offer& offer, const Input& input,
+                     State& state) noexcept {
+  std::array<Vec3, kMaxContacts> last_proxy;
+  std::array<bool, kMaxContacts> was_active{};
+  for (std::size_t k = 0; k < kMaxContacts; ++k) {
+    last_proxy[k] = state.contacts[k].proxy_base_m;
+    was_active[k] = state.contacts[k].active;
+  }
+  if (state.was_tracked) {
+    UpdateContacts(scene, surface, input.device_point_base_m, input.dt_s, state);
+  } else {
+    StartContacts(scene, surface, input.device_point_base_m, state);
+  }
+  for (std::size_t k = 0; k < kMaxContacts; ++k) {
+    if (!was_active[k]) last_proxy[k] = state.contacts[k].proxy_base_m;
+  }
+  return ForcesOf(offer, scene, surface, input, last_proxy, state);
+}
+
 // The tip's contact forces, and what they do to extrudable faces.
-Vec3 Touch(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
-  const double limit_N_m = StiffnessLimit(config, input);
+Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State& state, Output& output) noexcept {
   const Vec3 tip = input.device_point_base_m;
   const Surface surface(scene, state.regions);
   std::array<RegionTouch, kMaxRegions> touches{};
-  Vec3 sum;
+  Touched touched;
   if (input.tracked && !StillFar(scene, tip, state)) {
-    std::array<Vec3, kMaxContacts> last_proxy;
-    std::array<bool, kMaxContacts> was_active{};
-    for (std::size_t k = 0; k < kMaxContacts; ++k) {
-      last_proxy[k] = state.contacts[k].proxy_base_m;
-      was_active[k] = state.contacts[k].active;
-    }
-    if (state.was_tracked) {
-      UpdateContacts(scene, surface, tip, input.dt_s, state);
-    } else {
-      StartContacts(scene, surface, tip, state);
-    }
-    for (std::size_t k = 0; k < kMaxContacts; ++k) {
-      if (!was_active[k]) last_proxy[k] = state.contacts[k].proxy_base_m;
-    }
-    const ContactForces forces = ForcesOf(config, scene, surface, input, last_proxy, state);
-    sum = Collect(forces, state.ramp, state, output);
+    const ContactForces forces = Follow(scene, surface, offer, input, state);
+    touched.contacts_N = Collect(forces, state.ramp, state, touched, output);
     for (std::size_t k = 0; k < kMaxContacts; ++k) {
       if (!state.contacts[k].active || state.contacts[k].popped) continue;
       const std::uint32_t region = surface.RegionOf(state.contacts[k].triangle);
       if (region != kNoIndex) touches[region] = {forces.of[k].elastic_N, forces.of[k].depth_m};
     }
     state.far_distance_m = 0;
-    if (!AnyContact(state)) sum = sum + LookAround(scene, surface, tip, limit_N_m, state);
+    if (!AnyContact(state)) touched.others_N = LookAround(scene, surface, tip, offer.stiffness_N_m, state);
   }
   const auto regions = scene.regions();
-  const ExtrudeInput extrude{input.tracked, tip, input.velocity_base_m_s, input.dt_s, limit_N_m};
+  const ExtrudeInput extrude{input.tracked, tip, input.velocity_base_m_s, input.dt_s, offer.stiffness_N_m};
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    sum = sum +
-          StepRegion(regions[r], scene.materials()[regions[r].material].extrude, touches[r], extrude, state.regions[r]);
+    const Vec3 region_N =
+        StepRegion(regions[r], scene.materials()[regions[r].material].extrude, touches[r], extrude, state.regions[r]);
+    touched.others_N = touched.others_N + region_N;
   }
-  return sum;
+  touched.moving = !regions.empty() && !RegionsRest(scene, state);
+  return touched;
 }
 
 // Joystick and car.
-Vec3 Play(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
+Vec3 Play(const Offer& offer, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
   const SceneHeader& header = scene.header();
   Vec3 sum;
   Thumbstick stick;
   if (header.has_joystick != 0 && input.tracked) {
     stick = JoystickDeflection(header.joystick, input.device_point_base_m);
-    sum = JoystickForce(header.joystick, config, input);
+    sum = JoystickForce(header.joystick, offer, input);
     output.tip_normal_force_N += state.ramp * std::max(0.0, sum.z);  // pushing the stick down is a press
     output.joystick = true;
     output.thumbstick_x = stick.x;
@@ -168,34 +188,64 @@ void Limit(const Config& config, const Input& input, const Vec3& wanted_N, State
   output.in_contact = Norm(force_N) > config.contact_threshold_N;
 }
 
+// A pen that is away for no longer than kGapMax_s goes on where it was: contacts keep the side they were entered from.
+// After a longer absence, or a leap that no hand makes, nothing is known. Either way the force fades in again.
+// True: the motion since the last tick is one that a hand makes.
+bool Remember(const Config& config, const Input& input, State& state) noexcept {
+  const double moved_m = Norm(input.device_point_base_m - state.last_device_point_base_m);
+  const bool leapt = input.tracked && state.was_tracked && !(moved_m < kLeap_m);
+  const bool gone = !input.tracked && (state.away_s += input.dt_s) > kGapMax_s;
+  const bool steady = input.tracked && state.was_tracked && moved_m < kFast_m;
+  if (!steady) {
+    state.ramp = config.ramp_s > 0 ? 0 : 1;
+    state.far_distance_m = 0;
+  }
+  if (input.tracked) state.away_s = 0;
+  if (leapt || gone || !state.was_tracked) {
+    state.was_tracked = false;
+    state.contacts.fill({});
+  }
+  return steady;
+}
+
 }  // namespace
 
 void Enter(const Scene& scene, State& state) noexcept {
-  const Vec3 last_force_N = state.last_force_N;
-  state = {};
-  state.last_force_N = last_force_N;
+  State entered;
+  entered.last_force_N = state.last_force_N;
+  entered.offer = state.offer;
+  state = entered;
   if (!scene.empty() && scene.header().has_vehicle != 0) StartCar(scene.header().vehicle, state.vehicle);
 }
 
 void Step(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
   output = {};
-  const Input clean = Cleaned(input);
-  if (!clean.tracked || !state.was_tracked) {
-    state.ramp = config.ramp_s > 0 ? 0 : 1;
-    state.far_distance_m = 0;
-    state.contacts.fill({});
+  Input clean = Cleaned(input);
+  const bool steady = Remember(config, clean, state);
+  Offer offer;
+  const Vec3 measured_tip = clean.device_point_base_m;
+  if (clean.tracked) {
+    offer = UpdateOffer(config, clean, AnyContact(state), state.offer);
+    clean.device_point_base_m = measured_tip + offer.predict_s * clean.velocity_base_m_s;
   }
-  Vec3 wanted_N;
+  output.stiffness_offered_N_m = offer.stiffness_N_m;
+  Touched touched;
+  Vec3 others_N;
   if (!scene.empty()) {
-    wanted_N = Touch(config, scene, clean, state, output);
-    wanted_N = wanted_N + Play(config, scene, clean, state, output);
+    touched = Touch(scene, offer, clean, state, output);
+    others_N = touched.others_N + Play(offer, scene, clean, state, output);
   }
+  const bool passive = steady && state.ramp == 1 && !touched.moving && others_N == Vec3{};
+  output.energy_gain =
+      WatchEnergy({measured_tip, clean.dt_s, LoopLag_s(config, clean), touched.stored_J, passive}, state.energy);
+  const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;
   Limit(config, clean, clean.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
+  RememberForce(output.force_base_N, state.energy);
   if (clean.tracked) {
     state.ramp = config.ramp_s > 0 ? std::min(1.0, state.ramp + clean.dt_s / config.ramp_s) : 1;
+    state.was_tracked = true;
+    state.last_device_point_base_m = clean.device_point_base_m;
   }
-  state.was_tracked = clean.tracked;
-  state.last_device_point_base_m = clean.device_point_base_m;
 }
 
 }  // namespace omni::haptics

@@ -58,16 +58,14 @@ void CarryOrientation(const base::ToolState& tool, LoopState& state, TickOutput&
   output.orientation_base_tool = base::FromEigen(R_BT);
 }
 
-haptics::Input MakeHapticInput(const TickConfig& config, const base::ToolState& tool, const base::ForceLimit& limit,
-                               double delay_s, double dt_s) noexcept {
-  const base::ToolState ahead = tracker::Predict(
-      tool, base::StampAfter_ns(tool.t_ns, static_cast<std::int64_t>(config.predict_s * 1e9)), config.tip_offset_m);
+haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLimit& limit, double delay_s,
+                               double dt_s) noexcept {
   return {.t_ns = tool.t_ns,
           .dt_s = dt_s,
           .tracked = tool.status == base::TrackingStatus::kTracking,
-          .device_point_base_m = ahead.device_point_base_m,
-          .velocity_base_m_s = ahead.device_point_velocity_base_m_s,
-          .position_sigma_m = std::sqrt(std::max(0.0, tool.covariance[0] + tool.covariance[6] + tool.covariance[12])),
+          .device_point_base_m = tool.device_point_base_m,
+          .velocity_base_m_s = tool.device_point_velocity_base_m_s,
+          .noise = tool.device_point_noise,
           .delay_s = delay_s,
           .limit = limit};
 }
@@ -140,8 +138,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   actuation::FadeWeight(state.gate, limit);
   output.near_singular = limit.near_singular;
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
-  haptics::Step(config.haptics, scene, MakeHapticInput(config, tool, limit, delay_s, dt_s), state.haptics,
-                output.haptics);
+  haptics::Step(config.haptics, scene, MakeHapticInput(tool, limit, delay_s, dt_s), state.haptics, output.haptics);
   const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 
   base::Vec3 force_N = Mix(output.haptics.force_base_N, vibration_N, limit, commands.force_scale, state);

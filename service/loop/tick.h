@@ -31,7 +31,6 @@ struct TickConfig {
   double gate_ramp_s = 0.010;    // force fades to zero over this when the owner is gone or hands over
   double silent_ramp_s = 0.100;  // fade after an owner gave no sign of life for 250 ms
   std::int64_t command_timeout_ns = 100'000'000;  // commands older than this: the control thread is stuck, fade
-  double predict_s = 2e-3;             // the renderer sees the pose this far ahead: about when the current acts
   int bridge_scans = 10;               // so many scans in a row without a fit do not end a contact: the pose is held
   double haptic_pulse_force_N = 0.25;  // amplitude 1 of xrApplyHapticFeedback
   double haptic_pulse_min_s = 0.020;   // XR_MIN_HAPTIC_DURATION

@@ -55,6 +55,10 @@ base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 // Run time and error of solvers on the same poses; side table: ratios.
 base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 
+// Walls that a simulated hand presses: stiffness, delay, hand and noise against limit cycles, energy and buzz; side
+// table: what is offered, by delay and noise.
+base::Result<BenchRows> BenchStability(const BenchOptions& options);
+
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);
 

@@ -110,8 +110,13 @@ nlohmann::ordered_json Row(const char* stage, const Stage& took, const char* wha
 
 nlohmann::ordered_json RuleRow(const char* what, double delay_us) {
   const haptics::Config config;
-  const double limit_N_m = haptics::StiffnessLimit(config, {.delay_s = 1e-6 * delay_us});
-  return {{"table", "stiffness"}, {"delay", what}, {"delay_us", delay_us}, {"stiffness_max_N_m", limit_N_m}};
+  const haptics::Input quiet{.delay_s = 1e-6 * delay_us};
+  const double predict_s = haptics::BestPrediction_s(config, quiet);
+  return {{"table", "stiffness"},
+          {"delay", what},
+          {"delay_us", delay_us},
+          {"unpredicted_N_m", haptics::StiffnessLimit(config, quiet, 0)},
+          {"predicted_N_m", haptics::StiffnessLimit(config, quiet, predict_s)}};
 }
 
 }  // namespace

@@ -106,6 +106,15 @@ bool IsFinite(const base::ToolState& tool) noexcept {
          finite(tool.angular_velocity_base_rad_s) && finite(tool.device_point_velocity_base_m_s);
 }
 
+// Of a point `offset_m` along the axis: position and axis are independent in the filter.
+base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexcept {
+  const auto worst = [](const std::array<double, 9>& c) { return std::max({c[0], c[4], c[8]}); };
+  const double lever_m2 = offset_m * offset_m;
+  return {worst(filter.covariance_pp) + lever_m2 * filter.variance_angle,
+          worst(filter.covariance_pv) + lever_m2 * filter.covariance_angle_rate,
+          worst(filter.covariance_vv) + lever_m2 * filter.variance_rate};
+}
+
 base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const FilterState& filter) noexcept {
   const Model& model = config.model;
   base::ToolState tool;
@@ -125,6 +134,7 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
     }
   }
   tool.covariance[18] = tool.covariance[24] = filter.variance_angle;
+  tool.device_point_noise = NoiseOfPoint(filter, model.tip_offset_m);
   return tool;
 }
 

@@ -48,6 +48,7 @@ TEST(Limits, HoldOverRandomInputs) {
     Random random(seed);
     Pen pen(scene);
     pen.config.ramp_s = 0.05;
+    pen.config.predict_max_s = 0.02;
     Vec3 tip, last;
     for (int k = 0; k < 2000; ++k) {
       tip = random.Next() % 100 == 0 ? random.InBox(0.03) : tip + random.InBox(random.Next() % 8 == 0 ? 0.01 : 3e-4);
@@ -58,7 +59,9 @@ TEST(Limits, HoldOverRandomInputs) {
       pen.input.dt_s = random.Next() % 50 == 0 ? Odd(random) : 1e-3;
       pen.input.device_point_base_m = given;
       pen.input.velocity_base_m_s = random.Next() % 40 == 0 ? Vec3{Odd(random), 0, 0} : random.InBox(1);
-      pen.input.position_sigma_m = random.Next() % 40 == 0 ? Odd(random) : random.Uniform(0, 2e-4);
+      pen.input.noise.position_m2 = random.Next() % 40 == 0 ? Odd(random) : random.Uniform(0, 4e-8);
+      pen.input.noise.velocity_m2_s2 = random.Next() % 40 == 0 ? Odd(random) : random.Uniform(0, 1e-3);
+      pen.input.delay_s = random.Next() % 40 == 0 ? Odd(random) : random.Uniform(0, 1e-3);
       pen.input.t_ns += 1'000'000;
       if (random.Next() % 500 == 0) Enter(scene, pen.state);
       Step(pen.config, scene, pen.input, pen.state, pen.output);

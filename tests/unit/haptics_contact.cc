@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "service/haptics/contact/softness.h"
-#include "service/haptics/stability.h"
 #include "tests/support/same_bits.h"
 #include "tests/unit/haptics_story.h"
 
@@ -45,23 +44,6 @@ TEST(Contact, DampingResistsButNeverPulls) {
     EXPECT_GE(pen.output.tip_normal_force_N, 0);
     EXPECT_GE(pen.output.force_base_N.z, 0);
   }
-}
-
-TEST(Contact, StabilityRuleCutsStiffness) {
-  Config config;
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NEAR(StiffnessLimit(config, {}), 0.5 * 1.0 / (0.5e-3 + 3e-3 + 1e-3), 1e-9);
-  EXPECT_NEAR(StiffnessLimit(config, {.delay_s = 1.5e-3}), 0.5 * 1.0 / (0.5e-3 + 1.5e-3 + 1e-3), 1e-9) << "measured";
-  EXPECT_NEAR(StiffnessLimit(config, {.position_sigma_m = 1e-3}), 30, 1e-9) << "30 mN over 1 mm";
-  EXPECT_EQ(StiffnessLimit(config, {.position_sigma_m = kNan}), 0);
-  EXPECT_EQ(StiffnessLimit(config, {.delay_s = kNan}), 0);
-  EXPECT_EQ(StiffnessLimit(config, {.delay_s = -1}), 0);
-  Pen pen(HardBlock());
-  pen.config = config;
-  pen.config.ramp_s = 0;
-  pen.Slide({0, 0, 0.021}, {0, 0, 0.019}, 50);
-  EXPECT_NEAR(pen.output.tip_normal_force_N, 0.111111, 1e-5);
-  EXPECT_NEAR(pen.output.stiffness_cut, 111.111 / 400, 1e-4);
 }
 
 TEST(Contact, TwoObjectsTogetherAreNotStifferThanAllowed) {
@@ -285,12 +267,12 @@ TEST(Contact, BadNumbersAreNotMeasurements) {
     pen.Slide({0, 0, 0.021}, {0, 0, 0.018}, 50);
     pen.MoveTo({x, 0, 0.018});
     EXPECT_TRUE(Within(pen.output.force_base_N, 2));
-    EXPECT_FALSE(pen.state.was_tracked);
+    EXPECT_EQ(pen.output.contact_count, 0);
     pen.MoveTo({0, 0, 0.03});
-    pen.input.position_sigma_m = x;
+    pen.input.noise.position_m2 = x;
     pen.Slide({0, 0, 0.021}, {0, 0, 0.018}, 50);
     EXPECT_LT(Norm(pen.output.force_base_N), 1e-9) << "nothing can be offered on unknown noise";
-    pen.input.position_sigma_m = 0;
+    pen.input.noise.position_m2 = 0;
   }
 }
 

@@ -146,7 +146,7 @@ TEST(Extrude, ARisingFaceMeetsAStillTip) {
   s.GoTo(0.0015, 0.05);
   s.pen.state.regions[0].phase = ExtrudePhase::kSettling;
   s.pen.state.regions[0].offset_m = 0.0025;  // will settle at 4 mm, the tip is at 1.5: it starts inside
-  s.pen.Lose();
+  s.pen.state.was_tracked = false;           // as after a long absence
   s.Wait(1);
   EXPECT_EQ(s.pen.output.contact_count, 1);
 

@@ -126,6 +126,7 @@ class Pen {
   explicit Pen(Scene scene) : scene_(std::move(scene)) {
     config.delay_s = 0;
     config.coil_lag_s = 0;
+    config.predict_max_s = 0;
     config.ramp_s = 0;
     input.limit = TwoNewtons();
     input.tracked = true;

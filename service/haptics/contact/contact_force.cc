@@ -5,7 +5,6 @@
 #include "service/haptics/contact/friction.h"
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/geometry/topology.h"
-#include "service/haptics/stability.h"
 
 namespace omni::haptics {
 namespace {
@@ -25,15 +24,15 @@ Penetration Measure(const Surface& surface, const ContactState& contact, const V
 
 // One contact at a time, with what all share.
 struct Law {
-  const Config& config;
+  const Offer& offer;
   const Scene& scene;
   const Surface& surface;
   const Input& input;
   double dt_s;
 
-  // Damping acts on the way in and out, but the sum never pulls   (3.5)
+  // Damping acts on the way in and out, but the sum never pulls   (3.7)
   double Normal(const Material& m, double elastic_N, const Vec3& normal) const noexcept {
-    const double damping_Ns_m = std::clamp(m.damping_Ns_m, 0.0, DampingLimit(config));
+    const double damping_Ns_m = std::clamp(m.damping_Ns_m, 0.0, offer.damping_Ns_m);
     return std::max(0.0, elastic_N - damping_Ns_m * Dot(input.velocity_base_m_s, normal));
   }
 
@@ -46,7 +45,7 @@ struct Law {
 
   Vec3 Drag(const Material& m, const Object& object) const noexcept {
     if ((object.flags & kClosed) == 0) return {};
-    const double left_Ns_m = std::max(0.0, DampingLimit(config) - m.damping_Ns_m);
+    const double left_Ns_m = std::max(0.0, offer.damping_Ns_m - m.damping_Ns_m);
     return ViscosityEffect{m.viscosity_Ns_m, left_Ns_m}.ForceOn(input.velocity_base_m_s);
   }
 
@@ -101,9 +100,9 @@ void PopIfTooHard(const Material& m, const Object& object, const ContactForce& f
 
 }  // namespace
 
-ContactForces ForcesOf(const Config& config, const Scene& scene, const Surface& surface, const Input& input,
+ContactForces ForcesOf(const Offer& offer, const Scene& scene, const Surface& surface, const Input& input,
                        const std::array<Vec3, kMaxContacts>& last_proxy, State& state) noexcept {
-  const double limit_N_m = StiffnessLimit(config, input);
+  const double limit_N_m = offer.stiffness_N_m;
   std::array<Penetration, kMaxContacts> at;
   std::array<Vec3, kMaxContacts> normals;
   std::array<double, kMaxContacts> stiffness_N_m{};
@@ -117,7 +116,7 @@ ContactForces ForcesOf(const Config& config, const Scene& scene, const Surface& 
   }
   const double share = StiffnessShare(normals, stiffness_N_m, kMaxContacts, limit_N_m);
   ContactForces forces;
-  const Law law{config, scene, surface, input, input.dt_s};
+  const Law law{offer, scene, surface, input, input.dt_s};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     ContactState& contact = state.contacts[k];
     if (!contact.active || contact.popped) continue;

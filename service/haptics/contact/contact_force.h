@@ -2,6 +2,7 @@
 #pragma once
 
 #include "service/haptics/geometry/surface.h"
+#include "service/haptics/stability.h"
 
 namespace omni::haptics {
 
@@ -20,7 +21,7 @@ struct ContactForces {
 
 // Forces of all active contacts. `last_proxy[k]`: proxy of slot k one tick ago. Contacts that pop through are marked
 // or dropped.
-ContactForces ForcesOf(const Config& config, const Scene& scene, const Surface& surface, const Input& input,
+ContactForces ForcesOf(const Offer& offer, const Scene& scene, const Surface& surface, const Input& input,
                        const std::array<Vec3, kMaxContacts>& last_proxy, State& state) noexcept;
 
 }  // namespace omni::haptics

@@ -82,7 +82,7 @@ bool HasInside(const Object& object) noexcept {
 // thin part (facing the opposite way) does not count: entered from here, felt from here.
 void ReleaseFromCrease(const Surface& surface, const Object& object, const Vec3& tip, const ProxyPoint& proxy,
                        ContactState& contact) noexcept {
-  constexpr double kOppositeCosine = -0.5;
+  constexpr double kOppositeCosine = -0.6;
   const double depth_m = std::sqrt(proxy.closest.distance_squared);
   if (!HasInside(object) || !(depth_m > kTrustedDepth_m)) return;
   const NearestResult nearest = NearestPoint(surface, object, tip, 0.5 * depth_m);

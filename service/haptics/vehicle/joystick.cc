@@ -1,13 +1,11 @@
 #include "service/haptics/vehicle/joystick.h"
 
-#include "service/haptics/stability.h"
-
 namespace omni::haptics {
 
 // F = -K (|u| - dead)+ u/|u| - b v: no spring inside the dead zone, continuous at its edge   (7.1)
-Vec3 JoystickForce(const JoystickInput& joystick, const Config& config, const Input& input) noexcept {
-  const double stiffness_N_m = std::clamp(joystick.stiffness_N_m, 0.0, StiffnessLimit(config, input));
-  const double damping_Ns_m = std::clamp(joystick.damping_Ns_m, 0.0, DampingLimit(config));
+Vec3 JoystickForce(const JoystickInput& joystick, const Offer& offer, const Input& input) noexcept {
+  const double stiffness_N_m = std::clamp(joystick.stiffness_N_m, 0.0, offer.stiffness_N_m);
+  const double damping_Ns_m = std::clamp(joystick.damping_Ns_m, 0.0, offer.damping_Ns_m);
   const Vec3 u = input.device_point_base_m - joystick.centre_base_m;
   const double stretch_m = std::max(0.0, Norm(u) - joystick.dead_zone_m);
   return -stiffness_N_m * stretch_m * Normalized(u) - damping_Ns_m * input.velocity_base_m_s;

@@ -1,0 +1,125 @@
+#include "service/haptics/stability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "service/base/limits.h"
+
+namespace omni::haptics {
+namespace {
+
+constexpr double kNoiseForce_N = 0.018;     // K sigma; more is felt as a buzz
+constexpr double kGainMargin = 2;           // 6 dB
+constexpr double kHandStiffness_N_m = 150;  // [Hajian & Howe 1997: fingers and wrist]
+constexpr std::array kHandMasses_kg = {0.05, 0.2};
+constexpr double kWorthIt = 1.2;
+constexpr double kPredictTime_s = 0.05, kLimitTime_s = 0.2, kRiseTime_s = 0.02;
+
+// The lag that is left over at low frequencies, and the terms that prediction and filter add at higher ones:
+// H(s) exp(-D s) = 1 - left s - ... , arg = -(left w + phase w^3), |H| = 1 + gain w^2, for a constant-velocity filter
+// of natural frequency w_n that is extrapolated by p:  H = (1 + (p + a) s) / (1 + a s + s^2 / w_n^2), a = sqrt(2) /
+// w_n.
+struct Lead {
+  double left_s = 0, gain_s2 = 0, phase_s3 = 0;
+};
+
+Lead LeadOf(double lag_s, double predict_s, double filter_s2) noexcept {
+  const double a = std::sqrt(2 * filter_s2);
+  const double q = predict_s + a;
+  return {std::max(0.0, lag_s - predict_s), 0.5 * q * q, (q * q * q - a * a * a) / 3 + a * filter_s2};
+}
+
+// Stiffness at which a hand of mass m, damping b and stiffness k on this loop just oscillates: at the crossover
+// w^2 = (x + k) / m the hand's phase lead b w / x equals the lag, with x = K |H|; a quadratic in x.
+double CriticalStiffness(const Lead& lead, double mass_kg, double damping_Ns_m) noexcept {
+  const double a = lead.phase_s3 / mass_kg;
+  const double b = lead.left_s + a * kHandStiffness_N_m;
+  const double x = 2 * damping_Ns_m / (b + std::sqrt(b * b + 4 * a * damping_Ns_m));
+  const double w2 = (x + kHandStiffness_N_m) / mass_kg;
+  return x / (1 + lead.gain_s2 * w2);
+}
+
+double Approach(double from, double to, double dt_s, double time_s) noexcept {
+  return from + (to - from) * std::min(1.0, dt_s / time_s);
+}
+
+bool IsPlausible(const base::PointNoise& noise) noexcept {
+  return noise.position_m2 >= 0 && noise.position_m2 < 1 && std::abs(noise.cross_m2_s) < 1e3 &&
+         noise.velocity_m2_s2 >= 0 && noise.velocity_m2_s2 < 1e6;
+}
+
+}  // namespace
+
+double LoopLag_s(const Config& config, const Input& input) noexcept {
+  const double delay_s = input.delay_s != 0 ? input.delay_s : config.delay_s;
+  const double lag_s = 0.5 * base::kTickPeriod_s + delay_s + config.coil_lag_s;
+  return delay_s >= 0 && lag_s > 0 && lag_s < 1 ? lag_s : std::numeric_limits<double>::quiet_NaN();
+}
+
+double StiffnessLimit(const Config& config, const Input& input, double predict_s) noexcept {
+  const double lag_s = LoopLag_s(config, input);
+  const double damping_Ns_m = config.hand_damping_Ns_m;
+  if (!(lag_s > 0 && damping_Ns_m >= 0 && config.stiffness_max_N_m >= 0 && IsPlausible(input.noise))) return 0;
+  const auto& [position_m2, cross_m2_s, velocity_m2_s2] = input.noise;
+  double limit_N_m = 0.5 * damping_Ns_m / lag_s;                    // (3.2)
+  if (predict_s > 0 && (velocity_m2_s2 > 0 || position_m2 == 0)) {  // (3.3)
+    const Lead lead = LeadOf(lag_s, predict_s, position_m2 > 0 ? position_m2 / velocity_m2_s2 : 0);
+    double critical_N_m = std::numeric_limits<double>::infinity();
+    for (const double mass_kg : kHandMasses_kg) {
+      critical_N_m = std::min(critical_N_m, CriticalStiffness(lead, mass_kg, damping_Ns_m));
+    }
+    limit_N_m = std::max(limit_N_m, critical_N_m / kGainMargin);
+  }
+  limit_N_m = std::min(limit_N_m, config.stiffness_max_N_m);
+  const double variance_m2 = position_m2 + 2 * predict_s * cross_m2_s + predict_s * predict_s * velocity_m2_s2;
+  const double sigma_m = std::sqrt(std::max(position_m2, variance_m2));
+  return sigma_m * limit_N_m > kNoiseForce_N ? kNoiseForce_N / sigma_m : limit_N_m;  // (3.4)
+}
+
+double BestPrediction_s(const Config& config, const Input& input) noexcept {
+  const double lag_s = LoopLag_s(config, input);
+  if (!(lag_s > 0)) return 0;
+  double best_s = 0;
+  double best_N_m = kWorthIt * StiffnessLimit(config, input, 0);
+  for (const double share : {0.25, 0.5, 0.75, 1.0}) {
+    const double predict_s = std::min(share * lag_s, config.predict_max_s);
+    const double limit_N_m = StiffnessLimit(config, input, predict_s);
+    if (!(limit_N_m > best_N_m)) continue;
+    best_N_m = limit_N_m;
+    best_s = predict_s;
+  }
+  return best_s;
+}
+
+Offer UpdateOffer(const Config& config, const Input& input, bool touching, OfferState& state) noexcept {
+  if (!touching || !state.known) {
+    const double best_s = BestPrediction_s(config, input);
+    state.predict_s = state.known ? Approach(state.predict_s, best_s, input.dt_s, kPredictTime_s) : best_s;
+  }
+  const double limit_N_m = StiffnessLimit(config, input, state.predict_s);
+  state.recent_N_m =
+      state.known && limit_N_m > 0 ? Approach(state.recent_N_m, limit_N_m, input.dt_s, kLimitTime_s) : limit_N_m;
+  if (!state.known || state.recent_N_m < state.stiffness_N_m) {
+    state.stiffness_N_m = state.recent_N_m;
+  } else if (!touching) {
+    state.stiffness_N_m = Approach(state.stiffness_N_m, state.recent_N_m, input.dt_s, kRiseTime_s);
+  }
+  state.known = true;
+  return {state.stiffness_N_m, std::max(0.0, config.hand_damping_Ns_m), state.predict_s};
+}
+
+double StiffnessShare(const std::array<Vec3, kMaxContacts>& normals,
+                      const std::array<double, kMaxContacts>& stiffness_N_m, int count, double limit) noexcept {
+  double largest = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    double sum = 0;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) {
+      sum += stiffness_N_m[j] * std::abs(Dot(normals[i], normals[j]));
+    }
+    largest = std::max(largest, sum);
+  }
+  return largest > limit && largest > 0 ? limit / largest : 1;
+}
+
+}  // namespace omni::haptics
