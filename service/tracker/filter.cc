@@ -49,6 +49,21 @@ void Learn(const FilterNoise& noise, const Vector3d& whitened, Liveliness& livel
   recent += noise.calm_memory * (whitened - recent);
 }
 
+// White noise of variance s^2 in each of n directions makes third differences of 20 n s^2: 1 + 9 + 9 + 1.
+void LearnWhiteness(const FilterNoise& noise, const base::Vec3& measured, double variance, double directions, double dt,
+                    Whiteness& whiteness) {
+  auto& last = whiteness.last;
+  if (whiteness.count == 3 && variance > 0) {
+    const Vector3d third =
+        base::ToEigen(measured) - base::ToEigen(last[2]) + 3 * (base::ToEigen(last[1]) - base::ToEigen(last[0]));
+    const double share = std::clamp(third.squaredNorm() / (20 * directions * variance), 0.0, kLearnMax);
+    whiteness.share += std::min(1.0, dt / noise.white_time_s) * (share - whiteness.share);
+    whiteness.share = std::clamp(whiteness.share, noise.white_min, 1.0);
+  }
+  last = {measured, last[0], last[1]};
+  whiteness.count = std::min(whiteness.count + 1, 3);
+}
+
 double AngleVariance(const PoseMeasurement& measured) {
   return 0.5 * (measured.covariance[18] + measured.covariance[24]);
 }
@@ -61,6 +76,7 @@ Matrix3d PositionCovariance(const PoseMeasurement& measured) {
 // False: the measured position cannot follow from the prediction.
 bool CorrectPosition(const FilterNoise& noise, const PoseMeasurement& measured, double dt, FilterState& state) {
   const Matrix3d R = PositionCovariance(measured);
+  LearnWhiteness(noise, measured.position_base_m, R.trace() / 3, 3, dt, state.position_whiteness);
   const Vector3d innovation = base::ToEigen(measured.position_base_m) - base::ToEigen(state.position_base_m);
   Matrix3d S_inverse = (Load(state.covariance_pp) + R).inverse();
   if (innovation.dot(S_inverse * innovation) > kManoeuvreGate) {
@@ -69,6 +85,8 @@ bool CorrectPosition(const FilterNoise& noise, const PoseMeasurement& measured, 
     S_inverse = (Load(state.covariance_pp) + R).inverse();
     if (!(innovation.dot(S_inverse * innovation) <= kRestartGate)) return false;
   }
+  const Matrix3d R_white = state.position_whiteness.share * R;
+  S_inverse = (Load(state.covariance_pp) + R_white).inverse();
   const Eigen::LLT<Matrix3d> root(S_inverse);
   Learn(noise, root.matrixU() * innovation, state.position_liveliness);
   const Matrix3d pp = Load(state.covariance_pp), pv = Load(state.covariance_pv), vv = Load(state.covariance_vv);
@@ -91,12 +109,13 @@ void CorrectAxis(const FilterNoise& noise, const PoseMeasurement& measured, doub
   const double angle = std::atan2(sine, u.dot(z));
   const Vector3d innovation = sine > 1e-12 ? Vector3d(angle / sine * cross) : Vector3d(cross);
   const double R = AngleVariance(measured);
+  LearnWhiteness(noise, measured.axis_base, R, 2, dt, state.axis_whiteness);
   if (angle * angle > kManoeuvreGate2 * (state.variance_angle + R)) {
     AddAngularAcceleration(noise.angular_acceleration_rad2_s3 * noise.manoeuvre_factor, dt, state);
     state.axis_liveliness.log_factor = std::max(state.axis_liveliness.log_factor, 0.0);
   }
-  Learn(noise, innovation / std::sqrt(state.variance_angle + R), state.axis_liveliness);
-  const double S = state.variance_angle + R;
+  const double S = state.variance_angle + state.axis_whiteness.share * R;
+  Learn(noise, innovation / std::sqrt(S), state.axis_liveliness);
   const double K_angle = state.variance_angle / S;
   const double K_rate = state.covariance_angle_rate / S;
   state.axis_base = TurnAxis(state.axis_base, base::FromEigen(K_angle * innovation));

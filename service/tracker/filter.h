@@ -17,6 +17,8 @@ struct FilterNoise {
   double calm_log_max = 2.3;      // ... and 10
   double calm_rate = 0.05;        // per scan
   double calm_memory = 0.2;       // share of the newest innovation in the mean of those before
+  double white_min = 0.01;        // least share of a fit's variance that is taken for white
+  double white_time_s = 0.05;     // over which it is learnt
   double manoeuvre_factor = 100;  // on both while the pen starts, stops or hits something
 };
 
@@ -26,12 +28,21 @@ struct Liveliness {
   std::array<double, 3> recent{};  // mean of the last innovations in their standard deviations
 };
 
+// Which part of the variance that a fit claims is white: a wrong model or calibration shifts every fit alike, which no
+// filter can average away and no innovation shows. Learnt from third differences, in which motion vanishes.
+struct Whiteness {
+  std::array<base::Vec3, 3> last{};  // measurements, newest first
+  int count = 0;
+  double share = 1;
+};
+
 struct FilterState {
   base::Vec3 position_base_m, velocity_base_m_s;
   base::Vec3 axis_base{0, 0, -1}, angular_velocity_base_rad_s;
   std::array<double, 9> covariance_pp{}, covariance_pv{}, covariance_vv{};  // row-major, symmetric but for pv
   double variance_angle = 0, covariance_angle_rate = 0, variance_rate = 0;  // per tangent
   Liveliness position_liveliness, axis_liveliness;
+  Whiteness position_whiteness, axis_whiteness;
 };
 static_assert(std::is_trivially_copyable_v<FilterState>);
 

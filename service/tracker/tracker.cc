@@ -115,7 +115,9 @@ base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexce
           worst(filter.covariance_vv) + lever_m2 * filter.variance_rate};
 }
 
-base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const FilterState& filter) noexcept {
+// Published is what is known: the filter's covariance, and the share of the fit's that no filtering takes away.
+base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const PoseMeasurement& measured,
+                              const FilterState& filter) noexcept {
   const Model& model = config.model;
   base::ToolState tool;
   tool.t_ns = scan.t_ns;
@@ -130,10 +132,13 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
                            model.hull_radius_m);
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) {
-      tool.covariance[5 * row + column] = filter.covariance_pp[3 * row + column];
+      tool.covariance[5 * row + column] = filter.covariance_pp[3 * row + column] +
+                                          (1 - filter.position_whiteness.share) * measured.covariance[5 * row + column];
     }
   }
-  tool.covariance[18] = tool.covariance[24] = filter.variance_angle;
+  for (const std::size_t i : {18U, 24U}) {
+    tool.covariance[i] = filter.variance_angle + (1 - filter.axis_whiteness.share) * measured.covariance[i];
+  }
   tool.device_point_noise = NoiseOfPoint(filter, model.tip_offset_m);
   return tool;
 }
@@ -189,7 +194,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   } else {
     ResetFilter(measured, filter);
   }
-  const base::ToolState tool = MakeToolState(config, scan, filter);
+  const base::ToolState tool = MakeToolState(config, scan, measured, filter);
   if (!IsFinite(tool)) return false;
   state.published = tool;
   state.filter = filter;
