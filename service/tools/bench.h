@@ -31,6 +31,10 @@ inline std::vector<std::uint64_t> ThreeSeeds(std::uint64_t seed) {
 // Tick alone, per shipped scene: scene, ticks, us_median, us_p99, us_max, allocations, late_ticks.
 base::Result<BenchRows> BenchLoop(const BenchOptions& options);
 
+// The whole tick in demanding scenes: scene, triangles, us_median, us_p99, allocations; side tables: what each feature
+// of a material costs, and how late ticks are beside two busy threads.
+base::Result<BenchRows> BenchTick(const BenchOptions& options);
+
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 
