@@ -53,7 +53,7 @@ Vec3 LookAround(const Scene& scene, const Surface& surface, const Vec3& tip, dou
   double distance_m = kNowhere_m;
   NearestResult nearest;
   for (const Object& object : scene.objects()) {
-    if ((object.flags & kCollidable) == 0 || !(BoxDistance(surface.Node(object.root), tip) < distance_m)) continue;
+    if ((object.flags & kCollidable) == 0 || !(BoxDistance(object, tip) < distance_m)) continue;
     const NearestResult found = NearestPoint(surface, object, tip, distance_m);
     if (found.triangle == kNoIndex) continue;
     nearest = found;

@@ -61,14 +61,14 @@ bool Acquire(const Surface& surface, const Object& object, Vec3 start, const Vec
       }
       return true;
     }
-    start = proxy.closest.point + (kBackDate_m * contact.side) * proxy.normal;
+    start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(surface, proxy);
   }
   return false;
 }
 
 // Inside by the sign at the nearest point of the whole object; exact for closed objects.
 bool IsInside(const Surface& surface, const Object& object, const Vec3& tip, NearestResult& nearest) noexcept {
-  if (BoxDistance(surface.Node(object.root), tip) > 0) return false;
+  if (BoxDistance(object, tip) > 0) return false;
   nearest = NearestPoint(surface, object, tip);
   return nearest.triangle != kNoIndex && SideOf(surface, nearest, tip) < 0;
 }
@@ -132,7 +132,7 @@ void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, double 
   }
   // Out here, but perhaps straight into another part of the same object: the proxy is outside, look from there.
   const std::uint32_t component = surface.GetTriangle(proxy.triangle).component;
-  const Vec3 start = proxy.closest.point + (kBackDate_m * contact.side) * proxy.normal;
+  const Vec3 start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(surface, proxy);
   if (Acquire(surface, object, start, tip, InContact(surface, contact.object, state, &contact), contact)) return;
   left.object[left.count] = contact.object;
   left.component[left.count++] = component;
