@@ -11,8 +11,9 @@ namespace omni::haptics {
 namespace {
 
 constexpr std::uint32_t kBins = 16;
-constexpr std::uint32_t kSmall = 64;  // so few primitives are split at multiples of kPacketSize: leaves become full
-constexpr int kSahLevels = 13;        // deeper nodes split by median: 13 + log8(4e6) < kMaxTreeDepth
+constexpr std::uint32_t kFullNode = kTreeWidth * kPacketSize;
+constexpr std::uint32_t kSmall = kTreeWidth * kFullNode;  // so few are divided with a view to full nodes and leaves
+constexpr int kSahLevels = 13;  // deeper nodes split by median: 13 + log8(4e6) < kMaxTreeDepth
 
 struct FloatBox {
   __m128 lower = _mm_set1_ps(FLT_MAX), upper = _mm_set1_ps(-FLT_MAX);
@@ -151,15 +152,17 @@ class Builder {
     return index;
   }
 
-  // Splits the part with the largest box until there are eight; parts of one packet stay whole.
+  // Splits the part with the largest box until there are eight. What fits into one leaf, or, under a larger node, into
+  // one node full of leaves, stays whole: half-empty nodes cost memory and a visit each.
   std::size_t Divide(const Range& range, int level, std::array<Range, kTreeWidth>& parts) {
+    const std::uint32_t whole = range.Size() <= kFullNode ? kPacketSize : kFullNode;
     parts[0] = range;
     std::size_t count = 1;
     while (count < kTreeWidth) {
       std::size_t widest = kTreeWidth;
       float area = -1;
       for (std::size_t k = 0; k < count; ++k) {
-        if (parts[k].Size() <= kPacketSize) continue;
+        if (parts[k].Size() <= whole) continue;
         // By median the largest counts, so that every level divides by eight.
         const float size = level <= kSahLevels ? HalfArea(parts[k].box) : static_cast<float>(parts[k].Size());
         if (size > area) {
@@ -211,17 +214,29 @@ class Builder {
     return parts;
   }
 
-  // The `left` primitives with the smallest centres on one side; so many that packets are full where they are few.
+  // The `left` primitives with the smallest centres on one side; about so many, so that packets are full where
+  // primitives are few, and no more nodes of leaves are needed than before.
   std::pair<Range, Range> AtCount(const Range& range, int axis, std::uint32_t left) {
     const std::uint32_t n = range.Size();
-    const std::uint32_t most = (n - 1) / kPacketSize * kPacketSize;
-    left = std::clamp((left + kPacketSize / 2) / kPacketSize * kPacketSize, std::uint32_t{kPacketSize}, most);
+    left = WholePackets(left, kPacketSize, n - 1);
+    if (n > kFullNode && n <= kSmall) {
+      const std::uint32_t nodes = (n + kFullNode - 1) / kFullNode;
+      const std::uint32_t on_left = std::clamp((left + kFullNode / 2) / kFullNode, 1U, nodes - 1);
+      const std::uint32_t most_right = (nodes - on_left) * kFullNode;
+      left = WholePackets(left, n > most_right ? n - most_right : 1, on_left * kFullNode);
+    }
     TreePrimitive* const first = primitives_.data() + range.begin;
     std::nth_element(first, first + left, first + n, [axis](const TreePrimitive& a, const TreePrimitive& b) {
       const float x = Centre2(a, axis), y = Centre2(b, axis);
       return x != y ? x < y : a.triangle < b.triangle;
     });
     return {Measured(range.begin, range.begin + left), Measured(range.begin + left, range.end)};
+  }
+
+  // The multiple of kPacketSize next to `wanted` within [least, most]; precondition: there is one.
+  static std::uint32_t WholePackets(std::uint32_t wanted, std::uint32_t least, std::uint32_t most) {
+    const auto packets = [](std::uint32_t n) { return n / kPacketSize; };
+    return kPacketSize * std::clamp(packets(wanted + kPacketSize / 2), packets(least + kPacketSize - 1), packets(most));
   }
 
   static void Grow(Range& range, const TreePrimitive& p) {
