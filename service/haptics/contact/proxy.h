@@ -29,6 +29,8 @@ enum class ProxyVerdict { kInside, kOutside, kOverBorder };
 template <MeshView View>
 ProxyVerdict Judge(const View& view, const ProxyPoint& proxy, const Vec3& tip, double side) noexcept;
 
+inline constexpr double kSmoothCosine = 0.82;  // 35 degrees: triangles that meet at less belong to one smooth face
+
 // Only what touches the feature the closest point lies on may take over: across the edge, or around the vertex. Looking
 // farther would jump over creases by one triangle size and make the force depend on the tessellation.   (2.1)
 template <MeshView View>
@@ -41,8 +43,9 @@ class Descent {
     for (int move = 0; move < kMaxMoves; ++move) {
       const std::uint32_t from = best_.triangle;
       const auto& t = view_.GetTriangle(from);
-      if (best_.closest.feature == Feature::kFace) break;
-      if (best_.closest.feature == Feature::kEdge) {
+      if (best_.closest.feature == Feature::kFace) {
+        SearchBesides(from);
+      } else if (best_.closest.feature == Feature::kEdge) {
         const std::uint32_t other = t.neighbour[best_.closest.index];
         if (other != kNoIndex) Consider(other);
       } else {
@@ -60,6 +63,18 @@ class Descent {
   void Consider(std::uint32_t triangle) noexcept {
     const ClosestPoint closest = Closest(triangle);
     if (closest.distance_squared < best_.closest.distance_squared) best_ = {triangle, closest};
+  }
+  // Inside a curved body every facet is a minimum of its own. Facets that belong to one smooth face, and only those, give
+  // way to the nearest.
+  void SearchBesides(std::uint32_t from) noexcept {
+    const auto& t = view_.GetTriangle(from);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t other = t.neighbour[k];
+      if (other == kNoIndex) continue;
+      const ClosestPoint closest = Closest(other);
+      if (!(closest.distance_squared < best_.closest.distance_squared)) continue;
+      if (Dot(FaceNormal(view_, from), FaceNormal(view_, other)) > kSmoothCosine) best_ = {other, closest};
+    }
   }
   // A triangle of the fan comes nearer than the vertex only if one of its two edges there leads towards the target.
   void SearchRing(std::uint32_t start, std::uint32_t vertex) noexcept {
