@@ -87,8 +87,9 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Outpu
 
 // The tip's contact forces, and what they do to extrudable faces.
 Vec3 Touch(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
-  const double limit_N_m = StiffnessLimit(config, input);
   const Vec3 tip = input.device_point_base_m;
+  if (scene.regions().empty() && (!input.tracked || StillFar(scene, tip, state))) return {};
+  const double limit_N_m = StiffnessLimit(config, input);
   const Surface surface(scene, state.regions);
   std::array<RegionTouch, kMaxRegions> touches{};
   Vec3 sum;

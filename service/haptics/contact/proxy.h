@@ -64,8 +64,8 @@ class Descent {
     const ClosestPoint closest = Closest(triangle);
     if (closest.distance_squared < best_.closest.distance_squared) best_ = {triangle, closest};
   }
-  // Inside a curved body every facet is a minimum of its own. Facets that belong to one smooth face, and only those, give
-  // way to the nearest.
+  // Inside a curved body every facet is a minimum of its own. Facets that belong to one smooth face, and only those,
+  // give way to the nearest.
   void SearchBesides(std::uint32_t from) noexcept {
     const auto& t = view_.GetTriangle(from);
     for (int k = 0; k < 3; ++k) {

@@ -111,7 +111,7 @@ ordered_json StyleRow(const Body& body, const Timed& timed, std::size_t s) {
           {"us_p999", Number(timed.styles[s].p999_us, 0.5)}};
 }
 
-// Mean cost of a whole Step far from everything, ns.
+// Mean cost of a whole Step far from everything, or without a scene, ns.
 double FarTip_ns(const haptics::Scene& scene) {
   constexpr int kCalls = 2000, kRounds = 25;
   haptics::State state;
@@ -147,7 +147,8 @@ ordered_json BuildRow(const Body& body, const haptics::Scene& scene, const hapti
           {"mesh_bytes", static_cast<double>(scene.vertices().size_bytes()) / n},
           {"adjacency_and_tags_bytes", static_cast<double>(scene.triangles().size_bytes()) / n},
           {"tree_bytes", static_cast<double>(scene.nodes().size_bytes() + scene.packets().size_bytes()) / n},
-          {"far_tip_ns", FarTip_ns(scene)}};
+          {"far_tip_ns", FarTip_ns(scene)},
+          {"no_scene_ns", FarTip_ns({})}};
 }
 
 ordered_json JudgeRow(const Body& body, const char* style, const Verdict& v) {
