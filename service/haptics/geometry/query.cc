@@ -5,6 +5,8 @@
 namespace omni::haptics {
 
 template NearestResult NearestInTree(const Surface&, std::uint32_t, const Vec3&, double, std::uint32_t) noexcept;
+template NearestResult NearestFaceInTree(const Surface&, std::uint32_t, const Vec3&, double,
+                                         const FacesTowards&) noexcept;
 template CrossingResult CrossingInTree(const Surface&, std::uint32_t, const Vec3&, const Vec3&, bool,
                                        const Skipped&) noexcept;
 template double SideOf(const Surface&, const NearestResult&, const Vec3&) noexcept;

@@ -33,12 +33,26 @@ NearestResult NearestInTree(const View& view, std::uint32_t root, const Vec3& p,
                             double max_distance_m = std::numeric_limits<double>::infinity(),
                             std::uint32_t known = kNoIndex) noexcept;
 
+// Of the faces a point sees: triangles whose outward normal makes at least `cosine` with `direction`, and whose nearest
+// point the point looks at along that normal (within 45 degrees) from behind.
+struct FacesTowards {
+  Vec3 direction;  // unit
+  double cosine = -1;
+};
+
+// Nearest point on such a face that is nearer than `max_distance_m`.
+template <TreeView View>
+NearestResult NearestFaceInTree(const View& view, std::uint32_t root, const Vec3& p, double max_distance_m,
+                                const FacesTowards& faces) noexcept;
+
 // First triangle that the segment crosses. `both_sides` false: from the front only.
 template <TreeView View>
 CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& start, const Vec3& end, bool both_sides,
                               const Skipped& skip = {}) noexcept;
 
 extern template NearestResult NearestInTree(const Surface&, std::uint32_t, const Vec3&, double, std::uint32_t) noexcept;
+extern template NearestResult NearestFaceInTree(const Surface&, std::uint32_t, const Vec3&, double,
+                                                const FacesTowards&) noexcept;
 extern template CrossingResult CrossingInTree(const Surface&, std::uint32_t, const Vec3&, const Vec3&, bool,
                                               const Skipped&) noexcept;
 

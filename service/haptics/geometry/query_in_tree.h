@@ -44,21 +44,20 @@ class NearestStack {
   std::size_t size_ = 0;
 };
 
-// Branch and bound   (1.7)
-template <TreeView View>
-NearestResult NearestInTree(const View& view, std::uint32_t root, const Vec3& p, double max_distance_m,
-                            std::uint32_t known) noexcept {
+// Branch and bound   (1.7) over the triangles that accept(triangle, closest point) lets count.
+template <TreeView View, class Accept>
+NearestResult NearestAccepted(const View& view, std::uint32_t root, const Vec3& p, double max_distance_m,
+                              std::uint32_t known, const Accept& accept) noexcept {
   NearestResult best;
   best.closest.distance_squared = max_distance_m * max_distance_m;
   const double slack_m = FloatSlack(view.TreeExtent(), LargestComponent(p));
-  float bound = 0;
+  float bound = SquaredBound(max_distance_m, slack_m);
   const auto try_triangle = [&](std::uint32_t triangle) noexcept {
     const ClosestPoint closest = ClosestOnTriangle(view.TriangleCorners(triangle), p);
-    if (!(closest.distance_squared < best.closest.distance_squared)) return;
+    if (!(closest.distance_squared < best.closest.distance_squared) || !accept(triangle, closest)) return;
     best = {triangle, closest};
     bound = SquaredBound(std::sqrt(closest.distance_squared), slack_m);
   };
-  bound = SquaredBound(max_distance_m, slack_m);
   if (known != kNoIndex) try_triangle(known);
   const Lanes3 lanes = Spread(p);
   NearestStack stack;
@@ -91,6 +90,25 @@ NearestResult NearestInTree(const View& view, std::uint32_t root, const Vec3& p,
     }
   }
   return best;
+}
+
+template <TreeView View>
+NearestResult NearestInTree(const View& view, std::uint32_t root, const Vec3& p, double max_distance_m,
+                            std::uint32_t known) noexcept {
+  return NearestAccepted(view, root, p, max_distance_m, known,
+                         [](std::uint32_t, const ClosestPoint&) noexcept { return true; });
+}
+
+template <TreeView View>
+NearestResult NearestFaceInTree(const View& view, std::uint32_t root, const Vec3& p, double max_distance_m,
+                                const FacesTowards& faces) noexcept {
+  constexpr double kAlong = 0.7;
+  return NearestAccepted(view, root, p, max_distance_m, kNoIndex,
+                         [&](std::uint32_t triangle, const ClosestPoint& closest) noexcept {
+                           const Vec3 normal = FaceNormal(view, triangle);
+                           return Dot(normal, faces.direction) >= faces.cosine &&
+                                  Dot(closest.point - p, normal) >= kAlong * std::sqrt(closest.distance_squared);
+                         });
 }
 
 inline bool IsSkipped(const Skipped& skip, std::uint32_t component) noexcept {

@@ -8,12 +8,20 @@
 namespace omni::collision {
 namespace {
 
-void CheckOracle(const Body& body, const Vec3& tip, const Nearest& nearest, bool inside, Verdict& verdict) {
-  const Brute brute = SumOverAll(body, tip);
-  ++verdict.checked;
-  const bool same_side = (brute.winding > 0.5) == inside;
-  const bool same_distance = std::abs(std::sqrt(brute.distance_squared) - std::sqrt(nearest.distance_squared)) < 1e-12;
-  verdict.oracle_wrong += !(same_distance && (same_side || nearest.distance_squared < 1e-20));
+struct Check {
+  std::vector<Vec3> tips;
+  std::vector<double> distance_m;
+  std::vector<bool> inside;
+};
+
+void CheckOracle(const Body& body, const Check& check, Verdict& verdict) {
+  const std::vector<Brute> sums = SumOverAll(body, check.tips);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    ++verdict.checked;
+    const bool same_side = (sums[i].winding > 0.5) == check.inside[i] || check.distance_m[i] < 1e-10;
+    const bool same_distance = std::abs(std::sqrt(sums[i].distance_squared) - check.distance_m[i]) < 1e-12;
+    verdict.oracle_wrong += !(same_distance && same_side);
+  }
 }
 
 }  // namespace
@@ -25,6 +33,7 @@ void JudgePath(const Body& body, const Oracle& oracle, const haptics::Scene& sce
   const haptics::Config config = PlainConfig();
   haptics::Input input = PlainInput();
   haptics::Output output;
+  Check check;
   Nearest nearest;
   nearest.triangle = 0;
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -35,7 +44,11 @@ void JudgePath(const Body& body, const Oracle& oracle, const haptics::Scene& sce
     nearest = oracle.NearestTo(tip, nearest.triangle);
     const bool inside = oracle.IsInside(tip);
     const double distance_m = std::sqrt(nearest.distance_squared);
-    if (check_every > 0 && i % check_every == check_every / 2) CheckOracle(body, tip, nearest, inside, verdict);
+    if (check_every > 0 && i % check_every == check_every / 2) {
+      check.tips.push_back(tip);
+      check.distance_m.push_back(distance_m);
+      check.inside.push_back(inside);
+    }
     const bool felt = Norm(output.force_base_N) > 0;
     ++verdict.ticks;
     verdict.missed += inside && distance_m > kMissedDepth_m && !felt;
@@ -48,6 +61,7 @@ void JudgePath(const Body& body, const Oracle& oracle, const haptics::Scene& sce
     const Vec3 wanted = Normalized(nearest.point - tip), is = Normalized(output.force_base_N);
     verdict.direction_deg.push_back(std::atan2(Norm(Cross(wanted, is)), Dot(wanted, is)) * 180 / std::numbers::pi);
   }
+  CheckOracle(body, check, verdict);
 }
 
 }  // namespace omni::collision

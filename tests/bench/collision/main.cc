@@ -24,7 +24,8 @@ struct Options {
   int batches = 12;                 // quiet ones wanted, per engine and style
   int builds = 3;
   std::uint32_t largest = 1'000'000;
-  std::uint32_t only = 0;  // one lump of so many triangles
+  std::uint32_t only = 0;  // one lump of so many triangles ...
+  bool gear = false;       // ... or one gear
   std::string mesh;
 };
 
@@ -215,7 +216,7 @@ class Bench {
       if (!body.closed) continue;
       path.resize(per_style);
       Verdict verdict;
-      const std::uint64_t checks = std::min(options_.checks / std::size(kStyles), per_style);
+      const std::uint64_t checks = std::min(Checks(body) / std::size(kStyles), per_style);
       JudgePath(body, oracle, *scene, path, checks > 0 ? per_style / checks : 0, verdict);
       rows_.push_back(JudgeRow(body, kStyles[s].name, verdict));
       Merge(verdict, all);
@@ -241,6 +242,12 @@ class Bench {
     timed.cost = timed.engine->Build(body);
     timed.build_ms.push_back(timed.cost.build_ms);
     engines.push_back(std::move(timed));
+  }
+
+  // All of them in the long run; in others at most 2e9 pairs of point and triangle a body.
+  std::uint64_t Checks(const Body& body) const {
+    constexpr std::uint64_t kLongRun = 10'000'000, kPairs = 2'000'000'000;
+    return options_.ticks >= kLongRun ? options_.checks : std::min(options_.checks, kPairs / body.triangles.size());
   }
 
   void AddPeers(const Body& body, std::vector<Timed>& engines) const {
@@ -285,6 +292,9 @@ bool Parse(int count, char** words, Options& options) {
       options.ticks = std::strtoull(value, nullptr, 10);
     } else if (word == "--triangles") {
       options.only = static_cast<std::uint32_t>(std::strtoul(value, nullptr, 10));
+    } else if (word == "--gear") {
+      options.only = static_cast<std::uint32_t>(std::strtoul(value, nullptr, 10));
+      options.gear = true;
     } else if (word == "--mesh") {
       options.mesh = value;
     } else {
@@ -304,7 +314,8 @@ void SayMissingPeers() {
 int Main(int count, char** words) {
   Options options;
   if (!Parse(count, words, options)) {
-    std::cerr << "usage: omni_bench_collision [--seed N] [--ticks N] [--mesh FILE.glb] [--triangles N] [--quick]\n";
+    std::cerr << "usage: omni_bench_collision [--seed N] [--ticks N] [--mesh FILE.glb] [--triangles N | --gear N] "
+                 "[--quick]\n";
     return 2;
   }
   SayMissingPeers();
@@ -317,7 +328,7 @@ int Main(int count, char** words) {
     }
     bodies.push_back(std::move(*body));
   } else if (options.only > 0) {
-    bodies.push_back(MakeLump(options.only, options.seed));
+    bodies.push_back(options.gear ? MakeGear(options.only) : MakeLump(options.only, options.seed));
   } else {
     for (const std::uint32_t n : {1'000U, 10'000U, 100'000U, 1'000'000U}) {
       if (n <= options.largest) bodies.push_back(MakeLump(n, options.seed));

@@ -19,22 +19,6 @@ Vec3 NearestOnSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
   return a + t * ab;
 }
 
-// The foot on the plane if it lies within all three edges, else the nearest of the three segments.
-Vec3 NearestOnTriangle(const Three& c, const Vec3& p) {
-  const Vec3 normal = Cross(c[1] - c[0], c[2] - c[0]);
-  bool within = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    within = within && Dot(Cross(normal, c[(k + 1) % 3] - c[k]), p - c[k]) >= 0;
-  }
-  if (within && SquaredNorm(normal) > 0) return p - (Dot(p - c[0], normal) / SquaredNorm(normal)) * normal;
-  Vec3 best = NearestOnSegment(c[0], c[1], p);
-  for (std::size_t k = 1; k < 3; ++k) {
-    const Vec3 q = NearestOnSegment(c[k], c[(k + 1) % 3], p);
-    if (SquaredNorm(p - q) < SquaredNorm(p - best)) best = q;
-  }
-  return best;
-}
-
 double BoxDistanceSquared(const Vec3& lower, const Vec3& upper, const Vec3& p) {
   const Vec3 d = Max(Max(lower - p, p - upper), Vec3{});
   return SquaredNorm(d);
@@ -59,6 +43,22 @@ bool Above(const Three& c, const Vec3& p) {
 }
 
 }  // namespace
+
+// The foot on the plane if it lies within all three edges, else the nearest of the three segments.
+Vec3 NearestOnTriangle(const Three& c, const Vec3& p) {
+  const Vec3 normal = Cross(c[1] - c[0], c[2] - c[0]);
+  bool within = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    within = within && Dot(Cross(normal, c[(k + 1) % 3] - c[k]), p - c[k]) >= 0;
+  }
+  if (within && SquaredNorm(normal) > 0) return p - (Dot(p - c[0], normal) / SquaredNorm(normal)) * normal;
+  Vec3 best = NearestOnSegment(c[0], c[1], p);
+  for (std::size_t k = 1; k < 3; ++k) {
+    const Vec3 q = NearestOnSegment(c[k], c[(k + 1) % 3], p);
+    if (SquaredNorm(p - q) < SquaredNorm(p - best)) best = q;
+  }
+  return best;
+}
 
 Oracle::Oracle(const Body& body) : body_(body) {
   std::vector<Vec3> centres;
@@ -179,25 +179,6 @@ double Oracle::RayLength(const Vec3& from, const Vec3& direction) const {
     }
   }
   return best;
-}
-
-// Winding number: solid angles over 4 pi   [van Oosterom & Strackee 1983].
-Brute SumOverAll(const Body& body, const Vec3& p) {
-  Brute sum;
-  double angles = 0;
-  for (const auto& t : body.triangles) {
-    const Vec3 a = body.vertices[t[0]] - p, b = body.vertices[t[1]] - p, c = body.vertices[t[2]] - p;
-    const double la = Norm(a), lb = Norm(b), lc = Norm(c);
-    angles += std::atan2(Dot(a, Cross(b, c)), la * lb * lc + Dot(a, b) * lc + Dot(b, c) * la + Dot(c, a) * lb);
-    // No point of the triangle is nearer than its nearest corner less its longest edge.
-    const double edge = std::sqrt(std::max({SquaredNorm(b - a), SquaredNorm(c - b), SquaredNorm(a - c)}));
-    const double least = std::min({la, lb, lc}) - edge;
-    if (least > 0 && least * least > sum.distance_squared) continue;
-    const Vec3 q = NearestOnTriangle({a, b, c}, {});
-    sum.distance_squared = std::min(sum.distance_squared, SquaredNorm(q));
-  }
-  sum.winding = angles / (2 * std::numbers::pi);
-  return sum;
 }
 
 }  // namespace omni::collision

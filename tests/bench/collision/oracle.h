@@ -48,6 +48,9 @@ struct Brute {
   double distance_squared = 1e300;
   double winding = 0;
 };
-Brute SumOverAll(const Body& body, const Vec3& p);
+std::vector<Brute> SumOverAll(const Body& body, std::span<const Vec3> points);
+
+// Nearest point of one triangle, by the oracle's own formula.
+Vec3 NearestOnTriangle(const std::array<Vec3, 3>& corners, const Vec3& p);
 
 }  // namespace omni::collision
