@@ -5,9 +5,9 @@
 
 #include "service/haptics/check_input.h"
 #include "service/haptics/extrude/find_faces.h"
-#include "service/haptics/geometry/bvh_build.h"
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/geometry/mesh_topology.h"
+#include "service/haptics/geometry/tree_build.h"
 #include "service/haptics/scene_block.h"
 #include "service/haptics/vehicle/wall_slice.h"
 
@@ -23,6 +23,19 @@ void CopyName(std::string_view from, char (&to)[N]) {
   from.copy(to, n);
   to[n] = '\0';
 }
+
+// Adds the time since it was made, or since the last call, to a phase.
+class PhaseClock {
+ public:
+  void AddTo(double& phase_ms) {
+    const auto now = std::chrono::steady_clock::now();
+    phase_ms += std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 void Say(BuildReport& report, const std::string& object, std::uint64_t count, const char* what) {
   if (count > 0) report.lines.push_back(object + ": " + std::to_string(count) + " " + what);
@@ -78,7 +91,8 @@ std::vector<PickedFace> PickRegions(const std::vector<BuiltObject>& built, Build
 
 class Assembler {
  public:
-  Assembler(const SceneInput& input, SceneParts& parts) : input_(input), parts_(parts) {
+  Assembler(const SceneInput& input, SceneParts& parts, BuildReport& report)
+      : input_(input), parts_(parts), report_(report) {
     parts_.materials = input.materials;
   }
 
@@ -100,53 +114,115 @@ class Assembler {
 
   void AddObject(std::size_t index, BuiltObject& built) {
     const Mesh& mesh = built.mesh;
-    const auto first_vertex = static_cast<std::uint32_t>(parts_.vertices.size());
-    const auto first_triangle = static_cast<std::uint32_t>(parts_.triangles.size());
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-      const Vec3& p = mesh.vertices[v];
-      parts_.vertices.push_back({p.x, p.y, p.z, vertex_region_[index][v], kNoIndex});
-    }
-    std::vector<Box> boxes(mesh.triangles.size());
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      Triangle triangle{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = first_vertex + mesh.triangles[t][k];
-        const std::uint32_t across = mesh.neighbours[t][k];
-        triangle.vertex[k] = v;
-        triangle.neighbour[k] = across == kNoIndex ? kNoIndex : first_triangle + across;
-        if (parts_.vertices[v].first_triangle == kNoIndex) parts_.vertices[v].first_triangle = first_triangle + t;
-        AddReach(parts_.vertices[v], boxes[t]);
-      }
-      triangle.object = static_cast<std::uint32_t>(index);
-      triangle.material = mesh.material[t];
-      triangle.component = mesh.component[t];
-      parts_.triangles.push_back(triangle);
-    }
-    built.object.first_triangle = first_triangle;
+    built.object.first_triangle = static_cast<std::uint32_t>(parts_.triangles.size());
     built.object.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
     // An object that lost all its triangles keeps its place, never touched.
-    if (boxes.empty()) {
+    if (mesh.triangles.empty()) {
       built.object.flags &= ~(std::uint32_t{kCollidable} | kCarWall);
     } else {
-      built.object.root = AppendBvh(boxes, first_triangle, parts_.nodes, parts_.leaf_triangles);
+      const Order order = AddTree(index, built);
+      PhaseClock clock;
+      AddVertices(index, mesh, order);
+      AddTriangles(index, mesh, order);
+      clock.AddTo(report_.layout_ms);
     }
     parts_.objects.push_back(built.object);
   }
 
  private:
-  // All places the vertex can be moved to.
-  void AddReach(const Vertex& v, Box& box) const {
-    const Vec3 rest{v.x, v.y, v.z};
-    box.Add(rest);
-    if (v.region == kNoIndex) return;
-    const Region& region = parts_.regions[v.region];
-    const Extrude& extrude = input_.materials[region.material].extrude;
-    box.Add(rest + (extrude.steps_out * extrude.step_m) * region.normal);
-    box.Add(rest - (extrude.steps_in * extrude.step_m) * region.normal);
+  // Numbers in the scene, in the order in which the tree's leaves use triangles and vertices.
+  struct Order {
+    std::vector<std::uint32_t> triangles, vertices;           // mesh index at place
+    std::vector<std::uint32_t> triangle_place, vertex_place;  // scene index of mesh index
+  };
+
+  Order AddTree(std::size_t index, BuiltObject& built) {
+    const Mesh& mesh = built.mesh;
+    PhaseClock clock;
+    std::vector<TreePrimitive> primitives(mesh.triangles.size());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) primitives[t] = Reach(index, mesh, t);
+    const auto first_packet = static_cast<std::uint32_t>(parts_.packets.size());
+    const BuiltTree tree = AppendTree(primitives, parts_.nodes, parts_.packets);
+    built.object.root = tree.root;
+    std::copy_n(tree.lower, 3, built.object.lower_base_m);
+    std::copy_n(tree.upper, 3, built.object.upper_base_m);
+    clock.AddTo(report_.tree_ms);
+    Order order;
+    order.triangle_place.resize(mesh.triangles.size());
+    order.vertex_place.assign(mesh.vertices.size(), kNoIndex);
+    const auto first_vertex = static_cast<std::uint32_t>(parts_.vertices.size());
+    for (const TreePrimitive& p : primitives) {
+      order.triangle_place[p.triangle] =
+          built.object.first_triangle + static_cast<std::uint32_t>(order.triangles.size());
+      order.triangles.push_back(p.triangle);
+      for (const std::uint32_t v : mesh.triangles[p.triangle]) {
+        if (order.vertex_place[v] != kNoIndex) continue;
+        order.vertex_place[v] = first_vertex + static_cast<std::uint32_t>(order.vertices.size());
+        order.vertices.push_back(v);
+      }
+    }
+    clock.AddTo(report_.layout_ms);
+    for (std::size_t i = first_packet; i < parts_.packets.size(); ++i) Fill(mesh, order, parts_.packets[i]);
+    clock.AddTo(report_.tree_ms);
+    return order;
+  }
+
+  static void Fill(const Mesh& mesh, const Order& order, TrianglePacket& packet) {
+    for (int lane = 0; lane < kPacketSize; ++lane) {
+      const std::uint32_t t = packet.triangle[lane];
+      for (int k = 0; k < 3; ++k)
+        FillPacket(packet, lane, k, mesh.vertices[mesh.triangles[t][static_cast<std::size_t>(k)]]);
+      packet.triangle[lane] = order.triangle_place[t];
+    }
+  }
+
+  void AddVertices(std::size_t index, const Mesh& mesh, const Order& order) {
+    parts_.vertices.reserve(parts_.vertices.size() + mesh.vertices.size());
+    for (const std::uint32_t v : order.vertices) {
+      const Vec3& p = mesh.vertices[v];
+      parts_.vertices.push_back({p.x, p.y, p.z, vertex_region_[index][v], kNoIndex});
+    }
+  }
+
+  void AddTriangles(std::size_t index, const Mesh& mesh, const Order& order) {
+    parts_.triangles.reserve(parts_.triangles.size() + mesh.triangles.size());
+    for (const std::uint32_t t : order.triangles) {
+      Triangle triangle{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = order.vertex_place[mesh.triangles[t][k]];
+        const std::uint32_t across = mesh.neighbours[t][k];
+        triangle.vertex[k] = v;
+        triangle.neighbour[k] = across == kNoIndex ? kNoIndex : order.triangle_place[across];
+        std::uint32_t& first = parts_.vertices[v].first_triangle;
+        if (first == kNoIndex) first = static_cast<std::uint32_t>(parts_.triangles.size());
+      }
+      triangle.object = static_cast<std::uint16_t>(index);
+      triangle.material = mesh.material[t];
+      triangle.component = mesh.component[t];
+      parts_.triangles.push_back(triangle);
+    }
+  }
+
+  // The box of all places a triangle can be moved to.
+  TreePrimitive Reach(std::size_t index, const Mesh& mesh, std::uint32_t t) const {
+    std::array<Vec3, 9> places;
+    std::size_t count = 0;
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      const Vec3& rest = mesh.vertices[v];
+      places[count++] = rest;
+      const std::uint32_t r = vertex_region_[index][v];
+      if (r == kNoIndex) continue;
+      const Region& region = parts_.regions[r];
+      const Extrude& extrude = input_.materials[region.material].extrude;
+      places[count++] = rest + (extrude.steps_out * extrude.step_m) * region.normal;
+      places[count++] = rest - (extrude.steps_in * extrude.step_m) * region.normal;
+    }
+    return MakePrimitive(std::span(places).first(count), t, count > 3);
   }
 
   const SceneInput& input_;
   SceneParts& parts_;
+  BuildReport& report_;
   std::vector<std::vector<std::uint32_t>> vertex_region_;
 };
 
@@ -154,8 +230,11 @@ BuiltObject BuildObject(const SceneInput& input, std::size_t index, BuildReport&
   const InputObject& source = input.objects[index];
   BuiltObject built;
   RepairCounts repair;
+  PhaseClock clock;
   built.mesh = RepairMesh(source, repair);
+  clock.AddTo(report.repair_ms);
   const TopologyReport topology = ConnectAndOrient(built.mesh);
+  clock.AddTo(report.topology_ms);
   Explain(Where(source, index), built.mesh, repair, topology, report);
   built.faces = FindFaces(built.mesh, input.materials);
   CopyName(source.name, built.object.name);
@@ -174,15 +253,20 @@ void FillHeader(const SceneInput& input, SceneParts& parts) {
   header.has_vehicle = input.vehicle.has_value();
   if (input.joystick) header.joystick = *input.joystick;
   if (input.vehicle) header.vehicle = *input.vehicle;
-  Box bounds;
+  header.lower_base_m = {1e30, 1e30, 1e30};
+  header.upper_base_m = {-1e30, -1e30, -1e30};
   for (const Object& object : parts.objects) {
+    if (object.triangle_count == 0) continue;
+    const Vec3 lower{object.lower_base_m[0], object.lower_base_m[1], object.lower_base_m[2]};
+    const Vec3 upper{object.upper_base_m[0], object.upper_base_m[1], object.upper_base_m[2]};
+    for (const float x : object.lower_base_m)
+      header.tree_extent_m = std::max(header.tree_extent_m, std::abs(double{x}));
+    for (const float x : object.upper_base_m)
+      header.tree_extent_m = std::max(header.tree_extent_m, std::abs(double{x}));
     if ((object.flags & kCollidable) == 0) continue;
-    const BvhNode& root = parts.nodes[object.root];
-    bounds.Add(Vec3{root.lower[0], root.lower[1], root.lower[2]});
-    bounds.Add(Vec3{root.upper[0], root.upper[1], root.upper[2]});
+    header.lower_base_m = Min(header.lower_base_m, lower);
+    header.upper_base_m = Max(header.upper_base_m, upper);
   }
-  header.lower_base_m = bounds.lower;
-  header.upper_base_m = bounds.upper;
   for (const Material& m : parts.materials) {
     if (m.magnet_max_force_N > 0) header.magnet_range_m = std::max(header.magnet_range_m, m.magnet_range_m);
   }
@@ -212,7 +296,7 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
   built.reserve(input.objects.size());
   for (std::size_t i = 0; i < input.objects.size(); ++i) built.push_back(BuildObject(input, i, report));
   SceneParts parts;
-  Assembler assembler(input, parts);
+  Assembler assembler(input, parts, report);
   assembler.AddRegions(PickRegions(built, report), built);
   for (std::size_t i = 0; i < built.size(); ++i) assembler.AddObject(i, built[i]);
   if (parts.triangles.empty()) {
@@ -223,7 +307,9 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
     if (input.materials[i].softness.model != SoftnessModel::kTet) continue;
     report.lines.push_back("material " + std::to_string(i) + ": softness model tet is rendered as winkler");
   }
+  PhaseClock clock;
   Scene scene = MakeScene(parts);
+  clock.AddTo(report.layout_ms);
   CheckCarStart(scene, report);
   report.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return scene;

@@ -85,6 +85,7 @@ struct VehicleState {
 // The stiffness on offer, which moves slowly: haptics/stability.h.
 struct OfferState {
   bool known = false;
+  double age_s = 0;  // since it was renewed
   double predict_s = 0;
   double recent_N_m = 0;     // the limit, smoothed
   double stiffness_N_m = 0;  // what is offered

@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "service/base/big_block.h"
 #include "service/base/result.h"
 #include "service/base/vec.h"
+#include "service/haptics/geometry/tree_node.h"
 #include "service/haptics/material.h"
 #include "service/haptics/scene_input.h"
 
@@ -30,26 +32,22 @@ struct Vertex {
 
 // `vertex` counter-clockwise from outside; neighbour[k] is across the edge vertex[k] -> vertex[(k+1)%3], kNoIndex:
 // border.
+// Triangles and vertices are numbered in the order of the tree's leaves: what is near in space is near in memory.
 struct Triangle {
   std::uint32_t vertex[3];
   std::uint32_t neighbour[3];
-  std::uint32_t object;
-  std::uint32_t material;
   std::uint32_t component;  // connected surface within the object, counted from 0 per object
+  std::uint16_t object;
+  std::uint16_t material;
 };
-
-struct BvhNode {
-  float lower[3];
-  std::uint32_t first;  // leaf: first index into `leaf_triangles`; inner: left child (right = left + 1)
-  float upper[3];
-  std::uint32_t count;  // 0: inner node
-};
+static_assert(sizeof(Vertex) == 32 && sizeof(Triangle) == 32);  // two a cache line
 
 struct Object {
   std::uint32_t first_triangle, triangle_count;
-  std::uint32_t root;   // BVH node
+  std::uint32_t root;   // of its tree, in `nodes`; meaningful if kCollidable or kCarWall
   std::uint32_t flags;  // kDoubleSided ...
   std::uint32_t component_count;
+  float lower_base_m[3], upper_base_m[3];  // bounds, extrude range included
   char name[48];
 };
 enum ObjectFlag : std::uint32_t { kDoubleSided = 1, kCollidable = 2, kCarWall = 4, kClosed = 8 };
@@ -68,21 +66,24 @@ struct SceneHeader {
   std::uint32_t version;
   std::uint64_t bytes;
   std::uint64_t content_hash;
-  std::uint32_t vertex_count, triangle_count, node_count, leaf_count, object_count, region_count, material_count;
+  std::uint32_t vertex_count, triangle_count, node_count, packet_count, object_count, region_count, material_count;
   std::uint32_t has_joystick, has_vehicle, reserved;
-  std::uint64_t vertices, triangles, nodes, leaf_triangles, objects, regions,
+  std::uint64_t vertices, triangles, nodes, packets, objects, regions,
       materials;  // offsets from the block's start
   JoystickInput joystick;
   VehicleInput vehicle;
   base::Vec3 lower_base_m, upper_base_m;  // bounds of all collidable objects, extrude range included
+  double tree_extent_m;                   // largest |coordinate| in any tree
   double magnet_range_m;                  // largest of all materials that have a magnet, 0: none
   char name[64];
 };
 
+using SceneBlock = std::vector<std::byte, base::BigBlockAllocator<std::byte>>;
+
 class Scene {
  public:
   Scene() = default;  // empty scene: nothing to touch, zero cost
-  explicit Scene(std::vector<std::byte> block) : block_(std::move(block)) {}
+  explicit Scene(SceneBlock block) : block_(std::move(block)) {}
 
   bool empty() const noexcept { return block_.empty(); }
   // Precondition for all below: !empty().
@@ -91,9 +92,9 @@ class Scene {
   std::span<const Triangle> triangles() const noexcept {
     return View<Triangle>(header().triangles, header().triangle_count);
   }
-  std::span<const BvhNode> nodes() const noexcept { return View<BvhNode>(header().nodes, header().node_count); }
-  std::span<const std::uint32_t> leaf_triangles() const noexcept {
-    return View<std::uint32_t>(header().leaf_triangles, header().leaf_count);
+  std::span<const TreeNode> nodes() const noexcept { return View<TreeNode>(header().nodes, header().node_count); }
+  std::span<const TrianglePacket> packets() const noexcept {
+    return View<TrianglePacket>(header().packets, header().packet_count);
   }
   std::span<const Object> objects() const noexcept { return View<Object>(header().objects, header().object_count); }
   std::span<const Region> regions() const noexcept { return View<Region>(header().regions, header().region_count); }
@@ -107,7 +108,7 @@ class Scene {
   std::span<const T> View(std::uint64_t offset, std::uint32_t count) const noexcept {
     return {reinterpret_cast<const T*>(block_.data() + offset), count};
   }
-  std::vector<std::byte> block_;
+  SceneBlock block_;
 };
 
 // What BuildScene did to the input, a line each, for `omni scene explain`.
@@ -115,13 +116,13 @@ struct BuildReport {
   std::vector<std::string> lines;
   std::uint32_t welded_vertices = 0, dropped_triangles = 0, flipped_objects = 0;
   double build_ms = 0;
+  double repair_ms = 0, topology_ms = 0, tree_ms = 0, layout_ms = 0;  // phases of it, sums over the objects
 };
 
 inline constexpr double kMaxCoordinate_m = 10;  // |x| of a vertex; farther is taken for a wrong unit
-inline constexpr int kMaxBvhDepth = 64;         // guaranteed by BuildScene, so that stacks in the tick are fixed
 
 // Welds vertices, drops degenerate and non-finite triangles, orients closed objects outwards, finds neighbours and
-// extrude regions, builds the BVH. Bounds of nodes include every offset an extrude region can take.
+// extrude regions, builds the trees. Bounds of nodes include every offset an extrude region can take.
 base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report);
 
 }  // namespace omni::haptics

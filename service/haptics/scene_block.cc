@@ -64,12 +64,14 @@ void Add(Hasher& h, const Material& m) {
 }
 
 class Writer {
+  static constexpr std::size_t kAlignment = 64;  // a cache line
+
  public:
   explicit Writer(std::size_t bytes) : block_(bytes) {}
 
   template <class T>
   static constexpr std::size_t Aligned(std::size_t count) {
-    return (count * sizeof(T) + 15) / 16 * 16;
+    return (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
   }
   template <class T>
   std::uint64_t Put(const std::vector<T>& values) {
@@ -79,12 +81,12 @@ class Writer {
     return offset;
   }
   void Skip(std::size_t bytes) { used_ += bytes; }
-  std::vector<std::byte> Take() { return std::move(block_); }
+  SceneBlock Take() { return std::move(block_); }
   std::span<const std::byte> From(std::size_t offset) const { return std::span(block_).subspan(offset); }
   void PutHeader(const SceneHeader& header) { std::memcpy(block_.data(), &header, sizeof header); }
 
  private:
-  std::vector<std::byte> block_;
+  SceneBlock block_;
   std::size_t used_ = 0;
 };
 
@@ -95,7 +97,7 @@ Scene MakeScene(const SceneParts& parts) {
   const std::size_t bytes =
       header_bytes + Writer::Aligned<Material>(parts.materials.size()) +
       Writer::Aligned<Vertex>(parts.vertices.size()) + Writer::Aligned<Triangle>(parts.triangles.size()) +
-      Writer::Aligned<BvhNode>(parts.nodes.size()) + Writer::Aligned<std::uint32_t>(parts.leaf_triangles.size()) +
+      Writer::Aligned<TreeNode>(parts.nodes.size()) + Writer::Aligned<TrianglePacket>(parts.packets.size()) +
       Writer::Aligned<Object>(parts.objects.size()) + Writer::Aligned<Region>(parts.regions.size());
   Writer writer(bytes);
   SceneHeader header = parts.header;
@@ -106,7 +108,7 @@ Scene MakeScene(const SceneParts& parts) {
   header.vertex_count = static_cast<std::uint32_t>(parts.vertices.size());
   header.triangle_count = static_cast<std::uint32_t>(parts.triangles.size());
   header.node_count = static_cast<std::uint32_t>(parts.nodes.size());
-  header.leaf_count = static_cast<std::uint32_t>(parts.leaf_triangles.size());
+  header.packet_count = static_cast<std::uint32_t>(parts.packets.size());
   header.object_count = static_cast<std::uint32_t>(parts.objects.size());
   header.region_count = static_cast<std::uint32_t>(parts.regions.size());
   header.material_count = static_cast<std::uint32_t>(parts.materials.size());
@@ -115,7 +117,7 @@ Scene MakeScene(const SceneParts& parts) {
   header.vertices = writer.Put(parts.vertices);
   header.triangles = writer.Put(parts.triangles);
   header.nodes = writer.Put(parts.nodes);
-  header.leaf_triangles = writer.Put(parts.leaf_triangles);
+  header.packets = writer.Put(parts.packets);
   header.objects = writer.Put(parts.objects);
   header.regions = writer.Put(parts.regions);
   Hasher hasher;

@@ -8,14 +8,14 @@
 namespace omni::haptics {
 
 inline constexpr std::uint32_t kSceneMagic = 0x31534D4F;  // "OMS1"
-inline constexpr std::uint32_t kSceneVersion = 2;
+inline constexpr std::uint32_t kSceneVersion = 3;
 
 struct SceneParts {
   SceneHeader header{};
   std::vector<Vertex> vertices;
   std::vector<Triangle> triangles;
-  std::vector<BvhNode> nodes;
-  std::vector<std::uint32_t> leaf_triangles;
+  std::vector<TreeNode> nodes;
+  std::vector<TrianglePacket> packets;
   std::vector<Object> objects;
   std::vector<Region> regions;
   std::vector<Material> materials;

@@ -15,6 +15,7 @@ constexpr double kHandStiffness_N_m = 150;  // [Hajian & Howe 1997: fingers and 
 constexpr std::array kHandMasses_kg = {0.05, 0.2};
 constexpr double kWorthIt = 1.2;
 constexpr double kPredictTime_s = 0.05, kLimitTime_s = 0.2, kRiseTime_s = 0.02;
+constexpr double kRenewInTouch_s = 4e-3, kRenewInAir_s = 16e-3;  // a far tip costs nothing
 
 // The lag that is left over at low frequencies, and the terms that prediction and filter add at higher ones:
 // H(s) exp(-D s) = 1 - left s - ... , arg = -(left w + phase w^3), |H| = 1 + gain w^2, for a constant-velocity filter
@@ -47,6 +48,23 @@ double Approach(double from, double to, double dt_s, double time_s) noexcept {
 bool IsPlausible(const base::PointNoise& noise) noexcept {
   return noise.position_m2 >= 0 && noise.position_m2 < 1 && std::abs(noise.cross_m2_s) < 1e3 &&
          noise.velocity_m2_s2 >= 0 && noise.velocity_m2_s2 < 1e6;
+}
+
+// `dt_s`: since the last time.
+void Renew(const Config& config, const Input& input, bool touching, double dt_s, OfferState& state) noexcept {
+  if (!touching || !state.known) {
+    const double best_s = BestPrediction_s(config, input);
+    state.predict_s = state.known ? Approach(state.predict_s, best_s, dt_s, kPredictTime_s) : best_s;
+  }
+  const double limit_N_m = StiffnessLimit(config, input, state.predict_s);
+  state.recent_N_m =
+      state.known && limit_N_m > 0 ? Approach(state.recent_N_m, limit_N_m, dt_s, kLimitTime_s) : limit_N_m;
+  if (!state.known || state.recent_N_m < state.stiffness_N_m) {
+    state.stiffness_N_m = state.recent_N_m;
+  } else if (!touching) {
+    state.stiffness_N_m = Approach(state.stiffness_N_m, state.recent_N_m, dt_s, kRiseTime_s);
+  }
+  state.known = true;
 }
 
 }  // namespace
@@ -93,19 +111,12 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept {
 }
 
 Offer UpdateOffer(const Config& config, const Input& input, bool touching, OfferState& state) noexcept {
-  if (!touching || !state.known) {
-    const double best_s = BestPrediction_s(config, input);
-    state.predict_s = state.known ? Approach(state.predict_s, best_s, input.dt_s, kPredictTime_s) : best_s;
+  if (!(LoopLag_s(config, input) > 0) || !IsPlausible(input.noise)) return {};
+  state.age_s += input.dt_s;
+  if (!state.known || state.age_s >= (touching ? kRenewInTouch_s : kRenewInAir_s)) {
+    Renew(config, input, touching, state.age_s, state);
+    state.age_s = 0;
   }
-  const double limit_N_m = StiffnessLimit(config, input, state.predict_s);
-  state.recent_N_m =
-      state.known && limit_N_m > 0 ? Approach(state.recent_N_m, limit_N_m, input.dt_s, kLimitTime_s) : limit_N_m;
-  if (!state.known || state.recent_N_m < state.stiffness_N_m) {
-    state.stiffness_N_m = state.recent_N_m;
-  } else if (!touching) {
-    state.stiffness_N_m = Approach(state.stiffness_N_m, state.recent_N_m, input.dt_s, kRiseTime_s);
-  }
-  state.known = true;
   return {state.stiffness_N_m, std::max(0.0, config.hand_damping_Ns_m), state.predict_s};
 }
 

@@ -57,7 +57,7 @@ Vec3 LookAround(const Scene& scene, const Surface& surface, const Vec3& tip, dou
   double distance_m = kNowhere_m;
   NearestResult nearest;
   for (const Object& object : scene.objects()) {
-    if ((object.flags & kCollidable) == 0 || !(BoxDistance(surface.Node(object.root), tip) < distance_m)) continue;
+    if ((object.flags & kCollidable) == 0 || !(BoxDistance(object, tip) < distance_m)) continue;
     const NearestResult found = NearestPoint(surface, object, tip, distance_m);
     if (found.triangle == kNoIndex) continue;
     nearest = found;
@@ -121,6 +121,7 @@ ContactForces Follow(const Scene& scene, const Surface& surface, const Offer& of
 // The tip's contact forces, and what they do to extrudable faces.
 Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State& state, Output& output) noexcept {
   const Vec3 tip = input.device_point_base_m;
+  if (scene.regions().empty() && (!input.tracked || StillFar(scene, tip, state))) return {};
   const Surface surface(scene, state.regions);
   std::array<RegionTouch, kMaxRegions> touches{};
   Touched touched;

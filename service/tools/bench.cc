@@ -33,6 +33,7 @@ constexpr Bench kBenches[] = {
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
     {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
+    {"collision", "contact with rigid meshes beside four engines: time, correctness, memory", BenchCollision},
     {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
     {"stability", "walls that a simulated hand can hold still against, and those that are offered", BenchStability},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
@@ -151,10 +152,12 @@ void AddBench(CLI::App& app) {
   for (const Bench& bench : kBenches) {
     CLI::App* sub = bench_app->add_subcommand(bench.name, bench.about);
     sub->add_option("--json", *json_path, "write {name, commit, machine, rows} here as well");
-    sub->add_option("--ticks", options->ticks, "loop: ticks per scene; stress: ticks in all")
+    sub->add_option("--ticks", options->ticks, "loop: ticks per scene; stress, collision: ticks in all")
         ->check(CLI::Range(1000ULL, 1'000'000'000ULL));
     sub->add_option("--seed", options->seed, "of the twin")->check(CLI::Range(0ULL, 1'000'000'000'000ULL));
-    sub->add_flag("--quick", options->quick, "tracking, solver, stress, stability, tick: a hundredth of the work");
+    sub->add_flag("--quick", options->quick, "much less work, to see that it runs");
+    sub->add_option("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies")
+        ->check(CLI::ExistingFile);
     sub->add_option("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         ->check(CLI::Range(1ULL, 1'000'000'000ULL));
     sub->add_option("--hours", options->hours, "stress: virtual time of the drift run")->check(CLI::Range(0.0, 1000.0));

@@ -20,6 +20,7 @@ struct BenchOptions {
   std::uint64_t seed = 1;
   bool quick = false;             // tracking, solver, stress: a hundredth of the work, to see that it runs
   std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
+  std::string mesh;               // collision: a .glb file instead of the bench's own bodies
   double hours = 10;              // stress: virtual time of the drift run
 };
 
@@ -65,6 +66,11 @@ base::Result<BenchRows> BenchStability(const BenchOptions& options);
 
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);
+
+// Contact with rigid meshes, ours beside Embree, Bullet, FCL and CGAL: engine, mesh, triangles, us_median, us_p99,
+// us_p999, build_ms, bytes_per_triangle, missed, false_contacts, direction_p99_deg, n. Side tables: build phases and
+// bytes, correctness by path, times by path, ratios.
+base::Result<BenchRows> BenchCollision(const BenchOptions& options);
 
 // {"name", "command", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);

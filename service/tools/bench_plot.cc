@@ -95,6 +95,49 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
   return svg.Finish();
 }
 
+// Time of a tick over the number of triangles, a line an engine: what the renderer does in full, peers in dashes.
+base::Result<std::string> DrawCollision(const json& document, const std::string& file) {
+  std::vector<std::string> engines;
+  std::map<std::string, PlotSeries> by_engine;
+  std::vector<double> counts, times_us;
+  for (const json& row : ArrayAt(document, "/rows")) {
+    const double n = Value(row, "triangles"), us = Value(row, "us_median");
+    const std::string engine = Word(row, "engine");
+    // One family of meshes: others are not on the same line.
+    if (!(n > 0 && us > 0) || engine.empty() || Word(row, "mesh") != "lump") continue;
+    if (std::find(engines.begin(), engines.end(), engine) == engines.end()) engines.push_back(engine);
+    PlotSeries& series = by_engine[engine];
+    series.name = engine;
+    series.mark = engine.rfind("omni", 0) == 0 ? PlotSeries::Mark::kLine : PlotSeries::Mark::kDashes;
+    series.points.push_back({n, us});
+    counts.push_back(n);
+    times_us.push_back(us);
+  }
+  if (times_us.empty())
+    return base::Error{file + ": no row of a lump has triangles and us_median; make it with omni bench collision"};
+  std::vector<PlotSeries> series;
+  for (std::size_t i = 0; i < engines.size(); ++i) {
+    PlotSeries& line = by_engine[engines[i]];
+    line.colour = PlotColour(i);
+    PlotSeries dots = line;
+    dots.name.clear();
+    dots.mark = PlotSeries::Mark::kDots;
+    series.push_back(line);
+    series.push_back(dots);
+  }
+  Svg svg(960, 560);
+  const PlotBox box{.top_px = 60,
+                    .width_px = 640,
+                    .height_px = 430,
+                    .title = "A tick on meshes from 1k to 1M triangles",
+                    .x = AxisFor("triangles", counts, true),
+                    .y = AxisFor("median time, us", times_us, true)};
+  DrawPlot(svg, box, series);
+  svg.Text(70, 24, "omni bench collision", "font-size=\"16\" fill=\"#222\"");
+  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
+  return svg.Finish();
+}
+
 std::string Condition(const json& row) {
   std::string text = Word(row, "model") + ", " + Word(row, "noise");
   const double amplitude_A = Value(row, "actuation_A");
@@ -182,7 +225,8 @@ base::Result<std::string> DrawBench(const json& document, const std::string& fil
   const std::string name = Word(document, "name");
   if (name == "solver") return DrawSolver(document, file);
   if (name == "tracking") return DrawTracking(document, file);
-  return base::Error{file + ": is of omni bench " + name + "; pictures are made of solver and tracking"};
+  if (name == "collision") return DrawCollision(document, file);
+  return base::Error{file + ": is of omni bench " + name + "; pictures are made of solver, tracking and collision"};
 }
 
 void AddBenchPlot(CLI::App& bench) {
@@ -190,7 +234,7 @@ void AddBenchPlot(CLI::App& bench) {
       bench.add_subcommand("plot", "pictures (SVG) of run time against error from JSON files of omni bench");
   auto files = std::make_shared<std::vector<std::string>>();
   auto folder = std::make_shared<std::string>(".");
-  plot->add_option("files", *files, "JSON files of omni bench solver and omni bench tracking")->required();
+  plot->add_option("files", *files, "JSON files of omni bench solver, tracking and collision")->required();
   plot->add_option("-o,--output", *folder, "folder to write NAME.svg into")->capture_default_str();
   plot->callback([files, folder] {
     for (const std::string& file : *files) {

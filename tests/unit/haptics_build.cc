@@ -235,8 +235,7 @@ TEST(BuildScene, FindsOneRegionPerSideOfAnExtrudableBlock) {
   EXPECT_NEAR(std::abs(top.centroid_base_m.z), 0.01, 1e-12);
   EXPECT_NEAR(top.radius_m, std::hypot(0.03, 0.02), 1e-12);
   // The tree allows for every offset.
-  const BvhNode& root = scene->nodes()[scene->objects()[0].root];
-  EXPECT_GE(root.upper[2], 0.01 + clay.extrude.step_m);
+  EXPECT_GE(scene->objects()[0].upper_base_m[2], 0.01 + clay.extrude.step_m);
 }
 
 }  // namespace

@@ -42,13 +42,45 @@ void Place(const ProxyPoint& proxy, ContactState& contact) noexcept {
   contact.proxy_base_m = proxy.closest.point;
 }
 
+// Inside by the sign at the nearest point of the whole object; exact for closed objects.
+bool IsInside(const Surface& surface, const Object& object, const Vec3& tip, NearestResult& nearest) noexcept {
+  if (BoxDistance(object, tip) > 0) return false;
+  nearest = NearestPoint(surface, object, tip);
+  return nearest.triangle != kNoIndex && SideOf(surface, nearest, tip) < 0;
+}
+
+bool HasInside(const Object& object) noexcept {
+  return (object.flags & kClosed) != 0 && (object.flags & kDoubleSided) == 0;
+}
+
+bool Skips(const SkipList& skip, std::uint32_t component) noexcept {
+  const auto* const end = skip.components.data() + skip.count;
+  return std::find(skip.components.data(), end, component) != end;
+}
+
+// Within a micrometre of a concave edge a tip can be in front of one wall and behind the other with no crossing between
+// where it is looked from and where it is. Where a contact ends or an entry leads nowhere, the exact sign has the last
+// word.
+bool AcquireInside(const Surface& surface, const Object& object, const Vec3& tip, const SkipList& skip,
+                   ContactState& contact) noexcept {
+  NearestResult nearest;
+  if (!HasInside(object) || !IsInside(surface, object, tip, nearest)) return false;
+  if (Skips(skip, surface.GetTriangle(nearest.triangle).component)) return false;
+  contact.side = 1;
+  contact.triangle = nearest.triangle;
+  contact.proxy_base_m = nearest.closest.point;
+  return true;
+}
+
 // Follows the segment from outside to the tip. True if it ends behind a surface: `contact` then has its proxy, and its
 // anchor where the surface was entered unless it had one.
 bool Acquire(const Surface& surface, const Object& object, Vec3 start, const Vec3& tip, const SkipList& skip,
-             ContactState& contact) noexcept {
+             bool was_inside, ContactState& contact) noexcept {
   for (int entry = 0; entry < kMaxEntries; ++entry) {
     const CrossingResult hit = FirstCrossing(surface, object, start, tip, skip.components.data(), skip.count);
-    if (hit.triangle == kNoIndex) return false;
+    if (hit.triangle == kNoIndex) {
+      return (was_inside || entry > 0) && AcquireInside(surface, object, tip, skip, contact);
+    }
     contact.side = hit.front ? 1 : -1;
     const ProxyPoint proxy = Descend(surface, hit.triangle, tip);
     Place(proxy, contact);
@@ -61,34 +93,23 @@ bool Acquire(const Surface& surface, const Object& object, Vec3 start, const Vec
       }
       return true;
     }
-    start = proxy.closest.point + (kBackDate_m * contact.side) * proxy.normal;
+    start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(surface, proxy);
   }
-  return false;
-}
-
-// Inside by the sign at the nearest point of the whole object; exact for closed objects.
-bool IsInside(const Surface& surface, const Object& object, const Vec3& tip, NearestResult& nearest) noexcept {
-  if (BoxDistance(surface.Node(object.root), tip) > 0) return false;
-  nearest = NearestPoint(surface, object, tip);
-  return nearest.triangle != kNoIndex && SideOf(surface, nearest, tip) < 0;
-}
-
-bool HasInside(const Object& object) noexcept {
-  return (object.flags & kClosed) != 0 && (object.flags & kDoubleSided) == 0;
+  return AcquireInside(surface, object, tip, skip, contact);
 }
 
 // A proxy stays on the face it entered through while the tip, deep inside, goes around a convex edge. If another face
 // is nearer than half the proxy and the tip is behind that one too, the proxy goes there   (2.3). The far side of a
-// thin part (facing the opposite way) does not count: entered from here, felt from here.
+// thin part (facing the opposite way) does not count, nor does it hide a third face: entered from here, felt from here.
 void ReleaseFromCrease(const Surface& surface, const Object& object, const Vec3& tip, const ProxyPoint& proxy,
                        ContactState& contact) noexcept {
   constexpr double kOppositeCosine = -0.6;
   const double depth_m = std::sqrt(proxy.closest.distance_squared);
   if (!HasInside(object) || !(depth_m > kTrustedDepth_m)) return;
-  const NearestResult nearest = NearestPoint(surface, object, tip, 0.5 * depth_m);
+  const Vec3 outwards = (1 / depth_m) * (proxy.closest.point - tip);
+  const NearestResult nearest =
+      NearestFaceInTree(surface, object.root, tip, 0.5 * depth_m, {outwards, kOppositeCosine});
   if (nearest.triangle == kNoIndex || SideOf(surface, nearest, tip) > 0) return;
-  const Vec3 outwards = Normalized(nearest.closest.point - tip);
-  if (Dot(outwards, Normalized(proxy.closest.point - tip)) < kOppositeCosine) return;
   if (surface.GetTriangle(nearest.triangle).component != surface.GetTriangle(proxy.triangle).component) return;
   contact.triangle = nearest.triangle;
   contact.proxy_base_m = nearest.closest.point;
@@ -132,8 +153,8 @@ void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, double 
   }
   // Out here, but perhaps straight into another part of the same object: the proxy is outside, look from there.
   const std::uint32_t component = surface.GetTriangle(proxy.triangle).component;
-  const Vec3 start = proxy.closest.point + (kBackDate_m * contact.side) * proxy.normal;
-  if (Acquire(surface, object, start, tip, InContact(surface, contact.object, state, &contact), contact)) return;
+  const Vec3 start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(surface, proxy);
+  if (Acquire(surface, object, start, tip, InContact(surface, contact.object, state, &contact), true, contact)) return;
   left.object[left.count] = contact.object;
   left.component[left.count++] = component;
   contact = {};
@@ -154,7 +175,7 @@ bool TakeOn(const Surface& surface, const Object& object, std::uint32_t index, c
   ContactState contact;
   contact.active = true;
   contact.object = index;
-  if (!Acquire(surface, object, start, tip, skip, contact)) return false;
+  if (!Acquire(surface, object, start, tip, skip, false, contact)) return false;
   ContactState* slot = SlotFor(Depth(contact, tip), tip, state);
   if (slot != nullptr) *slot = contact;
   return slot != nullptr;
@@ -171,8 +192,11 @@ void Sweep(const Surface& surface, const Object& object, std::uint32_t index, co
     for (std::size_t k = 0; double_sided && k < left.count; ++k) {
       if (left.object[k] == index) skip.Add(left.component[k]);
     }
+    // As it is first: near a concave edge the start dated back may lie behind the other wall, and would enter nothing.
     const Vec3 from = state.last_device_point_base_m;
-    const Vec3 start = double_sided ? from : from - kBackDate_m * Normalized(tip - from);
+    if (TakeOn(surface, object, index, from, tip, skip, state)) continue;
+    if (double_sided) return;
+    const Vec3 start = from - kBackDate_m * Normalized(tip - from);
     if (!TakeOn(surface, object, index, start, tip, skip, state)) return;
   }
 }

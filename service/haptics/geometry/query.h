@@ -1,5 +1,6 @@
 // Questions to the tree of one object: nearest point, first crossing of a segment. No allocation; stacks are fixed,
-// because BuildScene guarantees kMaxBvhDepth.
+// because the builder guarantees kMaxTreeDepth. Floats exclude (tree_lanes.h), doubles decide: the answer is exactly
+// that of asking every triangle.
 #pragma once
 
 #include <limits>
@@ -13,25 +14,66 @@ struct NearestResult {
   ClosestPoint closest;
 };
 
-// Nearest point of the object to `p` that is nearer than `max_distance_m`.
-NearestResult NearestPoint(const Surface& surface, const Object& object, const Vec3& p,
-                           double max_distance_m = std::numeric_limits<double>::infinity()) noexcept;
-
 struct CrossingResult {
   std::uint32_t triangle = kNoIndex;
   bool front = true;
   double t = 0;
 };
 
-// First triangle that the segment crosses. `skip[0..skip_count)`: components that do not count. One-sided objects are
-// entered from the front only, double-sided ones from both sides.
-CrossingResult FirstCrossing(const Surface& surface, const Object& object, const Vec3& start, const Vec3& end,
-                             const std::uint32_t* skip, int skip_count) noexcept;
+// Components that a sweep does not count.
+struct Skipped {
+  const std::uint32_t* components = nullptr;
+  int count = 0;
+};
+
+// Nearest point to `p` that is nearer than `max_distance_m`. `known`: a triangle thought to be near (the last answer),
+// or kNoIndex; it makes the search shorter, and of equally near triangles it wins.
+template <TreeView View>
+NearestResult NearestInTree(const View& view, std::uint32_t root, const Vec3& p,
+                            double max_distance_m = std::numeric_limits<double>::infinity(),
+                            std::uint32_t known = kNoIndex) noexcept;
+
+// Of the faces a point sees: triangles whose outward normal makes at least `cosine` with `direction`, and whose nearest
+// point the point looks at along that normal (within 45 degrees) from behind.
+struct FacesTowards {
+  Vec3 direction;  // unit
+  double cosine = -1;
+};
+
+// Nearest point on such a face that is nearer than `max_distance_m`.
+template <TreeView View>
+NearestResult NearestFaceInTree(const View& view, std::uint32_t root, const Vec3& p, double max_distance_m,
+                                const FacesTowards& faces) noexcept;
+
+// First triangle that the segment crosses. `both_sides` false: from the front only.
+template <TreeView View>
+CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& start, const Vec3& end, bool both_sides,
+                              const Skipped& skip = {}) noexcept;
+
+extern template NearestResult NearestInTree(const Surface&, std::uint32_t, const Vec3&, double, std::uint32_t) noexcept;
+extern template NearestResult NearestFaceInTree(const Surface&, std::uint32_t, const Vec3&, double,
+                                                const FacesTowards&) noexcept;
+extern template CrossingResult CrossingInTree(const Surface&, std::uint32_t, const Vec3&, const Vec3&, bool,
+                                              const Skipped&) noexcept;
+
+inline NearestResult NearestPoint(const Surface& surface, const Object& object, const Vec3& p,
+                                  double max_distance_m = std::numeric_limits<double>::infinity(),
+                                  std::uint32_t known = kNoIndex) noexcept {
+  return NearestInTree(surface, object.root, p, max_distance_m, known);
+}
+
+// One-sided objects are entered from the front only, double-sided ones from both sides.
+inline CrossingResult FirstCrossing(const Surface& surface, const Object& object, const Vec3& start, const Vec3& end,
+                                    const std::uint32_t* skip, int skip_count) noexcept {
+  return CrossingInTree(surface, object.root, start, end, (object.flags & kDoubleSided) != 0, {skip, skip_count});
+}
 
 // Distance from `p` to the object's box (0 inside): a lower bound of the distance to its surface.
-double BoxDistance(const BvhNode& node, const Vec3& p) noexcept;
+double BoxDistance(const Object& object, const Vec3& p) noexcept;
 
 // +1: p in front of the nearest point, -1: behind it (inside a closed object).
-double SideOf(const Surface& surface, const NearestResult& nearest, const Vec3& p) noexcept;
+template <MeshView View>
+double SideOf(const View& view, const NearestResult& nearest, const Vec3& p) noexcept;
+extern template double SideOf(const Surface&, const NearestResult&, const Vec3&) noexcept;
 
 }  // namespace omni::haptics

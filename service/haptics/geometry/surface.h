@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "service/haptics/geometry/triangle_math.h"
+#include "service/haptics/geometry/mesh_view.h"
 #include "service/haptics/haptics.h"
 
 namespace omni::haptics {
@@ -16,7 +16,8 @@ class Surface {
       : vertices_(scene.vertices().data()),
         triangles_(scene.triangles().data()),
         nodes_(scene.nodes().data()),
-        leaf_triangles_(scene.leaf_triangles().data()) {
+        packets_(scene.packets().data()),
+        tree_extent_m_(scene.header().tree_extent_m) {
     const auto regions = scene.regions();
     for (std::size_t r = 0; r < regions.size() && r < kMaxRegions; ++r) {
       displacement_[r] = states[r].offset_m * regions[r].normal;
@@ -33,8 +34,9 @@ class Surface {
     return {VertexPosition(t.vertex[0]), VertexPosition(t.vertex[1]), VertexPosition(t.vertex[2])};
   }
   const Triangle& GetTriangle(std::uint32_t index) const noexcept { return triangles_[index]; }
-  const BvhNode& Node(std::uint32_t index) const noexcept { return nodes_[index]; }
-  std::uint32_t LeafTriangle(std::uint32_t index) const noexcept { return leaf_triangles_[index]; }
+  const TreeNode& Node(std::uint32_t index) const noexcept { return nodes_[index]; }
+  const TrianglePacket& Packet(std::uint32_t index) const noexcept { return packets_[index]; }
+  double TreeExtent() const noexcept { return tree_extent_m_; }
 
   // Region that all three corners move with, else kNoIndex.
   std::uint32_t RegionOf(std::uint32_t triangle) const noexcept {
@@ -46,9 +48,12 @@ class Surface {
  private:
   const Vertex* vertices_;
   const Triangle* triangles_;
-  const BvhNode* nodes_;
-  const std::uint32_t* leaf_triangles_;
+  const TreeNode* nodes_;
+  const TrianglePacket* packets_;
+  double tree_extent_m_;
   std::array<Vec3, kMaxRegions> displacement_{};
 };
+
+static_assert(TreeView<Surface>);
 
 }  // namespace omni::haptics

@@ -29,32 +29,36 @@ Vec3 NearestOn(const Slice& slice, const Vec3& p) noexcept {
   return slice.from + std::clamp(Dot(p - slice.from, along) / length_squared, 0.0, 1.0) * along;
 }
 
-double LevelDistanceSquared(const BvhNode& node, const Vec3& p) noexcept {
-  const double dx = std::max({node.lower[0] - p.x, 0.0, p.x - node.upper[0]});
-  const double dy = std::max({node.lower[1] - p.y, 0.0, p.y - node.upper[1]});
+double LevelDistanceSquared(const TreeNode& node, int k, const Vec3& p) noexcept {
+  const double dx = std::max({node.lower[0][k] - p.x, 0.0, p.x - node.upper[0][k]});
+  const double dy = std::max({node.lower[1][k] - p.y, 0.0, p.y - node.upper[1][k]});
   return dx * dx + dy * dy;
 }
 
+void TryTriangle(const Surface& surface, std::uint32_t triangle, const Vec3& p, Wall& wall) noexcept {
+  const Slice slice = CutAt(surface.TriangleCorners(triangle), p.z);
+  if (!slice.cut) return;
+  const Vec3 away = p - NearestOn(slice, p);
+  const double distance_m = std::sqrt(away.x * away.x + away.y * away.y);
+  if (!(distance_m < wall.distance_m)) return;
+  wall = {true, distance_m, Normalized({away.x, away.y, 0}), surface.GetTriangle(triangle).material};
+}
+
 void SearchObject(const Surface& surface, const Object& object, const Vec3& p, Wall& wall) noexcept {
-  std::array<std::uint32_t, kMaxBvhDepth + 2> stack;
+  std::array<std::uint32_t, (kTreeWidth - 1) * kMaxTreeDepth + kTreeWidth> stack;
   std::size_t size = 0;
   stack[size++] = object.root;
   while (size > 0) {
-    const BvhNode& node = surface.Node(stack[--size]);
-    if (!(node.lower[2] <= p.z && p.z <= node.upper[2])) continue;
-    if (LevelDistanceSquared(node, p) >= wall.distance_m * wall.distance_m) continue;
-    for (std::uint32_t k = 0; k < node.count; ++k) {
-      const std::uint32_t triangle = surface.LeafTriangle(node.first + k);
-      const Slice slice = CutAt(surface.TriangleCorners(triangle), p.z);
-      if (!slice.cut) continue;
-      const Vec3 away = p - NearestOn(slice, p);
-      const double distance_m = std::sqrt(away.x * away.x + away.y * away.y);
-      if (!(distance_m < wall.distance_m)) continue;
-      wall = {true, distance_m, Normalized({away.x, away.y, 0}), surface.GetTriangle(triangle).material};
+    const std::uint32_t child = stack[--size];
+    if ((child & kLeafBit) != 0) {
+      for (const std::uint32_t t : surface.Packet(child & kChildIndex).triangle) TryTriangle(surface, t, p, wall);
+      continue;
     }
-    if (node.count > 0) continue;
-    stack[size++] = node.first + 1;
-    stack[size++] = node.first;
+    const TreeNode& node = surface.Node(child);
+    for (int k = 0; k < kTreeWidth; ++k) {
+      if (!(node.lower[2][k] <= p.z && p.z <= node.upper[2][k])) continue;
+      if (LevelDistanceSquared(node, k, p) < wall.distance_m * wall.distance_m) stack[size++] = node.child[k];
+    }
   }
 }
 

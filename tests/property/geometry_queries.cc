@@ -1,6 +1,8 @@
 // The tree answers like brute force; the sign is the winding number's.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/geometry/topology.h"
 #include "tests/unit/haptics_oracle.h"
@@ -126,6 +128,11 @@ TEST(Queries, SegmentsThroughEdgesAndVerticesHit) {
   }
 }
 
+bool Holds(const TreeNode& node, int k, const Vec3& v) {
+  return node.lower[0][k] <= v.x && v.x <= node.upper[0][k] && node.lower[1][k] <= v.y && v.y <= node.upper[1][k] &&
+         node.lower[2][k] <= v.z && v.z <= node.upper[2][k];
+}
+
 TEST(Queries, TreeIsShallowAndItsBoxesHoldEveryOffset) {
   Material clay;
   clay.extrude.enabled = true;
@@ -146,25 +153,25 @@ TEST(Queries, TreeIsShallowAndItsBoxesHoldEveryOffset) {
     const Surface surface(scene, states);
     for (const Object& object : scene.objects()) {
       std::vector<std::pair<std::uint32_t, int>> stack{{object.root, 1}};
-      std::uint32_t seen = 0;
+      std::set<std::uint32_t> seen;
       while (!stack.empty()) {
         const auto [index, depth] = stack.back();
         stack.pop_back();
-        ASSERT_LE(depth, kMaxBvhDepth);
-        const BvhNode& node = scene.nodes()[index];
-        ASSERT_LE(node.count, 4U);
-        for (std::uint32_t k = 0; k < node.count; ++k) {
-          ++seen;
-          for (const Vec3& v : surface.TriangleCorners(scene.leaf_triangles()[node.first + k])) {
-            ASSERT_LT(BoxDistance(node, v), 1e-12);
+        ASSERT_LE(depth, kMaxTreeDepth);
+        const TreeNode& node = surface.Node(index);
+        for (int k = 0; k < kTreeWidth; ++k) {
+          if (node.child[k] == kNoChild) continue;
+          if ((node.child[k] & kLeafBit) == 0) {
+            stack.emplace_back(node.child[k], depth + 1);
+            continue;
+          }
+          for (const std::uint32_t t : surface.Packet(node.child[k] & kChildIndex).triangle) {
+            seen.insert(t);
+            for (const Vec3& v : surface.TriangleCorners(t)) ASSERT_TRUE(Holds(node, k, v));
           }
         }
-        if (node.count == 0) {
-          stack.emplace_back(node.first, depth + 1);
-          stack.emplace_back(node.first + 1, depth + 1);
-        }
       }
-      EXPECT_EQ(seen, object.triangle_count);
+      EXPECT_EQ(seen.size(), object.triangle_count);
     }
   }
 }

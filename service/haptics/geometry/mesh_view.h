@@ -1,0 +1,36 @@
+// What queries, ring walks and the proxy ask of a mesh. Any type with these may be touched: the flat mesh of a scene
+// (surface.h), a mesh in pages. Indices are 32 bits and need not be dense.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+
+#include "service/haptics/geometry/tree_node.h"
+#include "service/haptics/geometry/triangle_math.h"
+
+namespace omni::haptics {
+
+// view.GetTriangle(t) has vertex[3], neighbour[3] (across the edge k -> k + 1, kNoIndex: border) and component.
+template <class View>
+concept MeshView = requires(const View& view, std::uint32_t index) {
+  { view.VertexPosition(index) }
+  noexcept->std::same_as<Vec3>;
+  { view.TriangleCorners(index) }
+  noexcept->std::same_as<Corners>;
+  { view.GetTriangle(index).vertex[0] } -> std::convertible_to<std::uint32_t>;
+  { view.GetTriangle(index).neighbour[0] } -> std::convertible_to<std::uint32_t>;
+  { view.GetTriangle(index).component } -> std::convertible_to<std::uint32_t>;
+};
+
+// A mesh with a tree over it.
+template <class View>
+concept TreeView = MeshView<View> && requires(const View& view, std::uint32_t index) {
+  { view.Node(index) }
+  noexcept->std::same_as<const TreeNode&>;
+  { view.Packet(index) }
+  noexcept->std::same_as<const TrianglePacket&>;
+  { view.TreeExtent() }
+  noexcept->std::same_as<double>;  // largest |coordinate| of any box of the tree, m
+};
+
+}  // namespace omni::haptics
