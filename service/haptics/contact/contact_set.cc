@@ -53,6 +53,30 @@ bool HasInside(const Object& object) noexcept {
   return (object.flags & kClosed) != 0 && (object.flags & kDoubleSided) == 0;
 }
 
+// A face that is cut into coplanar triangles: there the descent sees nothing but its own plane.
+bool IsFlatAround(const Surface& surface, std::uint32_t triangle) noexcept {
+  constexpr double kFlatCosine = 1 - 1e-9;
+  const Vec3 normal = FaceNormal(surface, triangle);
+  for (const std::uint32_t other : surface.GetTriangle(triangle).neighbour) {
+    if (other != kNoIndex && Dot(FaceNormal(surface, other), normal) > kFlatCosine) return true;
+  }
+  return false;
+}
+
+// Local descent, and from within a plane to the nearest face of the same smooth surface, so that a plane in many
+// triangles does as one in few   (2.1).
+ProxyPoint DescendOn(const Surface& surface, const Object& object, std::uint32_t start, const Vec3& tip) noexcept {
+  const ProxyPoint proxy = Descend(surface, start, tip);
+  if (proxy.closest.feature != Feature::kFace || !HasInside(object) || !IsFlatAround(surface, proxy.triangle))
+    return proxy;
+  const double depth_m = std::sqrt(proxy.closest.distance_squared);
+  const NearestResult nearest = NearestFaceInTree(surface, object.root, tip, depth_m * (1 - 1e-9),
+                                                  {FaceNormal(surface, proxy.triangle), kSmoothCosine});
+  if (nearest.triangle == kNoIndex) return proxy;
+  if (surface.GetTriangle(nearest.triangle).component != surface.GetTriangle(proxy.triangle).component) return proxy;
+  return Descend(surface, nearest.triangle, tip);
+}
+
 bool Skips(const SkipList& skip, std::uint32_t component) noexcept {
   const auto* const end = skip.components.data() + skip.count;
   return std::find(skip.components.data(), end, component) != end;
@@ -82,7 +106,7 @@ bool Acquire(const Surface& surface, const Object& object, Vec3 start, const Vec
       return (was_inside || entry > 0) && AcquireInside(surface, object, tip, skip, contact);
     }
     contact.side = hit.front ? 1 : -1;
-    const ProxyPoint proxy = Descend(surface, hit.triangle, tip);
+    const ProxyPoint proxy = DescendOn(surface, object, hit.triangle, tip);
     Place(proxy, contact);
     if (Judge(surface, proxy, tip, contact.side) == ProxyVerdict::kInside) {
       if (contact.anchor_triangle == kNoIndex) {
@@ -132,7 +156,7 @@ bool CameThrough(const Surface& surface, const Object& object, const Vec3& tip, 
 void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, double dt_s, State& state,
             ContactState& contact, Left& left) noexcept {
   const Object& object = scene.objects()[contact.object];
-  const ProxyPoint proxy = Descend(surface, contact.triangle, tip);
+  const ProxyPoint proxy = DescendOn(surface, object, contact.triangle, tip);
   if (contact.popped) {
     NearestResult nearest;
     if (IsInside(surface, object, tip, nearest)) {
