@@ -5,11 +5,11 @@
 namespace omni::haptics {
 namespace {
 
-constexpr int kMaxLegs = 12;          // straight pieces of a tick's way; what is left over is not driven
-constexpr int kMaxPushes = 4;         // walls that may push at once
-constexpr double kFelt_m_s = 1e-3;    // slower contacts with a wall are not hits
-constexpr double kTouching_m = 2e-5;  // leans on a wall that near
-constexpr double kSameWall = 0.9;     // cosine between normals of one curved wall
+constexpr int kMaxLegs = 12;        // straight pieces of a tick's way; what is left over is not driven
+constexpr int kMaxPushes = 4;       // walls that may push at once
+constexpr double kFelt_m_s = 1e-3;  // slower contacts with a wall are not hits
+constexpr double kTouching = 0.1;   // of the radius: leans on a wall until it is that far away
+constexpr double kSameWall = 0.9;   // cosine between normals of one curved wall
 constexpr double kFastest_m_s = 1e3;
 constexpr double kFastestTurn_rad_s = 1e4;
 
@@ -35,7 +35,7 @@ class Drive {
   }
 
  private:
-  // Out of walls it overlaps (a car that was put there), by a motion that itself stops at walls   (8.8)
+  // Out of walls it overlaps (a car that was put there), by a motion that itself stops at walls
   void PushOut() noexcept {
     for (int k = 0; k < kMaxPushes; ++k) {
       const Wall wall = NearestWall(walls_, state_.position_base_m, car_.radius_m * (1 - 1e-9));
@@ -85,7 +85,7 @@ class Drive {
   }
 
   // The bumper meets the wall: impulse J = -(1 + e) u / (1 + l^2/k^2) per mass, u = (v + turn) . n, l = its arm. Then
-  // the centre itself may not go on into the wall.   (8.6), (8.7)
+  // the centre itself may not go on into the wall.   (8.8)
   void Bounce(const Vec3& n, double restitution) noexcept {
     const double arm_m = BumperArm_m(n);
     const double approach_m_s = Dot(state_.velocity_base_m_s, n) + state_.yaw_rate_rad_s * arm_m;
@@ -119,9 +119,10 @@ class Drive {
   // Walls it has left are forgotten.
   void KeepTouched() noexcept {
     if (state_.touched == 0) return;
-    if (!NearestWall(walls_, state_.position_base_m, car_.radius_m + kTouching_m).found) state_.touched = 0;
+    const double near_m = kTouching * car_.radius_m;
+    if (!NearestWall(walls_, state_.position_base_m, car_.radius_m + near_m).found) state_.touched = 0;
     for (std::uint32_t k = 0; k < state_.touched; ++k) {
-      const Vec3 back = (-2 * kTouching_m) * state_.touched_normal[k];
+      const Vec3 back = (-2 * near_m) * state_.touched_normal[k];
       if (FirstTouch(walls_, state_.position_base_m, back, car_.radius_m).found) continue;
       state_.touched_normal[k] = state_.touched_normal[--state_.touched];
       --k;

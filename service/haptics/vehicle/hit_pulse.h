@@ -19,7 +19,7 @@ struct PulseLimits {
 };
 
 // Peak of the pulse of a hit: J = F_max (1 - exp(-(1 + e) v / hit_speed)), strictly growing with the speed v   (8.10).
-// F_max: what the vehicle asks for, what the device can here, and what the slew limit lets a half sine be.
+// F_max   (8.9): what the vehicle asks for, what the device can here, and what the slew limit lets a half sine be.
 double PulseAmplitude_N(const VehicleInput& car, const PulseLimits& limits, const Impact& impact) noexcept;
 
 void StartPulses(const VehicleInput& car, const PulseLimits& limits, const Impacts& impacts,

@@ -44,7 +44,7 @@ Vec3 NormalAt(const WallSegment& s, const Vec3& p, const Vec3& motion) noexcept 
   return Dot(across, motion) > 0 ? -across : across;
 }
 
-// Smaller root of |p + t d - c|^2 = r^2 from outside, without cancellation   (8.9)
+// Smaller root of |p + t d - c|^2 = r^2 from outside, without cancellation   (8.7)
 std::optional<double> EnterCircle(const Vec3& c, double radius_m, const Vec3& p, const Vec3& d) noexcept {
   const Vec3 from = p - c;
   const double half_b = Dot(from, d);
@@ -56,7 +56,7 @@ std::optional<double> EnterCircle(const Vec3& c, double radius_m, const Vec3& p,
 }
 
 // Where the moving point enters the segment thickened by r: through a long side, or through the circle around an end.
-// The set is the union of the two circles and a box between them, so the earliest entry into a part is the entry.
+// The set is the union of the two circles and a box between them, so the earliest entry into a part is the entry. (8.6)
 std::optional<double> EnterCapsule(const WallSegment& s, double radius_m, const Vec3& p, const Vec3& d) noexcept {
   const Vec3 a{s.ax, s.ay, 0}, b{s.bx, s.by, 0};
   std::optional<double> first = EnterCircle(a, radius_m, p, d);
