@@ -44,9 +44,9 @@ struct Axle {
   double slip;
 };
 
-Axle MakeAxle(const VehicleInput& car, double load, double stiffness, double side_share, double steer_rad,
+Axle MakeAxle(const VehicleInput& car, double load, double stiffness, double side_share, const Vec3& wheel,
               double ahead_m, const double (&q)[3]) noexcept {
-  const double s = std::sin(steer_rad), c = std::cos(steer_rad);
+  const double s = wheel.y, c = wheel.x;
   Axle axle{{-s, c, ahead_m * c}, 0, 0};
   const double across = q[1] + ahead_m * q[2];
   const double slip_m_s = std::abs(axle.n[0] * q[0] + c * across);
@@ -86,7 +86,9 @@ void SolveStep(const Axle& front, const Axle& rear, double gyration_m2, double d
   }
 }
 
-void SubStep(const VehicleInput& car, const Thumbstick& stick, double dt_s, VehicleState& state) noexcept {
+// `wheel`: direction of the front wheels in the car.
+void SubStep(const VehicleInput& car, const Thumbstick& stick, const Vec3& wheel, double dt_s,
+             VehicleState& state) noexcept {
   const double turn_before_rad_s = state.yaw_rate_rad_s;
   const double heading = state.heading_rad + 0.5 * dt_s * turn_before_rad_s;
   const Vec3 ahead{std::cos(heading), std::sin(heading), 0}, left{-ahead.y, ahead.x, 0};
@@ -97,9 +99,9 @@ void SubStep(const VehicleInput& car, const Thumbstick& stick, double dt_s, Vehi
   const double side_share =
       std::max(kLeastSideGrip, std::sqrt(std::max(0.0, 1 - used * used))) * (state.touched > 0 ? kLeaningGrip : 1);
   const double to_front_m = (1 - car.front_share) * car.wheelbase_m, to_rear_m = car.front_share * car.wheelbase_m;
-  const Axle front = MakeAxle(car, car.front_share, car.slip_stiffness_front_per_rad, side_share,
-                              -stick.x * car.steer_max_rad, to_front_m, q);
-  const Axle rear = MakeAxle(car, 1 - car.front_share, car.slip_stiffness_rear_per_rad, side_share, 0, -to_rear_m, q);
+  const Axle front = MakeAxle(car, car.front_share, car.slip_stiffness_front_per_rad, side_share, wheel, to_front_m, q);
+  const Axle rear =
+      MakeAxle(car, 1 - car.front_share, car.slip_stiffness_rear_per_rad, side_share, {1, 0, 0}, -to_rear_m, q);
   SolveStep(front, rear, GyrationSquared_m2(car), dt_s, a, q);
   state.velocity_base_m_s = q[0] * ahead + q[1] * left;
   state.yaw_rate_rad_s = q[2];
@@ -127,8 +129,12 @@ double EnergyPerMass(const VehicleInput& car, const VehicleState& state) noexcep
 void Accelerate(const VehicleInput& car, const Thumbstick& stick, double dt_s, VehicleState& state) noexcept {
   if (!(dt_s > 0)) return;
   const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kLongestStep_s - 1e-9)));
-  for (int k = 0; k < steps; ++k) SubStep(car, stick, dt_s / steps, state);
-  state.heading_rad = std::remainder(state.heading_rad, 2 * std::numbers::pi);
+  const double steer_rad = -stick.x * car.steer_max_rad;
+  const Vec3 wheel{std::cos(steer_rad), std::sin(steer_rad), 0};
+  for (int k = 0; k < steps; ++k) SubStep(car, stick, wheel, dt_s / steps, state);
+  if (!(std::abs(state.heading_rad) <= std::numbers::pi)) {
+    state.heading_rad = std::remainder(state.heading_rad, 2 * std::numbers::pi);
+  }
 }
 
 }  // namespace omni::haptics

@@ -20,11 +20,15 @@ class Drive {
       : car_(car), walls_(walls), materials_(materials), state_(state) {}
 
   Impacts Go(double dt_s) noexcept {
-    PushOut();
     double left_s = dt_s;
+    if (state_.velocity_base_m_s == Vec3{}) PushOut();
     for (int leg = 0; leg < kMaxLegs && left_s > 0; ++leg) {
       const Vec3 motion = left_s * state_.velocity_base_m_s;
-      const WallTouch touch = FirstTouch(walls_, state_.position_base_m, motion, car_.radius_m);
+      WallTouch touch = FirstTouch(walls_, state_.position_base_m, motion, car_.radius_m);
+      if (leg == 0 && touch.overlaps) {
+        PushOut();
+        touch = FirstTouch(walls_, state_.position_base_m, motion, car_.radius_m);
+      }
       state_.position_base_m = state_.position_base_m + touch.share * motion;
       if (!touch.found) break;
       left_s *= 1 - touch.share;
@@ -118,9 +122,7 @@ class Drive {
 
   // Walls it has left are forgotten.
   void KeepTouched() noexcept {
-    if (state_.touched == 0) return;
     const double near_m = kTouching * car_.radius_m;
-    if (!NearestWall(walls_, state_.position_base_m, car_.radius_m + near_m).found) state_.touched = 0;
     for (std::uint32_t k = 0; k < state_.touched; ++k) {
       const Vec3 back = (-2 * near_m) * state_.touched_normal[k];
       if (FirstTouch(walls_, state_.position_base_m, back, car_.radius_m).found) continue;

@@ -10,6 +10,10 @@ struct Crossing {
 
 // A point on the line itself still counts as before it, so that every crossing is seen once.
 Crossing Cross(const Checkpoint& line, const Vec3& before, const Vec3& after) noexcept {
+  // The middle of the line is within half its width of the crossing.
+  const Vec3 away = before - line.position_base_m, way = after - before;
+  const double reach_m = 0.5 * line.width_m + std::abs(way.x) + std::abs(way.y);
+  if (away.x * away.x + away.y * away.y > reach_m * reach_m) return {};
   const Vec3 ahead{std::cos(line.heading_rad), std::sin(line.heading_rad), 0};
   const double from = Dot(before - line.position_base_m, ahead), to = Dot(after - line.position_base_m, ahead);
   if ((from > 0) == (to > 0)) return {};

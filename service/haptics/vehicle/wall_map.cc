@@ -8,6 +8,7 @@ namespace {
 
 // Motions that approach by less than this share of their length slide along: rounding must not stop them.
 constexpr double kGrazing = 1e-9;
+constexpr double kTouching = 1 - 1e-9;  // of the squared radius: nearer is an overlap, not a touch
 
 double Cross2(const Vec3& a, const Vec3& b) noexcept { return a.x * b.y - a.y * b.x; }
 
@@ -118,9 +119,10 @@ WallTouch FirstTouch(const WallMap& walls, const Vec3& p, const Vec3& motion, do
   const double margin_m = radius_m * (1 + 1e-9) + 1e-9 + 1e-12 * length_m;
   const auto accept = [&](const WallNode& n) { return Reaches(n, at, d, margin_m, touch.share); };
   Search(walls, accept, [&](const WallSegment& s) {
-    const Vec3 away = at - NearestOn(s, at);
+    const double away_squared = SquaredNorm(at - NearestOn(s, at));
+    if (away_squared < kTouching * radius_m * radius_m) touch.overlaps = true;
     double t = 0;
-    if (SquaredNorm(away) > radius_m * radius_m) {
+    if (away_squared > radius_m * radius_m) {
       const auto entry = EnterCapsule(s, radius_m, at, d);
       if (!entry) return;
       t = *entry;
@@ -128,7 +130,7 @@ WallTouch FirstTouch(const WallMap& walls, const Vec3& p, const Vec3& motion, do
     if (t > 1 || (touch.found && t >= touch.share)) return;
     // Distance to a segment is convex along the motion: what does not approach here never will.
     const Vec3 normal = NormalAt(s, at + t * d, d);
-    if (Dot(normal, d) < -kGrazing * length_m) touch = {true, t, normal, s.material};
+    if (Dot(normal, d) < -kGrazing * length_m) touch = {true, t, normal, s.material, touch.overlaps};
   });
   return touch;
 }

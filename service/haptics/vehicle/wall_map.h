@@ -33,6 +33,7 @@ struct WallTouch {
   double share = 1;  // of the motion until the touch, [0, 1]
   Vec3 normal;       // unit, from the wall to the centre at the touch
   std::uint32_t material = 0;
+  bool overlaps = false;  // a wall, where the motion begins
 };
 
 // First touch of a disc of `radius_m` that moves from `p` by `motion`: the first place from where going on would bring
