@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "scenes/generator/scene_models.h"
 
@@ -105,11 +106,22 @@ Mesh CarMesh() {
   return car;
 }
 
-Mesh Slab(double offset_m, double half_along_m, double half_across_m, double along_m) {
-  const Vec ahead = Ahead(0.75), left = Left(0.75);
-  Mesh mesh = Box({-half_along_m, -half_across_m, 0.00002}, {half_along_m, half_across_m, 0.00016}, 1, 1);
-  for (Vec& p : mesh.positions) p = Centre(0.75) + ahead * (p.x + along_m) + left * (p.y + offset_m) + Vec(0, 0, p.z);
+constexpr double kStart = 0.75;                              // turns
+constexpr double kCheckpoints[] = {0.95, 0.15, 0.35, 0.55};  // in the order they are driven
+constexpr double kStartLine_m = 0.0062;                      // ahead of the car's start
+constexpr double kLineWidth_m = 2 * (kRoadHalfWidth_m + kWallThickness_m);
+
+// A box beside the centre line at `turn`, its sides along and across the road.
+Mesh BoxAt(double turn, const Vec& lower, const Vec& upper) {
+  const Vec ahead = Ahead(turn), left = Left(turn);
+  Mesh mesh = Box(lower, upper, 1, 1);
+  for (Vec& p : mesh.positions) p = Centre(turn) + ahead * p.x + left * p.y + Vec(0, 0, p.z);
   return mesh;
+}
+
+Mesh Slab(double offset_m, double half_along_m, double half_across_m, double along_m) {
+  return BoxAt(kStart, {along_m - half_along_m, offset_m - half_across_m, 0.00002},
+               {along_m + half_along_m, offset_m + half_across_m, 0.00016});
 }
 
 // Two rows of squares across the road.
@@ -120,7 +132,30 @@ Mesh StartLine() {
   for (int row = 0; row < 2; ++row) {
     for (int i = 0; i < kSquares; ++i) {
       const double offset = -kRoadHalfWidth_m + side * (i + 0.5);
-      Append(mesh, Slab(offset, side / 2, side / 2, 0.0062 + side * row), static_cast<std::uint32_t>((i + row) % 2));
+      Append(mesh, Slab(offset, side / 2, side / 2, kStartLine_m + side * row),
+             static_cast<std::uint32_t>((i + row) % 2));
+    }
+  }
+  return mesh;
+}
+
+// A dashed line across the road and a post on either wall.
+Mesh CheckpointMarks() {
+  constexpr int kDashes = 5;
+  constexpr double kHalfLine_m = 0.0003, kHalfPost_m = 0.0005, kPost_m = 0.0035;
+  const double dash = 2 * kRoadHalfWidth_m / (2 * kDashes - 1);
+  Mesh mesh;
+  for (const double turn : kCheckpoints) {
+    for (int i = 0; i < kDashes; ++i) {
+      const double from = -kRoadHalfWidth_m + 2 * i * dash;
+      Append(mesh, BoxAt(turn, {-kHalfLine_m, from, 0.00002}, {kHalfLine_m, from + dash, 0.00016}), 0);
+    }
+    for (const double side : {-1.0, 1.0}) {
+      const double y = side * (kRoadHalfWidth_m + kWallThickness_m / 2);
+      Append(mesh,
+             BoxAt(turn, {-kHalfPost_m, y - kHalfPost_m, kWallHeight_m},
+                   {kHalfPost_m, y + kHalfPost_m, kWallHeight_m + kPost_m}),
+             1);
     }
   }
   return mesh;
@@ -176,7 +211,8 @@ Document RacetrackScene() {
                         {"white", {0.850, 0.850, 0.850}, 0.7, 0, nullptr, nullptr},
                         {"black", {0.010, 0.010, 0.010}, 0.7, 0, nullptr, nullptr},
                         {"red", {0.640, 0.035, 0.030}, 0.7, 0, nullptr, nullptr},
-                        {"grass", {0.085, 0.250, 0.060}, 0.95, 0, nullptr, nullptr}};
+                        {"grass", {0.085, 0.250, 0.060}, 0.95, 0, nullptr, nullptr},
+                        {"post", {0.900, 0.480, 0.020}, 0.6, 0, nullptr, nullptr}};
   const double edge = kRoadHalfWidth_m, thick = kWallThickness_m;
   document.meshes = {{"road", Ring(-edge, edge, -0.0012, 0.0), {0}, nullptr},
                      {"outer wall", Ring(-edge - thick, -edge, -0.0012, kWallHeight_m), {1}, nullptr},
@@ -184,37 +220,55 @@ Document RacetrackScene() {
                      {"car", CarMesh(), {3, 4, 5}, nullptr},
                      {"start line", StartLine(), {6, 7}, nullptr},
                      {"kerbs", Kerbs(), {8, 6}, nullptr},
-                     {"ground", Ground(), {9}, nullptr}};
+                     {"ground", Ground(), {9}, nullptr},
+                     {"checkpoints", CheckpointMarks(), {6, 10}, nullptr}};
   for (OutMesh& mesh : document.meshes) mesh.mesh = SplitCreases(mesh.mesh, 35);
   const OrderedJson wall = {{"role", "wall"}, {"stiffness", 500.0}, {"staticFriction", 0.4}, {"dynamicFriction", 0.3}};
-  const Vec ahead = Ahead(0.75);
-  document.nodes = {
-      {"road", 0, Vec(0.0), 0, {{"role", "track"}}, {}},
-      {"outer wall", 1, Vec(0.0), 0, wall, {}},
-      {"inner wall", 2, Vec(0.0), 0, wall, {}},
-      {"car",
-       3,
-       Centre(0.75),
-       std::atan2(ahead.y, ahead.x),
-       {{"role", "vehicle"},
-        {"radius", 0.0018},
-        {"wheelbase", 0.0043},
-        {"speedMax", 0.06},
-        {"acceleration", 0.12},
-        {"steerMax", 0.55},
-        {"hitForce", 0.8},
-        {"hitSpeed", 0.04},
-        {"hitDuration", 0.03}},
-       {}},
-      {"start line", 4, Vec(0.0), 0, {{"role", "ignore"}}, {}},
-      {"kerbs", 5, Vec(0.0), 0, {{"role", "ignore"}}, {}},
-      {"ground", 6, Vec(0.0), 0, {{"role", "ignore"}}, {}},
-      {"joystick",
-       std::nullopt,
-       Vec(0, 0, 0.062),
-       0,
-       {{"role", "joystick"}, {"stiffness", 60.0}, {"damping", 0.4}, {"range", 0.012}, {"deadZone", 0.0015}},
-       {}}};
+  const auto heading = [](double turn) { return std::atan2(Ahead(turn).y, Ahead(turn).x); };
+  document.nodes = {{"road", 0, Vec(0.0), 0, {{"role", "track"}}, {}},
+                    {"outer wall", 1, Vec(0.0), 0, wall, {}},
+                    {"inner wall", 2, Vec(0.0), 0, wall, {}},
+                    {"car",
+                     3,
+                     Centre(kStart),
+                     heading(kStart),
+                     {{"role", "vehicle"},
+                      {"radius", 0.0018},
+                      {"wheelbase", 0.0043},
+                      {"speedMax", 0.06},
+                      {"acceleration", 0.12},
+                      {"steerMax", 0.55},
+                      {"hitForce", 0.8},
+                      {"hitSpeed", 0.04},
+                      {"hitDuration", 0.03},
+                      {"grip", 0.06},
+                      {"startLine", kStartLine_m},
+                      {"lineWidth", kLineWidth_m}},
+                     {}},
+                    {"start line", 4, Vec(0.0), 0, {{"role", "ignore"}}, {}},
+                    {"kerbs", 5, Vec(0.0), 0, {{"role", "ignore"}}, {}},
+                    {"ground", 6, Vec(0.0), 0, {{"role", "ignore"}}, {}},
+                    {"joystick",
+                     std::nullopt,
+                     Vec(0, 0, 0.062),
+                     0,
+                     {{"role", "joystick"},
+                      {"stiffness", 60.0},
+                      {"damping", 0.4},
+                      {"range", 0.015},
+                      {"deadZone", 0.0015},
+                      {"radialDetents", 2},
+                      {"detentForce", 0.03}},
+                     {}},
+                    {"checkpoint marks", 7, Vec(0.0), 0, {{"role", "ignore"}}, {}}};
+  for (std::size_t i = 0; i < std::size(kCheckpoints); ++i) {
+    document.nodes.push_back({"checkpoint " + std::to_string(i + 1),
+                              std::nullopt,
+                              Centre(kCheckpoints[i]),
+                              heading(kCheckpoints[i]),
+                              {{"role", "checkpoint"}, {"width", kLineWidth_m}},
+                              {}});
+  }
   return document;
 }
 

@@ -77,6 +77,18 @@ json Ticks(const loop::TickThread& loop) {
           {"realtime_reason", realtime.reason}};
 }
 
+// Null: the scene has no car.
+json Race(const loop::VehicleStatistics& car) {
+  if (!car.on.load()) return nullptr;
+  return {{"laps", car.laps.load()},
+          {"hits", car.hits.load()},
+          {"speed_m_s", car.speed_m_s.load()},
+          {"sliding", car.sliding.load()},
+          {"lap_s", car.lap_s.load()},
+          {"last_lap_s", car.last_lap_s.load()},
+          {"best_lap_s", car.best_lap_s.load()}};
+}
+
 json Clients(const StatusInput& input) {
   json rows = json::array();
   for (const StatusInput::ClientRow& row : input.clients) {
@@ -105,6 +117,7 @@ std::string WriteStatus(const StatusInput& input) {
       {"aligned", false},  // alignment is not measured yet: the base is assumed in front of the user
       {"problems", input.problems}};
   if (input.loop != nullptr) status["tick"] = Ticks(*input.loop);
+  status["race"] = input.loop == nullptr ? json() : Race(input.loop->statistics().vehicle);
   // Names come from other programs: invalid UTF-8 is replaced, never thrown on.
   return status.dump(-1, ' ', false, json::error_handler_t::replace);
 }

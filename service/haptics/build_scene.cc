@@ -9,7 +9,8 @@
 #include "service/haptics/geometry/mesh_topology.h"
 #include "service/haptics/geometry/tree_build.h"
 #include "service/haptics/scene_block.h"
-#include "service/haptics/vehicle/wall_slice.h"
+#include "service/haptics/vehicle/joystick.h"
+#include "service/haptics/vehicle/wall_build.h"
 
 namespace omni::haptics {
 namespace {
@@ -252,6 +253,7 @@ void FillHeader(const SceneInput& input, SceneParts& parts) {
   header.has_joystick = input.joystick.has_value();
   header.has_vehicle = input.vehicle.has_value();
   if (input.joystick) header.joystick = *input.joystick;
+  if (input.joystick) header.detent_curvature_N_m = DetentCurvature_N_m(*input.joystick);
   if (input.vehicle) header.vehicle = *input.vehicle;
   header.lower_base_m = {1e30, 1e30, 1e30};
   header.upper_base_m = {-1e30, -1e30, -1e30};
@@ -272,19 +274,6 @@ void FillHeader(const SceneInput& input, SceneParts& parts) {
   }
 }
 
-// A car that starts inside a wall could never move, one without walls never hits: say so.
-void CheckCarStart(const Scene& scene, BuildReport& report) {
-  if (scene.header().has_vehicle == 0) return;
-  const VehicleInput& car = scene.header().vehicle;
-  const Surface surface(scene, {});
-  constexpr double kInSight_m = 1;
-  const Wall wall = NearestWall(scene, surface, car.start_base_m, kInSight_m);
-  if (!wall.found) report.lines.push_back("vehicle: no car wall at its height; it can drive anywhere");
-  if (!wall.found || wall.distance_m >= car.radius_m) return;
-  report.lines.push_back("vehicle: starts " + Number(1e3 * wall.distance_m) + " mm from a car wall, its radius is " +
-                         Number(1e3 * car.radius_m) + " mm; move the start or the wall");
-}
-
 }  // namespace
 
 base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
@@ -303,6 +292,7 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
     return Error{"scene \"" + input.name + "\": none of its triangles is finite and has area; repair the mesh"};
   }
   FillHeader(input, parts);
+  BuildWalls(parts);
   for (std::size_t i = 0; i < input.materials.size(); ++i) {
     if (input.materials[i].softness.model != SoftnessModel::kTet) continue;
     report.lines.push_back("material " + std::to_string(i) + ": softness model tet is rendered as winkler");
@@ -310,7 +300,7 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
   PhaseClock clock;
   Scene scene = MakeScene(parts);
   clock.AddTo(report.layout_ms);
-  CheckCarStart(scene, report);
+  for (std::string& line : ExplainWalls(scene)) report.lines.push_back(std::move(line));
   report.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return scene;
 }

@@ -51,28 +51,57 @@ Status CheckJoystick(const JoystickInput& j) {
   }
   if (!(j.stiffness_N_m >= 0 && j.damping_Ns_m >= 0))
     return Error{"joystick: stiffness_N_m and damping_Ns_m must be >= 0"};
+  if (!(j.detent_force_N >= 0 && j.detent_force_N <= 10 && j.radial_detents >= 0 && j.radial_detents <= 100 &&
+        j.angular_detents >= 0 && j.angular_detents <= 100)) {
+    return Error{"joystick: detent_force_N must be in [0, 10], radial_detents and angular_detents in [0, 100]"};
+  }
+  return Ok{};
+}
+
+// A line across the road: the start or a checkpoint.
+Status CheckLine(const std::string& what, const Checkpoint& line) {
+  if (!Within(line.position_base_m, kMaxCoordinate_m)) return Error{what + ": is not within 10 m of the base"};
+  if (!(std::abs(line.heading_rad) < 1e3)) return Error{what + ": heading_rad is not an angle"};
+  if (!(line.width_m > 0 && line.width_m <= 1e6)) {
+    return Error{what + ": its width is " + Number(line.width_m) + " m, it must be positive"};
+  }
   return Ok{};
 }
 
 Status CheckVehicle(const VehicleInput& v) {
-  if (!Within(v.start_base_m, kMaxCoordinate_m)) return Error{"vehicle: start_base_m is not within 10 m of the base"};
-  if (!(std::abs(v.start_heading_rad) < 1e3)) return Error{"vehicle: start_heading_rad is not an angle"};
+  Status start = CheckLine("vehicle: start", {v.start_base_m, v.start_heading_rad, v.line_width_m});
+  if (!start.ok()) return start;
+  if (!(v.checkpoint_count >= 0 && v.checkpoint_count <= kMaxCheckpoints)) {
+    return Error{"vehicle: " + std::to_string(v.checkpoint_count) + " checkpoints, the limit is " +
+                 std::to_string(kMaxCheckpoints)};
+  }
+  for (int k = 0; k < v.checkpoint_count; ++k) {
+    Status line = CheckLine("checkpoint " + std::to_string(k), v.checkpoints[static_cast<std::size_t>(k)]);
+    if (!line.ok()) return line;
+  }
   struct Field {
     const char* name;
     double value;
+    double minimum, maximum;  // both allowed
   };
-  for (const Field& f : {Field{"radius_m", v.radius_m}, Field{"wheelbase_m", v.wheelbase_m},
-                         Field{"speed_max_m_s", v.speed_max_m_s}, Field{"acceleration_m_s2", v.acceleration_m_s2},
-                         Field{"hit_speed_m_s", v.hit_speed_m_s}, Field{"hit_duration_s", v.hit_duration_s}}) {
-    if (!(f.value > 0 && f.value < 1e6)) {
-      return Error{std::string("vehicle: ") + f.name + " is " + Number(f.value) + ", it must be positive"};
+  constexpr double kTiny = 1e-9, kHuge = 1e6;  // positive; scenes may have been scaled to fit
+  for (const Field& f :
+       {Field{"radius_m", v.radius_m, kTiny, kHuge}, Field{"wheelbase_m", v.wheelbase_m, kTiny, kHuge},
+        Field{"speed_max_m_s", v.speed_max_m_s, kTiny, kHuge},
+        Field{"acceleration_m_s2", v.acceleration_m_s2, kTiny, kHuge}, Field{"steer_max_rad", v.steer_max_rad, 0, 1.5},
+        Field{"grip_g", v.grip_g, kTiny, kHuge},
+        Field{"slip_stiffness_front_per_rad", v.slip_stiffness_front_per_rad, 1e-3, 100},
+        Field{"slip_stiffness_rear_per_rad", v.slip_stiffness_rear_per_rad, 1e-3, 100},
+        Field{"front_share", v.front_share, 0.1, 0.9}, Field{"inertia", v.inertia, 0.1, 10},
+        Field{"hit_force_N", v.hit_force_N, 0, 10}, Field{"hit_speed_m_s", v.hit_speed_m_s, kTiny, kHuge},
+        Field{"hit_duration_s", v.hit_duration_s, 1e-3, 10}, Field{"engine_force_N", v.engine_force_N, 0, 0.1},
+        Field{"engine_frequency_Hz", v.engine_frequency_Hz, 0, 150}, Field{"road_force_N", v.road_force_N, 0, 0.1},
+        Field{"road_wavelength_m", v.road_wavelength_m, kTiny, kHuge},
+        Field{"start_line_m", v.start_line_m, -kHuge, kHuge}}) {
+    if (!(f.value >= f.minimum && f.value <= f.maximum)) {
+      return Error{std::string("vehicle: ") + f.name + " is " + Number(f.value) + ", it must be in [" +
+                   Number(f.minimum) + ", " + Number(f.maximum) + "]"};
     }
-  }
-  if (!(v.steer_max_rad >= 0 && v.steer_max_rad < 1.5)) {
-    return Error{"vehicle: steer_max_rad is " + Number(v.steer_max_rad) + ", it must be in [0, 1.5)"};
-  }
-  if (!(v.hit_force_N >= 0 && v.hit_force_N <= 10)) {
-    return Error{"vehicle: hit_force_N is " + Number(v.hit_force_N) + ", it must be in [0, 10]"};
   }
   return Ok{};
 }

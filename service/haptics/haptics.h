@@ -68,18 +68,40 @@ struct RegionState {
   double last_offset_m = 0;  // offset of the tick before: the face may sweep over a still tip
 };
 
-struct VehicleState {
-  base::Vec3 position_base_m;
-  double heading_rad = 0;
-  double speed_m_s = 0;
-  double pulse_time_s = -1;  // < 0: no pulse running
-  double pulse_amplitude_N = 0;
-  base::Vec3 pulse_direction;  // unit, away from the wall
-  std::uint32_t hits = 0;
+inline constexpr int kMaxPulses = 4;  // hits felt at once; a further one takes the place of the one nearest its end
+
+// One hit on its way to the pen: half a sine.
+struct HitPulse {
+  double time_s = -1;  // < 0: not running
+  double amplitude_N = 0;
+  base::Vec3 direction;  // unit, away from the wall
+};
+
+// Laps and their times. Lines are passed in order and in their direction; going back takes a passage back.
+struct LapState {
+  bool running = false;    // the start line was crossed: the clock runs
+  std::uint32_t next = 0;  // checkpoint that is due; all passed: the start line
+  std::uint32_t owed = 0;  // crossings of the start line against its direction, to be made good
   std::uint32_t laps = 0;
+  double time_s = 0;  // of the lap being driven
+  double last_s = 0;  // of the last finished lap; 0: none
+  double best_s = 0;
+};
+
+struct VehicleState {
   bool started = false;
-  bool touching = false;  // a wall, at the end of the last tick
-  bool away = false;      // left the start line, so that the next crossing is a lap
+  bool sliding = false;          // an axle is at the limit of its grip
+  base::Vec3 position_base_m;    // centre of mass
+  base::Vec3 velocity_base_m_s;  // in the plane, z = 0
+  double heading_rad = 0;
+  double yaw_rate_rad_s = 0;
+  std::array<base::Vec3, 2> touched_normal;  // of the walls it leans on, unit, away from them
+  std::uint32_t touched = 0;                 // how many
+  std::uint32_t hits = 0;
+  double hit_speed_m_s = 0;  // of the last hit, into the wall
+  std::array<HitPulse, kMaxPulses> pulses;
+  double engine_turns = 0, road_turns = 0;  // phases, in [0, 1)
+  LapState lap;
 };
 
 // The stiffness on offer, which moves slowly: haptics/stability.h.
@@ -133,6 +155,15 @@ struct Contact {
   double tangential_force_N = 0;
 };
 
+// The car, for people.
+struct VehicleReport {
+  bool on = false;  // the scene has a vehicle
+  bool sliding = false;
+  std::uint32_t hits = 0, laps = 0;
+  double speed_m_s = 0;                              // along its heading
+  double lap_s = 0, last_lap_s = 0, best_lap_s = 0;  // 0: none
+};
+
 struct Output {
   base::Vec3 force_base_N;  // finite, <= limit, slew-limited
   bool in_contact = false;  // |rendered force| > contact_threshold
@@ -145,6 +176,7 @@ struct Output {
   double stiffness_cut = 1;                   // offered / asked stiffness of the stiffest contact
   double stiffness_offered_N_m = 0;           // the most that any surface is given now
   double energy_gain = 1;                     // < 1: contacts gave energy to the hand and are held back
+  VehicleReport vehicle;
 };
 static_assert(std::is_trivially_copyable_v<Output>);
 

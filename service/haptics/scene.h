@@ -61,6 +61,19 @@ struct Region {
   std::uint32_t object;
 };
 
+// Where the plane the car drives on cuts a wall; the tree over these is as BvhNode's, in two dimensions.
+struct WallSegment {
+  double ax, ay, bx, by;  // base frame, m; a == b: a point
+  std::uint32_t material;
+  std::uint32_t reserved;
+};
+struct WallNode {
+  float lower[2];
+  float upper[2];
+  std::uint32_t first;  // leaf: first segment; inner: left child (right = left + 1)
+  std::uint32_t count;  // 0: inner node
+};
+
 struct SceneHeader {
   std::uint32_t magic;
   std::uint32_t version;
@@ -70,7 +83,10 @@ struct SceneHeader {
   std::uint32_t has_joystick, has_vehicle, reserved;
   std::uint64_t vertices, triangles, nodes, packets, objects, regions,
       materials;  // offsets from the block's start
+  std::uint32_t wall_node_count, wall_segment_count;
+  std::uint64_t wall_nodes, wall_segments;  // offsets
   JoystickInput joystick;
+  double detent_curvature_N_m;  // stiffest direction of the joystick's notches, at any place
   VehicleInput vehicle;
   base::Vec3 lower_base_m, upper_base_m;  // bounds of all collidable objects, extrude range included
   double tree_extent_m;                   // largest |coordinate| in any tree
@@ -100,6 +116,12 @@ class Scene {
   std::span<const Region> regions() const noexcept { return View<Region>(header().regions, header().region_count); }
   std::span<const Material> materials() const noexcept {
     return View<Material>(header().materials, header().material_count);
+  }
+  std::span<const WallNode> wall_nodes() const noexcept {
+    return View<WallNode>(header().wall_nodes, header().wall_node_count);
+  }
+  std::span<const WallSegment> wall_segments() const noexcept {
+    return View<WallSegment>(header().wall_segments, header().wall_segment_count);
   }
   std::size_t bytes() const noexcept { return block_.size(); }
 

@@ -98,7 +98,8 @@ Scene MakeScene(const SceneParts& parts) {
       header_bytes + Writer::Aligned<Material>(parts.materials.size()) +
       Writer::Aligned<Vertex>(parts.vertices.size()) + Writer::Aligned<Triangle>(parts.triangles.size()) +
       Writer::Aligned<TreeNode>(parts.nodes.size()) + Writer::Aligned<TrianglePacket>(parts.packets.size()) +
-      Writer::Aligned<Object>(parts.objects.size()) + Writer::Aligned<Region>(parts.regions.size());
+      Writer::Aligned<Object>(parts.objects.size()) + Writer::Aligned<Region>(parts.regions.size()) +
+      Writer::Aligned<WallNode>(parts.wall_nodes.size()) + Writer::Aligned<WallSegment>(parts.wall_segments.size());
   Writer writer(bytes);
   SceneHeader header = parts.header;
   header.magic = kSceneMagic;
@@ -112,6 +113,8 @@ Scene MakeScene(const SceneParts& parts) {
   header.object_count = static_cast<std::uint32_t>(parts.objects.size());
   header.region_count = static_cast<std::uint32_t>(parts.regions.size());
   header.material_count = static_cast<std::uint32_t>(parts.materials.size());
+  header.wall_node_count = static_cast<std::uint32_t>(parts.wall_nodes.size());
+  header.wall_segment_count = static_cast<std::uint32_t>(parts.wall_segments.size());
   writer.Skip(header_bytes);
   header.materials = writer.Put(parts.materials);
   header.vertices = writer.Put(parts.vertices);
@@ -120,6 +123,8 @@ Scene MakeScene(const SceneParts& parts) {
   header.packets = writer.Put(parts.packets);
   header.objects = writer.Put(parts.objects);
   header.regions = writer.Put(parts.regions);
+  header.wall_nodes = writer.Put(parts.wall_nodes);
+  header.wall_segments = writer.Put(parts.wall_segments);
   Hasher hasher;
   writer.PutHeader(header);
   hasher.Add(writer.From(0).first(sizeof header));

@@ -19,6 +19,8 @@ struct SceneParts {
   std::vector<Object> objects;
   std::vector<Region> regions;
   std::vector<Material> materials;
+  std::vector<WallNode> wall_nodes;
+  std::vector<WallSegment> wall_segments;
 };
 
 // Fills in counts, offsets and the content hash; equal parts give equal hashes.

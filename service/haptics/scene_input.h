@@ -26,24 +26,51 @@ struct InputObject {
 // "joystick": the tip is drawn to a centre; its displacement is the thumbstick.
 struct JoystickInput {
   base::Vec3 centre_base_m;
-  double stiffness_N_m = 60;    // [0, 500]
-  double damping_Ns_m = 0.4;    // [0, 5]
-  double range_m = 0.015;       // full deflection, (0, 0.05]
-  double dead_zone_m = 0.0015;  // [0, range)
+  double stiffness_N_m = 60;     // [0, 500]
+  double damping_Ns_m = 0.4;     // [0, 5]
+  double range_m = 0.015;        // full deflection, (0, 0.05]
+  double dead_zone_m = 0.0015;   // [0, range)
+  double detent_force_N = 0.03;  // of the notches below, [0, 0.5]
+  int radial_detents = 0;        // notches between dead zone and range, the last one at range; [0, 8]
+  int angular_detents = 0;       // directions the stick prefers, the first one ahead (+y); [0, 16]
 };
 
-// "vehicle": a car on the plane z = start.z, steered by the joystick, hit by objects with car_wall.
+inline constexpr int kMaxCheckpoints = 16;  // of a scene; the loader ignores further ones, with a warning
+
+// A line across the road: passed when the car crosses it in its direction, within its width.
+struct Checkpoint {
+  base::Vec3 position_base_m;
+  double heading_rad = 0;  // about +z, 0 = +x
+  double width_m = 0.04;   // (0, 10]
+};
+
+// "vehicle": a car on the plane z = start.z, steered by the joystick, hit by objects with car_wall. Tyres by grip and
+// slip per load, so that they do not change with the size of the model. docs/theory/haptics.md, section 8.
 struct VehicleInput {
-  base::Vec3 start_base_m;
+  base::Vec3 start_base_m;       // centre of mass
   double start_heading_rad = 0;  // about +z, 0 = +x
   double radius_m = 0.002;       // collision radius
   double wheelbase_m = 0.004;
   double speed_max_m_s = 0.08;
-  double acceleration_m_s2 = 0.15;
+  double acceleration_m_s2 = 0.15;  // from a standstill, grip permitting
   double steer_max_rad = 0.6;
-  double hit_force_N = 0.8;      // pulse amplitude at high impact speed
-  double hit_speed_m_s = 0.05;   // J = hit_force (1 - exp(-v / hit_speed))
-  double hit_duration_s = 0.03;  // half sine
+  double grip_g = 0.15;                      // largest acceleration by the tyres, (0, 10]
+  double slip_stiffness_front_per_rad = 3;   // side force over load, per slip angle, (0, 100]
+  double slip_stiffness_rear_per_rad = 3.6;  // larger than in front: understeers
+  double front_share = 0.5;                  // of the weight on the front axle, [0.1, 0.9]
+  double inertia = 1;                        // radius of gyration^2 / (axle distances from the centre), [0.1, 10]
+  double hit_force_N = 0.8;                  // pulse amplitude at high impact speed
+  double hit_speed_m_s = 0.05;               // J = hit_force (1 - exp(-v / hit_speed))
+  double hit_duration_s = 0.03;              // half sine
+  double engine_force_N = 0.02;              // hum at full speed, [0, 0.1]
+  double engine_frequency_Hz = 90;           // at full speed, [0, 150]
+  double road_force_N = 0.03;                // ripple of the road, [0, 0.1]
+  double road_wavelength_m = 0.001;          // > 0
+  double start_line_m = 0;                   // the line laps are counted at is so far ahead of the start
+  double line_width_m = 0.04;                // of that line, (0, 10]
+  std::array<Checkpoint, kMaxCheckpoints> checkpoints;  // in the order they are passed
+  int checkpoint_count = 0;
+  int reserved = 0;  // no padding: the scene's hash covers these bytes
 };
 
 struct SceneInput {

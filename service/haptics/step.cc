@@ -147,27 +147,6 @@ Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State&
   return touched;
 }
 
-// Joystick and car.
-Vec3 Play(const Offer& offer, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
-  const SceneHeader& header = scene.header();
-  Vec3 sum;
-  Thumbstick stick;
-  if (header.has_joystick != 0 && input.tracked) {
-    stick = JoystickDeflection(header.joystick, input.device_point_base_m);
-    sum = JoystickForce(header.joystick, offer, input);
-    output.tip_normal_force_N += state.ramp * std::max(0.0, sum.z);  // pushing the stick down is a press
-    output.joystick = true;
-    output.thumbstick_x = stick.x;
-    output.thumbstick_y = stick.y;
-  }
-  if (header.has_vehicle != 0) {
-    if (!state.vehicle.started) StartCar(header.vehicle, state.vehicle);
-    DriveCar(header.vehicle, scene, Surface(scene, state.regions), stick, input.dt_s, state.vehicle);
-    sum = sum + PulseForce(header.vehicle, input.dt_s, state.vehicle);
-  }
-  return sum;
-}
-
 // Vector scaling to what the device can do, then the slew limit. Where the limit itself falls faster than the slew, the
 // limit wins; where nothing is known about it (no pose), the force fades out under the slew.   (10.1), (10.2)
 void Limit(const Config& config, const Input& input, const Vec3& wanted_N, State& state, Output& output) noexcept {
@@ -234,7 +213,8 @@ void Step(const Config& config, const Scene& scene, const Input& input, State& s
   Vec3 others_N;
   if (!scene.empty()) {
     touched = Touch(scene, offer, clean, state, output);
-    others_N = touched.others_N + Play(offer, scene, clean, state, output);
+    others_N =
+        touched.others_N + Play(config, offer, scene, clean, touched.contacts_N + touched.others_N, state, output);
   }
   const bool passive = steady && state.ramp == 1 && !touched.moving && others_N == Vec3{};
   output.energy_gain =

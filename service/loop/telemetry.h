@@ -23,6 +23,26 @@ using TelemetryRing = base::SpscRing<TickRecord, 2048>;
 // A tick is late when its currents were sent more than one period after the Hall sample they answer.
 inline constexpr std::int64_t kLate_ns = base::kTickPeriod_ns;
 
+// The newest tick's car. Each value is whole; two of them may be of ticks next to each other.
+struct VehicleStatistics {
+  std::atomic<bool> on{false}, sliding{false};
+  std::atomic<std::uint32_t> hits{0}, laps{0};
+  std::atomic<double> speed_m_s{0}, lap_s{0}, last_lap_s{0}, best_lap_s{0};
+
+  void Store(const haptics::VehicleReport& report) noexcept {
+    constexpr auto kRelaxed = std::memory_order_relaxed;
+    on.store(report.on, kRelaxed);
+    if (!report.on) return;
+    sliding.store(report.sliding, kRelaxed);
+    hits.store(report.hits, kRelaxed);
+    laps.store(report.laps, kRelaxed);
+    speed_m_s.store(report.speed_m_s, kRelaxed);
+    lap_s.store(report.lap_s, kRelaxed);
+    last_lap_s.store(report.last_lap_s, kRelaxed);
+    best_lap_s.store(report.best_lap_s, kRelaxed);
+  }
+};
+
 struct TickStatistics {
   Histogram tick_time;  // Tick alone
   Histogram latency;    // Hall sample -> currents sent
@@ -32,6 +52,7 @@ struct TickStatistics {
   std::atomic<std::uint64_t> dropped_records{0};
   std::atomic<std::int64_t> response_ns{0};  // of the newest scan: how late its base acts on answers; 0: not known
   std::atomic<std::uint64_t> scene_generation{0};  // acknowledged: the scene that ticks use now
+  VehicleStatistics vehicle;
 };
 
 // Receives every tick on the tick thread: must not block, allocate or call the system.

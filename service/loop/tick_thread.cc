@@ -72,6 +72,7 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
   statistics_->latency.Add(latency_ns);
   statistics_->ticks.fetch_add(1, std::memory_order_relaxed);
   statistics_->response_ns.store(scan.response_ns, std::memory_order_relaxed);
+  statistics_->vehicle.Store(record_.output.haptics.vehicle);
   if (record_.late) statistics_->late.fetch_add(1, std::memory_order_relaxed);
   if (options_.telemetry) {
     record_.scan = scan;

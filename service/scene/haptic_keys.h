@@ -96,6 +96,12 @@ inline constexpr std::array kJoystickKeys = {
                                       [](haptics::JoystickInput& j) -> double& { return j.range_m; }},
     NumberKey<haptics::JoystickInput>{"deadZone", "m", 0, 0.04,
                                       [](haptics::JoystickInput& j) -> double& { return j.dead_zone_m; }},
+    NumberKey<haptics::JoystickInput>{"detentForce", "N", 0, 0.5,
+                                      [](haptics::JoystickInput& j) -> double& { return j.detent_force_N; }},
+    NumberKey<haptics::JoystickInput>{"radialDetents", "1", 0, 8, nullptr,
+                                      [](haptics::JoystickInput& j) -> int& { return j.radial_detents; }},
+    NumberKey<haptics::JoystickInput>{"angularDetents", "1", 0, 16, nullptr,
+                                      [](haptics::JoystickInput& j) -> int& { return j.angular_detents; }},
 };
 
 // Further keys of a node with "role": "vehicle".
@@ -116,6 +122,35 @@ inline constexpr std::array kVehicleKeys = {
                                      [](haptics::VehicleInput& v) -> double& { return v.hit_speed_m_s; }},
     NumberKey<haptics::VehicleInput>{"hitDuration", "s", 0.005, 0.2,
                                      [](haptics::VehicleInput& v) -> double& { return v.hit_duration_s; }},
+    NumberKey<haptics::VehicleInput>{"grip", "g", 0.01, 5,
+                                     [](haptics::VehicleInput& v) -> double& { return v.grip_g; }},
+    NumberKey<haptics::VehicleInput>{
+        "slipStiffnessFront", "1/rad", 0.1, 50,
+        [](haptics::VehicleInput& v) -> double& { return v.slip_stiffness_front_per_rad; }},
+    NumberKey<haptics::VehicleInput>{"slipStiffnessRear", "1/rad", 0.1, 50,
+                                     [](haptics::VehicleInput& v) -> double& { return v.slip_stiffness_rear_per_rad; }},
+    NumberKey<haptics::VehicleInput>{"frontShare", "1", 0.2, 0.8,
+                                     [](haptics::VehicleInput& v) -> double& { return v.front_share; }},
+    NumberKey<haptics::VehicleInput>{"inertia", "1", 0.2, 5,
+                                     [](haptics::VehicleInput& v) -> double& { return v.inertia; }},
+    NumberKey<haptics::VehicleInput>{"engineForce", "N", 0, 0.1,
+                                     [](haptics::VehicleInput& v) -> double& { return v.engine_force_N; }},
+    NumberKey<haptics::VehicleInput>{"engineFrequency", "Hz", 0, 150,
+                                     [](haptics::VehicleInput& v) -> double& { return v.engine_frequency_Hz; }},
+    NumberKey<haptics::VehicleInput>{"roadForce", "N", 0, 0.1,
+                                     [](haptics::VehicleInput& v) -> double& { return v.road_force_N; }},
+    NumberKey<haptics::VehicleInput>{"roadWavelength", "m", 0.0001, 0.1,
+                                     [](haptics::VehicleInput& v) -> double& { return v.road_wavelength_m; }},
+    NumberKey<haptics::VehicleInput>{"startLine", "m", -0.1, 0.1,
+                                     [](haptics::VehicleInput& v) -> double& { return v.start_line_m; }},
+    NumberKey<haptics::VehicleInput>{"lineWidth", "m", 0.001, 0.2,
+                                     [](haptics::VehicleInput& v) -> double& { return v.line_width_m; }},
+};
+
+// Further keys of a node with "role": "checkpoint".
+inline constexpr std::array kCheckpointKeys = {
+    NumberKey<haptics::Checkpoint>{"width", "m", 0.001, 0.2,
+                                   [](haptics::Checkpoint& c) -> double& { return c.width_m; }},
 };
 
 }  // namespace omni::scene

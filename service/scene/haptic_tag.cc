@@ -14,8 +14,9 @@ struct RoleRow {
   const char* name;
   Role role;
 };
-constexpr RoleRow kRoles[] = {{"solid", Role::kSolid},     {"ignore", Role::kIgnore}, {"joystick", Role::kJoystick},
-                              {"vehicle", Role::kVehicle}, {"wall", Role::kWall},     {"track", Role::kTrack}};
+constexpr RoleRow kRoles[] = {
+    {"solid", Role::kSolid}, {"ignore", Role::kIgnore}, {"joystick", Role::kJoystick},    {"vehicle", Role::kVehicle},
+    {"wall", Role::kWall},   {"track", Role::kTrack},   {"checkpoint", Role::kCheckpoint}};
 
 struct ModelRow {
   const char* name;
@@ -73,7 +74,8 @@ class TagReader {
       tag_.role = row->role;
     } else {
       warnings_.Add(pointer,
-                    "is " + Shown(value) + ", must be solid, ignore, joystick, vehicle, wall or track; solid is used");
+                    "is " + Shown(value) +
+                        ", must be solid, ignore, joystick, vehicle, wall, track or checkpoint; solid is used");
     }
   }
 
@@ -106,6 +108,7 @@ class TagReader {
     const Role role = tag_.role.value_or(Role::kSolid);
     if (role == Role::kJoystick) return ReadNumber(kJoystickKeys, tag_.joystick, path, value, pointer);
     if (role == Role::kVehicle) return ReadNumber(kVehicleKeys, tag_.vehicle, path, value, pointer);
+    if (role == Role::kCheckpoint) return ReadNumber(kCheckpointKeys, tag_.checkpoint, path, value, pointer);
     return ReadNumber(kMaterialKeys, tag_.material, path, value, pointer);
   }
 
@@ -186,6 +189,7 @@ void HapticTag::OverrideBy(const HapticTag& stronger) {
   Override(material, stronger.material);
   Override(joystick, stronger.joystick);
   Override(vehicle, stronger.vehicle);
+  Override(checkpoint, stronger.checkpoint);
 }
 
 HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warnings) {
@@ -261,5 +265,7 @@ haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& point
 }
 
 haptics::VehicleInput VehicleOf(const HapticTag& tag) { return Filled(kVehicleKeys, tag.vehicle); }
+
+haptics::Checkpoint CheckpointOf(const HapticTag& tag) { return Filled(kCheckpointKeys, tag.checkpoint); }
 
 }  // namespace omni::scene

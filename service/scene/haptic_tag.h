@@ -12,7 +12,7 @@
 
 namespace omni::scene {
 
-enum class Role { kSolid, kIgnore, kJoystick, kVehicle, kWall, kTrack };
+enum class Role { kSolid, kIgnore, kJoystick, kVehicle, kWall, kTrack, kCheckpoint };
 const char* NameOf(Role role);
 
 // Warnings, each "<file>: <pointer>: what".
@@ -40,6 +40,7 @@ struct HapticTag {
   Values<haptics::Material, kMaterialKeys.size()> material;
   Values<haptics::JoystickInput, kJoystickKeys.size()> joystick;
   Values<haptics::VehicleInput, kVehicleKeys.size()> vehicle;
+  Values<haptics::Checkpoint, kCheckpointKeys.size()> checkpoint;
 
   // What `stronger` says replaces what this says, key by key.
   void OverrideBy(const HapticTag& stronger);
@@ -58,5 +59,6 @@ haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, W
 bool SameMaterial(const haptics::Material& a, const haptics::Material& b);
 haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings);
 haptics::VehicleInput VehicleOf(const HapticTag& tag);
+haptics::Checkpoint CheckpointOf(const HapticTag& tag);
 
 }  // namespace omni::scene

@@ -44,6 +44,15 @@ void Transform(haptics::SceneInput& input, double scale, const base::Vec3& offse
     input.vehicle->wheelbase_m *= scale;
     input.vehicle->speed_max_m_s *= scale;
     input.vehicle->acceleration_m_s2 *= scale;
+    input.vehicle->grip_g *= scale;  // keeps the way it takes its bends
+    input.vehicle->hit_speed_m_s *= scale;
+    input.vehicle->road_wavelength_m *= scale;
+    input.vehicle->start_line_m *= scale;
+    input.vehicle->line_width_m *= scale;
+    for (haptics::Checkpoint& line : input.vehicle->checkpoints) {
+      move(line.position_base_m);
+      line.width_m *= scale;
+    }
   }
 }
 

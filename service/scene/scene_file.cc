@@ -62,6 +62,7 @@ class Loader {
       const NodeVisit& node = nodes[i];
       if (node.own && node.own->role == Role::kJoystick) AddJoystick(node);
       if (node.own && node.own->role == Role::kVehicle) AddVehicle(node);
+      if (node.own && node.own->role == Role::kCheckpoint) AddCheckpoint(node);
       if (!node.mesh) continue;
       const Role role = binding.TagOf(node, 0).role.value_or(Role::kSolid);
       if (any_tag && !tagged[i]) {
@@ -73,6 +74,7 @@ class Loader {
       }
     }
     any_tag_ = any_tag;
+    GiveCheckpoints();
     return touched;
   }
 
@@ -93,9 +95,33 @@ class Loader {
     }
     input_.vehicle = VehicleOf(*node.own);
     input_.vehicle->start_base_m = ToBase(node.world[3]);
-    const base::Vec3 ahead = ToBase(node.world[0]);
-    input_.vehicle->start_heading_rad = std::atan2(ahead.y, ahead.x);
+    input_.vehicle->start_heading_rad = HeadingOf(node);
     Explain(node, true, "vehicle: starts at this node's origin, heading along its x axis");
+  }
+
+  void AddCheckpoint(const NodeVisit& node) {
+    if (checkpoints_.size() == haptics::kMaxCheckpoints) {
+      warnings_.Add(node.pointer, "is one checkpoint more than " + std::to_string(haptics::kMaxCheckpoints) +
+                                      ", the limit, and is ignored");
+      return;
+    }
+    haptics::Checkpoint& line = checkpoints_.emplace_back(CheckpointOf(*node.own));
+    line.position_base_m = ToBase(node.world[3]);
+    line.heading_rad = HeadingOf(node);
+    Explain(node, true,
+            "checkpoint " + std::to_string(checkpoints_.size()) +
+                ": crossed along this node's x axis, in the order of the nodes");
+  }
+
+  static double HeadingOf(const NodeVisit& node) {
+    const base::Vec3 ahead = ToBase(node.world[0]);
+    return std::atan2(ahead.y, ahead.x);
+  }
+
+  void GiveCheckpoints() {
+    if (!input_.vehicle) return;
+    std::copy(checkpoints_.begin(), checkpoints_.end(), input_.vehicle->checkpoints.begin());
+    input_.vehicle->checkpoint_count = static_cast<int>(checkpoints_.size());
   }
 
   void ReadMeshes(const std::vector<const NodeVisit*>& touched) {
@@ -228,6 +254,7 @@ class Loader {
   Subset subset_;
   std::map<std::uint32_t, std::vector<MeshPart>> by_mesh_;
   std::uint64_t triangles_ = 0;
+  std::vector<haptics::Checkpoint> checkpoints_;
   bool any_tag_ = false;
 };
 

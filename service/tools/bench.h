@@ -18,7 +18,7 @@ using BenchRows = std::vector<nlohmann::ordered_json>;
 struct BenchOptions {
   std::uint64_t ticks = 0;  // loop: per scene; stress: in all; 0: the bench's own number
   std::uint64_t seed = 1;
-  bool quick = false;             // tracking, solver, stress: a hundredth of the work, to see that it runs
+  bool quick = false;             // tracking, solver, stress, race: a hundredth of the work, to see that it runs
   std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
   std::string mesh;               // collision: a .glb file instead of the bench's own bodies
   double hours = 10;              // stress: virtual time of the drift run
@@ -71,6 +71,8 @@ base::Result<BenchRows> BenchStress(const BenchOptions& options);
 // us_p999, build_ms, bytes_per_triangle, missed, false_contacts, direction_p99_deg, n. Side tables: build phases and
 // bytes, correctness by path, times by path, ratios.
 base::Result<BenchRows> BenchCollision(const BenchOptions& options);
+// The race: per seed and impact speed what is commanded and felt; side tables: walls, cost.
+base::Result<BenchRows> BenchRace(const BenchOptions& options);
 
 // {"name", "command", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);

@@ -7,6 +7,7 @@
 
 #include "service/protocol/text.h"
 #include "service/tools/json_text.h"
+#include "service/tools/race_text.h"
 
 namespace omni::tools {
 namespace {
@@ -115,6 +116,8 @@ std::string StatusText(const json& status) {
   text += Line("pen", TrackingLine(status));
   text += Line("force", ForceLine(status));
   text += Line("scene", SceneLine(status));
+  const std::string race = RaceText(status);
+  if (!race.empty()) text += Line("race", race);
   text += Line("alignment", TrueAt(status, "/aligned") ? "aligned with the headset"
                                                        : "not aligned: the base is assumed in front of you");
   const json& clients = ArrayAt(status, "/clients");

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "service/tools/json_text.h"
+#include "service/tools/race_text.h"
 
 namespace omni::tools {
 namespace {
@@ -78,6 +79,8 @@ std::string ServiceLines(const WatchFrame& frame) {
     text += ", " + TextAt(frame.status, "/tick/late") + " late, p99 " + TextAt(frame.status, "/tick/us_p99", 1) + " us";
     const std::string scene = TextAt(frame.status, "/scene/name");
     text += "\nscene     " + (scene.empty() ? std::string("none") : scene);
+    const std::string race = RaceText(frame.status);
+    if (!race.empty()) text += "\nrace      " + race;
     text += "\ndevice    " + DeviceName(frame.status);
     for (const nlohmann::json& client : ArrayAt(frame.status, "/clients")) {
       if (!TrueAt(client, "/monitor")) {

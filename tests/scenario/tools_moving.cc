@@ -20,6 +20,7 @@ namespace {
 struct Outcome {
   TrackingErrors errors;
   std::uint64_t held = 0;  // ticks without a fit after the first one
+  std::uint32_t laps = 0;
 };
 
 // The twin with every effect, the loop with exactly its base's parameters: what is left is the tracker's own.
@@ -44,6 +45,7 @@ Outcome RunRacetrack(std::uint64_t seed, double seconds) {
   Outcome outcome;
   daemon::RunVirtual(loop::MakeTickConfig(device, rig.ExactCalibration()), *twin, loaded->scene, {},
                      [&](const base::HallScan& scan, const loop::TickOutput& output) {
+                       outcome.laps = output.haptics.vehicle.laps;
                        if (output.tool.status == base::TrackingStatus::kTracking) {
                          tracked.push_back({static_cast<double>(scan.t_ns), output.tool.position_base_m});
                        } else if (output.tool.ever_tracked) {
@@ -67,6 +69,8 @@ TEST(MovingPen, ASpringThatPullsAllTheTimeCostsLittle) {
     p95_mm += outcome.errors.p95_mm / kSeeds;
     held += outcome.held;
     compared += outcome.errors.compared_ticks;
+    EXPECT_EQ(outcome.laps, 1U) << "seed " << seed
+                                << ": the hand drives a lap, whatever the noise does to its steering";
   }
   EXPECT_GT(compared, 23000U);
   EXPECT_LT(mean_mm, 0.8);

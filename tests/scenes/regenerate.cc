@@ -142,6 +142,29 @@ TEST(Scenes, RacetrackHasWallsACarAndAJoystick) {
   }
 }
 
+TEST(Scenes, RacetrackHasItsCheckpointsAroundTheRoad) {
+  const haptics::SceneInput scene = Load("racetrack.glb");
+  ASSERT_TRUE(scene.vehicle.has_value());
+  const haptics::VehicleInput& car = *scene.vehicle;
+  ASSERT_EQ(car.checkpoint_count, 4);
+  haptics::BuildReport report;
+  ASSERT_TRUE(haptics::BuildScene(scene, report).ok());
+  for (const std::string& line : report.lines) {
+    EXPECT_EQ(line.find("vehicle: starts"), std::string::npos) << line;
+    EXPECT_EQ(line.find("its middle"), std::string::npos) << line;
+  }
+  // Driven the way round in which the angle about the middle grows, in equal parts.
+  double last_rad = std::atan2(car.start_base_m.y, car.start_base_m.x);
+  for (int k = 0; k < car.checkpoint_count; ++k) {
+    const haptics::Checkpoint& line = car.checkpoints[static_cast<std::size_t>(k)];
+    const double angle_rad = std::atan2(line.position_base_m.y, line.position_base_m.x);
+    const double step_rad = std::remainder(angle_rad - last_rad, 2 * std::acos(-1.0));
+    EXPECT_GT(step_rad, 0.5) << k;
+    EXPECT_LT(std::abs(std::remainder(line.heading_rad - angle_rad - std::acos(0.0), 2 * std::acos(-1.0))), 0.9) << k;
+    last_rad = angle_rad;
+  }
+}
+
 // Hand paths: slow enough for a person, starting and ending clear of everything.
 TEST(Scenes, HandPathsAreCalm) {
   for (const std::string name : {"extrusion", "dragon", "racetrack"}) {

@@ -138,10 +138,13 @@ TEST_F(ServiceTest, EachClientKeepsItsSceneAndTheOwnersIsInTheTick) {
   ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   Focus(2);
   ASSERT_TRUE(Until([&] { return InTheTick() == "racetrack.glb"; }));
+  EXPECT_TRUE(Until([&] { return Status()["race"].is_object(); })) << "its car";
+  EXPECT_EQ(Status()["race"]["laps"], 0);
   service_.OnGone(2);
   service_.OnPeriod(base::MonotonicNow_ns());
   EXPECT_EQ(Status()["scene"]["name"], Status()["clients"][0]["scene"]) << "still there, not built again";
   EXPECT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
+  EXPECT_TRUE(Until([&] { return Status()["race"].is_null(); })) << "no car any more";
   service_.OnGone(1);
   EXPECT_TRUE(Until([&] { return InTheTick().empty(); }));
   EXPECT_TRUE(Status()["clients"].empty());

@@ -183,8 +183,10 @@ TEST(SceneTags, RolesDecideWhatIsRead) {
      "extras": {"haptic": {"role": "joystick", "stiffness": 80, "range": 0.01, "deadZone": 0.02}}},
     {"name": "car", "mesh": 0, "translation": [0, 0.047, 0], "rotation": [0, 0.70710678, 0, 0.70710678],
      "extras": {"haptic": {"role": "vehicle", "radius": 0.003, "stiffness": 5}}},
-    {"name": "second car", "extras": {"haptic": "vehicle"}}])");
-  model.json["scenes"][0]["nodes"] = {0, 1, 2, 3, 5, 6, 7};
+    {"name": "second car", "extras": {"haptic": "vehicle"}},
+    {"name": "half way", "translation": [0.02, 0.047, 0], "rotation": [0, 1, 0, 0],
+     "extras": {"haptic": {"role": "checkpoint", "width": 0.01}}}])");
+  model.json["scenes"][0]["nodes"] = {0, 1, 2, 3, 5, 6, 7, 8};
   Loaded loaded = LoadBytes(model.Bytes());
   ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
   haptics::SceneInput& scene = loaded.scene();
@@ -204,6 +206,10 @@ TEST(SceneTags, RolesDecideWhatIsRead) {
   EXPECT_NEAR(scene.vehicle->start_base_m.z, 0.047, 1e-12);
   EXPECT_NEAR(scene.vehicle->start_heading_rad, std::acos(0.0), 1e-7);  // x turned to glTF's -z: the base's +y
   EXPECT_TRUE(Has(loaded.Warnings(), "/nodes/7: is a second vehicle"));
+  ASSERT_EQ(scene.vehicle->checkpoint_count, 1);
+  EXPECT_EQ(scene.vehicle->checkpoints[0].width_m, 0.01);
+  EXPECT_NEAR(scene.vehicle->checkpoints[0].position_base_m.x, 0.02, 1e-12);
+  EXPECT_NEAR(std::abs(scene.vehicle->checkpoints[0].heading_rad), 2 * std::acos(0.0), 1e-7) << "against x";
   EXPECT_TRUE(Has(loaded.Warnings(), "deadZone 0.02 m must be below range 0.01 m"));
   EXPECT_TRUE(Has(loaded.Warnings(), "/nodes/6/extras/haptic/stiffness: is no key"));
 }
@@ -238,6 +244,7 @@ TEST(SceneTags, SchemaAndDocumentSayWhatTheTablesSay) {
   ExpectDocumented(kMaterialKeys, schema.at("properties"), page);
   ExpectDocumented(kJoystickKeys, schema.at("$defs").at("joystick").at("properties"), page);
   ExpectDocumented(kVehicleKeys, schema.at("$defs").at("vehicle").at("properties"), page);
+  ExpectDocumented(kCheckpointKeys, schema.at("$defs").at("checkpoint").at("properties"), page);
 }
 
 }  // namespace

@@ -36,6 +36,16 @@ TEST(ToolsStatus, ShowsWhatTheServiceSays) {
                                  "focused", "owns the force", "12000 triangles", "not aligned", "20-x.toml:3: bad"});
 }
 
+TEST(ToolsStatus, ShowsARaceWhereThereIsOne) {
+  json status = json::parse(R"({"race": {"laps": 2, "hits": 1, "speed_m_s": 0.0524, "sliding": true,
+                                         "lap_s": 3.2, "last_lap_s": 9.841, "best_lap_s": 9.6}})");
+  ExpectHas(StatusText(status), {"2 laps, last 9.84 s, best 9.60 s, now 3.20 s; 52 mm/s, sliding; 1 hit\n"});
+  status["race"] = {{"laps", 0}, {"hits", 0}, {"speed_m_s", 0.0}};
+  ExpectHas(StatusText(status), {"0 laps; 0 mm/s; 0 hits\n"});
+  status["race"] = nullptr;
+  EXPECT_EQ(StatusText(status).find("race"), std::string::npos);
+}
+
 TEST(ToolsStatus, ToleratesWhatIsMissingOrStrange) {
   for (const char* text :
        {"{}", R"({"service": 3, "device": [], "tick": null, "clients": {}, "problems": "x"})",

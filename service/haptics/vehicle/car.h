@@ -1,23 +1,22 @@
-// A car on the plane z = start.z: kinematic bicycle, walls it cannot pass, a pulse on the pen when it hits one.
+// A tick of the race: stick -> tyres -> way and walls -> laps, and what of it the pen feels.
 // docs/theory/haptics.md, section 8.
 #pragma once
 
-#include "service/haptics/geometry/surface.h"
+#include "service/haptics/vehicle/car_motion.h"
 #include "service/haptics/vehicle/joystick.h"
 
 namespace omni::haptics {
 
+// At its start, at rest, no lap begun.
 void StartCar(const VehicleInput& car, VehicleState& state) noexcept;
 
-// One tick of driving: +y accelerates, -y brakes and then reverses, +x turns right.
-void DriveCar(const VehicleInput& car, const Scene& scene, const Surface& surface, const Thumbstick& stick, double dt_s,
-              VehicleState& state) noexcept;
+// One tick of driving on the plane z = start.z.
+Impacts DriveCar(const VehicleInput& car, const WallMap& walls, std::span<const Material> materials,
+                 const Thumbstick& stick, double dt_s, VehicleState& state) noexcept;
 
-// Moves the car by `speed * dt` along its heading, stopping or sliding at walls. Never passes a wall at any speed.
-void MoveCar(const VehicleInput& car, const Scene& scene, const Surface& surface, double dt_s,
-             VehicleState& state) noexcept;
-
-// The running hit pulse on the pen; advances its clock.
-Vec3 PulseForce(const VehicleInput& car, double dt_s, VehicleState& state) noexcept;
+// Joystick and car of a scene: force on the pen. `contacts_N`: what the pen feels besides. Fills the joystick's and the
+// vehicle's part of `output`.
+Vec3 Play(const Config& config, const Offer& offer, const Scene& scene, const Input& input, const Vec3& contacts_N,
+          State& state, Output& output) noexcept;
 
 }  // namespace omni::haptics

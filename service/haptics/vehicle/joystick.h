@@ -1,4 +1,5 @@
-// Joystick: the tip is drawn to a centre, its displacement is the thumbstick. docs/theory/haptics.md, section 7.
+// Joystick: the tip is drawn to a centre, over notches if there are any; its displacement is the thumbstick.
+// docs/theory/haptics.md, section 7.
 #pragma once
 
 #include "service/haptics/geometry/vec_math.h"
@@ -10,7 +11,14 @@ struct Thumbstick {
   double x = 0, y = 0;  // length <= 1
 };
 
-Vec3 JoystickForce(const JoystickInput& joystick, const Offer& offer, const Input& input) noexcept;
+// Spring, damping and notches at input.device_point_base_m. `detent_curvature_N_m`: what DetentCurvature_N_m says.
+Vec3 JoystickForce(const JoystickInput& joystick, double detent_curvature_N_m, const Offer& offer,
+                   const Input& input) noexcept;
 Thumbstick JoystickDeflection(const JoystickInput& joystick, const Vec3& tip) noexcept;
+
+// Force of the notches alone, unscaled, in the plane; conservative. `u`: tip - centre.
+Vec3 DetentForce(const JoystickInput& joystick, const Vec3& u) noexcept;
+// Stiffest direction of that force over all places: set-up only, the tick scales the notches by it.
+double DetentCurvature_N_m(const JoystickInput& joystick);
 
 }  // namespace omni::haptics

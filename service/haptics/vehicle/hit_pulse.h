@@ -1,0 +1,36 @@
+// Hits on their way to the pen: half sines, stronger for faster hits, together never more than the device can do.
+// docs/theory/haptics.md, section 8.
+#pragma once
+
+#include "service/base/actuation_types.h"
+#include "service/haptics/haptics.h"
+#include "service/haptics/vehicle/car_motion.h"
+
+namespace omni::haptics {
+
+// How much force along `direction` (unit) still fits on top of `others_N`: largest s >= 0 such that others + s
+// direction is feasible. 0 if the limit is invalid or `others_N` alone is not feasible.
+double Headroom_N(const base::ForceLimit& limit, const Vec3& others_N, const Vec3& direction) noexcept;
+
+struct PulseLimits {
+  const base::ForceLimit& device;
+  Vec3 others_N;  // what is rendered besides
+  double slew_N_s = 0;
+};
+
+// Peak of the pulse of a hit: J = F_max (1 - exp(-(1 + e) v / hit_speed)), strictly growing with the speed v   (8.10).
+// F_max   (8.9): what the vehicle asks for, what the device can here, and what the slew limit lets a half sine be.
+double PulseAmplitude_N(const VehicleInput& car, const PulseLimits& limits, const Impact& impact) noexcept;
+
+void StartPulses(const VehicleInput& car, const PulseLimits& limits, const Impacts& impacts,
+                 VehicleState& state) noexcept;
+
+struct PulseForce {
+  Vec3 force_N;
+  double share = 0;  // [0, 1]: how near its peak the strongest pulse is; other ripple gives way to it
+};
+
+// All running pulses; advances their clocks.
+PulseForce AdvancePulses(const VehicleInput& car, const PulseLimits& limits, double dt_s, VehicleState& state) noexcept;
+
+}  // namespace omni::haptics

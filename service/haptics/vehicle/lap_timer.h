@@ -1,0 +1,14 @@
+// Laps that cannot be cheated, timed to a fraction of a tick. docs/theory/haptics.md, section 8.
+#pragma once
+
+#include "service/haptics/geometry/vec_math.h"
+#include "service/haptics/haptics.h"
+
+namespace omni::haptics {
+
+// The car went straight from `before` to `after` in dt_s. A lap is: over the start line in its direction, then every
+// checkpoint in its direction and order, then over the start line again. Whoever turns round has to undo it first: a
+// checkpoint or start line crossed backwards is taken back.
+void AdvanceLap(const VehicleInput& car, const Vec3& before, const Vec3& after, double dt_s, LapState& lap) noexcept;
+
+}  // namespace omni::haptics

@@ -1,0 +1,15 @@
+// The hum of the engine and the ripple of the road, straight up and down, so that they do not steer.
+// docs/theory/haptics.md, section 8.
+#pragma once
+
+#include "service/haptics/haptics.h"
+
+namespace omni::haptics {
+
+inline constexpr double kRoadFeelMax_N = 0.1;
+inline constexpr double kRoadFeelMax_Hz = 150;
+
+// Force along +z, at most 0.1 N, nothing over 150 Hz, none at rest; advances the phases.
+double RoadFeel_N(const VehicleInput& car, double dt_s, VehicleState& state) noexcept;
+
+}  // namespace omni::haptics
