@@ -42,6 +42,8 @@ Status CheckObject(const InputObject& object, std::size_t index, std::size_t mat
   return Ok{};
 }
 
+}  // namespace
+
 Status CheckJoystick(const JoystickInput& j) {
   if (!Within(j.centre_base_m, kMaxCoordinate_m))
     return Error{"joystick: centre_base_m is not within 10 m of the base"};
@@ -83,13 +85,26 @@ Status CheckMaterial(const Material& m, std::size_t index) {
     const char* name;
     double value;
   };
-  for (const Field& f :
-       {Field{"stiffness", m.stiffness_N_m}, Field{"damping", m.damping_Ns_m},
-        Field{"staticFriction", m.static_friction}, Field{"dynamicFriction", m.dynamic_friction},
-        Field{"viscosity", m.viscosity_Ns_m}, Field{"popThrough", m.pop_through_N},
-        Field{"magnet.maxForce", m.magnet_max_force_N}, Field{"magnet.range", m.magnet_range_m},
-        Field{"softness.youngModulus", m.softness.young_modulus_Pa},
-        Field{"softness.thickness", m.softness.thickness_m}, Field{"softness.maxDepth", m.softness.max_depth_m}}) {
+  for (const Field& f : {Field{"stiffness", m.stiffness_N_m},
+                         Field{"damping", m.damping_Ns_m},
+                         Field{"staticFriction", m.static_friction},
+                         Field{"dynamicFriction", m.dynamic_friction},
+                         Field{"restitution", m.restitution},
+                         Field{"viscosity", m.viscosity_Ns_m},
+                         Field{"vibrotactileTexture.amplitude", m.texture_amplitude_m},
+                         Field{"vibrotactileTexture.wavelength", m.texture_wavelength_m},
+                         Field{"vibrotactileTexture.gain", m.texture_gain},
+                         Field{"vibration.amplitude", m.vibration_amplitude_N},
+                         Field{"vibration.frequency", m.vibration_frequency_Hz},
+                         Field{"temperature", m.temperature_K},
+                         Field{"popThrough", m.pop_through_N},
+                         Field{"magnet.maxForce", m.magnet_max_force_N},
+                         Field{"magnet.range", m.magnet_range_m},
+                         Field{"softness.poissonRatio", m.softness.poisson_ratio},
+                         Field{"softness.relaxationTime", m.softness.relaxation_time_s},
+                         Field{"softness.youngModulus", m.softness.young_modulus_Pa},
+                         Field{"softness.thickness", m.softness.thickness_m},
+                         Field{"softness.maxDepth", m.softness.max_depth_m}}) {
     if (!(f.value >= 0 && f.value <= 1e12))
       return Error{where + f.name + " is " + Number(f.value) + ", it must be >= 0"};
   }
@@ -106,8 +121,6 @@ Status CheckMaterial(const Material& m, std::size_t index) {
   }
   return Ok{};
 }
-
-}  // namespace
 
 base::Status CheckInput(const SceneInput& input) {
   if (input.joystick) {

@@ -10,6 +10,9 @@
 namespace omni::haptics {
 
 base::Status CheckInput(const SceneInput& input);
+base::Status CheckJoystick(const JoystickInput& joystick);
+base::Status CheckVehicle(const VehicleInput& vehicle);
+base::Status CheckMaterial(const Material& material, std::size_t index);
 
 // Six digits; for messages.
 std::string Number(double x);

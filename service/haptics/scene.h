@@ -82,6 +82,7 @@ struct SceneHeader {
 class Scene {
  public:
   Scene() = default;  // empty scene: nothing to touch, zero cost
+  // Bytes that BuildScene did not make: CheckScene (check_scene.h) before anything else.
   explicit Scene(std::vector<std::byte> block) : block_(std::move(block)) {}
 
   bool empty() const noexcept { return block_.empty(); }
@@ -101,6 +102,7 @@ class Scene {
     return View<Material>(header().materials, header().material_count);
   }
   std::size_t bytes() const noexcept { return block_.size(); }
+  std::span<const std::byte> block() const noexcept { return block_; }  // also when empty or unchecked
 
  private:
   template <class T>

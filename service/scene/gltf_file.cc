@@ -28,6 +28,7 @@ void GltfFile::Open(const std::string& path, std::uint64_t max_file_bytes, LoadR
   path_ = path;
   max_file_bytes_ = max_file_bytes;
   file_.Open(path, max_file_bytes, true);
+  file_.AddTo(&digest_);
   report.file_bytes = file_.size();
   root_ = ParseJson(ReadJsonText(report));
   const Json* asset = FindObject(root_, "", "asset");
@@ -98,6 +99,7 @@ void GltfFile::OpenExternal(const std::string& uri, const std::string& pointer, 
   const std::string name = LocalFileName(uri, pointer);
   const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
   FileBytes& bytes = external_.emplace_back();
+  bytes.AddTo(&digest_);
   try {
     bytes.Open(file.string(), max_file_bytes_, false);
   } catch (const LoadError& error) {

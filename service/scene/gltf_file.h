@@ -25,6 +25,7 @@ class GltfFile {
   const Json& root() const { return root_; }
   std::uint64_t file_bytes() const { return file_.size(); }
   std::uint64_t bytes_read() const;
+  Digest FinishDigest() { return digest_.Finish(); }  // once: of all bytes read so far, in their order
 
   // Bytes [offset, offset + count) of buffer `buffer`. Throws LoadError when they are not there.
   void ReadBuffer(std::uint32_t buffer, std::uint64_t offset, void* to, std::size_t count);
@@ -42,6 +43,7 @@ class GltfFile {
 
   std::string path_;
   std::uint64_t max_file_bytes_ = 0;
+  Sha256 digest_;
   FileBytes file_;
   std::deque<FileBytes> external_;
   Json root_;

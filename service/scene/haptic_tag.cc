@@ -31,11 +31,6 @@ std::string Text(double value) {
   return text.str();
 }
 
-std::string Shown(const Json& value) {
-  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
-}
-
 template <class Row, std::size_t kCount>
 const Row* RowNamed(const Row (&rows)[kCount], const Json& value) {
   if (!value.is_string()) return nullptr;

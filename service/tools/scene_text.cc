@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -117,6 +118,10 @@ std::string Summary(const LoadedScene& loaded) {
   return text;
 }
 
+std::span<const Material> MaterialsOf(const Scene& scene) {
+  return scene.empty() ? std::span<const Material>() : scene.materials();
+}
+
 json VectorJson(const base::Vec3& v) { return json::array({v.x, v.y, v.z}); }
 
 std::string KeyOf(const char* name, const char* unit) {
@@ -158,9 +163,10 @@ json RowsJson(const scene::LoadReport& load) {
 std::string SceneText(const std::string& path, const LoadedScene& loaded) {
   const scene::LoadReport& load = loaded.load;
   std::string text = path + ": " + Bytes(load.file_bytes) + ", " + Bytes(load.bytes_read) + " read\n";
-  text += Rows(load) + Summary(loaded);
+  text += Rows(load);
+  if (!loaded.scene.empty()) text += Summary(loaded);
   std::size_t index = 0;
-  for (const Material& material : loaded.scene.materials()) {
+  for (const Material& material : MaterialsOf(loaded.scene)) {
     text += "material " + Padded(std::to_string(index++), 2) + MaterialLine(material) + "\n";
   }
   for (const std::string& line : loaded.build.lines) text += "note       " + Printable(line) + "\n";
@@ -169,11 +175,13 @@ std::string SceneText(const std::string& path, const LoadedScene& loaded) {
 }
 
 json SceneJson(const std::string& path, const LoadedScene& loaded) {
-  const haptics::SceneHeader& header = loaded.scene.header();
+  const haptics::SceneHeader nothing{};
+  const haptics::SceneHeader& header = loaded.scene.empty() ? nothing : loaded.scene.header();
   json materials = json::array();
-  for (const Material& material : loaded.scene.materials()) materials.push_back(MaterialJson(material));
+  for (const Material& material : MaterialsOf(loaded.scene)) materials.push_back(MaterialJson(material));
   json regions = json::array();
-  for (const haptics::Region& region : loaded.scene.regions()) {
+  for (std::size_t r = 0; r < header.region_count; ++r) {
+    const haptics::Region& region = loaded.scene.regions()[r];
     regions.push_back({{"material", region.material},
                        {"normal_base", VectorJson(region.normal)},
                        {"centroid_base_m", VectorJson(region.centroid_base_m)}});
@@ -182,6 +190,11 @@ json SceneJson(const std::string& path, const LoadedScene& loaded) {
           {"file_bytes", loaded.load.file_bytes},
           {"bytes_read", loaded.load.bytes_read},
           {"fit_scale", loaded.load.fit_scale},
+          {"skipped", loaded.load.skipped},
+          {"images_decoded", loaded.load.images_decoded},
+          {"cached", loaded.load.cached},
+          {"cache", loaded.load.cache},
+          {"load_ms", loaded.load.load_ms},
           {"rows", RowsJson(loaded.load)},
           {"objects", header.object_count},
           {"triangles", header.triangle_count},

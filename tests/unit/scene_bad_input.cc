@@ -44,7 +44,7 @@ TEST(SceneBadInput, HeadersThatLie) {
   ExpectRefused(LoadBytes(with(12, 0xFFFFFFFF)), "its JSON chunk says 4294967295 bytes");
   ExpectRefused(LoadBytes(with(12, 8)), "JSON cannot be parsed");
   ExpectRefused(LoadBytes(with(16, 0)), "first chunk of the binary glTF is not JSON");
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.max_file_bytes = 100;
   ExpectRefused(LoadBytes(bytes, options), "the limit is 100");
 }
@@ -171,7 +171,7 @@ TEST(SceneBadInput, DeepAndWideHierarchiesHaveALimit) {
   for (int i = 0; i < 70; ++i) model.json["nodes"].push_back({{"children", {i + 1}}});
   model.json["nodes"].push_back({{"mesh", 0}});
   ExpectRefused(LoadBytes(model.Bytes()), "/nodes/64: lies deeper than 64 levels");
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.max_depth = 100;
   EXPECT_TRUE(LoadBytes(model.Bytes(), options).result.ok());
   options.max_nodes = 10;
@@ -213,7 +213,7 @@ TEST(SceneBadInput, ManyInstancesOfABigMeshHaveALimit) {
 TEST(SceneBadInput, NothingToFit) {
   Model model = Tetra();
   model.bin = Bytes(std::vector<float>(12, 0.05F)) + Bytes(TetraIndices());
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.fit = true;
   ExpectRefused(LoadBytes(model.Bytes(), options), "cannot be scaled into reach");
 }

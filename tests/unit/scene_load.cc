@@ -193,7 +193,7 @@ TEST(SceneLoad, FitBringsAnySizeOverTheHull) {
     Model model = Tetra();
     model.json["nodes"][0]["scale"] = {size, size, size};
     model.json["nodes"][0]["translation"] = {5 * size, -3 * size, 100 * size};
-    LoadOptions options;
+    LoadOptions options = kTouchAll;
     options.fit = true;
     Loaded loaded = LoadBytes(model.Bytes(), options);
     ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
@@ -212,7 +212,7 @@ TEST(SceneLoad, FitBringsAnySizeOverTheHull) {
 }
 
 TEST(SceneLoad, OptionsScaleAndMove) {
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.scale = 2;
   options.offset_base_m = {0.5, 0, 0};
   Loaded loaded = LoadBytes(Tetra().Bytes(), options);
