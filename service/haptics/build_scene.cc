@@ -40,8 +40,10 @@ void Explain(const std::string& name, const Mesh& mesh, const RepairCounts& repa
   Say(report, name, repair.not_finite, "triangles dropped: coordinates not finite");
   Say(report, name, repair.degenerate, "triangles dropped: no area");
   Say(report, name, repair.duplicate, "triangles dropped: duplicates");
+  Say(report, name, topology.snapped, "edges split at vertices that lay on them (T-junctions)");
+  Say(report, name, topology.closed_holes, "small holes closed");
   Say(report, name, topology.flipped_triangles, "triangles turned to agree with their neighbours");
-  Say(report, name, topology.flipped_components, "closed components were inside-out, turned outwards");
+  Say(report, name, topology.flipped_components, "components were inside-out, turned outwards by winding number");
   Say(report, name, topology.cavities, "cavities kept (closed, facing inwards, inside another component)");
   Say(report, name, topology.border_edges, "border edges: the mesh is open and is touched from both sides");
   Say(report, name, topology.non_manifold_edges, "edges with three or more triangles: touched from both sides");
@@ -122,6 +124,7 @@ class Assembler {
       triangle.component = mesh.component[t];
       parts_.triangles.push_back(triangle);
     }
+    AppendUv(mesh, built.object);
     built.object.first_triangle = first_triangle;
     built.object.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
     // An object that lost all its triangles keeps its place, never touched.
@@ -134,6 +137,14 @@ class Assembler {
   }
 
  private:
+  // Precondition: the object's triangles are appended in the order of the mesh.
+  void AppendUv(const Mesh& mesh, Object& object) {
+    for (std::size_t set = 0; set < kMaxUvSets; ++set) {
+      object.first_uv[set] = mesh.uv[set].empty() ? kNoIndex : static_cast<std::uint32_t>(parts_.uvs.size());
+      parts_.uvs.insert(parts_.uvs.end(), mesh.uv[set].begin(), mesh.uv[set].end());
+    }
+  }
+
   // All places the vertex can be moved to.
   void AddReach(const Vertex& v, Box& box) const {
     const Vec3 rest{v.x, v.y, v.z};
@@ -163,8 +174,28 @@ BuiltObject BuildObject(const SceneInput& input, std::size_t index, BuildReport&
   const bool closed = topology.Closed();
   built.object.flags =
       (closed ? std::uint32_t{kClosed} : 0) | (closed && !source.double_sided ? 0 : std::uint32_t{kDoubleSided}) |
-      (source.collidable ? std::uint32_t{kCollidable} : 0) | (source.car_wall ? std::uint32_t{kCarWall} : 0);
+      (source.collidable ? std::uint32_t{kCollidable} : 0) | (source.car_wall ? std::uint32_t{kCarWall} : 0) |
+      (source.kinematic ? std::uint32_t{kKinematic} : 0);
   return built;
+}
+
+void AddTextures(const SceneInput& input, SceneParts& parts) {
+  std::vector<std::uint32_t> first_texel;
+  for (const InputImage& image : input.images) {
+    first_texel.push_back(static_cast<std::uint32_t>(parts.texels.size()));
+    parts.texels.insert(parts.texels.end(), image.texels.begin(), image.texels.end());
+  }
+  for (const InputTexture& from : input.textures) {
+    Texture texture{};
+    std::copy(from.to_image.begin(), from.to_image.end(), texture.to_image);
+    texture.first_texel = first_texel[from.image];
+    texture.width = input.images[from.image].width;
+    texture.height = input.images[from.image].height;
+    texture.uv_set = from.uv_set;
+    texture.wrap_u = static_cast<std::uint32_t>(from.wrap_u);
+    texture.wrap_v = static_cast<std::uint32_t>(from.wrap_v);
+    parts.textures.push_back(texture);
+  }
 }
 
 void FillHeader(const SceneInput& input, SceneParts& parts) {
@@ -174,6 +205,7 @@ void FillHeader(const SceneInput& input, SceneParts& parts) {
   header.has_vehicle = input.vehicle.has_value();
   if (input.joystick) header.joystick = *input.joystick;
   if (input.vehicle) header.vehicle = *input.vehicle;
+  header.tip_radius_m = input.tip_radius_m;
   Box bounds;
   for (const Object& object : parts.objects) {
     if ((object.flags & kCollidable) == 0) continue;
@@ -218,6 +250,7 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
   if (parts.triangles.empty()) {
     return Error{"scene \"" + input.name + "\": none of its triangles is finite and has area; repair the mesh"};
   }
+  AddTextures(input, parts);
   FillHeader(input, parts);
   for (std::size_t i = 0; i < input.materials.size(); ++i) {
     if (input.materials[i].softness.model != SoftnessModel::kTet) continue;

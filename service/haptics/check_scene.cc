@@ -42,14 +42,17 @@ Status CheckHeader(const Scene& scene) {
       Fits<Material>(h.materials, h.material_count, h.bytes) && Fits<Vertex>(h.vertices, h.vertex_count, h.bytes) &&
       Fits<Triangle>(h.triangles, h.triangle_count, h.bytes) && Fits<BvhNode>(h.nodes, h.node_count, h.bytes) &&
       Fits<std::uint32_t>(h.leaf_triangles, h.leaf_count, h.bytes) &&
-      Fits<Object>(h.objects, h.object_count, h.bytes) && Fits<Region>(h.regions, h.region_count, h.bytes);
+      Fits<Object>(h.objects, h.object_count, h.bytes) && Fits<Region>(h.regions, h.region_count, h.bytes) &&
+      Fits<Texture>(h.textures, h.texture_count, h.bytes) && Fits<std::uint8_t>(h.texels, h.texel_count, h.bytes) &&
+      Fits<CornerUv>(h.uvs, h.uv_count, h.bytes);
   if (!fits) return Error{"has a part that lies outside it"};
   if (h.object_count > kMaxObjects || h.region_count > kMaxRegions || h.triangle_count > kMaxTriangles ||
-      h.material_count == 0) {
+      h.material_count == 0 || h.texture_count > kMaxTextures || h.texel_count > kMaxTexels) {
     return Error{"has a count over its limit"};
   }
   if (h.has_joystick > 1 || h.has_vehicle > 1 || !EndsInside(h.name)) return Error{"has a damaged header"};
   // A scene of nothing but a joystick has the bounds of nothing; otherwise they are places.
+  if (!(h.tip_radius_m >= 0 && h.tip_radius_m <= kMaxTipRadius_m)) return Error{"has a tip of no size"};
   if (!(std::abs(h.magnet_range_m) <= kMaxPlace_m && Within(h.lower_base_m, 1e30) && Within(h.upper_base_m, 1e30)))
     return Error{"has bounds that are no numbers"};
   if (h.has_joystick == 1 && !CheckJoystick(h.joystick).ok()) return Error{"has a joystick out of range"};
@@ -65,12 +68,27 @@ bool SoundBytes(const Material& m) {
     std::memcpy(&byte, &field, 1);
     return byte;
   };
-  return byte_of(m.softness.model) <= 2 && byte_of(m.extrude.enabled) <= 1;
+  return byte_of(m.softness.model) <= 2 && byte_of(m.extrude.enabled) <= 1 && byte_of(m.sculpt.enabled) <= 1 &&
+         byte_of(m.sculpt.falloff) <= 2 && byte_of(m.sculpt.symmetry) <= 3;
 }
 
 Status CheckMaterials(const Scene& scene) {
   for (const Material& m : scene.materials()) {
     if (!SoundBytes(m) || !CheckMaterial(m, 0).ok()) return Error{"has a material out of range"};
+    for (const std::int32_t texture : {m.stiffness_texture, m.friction_texture, m.vibrotactile_texture}) {
+      if (!(texture == -1 || (texture >= 0 && static_cast<std::uint32_t>(texture) < scene.header().texture_count)))
+        return Error{"has a material with a texture that is not there"};
+    }
+  }
+  for (const Texture& t : scene.textures()) {
+    const bool numbers = std::all_of(std::begin(t.to_image), std::end(t.to_image),
+                                     [](double x) { return std::abs(x) <= kMaxTextureTransform; });
+    const std::uint64_t texels = std::uint64_t{t.width} * std::uint64_t{t.height};
+    if (!(numbers && texels > 0 && t.first_texel <= scene.header().texel_count &&
+          texels <= scene.header().texel_count - t.first_texel && t.uv_set < kMaxUvSets && t.wrap_u <= 2 &&
+          t.wrap_v <= 2)) {
+      return Error{"has a damaged texture"};
+    }
   }
   return Ok{};
 }
@@ -168,6 +186,10 @@ Status CheckObjects(const Scene& scene) {
     const bool inside = object.first_triangle <= h.triangle_count &&
                         object.triangle_count <= h.triangle_count - object.first_triangle && EndsInside(object.name);
     if (!inside) return Error{"has an object whose triangles are not there"};
+    for (const std::uint32_t uv : object.first_uv) {
+      if (uv != kNoIndex && !(uv <= h.uv_count && object.triangle_count <= h.uv_count - uv))
+        return Error{"has an object whose texture coordinates are not there"};
+    }
     const bool touched = (object.flags & (kCollidable | kCarWall)) != 0;
     if (touched && !(object.triangle_count > 0 && tree.Sound(object))) return Error{"has a damaged tree"};
   }

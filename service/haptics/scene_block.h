@@ -8,7 +8,7 @@
 namespace omni::haptics {
 
 inline constexpr std::uint32_t kSceneMagic = 0x31534D4F;  // "OMS1"
-inline constexpr std::uint32_t kSceneVersion = 2;
+inline constexpr std::uint32_t kSceneVersion = 3;
 
 struct SceneParts {
   SceneHeader header{};
@@ -19,6 +19,9 @@ struct SceneParts {
   std::vector<Object> objects;
   std::vector<Region> regions;
   std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<std::uint8_t> texels;
+  std::vector<CornerUv> uvs;
 };
 
 // Fills in counts, offsets and the content hash; equal parts give equal hashes.

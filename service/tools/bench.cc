@@ -26,6 +26,7 @@ struct Bench {
 
 constexpr Bench kBenches[] = {
     {"loop", "one tick of the service, per scene (the twin's time excluded)", BenchLoop},
+    {"scene", "what loading a scene costs: bytes read, images, threads, memory, time", BenchScene},
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
     {"tracking", "error of the tracker against the twin", BenchTracking},
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
@@ -152,7 +153,7 @@ void AddBench(CLI::App& app) {
     sub->add_option("--ticks", options->ticks, "loop: ticks per scene; stress: ticks in all")
         ->check(CLI::Range(1000ULL, 1'000'000'000ULL));
     sub->add_option("--seed", options->seed, "of the twin")->check(CLI::Range(0ULL, 1'000'000'000'000ULL));
-    sub->add_flag("--quick", options->quick, "tracking, solver, stress: a hundredth of the work");
+    sub->add_flag("--quick", options->quick, "tracking, solver, stress: a hundredth of the work; scene: a twentieth");
     sub->add_option("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         ->check(CLI::Range(1ULL, 1'000'000'000ULL));
     sub->add_option("--hours", options->hours, "stress: virtual time of the drift run")->check(CLI::Range(0.0, 1000.0));

@@ -31,6 +31,10 @@ inline std::vector<std::uint64_t> ThreeSeeds(std::uint64_t seed) {
 // Tick alone, per shipped scene: scene, ticks, us_median, us_p99, us_max, allocations, late_ticks.
 base::Result<BenchRows> BenchLoop(const BenchOptions& options);
 
+// Loading, each file in a fresh process: scene, tagged, bytes_file, bytes_read (by the system), images_decoded,
+// threads, rss_MB (both beyond the process before), load_ms, build_ms, cached.
+base::Result<BenchRows> BenchScene(const BenchOptions& options);
+
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 
