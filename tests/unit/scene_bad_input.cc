@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <limits>
 
+#include "service/scene/load_scene.h"
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
@@ -208,6 +210,37 @@ TEST(SceneBadInput, ManyInstancesOfABigMeshHaveALimit) {
     model.json["scenes"][0]["nodes"].push_back(i);
   }
   ExpectRefused(LoadBytes(model.Bytes()), "has more than 4000000 triangles");
+}
+
+// Refused by its counts, before memory or time is spent; the same for many instances of one.
+TEST(SceneBadInput, FiftyMillionTrianglesAreRefusedAtOnce) {
+  const TempFolder folder;
+  Model model = Tetra();
+  model.json["accessors"][1]["count"] = 150'000'000;
+  model.json["accessors"][1]["componentType"] = 5125;
+  model.json["bufferViews"][1]["byteLength"] = 600'000'000;
+  model.json["buffers"][0]["byteLength"] = 600'000'048;
+  const std::string huge = folder.Write("huge.glb", model.Bytes());
+  Model instanced = Tetra();
+  instanced.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = 2;
+  instanced.json["accessors"].push_back({{"componentType", 5126}, {"count", 3'000'000}, {"type", "VEC3"}});
+  const std::string many = folder.Write("many.glb", instanced.Bytes());
+  const auto start = std::chrono::steady_clock::now();
+  ExpectRefused(Load(huge), "/accessors/1/count: is 150000000: 50000000 triangles, the limit is 4000000");
+  ExpectRefused(Load(many), "/nodes/0: with those before, has more than 4000000 triangles");
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_LT(seconds, 0.1);
+}
+
+TEST(SceneBadInput, WhatCannotBeBuiltNamesItsNode) {
+  const TempFolder folder;
+  Model model = Tetra();
+  model.json["nodes"][0]["scale"] = {1000, 1000, 1000};
+  LoadReport load;
+  haptics::BuildReport build;
+  const auto scene = LoadScene(folder.Write("far.glb", model.Bytes()), kTouchAll, nullptr, load, build);
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(scene.error().find("far.glb: object 0 \"tetra\" (/nodes/0): vertex"), std::string::npos) << scene.error();
 }
 
 TEST(SceneBadInput, NothingToFit) {
