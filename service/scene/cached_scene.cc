@@ -19,7 +19,6 @@ Json ReportsJson(const LoadReport& load, const haptics::BuildReport& build) {
   return {{"rows", rows},
           {"warnings", load.warnings},
           {"bytes", {load.file_bytes, load.bytes_read}},
-          {"images", load.images_decoded},
           {"fit_scale", load.fit_scale},
           {"lines", build.lines},
           {"counts", {build.welded_vertices, build.dropped_triangles, build.flipped_objects}},
@@ -34,7 +33,6 @@ void ReadReports(const Json& json, LoadReport& load, haptics::BuildReport& build
   load.warnings = json.at("warnings").get<std::vector<std::string>>();
   load.file_bytes = json.at("bytes").at(0);
   load.bytes_read = json.at("bytes").at(1);
-  load.images_decoded = json.at("images");
   load.fit_scale = json.at("fit_scale");
   build.lines = json.at("lines").get<std::vector<std::string>>();
   build.welded_vertices = json.at("counts").at(0);

@@ -35,12 +35,12 @@ struct LoadReport {
   std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;
   std::uint64_t bytes_read = 0;
-  std::uint32_t images_decoded = 0;
-  bool skipped = false;  // the file has no haptic tag: nothing is touched, only its JSON was read
-  double fit_scale = 1;  // applied by `fit`
-  double load_ms = 0;    // LoadScene: from the path to the scene
-  bool cached = false;   // LoadScene: taken from the cache, not built
-  std::string cache;     // LoadScene: what the cache did, in words
+  std::uint32_t images_decoded = 0;  // by this load: none when it came from the cache
+  bool skipped = false;              // the file has no haptic tag: nothing is touched, only its JSON was read
+  double fit_scale = 1;              // applied by `fit`
+  double load_ms = 0;                // LoadScene: from the path to the scene
+  bool cached = false;               // LoadScene: taken from the cache, not built
+  std::string cache;                 // LoadScene: what the cache did, in words
 };
 
 // Frame: glTF is y up, right handed, metres; base frame is z up: (x, y, z)_B = (x, -z, y)_glTF. The glTF origin is the

@@ -62,7 +62,7 @@ base::Status AddRow(const fs::path& work, const BenchFile& file, BenchRows& rows
 
 base::Result<BenchRows> BenchScene(const BenchOptions& options) {
   const WorkFolder work;
-  if (work.path().empty()) return base::Error{"no temporary folder; set TMPDIR to a place with 300 MB"};
+  if (work.path().empty()) return base::Error{"no temporary folder; set TMPDIR to a place with 500 MB"};
   std::vector<BenchFile> files = WriteBenchFiles(work.path().string(), options.seed, options.quick ? 20 : 1);
   for (const char* shipped : {"extrusion", "dragon", "racetrack"}) files.push_back({shipped, FindScene(shipped), true});
   BenchRows rows;

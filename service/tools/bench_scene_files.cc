@@ -160,6 +160,14 @@ Glb Textured(std::uint64_t seed, std::uint64_t divisor) {
   return glb;
 }
 
+// The first body's stiffness follows its image.
+void TagWithTexture(Glb& glb) {
+  glb.document["extensions"]["MPEG_haptic_material"]["materials"] = {
+      {{"stiffness", {{{"texture", {{"index", 0}}}, {"type", "High_Resolution"}}}},
+       {"extensions", {{"OMNI_haptic_material", {{"stiffness", 800}}}}}}};
+  glb.document["meshes"][0]["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = 0;
+}
+
 void AddSmallTagged(Glb& glb) {
   const std::size_t mesh = AddBody(glb, Torus(20, 0), 0);
   glb.Node(mesh, "felt")["extras"]["haptic"]["stiffness"] = 600;
@@ -237,21 +245,26 @@ Glb Plain(const Body& body) {
 
 std::vector<BenchFile> WriteBenchFiles(const std::string& folder, std::uint64_t seed, std::uint64_t divisor) {
   std::vector<BenchFile> files;
-  const auto write = [&](Glb glb, const std::string& name, bool tagged) {
+  const auto write = [&](Glb& glb, const std::string& name, bool tagged) {
     files.push_back({name, folder + "/" + name + ".glb", tagged});
     glb.Write(files.back().path);
   };
-  Glb textured = Textured(seed, divisor);
-  write(textured, "textured-100MB", false);
-  AddSmallTagged(textured);
-  write(textured, "textured-100MB-one-tag", true);
+  const auto write_body = [&](Glb glb, const std::string& name) { write(glb, name, true); };
+  {
+    Glb textured = Textured(seed, divisor);
+    write(textured, "textured-100MB", false);
+    AddSmallTagged(textured);
+    write(textured, "textured-100MB-one-tag", true);
+    TagWithTexture(textured);
+    write(textured, "textured-100MB-one-texture", true);
+  }
   const Body body = Torus(static_cast<std::size_t>(std::sqrt(50'000.0 / static_cast<double>(divisor))), 1);
-  write(Plain(body), "floats-100k", true);
-  write(Quantised(body), "quantised-100k", true);
-  write(Interleaved(body), "interleaved-100k", true);
-  write(Sparse(body), "sparse-100k", true);
-  write(Plain(Torus(static_cast<std::size_t>(std::sqrt(500'000.0 / static_cast<double>(divisor))), 2)), "floats-1M",
-        true);
+  write_body(Plain(body), "floats-100k");
+  write_body(Quantised(body), "quantised-100k");
+  write_body(Interleaved(body), "interleaved-100k");
+  write_body(Sparse(body), "sparse-100k");
+  write_body(Plain(Torus(static_cast<std::size_t>(std::sqrt(500'000.0 / static_cast<double>(divisor))), 2)),
+             "floats-1M");
   return files;
 }
 
