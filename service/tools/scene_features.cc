@@ -49,7 +49,7 @@ const MaterialFeature kMaterialFeatures[] = {
     {"grating", "no vibrotactileTexture.amplitude", "amplitude up to ", " mm",
      [](const Material& m) { return 1e3 * m.texture_amplitude_m; }},
     {"vibration", "no material has it", "up to ", " N", [](const Material& m) { return m.vibration_amplitude_N; }},
-    {"pop-through", "no material has it", "above ", " N", [](const Material& m) { return m.pop_through_N; }},
+    {"popThrough", "no material has it", "above ", " N", [](const Material& m) { return m.pop_through_N; }},
     {"magnet", "no material has it", "up to ", " N", [](const Material& m) { return m.magnet_max_force_N; }},
 };
 
