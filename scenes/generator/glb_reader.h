@@ -13,6 +13,7 @@ struct DrawnMesh {
   Mesh mesh;  // base frame, colours per vertex
   std::vector<Vec> normals;
   double roughness = 0.7;
+  bool overlay = false;  // seen through everything, casts and takes no shadow
 };
 
 // One per primitive. Throws std::runtime_error.

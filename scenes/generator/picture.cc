@@ -118,6 +118,8 @@ class Painter {
       for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         Vec p[3];
         for (std::size_t k = 0; k < 3; ++k) p[k] = camera_.Project(mesh.positions[mesh.triangles[t][k]]);
+        const double nearer = meshes_[m].overlay ? 4 * radius_ : 0;
+        for (Vec& corner : p) corner.z += nearer;
         Rasterise(p, camera_.width, camera_.height, [&](std::size_t i, double depth, double u, double v) {
           if (static_cast<float>(depth) <= fragments_[i].depth) return;
           fragments_[i] = {static_cast<float>(depth), static_cast<std::int32_t>(m), t, static_cast<float>(u),
@@ -131,7 +133,7 @@ class Painter {
     bool hit = false;
     Vec p{0.0}, n{0, 0, 1}, colour{0.0};
     double roughness = 1;
-    bool floor = false;
+    bool floor = false, overlay = false;
   };
 
   Surface At(std::size_t i) const {
@@ -146,6 +148,7 @@ class Painter {
       s.n = glm::normalize(drawn.normals[t[0]] * w + drawn.normals[t[1]] * u + drawn.normals[t[2]] * v + Vec(1e-9));
       s.colour = drawn.mesh.colours[t[0]] * w + drawn.mesh.colours[t[1]] * u + drawn.mesh.colours[t[2]] * v;
       s.roughness = drawn.roughness;
+      s.overlay = drawn.overlay;
       return s;
     }
     if (camera_.eye.z < 0.02) return s;
@@ -196,6 +199,7 @@ class Painter {
     sun.scale = kShadowSize / (2.1 * radius_);
     std::vector<float> depth(static_cast<std::size_t>(kShadowSize) * kShadowSize, -1e9F);
     for (const DrawnMesh& drawn : meshes_) {
+      if (drawn.overlay) continue;
       for (const Triangle& t : drawn.mesh.triangles) {
         Vec p[3];
         for (std::size_t k = 0; k < 3; ++k) p[k] = sun.Project(drawn.mesh.positions[t[k]]);
@@ -212,7 +216,7 @@ class Painter {
       // Looked up a little off the surface, so that it does not shade itself.
       const Vec q = sun.Project(s.p + s.n * (0.012 * radius_));
       const int x = static_cast<int>(q.x), y = static_cast<int>(q.y);
-      if (x >= 0 && y >= 0 && x < kShadowSize && y < kShadowSize &&
+      if (!s.overlay && x >= 0 && y >= 0 && x < kShadowSize && y < kShadowSize &&
           depth[static_cast<std::size_t>(y) * kShadowSize + static_cast<std::size_t>(x)] > q.z) {
         continue;
       }

@@ -1,8 +1,10 @@
-// scene_render FILE.glb OUT.png --view front|side|top|three-quarter: a picture of one of our scenes.
+// scene_render FILE.glb OUT.png --view front|side|top|three-quarter: a picture of one of our scenes; with --contact
+// also of a touch: tip, proxy, force.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
 #include <stdexcept>
+#include <vector>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #pragma GCC diagnostic push
@@ -12,6 +14,7 @@
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
+#include "scenes/generator/contact_picture.h"
 #include "scenes/generator/picture.h"
 
 namespace {
@@ -31,6 +34,11 @@ int Draw(int argc, char** argv) {
   app.add_option("--width", options.width)->check(CLI::Range(16, 8192));
   app.add_option("--height", options.height)->check(CLI::Range(16, 8192));
   app.add_option("--zoom", options.zoom)->check(CLI::Range(0.1, 20.0));
+  std::vector<double> tip_mm, from_mm;
+  CLI::Option* contact =
+      app.add_option("--contact", tip_mm, "x y z of the tip in the base frame, mm: draws what is felt there")
+          ->expected(3);
+  app.add_option("--from", from_mm, "x y z the tip comes from (default: 20 mm above)")->expected(3)->needs(contact);
   double elevation_deg = 0;
   const CLI::Option* elevation =
       app.add_option("--elevation", elevation_deg, "of the camera, degrees, in place of the view's")
@@ -38,7 +46,21 @@ int Draw(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.view = views.at(view);
   if (elevation->count() > 0) options.view.elevation_deg = elevation_deg;
-  const std::vector<std::uint8_t> pixels = Render(omni::scenes::ReadGlb(in), options);
+  std::vector<omni::scenes::DrawnMesh> meshes = omni::scenes::ReadGlb(in);
+  if (contact->count() > 0) {
+    const omni::scenes::Vec tip(tip_mm[0] * 1e-3, tip_mm[1] * 1e-3, tip_mm[2] * 1e-3);
+    const omni::scenes::Vec from = from_mm.empty()
+                                       ? tip + omni::scenes::Vec(0, 0, 0.02)
+                                       : omni::scenes::Vec(from_mm[0] * 1e-3, from_mm[1] * 1e-3, from_mm[2] * 1e-3);
+    constexpr double kArrow_m_per_N = 0.02;
+    const omni::scenes::TouchedContact touched = omni::scenes::Touch(in, from, tip);
+    std::printf("tip %.2f %.2f %.2f mm, proxy %.2f %.2f %.2f mm, force %.3f %.3f %.3f N\n", tip.x * 1e3, tip.y * 1e3,
+                tip.z * 1e3, touched.proxy_m.x * 1e3, touched.proxy_m.y * 1e3, touched.proxy_m.z * 1e3,
+                touched.force_N.x, touched.force_N.y, touched.force_N.z);
+    for (omni::scenes::DrawnMesh& mesh : omni::scenes::DrawContact(touched, kArrow_m_per_N))
+      meshes.push_back(std::move(mesh));
+  }
+  const std::vector<std::uint8_t> pixels = Render(meshes, options);
   stbi_write_png_compression_level = 9;
   if (stbi_write_png(out.c_str(), options.width, options.height, 3, pixels.data(), options.width * 3) == 0) {
     throw std::runtime_error(out + ": cannot be written");

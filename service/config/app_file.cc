@@ -19,6 +19,7 @@ constexpr Range kOffset_m{-0.2, 0.2};
 constexpr Range kScale{1e-4, 1e4};
 constexpr Range kForceScale{0, 1};
 constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
+constexpr std::string_view kTouches[] = {"tagged", "all"};
 
 // The *.toml files of a folder in name order; a folder that is not there has none.
 std::vector<std::string> TomlFiles(const std::string& folder, std::vector<std::string>& problems) {
@@ -53,6 +54,9 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   entry.scene = (fs::path(scenes_folder) / reader.Text("scene", kMaxPathBytes)).lexically_normal().string();
   entry.placement =
       reader.Choice("placement", kPlacements, "as_authored") == "fit" ? Placement::kFit : Placement::kAsAuthored;
+  // Who asks for a model to be brought into reach means to feel it.
+  const bool fit = entry.placement == Placement::kFit;
+  entry.touch = reader.Choice("touch", kTouches, fit ? "all" : "tagged") == "all" ? Touch::kAll : Touch::kTagged;
   entry.offset_base_m = reader.Vector("offset_base_m", kOffset_m, base::Vec3{});
   entry.scale = reader.Number("scale", kScale, 1.0);
   entry.force_scale = reader.Number("force_scale", kForceScale, 1.0);

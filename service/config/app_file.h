@@ -17,11 +17,15 @@ inline constexpr std::size_t kMaxAppFiles = 256;  // of one folder; further ones
 
 enum class Placement { kAsAuthored, kFit };  // kFit: scaled and moved into reach of the device
 
+// Of a file without any haptic tag: nothing, or all of it with the default material.
+enum class Touch { kTagged, kAll };
+
 struct AppEntry {
   std::string file;              // where it came from, for messages
   std::string application_glob;  // fnmatch pattern on XrApplicationInfo::applicationName
   std::string scene;             // absolute path after loading (relative paths are relative to the scenes folder)
   Placement placement = Placement::kAsAuthored;
+  Touch touch = Touch::kTagged;
   base::Vec3 offset_base_m;
   double scale = 1;
   double force_scale = 1;  // [0, 1]

@@ -44,6 +44,12 @@ std::string UserCalibrationFile() {
   return folder.empty() ? folder : folder + "/calibration.toml";
 }
 
+std::string CacheFolder() {
+  if (const std::string folder = AbsoluteVariable("XDG_CACHE_HOME"); !folder.empty()) return folder + "/omni";
+  if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.cache/omni";
+  return {};
+}
+
 std::vector<std::string> AppFolders() {
   std::vector<std::string> folders;
   if (std::string user = UserAppFolder(); !user.empty()) folders.push_back(std::move(user));

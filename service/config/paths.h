@@ -18,6 +18,9 @@ std::string UserAppFolder();
 // The user's calibration: $XDG_CONFIG_HOME/omni/calibration.toml, else below ~/.config; empty: no home.
 std::string UserCalibrationFile();
 
+// What can be computed again: $XDG_CACHE_HOME/omni, else ~/.cache/omni; empty: no home.
+std::string CacheFolder();
+
 // Folders of application files in order of precedence: the user's, then ours.
 std::vector<std::string> AppFolders();
 

@@ -77,7 +77,8 @@ int RunChecked(RunOptions options) {
   Service service({.version = OMNI_VERSION,
                    .instance = instance,
                    .apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder()),
-                   .hull_radius_m = device.hull_radius_m});
+                   .hull_radius_m = device.hull_radius_m,
+                   .cache_folder = config::CacheFolder()});
   auto server = ipc::Server::Open(
       {.socket_path = options.socket_path, .service_instance = instance, .state_fd = (*publisher)->fd()}, service);
   if (!server.ok()) {

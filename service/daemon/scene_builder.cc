@@ -4,9 +4,20 @@
 #include <exception>
 #include <utility>
 
+#include "service/scene/load_scene.h"
+
 namespace omni::daemon {
 
-SceneBuilder::SceneBuilder(double hull_radius_m) : hull_radius_m_(hull_radius_m), thread_([this] { Run(); }) {}
+scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m) {
+  return {.touch_untagged = app.touch == config::Touch::kAll,
+          .fit = app.placement == config::Placement::kFit,
+          .offset_base_m = app.offset_base_m,
+          .scale = app.scale,
+          .hull_radius_m = hull_radius_m};
+}
+
+SceneBuilder::SceneBuilder(double hull_radius_m, std::string cache_folder)
+    : hull_radius_m_(hull_radius_m), cache_folder_(std::move(cache_folder)), thread_([this] { Run(); }) {}
 
 SceneBuilder::~SceneBuilder() {
   {
@@ -59,25 +70,20 @@ void SceneBuilder::Run() {
   }
 }
 
-BuiltScene SceneBuilder::Build(const Job& job) const {
+BuiltScene SceneBuilder::Build(const Job& job) {
   BuiltScene built{.client = job.client, .file = job.app.scene};
   try {
-    scene::LoadReport loaded;
-    const scene::LoadOptions options{.fit = job.app.placement == config::Placement::kFit,
-                                     .offset_base_m = job.app.offset_base_m,
-                                     .scale = job.app.scale,
-                                     .hull_radius_m = hull_radius_m_};
-    base::Result<haptics::SceneInput> input = scene::LoadSceneFile(job.app.scene, options, loaded);
-    built.warnings = std::move(loaded.warnings);
-    if (!input.ok()) {
-      built.error = input.error();
-      return built;
+    if (!cache_ && !cache_folder_.empty()) cache_.emplace(cache_folder_);
+    base::Result<haptics::Scene> scene = scene::LoadScene(job.app.scene, LoadOptionsOf(job.app, hull_radius_m_),
+                                                          cache_ ? &*cache_ : nullptr, built.load, built.report);
+    built.warnings = built.load.warnings;
+    if (cache_ && !cache_->problem().empty() && !std::exchange(told_of_cache_, true)) {
+      built.warnings.push_back("scene cache: " + cache_->problem());
     }
-    base::Result<haptics::Scene> scene = haptics::BuildScene(*input, built.report);
     if (scene.ok()) {
       built.scene = std::make_shared<const haptics::Scene>(std::move(*scene));
     } else {
-      built.error = job.app.scene + ": " + scene.error();
+      built.error = scene.error();
     }
   } catch (const std::exception& caught) {  // out of memory on a hostile file must not take the service down
     built.error = job.app.scene + ": " + caught.what();

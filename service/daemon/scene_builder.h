@@ -13,6 +13,7 @@
 
 #include "service/config/app_file.h"
 #include "service/haptics/scene.h"
+#include "service/scene/cache_store.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::daemon {
@@ -23,12 +24,17 @@ struct BuiltScene {
   std::shared_ptr<const haptics::Scene> scene;  // null: failed, see error
   std::string error;
   std::vector<std::string> warnings;
+  scene::LoadReport load;
   haptics::BuildReport report;
 };
 
+// What an application file asks of its scene.
+scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m);
+
 class SceneBuilder {
  public:
-  explicit SceneBuilder(double hull_radius_m);
+  // `cache_folder`: built scenes are kept there (scene/cache_store.h); empty: nowhere.
+  explicit SceneBuilder(double hull_radius_m, std::string cache_folder = {});
   ~SceneBuilder();
   SceneBuilder(const SceneBuilder&) = delete;
   SceneBuilder& operator=(const SceneBuilder&) = delete;
@@ -46,9 +52,12 @@ class SceneBuilder {
     config::AppEntry app;
   };
   void Run();
-  BuiltScene Build(const Job& job) const;
+  BuiltScene Build(const Job& job);
 
   const double hull_radius_m_;
+  const std::string cache_folder_;
+  std::optional<scene::CacheStore> cache_;  // of the thread
+  bool told_of_cache_ = false;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> jobs_;

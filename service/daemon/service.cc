@@ -13,12 +13,14 @@ namespace {
 
 constexpr std::size_t kMaxProblems = 20;  // the oldest goes when full
 
+std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 0 : scene.header().triangle_count; }
+
 }  // namespace
 
 Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       start_ns_(base::MonotonicNow_ns()),
-      builder_(options_.hull_radius_m),
+      builder_(options_.hull_radius_m, options_.cache_folder),
       calibration_(options_.calibration) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
 }
@@ -114,8 +116,15 @@ void Service::TakeBuiltScenes() {
       Problem(built->client, 2, built->error);  // the client's previous scene, if any, lives on
       continue;
     }
-    spdlog::info("client {}: scene {} ({} triangles, built in {:.1f} ms)", built->client, built->file,
-                 built->scene->header().triangle_count, built->report.build_ms);
+    if (built->load.skipped) {
+      Problem(built->client, 0,
+              built->file +
+                  ": nothing to touch: the file has no haptic tag; tag what is to be felt (docs/scenes.md), or "
+                  "write touch = \"all\" in the application's file");
+    } else {
+      spdlog::info("client {}: scene {} ({} triangles, {} in {:.1f} ms)", built->client, built->file,
+                   TrianglesOf(*built->scene), built->load.cached ? "from the cache" : "built", built->load.load_ms);
+    }
     if (found->second.scene != nullptr) retired_.push_back(found->second.scene);
     found->second.scene = std::make_shared<const BuiltScene>(std::move(*built));
   }
@@ -187,7 +196,7 @@ std::string Service::StatusJson() {
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {
     input.scene_file = wanted_->file;
-    input.scene_triangles = wanted_->scene->header().triangle_count;
+    input.scene_triangles = TrianglesOf(*wanted_->scene);
   }
   const std::lock_guard lock(loop_mutex_);
   input.calibration = calibration_;

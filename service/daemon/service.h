@@ -24,6 +24,7 @@ struct ServiceOptions {
   std::uint64_t instance = 0;
   config::AppTable apps;
   double hull_radius_m = 0;
+  std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until SetCalibration
 };
 

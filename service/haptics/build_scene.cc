@@ -54,8 +54,10 @@ void Explain(const std::string& name, const Mesh& mesh, const RepairCounts& repa
   Say(report, name, repair.not_finite, "triangles dropped: coordinates not finite");
   Say(report, name, repair.degenerate, "triangles dropped: no area");
   Say(report, name, repair.duplicate, "triangles dropped: duplicates");
+  Say(report, name, topology.snapped, "edges split at vertices that lay on them (T-junctions)");
+  Say(report, name, topology.closed_holes, "small holes closed");
   Say(report, name, topology.flipped_triangles, "triangles turned to agree with their neighbours");
-  Say(report, name, topology.flipped_components, "closed components were inside-out, turned outwards");
+  Say(report, name, topology.flipped_components, "components were inside-out, turned outwards by winding number");
   Say(report, name, topology.cavities, "cavities kept (closed, facing inwards, inside another component)");
   Say(report, name, topology.border_edges, "border edges: the mesh is open and is touched from both sides");
   Say(report, name, topology.non_manifold_edges, "edges with three or more triangles: touched from both sides");
@@ -117,6 +119,7 @@ class Assembler {
     const Mesh& mesh = built.mesh;
     built.object.first_triangle = static_cast<std::uint32_t>(parts_.triangles.size());
     built.object.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
+    std::fill(std::begin(built.object.first_uv), std::end(built.object.first_uv), kNoIndex);
     // An object that lost all its triangles keeps its place, never touched.
     if (mesh.triangles.empty()) {
       built.object.flags &= ~(std::uint32_t{kCollidable} | kCarWall);
@@ -125,6 +128,7 @@ class Assembler {
       PhaseClock clock;
       AddVertices(index, mesh, order);
       AddTriangles(index, mesh, order);
+      AddUv(mesh, order, built.object);
       clock.AddTo(report_.layout_ms);
     }
     parts_.objects.push_back(built.object);
@@ -204,6 +208,15 @@ class Assembler {
     }
   }
 
+  // One per triangle, in the scene's order.
+  void AddUv(const Mesh& mesh, const Order& order, Object& object) {
+    for (std::size_t set = 0; set < kMaxUvSets; ++set) {
+      if (mesh.uv[set].empty()) continue;
+      object.first_uv[set] = static_cast<std::uint32_t>(parts_.uvs.size());
+      for (const std::uint32_t t : order.triangles) parts_.uvs.push_back(mesh.uv[set][t]);
+    }
+  }
+
   // The box of all places a triangle can be moved to.
   TreePrimitive Reach(std::size_t index, const Mesh& mesh, std::uint32_t t) const {
     std::array<Vec3, 9> places;
@@ -243,8 +256,28 @@ BuiltObject BuildObject(const SceneInput& input, std::size_t index, BuildReport&
   const bool closed = topology.Closed();
   built.object.flags =
       (closed ? std::uint32_t{kClosed} : 0) | (closed && !source.double_sided ? 0 : std::uint32_t{kDoubleSided}) |
-      (source.collidable ? std::uint32_t{kCollidable} : 0) | (source.car_wall ? std::uint32_t{kCarWall} : 0);
+      (source.collidable ? std::uint32_t{kCollidable} : 0) | (source.car_wall ? std::uint32_t{kCarWall} : 0) |
+      (source.kinematic ? std::uint32_t{kKinematic} : 0);
   return built;
+}
+
+void AddTextures(const SceneInput& input, SceneParts& parts) {
+  std::vector<std::uint32_t> first_texel;
+  for (const InputImage& image : input.images) {
+    first_texel.push_back(static_cast<std::uint32_t>(parts.texels.size()));
+    parts.texels.insert(parts.texels.end(), image.texels.begin(), image.texels.end());
+  }
+  for (const InputTexture& from : input.textures) {
+    Texture texture{};
+    std::copy(from.to_image.begin(), from.to_image.end(), texture.to_image);
+    texture.first_texel = first_texel[from.image];
+    texture.width = input.images[from.image].width;
+    texture.height = input.images[from.image].height;
+    texture.uv_set = from.uv_set;
+    texture.wrap_u = static_cast<std::uint32_t>(from.wrap_u);
+    texture.wrap_v = static_cast<std::uint32_t>(from.wrap_v);
+    parts.textures.push_back(texture);
+  }
 }
 
 void FillHeader(const SceneInput& input, SceneParts& parts) {
@@ -257,6 +290,7 @@ void FillHeader(const SceneInput& input, SceneParts& parts) {
   if (input.vehicle) header.vehicle = *input.vehicle;
   header.lower_base_m = {1e30, 1e30, 1e30};
   header.upper_base_m = {-1e30, -1e30, -1e30};
+  header.tip_radius_m = input.tip_radius_m;
   for (const Object& object : parts.objects) {
     if (object.triangle_count == 0) continue;
     const Vec3 lower{object.lower_base_m[0], object.lower_base_m[1], object.lower_base_m[2]};
@@ -291,6 +325,7 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
   if (parts.triangles.empty()) {
     return Error{"scene \"" + input.name + "\": none of its triangles is finite and has area; repair the mesh"};
   }
+  AddTextures(input, parts);
   FillHeader(input, parts);
   BuildWalls(parts);
   for (std::size_t i = 0; i < input.materials.size(); ++i) {

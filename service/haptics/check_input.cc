@@ -13,6 +13,36 @@ using base::Error;
 using base::Ok;
 using base::Status;
 
+Status CheckTextures(const SceneInput& input) {
+  std::uint64_t texels = 0;
+  for (const InputImage& image : input.images) {
+    texels += image.texels.size();
+    if (image.width == 0 || image.height == 0 ||
+        image.texels.size() != std::uint64_t{image.width} * std::uint64_t{image.height}) {
+      return Error{"image: its texels are not width x height"};
+    }
+  }
+  if (texels > kMaxTexels || input.textures.size() > kMaxTextures) {
+    return Error{"textures: " + std::to_string(input.textures.size()) + " with " + std::to_string(texels) +
+                 " texels, the limits are " + std::to_string(kMaxTextures) + " and " + std::to_string(kMaxTexels)};
+  }
+  for (const InputTexture& texture : input.textures) {
+    const bool numbers = std::all_of(texture.to_image.begin(), texture.to_image.end(),
+                                     [](double x) { return std::abs(x) <= kMaxTextureTransform; });
+    if (!(texture.image < input.images.size() && texture.uv_set < kMaxUvSets && numbers)) {
+      return Error{"texture: its image, coordinate set or transform is out of range"};
+    }
+  }
+  for (const Material& m : input.materials) {
+    for (const std::int32_t index : {m.stiffness_texture, m.friction_texture, m.vibrotactile_texture}) {
+      if (index != -1 && !(index >= 0 && static_cast<std::size_t>(index) < input.textures.size())) {
+        return Error{"material: texture " + std::to_string(index) + " of " + std::to_string(input.textures.size())};
+      }
+    }
+  }
+  return Ok{};
+}
+
 Status CheckObject(const InputObject& object, std::size_t index, std::size_t material_count) {
   if (object.triangle_material.size() != object.triangles.size()) {
     return Error{Where(object, index) + ": " + std::to_string(object.triangle_material.size()) + " materials for " +
@@ -31,6 +61,12 @@ Status CheckObject(const InputObject& object, std::size_t index, std::size_t mat
                    "; the material index is out of range"};
     }
   }
+  for (const std::vector<CornerUv>& set : object.uv) {
+    if (!set.empty() && set.size() != object.triangles.size()) {
+      return Error{Where(object, index) + ": texture coordinates for " + std::to_string(set.size()) + " of " +
+                   std::to_string(object.triangles.size()) + " triangles; give all or none"};
+    }
+  }
   for (std::size_t v = 0; v < object.vertices_base_m.size(); ++v) {
     const Vec3& p = object.vertices_base_m[v];
     const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
@@ -41,6 +77,8 @@ Status CheckObject(const InputObject& object, std::size_t index, std::size_t mat
   }
   return Ok{};
 }
+
+}  // namespace
 
 Status CheckJoystick(const JoystickInput& j) {
   if (!Within(j.centre_base_m, kMaxCoordinate_m))
@@ -112,15 +150,38 @@ Status CheckMaterial(const Material& m, std::size_t index) {
     const char* name;
     double value;
   };
-  for (const Field& f :
-       {Field{"stiffness", m.stiffness_N_m}, Field{"damping", m.damping_Ns_m},
-        Field{"staticFriction", m.static_friction}, Field{"dynamicFriction", m.dynamic_friction},
-        Field{"viscosity", m.viscosity_Ns_m}, Field{"popThrough", m.pop_through_N},
-        Field{"magnet.maxForce", m.magnet_max_force_N}, Field{"magnet.range", m.magnet_range_m},
-        Field{"softness.youngModulus", m.softness.young_modulus_Pa},
-        Field{"softness.thickness", m.softness.thickness_m}, Field{"softness.maxDepth", m.softness.max_depth_m}}) {
+  for (const Field& f : {Field{"stiffness", m.stiffness_N_m},
+                         Field{"damping", m.damping_Ns_m},
+                         Field{"staticFriction", m.static_friction},
+                         Field{"dynamicFriction", m.dynamic_friction},
+                         Field{"restitution", m.restitution},
+                         Field{"viscosity", m.viscosity_Ns_m},
+                         Field{"vibrotactileTexture.amplitude", m.texture_amplitude_m},
+                         Field{"vibrotactileTexture.wavelength", m.texture_wavelength_m},
+                         Field{"vibrotactileTexture.gain", m.texture_gain},
+                         Field{"vibration.amplitude", m.vibration_amplitude_N},
+                         Field{"vibration.frequency", m.vibration_frequency_Hz},
+                         Field{"temperature", m.temperature_K},
+                         Field{"popThrough", m.pop_through_N},
+                         Field{"magnet.maxForce", m.magnet_max_force_N},
+                         Field{"magnet.range", m.magnet_range_m},
+                         Field{"softness.poissonRatio", m.softness.poisson_ratio},
+                         Field{"softness.relaxationTime", m.softness.relaxation_time_s},
+                         Field{"softness.youngModulus", m.softness.young_modulus_Pa},
+                         Field{"softness.fibreRatio", m.softness.fibre_ratio},
+                         Field{"softness.hardening", m.softness.hardening},
+                         Field{"sculptable.radius", m.sculpt.radius_m},
+                         Field{"sculptable.snap", m.sculpt.snap_m},
+                         Field{"sculptable.grabForce", m.sculpt.grab_force_N},
+                         Field{"sculptable.dwell", m.sculpt.dwell_s},
+                         Field{"sculptable.resistance", m.sculpt.resistance_N_m},
+                         Field{"softness.thickness", m.softness.thickness_m},
+                         Field{"softness.maxDepth", m.softness.max_depth_m}}) {
     if (!(f.value >= 0 && f.value <= 1e12))
       return Error{where + f.name + " is " + Number(f.value) + ", it must be >= 0"};
+  }
+  for (const double x : m.softness.fibre_direction_base) {
+    if (!(std::abs(x) <= 1e6)) return Error{where + "softness.fibreDirection is " + Number(x) + ", no direction"};
   }
   const Extrude& e = m.extrude;
   if (!e.enabled) return Ok{};
@@ -135,8 +196,6 @@ Status CheckMaterial(const Material& m, std::size_t index) {
   }
   return Ok{};
 }
-
-}  // namespace
 
 base::Status CheckInput(const SceneInput& input) {
   if (input.joystick) {
@@ -161,6 +220,11 @@ base::Status CheckInput(const SceneInput& input) {
   if (triangles == 0) {
     return Error{"scene \"" + input.name + "\": no triangles; tag at least one node that has a mesh"};
   }
+  if (!(input.tip_radius_m >= 0 && input.tip_radius_m <= kMaxTipRadius_m)) {
+    return Error{"tip radius: " + Number(input.tip_radius_m) + " m, it must be from 0 to " + Number(kMaxTipRadius_m)};
+  }
+  const Status textures = CheckTextures(input);
+  if (!textures.ok()) return textures;
   for (std::size_t i = 0; i < input.materials.size(); ++i) {
     Status checked = CheckMaterial(input.materials[i], i);
     if (!checked.ok()) return checked;
@@ -179,7 +243,8 @@ std::string Number(double x) {
 }
 
 std::string Where(const InputObject& object, std::size_t index) {
-  return "object " + std::to_string(index) + " \"" + object.name + "\"";
+  return "object " + std::to_string(index) + " \"" + object.name + "\"" +
+         (object.source.empty() ? "" : " (" + object.source + ")");
 }
 
 }  // namespace omni::haptics

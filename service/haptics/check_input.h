@@ -10,6 +10,12 @@
 namespace omni::haptics {
 
 base::Status CheckInput(const SceneInput& input);
+base::Status CheckJoystick(const JoystickInput& joystick);
+base::Status CheckVehicle(const VehicleInput& vehicle);
+base::Status CheckMaterial(const Material& material, std::size_t index);
+
+inline constexpr double kMaxTipRadius_m = 0.01;
+inline constexpr double kMaxTextureTransform = 1e6;  // of each number of InputTexture::to_image
 
 // Six digits; for messages.
 std::string Number(double x);

@@ -1,6 +1,7 @@
 // Haptic material: how a surface feels. Values are those of OMNI_haptic_material (docs/scenes.md), SI.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <type_traits>
 
@@ -15,6 +16,9 @@ struct Softness {
   double thickness_m = 0.01;
   double max_depth_m = 0.008;
   double relaxation_time_s = 0.1;
+  double fibre_ratio = 1;  // [1, 20], Young's modulus along the fibres / across; 1: isotropic
+  std::array<double, 3> fibre_direction_base{0, 0, 0};  // of any length; 0: no fibres
+  double hardening = 0;                                 // [0, 20]: modulus (1 + hardening (depth / thickness)^2)
 };
 
 // A region that can be pushed in and pulled out along its mean normal, in whole steps.
@@ -25,6 +29,21 @@ struct Extrude {
   int steps_in = 1;           // >= 0: farthest step inwards
   double grab_force_N = 0.5;  // press at least this ...
   double dwell_s = 0.2;       // ... for this long to take hold of the face
+};
+
+enum class Falloff : std::uint8_t { kConstant = 0, kLinear = 1, kSmooth = 2 };
+enum class Symmetry : std::uint8_t { kNone = 0, kX = 1, kY = 2, kZ = 3 };  // plane through the object's centre
+
+// A surface that is sculpted freely: pressed, taken hold of, pushed in and pulled out.
+struct Sculpt {
+  bool enabled = false;
+  Falloff falloff = Falloff::kSmooth;
+  Symmetry symmetry = Symmetry::kNone;
+  double radius_m = 0.006;      // [0.0005, 0.03], geodesic, of what moves
+  double snap_m = 0;            // [0, 0.02], grid of the displacement; 0: none
+  double grab_force_N = 0.5;    // [0.05, 2], press at least this ...
+  double dwell_s = 0.2;         // [0, 5], ... for this long to take hold
+  double resistance_N_m = 200;  // [0, 2000], force per displacement while it is formed
 };
 
 struct Material {
@@ -43,8 +62,13 @@ struct Material {
   double magnet_max_force_N = 0;
   double magnet_range_m = 0.003;
   double temperature_K = 293.15;  // carried, not rendered
+  // Indices into the scene's textures, -1: none. Factor x texel, by SampleTexture (contact/texture.h).
+  std::int32_t stiffness_texture = -1;
+  std::int32_t friction_texture = -1;      // of both frictions
+  std::int32_t vibrotactile_texture = -1;  // of texture_amplitude_m
   Softness softness;
   Extrude extrude;
+  Sculpt sculpt;
 };
 static_assert(std::is_trivially_copyable_v<Material>);
 

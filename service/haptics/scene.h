@@ -22,6 +22,8 @@ namespace omni::haptics {
 inline constexpr std::uint32_t kMaxObjects = 64;  // more: BuildScene refuses, with the number
 inline constexpr std::uint32_t kMaxRegions = 16;  // extrude regions; further ones stay rigid, with a report line
 inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene
+inline constexpr std::uint32_t kMaxTextures = 64;
+inline constexpr std::uint32_t kMaxTexels = 64u << 20;  // of all images together
 inline constexpr std::uint32_t kNoIndex = 0xFFFFFFFF;
 
 struct Vertex {
@@ -48,9 +50,18 @@ struct Object {
   std::uint32_t flags;  // kDoubleSided ...
   std::uint32_t component_count;
   float lower_base_m[3], upper_base_m[3];  // bounds, extrude range included
+  std::uint32_t first_uv[kMaxUvSets];      // into uvs(), one per triangle from first_triangle on; kNoIndex: none
   char name[48];
 };
-enum ObjectFlag : std::uint32_t { kDoubleSided = 1, kCollidable = 2, kCarWall = 4, kClosed = 8 };
+// kKinematic: the application moves it; the scene holds it where it is at first.
+enum ObjectFlag : std::uint32_t { kDoubleSided = 1, kCollidable = 2, kCarWall = 4, kClosed = 8, kKinematic = 16 };
+
+struct Texture {
+  double to_image[6];  // as InputTexture's
+  std::uint32_t first_texel, width, height;
+  std::uint32_t uv_set;
+  std::uint32_t wrap_u, wrap_v;  // Wrap
+};
 
 // Triangles of one connected extrudable face; its vertices move along `normal` by the offset kept in State.
 struct Region {
@@ -80,16 +91,16 @@ struct SceneHeader {
   std::uint64_t bytes;
   std::uint64_t content_hash;
   std::uint32_t vertex_count, triangle_count, node_count, packet_count, object_count, region_count, material_count;
-  std::uint32_t has_joystick, has_vehicle, reserved;
-  std::uint64_t vertices, triangles, nodes, packets, objects, regions,
-      materials;  // offsets from the block's start
-  std::uint32_t wall_node_count, wall_segment_count;
-  std::uint64_t wall_nodes, wall_segments;  // offsets
+  std::uint32_t wall_node_count, wall_segment_count, texture_count, texel_count, uv_count;
+  std::uint32_t has_joystick, has_vehicle;
+  std::uint64_t vertices, triangles, nodes, packets, objects, regions, materials, wall_nodes, wall_segments, textures,
+      texels, uvs;  // offsets from the block's start
   JoystickInput joystick;
   double detent_curvature_N_m;  // stiffest direction of the joystick's notches, at any place
   VehicleInput vehicle;
   base::Vec3 lower_base_m, upper_base_m;  // bounds of all collidable objects, extrude range included
   double tree_extent_m;                   // largest |coordinate| in any tree
+  double tip_radius_m;                    // as SceneInput's
   double magnet_range_m;                  // largest of all materials that have a magnet, 0: none
   char name[64];
 };
@@ -99,6 +110,7 @@ using SceneBlock = std::vector<std::byte, base::BigBlockAllocator<std::byte>>;
 class Scene {
  public:
   Scene() = default;  // empty scene: nothing to touch, zero cost
+  // Bytes that BuildScene did not make: CheckScene (check_scene.h) before anything else.
   explicit Scene(SceneBlock block) : block_(std::move(block)) {}
 
   bool empty() const noexcept { return block_.empty(); }
@@ -123,7 +135,15 @@ class Scene {
   std::span<const WallSegment> wall_segments() const noexcept {
     return View<WallSegment>(header().wall_segments, header().wall_segment_count);
   }
+  std::span<const Texture> textures() const noexcept {
+    return View<Texture>(header().textures, header().texture_count);
+  }
+  std::span<const std::uint8_t> texels() const noexcept {
+    return View<std::uint8_t>(header().texels, header().texel_count);
+  }
+  std::span<const CornerUv> uvs() const noexcept { return View<CornerUv>(header().uvs, header().uv_count); }
   std::size_t bytes() const noexcept { return block_.size(); }
+  std::span<const std::byte> block() const noexcept { return block_; }  // also when empty or unchecked
 
  private:
   template <class T>

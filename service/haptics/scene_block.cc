@@ -52,6 +52,16 @@ void Add(Hasher& h, const Material& m) {
                          m.softness.thickness_m,
                          m.softness.max_depth_m,
                          m.softness.relaxation_time_s,
+                         m.softness.fibre_ratio,
+                         m.softness.fibre_direction_base[0],
+                         m.softness.fibre_direction_base[1],
+                         m.softness.fibre_direction_base[2],
+                         m.softness.hardening,
+                         m.sculpt.radius_m,
+                         m.sculpt.snap_m,
+                         m.sculpt.grab_force_N,
+                         m.sculpt.dwell_s,
+                         m.sculpt.resistance_N_m,
                          m.extrude.step_m,
                          m.extrude.grab_force_N,
                          m.extrude.dwell_s}) {
@@ -61,6 +71,12 @@ void Add(Hasher& h, const Material& m) {
   h.Add(std::uint64_t{m.extrude.enabled});
   h.Add(static_cast<std::uint64_t>(m.extrude.steps_out));
   h.Add(static_cast<std::uint64_t>(m.extrude.steps_in));
+  h.Add(std::uint64_t{m.sculpt.enabled});
+  h.Add(static_cast<std::uint64_t>(m.sculpt.falloff));
+  h.Add(static_cast<std::uint64_t>(m.sculpt.symmetry));
+  for (const std::int32_t texture : {m.stiffness_texture, m.friction_texture, m.vibrotactile_texture}) {
+    h.Add(static_cast<std::uint64_t>(texture));
+  }
 }
 
 class Writer {
@@ -99,7 +115,9 @@ Scene MakeScene(const SceneParts& parts) {
       Writer::Aligned<Vertex>(parts.vertices.size()) + Writer::Aligned<Triangle>(parts.triangles.size()) +
       Writer::Aligned<TreeNode>(parts.nodes.size()) + Writer::Aligned<TrianglePacket>(parts.packets.size()) +
       Writer::Aligned<Object>(parts.objects.size()) + Writer::Aligned<Region>(parts.regions.size()) +
-      Writer::Aligned<WallNode>(parts.wall_nodes.size()) + Writer::Aligned<WallSegment>(parts.wall_segments.size());
+      Writer::Aligned<WallNode>(parts.wall_nodes.size()) + Writer::Aligned<WallSegment>(parts.wall_segments.size()) +
+      Writer::Aligned<Texture>(parts.textures.size()) + Writer::Aligned<std::uint8_t>(parts.texels.size()) +
+      Writer::Aligned<CornerUv>(parts.uvs.size());
   Writer writer(bytes);
   SceneHeader header = parts.header;
   header.magic = kSceneMagic;
@@ -115,6 +133,9 @@ Scene MakeScene(const SceneParts& parts) {
   header.material_count = static_cast<std::uint32_t>(parts.materials.size());
   header.wall_node_count = static_cast<std::uint32_t>(parts.wall_nodes.size());
   header.wall_segment_count = static_cast<std::uint32_t>(parts.wall_segments.size());
+  header.texture_count = static_cast<std::uint32_t>(parts.textures.size());
+  header.texel_count = static_cast<std::uint32_t>(parts.texels.size());
+  header.uv_count = static_cast<std::uint32_t>(parts.uvs.size());
   writer.Skip(header_bytes);
   header.materials = writer.Put(parts.materials);
   header.vertices = writer.Put(parts.vertices);
@@ -125,6 +146,9 @@ Scene MakeScene(const SceneParts& parts) {
   header.regions = writer.Put(parts.regions);
   header.wall_nodes = writer.Put(parts.wall_nodes);
   header.wall_segments = writer.Put(parts.wall_segments);
+  header.textures = writer.Put(parts.textures);
+  header.texels = writer.Put(parts.texels);
+  header.uvs = writer.Put(parts.uvs);
   Hasher hasher;
   writer.PutHeader(header);
   hasher.Add(writer.From(0).first(sizeof header));

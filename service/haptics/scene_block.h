@@ -8,7 +8,7 @@
 namespace omni::haptics {
 
 inline constexpr std::uint32_t kSceneMagic = 0x31534D4F;  // "OMS1"
-inline constexpr std::uint32_t kSceneVersion = 3;
+inline constexpr std::uint32_t kSceneVersion = 4;
 
 struct SceneParts {
   SceneHeader header{};
@@ -21,6 +21,9 @@ struct SceneParts {
   std::vector<Material> materials;
   std::vector<WallNode> wall_nodes;
   std::vector<WallSegment> wall_segments;
+  std::vector<Texture> textures;
+  std::vector<std::uint8_t> texels;
+  std::vector<CornerUv> uvs;
 };
 
 // Fills in counts, offsets and the content hash; equal parts give equal hashes.

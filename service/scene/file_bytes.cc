@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <span>
 #include <system_error>
 
 #include "service/scene/load_error.h"
@@ -42,6 +43,7 @@ void FileBytes::Read(std::uint64_t offset, void* to, std::size_t count) {
                             std::to_string(offset) + " are needed; the file is truncated, copy or export it again");
   }
   auto* out = static_cast<std::byte*>(to);
+  const std::span<const std::byte> all(out, count);
   while (count > 0) {
     const ssize_t got = pread(descriptor_, out, count, static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
@@ -52,6 +54,7 @@ void FileBytes::Read(std::uint64_t offset, void* to, std::size_t count) {
     count -= static_cast<std::size_t>(got);
     bytes_read_ += static_cast<std::uint64_t>(got);
   }
+  if (digest_) digest_->Add(all);
 }
 
 }  // namespace omni::scene

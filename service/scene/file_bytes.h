@@ -1,9 +1,11 @@
-// A regular file read by byte ranges with pread; counts what was read.
+// A regular file read by byte ranges with pread; counts what was read, and adds it to a digest.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
+
+#include "service/scene/sha256.h"
 
 namespace omni::scene {
 
@@ -18,6 +20,9 @@ class FileBytes {
   // `follow_links` = false also refuses a symbolic link in the last component.
   void Open(const std::string& path, std::uint64_t max_bytes, bool follow_links);
 
+  // Everything read from now on is added to `digest`, which outlives this.
+  void AddTo(Sha256* digest) { digest_ = digest; }
+
   std::uint64_t size() const { return size_; }
   std::uint64_t bytes_read() const { return bytes_read_; }
 
@@ -28,6 +33,7 @@ class FileBytes {
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
   std::uint64_t bytes_read_ = 0;
+  Sha256* digest_ = nullptr;
 };
 
 }  // namespace omni::scene

@@ -134,6 +134,15 @@ std::vector<std::uint32_t> VertexRun(const tinygltf::Model& model, const tinyglt
   return run;
 }
 
+// Three corners of each triangle from a table of the vertices.
+std::vector<haptics::CornerUv> CornerUvs(const Elements& uv, const std::vector<std::uint32_t>& corners) {
+  std::vector<haptics::CornerUv> triangles(corners.size() / 3);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t c = 0; c < 2; ++c) triangles[i / 3][2 * (i % 3) + c] = static_cast<float>(uv[corners[i]][c]);
+  }
+  return triangles;
+}
+
 DecodedPrimitive Decode(const tinygltf::Model& model, const tinygltf::Primitive& primitive, const Elements& positions,
                         const SubsetPrimitive& from) {
   const std::vector<std::uint32_t> corners =
@@ -154,19 +163,47 @@ DecodedPrimitive Decode(const tinygltf::Model& model, const tinygltf::Primitive&
     if (i % 3 == 0) decoded.triangles.emplace_back();
     decoded.triangles.back()[i % 3] = number[vertex];
   }
+  for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
+    if ((from.uv_sets >> set & 1) == 0) continue;
+    decoded.uv[set] =
+        CornerUvs(Elements(model, primitive.attributes.at("TEXCOORD_" + std::to_string(set)), 2), corners);
+  }
   return decoded;
+}
+
+std::vector<Instance> DecodeInstances(const tinygltf::Model& model, const SubsetInstances& from) {
+  std::vector<Instance> instances(static_cast<std::size_t>(from.count));
+  const auto fill = [&](const std::optional<std::size_t>& accessor, auto Instance::*field) {
+    if (!accessor) return;
+    const std::size_t width = (Instance().*field).size();
+    const Elements elements(model, static_cast<int>(*accessor), width);
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      for (std::size_t c = 0; c < width; ++c) {
+        if (!(std::abs(elements[i][c]) <= 1e12)) {
+          throw LoadError("/nodes/" + std::to_string(from.node) + "/extensions/EXT_mesh_gpu_instancing",
+                          "instance " + std::to_string(i) + " is not finite");
+        }
+        (instances[i].*field)[c] = elements[i][c];
+      }
+    }
+  };
+  fill(from.translation, &Instance::translation);
+  fill(from.rotation, &Instance::rotation);
+  fill(from.scale, &Instance::scale);
+  return instances;
 }
 
 }  // namespace
 
-std::vector<DecodedPrimitive> DecodeSubset(const Subset& subset) {
+DecodedSubset DecodeSubset(const Subset& subset) {
   tinygltf::TinyGLTF reader;
   tinygltf::Model model;
   std::string error, warning;
   const bool read = reader.LoadBinaryFromMemory(&model, &error, &warning, subset.glb.data(),
                                                 static_cast<unsigned int>(subset.glb.size()), "", tinygltf::NO_REQUIRE);
   if (!read) throw LoadError("/meshes", "cannot be read: " + error);
-  std::vector<DecodedPrimitive> decoded;
+  DecodedSubset all;
+  std::vector<DecodedPrimitive>& decoded = all.primitives;
   std::optional<Elements> positions;  // of the last primitive: neighbours often share them
   int accessor = -1;
   std::size_t triangles = 0, steps = 0;
@@ -189,7 +226,8 @@ std::vector<DecodedPrimitive> DecodeSubset(const Subset& subset) {
                                         " triangles; simplify the model");
     }
   }
-  return decoded;
+  for (const SubsetInstances& from : subset.instances) all.instances.push_back(DecodeInstances(model, from));
+  return all;
 }
 
 }  // namespace omni::scene

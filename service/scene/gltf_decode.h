@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "service/base/vec.h"
+#include "service/haptics/scene_input.h"
 #include "service/scene/gltf_subset.h"
 
 namespace omni::scene {
@@ -14,10 +15,22 @@ namespace omni::scene {
 struct DecodedPrimitive {
   std::vector<base::Vec3> positions;  // glTF frame of the mesh; only vertices that a triangle uses
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::array<std::vector<haptics::CornerUv>, haptics::kMaxUvSets> uv;  // per triangle, where the subset has them
 };
 
-// One entry per primitive of `subset` that is not skipped, in order. Throws LoadError: an index beyond the vertices, a
-// vertex that is not finite.
-std::vector<DecodedPrimitive> DecodeSubset(const Subset& subset);
+// One place of an instanced mesh, in the frame of its node: X = T R S.
+struct Instance {
+  std::array<double, 3> translation{0, 0, 0};
+  std::array<double, 4> rotation{0, 0, 0, 1};  // x, y, z, w; as stored, of any length
+  std::array<double, 3> scale{1, 1, 1};
+};
+
+struct DecodedSubset {
+  std::vector<DecodedPrimitive> primitives;      // those of the subset that are not skipped, in order
+  std::vector<std::vector<Instance>> instances;  // as the subset's
+};
+
+// Throws LoadError: an index beyond the vertices, a vertex or transform that is not finite.
+DecodedSubset DecodeSubset(const Subset& subset);
 
 }  // namespace omni::scene

@@ -28,6 +28,7 @@ void GltfFile::Open(const std::string& path, std::uint64_t max_file_bytes, LoadR
   path_ = path;
   max_file_bytes_ = max_file_bytes;
   file_.Open(path, max_file_bytes, true);
+  file_.AddTo(&digest_);
   report.file_bytes = file_.size();
   root_ = ParseJson(ReadJsonText(report));
   const Json* asset = FindObject(root_, "", "asset");
@@ -94,17 +95,23 @@ std::uint64_t GltfFile::bytes_read() const {
   return sum;
 }
 
-void GltfFile::OpenExternal(const std::string& uri, const std::string& pointer, Buffer& buffer) {
+FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& pointer) {
   const std::string name = LocalFileName(uri, pointer);
   const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
   FileBytes& bytes = external_.emplace_back();
+  bytes.AddTo(&digest_);
   try {
     bytes.Open(file.string(), max_file_bytes_, false);
   } catch (const LoadError& error) {
     throw LoadError(pointer, file.string() + " " + error.what());
   }
+  return bytes;
+}
+
+void GltfFile::OpenExternal(const std::string& uri, const std::string& pointer, Buffer& buffer) {
+  FileBytes& bytes = OpenBeside(uri, pointer);
   if (bytes.size() < buffer.length) {
-    throw LoadError(pointer, file.string() + " has " + std::to_string(bytes.size()) + " bytes, byteLength says " +
+    throw LoadError(pointer, "its file has " + std::to_string(bytes.size()) + " bytes, byteLength says " +
                                  std::to_string(buffer.length) + "; it is truncated or belongs to another model");
   }
   buffer.file = &bytes;
@@ -139,6 +146,43 @@ GltfFile::Buffer& GltfFile::OpenBuffer(std::uint32_t index) {
     OpenExternal(uri, Join(pointer, "uri"), buffer);
   }
   return buffers_.emplace(index, std::move(buffer)).first->second;
+}
+
+std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_t max_bytes) {
+  const std::string pointer = Join("/images", index);
+  const Json& json = ElementOf(root_, "images", index);
+  const auto check = [&](std::uint64_t bytes) {
+    if (bytes > max_bytes) {
+      throw LoadError(pointer, "has " + std::to_string(bytes) + " bytes, the limit is " + std::to_string(max_bytes));
+    }
+  };
+  std::vector<unsigned char> stored;
+  if (const auto view = Index(json, pointer, "bufferView", CountOf(root_, "bufferViews"))) {
+    const Json& view_json = ElementOf(root_, "bufferViews", *view);
+    const std::string place = Join("/bufferViews", *view);
+    const auto buffer = Index(view_json, place, "buffer", CountOf(root_, "buffers"));
+    if (!buffer) throw LoadError(Join(place, "buffer"), "is missing");
+    const std::uint64_t offset = Whole(view_json, place, "byteOffset", 1ull << 40, 0);
+    const std::uint64_t length = Whole(view_json, place, "byteLength", 1ull << 40, std::nullopt);
+    check(length);
+    unsigned char last = 0;  // is it there? Asked before memory is
+    if (length > 0) ReadBuffer(*buffer, offset + length - 1, &last, 1);
+    stored.resize(static_cast<std::size_t>(length));
+    ReadBuffer(*buffer, offset, stored.data(), stored.size());
+    return stored;
+  }
+  const std::string uri = FindString(json, pointer, "uri", "");
+  if (uri.empty()) throw LoadError(pointer, "has neither bufferView nor uri");
+  if (uri.starts_with("data:")) {
+    stored = DecodeDataUri(uri, Join(pointer, "uri"));
+    check(stored.size());
+    return stored;
+  }
+  FileBytes& bytes = OpenBeside(uri, Join(pointer, "uri"));
+  check(bytes.size());
+  stored.resize(static_cast<std::size_t>(bytes.size()));
+  bytes.Read(0, stored.data(), stored.size());
+  return stored;
 }
 
 void GltfFile::ReadBuffer(std::uint32_t index, std::uint64_t offset, void* to, std::size_t count) {

@@ -25,8 +25,12 @@ class GltfFile {
   const Json& root() const { return root_; }
   std::uint64_t file_bytes() const { return file_.size(); }
   std::uint64_t bytes_read() const;
+  Digest FinishDigest() { return digest_.Finish(); }  // once: of all bytes read so far, in their order
 
   // Bytes [offset, offset + count) of buffer `buffer`. Throws LoadError when they are not there.
+  // The stored bytes of image `image`: of a bufferView, a data URI or a file beside the document. Throws LoadError.
+  std::vector<unsigned char> ReadImage(std::uint32_t image, std::uint64_t max_bytes);
+
   void ReadBuffer(std::uint32_t buffer, std::uint64_t offset, void* to, std::size_t count);
 
  private:
@@ -38,10 +42,12 @@ class GltfFile {
   };
   std::string ReadJsonText(LoadReport& report);
   Buffer& OpenBuffer(std::uint32_t index);
+  FileBytes& OpenBeside(const std::string& uri, const std::string& pointer);
   void OpenExternal(const std::string& uri, const std::string& pointer, Buffer& buffer);
 
   std::string path_;
   std::uint64_t max_file_bytes_ = 0;
+  Sha256 digest_;
   FileBytes file_;
   std::deque<FileBytes> external_;
   Json root_;

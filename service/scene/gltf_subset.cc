@@ -15,23 +15,47 @@ constexpr std::uint64_t kMaxOffset = 1ull << 40;
 constexpr std::uint64_t kMaxElements = 3ull * haptics::kMaxTriangles;  // of one accessor
 constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
 
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+
+// What an accessor is read as.
+enum Use : unsigned { kIndex = 1, kPosition = 2, kUv = 4, kVector = 8, kRotation = 16 };
+
+struct UseRow {
+  Use use;
+  const char* type;
+  std::uint64_t components;
+  const char* allowed;
+};
+constexpr UseRow kUses[] = {
+    {kIndex, "SCALAR", 1, "5121, 5123 or 5125 for indices"},
+    {kPosition, "VEC3", 3, "5126 (or 5120 to 5123, quantised) for positions"},
+    {kUv, "VEC2", 2, "5126 (or 5120 to 5123, quantised) for texture coordinates"},
+    {kVector, "VEC3", 3, "5126 for translations and scales"},
+    {kRotation, "VEC4", 4, "5126, 5120 or 5122 for rotations"},
+};
+
+const UseRow& RowOf(Use use) {
+  return *std::find_if(std::begin(kUses), std::end(kUses), [use](const UseRow& row) { return row.use == use; });
+}
+
 struct ComponentRow {
   std::uint64_t type;  // OpenGL's number
   std::uint64_t bytes;
-  bool index;     // may be an index
-  bool position;  // may be a position (integers: KHR_mesh_quantization)
+  unsigned uses;  // integers for positions and coordinates: KHR_mesh_quantization
 };
-constexpr ComponentRow kComponents[] = {{5120, 1, false, true}, {5121, 1, true, true},  {5122, 2, false, true},
-                                        {5123, 2, true, true},  {5125, 4, true, false}, {5126, 4, false, true}};
+constexpr ComponentRow kComponents[] = {{5120, 1, kPosition | kUv | kRotation},
+                                        {5121, 1, kIndex | kPosition | kUv},
+                                        {5122, 2, kPosition | kUv | kRotation},
+                                        {5123, 2, kIndex | kPosition | kUv},
+                                        {5125, 4, kIndex},
+                                        {5126, 4, kPosition | kUv | kVector | kRotation}};
 
-const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, bool index) {
+const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, Use use) {
   const std::uint64_t type = Whole(parent, pointer, "componentType", 1 << 16, std::nullopt);
   for (const ComponentRow& row : kComponents) {
-    if (row.type == type && (index ? row.index : row.position)) return row;
+    if (row.type == type && (row.uses & use) != 0) return row;
   }
-  throw LoadError(Join(pointer, "componentType"),
-                  "is " + std::to_string(type) + ", must be " +
-                      (index ? "5121, 5123 or 5125 for indices" : "5126 (or 5120 to 5123, quantised) for positions"));
+  throw LoadError(Join(pointer, "componentType"), "is " + std::to_string(type) + ", must be " + RowOf(use).allowed);
 }
 
 const char* ModeName(std::uint64_t mode) {
@@ -119,14 +143,16 @@ class SubsetBuilder {
  public:
   explicit SubsetBuilder(GltfFile& file) : file_(file), packer_(file) {}
 
-  Subset Run(const std::vector<std::uint32_t>& meshes) {
-    for (const std::uint32_t mesh : meshes) AddMesh(mesh);
+  Subset Run(const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced) {
+    for (const MeshRequest& mesh : meshes) AddMesh(mesh);
+    for (const std::uint32_t node : instanced) AddInstances(node);
     subset_.glb = Glb();
     return std::move(subset_);
   }
 
  private:
-  void AddMesh(std::uint32_t mesh) {
+  void AddMesh(const MeshRequest& request) {
+    const std::uint32_t mesh = request.mesh;
     const std::string pointer = Join("/meshes", mesh);
     const Json* primitives = FindArray(ElementOf(file_.root(), "meshes", mesh), pointer, "primitives");
     if (!primitives) throw LoadError(Join(pointer, "primitives"), "is missing");
@@ -136,12 +162,12 @@ class SubsetBuilder {
       primitive.primitive = i;
       primitive.pointer = Join(Join(pointer, "primitives"), i);
       if (!(*primitives)[i].is_object()) throw LoadError(primitive.pointer, "must be an object");
-      AddPrimitive((*primitives)[i], primitive);
+      AddPrimitive((*primitives)[i], i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, primitive);
       subset_.primitives.push_back(std::move(primitive));
     }
   }
 
-  void AddPrimitive(const Json& json, SubsetPrimitive& primitive) {
+  void AddPrimitive(const Json& json, std::uint8_t uv_sets, SubsetPrimitive& primitive) {
     const std::uint64_t mode = Whole(json, primitive.pointer, "mode", 6, 4);
     if (mode < 4) {
       primitive.skipped = std::string("is drawn as ") + ModeName(mode) + "; only triangles can be touched";
@@ -157,12 +183,51 @@ class SubsetBuilder {
     }
     CheckDraco(json, primitive.pointer, *position);
     primitive.accessor = *position;
-    Json mesh = {{"attributes", {{"POSITION", AddAccessor(*position, false)}}}, {"mode", mode}};
+    Json mesh = {{"attributes", {{"POSITION", AddAccessor(*position, kPosition)}}}, {"mode", mode}};
     if (const auto indices = Index(json, primitive.pointer, "indices", accessors)) {
-      mesh["indices"] = AddAccessor(*indices, true);
+      mesh["indices"] = AddAccessor(*indices, kIndex);
+    }
+    for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
+      if ((uv_sets >> set & 1) == 0) continue;
+      const std::string name = "TEXCOORD_" + std::to_string(set);
+      const auto uv = Index(*attributes, Join(primitive.pointer, "attributes"), name.c_str(), accessors);
+      if (!uv) continue;
+      CheckCount(*uv, *position, Join(Join(primitive.pointer, "attributes"), name));
+      mesh["attributes"][name] = AddAccessor(*uv, kUv);
+      primitive.uv_sets = static_cast<std::uint8_t>(primitive.uv_sets | 1U << set);
     }
     primitive.bytes = packer_.fresh_bytes();
     meshes_.push_back({{"primitives", Json::array({std::move(mesh)})}});
+  }
+
+  void CheckCount(std::uint32_t accessor, std::uint32_t as_many_as, const std::string& pointer) {
+    const auto count = [&](std::uint32_t index) {
+      return Whole(ElementOf(file_.root(), "accessors", index), Join("/accessors", index), "count", kMaxElements,
+                   std::nullopt);
+    };
+    if (count(accessor) != count(as_many_as)) {
+      throw LoadError(pointer, "has " + std::to_string(count(accessor)) + " elements, must have " +
+                                   std::to_string(count(as_many_as)));
+    }
+  }
+
+  void AddInstances(std::uint32_t node) {
+    const std::string pointer = Join(Join(Join("/nodes", node), "extensions"), kInstancing);
+    const Json& json = (*Find(ElementOf(file_.root(), "nodes", node), "extensions"))[kInstancing];
+    const Json* attributes = FindObject(json, pointer, "attributes");
+    if (!attributes) throw LoadError(Join(pointer, "attributes"), "is missing");
+    SubsetInstances instances;
+    instances.node = node;
+    instances.count = CountInstances(file_.root(), node);
+    const auto add = [&](const char* name, Use use) -> std::optional<std::size_t> {
+      const auto accessor = Index(*attributes, Join(pointer, "attributes"), name, CountOf(file_.root(), "accessors"));
+      return accessor ? std::optional(AddAccessor(*accessor, use)) : std::nullopt;
+    };
+    instances.translation = add("TRANSLATION", kVector);
+    instances.rotation = add("ROTATION", kRotation);
+    instances.scale = add("SCALE", kVector);
+    packer_.fresh_bytes();
+    subset_.instances.push_back(instances);
   }
 
   // Without the extension in extensionsRequired a document carries the plain data as well, and that is read.
@@ -175,13 +240,13 @@ class SubsetBuilder {
     }
   }
 
-  std::size_t AddAccessor(std::uint32_t index, bool is_index) {
-    const auto found = accessor_numbers_.find({index, is_index});
+  std::size_t AddAccessor(std::uint32_t index, Use use) {
+    const auto found = accessor_numbers_.find({index, use});
     if (found != accessor_numbers_.end()) return found->second;
     const std::string pointer = Join("/accessors", index);
     const Json& json = ElementOf(file_.root(), "accessors", index);
-    const ComponentRow& component = ComponentOf(json, pointer, is_index);
-    const char* type = is_index ? "SCALAR" : "VEC3";
+    const ComponentRow& component = ComponentOf(json, pointer, use);
+    const char* type = RowOf(use).type;
     if (FindString(json, pointer, "type", "") != type)
       throw LoadError(Join(pointer, "type"), std::string("must be ") + type);
     const std::uint64_t count = Whole(json, pointer, "count", kMaxElements, std::nullopt);
@@ -189,11 +254,11 @@ class SubsetBuilder {
     if (normalized && !normalized->is_boolean()) throw LoadError(Join(pointer, "normalized"), "must be true or false");
     Json packed = {{"componentType", component.type}, {"type", type}, {"count", count}};
     if (normalized && component.type != 5126) packed["normalized"] = *normalized;
-    const std::uint64_t element = component.bytes * (is_index ? 1 : 3);
+    const std::uint64_t element = component.bytes * RowOf(use).components;
     AddData(json, pointer, element, count, packed);
     AddSparse(json, pointer, element, count, packed);
     accessors_.push_back(std::move(packed));
-    return accessor_numbers_[{index, is_index}] = accessors_.size() - 1;
+    return accessor_numbers_[{index, use}] = accessors_.size() - 1;
   }
 
   void AddData(const Json& json, const std::string& pointer, std::uint64_t element, std::uint64_t count, Json& packed) {
@@ -226,7 +291,7 @@ class SubsetBuilder {
       const auto view = Index(*part_json, part_pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
       if (!view) throw LoadError(Join(part_pointer, "bufferView"), "is missing");
       const bool is_index = part[0] == 'i';
-      const std::uint64_t bytes = is_index ? ComponentOf(*part_json, part_pointer, true).bytes : element;
+      const std::uint64_t bytes = is_index ? ComponentOf(*part_json, part_pointer, kIndex).bytes : element;
       const std::uint64_t offset = Whole(*part_json, part_pointer, "byteOffset", kMaxOffset, 0);
       parts[part] = {{"bufferView", packer_.AddView(*view, part_pointer, offset, bytes * changed, 0)},
                      {"byteOffset", 0}};
@@ -268,11 +333,62 @@ class SubsetBuilder {
   Subset subset_;
   Json accessors_ = Json::array();
   Json meshes_ = Json::array();
-  std::map<std::pair<std::uint32_t, bool>, std::size_t> accessor_numbers_;
+  std::map<std::pair<std::uint32_t, Use>, std::size_t> accessor_numbers_;
 };
 
 }  // namespace
 
-Subset BuildSubset(GltfFile& file, const std::vector<std::uint32_t>& meshes) { return SubsetBuilder(file).Run(meshes); }
+std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh) {
+  const std::string pointer = Join("/meshes", mesh);
+  const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), pointer, "primitives");
+  const std::uint64_t accessors = CountOf(root, "accessors");
+  std::uint64_t sum = 0;
+  for (std::uint32_t i = 0; primitives && i < primitives->size(); ++i) {
+    const Json& json = (*primitives)[i];
+    const std::string place = Join(Join(pointer, "primitives"), i);
+    if (!json.is_object()) throw LoadError(place, "must be an object");
+    const std::uint64_t mode = Whole(json, place, "mode", 6, 4);
+    auto run = Index(json, place, "indices", accessors);
+    const Json* attributes = run ? nullptr : FindObject(json, place, "attributes");
+    if (attributes) run = Index(*attributes, Join(place, "attributes"), "POSITION", accessors);
+    if (mode < 4 || !run) continue;
+    const std::string accessor = Join("/accessors", *run);
+    const std::uint64_t count = Whole(ElementOf(root, "accessors", *run), accessor, "count", 1ull << 40, std::nullopt);
+    const std::uint64_t triangles = mode == 4 ? count / 3 : (count < 2 ? 0 : count - 2);
+    if (triangles > haptics::kMaxTriangles) {
+      throw LoadError(Join(accessor, "count"), "is " + std::to_string(count) + ": " + std::to_string(triangles) +
+                                                   " triangles, the limit is " +
+                                                   std::to_string(haptics::kMaxTriangles) + "; simplify the model");
+    }
+    sum += triangles;
+  }
+  return sum;
+}
+
+std::uint64_t CountInstances(const Json& root, std::uint32_t node) {
+  const std::string pointer = Join("/nodes", node);
+  const Json* extensions = FindObject(ElementOf(root, "nodes", node), pointer, "extensions");
+  const std::string place = Join(Join(pointer, "extensions"), kInstancing);
+  const Json* json = extensions ? FindObject(*extensions, Join(pointer, "extensions"), kInstancing) : nullptr;
+  if (!json) return 1;
+  const Json* attributes = FindObject(*json, place, "attributes");
+  std::optional<std::uint64_t> count;
+  for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"}) {
+    const auto accessor =
+        attributes ? Index(*attributes, Join(place, "attributes"), name, CountOf(root, "accessors")) : std::nullopt;
+    if (!accessor) continue;
+    const std::uint64_t own = Whole(ElementOf(root, "accessors", *accessor), Join("/accessors", *accessor), "count",
+                                    haptics::kMaxTriangles, std::nullopt);
+    if (count && own != *count) throw LoadError(place, "has attributes of different counts; they must be equal");
+    count = own;
+  }
+  if (!count) throw LoadError(place, "has none of TRANSLATION, ROTATION and SCALE");
+  return *count;
+}
+
+Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes,
+                   const std::vector<std::uint32_t>& instanced) {
+  return SubsetBuilder(file).Run(meshes, instanced);
+}
 
 }  // namespace omni::scene

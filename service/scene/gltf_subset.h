@@ -1,8 +1,10 @@
-// The part of a document that touch needs: positions and indices of chosen meshes, checked against the document's own
+// The part of a document that touch needs: positions and indices of chosen meshes, texture coordinates where a haptic
+// texture needs them, transforms of instances; checked against the document's own
 // limits, their bytes read and packed into a small binary glTF without anything else.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,21 +13,41 @@
 
 namespace omni::scene {
 
+struct MeshRequest {
+  std::uint32_t mesh = 0;             // index into /meshes, each once
+  std::vector<std::uint8_t> uv_sets;  // of each primitive: bit k asks for TEXCOORD_k; those beyond the list need none
+};
+
+// The accessors of EXT_mesh_gpu_instancing of a node.
+struct SubsetInstances {
+  std::uint32_t node = 0;
+  std::uint64_t count = 0;
+  std::optional<std::size_t> translation, rotation, scale;  // accessors of the subset
+};
+
 struct SubsetPrimitive {
   std::uint32_t mesh = 0;  // in the original document
   std::uint32_t primitive = 0;
   std::string pointer;         // /meshes/0/primitives/1
   std::uint64_t bytes = 0;     // read for it
   std::string skipped;         // why it is not in the subset; empty: it is, in the order of this list
+  std::uint8_t uv_sets = 0;    // bit k: TEXCOORD_k was asked for and is there
   std::uint32_t accessor = 0;  // POSITION, in the original document (for messages)
 };
 
 struct Subset {
   std::vector<SubsetPrimitive> primitives;
+  std::vector<SubsetInstances> instances;
   std::vector<unsigned char> glb;  // one mesh for each primitive that is not skipped
 };
 
-// Throws LoadError on anything that is not as glTF 2.0 says. `meshes`: indices into /meshes, each once.
-Subset BuildSubset(GltfFile& file, const std::vector<std::uint32_t>& meshes);
+// Triangles of a mesh by the counts of its accessors: before any of them is read. Throws LoadError.
+std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh);
+
+// Instances of a node by EXT_mesh_gpu_instancing; 1 without. Throws LoadError.
+std::uint64_t CountInstances(const Json& root, std::uint32_t node);
+
+// Throws LoadError on anything that is not as glTF 2.0 says. `instanced`: nodes whose instances are wanted.
+Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced);
 
 }  // namespace omni::scene

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/scene/haptic_texture.h"
 #include "service/scene/load_error.h"
 
 namespace omni::scene {
@@ -11,6 +12,15 @@ constexpr const char* kOmni = "OMNI_haptic_material";
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 // The draft of 2023 and the one of 2025 spell it differently; files of both exist.
 constexpr const char* kMpegSpellings[] = {"MPEG_haptic_material", "MPEG_material_haptic"};
+
+struct TextureKey {
+  const char* key;
+  TextureRole role;
+};
+constexpr TextureKey kTextureKeys[] = {{"stiffness", kStiffnessTexture},
+                                       {"friction", kFrictionTexture},
+                                       {"vibrotactile_texture", kVibrotactileTexture},  // the draft of 2023
+                                       {"vibrotactileTexture", kVibrotactileTexture}};
 
 const Json* Extension(const Json& owner, const std::string& pointer, const char* name) {
   const Json* extensions = FindObject(owner, pointer, "extensions");
@@ -34,13 +44,16 @@ const HapticTag& Binding::MpegMaterial(const char* extension, const Json& user, 
   return Cached(material, [&] {
     const Json& json = (*materials)[*index];
     if (!json.is_object()) throw LoadError(material, "must be an object");
-    for (const char* texture : {"haptic", "stiffness", "friction", "vibrotactileTexture", "vibrotactile_texture",
-                                "temperature", "vibration", "custom"}) {
-      if (Find(json, texture))
-        warnings_.Add(Join(material, texture), "textures are not rendered; the values of OMNI_haptic_material are");
+    for (const char* texture : {"haptic", "temperature", "vibration", "custom"}) {
+      if (Find(json, texture)) warnings_.Add(Join(material, texture), "is not rendered");
     }
     HapticTag tag;
     if (const Json* omni = Extension(json, material, kOmni)) tag = ReadTag(*omni, PlaceOf(material, kOmni), warnings_);
+    for (const auto& [name, role] : kTextureKeys) {
+      const Json* list = Find(json, name);
+      if (!list) continue;
+      if (auto use = ReadTextureUse(root_, *list, Join(material, name), warnings_)) tag.textures[role] = std::move(use);
+    }
     tag.present = true;
     return tag;
   });
@@ -140,8 +153,7 @@ HapticTag Binding::TagOf(const NodeVisit& node, std::uint32_t primitive) {
   return tag;
 }
 
-std::uint16_t Binding::MaterialIndex(const HapticTag& tag, const std::string& pointer) {
-  const haptics::Material material = MaterialOf(tag, pointer, warnings_);
+std::uint16_t Binding::MaterialIndex(const haptics::Material& material, const std::string& pointer) {
   for (std::size_t i = 0; i < materials_.size(); ++i) {
     if (SameMaterial(materials_[i], material)) return static_cast<std::uint16_t>(i);
   }

@@ -27,8 +27,8 @@ class Binding {
   // The tag that holds for primitive `primitive` of the node's mesh.
   HapticTag TagOf(const NodeVisit& node, std::uint32_t primitive);
 
-  // Index into materials(); equal materials share one. Throws LoadError over 4,096 of them.
-  std::uint16_t MaterialIndex(const HapticTag& tag, const std::string& pointer);
+  // Index of a material; equal ones share one. Throws LoadError over 4,096 of them.
+  std::uint16_t MaterialIndex(const haptics::Material& material, const std::string& pointer);
   std::vector<haptics::Material> TakeMaterials() { return std::move(materials_); }
 
  private:

@@ -66,6 +66,10 @@ inline constexpr std::array kMaterialKeys = {
                                  [](haptics::Material& m) -> double& { return m.softness.max_depth_m; }},
     NumberKey<haptics::Material>{"softness.relaxationTime", "s", 0.001, 10,
                                  [](haptics::Material& m) -> double& { return m.softness.relaxation_time_s; }},
+    NumberKey<haptics::Material>{"softness.fibreRatio", "1", 1, 20,
+                                 [](haptics::Material& m) -> double& { return m.softness.fibre_ratio; }},
+    NumberKey<haptics::Material>{"softness.hardening", "1", 0, 20,
+                                 [](haptics::Material& m) -> double& { return m.softness.hardening; }},
     NumberKey<haptics::Material>{"popThrough", "N", 0, 10,
                                  [](haptics::Material& m) -> double& { return m.pop_through_N; }},
     NumberKey<haptics::Material>{"magnet.maxForce", "N", 0, 2,
@@ -84,6 +88,16 @@ inline constexpr std::array kMaterialKeys = {
                                  [](haptics::Material& m) -> double& { return m.extrude.grab_force_N; }},
     NumberKey<haptics::Material>{"extrude.dwell", "s", 0, 5,
                                  [](haptics::Material& m) -> double& { return m.extrude.dwell_s; }},
+    NumberKey<haptics::Material>{"sculptable.radius", "m", 0.0005, 0.03,
+                                 [](haptics::Material& m) -> double& { return m.sculpt.radius_m; }},
+    NumberKey<haptics::Material>{"sculptable.snap", "m", 0, 0.02,
+                                 [](haptics::Material& m) -> double& { return m.sculpt.snap_m; }},
+    NumberKey<haptics::Material>{"sculptable.grabForce", "N", 0.05, 2,
+                                 [](haptics::Material& m) -> double& { return m.sculpt.grab_force_N; }},
+    NumberKey<haptics::Material>{"sculptable.dwell", "s", 0, 5,
+                                 [](haptics::Material& m) -> double& { return m.sculpt.dwell_s; }},
+    NumberKey<haptics::Material>{"sculptable.resistance", "N/m", 0, 2000,
+                                 [](haptics::Material& m) -> double& { return m.sculpt.resistance_N_m; }},
 };
 
 // Further keys of a node with "role": "joystick".

@@ -26,15 +26,27 @@ constexpr ModelRow kModels[] = {{"none", haptics::SoftnessModel::kNone},
                                 {"winkler", haptics::SoftnessModel::kWinkler},
                                 {"tet", haptics::SoftnessModel::kTet}};
 
+struct FalloffRow {
+  const char* name;
+  haptics::Falloff falloff;
+};
+constexpr FalloffRow kFalloffs[] = {{"constant", haptics::Falloff::kConstant},
+                                    {"linear", haptics::Falloff::kLinear},
+                                    {"smooth", haptics::Falloff::kSmooth}};
+
+struct SymmetryRow {
+  const char* name;
+  haptics::Symmetry symmetry;
+};
+constexpr SymmetryRow kSymmetries[] = {{"none", haptics::Symmetry::kNone},
+                                       {"x", haptics::Symmetry::kX},
+                                       {"y", haptics::Symmetry::kY},
+                                       {"z", haptics::Symmetry::kZ}};
+
 std::string Text(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
-}
-
-std::string Shown(const Json& value) {
-  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 
 template <class Row, std::size_t kCount>
@@ -58,12 +70,20 @@ class TagReader {
   void ReadKey(const std::string& path, const Json& value, const std::string& pointer) {
     if (path == "name" || path == "role") return;  // the role was read first: it decides which keys there are
     if (path == "doubleSided") return ReadFlag(value, pointer, tag_.double_sided);
+    if (path == "kinematic") return ReadFlag(value, pointer, tag_.kinematic);
+    if (path == "sculptable" && value.is_object()) tag_.sculptable = true;
+    if (path == "sculptable" && !value.is_object()) return ReadFlag(value, pointer, tag_.sculptable);
+    if (path == "sculptable.falloff") return ReadWord(kFalloffs, &FalloffRow::falloff, value, pointer, tag_.falloff);
+    if (path == "sculptable.symmetry")
+      return ReadWord(kSymmetries, &SymmetryRow::symmetry, value, pointer, tag_.symmetry);
+    if (path == "softness.fibreDirection") return ReadDirection(value, pointer);
     if (path == "extrude" && value.is_object()) tag_.extrude = true;
     if (path == "extrude" && !value.is_object()) return ReadFlag(value, pointer, tag_.extrude);
     if (path == "softness" && value.is_object() && !tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
     if (path == "softness.model" || (path == "softness" && !value.is_object())) return ReadModel(value, pointer);
     if (value.is_object() && IsGroup(path)) return ReadObject(value, path + ".", pointer);
     if (path.starts_with("extrude.") && !tag_.extrude) tag_.extrude = true;
+    if (path.starts_with("sculptable.") && !tag_.sculptable) tag_.sculptable = true;
     if (path.starts_with("softness.") && !tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
     const bool known = ReadRoleNumber(path, value, pointer);
     if (!known) warnings_.Add(pointer, "is no key of a haptic tag and is ignored; see docs/scenes.md for the keys");
@@ -79,6 +99,19 @@ class TagReader {
     }
   }
 
+  template <class T, std::size_t kCount>
+  bool ReadNumber(const std::array<NumberKey<T>, kCount>& keys, Values<T, kCount>& values, const std::string& path,
+                  const Json& value, const std::string& pointer) {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      if (keys[i].key == path) {
+        values.number[i] = InRange(keys[i].minimum, keys[i].maximum, keys[i].whole != nullptr,
+                                   std::string(keys[i].unit), value, pointer);
+        return true;
+      }
+    }
+    return false;
+  }
+
  private:
   static bool IsGroup(const std::string& path) {
     return std::any_of(kMaterialKeys.begin(), kMaterialKeys.end(),
@@ -90,6 +123,34 @@ class TagReader {
       tag_.softness = row->model;
     } else {
       warnings_.Add(pointer, "is " + Shown(value) + ", must be none, winkler or tet; it is ignored");
+    }
+  }
+
+  template <class Row, std::size_t kCount, class T>
+  void ReadWord(const Row (&rows)[kCount], T Row::*value_of, const Json& value, const std::string& pointer,
+                std::optional<T>& word) {
+    if (!tag_.sculptable) tag_.sculptable = true;
+    if (const Row* row = RowNamed(rows, value)) {
+      word = row->*value_of;
+      return;
+    }
+    std::string names;
+    for (const Row& row : rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
+    warnings_.Add(pointer, "is " + Shown(value) + ", must be one of " + names + "; it is ignored");
+  }
+
+  void ReadDirection(const Json& value, const std::string& pointer) {
+    if (!tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
+    std::array<double, 3> direction{};
+    bool sound = value.is_array() && value.size() == 3;
+    for (std::size_t k = 0; sound && k < 3; ++k) {
+      sound = value[k].is_number() && std::abs(value[k].get<double>()) <= 1e6;
+      if (sound) direction[k] = value[k].get<double>();
+    }
+    if (sound && direction != std::array<double, 3>{}) {
+      tag_.fibre_direction = direction;
+    } else {
+      warnings_.Add(pointer, "is " + Shown(value) + ", must be three numbers, not all zero; it is ignored");
     }
   }
 
@@ -110,19 +171,6 @@ class TagReader {
     if (role == Role::kVehicle) return ReadNumber(kVehicleKeys, tag_.vehicle, path, value, pointer);
     if (role == Role::kCheckpoint) return ReadNumber(kCheckpointKeys, tag_.checkpoint, path, value, pointer);
     return ReadNumber(kMaterialKeys, tag_.material, path, value, pointer);
-  }
-
-  template <class T, std::size_t kCount>
-  bool ReadNumber(const std::array<NumberKey<T>, kCount>& keys, Values<T, kCount>& values, const std::string& path,
-                  const Json& value, const std::string& pointer) {
-    for (std::size_t i = 0; i < kCount; ++i) {
-      if (keys[i].key == path) {
-        values.number[i] = InRange(keys[i].minimum, keys[i].maximum, keys[i].whole != nullptr,
-                                   std::string(keys[i].unit), value, pointer);
-        return true;
-      }
-    }
-    return false;
   }
 
   std::optional<double> InRange(double minimum, double maximum, bool whole, const std::string& unit, const Json& value,
@@ -184,7 +232,13 @@ void HapticTag::OverrideBy(const HapticTag& stronger) {
   present = present || stronger.present;
   Override(role, stronger.role);
   Override(double_sided, stronger.double_sided);
+  Override(kinematic, stronger.kinematic);
   Override(extrude, stronger.extrude);
+  Override(sculptable, stronger.sculptable);
+  Override(falloff, stronger.falloff);
+  Override(symmetry, stronger.symmetry);
+  Override(fibre_direction, stronger.fibre_direction);
+  for (std::size_t i = 0; i < kTextureRoles; ++i) Override(textures[i], stronger.textures[i]);
   Override(softness, stronger.softness);
   Override(material, stronger.material);
   Override(joystick, stronger.joystick);
@@ -230,10 +284,54 @@ HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& wa
   return read;
 }
 
+double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings) {
+  struct Tip {
+    double radius_m = 0;
+  };
+  constexpr std::array kKeys = {
+      NumberKey<Tip>{"tip.radius", "m", 0, 0.01, [](Tip& tip) -> double& { return tip.radius_m; }}};
+  const Json* extras = Find(scene, "extras");
+  const Json* haptic = extras ? Find(*extras, "haptic") : nullptr;
+  const Json* tip = haptic ? Find(*haptic, "tip") : nullptr;
+  const Json* radius = tip ? Find(*tip, "radius") : (extras ? Find(*extras, "haptic.tip.radius") : nullptr);
+  if (!radius) return 0;
+  HapticTag unused;
+  Values<Tip, kKeys.size()> values;
+  const std::string place = Join(pointer, "extras");
+  TagReader(unused, warnings)
+      .ReadNumber(kKeys, values, "tip.radius", *radius,
+                  tip ? Join(Join(Join(place, "haptic"), "tip"), "radius") : Join(place, "haptic.tip.radius"));
+  return Filled(kKeys, values).radius_m;
+}
+
+// Settles what cannot be both.
+static void Settle(const HapticTag& tag, const std::string& pointer, Warnings& warnings, haptics::Material& material) {
+  if (material.sculpt.enabled && tag.kinematic.value_or(false)) {
+    warnings.Add(pointer, "is kinematic and sculptable; kinematic holds, it cannot be sculpted");
+    material.sculpt.enabled = false;
+  }
+  if (material.extrude.enabled && tag.kinematic.value_or(false)) {
+    warnings.Add(pointer, "is kinematic and to be extruded; kinematic holds, its faces stay");
+    material.extrude.enabled = false;
+  }
+  if (material.sculpt.enabled && material.extrude.enabled) {
+    warnings.Add(pointer, "is sculptable and to be extruded; sculptable holds");
+    material.extrude.enabled = false;
+  }
+  if (material.sculpt.enabled && material.softness.model == haptics::SoftnessModel::kTet) {
+    warnings.Add(pointer, "is sculptable and softness tet; sculptable holds, softness is a winkler layer");
+    material.softness.model = haptics::SoftnessModel::kWinkler;
+  }
+}
+
 haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings) {
   haptics::Material material = Filled(kMaterialKeys, tag.material);
   material.softness.model = tag.softness.value_or(haptics::SoftnessModel::kNone);
   material.extrude.enabled = tag.extrude.value_or(false);
+  material.sculpt.enabled = tag.sculptable.value_or(false);
+  material.sculpt.falloff = tag.falloff.value_or(material.sculpt.falloff);
+  material.sculpt.symmetry = tag.symmetry.value_or(material.sculpt.symmetry);
+  Settle(tag, pointer, warnings, material);
   if (!(material.dynamic_friction <= material.static_friction)) {
     // Field 2 is staticFriction, 3 dynamicFriction. Only what was said is complained about.
     if (tag.material.number[3]) {
@@ -248,6 +346,10 @@ haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, W
 
 bool SameMaterial(const haptics::Material& a, const haptics::Material& b) {
   return a.softness.model == b.softness.model && a.extrude.enabled == b.extrude.enabled &&
+         a.sculpt.enabled == b.sculpt.enabled && a.sculpt.falloff == b.sculpt.falloff &&
+         a.sculpt.symmetry == b.sculpt.symmetry && a.softness.fibre_direction_base == b.softness.fibre_direction_base &&
+         a.stiffness_texture == b.stiffness_texture && a.friction_texture == b.friction_texture &&
+         a.vibrotactile_texture == b.vibrotactile_texture &&
          std::all_of(kMaterialKeys.begin(), kMaterialKeys.end(),
                      [&](const auto& row) { return row.Get(a) == row.Get(b); });
 }

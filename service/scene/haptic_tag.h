@@ -31,11 +31,32 @@ struct Values {
   std::array<std::optional<double>, kCount> number{};
 };
 
+// A texture that a tag names, checked against the document; its image is read later (haptic_texture.h).
+struct TextureUse {
+  std::uint32_t image = 0;
+  std::uint32_t uv_set = 0;
+  haptics::Wrap wrap_u = haptics::Wrap::kRepeat, wrap_v = haptics::Wrap::kRepeat;
+  std::array<double, 6> to_image{1, 0, 0, 0, 1, 0};
+  std::string pointer;
+
+  bool operator==(const TextureUse& other) const {  // the same to the tick
+    return image == other.image && uv_set == other.uv_set && wrap_u == other.wrap_u && wrap_v == other.wrap_v &&
+           to_image == other.to_image;
+  }
+};
+enum TextureRole : std::size_t { kStiffnessTexture, kFrictionTexture, kVibrotactileTexture, kTextureRoles };
+
 struct HapticTag {
   bool present = false;
   std::optional<Role> role;
   std::optional<bool> double_sided;
+  std::optional<bool> kinematic;
   std::optional<bool> extrude;
+  std::optional<bool> sculptable;
+  std::optional<haptics::Falloff> falloff;
+  std::optional<haptics::Symmetry> symmetry;
+  std::optional<std::array<double, 3>> fibre_direction;  // frame of the file's node
+  std::array<std::optional<TextureUse>, kTextureRoles> textures;
   std::optional<haptics::SoftnessModel> softness;
   Values<haptics::Material, kMaterialKeys.size()> material;
   Values<haptics::JoystickInput, kJoystickKeys.size()> joystick;
@@ -54,7 +75,12 @@ HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warning
 // type into an editor that knows only flat custom properties).
 HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& warnings);
 
-// static >= dynamic friction; a tag that says otherwise: dynamic is lowered, with a warning.
+// Radius of the tip's ball in `extras` of a scene, "haptic": {"tip": {"radius": m}} or "haptic.tip.radius"; 0: a point.
+double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings);
+
+// What contradicts itself is settled with a warning: dynamic friction above static is lowered; sculptable wins over
+// extrude and over softness tet; kinematic wins over sculptable and extrude. Textures and the fibres' direction, which
+// need the whole document, are left to the caller.
 haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings);
 bool SameMaterial(const haptics::Material& a, const haptics::Material& b);
 haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings);

@@ -35,13 +35,13 @@ void CheckDepth(std::string_view text) {
   }
 }
 
+}  // namespace
+
 std::string Shown(const Json& value) {
   std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
   if (text.size() > 60) text = text.substr(0, 57) + "...";
   return text;
 }
-
-}  // namespace
 
 Json ParseJson(std::string_view text) {
   CheckDepth(text);

@@ -18,6 +18,9 @@ inline constexpr int kMaxJsonDepth = 128;  // deeper nesting is refused before a
 // object.
 Json ParseJson(std::string_view text);
 
+// A value as text, cut to 60 characters; for messages.
+std::string Shown(const Json& value);
+
 // RFC 6901: "/" and "~" in keys are escaped.
 std::string Join(const std::string& pointer, std::string_view key);
 std::string Join(const std::string& pointer, std::uint64_t index);

@@ -12,7 +12,8 @@
 namespace omni::scene {
 
 struct LoadOptions {
-  bool fit = false;  // scale and move into reach: what is touched lies 5-30 mm above the hull
+  bool touch_untagged = false;  // a file without any haptic tag is touched as a whole, with the default material
+  bool fit = false;             // scale and move into reach: what is touched lies 5-30 mm above the hull
   base::Vec3 offset_base_m;
   double scale = 1;
   double hull_radius_m = 0.0375;
@@ -34,11 +35,17 @@ struct LoadReport {
   std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;
   std::uint64_t bytes_read = 0;
-  double fit_scale = 1;  // applied by `fit`
+  std::uint32_t images_decoded = 0;  // by this load: none when it came from the cache
+  bool skipped = false;              // the file has no haptic tag: nothing is touched, only its JSON was read
+  double fit_scale = 1;              // applied by `fit`
+  double load_ms = 0;                // LoadScene: from the path to the scene
+  bool cached = false;               // LoadScene: taken from the cache, not built
+  std::string cache;                 // LoadScene: what the cache did, in words
 };
 
 // Frame: glTF is y up, right handed, metres; base frame is z up: (x, y, z)_B = (x, -z, y)_glTF. The glTF origin is the
-// base's core centre. Errors: "<file>: <JSON pointer>: what, limit, what to do".
+// base's core centre. A file that is skipped (see LoadReport) gives an input without objects. Errors: "<file>: <JSON
+// pointer>: what, limit, what to do".
 base::Result<haptics::SceneInput> LoadSceneFile(const std::string& path, const LoadOptions& options,
                                                 LoadReport& report);
 

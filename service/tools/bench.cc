@@ -27,6 +27,7 @@ struct Bench {
 constexpr Bench kBenches[] = {
     {"loop", "one tick of the service, per scene (the twin's time excluded)", BenchLoop},
     {"tick", "one tick in demanding scenes, features on and off, and beside busy threads", BenchTick},
+    {"scene", "what loading a scene costs: bytes read, images, threads, memory, time", BenchScene},
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
     {"tracking", "error of the tracker against the twin", BenchTracking},
     {"solver", "run time and error of solvers on the same poses", BenchSolver},

@@ -35,6 +35,9 @@ base::Result<BenchRows> BenchLoop(const BenchOptions& options);
 // The whole tick in demanding scenes: scene, triangles, us_median, us_p99, allocations; side tables: what each feature
 // of a material costs, and how late ticks are beside two busy threads.
 base::Result<BenchRows> BenchTick(const BenchOptions& options);
+// Loading, each file in a fresh process: scene, tagged, bytes_file, bytes_read (by the system), images_decoded,
+// threads, rss_MB (both beyond the process before), load_ms, build_ms, cached.
+base::Result<BenchRows> BenchScene(const BenchOptions& options);
 
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);

@@ -48,7 +48,8 @@ bool AppendToSummary(const std::string& path, const RunReport& report) {
 bool WritePicture(const ReportArguments& arguments, const RunReport& report, const RunData& data) {
   haptics::Scene scene;
   if (!arguments.scene.empty()) {
-    auto loaded = LoadScene(arguments.scene, {.fit = report.scene == "custom"});
+    auto loaded =
+        LoadScene(arguments.scene, {.touch_untagged = report.scene == "custom", .fit = report.scene == "custom"});
     if (loaded.ok()) scene = std::move(loaded->scene);
   }
   std::ofstream file(arguments.picture);

@@ -1,4 +1,6 @@
-// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs.
+// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: that as
+// the system counts it. omni scene cache: the built scenes that are kept.
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -7,8 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "service/config/device_file.h"
+#include "service/config/paths.h"
+#include "service/scene/cache_store.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/scene_cost.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/scene_text.h"
 
@@ -18,19 +23,41 @@ namespace {
 struct ExplainArguments {
   std::string scene;
   bool fit = false;
+  bool touch_all = false;
   bool as_json = false;
+  bool no_cache = false;
+  bool clear = false;
 };
 
 int Explain(const ExplainArguments& arguments) {
   const std::string path = FindScene(arguments.scene);
-  const base::Result<LoadedScene> loaded =
-      LoadScene(path, {.fit = arguments.fit, .hull_radius_m = config::DefaultDevice().hull_radius_m});
+  const base::Result<LoadedScene> loaded = LoadScene(path,
+                                                     {.touch_untagged = arguments.fit || arguments.touch_all,
+                                                      .fit = arguments.fit,
+                                                      .hull_radius_m = config::DefaultDevice().hull_radius_m},
+                                                     !arguments.no_cache);
   if (!loaded.ok()) return Fail("omni scene explain", loaded.error());
   if (arguments.as_json) {
     std::cout << SceneJson(path, *loaded).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
     std::cout << SceneText(path, *loaded);
   }
+  return kExitOk;
+}
+
+int Cost(const ExplainArguments& arguments) {
+  const auto cost = SceneCost(FindScene(arguments.scene), {.touch_untagged = arguments.touch_all}, !arguments.no_cache);
+  if (!cost.ok()) return Fail("omni scene cost", cost.error());
+  std::cout << cost->dump(2) << "\n";
+  return kExitOk;
+}
+
+int Cache(const ExplainArguments& arguments) {
+  scene::CacheStore store(config::CacheFolder());
+  if (!store.problem().empty()) return Fail("omni scene cache", store.problem());
+  const scene::CacheUse use = arguments.clear ? store.Clear() : store.Use();
+  std::printf("%s: %llu files, %.1f MB%s\n", store.folder().c_str(), static_cast<unsigned long long>(use.files),
+              static_cast<double>(use.bytes) * 1e-6, arguments.clear ? " removed" : "");
   return kExitOk;
 }
 
@@ -43,7 +70,17 @@ void AddScene(CLI::App& app) {
   CLI::App* explain = scene->add_subcommand("explain", "what of a glTF file is loaded, what not and why, and its cost");
   explain->add_option("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
   explain->add_flag("--fit", arguments->fit, "scale and move the model into reach, as placement = \"fit\" does");
+  explain->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
   explain->add_flag("--json", arguments->as_json, "as JSON");
+  explain->add_flag("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  CLI::App* cost = scene->add_subcommand("cost", "load a scene and print what it cost this process, as JSON");
+  cost->add_option("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
+  cost->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags");
+  cost->add_flag("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  cost->callback([arguments] { throw CLI::RuntimeError(Cost(*arguments)); });
+  CLI::App* cache = scene->add_subcommand("cache", "the built scenes that are kept on disk");
+  cache->add_flag("--clear", arguments->clear, "remove them");
+  cache->callback([arguments] { throw CLI::RuntimeError(Cache(*arguments)); });
   explain->callback([arguments] { throw CLI::RuntimeError(Explain(*arguments)); });
 }
 

@@ -1,19 +1,21 @@
 #include "service/tools/scene_source.h"
 
 #include <filesystem>
+#include <optional>
 
 #include "service/config/paths.h"
+#include "service/scene/load_scene.h"
 
 namespace omni::tools {
 
 namespace fs = std::filesystem;
 
-base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options) {
+base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options, bool cached) {
   LoadedScene loaded;
-  auto input = scene::LoadSceneFile(path, options, loaded.load);
-  if (!input.ok()) return base::Error{input.error()};
-  auto scene = haptics::BuildScene(*input, loaded.build);
-  if (!scene.ok()) return base::Error{path + ": " + scene.error()};
+  std::optional<scene::CacheStore> cache;
+  if (cached) cache.emplace(config::CacheFolder());
+  auto scene = scene::LoadScene(path, options, cache ? &*cache : nullptr, loaded.load, loaded.build);
+  if (!scene.ok()) return base::Error{scene.error()};
   loaded.scene = std::move(*scene);
   return loaded;
 }

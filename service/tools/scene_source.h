@@ -1,4 +1,4 @@
-// Loading a scene for a tool: file -> Scene, with both reports.
+// Loading a scene for a tool: file -> Scene, with both reports, by the user's cache.
 #pragma once
 
 #include <string>
@@ -15,7 +15,8 @@ struct LoadedScene {
   haptics::BuildReport build;
 };
 
-base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options);
+// `cached`: by the user's cache (config::CacheFolder), as omnid does; false: always built.
+base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options, bool cached = true);
 
 // `name` as given if it is a file, else a scene of the data folder: "dragon" -> <scenes>/dragon.glb.
 std::string FindScene(const std::string& name);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
 #include "service/protocol/text.h"
 #include "service/tools/material_table.h"
+#include "service/tools/scene_features.h"
 
 namespace omni::tools {
 namespace {
@@ -74,6 +76,7 @@ std::string MaterialLine(const Material& material) {
     text += ", extrude in steps of " + Number(material.extrude.step_m * 1e3) + " mm (" +
             std::to_string(material.extrude.steps_out) + " out, " + std::to_string(material.extrude.steps_in) + " in)";
   }
+  if (material.sculpt.enabled) text += ", sculptable within " + Number(material.sculpt.radius_m * 1e3) + " mm";
   return text;
 }
 
@@ -101,20 +104,28 @@ std::string Extent(const haptics::SceneHeader& header) {
 }
 
 std::string Summary(const LoadedScene& loaded) {
-  const haptics::SceneHeader& header = loaded.scene.header();
-  std::string text = "objects    " + std::to_string(header.object_count) + ", " +
-                     std::to_string(header.triangle_count) + " triangles, " + std::to_string(header.vertex_count) +
-                     " vertices, " + std::to_string(header.node_count) + " BVH nodes\n";
-  text += "extent     " + Extent(header) + "\n";
+  std::string text;
+  if (!loaded.scene.empty()) {
+    const haptics::SceneHeader& header = loaded.scene.header();
+    text += "objects    " + std::to_string(header.object_count) + ", " + std::to_string(header.triangle_count) +
+            " triangles, " + std::to_string(header.vertex_count) + " vertices, " + std::to_string(header.node_count) +
+            " BVH nodes\n";
+    text += "extent     " + Extent(header) + "\n";
+  }
   if (loaded.load.fit_scale != 1) text += "fit        scaled by " + Number(loaded.load.fit_scale) + "\n";
-  text += "regions    " + std::to_string(header.region_count) + " to extrude\n";
-  text +=
-      std::string("joystick   ") + (header.has_joystick != 0 ? "on" : "off: no node has the role \"joystick\"") + "\n";
-  text +=
-      std::string("vehicle    ") + (header.has_vehicle != 0 ? "on" : "off: no node has the role \"vehicle\"") + "\n";
-  text +=
-      "cost       built in " + Number(loaded.build.build_ms) + " ms, " + Bytes(loaded.scene.bytes()) + " of memory\n";
+  for (const SceneFeature& feature : FeaturesOf(loaded)) {
+    text += Padded(feature.name, 11) + (feature.on ? "on: " : "off: ") + feature.why + "\n";
+  }
+  text += "images     " + std::to_string(loaded.load.images_decoded) + " decoded\n";
+  if (!loaded.load.cache.empty()) text += "cache      " + Printable(loaded.load.cache) + "\n";
+  text += "cost       loaded in " + Number(loaded.load.load_ms) + " ms, built in " + Number(loaded.build.build_ms) +
+          " ms" + (loaded.load.cached ? " (when it was kept)" : "") + ", " + Bytes(loaded.scene.bytes()) +
+          " of memory\n";
   return text;
+}
+
+std::span<const Material> MaterialsOf(const Scene& scene) {
+  return scene.empty() ? std::span<const Material>() : scene.materials();
 }
 
 json VectorJson(const base::Vec3& v) { return json::array({v.x, v.y, v.z}); }
@@ -144,6 +155,13 @@ json MaterialJson(const Material& material) {
   return values;
 }
 
+json FeaturesJson(const LoadedScene& loaded) {
+  json features = json::object();
+  for (const SceneFeature& feature : FeaturesOf(loaded))
+    features[feature.name] = {{"on", feature.on}, {"why", feature.why}};
+  return features;
+}
+
 json RowsJson(const scene::LoadReport& load) {
   json rows = json::array();
   for (const scene::ExplainRow& row : load.rows) {
@@ -160,7 +178,7 @@ std::string SceneText(const std::string& path, const LoadedScene& loaded) {
   std::string text = path + ": " + Bytes(load.file_bytes) + ", " + Bytes(load.bytes_read) + " read\n";
   text += Rows(load) + Summary(loaded);
   std::size_t index = 0;
-  for (const Material& material : loaded.scene.materials()) {
+  for (const Material& material : MaterialsOf(loaded.scene)) {
     text += "material " + Padded(std::to_string(index++), 2) + MaterialLine(material) + "\n";
   }
   for (const std::string& line : loaded.build.lines) text += "note       " + Printable(line) + "\n";
@@ -169,11 +187,13 @@ std::string SceneText(const std::string& path, const LoadedScene& loaded) {
 }
 
 json SceneJson(const std::string& path, const LoadedScene& loaded) {
-  const haptics::SceneHeader& header = loaded.scene.header();
+  const haptics::SceneHeader nothing{};
+  const haptics::SceneHeader& header = loaded.scene.empty() ? nothing : loaded.scene.header();
   json materials = json::array();
-  for (const Material& material : loaded.scene.materials()) materials.push_back(MaterialJson(material));
+  for (const Material& material : MaterialsOf(loaded.scene)) materials.push_back(MaterialJson(material));
   json regions = json::array();
-  for (const haptics::Region& region : loaded.scene.regions()) {
+  for (std::size_t r = 0; r < header.region_count; ++r) {
+    const haptics::Region& region = loaded.scene.regions()[r];
     regions.push_back({{"material", region.material},
                        {"normal_base", VectorJson(region.normal)},
                        {"centroid_base_m", VectorJson(region.centroid_base_m)}});
@@ -182,6 +202,12 @@ json SceneJson(const std::string& path, const LoadedScene& loaded) {
           {"file_bytes", loaded.load.file_bytes},
           {"bytes_read", loaded.load.bytes_read},
           {"fit_scale", loaded.load.fit_scale},
+          {"skipped", loaded.load.skipped},
+          {"images_decoded", loaded.load.images_decoded},
+          {"cached", loaded.load.cached},
+          {"cache", loaded.load.cache},
+          {"load_ms", loaded.load.load_ms},
+          {"features", FeaturesJson(loaded)},
           {"rows", RowsJson(loaded.load)},
           {"objects", header.object_count},
           {"triangles", header.triangle_count},

@@ -37,6 +37,7 @@ struct RunArguments {
   std::uint64_t seed = 1;
   double seconds = 0;
   bool fit = false;
+  bool touch_all = false;
   bool flip_coil_sign = false;
 };
 
@@ -79,7 +80,7 @@ base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const ba
 
 int RunTwin(const RunArguments& arguments) {
   const std::string path = FindScene(arguments.scene);
-  auto loaded = LoadScene(path, {.fit = arguments.fit});
+  auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
   if (!loaded.ok()) return Fail("omni twin", loaded.error());
   auto hand = HandFor(arguments, path, loaded->scene);
   if (!hand.ok()) return Fail("omni twin", hand.error());
@@ -128,7 +129,7 @@ int RunTwin(const RunArguments& arguments) {
 
 int WritePath(const RunArguments& arguments, const std::string& output) {
   const std::string path = FindScene(arguments.scene);
-  auto loaded = LoadScene(path, {.fit = arguments.fit});
+  auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
   if (!loaded.ok()) return Fail("omni twin", loaded.error());
   auto hand = MakeHandPath(loaded->scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
   if (!hand.ok()) return Fail("omni twin", path + ": " + hand.error());
@@ -153,6 +154,7 @@ void AddTwinRun(CLI::App& twin) {
   run->add_option("--calibration", arguments->calibration,
                   "calibration.toml of `omni calibrate` with the same seed; default: the drawing");
   run->add_flag("--fit", arguments->fit, "scale and move the model into reach");
+  run->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
   run->add_flag("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
   run->callback([arguments] { throw CLI::RuntimeError(RunTwin(*arguments)); });
 
@@ -161,6 +163,7 @@ void AddTwinRun(CLI::App& twin) {
   path->add_option("scene", arguments->scene, "a .glb or .gltf file")->required();
   path->add_option("--output,-o", *output, "hand script to write")->required();
   path->add_flag("--fit", arguments->fit, "scale and move the model into reach");
+  path->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
   path->callback([arguments, output] { throw CLI::RuntimeError(WritePath(*arguments, *output)); });
 }
 

@@ -1,8 +1,11 @@
 // Ten thousand damaged files: each is loaded or refused with a message, never more.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
+#include "service/haptics/check_scene.h"
+#include "service/haptics/haptics.h"
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
@@ -80,7 +83,7 @@ Model Rich() {
 }
 
 void ExpectLoadedOrRefused(const std::string& file, bool fit, std::size_t& refused) {
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.fit = fit;
   const Loaded loaded = Load(file, options);
   if (loaded.result.ok()) {
@@ -151,6 +154,62 @@ TEST(SceneMutations, DamagedScenes) {
     }
   }
   EXPECT_GT(refused, 50U);
+}
+
+// A pen that pokes around in a scene: whatever the scene is, its force is finite and within the limit.
+void ExpectSoundForces(const haptics::Scene& scene, Damage& damage) {
+  haptics::Config config;
+  haptics::Input input;
+  input.tracked = true;
+  input.limit.valid = true;
+  input.limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
+  input.limit.current_max_A = {15, 15, 15};
+  input.limit.force_max_N = 2;
+  haptics::State state;
+  haptics::Output output;
+  haptics::Enter(scene, state);
+  for (int i = 0; i < 60; ++i) {
+    const auto somewhere = [&] { return 0.06 * static_cast<double>(damage.Below(1000)) / 1000 - 0.03; };
+    input.device_point_base_m = {somewhere(), somewhere(), 0.03 + somewhere()};
+    input.t_ns += 1'000'000;
+    haptics::Step(config, scene, input, state, output);
+    const base::Vec3& f = output.force_base_N;
+    ASSERT_LE(std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z), 2.0 + 1e-9);
+  }
+}
+
+TEST(SceneMutations, DamagedBlocks) {
+  Loaded loaded = Load(std::string(OMNI_SOURCE_DIR) + "/scenes/racetrack.glb");
+  ASSERT_TRUE(loaded.result.ok());
+  haptics::BuildReport report;
+  const base::Result<haptics::Scene> scene = haptics::BuildScene(loaded.scene(), report);
+  ASSERT_TRUE(scene.ok());
+  ASSERT_TRUE(haptics::CheckScene(*scene).ok());
+  Damage damage(14);
+  std::size_t refused = 0;
+  constexpr int kRuns = 3000;
+  for (int i = 0; i < kRuns; ++i) {
+    haptics::SceneBlock block(scene->block().begin(), scene->block().end());
+    // The header, the materials or anything; a byte, or a word that is large, -1 or not a number.
+    const std::size_t range = i % 3 == 0 ? sizeof(haptics::SceneHeader) : (i % 3 == 1 ? 2048 : block.size());
+    for (std::size_t k = 0; k <= damage.Below(3); ++k) {
+      const std::size_t at = damage.Below(range - 8) / 8 * 8;
+      constexpr std::uint64_t kWords[] = {~0ULL, 0x7FF8000000000000ULL, 0x7FEFFFFFFFFFFFFFULL, 0,
+                                          0xFFFFFFFF00000000ULL};
+      const std::uint64_t word = kWords[damage.Below(std::size(kWords))];
+      if (damage.Below(2) == 0) block[at] = static_cast<std::byte>(damage.Below(256));
+      if (damage.Below(2) == 0) std::memcpy(&block[at], &word, 4U << damage.Below(2));
+    }
+    if (i % 50 == 0) block.resize(damage.Below(block.size()));
+    const haptics::Scene damaged(std::move(block));
+    if (!haptics::CheckScene(damaged).ok()) {
+      ++refused;
+    } else {
+      ASSERT_NO_FATAL_FAILURE(ExpectSoundForces(damaged, damage)) << i;
+    }
+  }
+  EXPECT_GT(refused, kRuns / 4U);
+  EXPECT_LT(refused, static_cast<std::size_t>(kRuns));
 }
 
 }  // namespace

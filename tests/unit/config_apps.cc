@@ -56,6 +56,11 @@ TEST(ConfigApps, ReadsEveryKey) {
   EXPECT_EQ(entry->application_glob, "My *");
   EXPECT_EQ(entry->scene, "/scenes/models/cup.glb");
   EXPECT_EQ(entry->placement, Placement::kFit);
+  EXPECT_EQ(entry->touch, Touch::kAll) << "fit asks for all of an untagged file";
+  EXPECT_EQ(ParseAppFile(Entry("a", "b", ""), "f.toml", "/s")->touch, Touch::kTagged);
+  EXPECT_EQ(ParseAppFile(Entry("a", "b", "touch = \"all\"\n"), "f.toml", "/s")->touch, Touch::kAll);
+  EXPECT_EQ(ParseAppFile(Entry("a", "b", "touch = \"tagged\"\nplacement = \"fit\"\n"), "f.toml", "/s")->touch,
+            Touch::kTagged);
   EXPECT_EQ(entry->offset_base_m, (base::Vec3{0.01, -0.02, 0.03}));
   EXPECT_EQ(entry->scale, 2);
   EXPECT_EQ(entry->force_scale, 0.5);

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <limits>
 
+#include "service/scene/load_scene.h"
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
@@ -44,7 +46,7 @@ TEST(SceneBadInput, HeadersThatLie) {
   ExpectRefused(LoadBytes(with(12, 0xFFFFFFFF)), "its JSON chunk says 4294967295 bytes");
   ExpectRefused(LoadBytes(with(12, 8)), "JSON cannot be parsed");
   ExpectRefused(LoadBytes(with(16, 0)), "first chunk of the binary glTF is not JSON");
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.max_file_bytes = 100;
   ExpectRefused(LoadBytes(bytes, options), "the limit is 100");
 }
@@ -171,7 +173,7 @@ TEST(SceneBadInput, DeepAndWideHierarchiesHaveALimit) {
   for (int i = 0; i < 70; ++i) model.json["nodes"].push_back({{"children", {i + 1}}});
   model.json["nodes"].push_back({{"mesh", 0}});
   ExpectRefused(LoadBytes(model.Bytes()), "/nodes/64: lies deeper than 64 levels");
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.max_depth = 100;
   EXPECT_TRUE(LoadBytes(model.Bytes(), options).result.ok());
   options.max_nodes = 10;
@@ -210,10 +212,41 @@ TEST(SceneBadInput, ManyInstancesOfABigMeshHaveALimit) {
   ExpectRefused(LoadBytes(model.Bytes()), "has more than 4000000 triangles");
 }
 
+// Refused by its counts, before memory or time is spent; the same for many instances of one.
+TEST(SceneBadInput, FiftyMillionTrianglesAreRefusedAtOnce) {
+  const TempFolder folder;
+  Model model = Tetra();
+  model.json["accessors"][1]["count"] = 150'000'000;
+  model.json["accessors"][1]["componentType"] = 5125;
+  model.json["bufferViews"][1]["byteLength"] = 600'000'000;
+  model.json["buffers"][0]["byteLength"] = 600'000'048;
+  const std::string huge = folder.Write("huge.glb", model.Bytes());
+  Model instanced = Tetra();
+  instanced.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = 2;
+  instanced.json["accessors"].push_back({{"componentType", 5126}, {"count", 3'000'000}, {"type", "VEC3"}});
+  const std::string many = folder.Write("many.glb", instanced.Bytes());
+  const auto start = std::chrono::steady_clock::now();
+  ExpectRefused(Load(huge), "/accessors/1/count: is 150000000: 50000000 triangles, the limit is 4000000");
+  ExpectRefused(Load(many), "/nodes/0: with those before, has more than 4000000 triangles");
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_LT(seconds, 0.1);
+}
+
+TEST(SceneBadInput, WhatCannotBeBuiltNamesItsNode) {
+  const TempFolder folder;
+  Model model = Tetra();
+  model.json["nodes"][0]["scale"] = {1000, 1000, 1000};
+  LoadReport load;
+  haptics::BuildReport build;
+  const auto scene = LoadScene(folder.Write("far.glb", model.Bytes()), kTouchAll, nullptr, load, build);
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(scene.error().find("far.glb: object 0 \"tetra\" (/nodes/0): vertex"), std::string::npos) << scene.error();
+}
+
 TEST(SceneBadInput, NothingToFit) {
   Model model = Tetra();
   model.bin = Bytes(std::vector<float>(12, 0.05F)) + Bytes(TetraIndices());
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.fit = true;
   ExpectRefused(LoadBytes(model.Bytes(), options), "cannot be scaled into reach");
 }

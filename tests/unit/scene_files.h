@@ -91,13 +91,16 @@ struct Loaded {
   }
 };
 
-inline Loaded Load(const std::string& path, const LoadOptions& options = {}) {
+// Everything is touched unless the test says otherwise.
+inline constexpr LoadOptions kTouchAll{.touch_untagged = true};
+
+inline Loaded Load(const std::string& path, const LoadOptions& options = kTouchAll) {
   Loaded loaded;
   loaded.result = LoadSceneFile(path, options, loaded.report);
   return loaded;
 }
 
-inline Loaded LoadBytes(const std::string& bytes, const LoadOptions& options = {}) {
+inline Loaded LoadBytes(const std::string& bytes, const LoadOptions& options = kTouchAll) {
   const TempFolder folder;
   return Load(folder.Write("model.glb", bytes), options);
 }

@@ -188,12 +188,57 @@ TEST(SceneLoad, MoreObjectsThanHapticsHoldsAreJoined) {
   EXPECT_EQ(triangles, 4 * kNodes);
 }
 
+TEST(SceneLoad, InstancesStandWhereTheirTransformsSay) {
+  Model model = Tetra();
+  const std::vector<float> shifts = {0, 0, 0, 0.02F, 0, 0, 0, 0, -0.03F};
+  const std::vector<std::int16_t> turns = {0, 0, 0, 32767, 0, 32767, 0, 0, 0, 0, 0, 32767};  // the second: half about y
+  const std::vector<float> scales = {1, 1, 1, 1, 1, 1, -2, 2, 2};
+  const auto view = [&](const std::string& bytes) {
+    model.json["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", model.bin.size()}, {"byteLength", bytes.size()}});
+    model.bin += bytes;
+    return model.json["bufferViews"].size() - 1;
+  };
+  const auto accessor = [&](std::size_t bytes, int component, const char* type) {
+    model.json["accessors"].push_back(
+        {{"bufferView", bytes}, {"componentType", component}, {"count", 3}, {"type", type}});
+    return model.json["accessors"].size() - 1;
+  };
+  Json& attributes = model.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  attributes["TRANSLATION"] = accessor(view(Bytes(shifts)), 5126, "VEC3");
+  attributes["ROTATION"] = accessor(view(Bytes(turns)), 5122, "VEC4");
+  model.json["accessors"].back()["normalized"] = true;
+  attributes["SCALE"] = accessor(view(Bytes(scales)), 5126, "VEC3");
+  model.json["buffers"][0]["byteLength"] = model.bin.size();
+  Loaded loaded = LoadBytes(model.Bytes());
+  ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
+  ASSERT_EQ(loaded.scene().objects.size(), 1U);
+  const haptics::InputObject& object = loaded.scene().objects[0];
+  EXPECT_EQ(object.triangles.size(), 12U);
+  EXPECT_NEAR(SignedVolume6(object), (1 + 1 + 8) * 1e-6, 1e-11) << "the mirrored one is turned right side out";
+  // Corner (10, 45, 0) mm of the file: itself; turned to (-10, 45, 0) and moved by 20; mirrored and doubled, moved
+  // back.
+  const double expected[3][3] = {{0.01, 0, 0.045}, {0.01, 0, 0.045}, {-0.02, 0.03, 0.09}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    bool found = false;
+    for (std::size_t v = 4 * i; v < 4 * i + 4; ++v) {
+      const base::Vec3& p = object.vertices_base_m[v];
+      found = found || std::hypot(p.x - expected[i][0], p.y - expected[i][1], p.z - expected[i][2]) < 1e-6;
+    }
+    EXPECT_TRUE(found) << i;
+  }
+  model.json["accessors"][2]["count"] = 2;
+  Loaded uneven = LoadBytes(model.Bytes());
+  ASSERT_FALSE(uneven.result.ok());
+  EXPECT_NE(uneven.result.error().find("/nodes/0/extensions/EXT_mesh_gpu_instancing"), std::string::npos);
+}
+
 TEST(SceneLoad, FitBringsAnySizeOverTheHull) {
   for (const double size : {1e-6, 1.0, 3e4}) {
     Model model = Tetra();
     model.json["nodes"][0]["scale"] = {size, size, size};
     model.json["nodes"][0]["translation"] = {5 * size, -3 * size, 100 * size};
-    LoadOptions options;
+    LoadOptions options = kTouchAll;
     options.fit = true;
     Loaded loaded = LoadBytes(model.Bytes(), options);
     ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
@@ -212,7 +257,7 @@ TEST(SceneLoad, FitBringsAnySizeOverTheHull) {
 }
 
 TEST(SceneLoad, OptionsScaleAndMove) {
-  LoadOptions options;
+  LoadOptions options = kTouchAll;
   options.scale = 2;
   options.offset_base_m = {0.5, 0, 0};
   Loaded loaded = LoadBytes(Tetra().Bytes(), options);

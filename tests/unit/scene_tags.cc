@@ -89,8 +89,8 @@ TEST(SceneTags, TheOlderSpellingOfTheMpegExtensionIsRead) {
   Loaded loaded = LoadBytes(model.Bytes());
   ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
   EXPECT_EQ(loaded.scene().materials[0].stiffness_N_m, 123);
-  EXPECT_TRUE(
-      Has(loaded.Warnings(), "/extensions/MPEG_material_haptic/materials/0/stiffness: textures are not rendered"));
+  EXPECT_TRUE(Has(loaded.Warnings(), "/extensions/MPEG_material_haptic/materials/0/stiffness/0: is not used: "))
+      << "there is no texture 0";
 }
 
 TEST(SceneTags, OutOfRangeIsClampedWithThePointer) {
@@ -214,6 +214,71 @@ TEST(SceneTags, RolesDecideWhatIsRead) {
   EXPECT_TRUE(Has(loaded.Warnings(), "/nodes/6/extras/haptic/stiffness: is no key"));
 }
 
+TEST(SceneTags, SculptKinematicTipAndFibres) {
+  Model model = Tetra();
+  model.json["scenes"][0]["extras"]["haptic"]["tip"]["radius"] = 0.0015;
+  model.json["nodes"][0]["rotation"] = {0, 0, 0.7071067811865476, 0.7071067811865476};  // x -> y of the file
+  model.json["nodes"][0]["extras"]["haptic"] = Json::parse(R"({
+    "sculptable": {"radius": 0.008, "falloff": "linear", "symmetry": "x", "snap": 0.002, "resistance": 300},
+    "softness": {"fibreRatio": 4, "fibreDirection": [2, 0, 0], "hardening": 3}})");
+  Loaded loaded = LoadBytes(model.Bytes());
+  ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
+  EXPECT_EQ(loaded.Warnings(), "");
+  EXPECT_EQ(loaded.scene().tip_radius_m, 0.0015);
+  const haptics::Material& m = loaded.scene().materials[0];
+  EXPECT_TRUE(m.sculpt.enabled);
+  EXPECT_EQ(m.sculpt.radius_m, 0.008);
+  EXPECT_EQ(m.sculpt.falloff, haptics::Falloff::kLinear);
+  EXPECT_EQ(m.sculpt.symmetry, haptics::Symmetry::kX);
+  EXPECT_EQ(m.sculpt.snap_m, 0.002);
+  EXPECT_EQ(m.sculpt.resistance_N_m, 300);
+  EXPECT_EQ(m.sculpt.grab_force_N, haptics::Sculpt{}.grab_force_N);
+  EXPECT_EQ(m.softness.fibre_ratio, 4);
+  EXPECT_EQ(m.softness.hardening, 3);
+  EXPECT_NEAR(m.softness.fibre_direction_base[2], 1, 1e-7) << "the file's y is up: the base's z";
+  EXPECT_FALSE(loaded.scene().objects[0].kinematic);
+
+  // Flat keys, as an editor writes them.
+  model = Tetra();
+  model.json["scenes"][0]["extras"]["haptic.tip.radius"] = 0.5;
+  model.json["nodes"][0]["extras"] = {{"haptic.kinematic", 1}, {"haptic.sculptable.falloff", "steep"}};
+  loaded = LoadBytes(model.Bytes());
+  ASSERT_TRUE(loaded.result.ok());
+  EXPECT_EQ(loaded.scene().tip_radius_m, 0.01);
+  EXPECT_TRUE(Has(loaded.Warnings(), "/scenes/0/extras/haptic.tip.radius: is 0.5, must be from 0 to 0.01 m"));
+  EXPECT_TRUE(Has(loaded.Warnings(), "must be one of constant, linear, smooth"));
+  EXPECT_TRUE(loaded.scene().objects[0].kinematic);
+}
+
+TEST(SceneTags, ContradictionsAreSettledAndSaid) {
+  struct Case {
+    const char* tag;
+    const char* warning;
+    bool sculpt, extrude, tet;
+  };
+  const Case cases[] = {
+      {R"({"sculptable": true, "softness": "tet"})", "sculptable and softness tet; sculptable holds", true, false,
+       false},
+      {R"({"sculptable": true, "extrude": true})", "sculptable and to be extruded; sculptable holds", true, false,
+       false},
+      {R"({"sculptable": true, "kinematic": true})", "kinematic and sculptable; kinematic holds", false, false, false},
+      {R"({"kinematic": true, "extrude": true})", "kinematic and to be extruded", false, false, false},
+      {R"({"kinematic": true, "softness": "tet"})", "", false, false, true},
+  };
+  for (const Case& c : cases) {
+    Model model = Tetra();
+    model.json["nodes"][0]["extras"]["haptic"] = Json::parse(c.tag);
+    Loaded loaded = LoadBytes(model.Bytes());
+    ASSERT_TRUE(loaded.result.ok());
+    EXPECT_TRUE(Has(loaded.Warnings(), c.warning)) << c.tag << "\n" << loaded.Warnings();
+    EXPECT_EQ(loaded.Warnings().empty(), std::string(c.warning).empty()) << c.tag;
+    const haptics::Material& m = loaded.scene().materials[0];
+    EXPECT_EQ(m.sculpt.enabled, c.sculpt) << c.tag;
+    EXPECT_EQ(m.extrude.enabled, c.extrude) << c.tag;
+    EXPECT_EQ(m.softness.model == haptics::SoftnessModel::kTet, c.tet) << c.tag;
+  }
+}
+
 // One row of the schema or of docs/scenes.md per key of the tables; found by its dotted path.
 const Json* SchemaRow(const Json& properties, const std::string& path) {
   const std::size_t dot = path.find('.');
@@ -242,6 +307,16 @@ TEST(SceneTags, SchemaAndDocumentSayWhatTheTablesSay) {
   const Json schema = Json::parse(ReadAll(root + "/scenes/schema/OMNI_haptic_material.schema.json"));
   const std::string page = ReadAll(root + "/docs/scenes.md");
   ExpectDocumented(kMaterialKeys, schema.at("properties"), page);
+  for (const char* word : {"`kinematic`", "`sculptable.falloff`", "`sculptable.symmetry`", "`softness.fibreDirection`",
+                           "`tip.radius`", "constant, linear, smooth", "none, x, y, z"}) {
+    EXPECT_TRUE(Has(page, word)) << word;
+  }
+  const Json& sculptable = *SchemaRow(schema.at("properties"), "sculptable");
+  EXPECT_EQ(sculptable["oneOf"].back()["properties"]["falloff"]["enum"], Json({"constant", "linear", "smooth"}));
+  EXPECT_EQ(sculptable["oneOf"].back()["properties"]["symmetry"]["enum"], Json({"none", "x", "y", "z"}));
+  EXPECT_EQ(SchemaRow(schema.at("$defs"), "tip.radius")->at("maximum"), 0.01);
+  EXPECT_EQ(SchemaRow(schema.at("properties"), "kinematic")->at("type"), "boolean");
+  EXPECT_EQ(SchemaRow(schema.at("properties"), "softness.fibreDirection")->at("minItems"), 3);
   ExpectDocumented(kJoystickKeys, schema.at("$defs").at("joystick").at("properties"), page);
   ExpectDocumented(kVehicleKeys, schema.at("$defs").at("vehicle").at("properties"), page);
   ExpectDocumented(kCheckpointKeys, schema.at("$defs").at("checkpoint").at("properties"), page);

@@ -151,6 +151,26 @@ TEST(ToolsCommandLine, ExplainShowsWhatIsLoadedAndTheMaterials) {
   EXPECT_TRUE(stiff) << json["materials"].dump();
 }
 
+TEST(ToolsCommandLine, ExplainSaysWhatAnUntaggedFileCosts) {
+  const test::TempFolder folder;
+  const std::string file = folder.Write("plain.gltf", Pyramid(""));
+  const Outcome text = Omni({"scene", "explain", file});
+  ASSERT_EQ(text.status, 0) << text.err;
+  for (const std::string part :
+       {"no haptic tag", "collision  off", "images     0 decoded", "threads    off: none", "0 B of memory"}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in:\n" << text.out;
+  }
+  const nlohmann::json all =
+      nlohmann::json::parse(Omni({"scene", "explain", "--touch-all", "--json", file}).out, nullptr, false);
+  EXPECT_EQ(all["triangles"], 6);
+  EXPECT_EQ(all["features"]["collision"]["on"], true);
+  EXPECT_EQ(all["features"]["vehicle"]["on"], false);
+  const nlohmann::json cost = nlohmann::json::parse(Omni({"scene", "cost", file}).out, nullptr, false);
+  EXPECT_EQ(cost["skipped"], true);
+  EXPECT_EQ(cost["threads"], 0);
+  EXPECT_EQ(cost["images_decoded"], 0);
+}
+
 TEST(ToolsCommandLine, ExplainWithFitBringsAnythingIntoReach) {
   const test::TempFolder folder;
   const Outcome fitted = Omni({"scene", "explain", "--fit", "--json", folder.Write("p.gltf", Pyramid(""))});

@@ -176,6 +176,9 @@ Mesh RepairMesh(const InputObject& input, RepairCounts& counts) {
     } else {
       mesh.triangles.push_back(t);
       mesh.material.push_back(input.triangle_material[i]);
+      for (std::size_t set = 0; set < kMaxUvSets; ++set) {
+        if (!input.uv[set].empty()) mesh.uv[set].push_back(input.uv[set][i]);
+      }
     }
   }
   DropUnusedVertices(mesh);

@@ -1,4 +1,5 @@
-// Second repair step: who is whose neighbour, one orientation per component, closed components outwards.
+// Second repair step: who is whose neighbour, cracks and small holes closed, one orientation per component, fronts
+// outwards. docs/theory/haptics.md (R.2) to (R.6). Set-up only.
 #pragma once
 
 #include "service/haptics/geometry/mesh.h"
@@ -10,13 +11,16 @@ struct TopologyReport {
   std::uint32_t border_edges = 0;        // used by one triangle
   std::uint32_t non_manifold_edges = 0;  // used by three or more
   std::uint32_t cut_edges = 0;           // no consistent orientation exists across them (Moebius strip)
+  std::uint32_t snapped = 0;             // edges split at a vertex that lay on them (T-junctions)
+  std::uint32_t closed_holes = 0;        // small ones, of components that are closed by it
   std::uint32_t flipped_triangles = 0;   // to agree with the rest of their component
   std::uint32_t flipped_components = 0;  // inside-out as a whole
   std::uint32_t cavities = 0;            // closed, inwards, inside another component: left so
   bool Closed() const { return border_edges == 0 && non_manifold_edges == 0 && cut_edges == 0; }
 };
 
-// Fills mesh.neighbours and mesh.component, reorders corners where a triangle has to be turned.
+// Fills mesh.neighbours and mesh.component, reorders corners where a triangle has to be turned, adds triangles at
+// cracks and small holes.
 TopologyReport ConnectAndOrient(Mesh& mesh);
 
 }  // namespace omni::haptics

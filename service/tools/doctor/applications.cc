@@ -1,5 +1,7 @@
 // Are the application files sound, and do their scenes load?
 #include "service/config/app_file.h"
+#include "service/config/device_file.h"
+#include "service/daemon/scene_builder.h"
 #include "service/tools/doctor/diagnosis.h"
 #include "service/tools/scene_source.h"
 
@@ -13,9 +15,8 @@ Finding LookAtApplications(const Surroundings& surroundings) {
     return {Verdict::kWarn, "no application has a scene", "add a file to ~/.config/omni/apps.d (docs/howto/apps.md)"};
   }
   for (const config::AppEntry& entry : table.entries) {
-    const base::Result<LoadedScene> scene = LoadScene(entry.scene, {.fit = entry.placement == config::Placement::kFit,
-                                                                    .offset_base_m = entry.offset_base_m,
-                                                                    .scale = entry.scale});
+    const base::Result<LoadedScene> scene =
+        LoadScene(entry.scene, daemon::LoadOptionsOf(entry, config::DefaultDevice().hull_radius_m));
     if (!scene.ok()) {
       return {Verdict::kFail, "the scene of \"" + entry.application_glob + "\" does not load: " + scene.error(),
               "correct the scene, or its name in " + entry.file};

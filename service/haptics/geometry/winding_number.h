@@ -1,0 +1,42 @@
+// How often a mesh winds around a point: 1 inside a closed mesh that faces outwards, 0 outside, in between near holes
+// [Jacobson, Kavan & Sorkine-Hornung 2013]. docs/theory/haptics.md (R.5). Set-up only.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "service/haptics/geometry/mesh.h"
+
+namespace omni::haptics {
+
+// Signed solid angle of a triangle whose corners are seen from the origin, rad   (R.4)
+double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c);
+
+// Sums over far triangles by their clusters' area vectors [Barill et al. 2018]: O(log n) a point, error about 1 %.
+class WindingTree {
+ public:
+  // `mesh` outlives the tree; its vertices stay. Precondition: it has triangles.
+  explicit WindingTree(const Mesh& mesh);
+
+  // After triangles were turned.
+  void Refit();
+
+  // At `p`; triangle `own`, on which p lies, does not count: what is then left lies half-way between the two sides.
+  double At(const Vec3& p, std::uint32_t own) const;
+
+ private:
+  struct Node {
+    Vec3 centre;       // of the area
+    Vec3 area_vector;  // sum of n A
+    double radius_m = 0;
+    std::uint32_t first = 0, count = 0;  // of order_
+    std::uint32_t left = 0, right = 0;   // 0: leaf (the root is nobody's child)
+  };
+  std::uint32_t Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids);
+
+  const Mesh& mesh_;
+  std::vector<std::uint32_t> order_;  // of triangles
+  std::vector<Node> nodes_;
+};
+
+}  // namespace omni::haptics

@@ -1,0 +1,18 @@
+// Joining objects where a scene has more than haptics holds. Set-up only.
+#pragma once
+
+#include <vector>
+
+#include "service/haptics/scene_input.h"
+
+namespace omni::scene {
+
+// Appends `part` to `whole`; texture coordinates that only one of them has are "not a number" for the other, which
+// means: no texture there.
+void JoinTo(haptics::InputObject part, haptics::InputObject& whole);
+
+// At most haptics::kMaxObjects remain: the first ones, then one of each kind (double-sided, car wall, kinematic) that
+// holds the rest. False: there was nothing to do.
+bool JoinBeyondLimit(std::vector<haptics::InputObject>& objects);
+
+}  // namespace omni::scene

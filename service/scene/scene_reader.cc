@@ -1,0 +1,373 @@
+#include "service/scene/scene_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "service/haptics/scene.h"
+#include "service/scene/gltf_decode.h"
+#include "service/scene/gltf_file.h"
+#include "service/scene/gltf_subset.h"
+#include "service/scene/haptic_binding.h"
+#include "service/scene/haptic_texture.h"
+#include "service/scene/join_objects.h"
+#include "service/scene/load_error.h"
+#include "service/scene/node_tree.h"
+#include "service/scene/reach.h"
+
+namespace omni::scene {
+namespace {
+
+base::Vec3 ToBase(const glm::dvec4& p) { return {p.x, -p.z, p.y}; }
+
+}  // namespace
+
+// Everything that is read once and used by the steps below.
+class SceneReader::Loader {
+ public:
+  Loader(std::string path, const LoadOptions& options, LoadReport& report)
+      : path_(std::move(path)), options_(options), report_(report), warnings_(path_, report.warnings) {}
+
+  bool ReadBytes() {
+    file_.Open(path_, options_.max_file_bytes, report_);
+    input_.name = std::filesystem::path(path_).stem().string();
+    nodes_ = WalkNodes(file_.root(), options_, warnings_);
+    binding_.emplace(file_.root(), warnings_);
+    touched_ = Choose();
+    if (!report_.skipped) ReadMeshes();
+    report_.bytes_read = file_.bytes_read();
+    return !report_.skipped;
+  }
+
+  Digest FinishDigest() { return file_.FinishDigest(); }
+
+  haptics::SceneInput MakeInput() {
+    DecodeMeshes();
+    for (const NodeVisit* node : touched_) AddObject(*node);
+    if (input_.objects.empty() && !input_.joystick) {
+      throw LoadError(
+          "", "has nothing to touch: no node with triangles; check the export, or the roles in its haptic tags");
+    }
+    const std::size_t objects = input_.objects.size();
+    if (JoinBeyondLimit(input_.objects)) {
+      report_.rows.push_back({"/nodes", "", true,
+                              std::to_string(objects) + " objects, " + std::to_string(haptics::kMaxObjects) +
+                                  " are kept apart; the others are joined into one of their kind",
+                              0});
+    }
+    input_.tip_radius_m = TipRadius();
+    input_.materials = binding_->TakeMaterials();
+    if (input_.materials.empty()) input_.materials.emplace_back();
+    report_.fit_scale = Place(input_, options_);
+    WarnIfOutOfReach(input_, options_, warnings_);
+    ExplainUnread();
+    return std::move(input_);
+  }
+
+ private:
+  // Nodes whose triangles are wanted. Joystick and vehicle need no triangles: they are read here.
+  std::vector<const NodeVisit*> Choose() {
+    std::vector<bool> tagged;
+    tagged.reserve(nodes_.size());
+    for (const NodeVisit& node : nodes_) tagged.push_back(binding_->Tagged(node));
+    any_tag_ = std::find(tagged.begin(), tagged.end(), true) != tagged.end();
+    std::vector<const NodeVisit*> touched;
+    if (!any_tag_ && !options_.touch_untagged) {
+      Skip();
+      return touched;
+    }
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const NodeVisit& node = nodes_[i];
+      if (node.own && node.own->role == Role::kJoystick) AddJoystick(node);
+      if (node.own && node.own->role == Role::kVehicle) AddVehicle(node);
+      if (node.own && node.own->role == Role::kCheckpoint) AddCheckpoint(node);
+      if (!node.mesh) continue;
+      const Role role = binding_->TagOf(node, 0).role.value_or(Role::kSolid);
+      if (any_tag_ && !tagged[i]) {
+        Explain(node, false, "no haptic tag, and the file has tags elsewhere");
+      } else if (role != Role::kSolid && role != Role::kWall) {
+        Explain(node, false, std::string("role ") + NameOf(role) + ": seen, not touched");
+      } else {
+        touched.push_back(&node);
+      }
+    }
+    GiveCheckpoints();
+    return touched;
+  }
+
+  // A file without any tag asked for no touch: nothing of it but the JSON is read (docs/decisions/0011).
+  void Skip() {
+    report_.skipped = true;
+    const std::uint64_t meshes = CountOf(file_.root(), "meshes");
+    report_.rows.push_back({"/meshes", "", false,
+                            std::to_string(meshes) +
+                                " not read: the file has no haptic tag; tag what is to be felt, or "
+                                "ask for all of it (touch = \"all\", --touch-all)",
+                            0});
+    ExplainUnread();
+  }
+
+  void AddJoystick(const NodeVisit& node) {
+    if (input_.joystick) {
+      warnings_.Add(node.pointer, "is a second joystick and is ignored; a scene has one");
+      return;
+    }
+    input_.joystick = JoystickOf(*node.own, node.pointer, warnings_);
+    input_.joystick->centre_base_m = ToBase(node.world[3]);
+    Explain(node, true, "joystick: the tip is drawn to this node's origin");
+  }
+
+  void AddVehicle(const NodeVisit& node) {
+    if (input_.vehicle) {
+      warnings_.Add(node.pointer, "is a second vehicle and is ignored; a scene has one");
+      return;
+    }
+    input_.vehicle = VehicleOf(*node.own);
+    input_.vehicle->start_base_m = ToBase(node.world[3]);
+    input_.vehicle->start_heading_rad = HeadingOf(node);
+    Explain(node, true, "vehicle: starts at this node's origin, heading along its x axis");
+  }
+
+  void AddCheckpoint(const NodeVisit& node) {
+    if (checkpoints_.size() == haptics::kMaxCheckpoints) {
+      warnings_.Add(node.pointer, "is one checkpoint more than " + std::to_string(haptics::kMaxCheckpoints) +
+                                      ", the limit, and is ignored");
+      return;
+    }
+    haptics::Checkpoint& line = checkpoints_.emplace_back(CheckpointOf(*node.own));
+    line.position_base_m = ToBase(node.world[3]);
+    line.heading_rad = HeadingOf(node);
+    Explain(node, true,
+            "checkpoint " + std::to_string(checkpoints_.size()) +
+                ": crossed along this node's x axis, in the order of the nodes");
+  }
+
+  static double HeadingOf(const NodeVisit& node) {
+    const base::Vec3 ahead = ToBase(node.world[0]);
+    return std::atan2(ahead.y, ahead.x);
+  }
+
+  void GiveCheckpoints() {
+    if (!input_.vehicle) return;
+    std::copy(checkpoints_.begin(), checkpoints_.end(), input_.vehicle->checkpoints.begin());
+    input_.vehicle->checkpoint_count = static_cast<int>(checkpoints_.size());
+  }
+
+  double TipRadius() {
+    if (CountOf(file_.root(), "scenes") == 0) return 0;
+    const std::uint32_t scene = Index(file_.root(), "", "scene", CountOf(file_.root(), "scenes")).value_or(0);
+    return ReadTipRadius(ElementOf(file_.root(), "scenes", scene), Join("/scenes", scene), warnings_);
+  }
+
+  // Before anything of the meshes is read, so that a file with too much is refused at once.
+  void CheckSize() {
+    std::map<std::uint32_t, std::uint64_t> of_mesh;
+    std::uint64_t sum = 0;
+    for (const NodeVisit* node : touched_) {
+      const auto found = of_mesh.find(*node->mesh);
+      const std::uint64_t triangles =
+          found != of_mesh.end()
+              ? found->second
+              : of_mesh.emplace(*node->mesh, CountTriangles(file_.root(), *node->mesh)).first->second;
+      sum += triangles * CountInstances(file_.root(), node->node);
+      if (sum > haptics::kMaxTriangles) {
+        throw LoadError(node->pointer, "with those before, has more than " + std::to_string(haptics::kMaxTriangles) +
+                                           " triangles; simplify the model or tag only what is touched");
+      }
+    }
+  }
+
+  void ReadMeshes() {
+    CheckSize();
+    std::vector<MeshRequest> meshes;
+    std::map<std::uint32_t, std::size_t> place;  // of a mesh in `meshes`
+    std::vector<std::uint32_t> instanced;
+    for (const NodeVisit* node : touched_) {
+      const auto [found, fresh] = place.emplace(*node->mesh, meshes.size());
+      if (fresh) meshes.push_back({*node->mesh, {}});
+      AskForTextures(*node, meshes[found->second]);
+      const Json* extensions = Find(ElementOf(file_.root(), "nodes", node->node), "extensions");
+      if (extensions && Find(*extensions, "EXT_mesh_gpu_instancing")) instanced.push_back(node->node);
+    }
+    subset_ = BuildSubset(file_, meshes, instanced);
+  }
+
+  void AskForTextures(const NodeVisit& node, MeshRequest& request) {
+    const Json* primitives = Find(ElementOf(file_.root(), "meshes", *node.mesh), "primitives");
+    request.uv_sets.resize(primitives ? primitives->size() : 0, 0);
+    for (std::uint32_t i = 0; i < request.uv_sets.size(); ++i) {
+      const HapticTag tag = binding_->TagOf(node, i);
+      for (const std::optional<TextureUse>& use : tag.textures) {
+        if (!use) continue;
+        textures_.Read(*use);
+        request.uv_sets[i] = static_cast<std::uint8_t>(request.uv_sets[i] | 1U << use->uv_set);
+      }
+    }
+  }
+
+  void DecodeMeshes() {
+    DecodedSubset decoded = DecodeSubset(subset_);
+    textures_.Decode();
+    report_.images_decoded = textures_.images_decoded();
+    subset_.glb = {};
+    std::size_t next = 0;
+    for (SubsetPrimitive& primitive : subset_.primitives) {
+      if (primitive.skipped.empty()) {
+        by_mesh_[primitive.mesh].push_back({&primitive, std::move(decoded.primitives[next++])});
+      } else {
+        report_.rows.push_back({primitive.pointer, "", false, primitive.skipped, 0});
+      }
+    }
+    for (std::size_t i = 0; i < subset_.instances.size(); ++i) {
+      instances_[subset_.instances[i].node] = std::move(decoded.instances[i]);
+    }
+  }
+
+  void AddObject(const NodeVisit& node) {
+    haptics::InputObject object;
+    object.name = node.name;
+    object.source = node.pointer;
+    std::uint64_t bytes = 0;
+    const std::vector<glm::dmat4> places = PlacesOf(node);
+    for (auto& [primitive, decoded] : by_mesh_[*node.mesh]) {
+      const HapticTag tag = binding_->TagOf(node, primitive->primitive);
+      object.car_wall = object.car_wall || tag.role == Role::kWall;
+      object.double_sided = object.double_sided || tag.double_sided.value_or(false);
+      object.kinematic = object.kinematic || tag.kinematic.value_or(false);
+      const std::uint16_t material = binding_->MaterialIndex(MaterialFor(tag, node, *primitive), primitive->pointer);
+      for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
+      bytes += std::exchange(primitive->bytes, 0);
+    }
+    if (Find(ElementOf(file_.root(), "nodes", node.node), "skin"))
+      warnings_.Add(Join(node.pointer, "skin"), "is not followed: touch knows the bind pose only");
+    if (object.triangles.empty()) return Explain(node, false, "no triangles");
+    std::string why = any_tag_ ? (object.car_wall ? "role wall: touched, and the vehicle hits it" : "haptic tag")
+                               : "default material: the file has no haptic tag";
+    if (places.size() > 1) why += ", " + std::to_string(places.size()) + " instances";
+    if (object.kinematic) why += ", kinematic";
+    Explain(node, true, why + ", " + std::to_string(object.triangles.size()) + " triangles", bytes);
+    input_.objects.push_back(std::move(object));
+  }
+
+  // Where the node's mesh stands: once, or at each instance.
+  std::vector<glm::dmat4> PlacesOf(const NodeVisit& node) {
+    const auto found = instances_.find(node.node);
+    if (found == instances_.end()) return {node.world};
+    std::vector<glm::dmat4> places;
+    for (const Instance& instance : found->second) {
+      const auto& [t, q, s] = instance;
+      glm::dmat4 X(1.0);
+      const glm::dquat turn(q[3], q[0], q[1], q[2]);
+      if (!(glm::length(turn) > 1e-6))
+        throw LoadError(node.pointer, "instance " + std::to_string(places.size()) + " has a rotation of zero");
+      X[3] = glm::dvec4(t[0], t[1], t[2], 1);
+      X = X * glm::mat4_cast(turn / glm::length(turn));
+      for (int k = 0; k < 3; ++k) X[k] *= s[static_cast<std::size_t>(k)];
+      places.push_back(node.world * X);
+    }
+    return places;
+  }
+
+  haptics::Material MaterialFor(const HapticTag& tag, const NodeVisit& node, const SubsetPrimitive& primitive) {
+    haptics::Material material = MaterialOf(tag, primitive.pointer, warnings_);
+    if (tag.fibre_direction) {
+      const auto& [x, y, z] = *tag.fibre_direction;
+      const base::Vec3 d = ToBase(node.world * glm::dvec4(x, y, z, 0));
+      const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+      if (length > 0 && length <= 1e30)
+        material.softness.fibre_direction_base = {d.x / length, d.y / length, d.z / length};
+    }
+    std::int32_t* const fields[] = {&material.stiffness_texture, &material.friction_texture,
+                                    &material.vibrotactile_texture};
+    for (std::size_t role = 0; role < kTextureRoles; ++role) {
+      const std::optional<TextureUse>& use = tag.textures[role];
+      if (!use) continue;
+      if ((primitive.uv_sets >> use->uv_set & 1) != 0) {
+        *fields[role] = textures_.IndexOf(*use, input_);
+      } else {
+        warnings_.Add(primitive.pointer, "has no TEXCOORD_" + std::to_string(use->uv_set) + " for the texture of " +
+                                             use->pointer + ": 1 is used everywhere");
+      }
+    }
+    return material;
+  }
+
+  void Append(const NodeVisit& node, const glm::dmat4& place, const DecodedPrimitive& decoded, std::uint16_t material,
+              haptics::InputObject& object) {
+    const bool mirrored = glm::determinant(glm::dmat3(place)) < 0;  // turns triangles inside out
+    haptics::InputObject part;
+    part.vertices_base_m.reserve(decoded.positions.size());
+    for (const base::Vec3& p : decoded.positions) {
+      const base::Vec3 placed = ToBase(place * glm::dvec4(p.x, p.y, p.z, 1));
+      if (!(std::abs(placed.x) <= 1e12 && std::abs(placed.y) <= 1e12 && std::abs(placed.z) <= 1e12)) {
+        throw LoadError(node.pointer, "places a vertex beyond 1e12 m; check its transform");
+      }
+      part.vertices_base_m.push_back(placed);
+    }
+    part.triangles = decoded.triangles;
+    part.uv = decoded.uv;
+    part.triangle_material.assign(part.triangles.size(), material);
+    if (mirrored) {
+      for (auto& t : part.triangles) std::swap(t[1], t[2]);
+      for (auto& set : part.uv) {
+        for (haptics::CornerUv& uv : set) uv = {uv[0], uv[1], uv[4], uv[5], uv[2], uv[3]};
+      }
+    }
+    JoinTo(std::move(part), object);
+  }
+
+  void Explain(const NodeVisit& node, bool loaded, const std::string& why, std::uint64_t bytes = 0) {
+    report_.rows.push_back({node.pointer, node.name, loaded, why, bytes});
+  }
+
+  void ExplainUnread() {
+    for (const char* key : {"images", "textures", "animations", "skins", "cameras"}) {
+      const std::uint64_t count = CountOf(file_.root(), key);
+      const std::uint64_t used = std::string(key) == "images" ? report_.images_decoded : 0;
+      if (count > used) {
+        report_.rows.push_back(
+            {Join("", key), "", false, std::to_string(count - used) + " not read: touch does not need them", 0});
+      }
+      if (used > 0) {
+        report_.rows.push_back(
+            {Join("", key), "", true, std::to_string(used) + " decoded: a haptic texture needs them", 0});
+      }
+    }
+  }
+
+  struct MeshPart {
+    SubsetPrimitive* primitive;  // the first node that uses it takes its bytes
+    DecodedPrimitive decoded;
+  };
+
+  const std::string path_;
+  const LoadOptions options_;
+  LoadReport& report_;
+  Warnings warnings_;
+  GltfFile file_;
+  std::vector<NodeVisit> nodes_;
+  std::optional<Binding> binding_;
+  std::vector<const NodeVisit*> touched_;  // of nodes_
+  haptics::SceneInput input_;
+  Subset subset_;
+  TextureReader textures_{file_, warnings_};
+  std::map<std::uint32_t, std::vector<MeshPart>> by_mesh_;
+  std::map<std::uint32_t, std::vector<Instance>> instances_;  // by node
+  std::vector<haptics::Checkpoint> checkpoints_;
+  bool any_tag_ = false;
+};
+
+SceneReader::SceneReader(std::string path, const LoadOptions& options, LoadReport& report)
+    : loader_(std::make_unique<Loader>(std::move(path), options, report)) {}
+SceneReader::~SceneReader() = default;
+bool SceneReader::ReadBytes() { return loader_->ReadBytes(); }
+Digest SceneReader::FinishDigest() { return loader_->FinishDigest(); }
+haptics::SceneInput SceneReader::MakeInput() { return loader_->MakeInput(); }
+
+}  // namespace omni::scene
