@@ -40,7 +40,7 @@ __m128 Centre2(const TreePrimitive& p) {  // twice the centre
 }
 float Centre2(const TreePrimitive& p, int axis) { return p.lower[axis] + p.upper[axis]; }
 
-struct Range {
+struct TreePart {
   std::uint32_t begin = 0, end = 0;
   FloatBox box, centres;  // of the boxes, of twice their centres
   std::uint32_t Size() const { return end - begin; }
@@ -61,14 +61,14 @@ struct Binning {
   }
 };
 
-struct Split {
+struct TreeSplit {
   int axis = -1;
   int bin = 0;  // the last one of the left side
   std::uint32_t left = 0;
   float cost = FLT_MAX;
 };
 
-struct Bins {
+struct TreeBins {
   FloatBox box[3][kBins];
   std::uint32_t count[3][kBins]{};
 
@@ -85,9 +85,9 @@ struct Bins {
   }
 
   // cost = A_left n_left + A_right n_right, n in packets, least over 3 axes x 15 planes   [Wald 2007]   (1.5)
-  Split Best() const {
+  TreeSplit Best() const {
     const auto packets = [](std::uint32_t n) { return static_cast<float>((n + kPacketSize - 1) / kPacketSize); };
-    Split best;
+    TreeSplit best;
     for (int axis = 0; axis < 3; ++axis) {
       std::array<float, kBins> right_cost{};
       FloatBox right;
@@ -117,13 +117,13 @@ int LongestAxis(const FloatBox& box) {
   return d[0] >= d[1] && d[0] >= d[2] ? 0 : (d[1] >= d[2] ? 1 : 2);
 }
 
-class Builder {
+class TreeBuilder {
  public:
-  Builder(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes, std::vector<TrianglePacket>& packets)
+  TreeBuilder(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes, std::vector<TrianglePacket>& packets)
       : primitives_(primitives), nodes_(nodes), packets_(packets) {}
 
   BuiltTree Build() {
-    const Range all = Measured(0, static_cast<std::uint32_t>(primitives_.size()));
+    const TreePart all = Measured(0, static_cast<std::uint32_t>(primitives_.size()));
     BuiltTree tree;
     tree.root = Append(all, 1);
     alignas(16) float corner[4];
@@ -136,10 +136,10 @@ class Builder {
 
  private:
   // Recursion is as deep as the tree, at most kMaxTreeDepth.
-  std::uint32_t Append(const Range& range, int level) {  // NOLINT(misc-no-recursion)
+  std::uint32_t Append(const TreePart& range, int level) {  // NOLINT(misc-no-recursion)
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     nodes_.emplace_back();
-    std::array<Range, kTreeWidth> parts;
+    std::array<TreePart, kTreeWidth> parts;
     const std::size_t count = Divide(range, level, parts);
     TreeNode node;
     for (std::size_t k = 0; k < kTreeWidth; ++k) {
@@ -154,7 +154,7 @@ class Builder {
 
   // Splits the part with the largest box until there are eight. What fits into one leaf, or, under a larger node, into
   // one node full of leaves, stays whole: half-empty nodes cost memory and a visit each.
-  std::size_t Divide(const Range& range, int level, std::array<Range, kTreeWidth>& parts) {
+  std::size_t Divide(const TreePart& range, int level, std::array<TreePart, kTreeWidth>& parts) {
     const std::uint32_t whole = range.Size() <= kFullNode ? kPacketSize : kFullNode;
     parts[0] = range;
     std::size_t count = 1;
@@ -181,20 +181,20 @@ class Builder {
     return count;
   }
 
-  std::pair<Range, Range> SplitInTwo(const Range& range, int level) {
+  std::pair<TreePart, TreePart> SplitInTwo(const TreePart& range, int level) {
     if (level > kSahLevels) return AtCount(range, LongestAxis(range.centres), range.Size() / 2);
     if (range.Size() <= 2 * kPacketSize) return AtCount(range, LongestAxis(range.centres), kPacketSize);
     const Binning binning(range.centres);
-    Bins bins;
+    TreeBins bins;
     bins.Add(primitives_.subspan(range.begin, range.Size()), binning);
-    const Split split = bins.Best();
+    const TreeSplit split = bins.Best();
     if (split.axis < 0) return AtCount(range, LongestAxis(range.centres), range.Size() / 2);
     if (range.Size() <= kSmall) return AtCount(range, split.axis, split.left);
     return AtBin(range, binning, split);
   }
 
-  std::pair<Range, Range> AtBin(const Range& range, const Binning& binning, const Split& split) {
-    std::pair<Range, Range> parts;
+  std::pair<TreePart, TreePart> AtBin(const TreePart& range, const Binning& binning, const TreeSplit& split) {
+    std::pair<TreePart, TreePart> parts;
     auto& [left, right] = parts;
     const auto is_left = [&](const TreePrimitive& p) {
       alignas(16) std::int32_t at[4];
@@ -216,7 +216,7 @@ class Builder {
 
   // The `left` primitives with the smallest centres on one side; about so many, so that packets are full where
   // primitives are few, and no more nodes of leaves are needed than before.
-  std::pair<Range, Range> AtCount(const Range& range, int axis, std::uint32_t left) {
+  std::pair<TreePart, TreePart> AtCount(const TreePart& range, int axis, std::uint32_t left) {
     const std::uint32_t n = range.Size();
     left = WholePackets(left, kPacketSize, n - 1);
     if (n > kFullNode && n <= kSmall) {
@@ -239,14 +239,14 @@ class Builder {
     return kPacketSize * std::clamp(packets(wanted + kPacketSize / 2), packets(least + kPacketSize - 1), packets(most));
   }
 
-  static void Grow(Range& range, const TreePrimitive& p) {
+  static void Grow(TreePart& range, const TreePrimitive& p) {
     range.box.Add(Lower(p), Upper(p));
     const __m128 centre = Centre2(p);
     range.centres.Add(centre, centre);
   }
 
-  Range Measured(std::uint32_t begin, std::uint32_t end) const {
-    Range range;
+  TreePart Measured(std::uint32_t begin, std::uint32_t end) const {
+    TreePart range;
     range.begin = begin;
     range.end = end;
     for (std::uint32_t i = begin; i < end; ++i) Grow(range, primitives_[i]);
@@ -263,7 +263,7 @@ class Builder {
     }
   }
 
-  std::uint32_t AppendLeaf(const Range& range) {
+  std::uint32_t AppendLeaf(const TreePart& range) {
     std::uint32_t child = kLeafBit | static_cast<std::uint32_t>(packets_.size());
     TrianglePacket& packet = packets_.emplace_back();
     for (std::uint32_t lane = 0; lane < kPacketSize; ++lane) {
@@ -301,7 +301,7 @@ BuiltTree AppendTree(std::span<TreePrimitive> primitives, std::vector<TreeNode>&
                      std::vector<TrianglePacket>& packets) {
   nodes.reserve(nodes.size() + primitives.size() / 18 + 1);
   packets.reserve(packets.size() + primitives.size() / 3 + 1);
-  return Builder(primitives, nodes, packets).Build();
+  return TreeBuilder(primitives, nodes, packets).Build();
 }
 
 }  // namespace omni::haptics
