@@ -5,16 +5,20 @@
 #include <string>
 
 #include "service/haptics/deformable/fem.h"
+#include "service/haptics/deformable/local_law.h"
 #include "service/haptics/deformable/patch_load.h"
 #include "service/haptics/deformable/soft_grid.h"
 
 namespace omni::haptics {
 namespace {
 
-constexpr double kPatch_cells =
-    1.5;                            // radius of the pressure a column answers to; P2 nodes are about half a cell apart
-constexpr double kFlatPatch = 0.6;  // mean give of a half-space under a Hertz pressure, times M rho   (4.2)
-constexpr double kFactorShare = 0.4;  // of the progress bar
+// Radius of the pressure a column answers to. The nodes of the quadratic elements are half a cell apart.
+constexpr double kPatch_cells = 1.25;
+constexpr double kWide = 1.5;               // a second, wider patch, to extrapolate to a patch of no size
+constexpr double kMostExtrapolated = 0.15;  // of the flat give
+constexpr double kCurvature_cells = 1.7;    // radius of the neighbourhood curvature is fitted in
+constexpr double kFlatPatch = 0.6;          // mean give of a half-space under a Hertz pressure, times M rho   (4.2)
+constexpr double kFactorShare = 0.4;        // of the progress bar
 
 using Clock = std::chrono::steady_clock;
 
@@ -46,6 +50,18 @@ base::Status CheckSoftOptions(const SoftBodyOptions& o) {
 }
 
 Float3 ToFloat3(const Vec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+
+// Mean give of a half-space under a Hertz pressure of radius rho, seen through one of kWide rho, times M rho:
+// 3/4 int 3 s sqrt(1 - s^2) P(kWide s) ds, s = 0 ... 1.   (4.4)
+double FlatWide() {
+  constexpr int kSamples = 2000;
+  double sum = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double s = (i + 0.5) / kSamples;
+    sum += 3 * s * std::sqrt(1 - s * s) * DentProfile(kWide * s) / kSamples;
+  }
+  return 0.75 * sum;
+}
 
 // One build, step by step.
 class SoftBuilder {
@@ -117,16 +133,20 @@ class SoftBuilder {
   }
 
   void MakeNodes() {
-    const auto patches = MeasurePatches(mesh_, surface_nodes_, radius_m_);
+    const auto patches = MeasurePatches(mesh_, surface_nodes_, kCurvature_cells * cell_m_);
     for (const SurfacePatch& patch : patches) {
       loads_.push_back(SpreadLoad(mesh_, patch, radius_m_));
-      const double modulus = IndentationModulus(StiffnessAt(patch.point_base_m), patch.normal);
+      wide_loads_.push_back(SpreadLoad(mesh_, patch, kWide * radius_m_));
+      const double nu = options_.moduli.poisson_ratio;
+      const double modulus = options_.moduli.fibre_ratio == 1
+                                 ? options_.moduli.young_modulus_Pa / (1 - nu * nu)
+                                 : IndentationModulus(StiffnessAt(patch.point_base_m), patch.normal);
       parts_.nodes.push_back({ToFloat3(patch.point_base_m), ToFloat3(patch.normal), 0, static_cast<float>(modulus),
                               static_cast<float>(patch.curvature_1_m)});
     }
   }
 
-  // Columns U_j = K^-1 b_j at the nodes, C_ij = b_i . U_j, and c_j = C_jj - 0.6 / (M rho)   (4.1), (4.2)
+  // Columns U_j = K^-1 b_j at the nodes and C_ij = b_i . U_j   (4.1)
   bool SolveColumns(const ElasticFem& fem) {
     const std::size_t n = surface_nodes_.size();
     parts_.columns.resize(n * n);
@@ -156,18 +176,27 @@ class SoftBuilder {
       parts_.columns[j * n + i] = {static_cast<float>(block[row][c]), static_cast<float>(block[row + 1][c]),
                                    static_cast<float>(block[row + 2][c])};
     }
-    for (std::size_t i = j; i < n; ++i) parts_.compliance[i * (i + 1) / 2 + j] = static_cast<float>(Give(i, c, block));
+    for (std::size_t i = j; i < n; ++i)
+      parts_.compliance[i * (i + 1) / 2 + j] = static_cast<float>(Give(loads_[i], c, block));
     SoftNode& node = parts_.nodes[j];
-    const double flat = kFlatPatch / (static_cast<double>(node.modulus_Pa) * radius_m_);
-    const double own = Give(j, c, block);
-    node.compliance_m_N = static_cast<float>(own - flat);
+    const double flat = 1 / (static_cast<double>(node.modulus_Pa) * radius_m_);
+    node.compliance_m_N = static_cast<float>(OwnCompliance(j, c, block, flat));
   }
 
-  // How far the patch i goes in, weighted as its pressure.
-  double Give(std::size_t i, std::size_t c, const LoadBlock& block) const {
+  // What the body adds to a half-space, c(rho) = C_jj - 0.6 / (M rho), and the same seen through a wider patch; both
+  // grow with the squares of the radii, so the limit of a small patch follows.   (4.2), (4.4)
+  double OwnCompliance(std::size_t j, std::size_t c, const LoadBlock& block, double flat) const {
+    const double narrow = Give(loads_[j], c, block) - kFlatPatch * flat;
+    const double wide = Give(wide_loads_[j], c, block) - flat_wide_ * flat;
+    const double more = 2 / (kWide * kWide - 1) * (wide - narrow);
+    return narrow - std::clamp(more, -kMostExtrapolated * flat, kMostExtrapolated * flat);
+  }
+
+  // How far a patch goes in, weighted as its pressure.
+  static double Give(const PatchLoad& load, std::size_t c, const LoadBlock& block) {
     double sum = 0;
-    const Vec3& n = loads_[i].normal;
-    for (const auto& [node, share] : loads_[i].shares) {
+    const Vec3& n = load.normal;
+    for (const auto& [node, share] : load.shares) {
       const std::size_t row = 3 * static_cast<std::size_t>(node);
       sum -= share * (n.x * block[row][c] + n.y * block[row + 1][c] + n.z * block[row + 2][c]);
     }
@@ -205,7 +234,8 @@ class SoftBuilder {
   QuadraticMesh mesh_;
   double cell_m_ = 0, radius_m_ = 0;
   std::vector<std::uint32_t> surface_nodes_;
-  std::vector<PatchLoad> loads_;
+  std::vector<PatchLoad> loads_, wide_loads_;
+  double flat_wide_ = FlatWide();
   SoftParts parts_;
 };
 

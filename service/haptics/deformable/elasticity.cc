@@ -13,7 +13,9 @@ using Matrix3 = Eigen::Matrix3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kVoigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-constexpr int kAngles = 24;  // of both averages; the integrands are smooth and periodic
+// Of both averages; the integrands are smooth and periodic, the inner one sharper for stiff fibres.
+constexpr int kAngles = 20;
+constexpr int kInnerAngles = 60;
 
 // Third axis along `z`, any two across it.
 Matrix3 FrameAlong(const Vec3& z) {
@@ -107,14 +109,14 @@ double IndentationModulus(const Stiffness6& stiffness, const Vec3& normal) {
     const Eigen::Vector3d t = std::cos(theta) * surface.col(0) + std::sin(theta) * surface.col(1);
     const Eigen::Vector3d side = t.cross(up);
     Matrix3 b = Matrix3::Zero();
-    for (int j = 0; j < kAngles; ++j) {
-      const double phi = kPi * j / kAngles;
+    for (int j = 0; j < kInnerAngles; ++j) {
+      const double phi = kPi * j / kInnerAngles;
       const Eigen::Vector3d m = std::cos(phi) * side + std::sin(phi) * up;
       const Eigen::Vector3d n = -std::sin(phi) * side + std::cos(phi) * up;
       const Matrix3 mn = Acoustic(stiffness, m, n);
       b += Acoustic(stiffness, m, m) - mn * Acoustic(stiffness, n, n).inverse() * mn.transpose();
     }
-    b *= 2 * kPi / kAngles / (8 * kPi * kPi);
+    b *= 2 * kPi / kInnerAngles / (8 * kPi * kPi);
     mean += up.dot(b.inverse() * up) / (8 * kPi * kPi) / kAngles;
   }
   return 1 / (kPi * mean);

@@ -14,10 +14,11 @@ using Triangles = std::span<const std::array<std::uint32_t, 3>>;
 // A cut nearer than this share of the edge to a vertex pulls the vertex onto the surface   [Labelle & Shewchuk 2007]
 constexpr double kWarpLong = 0.24999;
 constexpr double kWarpShort = 0.41189;
-constexpr int kBisections = 16;
+constexpr int kBisections = 13;
 constexpr double kFlatShare = 1e-5;  // of a cell: pieces thinner than this are dropped
-constexpr int kCellTrials = 8;
-constexpr double kMaxGridPoints = 4e6;
+constexpr int kCellTrials = 6;
+constexpr double kGridPointsPerTet = 100;  // a body that fills its box worse gets a coarser lattice
+constexpr double kThinnest = 1e-4;         // extent over the largest one
 
 std::uint64_t EdgeKey(std::uint32_t a, std::uint32_t b) {
   return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
@@ -341,9 +342,13 @@ base::Result<TetLattice> BuildTetLattice(std::span<const Vec3> vertices, Triangl
   const Vec3 extent = bounds.upper - bounds.lower;
   const double largest_m = std::max({extent.x, extent.y, extent.z});
   if (!(largest_m > 1e-6)) return base::Error{"soft body: the mesh is smaller than 1 um"};
+  if (!(std::min({extent.x, extent.y, extent.z}) > kThinnest * largest_m)) {
+    return base::Error{"soft body: the mesh is flat, nothing can be inside; thicken it, or make it rigid"};
+  }
+  const double most_points = kGridPointsPerTet * options.max_tets;
   // A cube holds 12 tets. Start as if half of the box were filled; then correct by what came out.
   double cell_m = std::max(std::cbrt(6 * extent.x * extent.y * extent.z / options.max_tets), largest_m / 60);
-  while (GridPoints(bounds, cell_m) > kMaxGridPoints) cell_m *= 1.2;
+  while (GridPoints(bounds, cell_m) > most_points) cell_m *= 1.1;
   TetLattice best;
   for (int trial = 0; trial < kCellTrials; ++trial) {
     TetLattice lattice = StuffLattice(vertices, triangles, cell_m, options.shift_cells);
@@ -353,7 +358,7 @@ base::Result<TetLattice> BuildTetLattice(std::span<const Vec3> vertices, Triangl
     const double fill = std::max(std::cbrt(tets), std::sqrt(nodes));
     if (fill <= 1 && fill > 0.95) break;
     cell_m *= std::clamp(fill * 1.025, 0.5, 2.0);
-    if (GridPoints(bounds, cell_m) > kMaxGridPoints) break;
+    if (GridPoints(bounds, cell_m) > most_points) break;
   }
   if (best.tets.empty()) {
     return base::Error{

@@ -300,6 +300,7 @@ void StepSoftContacts(const SoftBodyView& body, std::span<const SoftContact> con
     if (!slot.active) continue;
     const double gain = system.Of(static_cast<int>(k)).relaxing_gain;
     slot.dent_m = LocalDent(slot.law, slot.elastic_N);
+    slot.carried_m = system.Of(static_cast<int>(k)).give.compliance_m_N * slot.elastic_N;
     // r' = g f' - r / tau over a tick; the force is f + r   (7.1)
     slot.relaxing_N = keep * slot.relaxing_N + gain * (slot.elastic_N - last_N[k]);
     const double force_N = slot.elastic_N > 0 ? std::max(0.0, slot.elastic_N + slot.relaxing_N) : 0;

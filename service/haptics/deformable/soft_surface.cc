@@ -28,24 +28,32 @@ Vec3 Carried(const SoftBodyView& body, const SoftContactState& state, const Soft
   return sum;
 }
 
-// Hertz's dent with the radius it has, minus the one of the patch that the column already holds:
-// x P(r / a) - 3 F / (4 M rho) P(r / rho).   (8.2)
-Vec3 Dents(const SoftBodyView& body, const SoftContactState& state, const Vec3& p) noexcept {
+// What the column of a ball shows at the ball itself, beyond what the body really gives way: the patch, to be taken
+// out.
+double PatchDepth(const SoftBodyView& body, const SoftSlot& slot) noexcept {
+  const SoftTriangle& t = body.GetTriangle(slot.place.triangle);
+  Vec3 own;
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      AddScaled(slot.elastic_N * slot.place.weights[j] * slot.place.weights[i], body.Column(t.node[j])[t.node[i]], own);
+    }
+  }
+  return -Dot(own, slot.normal) - slot.carried_m;
+}
+
+// Hertz's dent with the radius it has, minus the patch: dent P(r / a) - patch P(r / rho), faded out.   (8.2)
+Vec3 Dents(const SoftBodyView& body, const SoftContactState& state, const Vec3& p, double dent_share) noexcept {
   const double rho = body.header().patch_radius_m;
   Vec3 sum;
   for (const SoftSlot& slot : state.slots) {
     if (!(slot.active && slot.elastic_N > 0)) continue;
     const Vec3 away = p - slot.point_base_m;
     const double r = Norm(away);
-    const double reach = kDentReach_patches * rho;
-    if (!(r < reach)) continue;
-    const double height = Dot(away, slot.normal);
-    if (height < -rho) continue;  // the other side of a thin part
+    const double share = r / (kDentReach_patches * rho);
+    if (!(share < 1) || Dot(away, slot.normal) < -rho) continue;  // far, or the other side of a thin part
     const double a = std::max(ContactPatchRadius(slot.law, slot.dent_m), 1e-9);
-    const double patch_m = 0.75 * slot.elastic_N / (slot.law.modulus_Pa * rho);
-    const double fade = 1 - (r / reach) * (r / reach);
-    const double dent = slot.dent_m * DentProfile(r / a) - patch_m * DentProfile(r / rho);
-    sum = sum - (fade * dent) * slot.normal;
+    const double depth = dent_share * slot.dent_m * DentProfile(r / a) - PatchDepth(body, slot) * DentProfile(r / rho);
+    sum = sum - ((1 - share * share) * depth) * slot.normal;
   }
   return sum;
 }
@@ -54,25 +62,12 @@ Vec3 Dents(const SoftBodyView& body, const SoftContactState& state, const Vec3& 
 
 Vec3 CarriedDisplacement(const SoftBodyView& body, const SoftContactState& state, const Vec3& point,
                          std::uint32_t hint) noexcept {
-  // Without dents: at a ball's own place the column's patch must not be counted as carrying.
-  const SoftPlace at = LocateOnSoftBody(body, point, hint);
-  Vec3 sum = Carried(body, state, at);
-  const double rho = body.header().patch_radius_m;
-  for (const SoftSlot& slot : state.slots) {
-    if (!(slot.active && slot.elastic_N > 0)) continue;
-    const Vec3 away = point - slot.point_base_m;
-    const double r = Norm(away);
-    if (!(r < kDentReach_patches * rho) || Dot(away, slot.normal) < -rho) continue;
-    const double share = r / (kDentReach_patches * rho);
-    const double patch_m = 0.75 * slot.elastic_N / (slot.law.modulus_Pa * rho) * DentProfile(r / rho);
-    sum = sum + ((1 - share * share) * patch_m) * slot.normal;
-  }
-  return sum;
+  return Carried(body, state, LocateOnSoftBody(body, point, hint)) + Dents(body, state, point, 0);
 }
 
 Vec3 SoftDisplacement(const SoftBodyView& body, const SoftContactState& state, const Vec3& point,
                       std::uint32_t hint) noexcept {
-  return Carried(body, state, LocateOnSoftBody(body, point, hint)) + Dents(body, state, point);
+  return Carried(body, state, LocateOnSoftBody(body, point, hint)) + Dents(body, state, point, 1);
 }
 
 bool SurfaceDisplacement(const SoftBodyView& body, const SoftContactState& state, std::span<const Vec3> rest,
@@ -92,7 +87,7 @@ bool SurfaceDisplacement(const SoftBodyView& body, const SoftContactState& state
   for (std::uint32_t v = 0; v < h.skin_count; ++v) {
     const SoftSkin& skin = body.Skin(v);
     const SoftTriangle& t = body.GetTriangle(skin.triangle);
-    Vec3 sum = Dents(body, state, rest[v]);
+    Vec3 sum = Dents(body, state, rest[v], 1);
     for (int k = 0; k < 3; ++k) sum = sum + static_cast<double>(skin.weights[k]) * nodes[t.node[k]];
     out[v] = {static_cast<float>(sum.x), static_cast<float>(sum.y), static_cast<float>(sum.z)};
   }
