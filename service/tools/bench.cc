@@ -33,6 +33,7 @@ constexpr Bench kBenches[] = {
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
     {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
     {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
+    {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 

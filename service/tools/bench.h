@@ -58,6 +58,10 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);
 
+// Soft bodies against a neo-Hookean reference: method, tets, contact_nodes, us_median, us_p99, error_pct, reference.
+// Side tables: every point, time to prepare, the reference's mesh, the gain's fit, Hertz, turned fibres.
+base::Result<BenchRows> BenchDeformable(const BenchOptions& options);
+
 // {"name", "command", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);
 // Aligned columns, one line a row.
