@@ -96,13 +96,12 @@ void AddAccuracy(const Settings& settings, Rows& rows) {
     }
   }
   const std::string reference = "neo-Hookean, axisymmetric, worst of " + std::to_string(all.points) + " points to 2 N";
-  rows.push_back({{"method", "omni"},
-                  {"tets", settings.quick ? 600 : settings.shipped_tets},
-                  {"contact_nodes", 1},
-                  {"us_median", nullptr},
-                  {"us_p99", nullptr},
-                  {"error_pct", all.omni},
-                  {"reference", reference}});
+  // The shipped lattice with one ball was timed before: one row for both.
+  for (nlohmann::ordered_json& row : rows) {
+    if (row.value("method", "") != "omni" || row.value("contact_nodes", 0) != 1) continue;
+    row["error_pct"] = all.omni;
+    row["reference"] = reference;
+  }
   rows.push_back({{"method", "study-hertz"},
                   {"tets", nullptr},
                   {"contact_nodes", 1},

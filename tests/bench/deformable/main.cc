@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   omni::bench::Rows rows;
   omni::bench::AddTiming(settings, rows);
   omni::bench::AddAccuracy(settings, rows);
+  omni::bench::AddPeers(settings, rows);
   omni::bench::AddLimits(settings, rows);
   omni::bench::AddReferenceTables(settings, rows);
   std::cout << nlohmann::ordered_json(rows).dump(1) << "\n";

@@ -31,6 +31,9 @@ void AddTiming(const Settings& settings, Rows& rows);
 // Small contacts against Hertz, and forces while the fibre turns about the ball's axis.
 void AddLimits(const Settings& settings, Rows& rows);
 
+// Co-rotational elements on the same lattices.
+void AddPeers(const Settings& settings, Rows& rows);
+
 // A body of revolution made soft, clamped at z = 0, without relaxation.
 haptics::SoftBody MakeSoft(const AxisBody& body, const haptics::ElasticModuli& moduli, const haptics::Vec3& fibre,
                            std::uint32_t tets, std::uint64_t seed, haptics::SoftBuildReport& report);
