@@ -38,6 +38,7 @@ constexpr Bench kBenches[] = {
     {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
     {"stability", "walls that a simulated hand can hold still against, and those that are offered", BenchStability},
     {"race", "hits of the car against what the pen feels; walls and cost of the race", BenchRace},
+    {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 

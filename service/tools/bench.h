@@ -74,8 +74,13 @@ base::Result<BenchRows> BenchStress(const BenchOptions& options);
 // us_p999, build_ms, bytes_per_triangle, missed, false_contacts, direction_p99_deg, n. Side tables: build phases and
 // bytes, correctness by path, times by path, ratios.
 base::Result<BenchRows> BenchCollision(const BenchOptions& options);
+
 // The race: per seed and impact speed what is commanded and felt; side tables: walls, cost.
 base::Result<BenchRows> BenchRace(const BenchOptions& options);
+
+// Soft bodies against a neo-Hookean reference: method, tets, contact_nodes, us_median, us_p99, error_pct, reference.
+// Side tables: every point, time to prepare, the reference's mesh, the gain's fit, Hertz, turned fibres.
+base::Result<BenchRows> BenchDeformable(const BenchOptions& options);
 
 // {"name", "command", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);

@@ -200,6 +200,43 @@ base::Result<std::string> DrawTracking(const json& document, const std::string& 
   return svg.Finish();
 }
 
+// One dot per row that was both timed and judged: time of a tick against error of the force.
+base::Result<std::string> DrawDeformable(const json& document, const std::string& file) {
+  std::vector<PlotSeries> series;
+  std::vector<double> times_us, errors_pct;
+  for (const json& row : ArrayAt(document, "/rows")) {
+    const double us = Value(row, "us_median"), pct = Value(row, "error_pct");
+    const std::string method = Word(row, "method");
+    if (!(us > 0 && pct > 0) || method.empty()) continue;
+    const auto same = [&](const PlotSeries& one) { return one.name == method; };
+    auto found = std::find_if(series.begin(), series.end(), same);
+    if (found == series.end()) {
+      series.push_back({.name = method, .colour = PlotColour(series.size()), .mark = PlotSeries::Mark::kDots});
+      found = series.end() - 1;
+    }
+    found->points.push_back({us, pct});
+    char tets[32];
+    std::snprintf(tets, sizeof(tets), "%.0f tets", Value(row, "tets"));
+    found->labels.emplace_back(tets);
+    times_us.push_back(us);
+    errors_pct.push_back(pct);
+  }
+  if (times_us.empty()) {
+    return base::Error{file + ": no row has us_median and error_pct; make it with omni bench deformable"};
+  }
+  Svg svg(960, 560);
+  const PlotBox box{.top_px = 60,
+                    .width_px = 640,
+                    .height_px = 430,
+                    .title = "One tick with one ball: run time against error of the force",
+                    .x = AxisFor("median time of a tick, us", times_us, true),
+                    .y = AxisFor("error against neo-Hookean, %", errors_pct, true)};
+  DrawPlot(svg, box, series);
+  svg.Text(70, 24, "omni bench deformable", "font-size=\"16\" fill=\"#222\"");
+  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
+  return svg.Finish();
+}
+
 // Empty: drawn.
 std::string PlotFile(const std::string& path, const std::string& folder) {
   std::ifstream file(path);
@@ -226,7 +263,8 @@ base::Result<std::string> DrawBench(const json& document, const std::string& fil
   if (name == "solver") return DrawSolver(document, file);
   if (name == "tracking") return DrawTracking(document, file);
   if (name == "collision") return DrawCollision(document, file);
-  return base::Error{file + ": is of omni bench " + name + "; pictures are made of solver, tracking and collision"};
+  if (name == "deformable") return DrawDeformable(document, file);
+  return base::Error{file + ": is of omni bench " + name + "; there is no picture of it"};
 }
 
 void AddBenchPlot(CLI::App& bench) {
@@ -234,7 +272,7 @@ void AddBenchPlot(CLI::App& bench) {
       bench.add_subcommand("plot", "pictures (SVG) of run time against error from JSON files of omni bench");
   auto files = std::make_shared<std::vector<std::string>>();
   auto folder = std::make_shared<std::string>(".");
-  plot->add_option("files", *files, "JSON files of omni bench solver, tracking and collision")->required();
+  plot->add_option("files", *files, "JSON files of omni bench solver, tracking, collision and deformable")->required();
   plot->add_option("-o,--output", *folder, "folder to write NAME.svg into")->capture_default_str();
   plot->callback([files, folder] {
     for (const std::string& file : *files) {

@@ -1,0 +1,16 @@
+// Nested dissection by coordinates [George 1973]: an order of elimination that keeps the factor of a finite-element
+// matrix small. Set-up only.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "service/haptics/geometry/vec_math.h"
+
+namespace omni::haptics {
+
+// Order in which to eliminate `nodes`; `neighbours[n]` of every node n.
+std::vector<std::uint32_t> DissectionOrder(const std::vector<Vec3>& position, std::vector<std::uint32_t> nodes,
+                                           const std::vector<std::vector<std::uint32_t>>& neighbours);
+
+}  // namespace omni::haptics

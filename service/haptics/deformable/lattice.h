@@ -1,0 +1,43 @@
+// A tetrahedral lattice that fills a triangle mesh, by isosurface stuffing [Labelle & Shewchuk 2007]: a body-centred
+// cubic (BCC) grid, warped and cut where the winding number passes one half. BCC rather than cubes cut in six (Kuhn),
+// because its stiffness has no favourite diagonal; cut rather than merely embedding, because a contact is felt at the
+// surface, and half-filled cells would make it too stiff there. The mesh only answers "inside or outside", so that its
+// defects cannot stop the build. Set-up only. docs/theory/deformable.md, section 1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/haptics/geometry/vec_math.h"
+
+namespace omni::haptics {
+
+struct TetLattice {
+  std::vector<Vec3> vertices_base_m;
+  std::vector<std::array<std::uint32_t, 4>> tets;     // positive volume
+  std::vector<std::array<std::uint32_t, 3>> surface;  // outwards; corners lie on the mesh
+  double cell_m = 0;                                  // edge of a BCC cube; node spacing is about 0.9 of it
+};
+
+struct LatticeOptions {
+  std::uint32_t max_tets = 4000;              // [100, 400000]
+  std::uint32_t max_surface_vertices = 1000;  // [50, 1024]
+  Vec3 shift_cells{0.137, 0.291, 0.419};      // of the grid, so that flat faces do not fall on grid planes
+};
+
+// The finest lattice within both limits. Parts that hang together by an edge or a vertex only are dropped, all but the
+// largest. Fails if nothing is inside (open sheet, zero thickness) or a coordinate is not a number.
+base::Result<TetLattice> BuildTetLattice(std::span<const Vec3> vertices_base_m,
+                                         std::span<const std::array<std::uint32_t, 3>> triangles,
+                                         const LatticeOptions& options = {});
+
+// One lattice of the given cell; `lattice.tets` is empty if nothing is inside.
+TetLattice StuffLattice(std::span<const Vec3> vertices_base_m, std::span<const std::array<std::uint32_t, 3>> triangles,
+                        double cell_m, const Vec3& shift_cells);
+
+double TetVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+}  // namespace omni::haptics

@@ -1,0 +1,82 @@
+// Touching a soft body, once a millisecond: up to 16 balls, their forces and how stiff they are at this instant. Each
+// ball feels its own dent (local_law.h) in series with the give of the whole body (columns of the block), and the
+// others through the body. Cost does not depend on the number of tetrahedra. docs/theory/deformable.md, sections 6
+// to 8.
+//
+// Displaced proxy (8.1): keep the rigid proxy s on the REST surface, with the tip x - CarriedDisplacement(s). Then
+//   contact.point = s, contact.normal = out of the surface, contact.depth = (s - x) . normal,
+// and what is shown as the proxy is s + SoftDisplacement(s).
+#pragma once
+
+#include <span>
+#include <type_traits>
+
+#include "service/haptics/deformable/capacitance.h"
+#include "service/haptics/deformable/local_law.h"
+#include "service/haptics/deformable/soft_body.h"
+#include "service/haptics/deformable/soft_locate.h"
+
+namespace omni::haptics {
+
+struct SoftContact {
+  bool touching = false;
+  Vec3 point_base_m;                 // on the rest surface
+  Vec3 normal;                       // unit, out of the body
+  double depth_m = 0;                // of the ball below the rest surface; NaN and <= 0: no force
+  double series_compliance_m_N = 0;  // of a spring between depth and ball, 1 / offered stiffness; >= 0
+};
+
+struct SoftForce {
+  double normal_N = 0;   // along +normal on the ball, >= 0, with the relaxing part
+  double elastic_N = 0;  // long-term part: what deforms the body
+  double dent_m = 0;     // local indentation
+  double slope_N_m = 0;  // d normal_N / d depth within this tick
+};
+
+// Of one ball; slot k belongs to contact k for as long as it touches.
+struct SoftSlot {
+  bool active = false;
+  SoftPlace place;  // where the row of the matrix was taken
+  double elastic_N = 0;
+  double relaxing_N = 0;
+  double dent_m = 0;
+  double carried_m = 0;  // how far the body gives way under this ball, without the dent
+  Vec3 point_base_m, normal;
+  LocalLaw law;
+};
+
+// All that changes. Zero-initialised: nothing touched.
+struct SoftContactState {
+  std::array<SoftSlot, kMaxSoftContacts> slots;
+  ContactMatrix matrix{};
+  ActiveFactor factor;
+};
+static_assert(std::is_trivially_copyable_v<SoftContactState>);
+
+// At most kMaxSoftContacts contacts; further ones get no force. `forces` as long as `contacts`. `dt_s` in [0, 0.1].
+void StepSoftContacts(const SoftBodyView& body, std::span<const SoftContact> contacts, double ball_radius_m,
+                      double dt_s, SoftContactState& state, std::span<SoftForce> forces) noexcept;
+
+// One ball.
+inline SoftForce StepSoftContact(const SoftBodyView& body, const SoftContact& contact, double ball_radius_m,
+                                 double dt_s, SoftContactState& state) noexcept {
+  SoftForce force;
+  StepSoftContacts(body, {&contact, 1}, ball_radius_m, dt_s, state, {&force, 1});
+  return force;
+}
+
+// How far the body carries this point of its surface, without the dents right under the balls.
+Vec3 CarriedDisplacement(const SoftBodyView& body, const SoftContactState& state, const Vec3& point_base_m,
+                         std::uint32_t hint = kNoSoftTriangle) noexcept;
+
+// Where the surface is drawn: with the dents.
+Vec3 SoftDisplacement(const SoftBodyView& body, const SoftContactState& state, const Vec3& point_base_m,
+                      std::uint32_t hint = kNoSoftTriangle) noexcept;
+
+// The same for every vertex of the mesh the body was made from (`rest_base_m`: its vertices), for drawing at 60-120 Hz
+// from a copy of the state, off the tick. `out` as long as header().skin_count and `rest_base_m`; longer or shorter:
+// nothing is written and false.
+bool SurfaceDisplacement(const SoftBodyView& body, const SoftContactState& state, std::span<const Vec3> rest_base_m,
+                         std::span<Float3> out) noexcept;
+
+}  // namespace omni::haptics
