@@ -1,0 +1,27 @@
+// What a triangle must keep: area, and the side it faces.
+#pragma once
+
+#include "service/haptics/geometry/triangle_math.h"
+
+namespace omni::haptics::sculpt {
+
+inline constexpr double kLeastShape = 1e-3;  // 2 area / longest edge^2; worse triangles are not made   (4.1)
+
+inline double LongestSquared(const Corners& c) noexcept {
+  return std::max({SquaredNorm(c[1] - c[0]), SquaredNorm(c[2] - c[1]), SquaredNorm(c[0] - c[2])});
+}
+
+// 2 area / longest edge^2: 0.87 equilateral, 0 without area. Not a number for a triangle that is a point.
+inline double ShapeOf(const Corners& c) noexcept { return Norm(AreaVector(c)) / LongestSquared(c); }
+
+// May `before` become `after`? It must keep facing the same way (cosine over `least_cosine`) and not become a needle,
+// unless it was a worse one.
+inline bool MayBecome(const Corners& before, const Corners& after, double least_cosine) noexcept {
+  const Vec3 old_area = AreaVector(before), new_area = AreaVector(after);
+  const double cosine_scaled = Dot(old_area, new_area);
+  if (!(cosine_scaled > least_cosine * Norm(old_area) * Norm(new_area))) return false;
+  const double shape = ShapeOf(after);
+  return shape >= kLeastShape || shape >= ShapeOf(before);
+}
+
+}  // namespace omni::haptics::sculpt
