@@ -48,10 +48,11 @@ struct Case {
 class Strokes : public ::testing::TestWithParam<int> {};
 
 std::vector<Case> Cases() {
-  return {{"ball", BumpyBall(10, 0.03), 0.03, 0.006, 1000},
-          {"block", Block(1, {0.02, 0.015, 0.01}), 0.02, 0.004, 600},
-          {"tetrahedron", Tetrahedron(0.02), 0.02, 0.006, 600},
-          {"torus", Periodic(24, 12, [](double u, double v) { return TorusPoint(0.02, 0.008, u, v); }), 0.02, 0.005, 800}};
+  return {
+      {"ball", BumpyBall(10, 0.03), 0.03, 0.006, 1000},
+      {"block", Block(1, {0.02, 0.015, 0.01}), 0.02, 0.004, 600},
+      {"tetrahedron", Tetrahedron(0.02), 0.02, 0.006, 600},
+      {"torus", Periodic(24, 12, [](double u, double v) { return TorusPoint(0.02, 0.008, u, v); }), 0.02, 0.005, 800}};
 }
 
 TEST_P(Strokes, KeepManifoldAndUndoExactly) {

@@ -28,8 +28,8 @@ inline InputObject BumpyBall(int n, double radius_m, double bumps = 0.03) {
 inline InputObject Tetrahedron(double size_m) {
   InputObject object;
   object.name = "tetrahedron";
-  object.vertices_base_m = {{size_m, size_m, size_m}, {size_m, -size_m, -size_m}, {-size_m, size_m, -size_m},
-                            {-size_m, -size_m, size_m}};
+  object.vertices_base_m = {
+      {size_m, size_m, size_m}, {size_m, -size_m, -size_m}, {-size_m, size_m, -size_m}, {-size_m, -size_m, size_m}};
   AddTriangle(object, 0, 1, 2);
   AddTriangle(object, 0, 2, 3);
   AddTriangle(object, 0, 3, 1);

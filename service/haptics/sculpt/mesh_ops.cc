@@ -67,6 +67,25 @@ Fan::Fan(const PagedMesh& mesh, std::uint32_t vertex) noexcept {
   } while (current != start);
 }
 
+std::uint32_t DescendTo(const PagedMesh& mesh, std::uint32_t triangle, const Vec3& p) noexcept {
+  double least = ClosestOnTriangle(mesh.TriangleCorners(triangle), p).distance_squared;
+  for (bool again = true; again;) {
+    again = false;
+    const Triangle from = mesh.GetTriangle(triangle);
+    for (const std::uint32_t v : from.vertex) {
+      const Fan fan(mesh, v);
+      for (int i = 0; i < fan.size(); ++i) {
+        const double distance = ClosestOnTriangle(mesh.TriangleCorners(fan.triangle(i)), p).distance_squared;
+        if (!(distance < least)) continue;
+        least = distance;
+        triangle = fan.triangle(i);
+        again = true;
+      }
+    }
+  }
+  return triangle;
+}
+
 // (a, b, c), (b, a, d) -> (a, m, c), (m, b, c), (m, a, d), (b, m, d)
 std::uint32_t SplitEdge(PagedMesh& mesh, const Edge& edge, const Vec3& position) {
   if (!mesh.HasRoom()) return kNoIndex;

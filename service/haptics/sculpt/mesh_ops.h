@@ -38,6 +38,9 @@ class Fan {
   std::array<std::uint32_t, kMaxValence> next_;
 };
 
+// From triangle to triangle around, as long as one is nearer to `p`; the nearest of the neighbourhood.
+std::uint32_t DescendTo(const PagedMesh& mesh, std::uint32_t triangle, const Vec3& p) noexcept;
+
 // Puts a new vertex at `position` on the edge and returns it; kNoIndex when the mesh is at its largest.
 std::uint32_t SplitEdge(PagedMesh& mesh, const Edge& edge, const Vec3& position);
 

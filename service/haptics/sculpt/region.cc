@@ -36,23 +36,25 @@ void Region::AddMiddle(std::uint32_t middle, std::uint32_t a, std::uint32_t b) {
   if (weight > 0) Add(middle, weight, 0.5 * (MoveOf(a) + MoveOf(b)));
 }
 
-std::vector<std::uint32_t> TrianglesOf(const PagedMesh& mesh, const Region& region) {
-  std::vector<std::uint32_t> triangles;
-  triangles.reserve(2 * region.size() + 64);
-  IndexMap seen;
-  for (std::size_t i = 0; i < region.size(); ++i) {
+Patch PatchOf(const PagedMesh& mesh, const Region& region) {
+  Patch patch;
+  patch.reserve(2 * region.size() + 64);
+  for (std::uint32_t i = 0; i < region.size(); ++i) {
     const std::uint32_t start = mesh.FirstTriangle(region.vertex(i));
     std::uint32_t current = start;
     do {
-      if (!seen.Has(current)) {
-        seen.Set(current, 1);
-        triangles.push_back(current);
-      }
       const Triangle& t = mesh.GetTriangle(current);
+      PatchTriangle triangle{current, {}};
+      bool first = true;  // of its corners in the region, this one has the least place
+      for (std::size_t k = 0; k < 3; ++k) {
+        triangle.at[k] = t.vertex[k] == region.vertex(i) ? i : region.Find(t.vertex[k]);
+        first = first && triangle.at[k] >= i;
+      }
+      if (first) patch.push_back(triangle);
       current = t.neighbour[CornerOf(t, region.vertex(i))];
     } while (current != start);
   }
-  return triangles;
+  return patch;
 }
 
 Weighted WeighBall(const PagedMesh& mesh, const SurfacePoint& at, const Brush& brush) {

@@ -13,6 +13,7 @@ class Region {
  public:
   std::size_t size() const noexcept { return vertex_.size(); }
   std::uint32_t vertex(std::size_t i) const noexcept { return vertex_[i]; }
+  std::uint32_t Find(std::uint32_t vertex) const noexcept { return place_.Find(vertex); }  // kNoIndex: not in it
   const Vec3& move(std::size_t i) const noexcept { return move_[i]; }
   double weight(std::size_t i) const noexcept { return weight_[i]; }
   bool Has(std::uint32_t vertex) const noexcept { return place_.Has(vertex); }
@@ -38,8 +39,15 @@ class Region {
   IndexMap place_;
 };
 
-// Triangles with a corner in the region, each once, in an order that depends on the region alone.
-std::vector<std::uint32_t> TrianglesOf(const PagedMesh& mesh, const Region& region);
+// A triangle with a corner in the region; at[k]: place of corner k in the region, kNoIndex: it does not move.
+struct PatchTriangle {
+  std::uint32_t triangle;
+  std::array<std::uint32_t, 3> at;
+};
+using Patch = std::vector<PatchTriangle>;
+
+// All of them, each once, in an order that depends on the region alone. Good until connections or the region change.
+Patch PatchOf(const PagedMesh& mesh, const Region& region);
 
 struct Weighted {
   std::vector<GeodesicVertex> vertices;  // distance_m holds the weight

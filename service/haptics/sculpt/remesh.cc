@@ -6,8 +6,8 @@
 namespace omni::haptics::sculpt {
 namespace {
 
-constexpr double kFlatCosine = 0.9;            // edges sharper than about 26 degrees are left alone: they are features
-constexpr std::uint32_t kMaxSplits = 200'000;  // per call; what is left over is split by the next
+constexpr double kFlatCosine = 0.9;           // edges sharper than about 26 degrees are left alone: they are features
+constexpr std::size_t kMaxChanges = 200'000;  // per call; what is left over is split by the next
 
 double EdgeSquared(const Corners& c, std::size_t k) noexcept { return SquaredNorm(c[(k + 1) % 3] - c[k]); }
 
@@ -34,7 +34,7 @@ Edge LongestOnPath(const PagedMesh& mesh, std::uint32_t triangle) noexcept {
 
 class Remesher {
  public:
-  Remesher(PagedMesh& mesh, const EdgeRange& edges, Region* region, RemeshCounts& counts)
+  Remesher(PagedMesh& mesh, const EdgeRange& edges, Region& region, RemeshCounts& counts)
       : mesh_(mesh),
         long_squared_(edges.long_m * edges.long_m),
         short_squared_(edges.short_m * edges.short_m),
@@ -43,57 +43,63 @@ class Remesher {
 
   bool TooLong(std::uint32_t t) const noexcept { return LongestSquared(mesh_.TriangleCorners(t)) > long_squared_; }
 
+  bool TooShort(std::uint32_t t) const noexcept {
+    const Corners c = mesh_.TriangleCorners(t);
+    return std::min({EdgeSquared(c, 0), EdgeSquared(c, 1), EdgeSquared(c, 2)}) < short_squared_;
+  }
+
   // Until the triangle's own longest edge is short enough. False: the mesh or the call is at its limit.
   bool SplitUntilShort(std::uint32_t t) {
     while (TooLong(t)) {
       const Edge edge = LongestOnPath(mesh_, t);
       const Diamond d = DiamondOf(mesh_, edge);
       const Vec3 middle = 0.5 * (mesh_.VertexPosition(d.a) + mesh_.VertexPosition(d.b));
-      if (splits_ == kMaxSplits) return false;
+      if (changed_.size() > kMaxChanges) return false;
       const std::uint32_t m = SplitEdge(mesh_, edge, middle);
       if (m == kNoIndex) return false;
-      ++splits_;
       ++counts_.splits;
-      if (region_ == nullptr) continue;
-      region_->AddMiddle(m, d.a, d.b);
       Changed(m);
+      region_.AddMiddle(m, d.a, d.b);
     }
     return true;
   }
 
-  void SplitLong() {
-    bool again = true;
-    for (int pass = 0; again && pass < 4; ++pass) {
-      again = false;
-      for (const std::uint32_t t : TrianglesOf(mesh_, *region_)) {
-        if (!TooLong(t)) continue;
-        again = true;
-        if (!SplitUntilShort(t)) return;
+  // Then the parts that the splits left, as far as `counts(triangle)`.
+  template <class Counts>
+  void SplitParts(Counts&& counts) {
+    for (std::size_t i = 0; i < changed_.size(); ++i) {
+      const Fan fan(mesh_, changed_[i]);
+      for (int k = 0; k < fan.size(); ++k) {
+        if (counts(fan.triangle(k)) && !SplitUntilShort(fan.triangle(k))) return;
       }
     }
   }
 
-  void CollapseShort() {
-    for (const std::uint32_t t : TrianglesOf(mesh_, *region_)) {
-      for (std::uint32_t k = 0; k < 3 && mesh_.IsLive(t); ++k) {
-        if (EdgeSquared(mesh_.TriangleCorners(t), k) < short_squared_) TryCollapse({t, k});
-      }
+  void CollapseShort(std::uint32_t t) {
+    for (std::uint32_t k = 0; k < 3 && mesh_.IsLive(t); ++k) {
+      if (EdgeSquared(mesh_.TriangleCorners(t), k) < short_squared_ && TryCollapse({t, k})) return;
     }
   }
 
+  // Edges around what was changed.
   void FlipForValence() {
-    for (const std::uint32_t t : TrianglesOf(mesh_, *region_)) {
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        if (t < mesh_.GetTriangle(t).neighbour[k]) TryFlip({t, k});
+    const std::size_t changed = changed_.size();
+    for (std::size_t i = 0; i < changed; ++i) {
+      if (!region_.Has(changed_[i])) continue;
+      const Fan fan(mesh_, changed_[i]);
+      for (int n = 0; n < fan.size(); ++n) {
+        for (std::uint32_t k = 0; k < 3; ++k) TryFlip({fan.triangle(n), k});
       }
     }
   }
 
   void SmoothChanged() {
-    for (std::size_t i = 0; i < changed_.size(); ++i) {
-      if (region_->Has(changed_[i])) TrySmooth(changed_[i]);
+    for (const std::uint32_t v : changed_) {
+      if (region_.Has(v)) TrySmooth(v);
     }
   }
+
+  const std::vector<std::uint32_t>& changed() const noexcept { return changed_; }
 
  private:
   void Changed(std::uint32_t v) {
@@ -122,7 +128,7 @@ class Remesher {
 
   bool TryCollapse(const Edge& edge) {
     const Diamond d = DiamondOf(mesh_, edge);
-    if (!region_->Has(d.a) || !region_->Has(d.b)) return false;
+    if (!region_.Has(d.a) || !region_.Has(d.b)) return false;
     const Fan fan_a(mesh_, d.a), fan_b(mesh_, d.b);
     if (!CanCollapse(d, mesh_, fan_a, fan_b)) return false;
     const Vec3 middle = 0.5 * (mesh_.VertexPosition(d.a) + mesh_.VertexPosition(d.b));
@@ -130,7 +136,7 @@ class Remesher {
       return false;
     }
     CollapseEdge(mesh_, d, fan_a, fan_b, middle);
-    region_->Remove(d.a);
+    region_.Remove(d.a);
     ++counts_.collapses;
     Changed(d.b);
     return true;
@@ -194,9 +200,8 @@ class Remesher {
 
   PagedMesh& mesh_;
   double long_squared_, short_squared_;
-  Region* region_;
+  Region& region_;
   RemeshCounts& counts_;
-  std::uint32_t splits_ = 0;
   std::vector<std::uint32_t> changed_;
   IndexMap seen_;
 };
@@ -219,33 +224,38 @@ std::vector<std::uint32_t> TrianglesInBall(const PagedMesh& mesh, const SurfaceP
 
 }  // namespace
 
-void Remesh(PagedMesh& mesh, const EdgeRange& edges, Region& region, RemeshCounts& counts) {
-  Remesher remesher(mesh, edges, &region, counts);
-  remesher.SplitLong();
-  remesher.CollapseShort();
+bool Remesh(PagedMesh& mesh, const EdgeRange& edges, Region& region, Patch& patch, RemeshCounts& counts) {
+  Remesher remesher(mesh, edges, region, counts);
+  std::vector<std::uint32_t> too_long, too_short;
+  for (const PatchTriangle& t : patch) {
+    if (remesher.TooLong(t.triangle)) too_long.push_back(t.triangle);
+    if (remesher.TooShort(t.triangle)) too_short.push_back(t.triangle);
+  }
+  if (too_long.empty() && too_short.empty()) return false;
+  for (const std::uint32_t t : too_long) {
+    if (!remesher.SplitUntilShort(t)) break;
+  }
+  remesher.SplitParts([](std::uint32_t) { return true; });
+  for (const std::uint32_t t : too_short) remesher.CollapseShort(t);
   remesher.FlipForValence();
   remesher.SmoothChanged();
+  if (remesher.changed().empty()) return false;
+  patch = PatchOf(mesh, region);
+  return true;
 }
 
-std::uint32_t RefineBall(PagedMesh& mesh, const SurfacePoint& at, double radius_m, double long_m,
+std::uint32_t RefineBall(PagedMesh& mesh, const SurfacePoint& at, double radius_m, double long_m, Region& region,
                          RemeshCounts& counts) {
-  SurfacePoint here = at;
-  Remesher remesher(mesh, {long_m, 0}, nullptr, counts);
-  bool again = true;
-  while (again) {
-    again = false;
-    const std::uint32_t before = counts.splits;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t t : TrianglesInBall(mesh, here, radius_m)) {
-      if (!remesher.SplitUntilShort(t)) return here.triangle;
-      const double distance = ClosestOnTriangle(mesh.TriangleCorners(t), at.position).distance_squared;
-      if (!(distance < nearest)) continue;
-      nearest = distance;
-      here.triangle = t;
-    }
-    again = counts.splits != before;
+  Remesher remesher(mesh, {long_m, 0}, region, counts);
+  const auto distance_squared = [&](std::uint32_t t) {
+    return ClosestOnTriangle(mesh.TriangleCorners(t), at.position).distance_squared;
+  };
+  for (const std::uint32_t t : TrianglesInBall(mesh, at, radius_m)) {
+    if (!remesher.SplitUntilShort(t)) break;
   }
-  return here.triangle;
+  remesher.SplitParts(
+      [&](std::uint32_t t) { return remesher.TooLong(t) && distance_squared(t) < radius_m * radius_m; });
+  return DescendTo(mesh, at.triangle, at.position);  // it is still there, or in one that came off it
 }
 
 }  // namespace omni::haptics::sculpt

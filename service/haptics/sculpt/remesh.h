@@ -21,10 +21,12 @@ struct RemeshCounts {
 };
 
 // Once over the region and its rim. The region follows: it gets the vertices of splits and loses those of collapses.
-void Remesh(PagedMesh& mesh, const EdgeRange& edges, Region& region, RemeshCounts& counts);
+// False: nothing was too long or too short, `patch` is still good; else it is made anew.
+bool Remesh(PagedMesh& mesh, const EdgeRange& edges, Region& region, Patch& patch, RemeshCounts& counts);
 
 // Splits edges around `at` until, as far as `radius_m` reaches, none is longer than `long_m`. Moves
-// nothing. Returns the triangle that now holds the point.
-std::uint32_t RefineBall(PagedMesh& mesh, const SurfacePoint& at, double radius_m, double long_m, RemeshCounts& counts);
+// nothing; vertices on edges of `region` join it. Returns the triangle that now holds the point.
+std::uint32_t RefineBall(PagedMesh& mesh, const SurfacePoint& at, double radius_m, double long_m, Region& region,
+                         RemeshCounts& counts);
 
 }  // namespace omni::haptics::sculpt

@@ -1,6 +1,7 @@
 #include "service/haptics/sculpt/sculpt_editor.h"
 
 #include "service/haptics/sculpt/deform.h"
+#include "service/haptics/sculpt/mesh_ops.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 
 namespace omni::haptics::sculpt {
@@ -67,7 +68,7 @@ base::Status SculptEditor::CheckBrush(const Brush& brush) const {
 void SculptEditor::AddPart(const SurfacePoint& at, const Brush& brush, double long_m, Vec3& normal,
                            double& mean_edge_m) {
   SurfacePoint here = at;
-  here.triangle = RefineBall(*mesh_, at, brush.radius_m, long_m, report_.remesh);
+  here.triangle = RefineBall(*mesh_, at, brush.radius_m, long_m, region_, report_.remesh);
   const Weighted ball = WeighBall(*mesh_, here, brush);
   if (normal == Vec3{}) normal = ball.mean_normal;
   mean_edge_m = ball.mean_edge_m;
@@ -87,16 +88,15 @@ base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
   mesh_->BeginStep();
   Vec3 normal;
   double mean_edge_m = 0;
+  const SymmetryPlane& plane = brush.symmetry;
+  const Vec3 twin = plane.point_base_m + Mirrored(plane, at.position - plane.point_base_m);
+  const SurfacePoint other = plane.enabled ? Locate(twin, brush.radius_m) : SurfacePoint{};
   AddPart(at, brush, kLongEdge * target_m, normal, mean_edge_m);
-  if (brush.symmetry.enabled) {
-    const SymmetryPlane& plane = brush.symmetry;
-    const Vec3 twin = plane.point_base_m + Mirrored(plane, at.position - plane.point_base_m);
-    const SurfacePoint other = Locate(twin, brush.radius_m);
-    Vec3 twin_normal = Mirrored(plane, normal);
-    if (other.triangle != kNoIndex) AddPart(other, brush, kLongEdge * target_m, twin_normal, mean_edge_m);
-  }
+  Vec3 twin_normal = Mirrored(plane, normal);
+  if (other.triangle != kNoIndex) AddPart(other, brush, kLongEdge * target_m, twin_normal, mean_edge_m);
   edges_ = {kLongEdge * target_m, kShortEdge * std::min(target_m, mean_edge_m)};
   report_.vertices = region_.size();
+  patch_ = PatchOf(*mesh_, region_);
   if (region_.size() > 0) return base::Ok{};
   mesh_->Apply(mesh_->EndStep());  // takes the refinement back
   return Error{"sculpting: no vertex within " + Millimetres(brush.radius_m) + " may move (masked), or more than " +
@@ -104,10 +104,10 @@ base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
 }
 
 void SculptEditor::Step(double offset_m) {
-  report_.held_back += Displace(*mesh_, region_, offset_m - offset_m_);
+  report_.held_back += Displace(*mesh_, region_, patch_, offset_m - offset_m_);
   offset_m_ = offset_m;
   if (std::abs(offset_m_ - remeshed_offset_m_) < kRemeshShare * edges_.short_m) return;
-  Remesh(*mesh_, edges_, region_, report_.remesh);
+  Remesh(*mesh_, edges_, region_, patch_, report_.remesh);
   remeshed_offset_m_ = offset_m_;
 }
 
@@ -115,7 +115,7 @@ void SculptEditor::MoveTo(double offset_m) {
   if (!in_stroke() || !(std::abs(offset_m) < 1e9)) return;
   offset_m = std::clamp(offset_m, -kLargestOffset_m, kLargestOffset_m);
   for (int k = 0; k < kMaxSteps && offset_m_ != offset_m; ++k) {
-    const double most_m = std::max(LongestStep(*mesh_, region_), kRemeshShare * edges_.short_m);
+    const double most_m = std::max(LongestStep(*mesh_, region_, patch_), kRemeshShare * edges_.short_m);
     Step(offset_m_ + std::clamp(offset_m - offset_m_, -most_m, most_m));
   }
 }
@@ -124,7 +124,7 @@ void SculptEditor::End() {
   if (!in_stroke()) return;
   if (options_.grid_step_m > 0) MoveTo(options_.grid_step_m * std::round(offset_m_ / options_.grid_step_m));
   report_.vertices = region_.size();
-  report_.triangles = TrianglesOf(*mesh_, region_).size();
+  report_.triangles = patch_.size();
   CloseStep();
 }
 
@@ -173,13 +173,14 @@ bool SculptEditor::Redo() {
   return true;
 }
 
-// The newest generation's tree finds the place; what changed since is at most a few steps of the same surface.
+// The newest generation's tree finds the place; what was edited since is near it.
 SurfacePoint SculptEditor::Locate(const Vec3& p, double reach_m) const {
   const SculptTable* table = mesh_->publisher().newest();
   if (table == nullptr || !Within(p, kMaxCoordinate_m)) return {};
   const SculptNearest nearest = NearestPoint(SculptSurface(*table), p, reach_m);
   if (nearest.triangle == kNoIndex || !mesh_->IsLive(nearest.triangle)) return {};
-  return {nearest.triangle, ClosestOnTriangle(mesh_->TriangleCorners(nearest.triangle), p).point};
+  const std::uint32_t triangle = DescendTo(*mesh_, nearest.triangle, p);
+  return {triangle, ClosestOnTriangle(mesh_->TriangleCorners(triangle), p).point};
 }
 
 Mesh SculptEditor::Snapshot() const {

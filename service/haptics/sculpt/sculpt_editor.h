@@ -81,6 +81,7 @@ class SculptEditor {
   std::unique_ptr<PagedMesh> mesh_;
   SculptOptions options_;
   Region region_;
+  Patch patch_;  // of region_
   EdgeRange edges_;
   double offset_m_ = 0;           // applied in this stroke
   double remeshed_offset_m_ = 0;  // at the last Remesh
