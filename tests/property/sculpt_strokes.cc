@@ -21,14 +21,14 @@ void Sculpt(SculptEditor& editor, Random& random, int strokes, double size_m, do
   for (int i = 0; i < strokes; ++i) {
     const SurfacePoint at = On(editor, random.InBox(1.5 * size_m));
     ASSERT_NE(at.triangle, kNoIndex);
-    const Brush brush = RandomBrush(random, 0.1 * size_m, 0.5 * size_m);
+    const Brush brush = RandomBrush(random, 0.15 * size_m, 0.3 * size_m);
     if (random.Next() % 16 == 0) {
       EXPECT_TRUE(editor.PaintMask(at, brush, random.Uniform(0, 1)).ok());
     } else {
       (void)editor.Stroke(at, brush, random.Uniform(-offset_m, offset_m));  // refused where all is masked
     }
     if (random.Next() % 8 == 0 && editor.Undo() && random.Next() % 2 == 0) editor.Redo();
-    ASSERT_TRUE(editor.Publish().published || true);
+    editor.Publish();
     if (i % 50 == 49) {
       const ManifoldReport report = CheckManifold(editor.mesh());
       ASSERT_TRUE(report.ok()) << report.problem << " after stroke " << i;
@@ -49,10 +49,10 @@ class Strokes : public ::testing::TestWithParam<int> {};
 
 std::vector<Case> Cases() {
   return {
-      {"ball", BumpyBall(10, 0.03), 0.03, 0.006, 1000},
-      {"block", Block(1, {0.02, 0.015, 0.01}), 0.02, 0.004, 600},
-      {"tetrahedron", Tetrahedron(0.02), 0.02, 0.006, 600},
-      {"torus", Periodic(24, 12, [](double u, double v) { return TorusPoint(0.02, 0.008, u, v); }), 0.02, 0.005, 800}};
+      {"ball", BumpyBall(10, 0.03), 0.03, 0.006, 400},
+      {"block", Block(1, {0.02, 0.015, 0.01}), 0.02, 0.004, 350},
+      {"tetrahedron", Tetrahedron(0.02), 0.02, 0.006, 300},
+      {"torus", Periodic(24, 12, [](double u, double v) { return TorusPoint(0.02, 0.008, u, v); }), 0.02, 0.005, 350}};
 }
 
 TEST_P(Strokes, KeepManifoldAndUndoExactly) {
@@ -76,8 +76,6 @@ TEST_P(Strokes, KeepManifoldAndUndoExactly) {
   EXPECT_EQ(editor->mesh().Hash(), after);
   const ManifoldReport report = CheckManifold(editor->mesh());
   EXPECT_TRUE(report.ok()) << report.problem;
-  std::printf("%s: %u triangles, least shape %g, undo %zu steps %zu bytes\n", c.name, report.triangles,
-              report.least_shape, editor->redo_steps() + editor->undo_steps(), editor->undo_bytes());
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Strokes, ::testing::Range(0, 4));

@@ -70,10 +70,11 @@ class Front {
       const std::uint32_t a = t.vertex[(corner + 1) % 3], b = t.vertex[(corner + 2) % 3];
       const double from_a_m = Distance(a), from_b_m = Distance(b);
       const Vec3 &pa = mesh_.VertexPosition(a), &pb = mesh_.VertexPosition(b);
-      if (from_a_m > distance_m) {  // else no way through here is nearer
+      // A way over the edge to the other vertex is no shorter than the nearer of the two.
+      if (from_a_m > std::min(distance_m, from_b_m)) {
         Offer(a, from_b_m < kFar ? Unfolded(here, pb, pa, distance_m, from_b_m) : distance_m + Norm(pa - here));
       }
-      if (from_b_m > distance_m) {
+      if (from_b_m > std::min(distance_m, from_a_m)) {
         Offer(b, from_a_m < kFar ? Unfolded(here, pa, pb, distance_m, from_a_m) : distance_m + Norm(pb - here));
       }
       current = t.neighbour[corner];

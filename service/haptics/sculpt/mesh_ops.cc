@@ -112,7 +112,7 @@ bool CanCollapse(const Diamond& e, const PagedMesh& mesh, const Fan& fan_a, cons
   return common == 2 && Fan(mesh, e.c).size() > 3 && Fan(mesh, e.d).size() > 3;
 }
 
-void CollapseEdge(PagedMesh& mesh, const Diamond& e, const Fan& fan_a, const Fan& fan_b, const Vec3& position) {
+void CollapseEdge(PagedMesh& mesh, const Diamond& e, const Fan& fan_a) {
   for (int i = 0; i < fan_a.size(); ++i) {
     Triangle triangle = mesh.GetTriangle(fan_a.triangle(i));
     triangle.vertex[CornerOf(triangle, e.a)] = e.b;
@@ -128,10 +128,6 @@ void CollapseEdge(PagedMesh& mesh, const Diamond& e, const Fan& fan_a, const Fan
   mesh.RemoveTriangle(e.t);
   mesh.RemoveTriangle(e.o);
   mesh.RemoveVertex(e.a);
-  mesh.MoveVertex(e.b, position);
-  for (int i = 0; i < fan_b.size(); ++i) {
-    if (fan_b.triangle(i) != e.t && fan_b.triangle(i) != e.o) mesh.Moved(fan_b.triangle(i));
-  }
 }
 
 bool CanFlip(const PagedMesh& mesh, const Diamond& e, const Fan& fan_c, int valence_a, int valence_b) noexcept {

@@ -47,8 +47,8 @@ std::uint32_t SplitEdge(PagedMesh& mesh, const Edge& edge, const Vec3& position)
 // True if a can be merged into b without a pinch: the two have exactly the two common neighbours c and d, and those
 // keep three triangles (4.2).
 bool CanCollapse(const Diamond& diamond, const PagedMesh& mesh, const Fan& fan_a, const Fan& fan_b) noexcept;
-// Merges a into b, which moves to `position`; a and both triangles of the edge are gone. Precondition: CanCollapse.
-void CollapseEdge(PagedMesh& mesh, const Diamond& diamond, const Fan& fan_a, const Fan& fan_b, const Vec3& position);
+// Merges a into b, which stays where it is; a and both triangles of the edge are gone. Precondition: CanCollapse.
+void CollapseEdge(PagedMesh& mesh, const Diamond& diamond, const Fan& fan_a);
 
 // True if c and d are not connected yet, and a and b keep three triangles.
 bool CanFlip(const PagedMesh& mesh, const Diamond& diamond, const Fan& fan_c, int valence_a, int valence_b) noexcept;

@@ -1,12 +1,14 @@
 #include "service/haptics/sculpt/remesh.h"
 
+#include "service/haptics/geometry/topology.h"
 #include "service/haptics/sculpt/mesh_ops.h"
 #include "service/haptics/sculpt/shape.h"
 
 namespace omni::haptics::sculpt {
 namespace {
 
-constexpr double kFlatCosine = 0.9;           // edges sharper than about 26 degrees are left alone: they are features
+constexpr double kFlatCosine = 0.9;     // edges sharper than about 26 degrees are left alone: they are features
+constexpr double kSmoothCosine = 0.96;  // to the mean normal: only where all are within 16 degrees is there one tangent
 constexpr std::size_t kMaxChanges = 200'000;  // per call; what is left over is split by the next
 
 double EdgeSquared(const Corners& c, std::size_t k) noexcept { return SquaredNorm(c[(k + 1) % 3] - c[k]); }
@@ -126,16 +128,19 @@ class Remesher {
     return true;
   }
 
+  // The end that the stroke moves less goes into the other, which stays where it is: the top of a bump keeps its
+  // height.
   bool TryCollapse(const Edge& edge) {
-    const Diamond d = DiamondOf(mesh_, edge);
+    Diamond d = DiamondOf(mesh_, edge);
     if (!region_.Has(d.a) || !region_.Has(d.b)) return false;
+    if (region_.WeightOf(d.a) > region_.WeightOf(d.b)) {
+      d = DiamondOf(mesh_, {d.o, static_cast<std::uint32_t>(CornerOf(mesh_.GetTriangle(d.o), d.b))});
+    }
     const Fan fan_a(mesh_, d.a), fan_b(mesh_, d.b);
     if (!CanCollapse(d, mesh_, fan_a, fan_b)) return false;
-    const Vec3 middle = 0.5 * (mesh_.VertexPosition(d.a) + mesh_.VertexPosition(d.b));
-    if (!FanMayMove(fan_a, d.a, middle, &d, long_squared_) || !FanMayMove(fan_b, d.b, middle, &d, long_squared_)) {
-      return false;
-    }
-    CollapseEdge(mesh_, d, fan_a, fan_b, middle);
+    const Vec3 there = mesh_.VertexPosition(d.b);
+    if (!FanMayMove(fan_a, d.a, there, &d, long_squared_)) return false;
+    CollapseEdge(mesh_, d, fan_a);
     region_.Remove(d.a);
     ++counts_.collapses;
     Changed(d.b);
@@ -178,7 +183,7 @@ class Remesher {
     }
     normal = Normalized(normal);
     for (int i = 0; i < fan.size(); ++i) {
-      if (!(Dot(Normal(fan.triangle(i)), normal) > kFlatCosine)) return;
+      if (!(Dot(Normal(fan.triangle(i)), normal) > kSmoothCosine)) return;
     }
     const Vec3 here = mesh_.VertexPosition(v);
     const Vec3 way = 0.5 * (middle - here);

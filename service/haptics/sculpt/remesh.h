@@ -7,15 +7,14 @@
 
 namespace omni::haptics::sculpt {
 
-// Longest and shortest edge that are left alone. The paper has 4/3 and 4/5 of one target length, and many passes. A
-// stroke makes few, and each collapse costs a little shape: the halves of a split (2/3) are to stay, so that edges are
-// collapsed only where the stroke has squeezed them.
+// Longest and shortest edge that are left alone.
 struct EdgeRange {
   double long_m = 0;
   double short_m = 0;
 };
-inline constexpr double kLongEdge = 4.0 / 3;  // of the target
-inline constexpr double kShortEdge = 0.45;    // of the target, or of the region's mean edge if that is less
+inline constexpr double kLongEdge = 4.0 / 3;   // of the target
+inline constexpr double kShortEdge = 4.0 / 5;  // of the target, or of the region's mean edge if that is less: no
+                                               // stroke wipes out finer detail
 
 struct RemeshCounts {
   std::uint32_t splits = 0, collapses = 0, flips = 0, smoothed = 0;
