@@ -33,6 +33,7 @@ constexpr Bench kBenches[] = {
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
     {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
     {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
+    {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 
@@ -152,7 +153,7 @@ void AddBench(CLI::App& app) {
     sub->add_option("--ticks", options->ticks, "loop: ticks per scene; stress: ticks in all")
         ->check(CLI::Range(1000ULL, 1'000'000'000ULL));
     sub->add_option("--seed", options->seed, "of the twin")->check(CLI::Range(0ULL, 1'000'000'000'000ULL));
-    sub->add_flag("--quick", options->quick, "tracking, solver, stress: a hundredth of the work");
+    sub->add_flag("--quick", options->quick, "tracking, solver, stress, sculpt: a hundredth of the work");
     sub->add_option("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         ->check(CLI::Range(1ULL, 1'000'000'000ULL));
     sub->add_option("--hours", options->hours, "stress: virtual time of the drift run")->check(CLI::Range(0.0, 1000.0));

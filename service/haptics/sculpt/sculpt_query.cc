@@ -3,15 +3,16 @@
 namespace omni::haptics::sculpt {
 namespace {
 
+constexpr double kFarthest_m = 1e6;  // what is farther, or no number, is nowhere
 constexpr std::size_t kStack = 7 * kMaxTopDepth + 8;
 
 // Position of the least value that is left; taken out by setting it to infinity.
-std::size_t TakeLeast(std::array<double, 8>& values) noexcept {
+std::size_t TakeLeast(std::array<float, 8>& values) noexcept {
   std::size_t least = 0;
   for (std::size_t k = 1; k < 8; ++k) {
     if (values[k] < values[least]) least = k;
   }
-  values[least] = std::numeric_limits<double>::infinity();
+  values[least] = std::numeric_limits<float>::infinity();
   return least;
 }
 
@@ -19,7 +20,7 @@ std::size_t TakeLeast(std::array<double, 8>& values) noexcept {
 class NearestSearch {
  public:
   NearestSearch(const SculptSurface& surface, const Vec3& p, double max_distance_m, const Vec3& facing) noexcept
-      : surface_(surface), p_(p), facing_(facing), bound_(max_distance_m * max_distance_m) {}
+      : surface_(surface), p_(p), facing_(facing), test_(p), bound_(max_distance_m * max_distance_m) {}
 
   SculptNearest Run() noexcept {
     std::array<Entry, kStack> stack;
@@ -33,7 +34,7 @@ class NearestSearch {
         continue;
       }
       const TopNode& node = surface_.Node(entry.child);
-      const std::array<double, 8> distances = DistancesSquared(node.boxes, p_);
+      const std::array<float, 8> distances = test_.DistancesSquared(node.boxes);
       const std::size_t first = size;
       for (std::size_t k = 0; k < 8; ++k) {
         if (node.child[k] == kNoIndex || !(distances[k] < bound_)) continue;
@@ -48,17 +49,17 @@ class NearestSearch {
  private:
   struct Entry {
     std::uint32_t child;
-    double distance_squared;
+    float distance_squared;
   };
 
   void LookInPage(std::uint32_t page) noexcept {
     const PageTree& tree = surface_.GetPage(page).tree;
-    const std::array<double, 8> distances = DistancesSquared(tree.top, p_);
-    std::array<double, 8> left = distances;
+    const std::array<float, 8> distances = test_.DistancesSquared(tree.top);
+    std::array<float, 8> left = distances;
     for (int i = 0; i < 8; ++i) {
       const std::size_t k = TakeLeast(left);
       if (!(distances[k] < bound_)) return;
-      const std::array<double, 8> parts = DistancesSquared(tree.group[k], p_);
+      const std::array<float, 8> parts = test_.DistancesSquared(tree.group[k]);
       for (std::size_t j = 0; j < 8; ++j) {
         if (parts[j] < bound_) LookInGroup(page, tree, static_cast<std::uint32_t>(8 * k + j));
       }
@@ -78,6 +79,7 @@ class NearestSearch {
 
   const SculptSurface& surface_;
   Vec3 p_, facing_;
+  PointTest test_;
   double bound_;
   SculptNearest best_;
 };
@@ -145,11 +147,13 @@ class CrossingSearch {
 
 SculptNearest NearestPoint(const SculptSurface& surface, const Vec3& p, double max_distance_m,
                            const Vec3& facing) noexcept {
+  if (!Within(p, kFarthest_m)) return {};
   return NearestSearch(surface, p, max_distance_m, facing).Run();
 }
 
 SculptCrossing FirstCrossing(const SculptSurface& surface, const Vec3& start, const Vec3& end,
                              const std::uint32_t* skip, int skip_count) noexcept {
+  if (!Within(start, kFarthest_m) || !Within(end, kFarthest_m)) return {kNoIndex, 2};
   return CrossingSearch(surface, start, end, skip, skip_count).Run();
 }
 
