@@ -75,7 +75,7 @@ class PageView {
  public:
   explicit PageView(const Page* const* pages) noexcept : pages_(pages) {}
 
-  const Vec3& VertexPosition(std::uint32_t index) const noexcept {
+  Vec3 VertexPosition(std::uint32_t index) const noexcept {
     return pages_[PageOf(index)]->content.vertex[SlotOf(index)];
   }
   const Triangle& GetTriangle(std::uint32_t index) const noexcept {

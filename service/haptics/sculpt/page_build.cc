@@ -182,7 +182,7 @@ class PageBuilder {
       triangle.neighbour[k] = triangle_[mesh_.neighbours[t][k]];
       Content(PageOf(triangle.vertex[k])).first_triangle[SlotOf(triangle.vertex[k])] = triangle_[t];
     }
-    triangle.object = object;
+    triangle.object = static_cast<decltype(triangle.object)>(object);
     triangle.material = mesh_.material[t];
     triangle.component = mesh_.component[t];
     Content(PageOf(triangle_[t])).triangle[SlotOf(triangle_[t])] = triangle;

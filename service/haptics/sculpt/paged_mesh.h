@@ -31,7 +31,7 @@ class PagedMesh {
   PagedMesh& operator=(const PagedMesh&) = delete;
 
   // Reading; a MeshView of the state being edited. References hold until the next write.
-  const Vec3& VertexPosition(std::uint32_t v) const noexcept { return View().VertexPosition(v); }
+  Vec3 VertexPosition(std::uint32_t v) const noexcept { return View().VertexPosition(v); }
   const Triangle& GetTriangle(std::uint32_t t) const noexcept { return View().GetTriangle(t); }
   Corners TriangleCorners(std::uint32_t t) const noexcept { return View().TriangleCorners(t); }
   std::uint32_t FirstTriangle(std::uint32_t v) const noexcept {
