@@ -39,6 +39,7 @@ constexpr Bench kBenches[] = {
     {"stability", "walls that a simulated hand can hold still against, and those that are offered", BenchStability},
     {"race", "hits of the car against what the pen feels; walls and cost of the race", BenchRace},
     {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
+    {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 

@@ -18,7 +18,7 @@ using BenchRows = std::vector<nlohmann::ordered_json>;
 struct BenchOptions {
   std::uint64_t ticks = 0;  // loop: per scene; stress: in all; 0: the bench's own number
   std::uint64_t seed = 1;
-  bool quick = false;             // tracking, solver, stress, race: a hundredth of the work, to see that it runs
+  bool quick = false;             // much less work, to see that it runs
   std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
   std::string mesh;               // collision: a .glb file instead of the bench's own bodies
   double hours = 10;              // stress: virtual time of the drift run
@@ -81,6 +81,10 @@ base::Result<BenchRows> BenchRace(const BenchOptions& options);
 // Soft bodies against a neo-Hookean reference: method, tets, contact_nodes, us_median, us_p99, error_pct, reference.
 // Side tables: every point, time to prepare, the reference's mesh, the gain's fit, Hertz, turned fibres.
 base::Result<BenchRows> BenchDeformable(const BenchOptions& options);
+
+// Strokes on bodies of 10k to 870k triangles: triangles, radius_mm, publish_us_median, publish_us_p99 and more; side
+// tables: what the tick pays, ten thousand strokes and all of them undone, force steps while editing under the tip.
+base::Result<BenchRows> BenchSculpt(const BenchOptions& options);
 
 // {"name", "command", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);

@@ -1,0 +1,94 @@
+// Edits a closed mesh by strokes, each of which can be undone; publishes what the tick reads. One thread of its own,
+// never the tick. docs/theory/sculpting.md.
+#pragma once
+
+#include <string>
+
+#include "service/haptics/sculpt/remesh.h"
+#include "service/haptics/sculpt/stroke.h"
+
+namespace omni::haptics::sculpt {
+
+struct SculptOptions {
+  double detail_m = 0;       // target edge length; 0: the mean edge of the mesh as it was loaded
+  double grid_step_m = 0;    // offsets end on multiples of it; 0: no grid
+  std::uint32_t object = 0;  // index of the object in its scene, goes into each triangle
+};
+
+struct StrokeReport {
+  std::size_t vertices = 0;   // that move
+  std::size_t triangles = 0;  // at those
+  std::size_t held_back = 0;  // times a vertex was kept from turning a triangle over
+  RemeshCounts remesh;
+};
+
+class SculptEditor {
+ public:
+  static constexpr double kLeastRadius_m = 1e-4;  // of a brush
+  static constexpr double kLargestRadius_m = 1;
+  static constexpr double kLargestOffset_m = 1;  // of one stroke
+  static constexpr double kLeastEdge_m = 2e-5;   // no stroke makes the mesh finer than this
+
+  // Fails with a reason if the mesh is not closed or too large, or an option is out of range.
+  static base::Result<std::unique_ptr<SculptEditor>> Make(const Mesh& mesh, const SculptOptions& options);
+
+  // A stroke: Begin, any number of MoveTo, End. `at`: on the surface (Locate). Begin refines the mesh under the brush
+  // (which moves nothing) and fails with a reason if the brush is out of range or its region holds no free vertex;
+  // nothing is changed then.
+  base::Status Begin(const SurfacePoint& at, const Brush& brush);
+  // Absolute offset along the region's mean normal since Begin, clamped to +-kLargestOffset_m; not a number: ignored.
+  // No stroke: ignored.
+  void MoveTo(double offset_m);
+  // Snaps the offset to the grid and closes the undo step.
+  void End();
+  // All three in one.
+  base::Status Stroke(const SurfacePoint& at, const Brush& brush, double offset_m);
+  bool in_stroke() const noexcept { return mesh_->recording(); }
+  const StrokeReport& report() const noexcept { return report_; }  // of the newest stroke
+  double offset_m() const noexcept { return offset_m_; }
+
+  // Sets the mask around a point: mask += (value - mask) * falloff. A step of its own for undo.
+  base::Status PaintMask(const SurfacePoint& at, const Brush& brush, double value);
+
+  // One step back or forward; false: there is none, or a stroke is open. The number of steps has no limit: a step takes
+  // undo_bytes() / steps, typically 5 to 50 kB.
+  bool Undo();
+  bool Redo();
+  std::size_t undo_steps() const noexcept { return done_; }
+  std::size_t redo_steps() const noexcept { return steps_.size() - done_; }
+  std::size_t undo_bytes() const noexcept { return undo_bytes_; }
+
+  // Nearest point of the surface being edited within `reach_m` of `p`. Between edits exact; triangle kNoIndex: none.
+  SurfacePoint Locate(const Vec3& p, double reach_m) const;
+
+  // Makes the present state visible to the next tick.
+  PublishReport Publish() { return mesh_->Publish(); }
+  SculptPublisher& publisher() noexcept { return mesh_->publisher(); }
+  const PagedMesh& mesh() const noexcept { return *mesh_; }
+  double detail_m() const noexcept { return options_.detail_m; }
+  const SculptOptions& options() const noexcept { return options_; }
+
+  // The surface as plain lists: neighbours and components filled, in the order of pages; for saving.
+  Mesh Snapshot() const;
+
+ private:
+  explicit SculptEditor(std::unique_ptr<PagedMesh> mesh) : mesh_(std::move(mesh)) {}
+  base::Status CheckBrush(const Brush& brush) const;
+  void AddPart(const SurfacePoint& at, const Brush& brush, double long_m, Vec3& normal, double& mean_edge_m);
+  void Step(double offset_m);
+  void CloseStep();
+
+  std::unique_ptr<PagedMesh> mesh_;
+  SculptOptions options_;
+  Region region_;
+  Patch patch_;  // of region_
+  EdgeRange edges_;
+  double offset_m_ = 0;           // applied in this stroke
+  double remeshed_offset_m_ = 0;  // at the last Remesh
+  StrokeReport report_;
+  std::vector<UndoStep> steps_;  // the first done_ are applied
+  std::size_t done_ = 0;
+  std::size_t undo_bytes_ = 0;
+};
+
+}  // namespace omni::haptics::sculpt

@@ -1,0 +1,137 @@
+#include "service/haptics/sculpt/sculpt_tool.h"
+
+namespace omni::haptics::sculpt {
+namespace {
+
+constexpr double kLetGoShare = 0.8;    // of the grab force: hysteresis while pressing
+constexpr double kRearmShare = 0.5;    // of the grab force: under it the tool is ready again
+constexpr double kFastest_m_s = 0.25;  // that the surface follows
+constexpr double kSlow_m_s = 0.015;    // the tip rests
+constexpr double kMoved_m = 3e-4;      // less is no stroke yet: resting does not end it
+constexpr double kFarthestTip_m = 100;
+
+void Take(const SculptInput& input, SculptToolState& state) noexcept {
+  state.phase = SculptPhase::kHeld;
+  state.rested_s = 0;
+  state.grip_base_m = input.tip_base_m;
+  state.normal = input.touch.normal;
+  state.start_force_N = input.touch.normal_force_N;
+  state.offset_m = state.sent_offset_m = 0;
+  state.held_force_N = state.start_force_N * state.normal;
+  ++state.stroke;
+  state.begin = {StrokeKind::kBegin,   state.stroke,
+                 input.touch.triangle, input.generation,
+                 input.touch.weights,  input.touch.point_base_m,
+                 input.brush,          0};
+  state.begin_waits = true;
+}
+
+void StepFree(const SculptFeel& feel, const SculptInput& input, SculptToolState& state) noexcept {
+  const double press_N = input.touch.touching ? input.touch.normal_force_N : 0;
+  if (press_N < kRearmShare * feel.grab_force_N) state.armed = true;
+  if (!state.armed || state.end_waits || !(press_N >= feel.grab_force_N)) return;
+  state.phase = SculptPhase::kPressed;
+  state.timer_s = 0;
+}
+
+void StepPressed(const SculptFeel& feel, const SculptInput& input, SculptToolState& state) noexcept {
+  if (!(input.touch.touching && input.touch.normal_force_N >= kLetGoShare * feel.grab_force_N)) {
+    state.phase = SculptPhase::kFree;
+    return;
+  }
+  state.timer_s += input.dt_s;
+  if (state.timer_s >= feel.dwell_s) Take(input, state);
+}
+
+// F = F_0 - k (x - o), x = height of the tip over the grip. Wax: while the force exceeds what it bears, F_0 + Y + H |o|
+// inwards and Y + H |o| outwards, the offset o follows at (excess) / c; backward Euler in o.   (5.1)-(5.3)
+double GiveWay(const SculptFeel& feel, double height_m, double stiffness_N_m, double dt_s,
+               SculptToolState& state) noexcept {
+  const double trial_N = state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
+  const double bears_N = feel.yield_N + feel.hardening_N_m * std::abs(state.offset_m);
+  const double in_N = trial_N - state.start_force_N - bears_N, out_N = -trial_N - bears_N;
+  const double excess_N = in_N > 0 ? -in_N : std::max(0.0, out_N);
+  const double lag = feel.viscosity_Ns_m + (stiffness_N_m + feel.hardening_N_m) * dt_s;
+  const double most_m = kFastest_m_s * dt_s;
+  const double move_m = lag > 0 ? std::clamp(excess_N * dt_s / lag, -most_m, most_m) : 0;
+  state.offset_m = std::clamp(state.offset_m + move_m, -feel.offset_max_m, feel.offset_max_m);
+  return state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
+}
+
+void StepHeld(const SculptFeel& feel, const SculptInput& input, SculptToolState& state) noexcept {
+  const Vec3 from_grip = input.tip_base_m - state.grip_base_m;
+  const double height_m = Dot(from_grip, state.normal);
+  const Vec3 sideways = from_grip - height_m * state.normal;
+  const double k = std::min(feel.stiffness_N_m, std::max(0.0, input.stiffness_limit_N_m));
+  const double normal_N = GiveWay(feel, height_m, k, input.dt_s, state);
+  const double side_m = Norm(sideways);
+  const double side_N = std::min(k * side_m, feel.side_force_max_N);
+  state.held_force_N = std::clamp(normal_N, -feel.hold_force_max_N, feel.hold_force_max_N) * state.normal -
+                       side_N * Normalized(sideways);
+  const bool slow = std::abs(Dot(input.velocity_base_m_s, state.normal)) < kSlow_m_s;
+  state.rested_s = slow && std::abs(state.offset_m) > kMoved_m ? state.rested_s + input.dt_s : 0;
+  const bool torn =
+      !(std::abs(height_m - state.offset_m) <= feel.tear_m && side_m <= input.brush.radius_m + feel.tear_m);
+  if (torn || input.let_go || state.rested_s >= feel.rest_s) state.phase = SculptPhase::kSettling;
+}
+
+void StepSettling(const SculptFeel& feel, double dt_s, SculptToolState& state) noexcept {
+  const double wanted_m =
+      feel.grid_step_m > 0 ? feel.grid_step_m * std::round(state.offset_m / feel.grid_step_m) : state.offset_m;
+  const double most_m = kSettleSpeed_m_s * dt_s;
+  state.offset_m += std::clamp(wanted_m - state.offset_m, -most_m, most_m);
+  if (!(std::abs(wanted_m - state.offset_m) <= 1e-9)) return;
+  state.offset_m = wanted_m;
+  state.phase = SculptPhase::kFree;
+  state.armed = false;
+  state.end_waits = true;
+}
+
+// Begin, moves, end, in this order, one a tick.
+void Send(SculptToolState& state, StrokeRing& ring) noexcept {
+  if (state.begin_waits) {
+    state.begin_waits = !ring.TryPush(state.begin);
+    return;
+  }
+  const bool working = state.phase == SculptPhase::kHeld || state.phase == SculptPhase::kSettling;
+  if (!working && !state.end_waits) return;
+  StrokeMessage message;
+  message.stroke = state.stroke;
+  message.offset_m = state.offset_m;
+  const double move_m = std::abs(state.offset_m - state.sent_offset_m);
+  if (move_m >= kLeastMove_m || (state.end_waits && move_m > 0)) {
+    if (ring.TryPush(message)) state.sent_offset_m = state.offset_m;
+  } else if (state.end_waits) {
+    message.kind = StrokeKind::kEnd;
+    state.end_waits = !ring.TryPush(message);
+  }
+}
+
+}  // namespace
+
+SculptToolOutput StepSculptTool(const SculptFeel& feel, const SculptInput& input, SculptToolState& state,
+                                StrokeRing& ring) noexcept {
+  const bool tracked = input.tracked && Within(input.tip_base_m, kFarthestTip_m);
+  const double dt_s = input.dt_s >= 0 && input.dt_s <= 5e-3 ? input.dt_s : 0;
+  SculptInput clean = input;
+  clean.dt_s = dt_s;
+  if (!tracked && state.phase == SculptPhase::kPressed) state.phase = SculptPhase::kFree;
+  if (!tracked && state.phase == SculptPhase::kHeld) state.phase = SculptPhase::kSettling;
+  if (tracked && state.phase == SculptPhase::kFree) {
+    StepFree(feel, clean, state);
+  } else if (tracked && state.phase == SculptPhase::kPressed) {
+    StepPressed(feel, clean, state);
+  } else if (state.phase == SculptPhase::kHeld) {
+    StepHeld(feel, clean, state);
+  } else if (state.phase == SculptPhase::kSettling) {
+    StepSettling(feel, dt_s, state);
+  }
+  Send(state, ring);
+  const double most = dt_s / kHandOver_s;
+  const double wanted = state.phase == SculptPhase::kHeld ? 1 : 0;
+  state.hold += std::clamp(wanted - state.hold, -most, most);
+  if (!Within(state.held_force_N, 1e3)) state.held_force_N = {};
+  return {state.hold * state.held_force_N, 1 - state.hold};
+}
+
+}  // namespace omni::haptics::sculpt

@@ -1,0 +1,82 @@
+// The tick's side of sculpting: press the surface until it is held, then push or pull; it gives way like wax, and the
+// editor is told by how much. While held the tool's own force stands for the contact's, so nothing the editor does to
+// the surface can kick the pen. docs/theory/sculpting.md, section 5.
+#pragma once
+
+#include "service/haptics/sculpt/stroke.h"
+
+namespace omni::haptics::sculpt {
+
+// How a material feels under the tool. SI.
+struct SculptFeel {
+  double grab_force_N = 0.5;      // (0, 2]: press at least this ...
+  double dwell_s = 0.2;           // ... for this long to take hold
+  double yield_N = 0.2;           // [0, 2]: below, it does not give way
+  double hardening_N_m = 40;      // [0, 1000]: and this much more for every metre it was moved
+  double viscosity_Ns_m = 4;      // [0, 100]: and this much more for every metre per second
+  double stiffness_N_m = 400;     // [0, 2000], of the hold, at most what stability allows
+  double hold_force_max_N = 1.5;  // (0, 2]
+  double side_force_max_N = 0.4;  // across the direction of the pull
+  double tear_m = 0.006;          // stretched further, the hold breaks
+  double rest_s = 0.3;            // resting so long after it was moved: let go
+  double grid_step_m = 0;         // offsets settle on multiples of it; 0: no grid
+  double offset_max_m = 0.05;     // (0, 1], either way
+};
+
+// Contact of the tip with the sculptable surface in this tick; not touching: the rest is not looked at.
+struct SculptTouch {
+  bool touching = false;
+  std::uint32_t triangle = 0;
+  std::array<double, 3> weights{};
+  Vec3 point_base_m;  // proxy
+  Vec3 normal;        // unit, outwards
+  double normal_force_N = 0;
+};
+
+struct SculptInput {
+  bool tracked = false;
+  Vec3 tip_base_m;
+  Vec3 velocity_base_m_s;
+  double dt_s = 0;                 // [0, 5 ms]
+  double stiffness_limit_N_m = 0;  // what stability allows
+  std::uint64_t generation = 0;    // of the surface the touch is on
+  SculptTouch touch;
+  Brush brush;
+  bool let_go = false;  // the person asks for it (a button)
+};
+
+enum class SculptPhase : std::uint8_t { kFree = 0, kPressed = 1, kHeld = 2, kSettling = 3 };
+
+struct SculptToolState {
+  SculptPhase phase = SculptPhase::kFree;
+  bool armed = true;  // a new grab needs the pen to have let off since the last
+  double timer_s = 0;
+  double rested_s = 0;
+  Vec3 grip_base_m;  // tip when taken
+  Vec3 normal;       // of the surface when taken
+  double start_force_N = 0;
+  double offset_m = 0;       // that the surface has been moved so far
+  double hold = 0;           // share of the tool's force, the contact has the rest
+  Vec3 held_force_N;         // the tool's force at the last tick it held
+  std::uint32_t stroke = 0;  // counts up
+  double sent_offset_m = 0;
+  bool begin_waits = false;  // messages that did not fit the ring yet
+  bool end_waits = false;
+  StrokeMessage begin;
+};
+static_assert(std::is_trivially_copyable_v<SculptToolState>);
+
+struct SculptToolOutput {
+  Vec3 force_N;              // to be added
+  double contact_share = 1;  // to multiply the contact force of the sculptable surface with
+};
+
+inline constexpr double kHandOver_s = 0.02;   // from the contact's force to the tool's, and back
+inline constexpr double kLeastMove_m = 2e-5;  // smaller moves wait until they are this large, or the last
+inline constexpr double kSettleSpeed_m_s = 0.05;
+
+// One tick. Sends at most one message into `ring`; while that is full, messages wait.
+SculptToolOutput StepSculptTool(const SculptFeel& feel, const SculptInput& input, SculptToolState& state,
+                                StrokeRing& ring) noexcept;
+
+}  // namespace omni::haptics::sculpt

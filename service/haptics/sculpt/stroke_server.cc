@@ -1,0 +1,50 @@
+#include "service/haptics/sculpt/stroke_server.h"
+
+namespace omni::haptics::sculpt {
+
+void StrokeServer::Begin(const StrokeMessage& message, ServeReport& report) {
+  constexpr double kReach_m = 0.005;  // the surface may have changed since the tick saw it
+  if (open_ != 0) editor_.End();      // its end is lost; what was done stays
+  open_ = 0;
+  const SurfacePoint at = editor_.Locate(message.point_base_m, kReach_m);
+  const base::Status begun = editor_.Begin(at, message.brush);
+  if (!begun.ok()) {
+    report.problem = begun.error();
+    return;
+  }
+  open_ = message.stroke;
+  ++report.begun;
+}
+
+ServeReport StrokeServer::Poll() {
+  ServeReport report;
+  StrokeMessage message;
+  bool moves = false;
+  double offset_m = 0;
+  const auto move = [&] {
+    if (moves) editor_.MoveTo(offset_m);
+    moves = false;
+  };
+  while (ring_.TryPop(message)) {
+    ++report.messages;
+    if (message.kind == StrokeKind::kBegin) {
+      move();
+      Begin(message, report);
+    } else if (message.stroke != open_ || open_ == 0) {
+      continue;
+    } else if (message.kind == StrokeKind::kMove) {
+      moves = true;
+      offset_m = message.offset_m;
+    } else {
+      move();
+      editor_.End();
+      open_ = 0;
+      ++report.ended;
+    }
+  }
+  move();
+  report.publish = editor_.Publish();
+  return report;
+}
+
+}  // namespace omni::haptics::sculpt

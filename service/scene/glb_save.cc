@@ -1,0 +1,218 @@
+#include "service/scene/glb_save.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "service/scene/haptic_keys.h"
+
+namespace omni::scene {
+namespace {
+
+using base::Error;
+using base::Vec3;
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr int kGlFloat = 5126, kGlUnsignedInt = 5125;
+constexpr int kGlArrayBuffer = 34962, kGlElementArrayBuffer = 34963;
+
+// Base frame (z up) -> glTF (y up): (x, y, z) -> (x, z, -y).
+void PushGltf(const Vec3& v, std::vector<float>& to) {
+  for (const double c : {v.x, v.z, -v.y}) to.push_back(static_cast<float>(c + 0.0));
+}
+
+// Area-weighted vertex normals; (0, 0, 1) where there is none.
+std::vector<Vec3> VertexNormals(const haptics::InputObject& object) {
+  std::vector<Vec3> normals(object.vertices_base_m.size());
+  for (const auto& t : object.triangles) {
+    const Vec3 &a = object.vertices_base_m[t[0]], &b = object.vertices_base_m[t[1]], &c = object.vertices_base_m[t[2]];
+    const Vec3 u{b.x - a.x, b.y - a.y, b.z - a.z}, v{c.x - a.x, c.y - a.y, c.z - a.z};
+    const Vec3 n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+    for (const std::uint32_t k : t) normals[k] = {normals[k].x + n.x, normals[k].y + n.y, normals[k].z + n.z};
+  }
+  for (Vec3& n : normals) {
+    const double length = std::hypot(n.x, n.y, n.z);
+    n = length > 0 ? Vec3{n.x / length, n.y / length, n.z / length} : Vec3{0, 0, 1};
+  }
+  return normals;
+}
+
+// "softness.thickness" -> tag["softness"]["thickness"]
+void PutKey(std::string_view key, double value, OrderedJson& tag) {
+  const std::size_t dot = key.find('.');
+  if (dot == std::string_view::npos) {
+    tag[std::string(key)] = value;
+  } else {
+    PutKey(key.substr(dot + 1), value, tag[std::string(key.substr(0, dot))]);
+  }
+}
+
+OrderedJson TagOf(const haptics::Material& material) {
+  OrderedJson tag = OrderedJson::object();
+  const bool soft = material.softness.model != haptics::SoftnessModel::kNone;
+  if (soft) tag["softness"]["model"] = material.softness.model == haptics::SoftnessModel::kTet ? "tet" : "winkler";
+  for (const auto& key : kMaterialKeys) {
+    if (key.key.starts_with("softness.") && !soft) continue;
+    if (key.key.starts_with("extrude.") && !material.extrude.enabled) continue;
+    PutKey(key.key, key.Get(material), tag);
+  }
+  return tag;
+}
+
+std::string Problem(const haptics::SceneInput& scene) {
+  if (scene.joystick || scene.vehicle) return "a scene with a joystick or a vehicle is not saved";
+  if (scene.objects.empty()) return "there is nothing to save";
+  for (const haptics::InputObject& object : scene.objects) {
+    if (object.triangles.size() != object.triangle_material.size()) return object.name + ": triangles without material";
+    for (const std::uint16_t m : object.triangle_material) {
+      if (m >= scene.materials.size()) return object.name + ": material index out of range";
+    }
+    for (const auto& t : object.triangles) {
+      for (const std::uint32_t v : t) {
+        if (v >= object.vertices_base_m.size()) return object.name + ": vertex index out of range";
+      }
+    }
+    for (const Vec3& v : object.vertices_base_m) {
+      if (!std::isfinite(static_cast<float>(v.x + v.y + v.z))) return object.name + ": a coordinate is no number";
+    }
+  }
+  return {};
+}
+
+class GlbWriter {
+ public:
+  explicit GlbWriter(const haptics::SceneInput& scene) : scene_(scene) {}
+
+  std::string Run() {
+    OrderedJson root;
+    root["asset"] = {{"version", "2.0"}, {"generator", "omni"}};
+    root["scene"] = 0;
+    OrderedJson nodes = OrderedJson::array(), meshes = OrderedJson::array(), roots = OrderedJson::array();
+    for (const haptics::InputObject& object : scene_.objects) {
+      roots.push_back(nodes.size());
+      nodes.push_back({{"name", object.name}, {"mesh", meshes.size()}, {"extras", {{"haptic", NodeTag(object)}}}});
+      meshes.push_back({{"name", object.name}, {"primitives", Primitives(object)}});
+    }
+    root["scenes"] = OrderedJson::array({{{"name", scene_.name}, {"nodes", roots}}});
+    root["nodes"] = nodes;
+    root["meshes"] = meshes;
+    root["materials"] = OrderedJson::array();
+    for (const haptics::Material& material : scene_.materials) {
+      root["materials"].push_back({{"extras", {{"haptic", TagOf(material)}}}});
+    }
+    root["accessors"] = accessors_;
+    root["bufferViews"] = views_;
+    root["buffers"] = OrderedJson::array({{{"byteLength", bytes_.size()}}});
+    return File(root.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
+  }
+
+ private:
+  static OrderedJson NodeTag(const haptics::InputObject& object) {
+    OrderedJson tag = {{"role", object.car_wall ? "wall" : (object.collidable ? "solid" : "ignore")}};
+    if (object.double_sided) tag["doubleSided"] = true;
+    return tag;
+  }
+
+  OrderedJson Primitives(const haptics::InputObject& object) {
+    std::vector<float> positions, normals;
+    for (const Vec3& v : object.vertices_base_m) PushGltf(v, positions);
+    for (const Vec3& n : VertexNormals(object)) PushGltf(n, normals);
+    const std::size_t position = Floats(positions, true), normal = Floats(normals, false);
+    OrderedJson primitives = OrderedJson::array();
+    for (std::size_t m = 0; m < scene_.materials.size(); ++m) {
+      std::vector<std::uint32_t> indices;
+      for (std::size_t t = 0; t < object.triangles.size(); ++t) {
+        if (object.triangle_material[t] != m) continue;
+        indices.insert(indices.end(), object.triangles[t].begin(), object.triangles[t].end());
+      }
+      if (indices.empty()) continue;
+      accessors_.push_back({{"bufferView", AddView(indices.data(), 4 * indices.size(), kGlElementArrayBuffer)},
+                            {"componentType", kGlUnsignedInt},
+                            {"count", indices.size()},
+                            {"type", "SCALAR"}});
+      primitives.push_back({{"attributes", {{"POSITION", position}, {"NORMAL", normal}}},
+                            {"indices", accessors_.size() - 1},
+                            {"material", m}});
+    }
+    return primitives;
+  }
+
+  std::size_t AddView(const void* data, std::size_t bytes, int target) {
+    views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes}, {"target", target}});
+    bytes_.append(static_cast<const char*>(data), bytes);  // all of it is made of four-byte numbers
+    return views_.size() - 1;
+  }
+
+  std::size_t Floats(const std::vector<float>& values, bool bounds) {
+    OrderedJson accessor = {{"bufferView", AddView(values.data(), 4 * values.size(), kGlArrayBuffer)},
+                            {"componentType", kGlFloat},
+                            {"count", values.size() / 3},
+                            {"type", "VEC3"}};
+    if (bounds && !values.empty()) {
+      std::vector<float> lower(values.begin(), values.begin() + 3), upper = lower;
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        lower[i % 3] = std::min(lower[i % 3], values[i]);
+        upper[i % 3] = std::max(upper[i % 3], values[i]);
+      }
+      accessor["min"] = lower;
+      accessor["max"] = upper;
+    }
+    accessors_.push_back(accessor);
+    return accessors_.size() - 1;
+  }
+
+  static void PutWord(std::size_t value, std::string& to) {
+    for (int shift = 0; shift < 32; shift += 8) to.push_back(static_cast<char>(value >> shift & 0xFF));
+  }
+
+  std::string File(std::string text) const {
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::string glb = "glTF";
+    PutWord(2, glb);
+    PutWord(28 + text.size() + bytes_.size(), glb);
+    PutWord(text.size(), glb);
+    glb += "JSON" + text;
+    PutWord(bytes_.size(), glb);
+    glb.append("BIN\0", 4);
+    return glb + bytes_;
+  }
+
+  const haptics::SceneInput& scene_;
+  std::string bytes_;
+  OrderedJson accessors_ = OrderedJson::array();
+  OrderedJson views_ = OrderedJson::array();
+};
+
+}  // namespace
+
+base::Result<std::string> GlbBytes(const haptics::SceneInput& scene) {
+  const std::string problem = Problem(scene);
+  if (!problem.empty()) return Error{problem};
+  std::string bytes = GlbWriter(scene).Run();
+  if (bytes.size() > 0xFFFFFFFF) return Error{"more than 4 GB, the limit of a .glb file; save fewer objects"};
+  return bytes;
+}
+
+base::Status SaveGlb(const std::string& path, const haptics::SceneInput& scene) {
+  const base::Result<std::string> bytes = GlbBytes(scene);
+  if (!bytes.ok()) return Error{path + ": " + bytes.error()};
+  const std::string part = path + ".part";
+  std::ofstream file(part, std::ios::binary | std::ios::trunc);
+  file.write(bytes->data(), static_cast<std::streamsize>(bytes->size()));
+  file.close();
+  std::error_code error;
+  if (file.fail()) {
+    std::filesystem::remove(part, error);
+    return Error{path + ": cannot be written; is there space, and may the folder be written to?"};
+  }
+  std::filesystem::rename(part, path, error);
+  if (error) return Error{path + ": " + error.message()};
+  return base::Ok{};
+}
+
+}  // namespace omni::scene

@@ -1,0 +1,294 @@
+// Times strokes, undo and the tick's part of sculpting; run by `omni bench sculpt`. Prints a JSON array of rows; rows
+// with a key "table" belong to side tables.
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstring>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "service/haptics/sculpt/check_manifold.h"
+#include "tests/support/sculpt_hand.h"
+
+namespace omni::haptics::sculpt {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kBodyRadius_m = 0.03;
+
+double Now_us() {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+long Switches() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nivcsw;
+}
+
+double Quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  const auto rank = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<std::size_t>(rank)];
+}
+
+double Mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+struct Options {
+  std::uint64_t seed = 1;
+  bool quick = false;
+};
+
+Vec3 OnBall(Random& random) {
+  Vec3 p = random.InBox(1);
+  while (!(SquaredNorm(p) > 0.01 && SquaredNorm(p) < 1)) p = random.InBox(1);
+  return kBodyRadius_m * Normalized(p);
+}
+
+// A publish during which the kernel took the thread off its core is left out; edits are longer than what it grants on a
+// busy machine, and all count.
+struct Samples {
+  std::vector<double> begin_us, move_us, publish_us, copy_us, triangles, pages;
+};
+
+// What Publish leaves to the edit: copying the pages it is going to write.
+double CopyTime_us(const PagedMesh& mesh, std::uint32_t pages, std::vector<Page>& to) {
+  if (to.size() < pages) to.resize(pages);
+  const std::uint32_t stride = std::max(1U, mesh.page_count() / pages);
+  const double begin_us = Now_us();
+  for (std::uint32_t k = 0; k < pages; ++k) {
+    std::memcpy(static_cast<void*>(&to[k]), &mesh.GetPage(k * stride % mesh.page_count()), sizeof(Page));
+  }
+  return Now_us() - begin_us;
+}
+
+void TakeSample(SculptEditor& editor, const Brush& brush, Random& random, std::vector<Page>& scratch,
+                Samples& samples) {
+  const SurfacePoint at = On(editor, OnBall(random));
+  const double offset_m = random.Next() % 2 == 0 ? 2e-4 : -2e-4;
+  const double t0_us = Now_us();
+  if (!editor.Begin(at, brush).ok()) return;
+  const double t1_us = Now_us();
+  editor.MoveTo(offset_m);
+  const double t2_us = Now_us();
+  const long between = Switches();
+  const double t3_us = Now_us();
+  const PublishReport publish = editor.Publish();
+  const double t4_us = Now_us();
+  const bool quiet_publish = Switches() == between;
+  editor.End();
+  const double copy_us = CopyTime_us(editor.mesh(), publish.pages, scratch);
+  editor.Undo();
+  editor.Publish();
+  editor.publisher().Acquire();
+  samples.triangles.push_back(static_cast<double>(editor.report().triangles));
+  samples.pages.push_back(publish.pages);
+  samples.copy_us.push_back(copy_us);
+  if (quiet_publish) samples.publish_us.push_back(t4_us - t3_us);
+  samples.begin_us.push_back(t1_us - t0_us);
+  samples.move_us.push_back(t2_us - t1_us);
+}
+
+void AddPublishRows(const Options& options, int squares, ordered_json& rows) {
+  const auto editor = EditorOf(BumpyBall(squares, kBodyRadius_m));
+  editor->publisher().SetReader(true);
+  editor->publisher().Acquire();
+  std::vector<Page> scratch;
+  for (const double radius_m : {0.0025, 0.005, 0.01}) {
+    Random random(options.seed);
+    Brush brush;
+    brush.radius_m = radius_m;
+    const double wanted = 3e7 / (radius_m * radius_m * 1e6 * squares * squares);  // the larger, the fewer
+    const int count = options.quick ? 20 : static_cast<int>(std::clamp(wanted, 200.0, 1500.0));
+    Samples samples;
+    for (int k = 0; k < count; ++k) TakeSample(*editor, brush, random, scratch, samples);
+    std::vector<double> edit_us;
+    for (std::size_t k = 0; k < samples.begin_us.size(); ++k) {
+      edit_us.push_back(samples.begin_us[k] + samples.move_us[k]);
+    }
+    rows.push_back({{"triangles", editor->mesh().triangle_count()},
+                    {"radius_mm", 1e3 * radius_m},
+                    {"publish_us_median", Quantile(samples.publish_us, 0.5)},
+                    {"publish_us_p99", Quantile(samples.publish_us, 0.99)},
+                    {"page_copy_us_median", Quantile(samples.copy_us, 0.5)},
+                    {"begin_us_median", Quantile(samples.begin_us, 0.5)},
+                    {"move_us_median", Quantile(samples.move_us, 0.5)},
+                    {"edit_us_median", Quantile(edit_us, 0.5)},
+                    {"edit_us_p99", Quantile(edit_us, 0.99)},
+                    {"edited_triangles", std::round(Mean(samples.triangles))},
+                    {"edited_pages", std::round(Mean(samples.pages))},
+                    {"pages", editor->mesh().page_count()},
+                    {"n", samples.publish_us.size()}});
+  }
+}
+
+// What the tick pays: taking the newest generation, and its questions; fifty at a time.
+void AddTickRow(const Options& options, int squares, ordered_json& rows) {
+  const auto editor = EditorOf(BumpyBall(squares, kBodyRadius_m));
+  Random random(options.seed);
+  std::vector<Vec3> places;
+  for (int k = 0; k < 1000; ++k) places.push_back(random.Uniform(0.95, 1.05) * OnBall(random));
+  const auto time = [&](auto&& ask) {
+    std::vector<double> us;
+    constexpr std::size_t kGroup = 50;
+    for (std::size_t batch = 0; batch < (options.quick ? 40U : 2000U); ++batch) {
+      const long switches = Switches();
+      const double begin_us = Now_us();
+      for (std::size_t k = 0; k < kGroup; ++k) ask(places[(batch * kGroup + k) % places.size()]);
+      const double end_us = Now_us();
+      if (Switches() == switches) us.push_back((end_us - begin_us) / kGroup);
+    }
+    return Quantile(us, 0.5);
+  };
+  double sink = 0;
+  SculptPublisher& publisher = editor->publisher();
+  const double acquire_us = time([&](const Vec3&) { sink += static_cast<double>(publisher.Acquire()->generation); });
+  const SculptSurface surface(*publisher.Acquire());
+  const double nearest_us = time([&](const Vec3& p) { sink += NearestPoint(surface, p).closest.distance_squared; });
+  const double crossing_us = time([&](const Vec3& p) { sink += FirstCrossing(surface, p, (1 - 1e-3) * p).t; });
+  const double rebind_us = time([&](const Vec3& p) {
+    KeptFeature feature{0, {}, p, p};
+    sink += Rebind(surface, 0.01, feature);
+  });
+  rows.push_back({{"table", "tick"},
+                  {"triangles", editor->mesh().triangle_count()},
+                  {"acquire_us", acquire_us},
+                  {"nearest_us", nearest_us},
+                  {"crossing_us", crossing_us},
+                  {"rebind_us", rebind_us},
+                  {"finite", std::isfinite(sink)}});
+}
+
+// Many strokes, then all of them back.
+void AddUndoRow(const Options& options, const char* body, const InputObject& object, int strokes, double size_m,
+                ordered_json& rows) {
+  const double begin_us = Now_us();
+  const auto editor = EditorOf(object);
+  Random random(options.seed + 1);
+  const std::uint64_t before = editor->mesh().Hash();
+  const std::uint32_t triangles = editor->mesh().triangle_count();
+  int checks = 0, failures = 0, refused = 0;
+  double least_area_m2 = 1, least_shape = 1;
+  for (int k = 0; k < strokes; ++k) {
+    Brush brush;
+    brush.radius_m = random.Uniform(0.1, 0.2) * size_m;
+    brush.falloff = static_cast<Falloff>(random.Next() % 3);
+    brush.symmetry.enabled = random.Next() % 8 == 0;
+    const double offset_m = random.Uniform(-0.04, 0.04) * size_m;
+    refused += !editor->Stroke(On(*editor, 1.5 * random.InBox(size_m)), brush, offset_m).ok();
+    editor->Publish();
+    if (k % 100 != 99) continue;
+    const ManifoldReport report = CheckManifold(editor->mesh());
+    ++checks;
+    failures += !report.ok();
+    least_area_m2 = std::min(least_area_m2, report.least_area_m2);
+    least_shape = std::min(least_shape, report.least_shape);
+  }
+  const std::uint32_t sculpted = editor->mesh().triangle_count();
+  const std::uint64_t after = editor->mesh().Hash();
+  const double undo_MB = 1e-6 * static_cast<double>(editor->undo_bytes());
+  const std::size_t steps = editor->undo_steps();
+  while (editor->Undo()) {
+  }
+  const bool undone = editor->mesh().Hash() == before && CheckManifold(editor->mesh()).ok();
+  while (editor->Redo()) {
+  }
+  const bool redone = editor->mesh().Hash() == after;
+  rows.push_back({{"table", "undo"},
+                  {"body", body},
+                  {"strokes", strokes},
+                  {"refused", refused},
+                  {"triangles_before", triangles},
+                  {"triangles_after", sculpted},
+                  {"manifold_checks", checks},
+                  {"manifold_failures", failures},
+                  {"least_area_um2", 1e12 * least_area_m2},
+                  {"least_shape", least_shape},
+                  {"undo_bit_identical", undone},
+                  {"redo_bit_identical", redone},
+                  {"undo_MB", undo_MB},
+                  {"undo_kB_per_stroke", 1e3 * undo_MB / static_cast<double>(std::max<std::size_t>(steps, 1))},
+                  {"page_MB", 1e-6 * static_cast<double>(editor->mesh().page_bytes())},
+                  {"seconds", 1e-6 * (Now_us() - begin_us)}});
+}
+
+// One grab after another by a pen that presses, pulls or pushes at some speed, lets go, and is undone under the tip.
+// Largest change of the wanted force from tick to tick, before the limit of the device.
+void AddFeelRow(const Options& options, int squares, const char* what, double speed_m_s, double way_m, bool undo,
+                ordered_json& rows) {
+  const auto editor = EditorOf(BumpyBall(squares, kBodyRadius_m));
+  Brush brush;
+  double largest_N = 0, moved_mm = 0;
+  int grabs = 0, undone = 0;
+  Random random(options.seed + 2);
+  const std::uint64_t first = editor->publisher().generation();
+  for (int k = 0; k < (options.quick ? 4 : 40); ++k) {
+    SculptHand hand(*editor, {}, brush);
+    const SurfacePoint at = On(*editor, OnBall(random));
+    const Vec3 out = Normalized(at.position);
+    hand.MoveTo(at.position + 0.004 * out);
+    hand.Go(at.position - 0.0016 * out, 0.03);
+    hand.Rest(230);
+    grabs += hand.state().phase == SculptPhase::kHeld;
+    hand.Go(at.position + way_m * out, speed_m_s);
+    if (undo) hand.input().let_go = true;
+    hand.Rest(undo ? 30 : 330);
+    hand.input().let_go = false;
+    moved_mm = std::max(moved_mm, 1e3 * std::abs(hand.state().offset_m));
+    if (undo) {
+      hand.Go(On(*editor, hand.input().tip_base_m).position - 0.001 * out, 0.03);
+      undone += editor->Undo();
+      hand.Rest(60);
+    }
+    largest_N = std::max(largest_N, hand.largest_step_N());
+  }
+  rows.push_back({{"table", "feel"},
+                  {"what", what},
+                  {"triangles", editor->mesh().triangle_count()},
+                  {"speed_mm_s", 1e3 * speed_m_s},
+                  {"grabs", grabs},
+                  {"undone_under_tip", undone},
+                  {"generations", editor->publisher().generation() - first},
+                  {"moved_mm_max", moved_mm},
+                  {"force_step_max_N_per_ms", largest_N},
+                  {"slew_limit_N_per_ms", 0.85},
+                  {"manifold", CheckManifold(editor->mesh()).ok()}});
+}
+
+ordered_json Run(const Options& options) {
+  ordered_json rows = ordered_json::array();
+  const std::vector<int> sizes = options.quick ? std::vector<int>{29, 91} : std::vector<int>{29, 91, 269};
+  for (const int squares : sizes) AddPublishRows(options, squares, rows);
+  for (const int squares : sizes) AddTickRow(options, squares, rows);
+  const int strokes = options.quick ? 100 : 10'000;
+  AddUndoRow(options, "ball 10k", BumpyBall(29, kBodyRadius_m), strokes, kBodyRadius_m, rows);
+  AddUndoRow(options, "block 12", Block(1, {0.02, 0.02, 0.01}), options.quick ? 100 : 1000, 0.02, rows);
+  for (const int squares : {29, 91}) {
+    AddFeelRow(options, squares, "pull", 0.03, 0.006, false, rows);
+    AddFeelRow(options, squares, "push", 0.03, -0.006, false, rows);
+    AddFeelRow(options, squares, "pull fast", 0.1, 0.01, false, rows);
+    AddFeelRow(options, squares, "pull, undo under the tip", 0.03, 0.006, true, rows);
+    AddFeelRow(options, squares, "push, undo under the tip", 0.03, -0.006, true, rows);
+  }
+  return rows;
+}
+
+}  // namespace
+}  // namespace omni::haptics::sculpt
+
+int main(int argc, char** argv) {
+  omni::haptics::sculpt::Options options;
+  for (int k = 1; k < argc; ++k) {
+    if (std::strcmp(argv[k], "--quick") == 0) options.quick = true;
+    if (std::strcmp(argv[k], "--seed") == 0 && k + 1 < argc) options.seed = std::strtoull(argv[k + 1], nullptr, 10);
+  }
+  std::cout << omni::haptics::sculpt::Run(options).dump() << "\n";
+  return 0;
+}
