@@ -253,7 +253,7 @@ Document RacetrackScene() {
                      Vec(0, 0, 0.062),
                      0,
                      {{"role", "joystick"},
-                      {"stiffness", 60.0},
+                      {"stiffness", 25.0},
                       {"damping", 0.4},
                       {"range", 0.015},
                       {"deadZone", 0.0015},

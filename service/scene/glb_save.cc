@@ -56,9 +56,16 @@ OrderedJson TagOf(const haptics::Material& material) {
   OrderedJson tag = OrderedJson::object();
   const bool soft = material.softness.model != haptics::SoftnessModel::kNone;
   if (soft) tag["softness"]["model"] = material.softness.model == haptics::SoftnessModel::kTet ? "tet" : "winkler";
+  if (material.sculpt.enabled) {
+    constexpr const char* kFalloffs[] = {"constant", "linear", "smooth"};
+    constexpr const char* kSymmetries[] = {"none", "x", "y", "z"};
+    tag["sculptable"]["falloff"] = kFalloffs[static_cast<std::size_t>(material.sculpt.falloff)];
+    tag["sculptable"]["symmetry"] = kSymmetries[static_cast<std::size_t>(material.sculpt.symmetry)];
+  }
   for (const auto& key : kMaterialKeys) {
     if (key.key.starts_with("softness.") && !soft) continue;
     if (key.key.starts_with("extrude.") && !material.extrude.enabled) continue;
+    if (key.key.starts_with("sculptable.") && !material.sculpt.enabled) continue;
     PutKey(key.key, key.Get(material), tag);
   }
   return tag;

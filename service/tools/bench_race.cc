@@ -31,7 +31,7 @@ constexpr int kSpeeds = 20;
 constexpr double kSlowest_m_s = 0.05, kFastest_m_s = 2;
 constexpr double kHitSpeed_m_s = 0.5;  // of the tag: a car for these speeds; the shipped one is for 0.06 m/s
 constexpr int kHitTick = 1000;         // the gate is open, the hand has come to rest
-constexpr int kTicks = 1100;
+constexpr int kHitRunTicks = 1100;
 constexpr int kBaselineTicks = 100;  // before the hit: their mean is taken off
 constexpr double kBesideWall_m = 1e-5;
 
@@ -89,7 +89,7 @@ class ScratchFolder {
 base::Result<double> FeltPeak_N(const std::string& recording, const base::Vec3& normal) {
   auto truth = CsvTable::Read(recording);
   if (!truth.ok()) return base::Error{truth.error()};
-  if (truth->rows() < kTicks) return base::Error{recording + ": the twin recorded too few ticks"};
+  if (truth->rows() < kHitRunTicks) return base::Error{recording + ": the twin recorded too few ticks"};
   std::vector<double> along_N(truth->rows());
   for (std::size_t i = 0; i < along_N.size(); ++i) {
     along_N[i] = Dot({(*truth)["force_x_N"][i], (*truth)["force_y_N"][i], (*truth)["force_z_N"][i]}, normal);
@@ -109,7 +109,7 @@ base::Result<HitRun> RunHit(const haptics::Scene& scene, double speed_m_s, std::
   still.name = "still";
   still.waypoints.push_back({.tip_base_m = scene.header().joystick.centre_base_m});
   auto twin = sim::MakeVirtualTwin(device, {.seed = seed, .script = still, .recording_path = recording},
-                                   (kTicks + 50) * base::kTickPeriod_s);
+                                   (kHitRunTicks + 50) * base::kTickPeriod_s);
   const auto state = std::make_unique<loop::LoopState>();
   const auto output = std::make_unique<loop::TickOutput>();
   loop::EnterScene(scene, 1, *state);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "scenes/generator/scene_models.h"
+#include "service/haptics/scene.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::scenes {
