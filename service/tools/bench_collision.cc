@@ -1,18 +1,10 @@
 // omni bench collision: runs omni_bench_collision, which is built with the peers and stands alone because of them.
-#include <stdlib.h>
-
-#include <filesystem>
-#include <fstream>
-
-#include "service/tools/bench.h"
-#include "service/tools/child_process.h"
+#include "service/tools/bench_program.h"
 
 namespace omni::tools {
 namespace {
 
-namespace fs = std::filesystem;
-
-// The one row that says what the issue of this bench is about: ratios within the run.
+// What this bench is about: ratios within the run.
 nlohmann::ordered_json Ratio(const char* what, double a, double b) {
   return {{"table", "ratios"}, {"what", what}, {"ratio", b > 0 ? nlohmann::ordered_json(a / b) : nullptr}};
 }
@@ -47,28 +39,10 @@ void AddRatios(BenchRows& rows) {
 }  // namespace
 
 base::Result<BenchRows> BenchCollision(const BenchOptions& options) {
-  std::string folder = (fs::temp_directory_path() / "omni-bench-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) return base::Error{"no temporary folder can be made"};
-  const fs::path output = fs::path(folder) / "rows.json";
-  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "omni_bench_collision";
-  std::vector<std::string> words{program.string(), "--seed", std::to_string(options.seed)};
-  if (options.quick) words.emplace_back("--quick");
-  if (options.ticks > 0) words.insert(words.end(), {"--ticks", std::to_string(options.ticks)});
-  if (!options.mesh.empty()) words.insert(words.end(), {"--mesh", options.mesh});
-  auto child = ChildProcess::Start(words, {}, output.string());
-  if (!child.ok()) return base::Error{child.error()};
-  const int status = child->Wait();
-  std::ifstream file(output);
-  const auto rows = nlohmann::ordered_json::parse(file, nullptr, false);
-  std::error_code error;
-  fs::remove_all(folder, error);
-  if (status != 0 || !rows.is_array()) {
-    return base::Error{"omni_bench_collision ended with status " + std::to_string(status) +
-                       "; is it built (target omni_bench_collision)?"};
-  }
-  BenchRows all(rows.begin(), rows.end());
-  AddRatios(all);
-  return all;
+  auto rows = RunBenchProgram("omni_bench_collision", options);
+  if (!rows.ok()) return rows;
+  AddRatios(*rows);
+  return rows;
 }
 
 }  // namespace omni::tools

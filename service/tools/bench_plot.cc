@@ -1,6 +1,7 @@
 #include "service/tools/bench_plot.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -237,6 +238,53 @@ base::Result<std::string> DrawDeformable(const json& document, const std::string
   return svg.Finish();
 }
 
+// What is offered over the loop's whole lag, by noise, beside the simple rule and the stiffest wall that every hand
+// holds.
+base::Result<std::string> DrawStability(const json& document, const std::string& file) {
+  constexpr double kRest_ms = 0.8;  // half a tick and the coil
+  std::map<double, std::array<PlotSeries, 3>> by_noise;
+  std::vector<double> lags_ms, stiffness_N_m;
+  for (const json& row : ArrayAt(document, "/tables/offered")) {
+    const double noise_mm = Value(row, "noise_mm"), lag_ms = Value(row, "delay_ms") + kRest_ms;
+    constexpr const char* kKeys[] = {"offered_N_m", "start_N_m", "fixed_good_N_m"};
+    if (!(noise_mm >= 0 && lag_ms > 0)) continue;
+    lags_ms.push_back(lag_ms);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double value = Value(row, kKeys[k]);
+      if (!(value > 0)) continue;
+      by_noise[noise_mm][k].points.push_back({lag_ms, value});
+      stiffness_N_m.push_back(value);
+    }
+  }
+  if (stiffness_N_m.empty()) return base::Error{file + ": has no table of offers; make it with omni bench stability"};
+  std::vector<PlotSeries> series;
+  constexpr PlotSeries::Mark kMarks[] = {PlotSeries::Mark::kLine, PlotSeries::Mark::kDashes, PlotSeries::Mark::kRings};
+  constexpr const char* kWhat[] = {"offered", "simple rule", "stiffest unpredicted wall held"};
+  std::size_t colour = 0;
+  for (auto& [noise_mm, three] : by_noise) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      three[k].colour = PlotColour(colour);
+      three[k].mark = kMarks[k];
+      char noise[32];
+      std::snprintf(noise, sizeof(noise), ", %g mm", noise_mm);
+      three[k].name = kWhat[k] + std::string(noise);
+      series.push_back(three[k]);
+    }
+    ++colour;
+  }
+  Svg svg(960, 560);
+  const PlotBox box{.top_px = 60,
+                    .width_px = 600,
+                    .height_px = 430,
+                    .title = "Stiffness that a simulated hand can hold still against, by noise of the position",
+                    .x = AxisFor("whole lag: delay, half a tick and coil, ms", lags_ms, true),
+                    .y = AxisFor("N/m", stiffness_N_m, true)};
+  DrawPlot(svg, box, series);
+  svg.Text(70, 24, "omni bench stability", "font-size=\"16\" fill=\"#222\"");
+  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
+  return svg.Finish();
+}
+
 // Empty: drawn.
 std::string PlotFile(const std::string& path, const std::string& folder) {
   std::ifstream file(path);
@@ -262,6 +310,7 @@ base::Result<std::string> DrawBench(const json& document, const std::string& fil
   const std::string name = Word(document, "name");
   if (name == "solver") return DrawSolver(document, file);
   if (name == "tracking") return DrawTracking(document, file);
+  if (name == "stability") return DrawStability(document, file);
   if (name == "collision") return DrawCollision(document, file);
   if (name == "deformable") return DrawDeformable(document, file);
   return base::Error{file + ": is of omni bench " + name + "; there is no picture of it"};
@@ -272,7 +321,8 @@ void AddBenchPlot(CLI::App& bench) {
       bench.add_subcommand("plot", "pictures (SVG) of run time against error from JSON files of omni bench");
   auto files = std::make_shared<std::vector<std::string>>();
   auto folder = std::make_shared<std::string>(".");
-  plot->add_option("files", *files, "JSON files of omni bench solver, tracking, collision and deformable")->required();
+  plot->add_option("files", *files, "JSON files of omni bench solver, tracking, stability, collision and deformable")
+      ->required();
   plot->add_option("-o,--output", *folder, "folder to write NAME.svg into")->capture_default_str();
   plot->callback([files, folder] {
     for (const std::string& file : *files) {

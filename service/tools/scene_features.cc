@@ -71,7 +71,9 @@ SceneFeature Softness(const std::vector<Material>& used) {
   };
   const std::size_t layers = with(SoftnessModel::kWinkler), bodies = with(SoftnessModel::kTet);
   if (layers + bodies == 0) return {"softness", false, "no material has it: not a byte, not a thread"};
-  return {"softness", true, Plural(layers, "winkler material") + ", " + Plural(bodies, "tet material")};
+  return {"softness", true,
+          Plural(layers, "winkler material") + ", " + Plural(bodies, "tet material") +
+              (bodies > 0 ? ", rendered as winkler by this version" : "")};
 }
 
 SceneFeature Images(const haptics::Scene& scene) {
@@ -94,7 +96,7 @@ SceneFeature Kinematic(const haptics::Scene& scene) {
     for (const haptics::Object& object : scene.objects()) moved += (object.flags & haptics::kKinematic) != 0;
   }
   if (moved == 0) return {"kinematic", false, "no object is: none moves by itself"};
-  return {"kinematic", true, Plural(moved, "object") + " that the application moves"};
+  return {"kinematic", false, Plural(moved, "object") + " that the application moves; this version holds them still"};
 }
 
 }  // namespace
@@ -109,8 +111,9 @@ std::vector<SceneFeature> FeaturesOf(const LoadedScene& loaded) {
   features.push_back(Images(scene));
   features.push_back(Softness(used));
   const std::size_t sculptable = CountOf(used, [](const Material& m) { return m.sculpt.enabled; });
-  features.push_back({"sculpt", sculptable > 0,
-                      sculptable > 0 ? Plural(sculptable, "material") : std::string("no material is sculptable")});
+  features.push_back({"sculpt", false,
+                      sculptable > 0 ? Plural(sculptable, "material") + ", rigid in this version"
+                                     : std::string("no material is sculptable")});
   features.push_back(
       {"extrude", header.region_count > 0,
        header.region_count > 0 ? Plural(header.region_count, "face") : std::string("no material has extrude")});
@@ -118,8 +121,8 @@ std::vector<SceneFeature> FeaturesOf(const LoadedScene& loaded) {
   const bool joystick = header.has_joystick != 0, vehicle = header.has_vehicle != 0;
   features.push_back({"joystick", joystick, joystick ? "one" : "no node has the role \"joystick\""});
   features.push_back({"vehicle", vehicle, vehicle ? "one" : "no node has the role \"vehicle\""});
-  features.push_back({"ball tip", header.tip_radius_m > 0,
-                      header.tip_radius_m > 0 ? Short(1e3 * header.tip_radius_m) + " mm"
+  features.push_back({"ball tip", false,
+                      header.tip_radius_m > 0 ? Short(1e3 * header.tip_radius_m) + " mm, a point in this version"
                                               : std::string("the scene has no tip.radius: a point")});
   features.push_back({"threads", false, "none for this scene; it is built on the service's builder thread"});
   return features;

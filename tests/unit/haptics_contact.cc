@@ -260,6 +260,41 @@ TEST(Contact, LosingTrackSwappingAndTeleportingNeverStepTheForce) {
   pen.MoveTo({0, 0, -0.0165}), check("teleport across");
 }
 
+// An image over the top of a block: white on the left half, mid-grey on the right.
+TEST(Contact, ImagesScaleStiffnessFrictionAndRipple) {
+  InputObject block = Block(1, {0.02, 0.02, 0.02});
+  for (const auto& t : block.triangles) {
+    CornerUv uv{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      uv[2 * k] = static_cast<float>(0.5 + block.vertices_base_m[t[k]].x / 0.04);
+      uv[2 * k + 1] = 0.5F;
+    }
+    block.uv[0].push_back(uv);
+  }
+  Material m;
+  m.stiffness_N_m = 400;
+  m.static_friction = m.dynamic_friction = 0.5;
+  m.stiffness_texture = m.friction_texture = 0;
+  SceneInput input = SceneOf(block, m);
+  input.images.push_back({4, 1, {255, 255, 51, 51}});
+  input.textures.push_back({});
+  Pen pen(Built(input));
+  const auto press = [&](double x) {
+    pen.MoveTo({x, 0, 0.021});
+    pen.Slide({x, 0, 0.021}, {x, 0, 0.019}, 40);
+    const double normal_N = pen.Rest(5).tip_normal_force_N;
+    pen.Slide({x, 0, 0.019}, {x, 0.006, 0.019}, 60);
+    const double share = pen.output.contacts[0].tangential_force_N / pen.output.contacts[0].normal_force_N;
+    pen.Slide({x, 0.006, 0.019}, {x, 0.006, 0.021}, 40);
+    return std::pair(normal_N, share);
+  };
+  const auto white = press(-0.012), grey = press(0.012);
+  EXPECT_NEAR(white.first, 0.4, 1e-6);
+  EXPECT_NEAR(white.second, 0.5, 1e-6);
+  EXPECT_NEAR(grey.first, 0.4 * 51 / 255, 1e-6);
+  EXPECT_NEAR(grey.second, 0.5 * 51 / 255, 1e-6);
+}
+
 TEST(Contact, BadNumbersAreNotMeasurements) {
   Pen pen(HardBlock());
   const double bad[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300};
