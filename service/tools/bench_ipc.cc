@@ -15,6 +15,7 @@
 #include "service/tools/child_process.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/statistics.h"
+#include "service/tools/work_folder.h"
 
 namespace omni::tools {
 namespace {
@@ -30,17 +31,9 @@ constexpr const char* kCountedCalls[] = {"xrLocateSpace (pen)", "xrLocateSpace (
 constexpr std::uint64_t kCountedTimes = 1000;
 
 struct Folders {
-  fs::path build, work;
-  Folders() : build(fs::read_symlink("/proc/self/exe").parent_path().parent_path()) {
-    std::string name = (fs::temp_directory_path() / "omni-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) work = name;
-  }
-  ~Folders() {
-    std::error_code error;
-    if (!work.empty()) fs::remove_all(work, error);
-  }
-  Folders(const Folders&) = delete;
-  Folders& operator=(const Folders&) = delete;
+  const WorkFolder owned;
+  const fs::path build = fs::read_symlink("/proc/self/exe").parent_path().parent_path();
+  const fs::path work = owned.path();  // empty: none could be made
 };
 
 Environment MakeEnvironment(const Folders& folders, bool layer) {

@@ -39,6 +39,16 @@ std::string Origin(const json& document) {
   return "commit " + Word(document, "commit") + "; " + Word(document, "machine");
 }
 
+// One box with its legend, under the bench's name and over the document's origin.
+std::string Chart(const json& document, const std::string& title, const PlotAxis& x, const PlotAxis& y,
+                  const std::vector<PlotSeries>& series, double width_px) {
+  Svg svg(960, 560);
+  DrawPlot(svg, {.top_px = 60, .width_px = width_px, .height_px = 430, .title = title, .x = x, .y = y}, series);
+  svg.Text(70, 24, "omni bench " + Word(document, "name"), "font-size=\"16\" fill=\"#222\"");
+  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
+  return svg.Finish();
+}
+
 // Of dots with the same label only the rightmost keeps it.
 void LabelOnce(PlotSeries& series) {
   std::map<std::string, std::size_t> rightmost;
@@ -83,17 +93,8 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
     LabelOnce(one);
     series.push_back(std::move(one));
   }
-  Svg svg(960, 560);
-  const PlotBox box{.top_px = 60,
-                    .width_px = 640,
-                    .height_px = 430,
-                    .title = "One solve: run time against error",
-                    .x = AxisFor("median time of a solve, us", times_us, true),
-                    .y = AxisFor("position error, mm rms", errors_mm, true)};
-  DrawPlot(svg, box, series);
-  svg.Text(70, 24, "omni bench solver", "font-size=\"16\" fill=\"#222\"");
-  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
-  return svg.Finish();
+  return Chart(document, "One solve: run time against error", AxisFor("median time of a solve, us", times_us, true),
+               AxisFor("position error, mm rms", errors_mm, true), series, 640);
 }
 
 // Time of a tick over the number of triangles, a line an engine: what the renderer does in full, peers in dashes.
@@ -126,17 +127,8 @@ base::Result<std::string> DrawCollision(const json& document, const std::string&
     series.push_back(line);
     series.push_back(dots);
   }
-  Svg svg(960, 560);
-  const PlotBox box{.top_px = 60,
-                    .width_px = 640,
-                    .height_px = 430,
-                    .title = "A tick on meshes from 1k to 1M triangles",
-                    .x = AxisFor("triangles", counts, true),
-                    .y = AxisFor("median time, us", times_us, true)};
-  DrawPlot(svg, box, series);
-  svg.Text(70, 24, "omni bench collision", "font-size=\"16\" fill=\"#222\"");
-  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
-  return svg.Finish();
+  return Chart(document, "A tick on meshes from 1k to 1M triangles", AxisFor("triangles", counts, true),
+               AxisFor("median time, us", times_us, true), series, 640);
 }
 
 std::string Condition(const json& row) {
@@ -225,17 +217,9 @@ base::Result<std::string> DrawDeformable(const json& document, const std::string
   if (times_us.empty()) {
     return base::Error{file + ": no row has us_median and error_pct; make it with omni bench deformable"};
   }
-  Svg svg(960, 560);
-  const PlotBox box{.top_px = 60,
-                    .width_px = 640,
-                    .height_px = 430,
-                    .title = "One tick with one ball: run time against error of the force",
-                    .x = AxisFor("median time of a tick, us", times_us, true),
-                    .y = AxisFor("error against neo-Hookean, %", errors_pct, true)};
-  DrawPlot(svg, box, series);
-  svg.Text(70, 24, "omni bench deformable", "font-size=\"16\" fill=\"#222\"");
-  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
-  return svg.Finish();
+  return Chart(document, "One tick with one ball: run time against error of the force",
+               AxisFor("median time of a tick, us", times_us, true),
+               AxisFor("error against neo-Hookean, %", errors_pct, true), series, 640);
 }
 
 // What is offered over the loop's whole lag, by noise, beside the simple rule and the stiffest wall that every hand
@@ -272,17 +256,9 @@ base::Result<std::string> DrawStability(const json& document, const std::string&
     }
     ++colour;
   }
-  Svg svg(960, 560);
-  const PlotBox box{.top_px = 60,
-                    .width_px = 600,
-                    .height_px = 430,
-                    .title = "Stiffness that a simulated hand can hold still against, by noise of the position",
-                    .x = AxisFor("whole lag: delay, half a tick and coil, ms", lags_ms, true),
-                    .y = AxisFor("N/m", stiffness_N_m, true)};
-  DrawPlot(svg, box, series);
-  svg.Text(70, 24, "omni bench stability", "font-size=\"16\" fill=\"#222\"");
-  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
-  return svg.Finish();
+  return Chart(document, "Stiffness that a simulated hand can hold still against, by noise of the position",
+               AxisFor("whole lag: delay, half a tick and coil, ms", lags_ms, true),
+               AxisFor("N/m", stiffness_N_m, true), series, 600);
 }
 
 // Empty: drawn.

@@ -19,6 +19,7 @@
 #include "service/tools/bench_race.h"
 #include "service/tools/csv_table.h"
 #include "service/tools/scene_source.h"
+#include "service/tools/work_folder.h"
 
 namespace omni::tools {
 namespace {
@@ -66,25 +67,6 @@ void Aim(const haptics::Scene& scene, double speed_m_s, base::Vec3& normal, hapt
   car.velocity_base_m_s = (-speed_m_s) * normal;
   car.heading_rad = std::atan2(-normal.y, -normal.x);
 }
-
-// Removed with its contents at the end.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "omni-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 base::Result<double> FeltPeak_N(const std::string& recording, const base::Vec3& normal) {
   auto truth = CsvTable::Read(recording);
@@ -143,7 +125,7 @@ base::Result<BenchRows> BenchRace(const BenchOptions& options) {
   loop::FlushDenormals();
   auto scene = TrackForTheseSpeeds();
   if (!scene.ok()) return base::Error{scene.error()};
-  const ScratchFolder scratch;
+  const WorkFolder scratch;
   if (scratch.path().empty()) return base::Error{"no folder for the twin's recordings can be made; check $TMPDIR"};
   BenchRows rows;
   std::vector<std::uint64_t> seeds = ThreeSeeds(options.seed);
@@ -151,7 +133,7 @@ base::Result<BenchRows> BenchRace(const BenchOptions& options) {
   for (const std::uint64_t seed : seeds) {
     HitRun last;
     for (int k = 0; k < kSpeeds; ++k) {
-      const auto run = RunHit(*scene, SpeedOf(k), seed, scratch.path() + "/truth.csv");
+      const auto run = RunHit(*scene, SpeedOf(k), seed, (scratch.path() / "truth.csv").string());
       if (!run.ok()) return base::Error{run.error()};
       if (run->hits != 1) return base::Error{"the car hit " + std::to_string(run->hits) + " times in place of once"};
       rows.push_back({{"seed", seed},

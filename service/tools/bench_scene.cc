@@ -7,30 +7,13 @@
 #include "service/tools/bench_scene_files.h"
 #include "service/tools/child_process.h"
 #include "service/tools/scene_source.h"
+#include "service/tools/work_folder.h"
 
 namespace omni::tools {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::string name = (fs::temp_directory_path() / "omni-bench-scene-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~WorkFolder() {
-    std::error_code error;
-    if (!path_.empty()) fs::remove_all(path_, error);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 base::Result<ordered_json> CostOf(const fs::path& work, const std::string& file) {
   const fs::path output = work / "cost.json";
