@@ -3,12 +3,15 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "service/base/actuation_types.h"
 #include "service/base/tool_state.h"
 #include "service/base/vec.h"
+#include "service/haptics/deformable/soft_contact.h"
 #include "service/haptics/scene.h"
+#include "service/haptics/sculpt/sculpt_tool.h"
 
 namespace omni::haptics {
 
@@ -25,6 +28,15 @@ struct Config {
   double contact_threshold_N = 0.010;  // "contact" in reports means more than this
 };
 
+inline constexpr std::uint32_t kMaxMoved = 16;  // kinematic objects that the application moves at a time
+
+// Where the application holds a kinematic object: x = R x_rest + t.
+struct ObjectPose {
+  std::uint32_t object = kNoIndex;
+  base::Quat rotation;       // unit, from where the scene has it
+  base::Vec3 translation_m;  // base frame
+};
+
 struct Input {
   std::int64_t t_ns = 0;
   double dt_s = 1e-3;              // time since the last tick, clamped to [0, 5 ms] by the caller
@@ -34,6 +46,7 @@ struct Input {
   base::PointNoise noise;          // of the device point
   double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
   base::ForceLimit limit;
+  std::span<const ObjectPose> poses;  // at t_ns, at most kMaxMoved; what is not named stands where it stood
 };
 
 // One touched object.
@@ -41,7 +54,7 @@ struct ContactState {
   bool active = false;
   std::uint32_t object = kNoIndex;
   std::uint32_t triangle = kNoIndex;  // of the proxy
-  base::Vec3 proxy_base_m;            // on the surface
+  base::Vec3 proxy_base_m;            // on the surface, at rest: not moved, not deformed
   bool sticking = false;
   std::uint32_t anchor_triangle = kNoIndex;  // stick anchor, barycentric: survives deformation
   std::array<double, 3> anchor_weights{};
@@ -126,6 +139,25 @@ struct EnergyState {
   std::uint32_t leaking_ticks = 0;
 };
 
+// A soft body that is touched: slot k of its contacts is State::contacts[k].
+struct SoftTouch {
+  std::uint32_t object = kNoIndex;  // kNoIndex: free
+  SoftContactState body;
+};
+
+// A sculpted surface: the n-th workshop of the scene.
+struct SculptTouchState {
+  std::uint64_t generation = 0;  // of the surface at the last tick
+  sculpt::SculptToolState tool;
+};
+
+// Where a kinematic object was at the last tick.
+struct MovedObject {
+  std::uint32_t object = kNoIndex;
+  base::Quat rotation;
+  base::Vec3 translation_m;
+};
+
 // All that changes. Fixed size, trivially copyable, deterministic: equal inputs give equal bits.
 struct State {
   bool was_tracked = false;
@@ -133,6 +165,10 @@ struct State {
   base::Vec3 last_device_point_base_m;
   std::array<ContactState, kMaxContacts> contacts;
   std::array<RegionState, kMaxRegions> regions;
+  std::array<SoftTouch, kMaxContacts> soft;
+  std::array<std::uint8_t, kMaxObjects> is_soft{};  // 1: the object's soft body has been taken up
+  std::array<SculptTouchState, kMaxSculpted> sculpted;
+  std::array<MovedObject, kMaxMoved> moved;
   VehicleState vehicle;
   OfferState offer;
   EnergyState energy;

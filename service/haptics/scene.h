@@ -21,6 +21,7 @@ namespace omni::haptics {
 
 inline constexpr std::uint32_t kMaxObjects = 64;  // more: BuildScene refuses, with the number
 inline constexpr std::uint32_t kMaxRegions = 16;  // extrude regions; further ones stay rigid, with a report line
+inline constexpr std::uint32_t kMaxSculpted = 4;  // sculpted objects; further ones stay rigid, with a report line
 inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene
 inline constexpr std::uint32_t kMaxTextures = 64;
 inline constexpr std::uint32_t kMaxTexels = 64u << 20;  // of all images together
@@ -105,6 +106,8 @@ struct SceneHeader {
   char name[64];
 };
 
+class LiveParts;  // live/live_parts.h
+
 using SceneBlock = std::vector<std::byte, base::BigBlockAllocator<std::byte>>;
 
 class Scene {
@@ -114,6 +117,9 @@ class Scene {
   explicit Scene(SceneBlock block) : block_(std::move(block)) {}
 
   bool empty() const noexcept { return block_.empty(); }
+  // What changes while the scene is felt; null: nothing does. Set before the scene is handed to the tick.
+  void SetLive(std::shared_ptr<LiveParts> live) { live_ = std::move(live); }
+  const std::shared_ptr<LiveParts>& live() const noexcept { return live_; }
   // Precondition for all below: !empty().
   const SceneHeader& header() const noexcept { return *reinterpret_cast<const SceneHeader*>(block_.data()); }
   std::span<const Vertex> vertices() const noexcept { return View<Vertex>(header().vertices, header().vertex_count); }
@@ -151,6 +157,7 @@ class Scene {
     return {reinterpret_cast<const T*>(block_.data() + offset), count};
   }
   SceneBlock block_;
+  std::shared_ptr<LiveParts> live_;
 };
 
 // What BuildScene did to the input, a line each, for `omni scene explain`.

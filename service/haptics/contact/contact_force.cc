@@ -84,7 +84,7 @@ struct Law {
     result.depth_m = at.depth_m;
     result.asked_stiffness_N_m = felt.stiffness * m.stiffness_N_m;
     result.stiffness_cut = result.asked_stiffness_N_m > 0 ? stiffness_N_m / result.asked_stiffness_N_m : 1;
-    result.elastic_N = SoftForce(m.softness, stiffness_N_m, at.depth_m, dt_s, contact);
+    result.elastic_N = LayerForce(m.softness, stiffness_N_m, at.depth_m, dt_s, contact);
     const double tangential_N_m = at.depth_m > 1e-9 ? result.elastic_N / at.depth_m : 0;
     const Vec3 friction = FrictionForce(
         surface,

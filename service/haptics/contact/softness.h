@@ -14,7 +14,7 @@ inline constexpr double kRelaxingShare = 0.3;       // instantaneous over long-t
 double ElasticForce(const Softness& softness, double stiffness_N_m, double depth_m) noexcept;
 
 // Adds the relaxing part; updates contact.elastic_N and contact.relaxation_N.
-double SoftForce(const Softness& softness, double stiffness_N_m, double depth_m, double dt_s,
+double LayerForce(const Softness& softness, double stiffness_N_m, double depth_m, double dt_s,
                  ContactState& contact) noexcept;
 
 }  // namespace omni::haptics

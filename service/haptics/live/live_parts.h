@@ -1,0 +1,54 @@
+// What of a scene changes while it is felt: soft bodies, which are ready some time after the scene, and surfaces that
+// are sculpted. Made off the tick, owned beside the scene; the tick loads one pointer a part and never waits.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "service/haptics/deformable/soft_body.h"
+#include "service/haptics/live/workshop.h"
+#include "service/haptics/scene.h"
+
+namespace omni::haptics {
+
+class LiveParts {
+ public:
+  LiveParts() = default;
+  LiveParts(const LiveParts&) = delete;
+  LiveParts& operator=(const LiveParts&) = delete;
+
+  // Before the scene is handed to the tick. Precondition: fewer than kMaxSculpted so far, none for this object.
+  void AddWorkshop(std::uint32_t object, std::unique_ptr<sculpt::Workshop> workshop) {
+    workshop_of_[object] = workshop.get();
+    workshops_.push_back(std::move(workshop));
+    objects_.push_back(object);
+  }
+  // One thread besides the tick, at any time, once an object: the tick takes it up as soon as nothing touches the
+  // object. Kept for as long as this lives.
+  void SetSoftBody(std::uint32_t object, std::unique_ptr<const SoftBody> body) {
+    soft_of_[object].store(body.get(), std::memory_order_release);
+    bodies_[object] = std::move(body);
+  }
+
+  // Any thread. Null: none, or not yet.
+  const SoftBody* soft_body(std::uint32_t object) const noexcept {
+    return soft_of_[object].load(std::memory_order_acquire);
+  }
+  sculpt::Workshop* workshop(std::uint32_t object) const noexcept { return workshop_of_[object]; }
+
+  // The n-th workshop and its object, n < workshop_count() <= kMaxSculpted.
+  std::uint32_t workshop_count() const noexcept { return static_cast<std::uint32_t>(workshops_.size()); }
+  sculpt::Workshop& workshop_at(std::uint32_t n) const noexcept { return *workshops_[n]; }
+  std::uint32_t object_at(std::uint32_t n) const noexcept { return objects_[n]; }
+
+ private:
+  std::array<std::atomic<const SoftBody*>, kMaxObjects> soft_of_{};
+  std::array<std::unique_ptr<const SoftBody>, kMaxObjects> bodies_;
+  std::array<sculpt::Workshop*, kMaxObjects> workshop_of_{};
+  std::vector<std::unique_ptr<sculpt::Workshop>> workshops_;
+  std::vector<std::uint32_t> objects_;
+};
+
+}  // namespace omni::haptics
