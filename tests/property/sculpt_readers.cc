@@ -28,7 +28,7 @@ TEST(SculptReadersTest, SeeWholeGenerations) {
         broken += !CheckManifold(surface).ok();
       }
       last = surface.generation();
-      const SculptNearest nearest = NearestPoint(surface, random.InBox(0.05));
+      const NearestResult nearest = NearestInTree(surface, 0, random.InBox(0.05));
       asked += surface.IsLive(nearest.triangle);
     }
   });

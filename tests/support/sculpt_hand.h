@@ -82,7 +82,7 @@ class SculptHand {
  private:
   // Force of the contact, and what the tool is told of it.
   Vec3 Touch(const SculptSurface& surface, const Vec3& tip) {
-    const SculptNearest nearest = NearestPoint(surface, tip);
+    const NearestResult nearest = NearestInTree(surface, 0, tip);
     const Vec3 out = nearest.closest.point - tip;
     const bool inside = Dot(out, OutwardsAt(surface, nearest.triangle, nearest.closest)) > 0;
     if (surface.generation() != generation_) {

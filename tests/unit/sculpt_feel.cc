@@ -21,7 +21,7 @@ Brush FiveMillimetres() {
 double TopOf(SculptEditor& editor) {
   editor.Publish();
   const Vec3 above{0, 0, 2 * kRadius_m};
-  const SculptCrossing hit = FirstCrossing(SculptSurface(*editor.publisher().newest()), above, {});
+  const CrossingResult hit = CrossingInTree(SculptSurface(*editor.publisher().newest()), 0, above, {}, false);
   return hit.triangle == kNoIndex ? 0 : (1 - hit.t) * above.z;
 }
 
@@ -211,7 +211,7 @@ TEST(SculptFeelTest, BadInputGivesFiniteForceAndNoHeap) {
     }
     KeptFeature feature{0, {}, {any(), any(), any()}, {any(), any(), any()}};
     Rebind(surface, any(), feature);
-    FirstCrossing(surface, input.tip_base_m, {any(), any(), any()});
+    CrossingInTree(surface, 0, input.tip_base_m, {any(), any(), any()}, false);
     if (random.Next() % 4 == 0) fade.Start();
     const SculptToolOutput out = StepSculptTool({}, input, state, *ring);
     const Vec3 force_N = fade.Blend(out.force_N, 1e-3);

@@ -75,12 +75,12 @@ TEST(SculptMeshTest, QueriesAgreeWithBruteForce) {
         if (hit.hit && hit.front) first = std::min(first, hit.t);
       }
     }
-    EXPECT_EQ(NearestPoint(surface, p).closest.distance_squared, least);
-    const SculptCrossing crossing = FirstCrossing(surface, p, q);
+    EXPECT_EQ(NearestInTree(surface, 0, p).closest.distance_squared, least);
+    const CrossingResult crossing = CrossingInTree(surface, 0, p, q, false);
     EXPECT_EQ(crossing.t, first);
     if (crossing.triangle == kNoIndex) continue;
     const std::uint32_t component = surface.GetTriangle(crossing.triangle).component;
-    EXPECT_EQ(FirstCrossing(surface, p, q, &component, 1).triangle, kNoIndex);
+    EXPECT_EQ(CrossingInTree(surface, 0, p, q, false, {&component, 1}).triangle, kNoIndex);
   }
 }
 

@@ -2,6 +2,7 @@
 // (surface.h), a mesh in pages. Indices are 32 bits and need not be dense.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 
@@ -22,13 +23,22 @@ concept MeshView = requires(const View& view, std::uint32_t index) {
   { view.GetTriangle(index).component } -> std::convertible_to<std::uint32_t>;
 };
 
-// A mesh with a tree over it.
+// A mesh with a tree over it, whose leaves are packets of float corners or, where those would not pay, lists of at most
+// kPacketSize triangles.
 template <class View>
-concept TreeView = MeshView<View> && requires(const View& view, std::uint32_t index) {
-  { view.Node(index) }
-  noexcept->std::same_as<const TreeNode&>;
+concept PacketView = requires(const View& view, std::uint32_t index) {
   { view.Packet(index) }
   noexcept->std::same_as<const TrianglePacket&>;
+};
+template <class View>
+concept LeafListView = requires(const View& view, std::array<std::uint32_t, kPacketSize>& triangles) {
+  { view.LeafTriangles(std::uint32_t{}, triangles) }
+  noexcept->std::same_as<int>;  // how many
+};
+template <class View>
+concept TreeView = MeshView<View> && (PacketView<View> || LeafListView<View>)&&requires(const View& view) {
+  { view.Node(std::uint32_t{}) }
+  noexcept->std::same_as<const TreeNode&>;
   { view.TreeExtent() }
   noexcept->std::same_as<double>;  // largest |coordinate| of any box of the tree, m
 };

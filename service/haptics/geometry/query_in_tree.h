@@ -44,6 +44,28 @@ class NearestStack {
   std::size_t size_ = 0;
 };
 
+// Tries the packet's triangles within `bound` (which trying lowers), the nearest first: it mostly excludes the others.
+template <class TryTriangle>
+void NearestInPacket(const TrianglePacket& packet, bool moves, const Lanes3& p, const float& bound,
+                     const TryTriangle& try_triangle) noexcept {
+  alignas(16) float distance[kPacketSize] = {0, 0, 0, 0};
+  unsigned mask = 0xF;
+  if (!moves) {
+    const __m128 d = TriangleDistanceSquared(packet, p);
+    _mm_store_ps(distance, d);
+    mask ^= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(d, _mm_set1_ps(bound))));
+  }
+  while (mask != 0) {
+    auto k = static_cast<std::size_t>(std::countr_zero(mask));
+    for (unsigned rest = mask & (mask - 1); rest != 0; rest &= rest - 1) {
+      const auto other = static_cast<std::size_t>(std::countr_zero(rest));
+      if (distance[other] < distance[k]) k = other;
+    }
+    mask &= ~(1U << k);
+    if (!(distance[k] > bound)) try_triangle(packet.triangle[k]);
+  }
+}
+
 // Branch and bound   (1.7) over the triangles that accept(triangle, closest point) lets count.
 template <TreeView View, class Accept>
 NearestResult NearestAccepted(const View& view, std::uint32_t root, const Vec3& p, double max_distance_m,
@@ -58,6 +80,9 @@ NearestResult NearestAccepted(const View& view, std::uint32_t root, const Vec3& 
     best = {triangle, closest};
     bound = SquaredBound(std::sqrt(closest.distance_squared), slack_m);
   };
+  const auto try_other = [&](std::uint32_t triangle) noexcept {
+    if (triangle != known) try_triangle(triangle);
+  };
   if (known != kNoIndex) try_triangle(known);
   const Lanes3 lanes = Spread(p);
   NearestStack stack;
@@ -70,23 +95,12 @@ NearestResult NearestAccepted(const View& view, std::uint32_t root, const Vec3& 
       stack.PushChildren(view.Node(child), lanes, bound);
       continue;
     }
-    const TrianglePacket& packet = view.Packet(child & kChildIndex);
-    alignas(16) float distance[kPacketSize] = {0, 0, 0, 0};
-    unsigned mask = 0xF;
-    if ((child & kMovesBit) == 0) {
-      const __m128 d = TriangleDistanceSquared(packet, lanes);
-      _mm_store_ps(distance, d);
-      mask ^= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(d, _mm_set1_ps(bound))));
-    }
-    while (mask != 0) {  // the nearest first: it mostly excludes the others
-      auto k = static_cast<std::size_t>(std::countr_zero(mask));
-      for (unsigned rest = mask & (mask - 1); rest != 0; rest &= rest - 1) {
-        const auto other = static_cast<std::size_t>(std::countr_zero(rest));
-        if (distance[other] < distance[k]) k = other;
-      }
-      mask &= ~(1U << k);
-      if (distance[k] > bound) continue;
-      if (packet.triangle[k] != known) try_triangle(packet.triangle[k]);
+    if constexpr (PacketView<View>) {
+      NearestInPacket(view.Packet(child & kChildIndex), (child & kMovesBit) != 0, lanes, bound, try_other);
+    } else {
+      std::array<std::uint32_t, kPacketSize> triangles;
+      const int count = view.LeafTriangles(child & kChildIndex, triangles);
+      for (int k = 0; k < count; ++k) try_other(triangles[static_cast<std::size_t>(k)]);
     }
   }
   return best;
@@ -142,9 +156,15 @@ CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& 
       }
       continue;
     }
-    const TrianglePacket& packet = view.Packet(child & kChildIndex);
-    unsigned mask = (child & kMovesBit) != 0 ? 0xF : static_cast<unsigned>(MeetMask(packet, segment));
-    for (; mask != 0; mask &= mask - 1) try_triangle(packet.triangle[std::countr_zero(mask)]);
+    if constexpr (PacketView<View>) {
+      const TrianglePacket& packet = view.Packet(child & kChildIndex);
+      unsigned mask = (child & kMovesBit) != 0 ? 0xF : static_cast<unsigned>(MeetMask(packet, segment));
+      for (; mask != 0; mask &= mask - 1) try_triangle(packet.triangle[std::countr_zero(mask)]);
+    } else {
+      std::array<std::uint32_t, kPacketSize> triangles;
+      const int count = view.LeafTriangles(child & kChildIndex, triangles);
+      for (int k = 0; k < count; ++k) try_triangle(triangles[static_cast<std::size_t>(k)]);
+    }
   }
   return best;
 }

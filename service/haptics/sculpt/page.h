@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "service/haptics/geometry/tree_node.h"
 #include "service/haptics/geometry/triangle_math.h"
 #include "service/haptics/scene.h"
 
@@ -16,19 +17,17 @@ inline constexpr std::uint32_t kPageVertices = 160;
 inline constexpr std::uint32_t kPageFill = 224;        // triangles of a new page: the rest is room for splits
 inline constexpr std::uint32_t kPageVertexFill = 136;  // vertices of a new page
 inline constexpr std::uint32_t kMaxPages = 32768;      // 8 million triangles; further splits are refused
-inline constexpr std::uint32_t kGroups = 64;           // leaves of a page's tree, at most 4 triangles each
+inline constexpr std::uint32_t kGroups = 64;           // leaves of a page's tree, at most kPacketSize triangles each
 
 constexpr std::uint32_t PageOf(std::uint32_t index) noexcept { return index >> 8; }
 constexpr std::uint32_t SlotOf(std::uint32_t index) noexcept { return index & 255; }
 constexpr std::uint32_t IndexOf(std::uint32_t page, std::uint32_t slot) noexcept { return page << 8 | slot; }
 
-// Eight boxes side by side, float, rounded outwards. Unused ones are kNoBox: nothing is near them, no segment hits
-// them.
-struct Boxes8 {
-  float lower[3][8];
-  float upper[3][8];
-};
-inline constexpr float kNoBox = 1e30F;  // lower; upper = -kNoBox
+// Nodes of the tree over pages and of the trees in them, as views number them (query.h): a node above the pages by its
+// index in the table, a page's node, one of its eight groups; and leaves: a group's eighth, up to four triangles.
+inline constexpr std::uint32_t kPageNode = 0x10000000;   // | page
+inline constexpr std::uint32_t kGroupNode = 0x20000000;  // | page << 3 | group
+constexpr std::uint32_t LeafOf(std::uint32_t page, std::uint32_t leaf) noexcept { return kLeafBit | page << 6 | leaf; }
 
 // What an edit changes and undo restores, bit by bit. Free slots hold what EmptyPage() holds.
 struct PageContent {
@@ -45,10 +44,10 @@ struct PageContent {
 };
 static_assert(std::is_trivially_copyable_v<PageContent> && sizeof(PageContent) % 8 == 0);
 
-// Two levels of eight boxes. Leaf g holds order[GroupBegin(g)] ... order[GroupBegin(g + 1) - 1].
+// Two levels of nodes. Leaf g holds order[GroupBegin(g)] ... order[GroupBegin(g + 1) - 1].
 struct PageTree {
-  Boxes8 top;
-  Boxes8 group[8];
+  TreeNode top;
+  TreeNode group[8];
   std::uint8_t order[kPageTriangles];  // slots of the live triangles
   std::uint32_t count;
   constexpr std::uint32_t GroupBegin(std::uint32_t group_index) const noexcept { return group_index * count / kGroups; }
@@ -58,7 +57,7 @@ struct Page {
   PageContent content;
   PageTree tree;
 };
-static_assert(std::is_trivially_copyable_v<Page>);
+static_assert(std::is_trivially_copyable_v<Page> && kPageTriangles == kGroups * kPacketSize);
 
 inline bool UsesTriangle(const PageContent& page, std::uint32_t slot) noexcept {
   return (page.triangle_used[slot / 64] >> (slot % 64) & 1) != 0;

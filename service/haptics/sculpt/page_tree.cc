@@ -53,7 +53,7 @@ void SortAlongCurve(const SlotBoxes& boxes, std::uint8_t* order) noexcept {
   for (std::uint32_t i = 0; i < boxes.count; ++i) order[i] = boxes.slot[keys[i] & 255];
 }
 
-void FitBoxes(const SlotBoxes& boxes, const std::uint8_t* place, PageTree& tree) noexcept {
+void FitBoxes(const SlotBoxes& boxes, const std::uint8_t* place, std::uint32_t page, PageTree& tree) noexcept {
   for (std::uint32_t k = 0; k < 8; ++k) {
     FloatBox whole;
     for (std::uint32_t j = 0; j < 8; ++j) {
@@ -62,9 +62,11 @@ void FitBoxes(const SlotBoxes& boxes, const std::uint8_t* place, PageTree& tree)
         part.Add(boxes.box[place[tree.order[i]]]);
       }
       SetBox(part, j, tree.group[k]);
+      tree.group[k].child[j] = LeafOf(page, 8 * k + j);
       whole.Add(part);
     }
     SetBox(whole, k, tree.top);
+    tree.top.child[k] = kGroupNode | page << 3 | k;
   }
 }
 
@@ -85,7 +87,7 @@ void BuildPageTree(const Page* const* pages, std::uint32_t page, bool keep_order
   }
   tree.count = boxes.count;
   if (!keep_order) SortAlongCurve(boxes, tree.order);
-  FitBoxes(boxes, place, tree);
+  FitBoxes(boxes, place, page, tree);
 }
 
 const Page& EmptyPage() noexcept {
@@ -99,7 +101,7 @@ const Page& EmptyPage() noexcept {
     page.content.spill = kNoIndex;
     for (std::size_t k = 0; k < 8; ++k) {
       SetBox(FloatBox{}, k, page.tree.top);
-      for (Boxes8& group : page.tree.group) SetBox(FloatBox{}, k, group);
+      for (TreeNode& group : page.tree.group) SetBox(FloatBox{}, k, group);
     }
     return page;
   }();

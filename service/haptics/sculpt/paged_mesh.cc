@@ -209,6 +209,12 @@ PublishReport PagedMesh::Publish() {
   dirty_.clear();
   table->pages.assign(pages_.begin(), pages_.end());
   table->nodes.assign(top_.nodes().begin(), top_.nodes().end());
+  const FloatBox bounds = top_.bounds();
+  table->extent_m = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double largest_m = std::max(std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis]));
+    table->extent_m = std::max(table->extent_m, largest_m);
+  }
   publisher_.Publish(table);
   pool_.Release(publisher_.OldestInUse());
   report.published = true;

@@ -177,7 +177,7 @@ bool SculptEditor::Redo() {
 SurfacePoint SculptEditor::Locate(const Vec3& p, double reach_m) const {
   const SculptTable* table = mesh_->publisher().newest();
   if (table == nullptr || !Within(p, kMaxCoordinate_m)) return {};
-  const SculptNearest nearest = NearestPoint(SculptSurface(*table), p, reach_m);
+  const NearestResult nearest = NearestInTree(SculptSurface(*table), 0, p, reach_m);
   if (nearest.triangle == kNoIndex || !mesh_->IsLive(nearest.triangle)) return {};
   const std::uint32_t triangle = DescendTo(*mesh_, nearest.triangle, p);
   return {triangle, ClosestOnTriangle(mesh_->TriangleCorners(triangle), p).point};

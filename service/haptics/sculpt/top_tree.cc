@@ -11,10 +11,10 @@ float Middle(const FloatBox& box, std::size_t axis) { return box.empty() ? 0 : b
 }  // namespace
 
 std::uint32_t TopTree::NewNode(Place parent) {
-  TopNode node{};
+  TreeNode node{};
   for (std::size_t k = 0; k < 8; ++k) {
-    node.child[k] = kNoIndex;
-    SetBox(FloatBox{}, k, node.boxes);
+    node.child[k] = kNoChild;
+    SetBox(FloatBox{}, k, node);
   }
   nodes_.push_back(node);
   parent_.push_back(parent);
@@ -23,9 +23,9 @@ std::uint32_t TopTree::NewNode(Place parent) {
 
 void TopTree::Put(Place place, std::uint32_t child, const FloatBox& box) {
   nodes_[place.node].child[place.slot] = child;
-  SetBox(box, place.slot, nodes_[place.node].boxes);
-  if ((child & kPageChild) != 0) {
-    place_[child & ~kPageChild] = place;
+  SetBox(box, place.slot, nodes_[place.node]);
+  if ((child & kPageNode) != 0) {
+    place_[child & ~kPageNode] = place;
   } else {
     parent_[child] = place;
   }
@@ -65,14 +65,14 @@ std::vector<std::uint32_t*> TopTree::SplitInEight(std::uint32_t* begin, std::uin
 void TopTree::Fill(std::uint32_t node, std::uint32_t* begin, std::uint32_t* end,  // NOLINT(misc-no-recursion)
                    int depth) {
   if (end - begin <= 8) {
-    for (std::uint32_t k = 0; begin + k < end; ++k) Put({node, k}, begin[k] | kPageChild, page_box_[begin[k]]);
+    for (std::uint32_t k = 0; begin + k < end; ++k) Put({node, k}, begin[k] | kPageNode, page_box_[begin[k]]);
     return;
   }
   const std::vector<std::uint32_t*> cuts = SplitInEight(begin, end);
   for (std::uint32_t k = 0; k < 8; ++k) {
     const std::uint32_t child = NewNode({node, k});
     Fill(child, cuts[k], cuts[k + 1], depth + 1);
-    Put({node, k}, child, UnionOf(nodes_[child].boxes));
+    Put({node, k}, child, UnionOf(nodes_[child]));
   }
 }
 
@@ -89,12 +89,12 @@ void TopTree::Build(const std::vector<FloatBox>& page_boxes) {
 void TopTree::SetPageBox(std::uint32_t page, const FloatBox& box) {
   page_box_[page] = box;
   Place at = place_[page];
-  SetBox(box, at.slot, nodes_[at.node].boxes);
+  SetBox(box, at.slot, nodes_[at.node]);
   while (parent_[at.node].node != kNoIndex) {
-    const FloatBox all = UnionOf(nodes_[at.node].boxes);
+    const FloatBox all = UnionOf(nodes_[at.node]);
     at = parent_[at.node];
-    if (GetBox(nodes_[at.node].boxes, at.slot) == all) return;
-    SetBox(all, at.slot, nodes_[at.node].boxes);
+    if (GetBox(nodes_[at.node], at.slot) == all) return;
+    SetBox(all, at.slot, nodes_[at.node]);
   }
 }
 
@@ -111,14 +111,14 @@ void TopTree::Insert(std::uint32_t near_page, const FloatBox& box) {
   page_box_.push_back(box);
   const Place beside = place_[near_page];
   const std::uint32_t* children = nodes_[beside.node].child;
-  const auto free_slot = static_cast<std::uint32_t>(std::find(children, children + 8, kNoIndex) - children);
+  const auto free_slot = static_cast<std::uint32_t>(std::find(children, children + 8, kNoChild) - children);
   if (free_slot < 8) {
-    Put({beside.node, free_slot}, page | kPageChild, box);
+    Put({beside.node, free_slot}, page | kPageNode, box);
   } else if (DepthOf(beside.node) < kMaxTopDepth) {
     const std::uint32_t node = NewNode(beside);
-    Put({node, 0}, near_page | kPageChild, page_box_[near_page]);
-    Put({node, 1}, page | kPageChild, box);
-    Put(beside, node, UnionOf(nodes_[node].boxes));
+    Put({node, 0}, near_page | kPageNode, page_box_[near_page]);
+    Put({node, 1}, page | kPageNode, box);
+    Put(beside, node, UnionOf(nodes_[node]));
   } else {
     Build(std::vector<FloatBox>(page_box_));
   }

@@ -1,4 +1,4 @@
-// Tree of eight-box nodes over the pages. The editor keeps it up to date along the paths of the pages it changed; a
+// Tree over the pages. The editor keeps it up to date along the paths of the pages it changed; a
 // copy of its nodes goes out with every published table.
 #pragma once
 
@@ -8,13 +8,8 @@
 
 namespace omni::haptics::sculpt {
 
-inline constexpr std::uint32_t kPageChild = 0x80000000;  // a child with this bit is a page, else a node
-inline constexpr int kMaxTopDepth = 16;  // levels of nodes, kept by TopTree; stacks in the tick are fixed
-
-struct TopNode {
-  Boxes8 boxes;
-  std::uint32_t child[8];  // kNoIndex: none
-};
+inline constexpr int kMaxTopDepth = 16;  // levels of nodes, kept by TopTree
+static_assert(kMaxTopDepth + 2 <= kMaxTreeDepth);  // with those of a page: stacks in the tick are fixed
 
 class TopTree {
  public:
@@ -25,9 +20,9 @@ class TopTree {
   // A new page (index = pages so far) beside `near_page`.
   void Insert(std::uint32_t near_page, const FloatBox& box);
 
-  const std::vector<TopNode>& nodes() const noexcept { return nodes_; }
+  const std::vector<TreeNode>& nodes() const noexcept { return nodes_; }
   std::size_t pages() const noexcept { return place_.size(); }
-  FloatBox bounds() const noexcept { return UnionOf(nodes_[0].boxes); }
+  FloatBox bounds() const noexcept { return UnionOf(nodes_[0]); }
 
  private:
   struct Place {
@@ -39,7 +34,7 @@ class TopTree {
   void Put(Place place, std::uint32_t child, const FloatBox& box);
   int DepthOf(std::uint32_t node) const;
 
-  std::vector<TopNode> nodes_;
+  std::vector<TreeNode> nodes_;
   std::vector<Place> parent_;       // per node; the root's node is kNoIndex
   std::vector<Place> place_;        // per page
   std::vector<FloatBox> page_box_;  // per page
