@@ -54,14 +54,18 @@ struct ContactState {
   bool active = false;
   std::uint32_t object = kNoIndex;
   std::uint32_t triangle = kNoIndex;  // of the proxy
-  base::Vec3 proxy_base_m;            // on the surface, at rest: not moved, not deformed
+  base::Vec3 proxy_m;                 // on the surface, in the frame of the object's rest; a soft body undeformed
+  base::Vec3 normal;                  // of the contact at the last tick, unit, out of the object, in that frame
   bool sticking = false;
   std::uint32_t anchor_triangle = kNoIndex;  // stick anchor, barycentric: survives deformation
   std::array<double, 3> anchor_weights{};
+  base::Vec3 anchor_m;        // where it was at the last tick, in the same frame
+  double depth_m = 0;         // of the tip under the proxy, as the proxy was found
   double side = 1;            // +1 entered from the front, -1 from the back (double-sided objects)
   double relaxation_N = 0;    // softness: viscous part
   double elastic_N = 0;       // softness: elastic part at the last tick
-  base::Vec3 swapped_from_N;  // force before the proxy was moved to another face ...
+  base::Vec3 last_force_N;    // of the last tick, in that frame
+  base::Vec3 swapped_from_N;  // force before the proxy was moved to another place ...
   double swap_left_s = 0;     // ... which fades out over this time
   bool popped = false;        // pop-through: no force until the tip is outside again
   double through_s = 0;       // how long the tip has been out on the far side
@@ -151,11 +155,11 @@ struct SculptTouchState {
   sculpt::SculptToolState tool;
 };
 
-// Where a kinematic object was at the last tick.
+// A kinematic object that the application has moved: where it stands, and stood at the tick before.
 struct MovedObject {
-  std::uint32_t object = kNoIndex;
-  base::Quat rotation;
-  base::Vec3 translation_m;
+  std::uint32_t object = kNoIndex;  // kNoIndex: free
+  base::Quat rotation, last_rotation;
+  base::Vec3 translation_m, last_translation_m;
 };
 
 // All that changes. Fixed size, trivially copyable, deterministic: equal inputs give equal bits.

@@ -3,6 +3,8 @@
 #include "service/haptics/contact/contact_force.h"
 #include "service/haptics/contact/contact_set.h"
 #include "service/haptics/contact/effects.h"
+#include "service/haptics/contact/sculpt_touch.h"
+#include "service/haptics/contact/touchables.h"
 #include "service/haptics/energy_watch.h"
 #include "service/haptics/extrude/extrude.h"
 #include "service/haptics/geometry/query.h"
@@ -45,36 +47,41 @@ bool RegionsRest(const Scene& scene, const State& state) noexcept {
 }
 
 // Motion bound: the tip is still within a ball in which there is nothing to touch   (2.4)
-bool StillFar(const Scene& scene, const Vec3& tip, const State& state) noexcept {
-  return state.was_tracked && Norm(tip - state.far_origin_base_m) < state.far_distance_m && RegionsRest(scene, state);
+bool StillFar(const Vec3& tip, const State& state) noexcept {
+  return state.was_tracked && Norm(tip - state.far_origin_base_m) < state.far_distance_m;
 }
 
 // Distance to what can be touched. Renews the motion bound and returns the pull of a magnetic surface.
-Vec3 LookAround(const Scene& scene, const Surface& surface, const Vec3& tip, double stiffness_limit_N_m,
-                State& state) noexcept {
+Vec3 LookAround(const Touchables& touchables, double stiffness_limit_N_m, const Vec3& tip, State& state) noexcept {
   constexpr double kNowhere_m = 1e3;
   constexpr double kMargin_m = 2e-6;  // longer than sweeps are back-dated
+  const Scene& scene = touchables.scene();
   double distance_m = kNowhere_m;
-  NearestResult nearest;
-  for (const Object& object : scene.objects()) {
-    if ((object.flags & kCollidable) == 0 || !(BoxDistance(object, tip) < distance_m)) continue;
-    const NearestResult found = NearestPoint(surface, object, tip, distance_m);
-    if (found.triangle == kNoIndex) continue;
-    nearest = found;
-    distance_m = std::sqrt(found.closest.distance_squared);
+  Vec3 towards;
+  const Material* material = nullptr;
+  for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
+    const Target target = touchables.TargetOf(i);
+    if ((target.object.flags & kCollidable) == 0) continue;
+    if (target.boxed && !(BoxDistance(target.object, target.tip) < distance_m)) continue;
+    touchables.On(i, [&](const auto& view) noexcept {
+      const NearestResult found = NearestInTree(view, target.root, target.tip, distance_m);
+      if (found.triangle == kNoIndex) return;
+      distance_m = std::sqrt(found.closest.distance_squared);
+      towards = touchables.FrameOf(i).BaseDirection(found.closest.point - target.tip);
+      material = &scene.materials()[view.GetTriangle(found.triangle).material];
+    });
   }
   state.far_origin_base_m = tip;
   state.far_distance_m = std::max(0.0, distance_m - scene.header().magnet_range_m - kMargin_m);
-  if (nearest.triangle == kNoIndex || !(distance_m < scene.header().magnet_range_m)) return {};
-  const Material& m = scene.materials()[surface.GetTriangle(nearest.triangle).material];
-  const double pull_N = MagnetEffect{m.magnet_max_force_N, m.magnet_range_m}.ForceOn(distance_m, stiffness_limit_N_m);
-  return pull_N * Normalized(nearest.closest.point - tip);
+  if (material == nullptr || !(distance_m < scene.header().magnet_range_m)) return {};
+  const MagnetEffect magnet{material->magnet_max_force_N, material->magnet_range_m};
+  return magnet.ForceOn(distance_m, stiffness_limit_N_m) * Normalized(towards);
 }
 
 // What the contacts ask for, before limits.
 struct Touched {
   Vec3 contacts_N;
-  Vec3 others_N;        // of magnets and of faces that are taken hold of
+  Vec3 others_N;        // of magnets and of faces that are held or pushed
   double stored_J = 0;  // in the contacts' springs
   bool moving = false;  // a surface moves by itself
 };
@@ -99,51 +106,79 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touch
 }
 
 // Follows the contacts to the tip and gives their forces.
-ContactForces Follow(const Scene& scene, const Surface& surface, const Offer& offer, const Input& input,
-                     State& state) noexcept {
-  std::array<Vec3, kMaxContacts> last_proxy;
+ContactForces Follow(const Touchables& touchables, const Offer& offer, const Input& input, State& state) noexcept {
+  std::array<Vec3, kMaxContacts> last_proxy_m;
   std::array<bool, kMaxContacts> was_active{};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
-    last_proxy[k] = state.contacts[k].proxy_base_m;
+    last_proxy_m[k] = state.contacts[k].proxy_m;
     was_active[k] = state.contacts[k].active;
   }
   if (state.was_tracked) {
-    UpdateContacts(scene, surface, input.device_point_base_m, input.dt_s, state);
+    UpdateContacts(touchables, input.dt_s, state);
   } else {
-    StartContacts(scene, surface, input.device_point_base_m, state);
+    StartContacts(touchables, state);
   }
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
-    if (!was_active[k]) last_proxy[k] = state.contacts[k].proxy_base_m;
+    if (!was_active[k]) last_proxy_m[k] = state.contacts[k].proxy_m;
   }
-  return ForcesOf(offer, scene, surface, input, last_proxy, state);
+  return ForcesOf(offer, touchables, input, last_proxy_m, state);
 }
 
-// The tip's contact forces, and what they do to extrudable faces.
+using RegionTouches = std::array<RegionTouch, kMaxRegions>;
+
+RegionTouches TouchesOf(const Touchables& touchables, const ContactForces& forces, const State& state) noexcept {
+  RegionTouches touches{};
+  if (touchables.surface().region_count() == 0) return touches;
+  for (std::size_t k = 0; k < kMaxContacts; ++k) {
+    const ContactState& contact = state.contacts[k];
+    if (!contact.active || contact.popped || touchables.TableOf(contact.object) != nullptr) continue;
+    const std::uint32_t region = touchables.surface().RegionOf(contact.triangle);
+    if (region != kNoIndex) touches[region] = {forces.of[k].elastic_N, forces.of[k].depth_m};
+  }
+  return touches;
+}
+
+// Faces that are pushed in and pulled out; their force on the tip, base frame.
+Vec3 StepRegions(const Touchables& touchables, const Offer& offer, const Input& input, const RegionTouches& touches,
+                 State& state) noexcept {
+  const auto regions = touchables.scene().regions();
+  Vec3 sum;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const Region& region = regions[r];
+    const Target target = touchables.TargetOf(region.object);
+    const Frame frame = touchables.FrameOf(region.object);
+    const ExtrudeInput extrude{input.tracked, target.tip, frame.RestDirection(input.velocity_base_m_s), input.dt_s,
+                               offer.stiffness_N_m};
+    const Extrude& feel = touchables.scene().materials()[region.material].extrude;
+    sum = sum + frame.BaseDirection(StepRegion(region, feel, touches[r], extrude, state.regions[r]));
+  }
+  return sum;
+}
+
+// The tip's contact forces, and what they do to surfaces that can be formed.
 Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State& state, Output& output) noexcept {
   const Vec3 tip = input.device_point_base_m;
-  if (scene.regions().empty() && (!input.tracked || StillFar(scene, tip, state))) return {};
-  const Surface surface(scene, state.regions);
-  std::array<RegionTouch, kMaxRegions> touches{};
+  if (IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state))) return {};
+  const Touchables touchables(scene, input, state);
   Touched touched;
-  if (input.tracked && !StillFar(scene, tip, state)) {
-    const ContactForces forces = Follow(scene, surface, offer, input, state);
-    touched.contacts_N = Collect(forces, state.ramp, state, touched, output);
-    for (std::size_t k = 0; k < kMaxContacts; ++k) {
-      if (!state.contacts[k].active || state.contacts[k].popped) continue;
-      const std::uint32_t region = surface.RegionOf(state.contacts[k].triangle);
-      if (region != kNoIndex) touches[region] = {forces.of[k].elastic_N, forces.of[k].depth_m};
-    }
+  RebindContacts(touchables, state);
+  touched.moving = touchables.anything_moves() || !RegionsRest(scene, state);
+  if (touched.moving) state.far_distance_m = 0;
+  ContactForces forces;
+  RegionTouches touches{};
+  if (!StillFar(tip, state) || !ToolsRest(scene, state)) {
+    if (input.tracked) forces = Follow(touchables, offer, input, state);
+    touched.others_N = StepSculptTools(offer, touchables, input, forces, state);
+    if (input.tracked) touched.contacts_N = Collect(forces, state.ramp, state, touched, output);
+    if (input.tracked) touches = TouchesOf(touchables, forces, state);
     state.far_distance_m = 0;
-    if (!AnyContact(state)) touched.others_N = LookAround(scene, surface, tip, offer.stiffness_N_m, state);
+    if (input.tracked && !AnyContact(state)) {
+      touched.others_N = touched.others_N + LookAround(touchables, offer.stiffness_N_m, tip, state);
+    }
   }
-  const auto regions = scene.regions();
-  const ExtrudeInput extrude{input.tracked, tip, input.velocity_base_m_s, input.dt_s, offer.stiffness_N_m};
-  for (std::size_t r = 0; r < regions.size(); ++r) {
-    const Vec3 region_N =
-        StepRegion(regions[r], scene.materials()[regions[r].material].extrude, touches[r], extrude, state.regions[r]);
-    touched.others_N = touched.others_N + region_N;
-  }
-  touched.moving = !regions.empty() && !RegionsRest(scene, state);
+  touched.others_N = touched.others_N + StepRegions(touchables, offer, input, touches, state);
+  touched.moving = touched.moving || !RegionsRest(scene, state);
+  ForgetUntouched(state);
   return touched;
 }
 

@@ -151,8 +151,9 @@ void AddTickRow(const Options& options, int squares, ordered_json& rows) {
   SculptPublisher& publisher = editor->publisher();
   const double acquire_us = time([&](const Vec3&) { sink += static_cast<double>(publisher.Acquire()->generation); });
   const SculptSurface surface(*publisher.Acquire());
-  const double nearest_us = time([&](const Vec3& p) { sink += NearestPoint(surface, p).closest.distance_squared; });
-  const double crossing_us = time([&](const Vec3& p) { sink += FirstCrossing(surface, p, (1 - 1e-3) * p).t; });
+  const double nearest_us = time([&](const Vec3& p) { sink += NearestInTree(surface, 0, p).closest.distance_squared; });
+  const double crossing_us =
+      time([&](const Vec3& p) { sink += CrossingInTree(surface, 0, p, (1 - 1e-3) * p, false).t; });
   const double rebind_us = time([&](const Vec3& p) {
     KeptFeature feature{0, {}, p, p};
     sink += Rebind(surface, 0.01, feature);

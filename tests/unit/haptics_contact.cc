@@ -427,7 +427,7 @@ TEST(Contact, EqualInputsGiveEqualBits) {
     b.MoveTo(tip);
     ASSERT_TRUE(support::SameBits(a.output.force_base_N, b.output.force_base_N));
   }
-  EXPECT_TRUE(support::SameBits(a.state.contacts[0].proxy_base_m, b.state.contacts[0].proxy_base_m));
+  EXPECT_TRUE(support::SameBits(a.state.contacts[0].proxy_m, b.state.contacts[0].proxy_m));
 }
 
 }  // namespace

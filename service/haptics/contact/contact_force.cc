@@ -3,6 +3,7 @@
 #include "service/haptics/contact/contact_set.h"
 #include "service/haptics/contact/effects.h"
 #include "service/haptics/contact/friction.h"
+#include "service/haptics/contact/soft_touch.h"
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/contact/texture.h"
 #include "service/haptics/geometry/topology.h"
@@ -10,17 +11,48 @@
 namespace omni::haptics {
 namespace {
 
-// Direction and size of the penetration of one contact.
-struct Penetration {
-  Vec3 normal;  // unit, from the tip to the proxy
+// One contact as it is met in this tick, in the frame of its object's rest.
+struct Meeting {
+  Frame frame;
+  Vec3 velocity_m_s;  // of the tip, relative to the object
+  Vec3 normal;        // unit, from the tip to the proxy
   double depth_m = 0;
+  bool soft = false;  // its body answers
 };
 
-Penetration Measure(const Surface& surface, const ContactState& contact, const Vec3& tip) noexcept {
-  const Vec3 d = contact.proxy_base_m - tip;
-  const double depth_m = Norm(d);
-  if (depth_m > 1e-9) return {(1 / depth_m) * d, depth_m};
-  return {contact.side * Pseudonormal(surface, contact.triangle, Feature::kFace, 0), depth_m};
+void Measure(const Touchables& touchables, const Target& target, const ContactState& contact, Meeting& met) noexcept {
+  met.soft = touchables.SoftOf(target.index) != nullptr;
+  if (met.soft) {
+    const SoftPress press = PressOf(touchables, target, contact);
+    met.normal = press.normal;
+    met.depth_m = std::max(0.0, press.depth_m);
+    return;
+  }
+  const Vec3 d = contact.proxy_m - target.tip;
+  met.depth_m = Norm(d);
+  if (met.depth_m > 1e-9) {
+    met.normal = (1 / met.depth_m) * d;
+    return;
+  }
+  met.normal = touchables.On(target.index, [&](const auto& view) noexcept {
+    return contact.side * Pseudonormal(view, contact.triangle, Feature::kFace, 0);
+  });
+}
+
+Meeting Meet(const Touchables& touchables, const Input& input, const ContactState& contact) noexcept {
+  const Target target = touchables.TargetOf(contact.object);
+  Meeting met;
+  met.frame = touchables.FrameOf(contact.object);
+  const Vec3 relative = input.velocity_base_m_s - touchables.VelocityOf(contact.object, contact.proxy_m);
+  met.velocity_m_s = met.frame.RestDirection(relative);
+  Measure(touchables, target, contact, met);
+  return met;
+}
+
+const Material& MaterialOf(const Touchables& touchables, const ContactState& contact) noexcept {
+  return touchables.On(contact.object, [&](const auto& view) noexcept -> const Material& {
+    return touchables.scene().materials()[view.GetTriangle(contact.triangle).material];
+  });
 }
 
 // What images make of the material's factors at the proxy   (T.1).
@@ -28,11 +60,14 @@ struct Felt {
   double stiffness = 1, friction = 1, ripple = 1;
 };
 
-Felt FeltAt(const Scene& scene, const Surface& surface, const Material& m, const ContactState& contact) noexcept {
+// A sculpted surface has no place in an image any more.
+Felt FeltAt(const Touchables& touchables, const Material& m, const ContactState& contact) noexcept {
   if (m.stiffness_texture < 0 && m.friction_texture < 0 && m.vibrotactile_texture < 0) return {};
-  const auto weights = ClosestOnTriangle(surface.TriangleCorners(contact.triangle), contact.proxy_base_m).weights;
+  if (touchables.TableOf(contact.object) != nullptr) return {};
+  const Surface& surface = touchables.surface();
+  const auto weights = ClosestOnTriangle(surface.TriangleCorners(contact.triangle), contact.proxy_m).weights;
   const auto sample = [&](std::int32_t texture) noexcept {
-    return static_cast<double>(SampleTexture(scene, texture, contact.triangle, weights));
+    return static_cast<double>(SampleTexture(touchables.scene(), texture, contact.triangle, weights));
   };
   return {sample(m.stiffness_texture), sample(m.friction_texture), sample(m.vibrotactile_texture)};
 }
@@ -40,15 +75,14 @@ Felt FeltAt(const Scene& scene, const Surface& surface, const Material& m, const
 // One contact at a time, with what all share.
 struct Law {
   const Offer& offer;
-  const Scene& scene;
-  const Surface& surface;
+  const Touchables& touchables;
   const Input& input;
   double dt_s;
 
   // Damping acts on the way in and out, but the sum never pulls   (3.7)
-  double Normal(const Material& m, double elastic_N, const Vec3& normal) const noexcept {
+  double Normal(const Material& m, double elastic_N, const Meeting& met) const noexcept {
     const double damping_Ns_m = std::clamp(m.damping_Ns_m, 0.0, offer.damping_Ns_m);
-    return std::max(0.0, elastic_N - damping_Ns_m * Dot(input.velocity_base_m_s, normal));
+    return std::max(0.0, elastic_N - damping_Ns_m * Dot(met.velocity_m_s, met.normal));
   }
 
   double Ripple(const Material& m, const Felt& felt, double stiffness_N_m, double elastic_N, double slid_m,
@@ -58,48 +92,66 @@ struct Law {
     return texture.ForceOn(stiffness_N_m, elastic_N, slid_m, dt_s, phase) + hum.ForceOn(input.t_ns, elastic_N);
   }
 
-  Vec3 Drag(const Material& m, const Object& object) const noexcept {
+  Vec3 Drag(const Material& m, const Object& object, const Vec3& velocity_m_s) const noexcept {
     if ((object.flags & kClosed) == 0) return {};
     const double left_Ns_m = std::max(0.0, offer.damping_Ns_m - m.damping_Ns_m);
-    return ViscosityEffect{m.viscosity_Ns_m, left_Ns_m}.ForceOn(input.velocity_base_m_s);
+    return ViscosityEffect{m.viscosity_Ns_m, left_Ns_m}.ForceOn(velocity_m_s);
   }
 
-  // After the proxy moved to another face: from the force before to the force now   (2.3). While nothing fades, the
-  // present force is kept as the one to fade from.
+  // After the proxy moved to another place: from the force before to the force now   (2.3)
   void FadeSwap(ContactForce& result, ContactState& contact) const noexcept {
     if (contact.swap_left_s > 0) {
       const double old_share = contact.swap_left_s / kSwapFade_s;
       result.force_N = old_share * contact.swapped_from_N + (1 - old_share) * result.force_N;
       contact.swap_left_s = std::max(0.0, contact.swap_left_s - dt_s);
-    } else {
-      contact.swapped_from_N = result.force_N;
     }
+    contact.last_force_N = result.force_N;
   }
 
-  ContactForce Of(const Penetration& at, const Felt& felt, double stiffness_N_m, const Vec3& last_proxy,
+  // `body_N`: what a soft body answers.
+  ContactForce Of(const Meeting& met, const Felt& felt, double stiffness_N_m, double body_N, const Vec3& last_proxy_m,
                   double& texture_phase, ContactState& contact) const noexcept {
-    const Triangle& triangle = surface.GetTriangle(contact.triangle);
-    const Material& m = scene.materials()[triangle.material];
+    const Material& m = MaterialOf(touchables, contact);
     ContactForce result;
-    result.depth_m = at.depth_m;
+    result.depth_m = met.depth_m;
     result.asked_stiffness_N_m = felt.stiffness * m.stiffness_N_m;
     result.stiffness_cut = result.asked_stiffness_N_m > 0 ? stiffness_N_m / result.asked_stiffness_N_m : 1;
-    result.elastic_N = LayerForce(m.softness, stiffness_N_m, at.depth_m, dt_s, contact);
-    const double tangential_N_m = at.depth_m > 1e-9 ? result.elastic_N / at.depth_m : 0;
-    const Vec3 friction = FrictionForce(
-        surface,
-        {contact.proxy_base_m, at.normal, contact.triangle, result.elastic_N, std::min(tangential_N_m, stiffness_N_m),
-         felt.friction * m.static_friction, felt.friction * std::min(m.dynamic_friction, m.static_friction)},
-        contact);
-    const double slid_m = contact.sticking ? 0 : Norm(contact.proxy_base_m - last_proxy);
-    const double normal_N = Normal(m, result.elastic_N, at.normal);
+    result.elastic_N = met.soft ? body_N : LayerForce(m.softness, stiffness_N_m, met.depth_m, dt_s, contact);
+    const double tangential_N_m = met.depth_m > 1e-9 ? result.elastic_N / met.depth_m : 0;
+    const Vec3 friction = Rub(met, felt, m, std::min(tangential_N_m, stiffness_N_m), result.elastic_N, contact);
+    const double slid_m = contact.sticking ? 0 : Norm(contact.proxy_m - last_proxy_m);
+    const double normal_N = Normal(m, result.elastic_N, met);
     const double ripple_N = Ripple(m, felt, stiffness_N_m, result.elastic_N, slid_m, texture_phase);
-    result.force_N =
-        std::max(0.0, normal_N + ripple_N) * at.normal + friction + Drag(m, scene.objects()[contact.object]);
-    result.report = {contact.object, triangle.material, contact.triangle, contact.proxy_base_m,
-                     at.normal,      -at.depth_m,       normal_N,         Norm(friction)};
+    const Object& object = touchables.scene().objects()[contact.object];
+    result.force_N = std::max(0.0, normal_N + ripple_N) * met.normal + friction + Drag(m, object, met.velocity_m_s);
     FadeSwap(result, contact);
+    result.force_N = met.frame.BaseDirection(result.force_N);
+    contact.normal = met.normal;
+    result.report = {.object = contact.object,
+                     .material = static_cast<std::uint32_t>(&m - touchables.scene().materials().data()),
+                     .triangle = contact.triangle,
+                     .point_base_m = {},
+                     .normal_base = met.frame.BaseDirection(met.normal),
+                     .gap_m = -met.depth_m,
+                     .normal_force_N = normal_N,
+                     .tangential_force_N = Norm(friction)};
     return result;
+  }
+
+  Vec3 Rub(const Meeting& met, const Felt& felt, const Material& m, double stiffness_N_m, double elastic_N,
+           ContactState& contact) const noexcept {
+    const FrictionInput rubbed{contact.proxy_m,
+                               met.normal,
+                               contact.triangle,
+                               elastic_N,
+                               stiffness_N_m,
+                               felt.friction * m.static_friction,
+                               felt.friction * std::min(m.dynamic_friction, m.static_friction)};
+    return touchables.On(contact.object, [&](const auto& view) noexcept {
+      const Vec3 friction = FrictionForce(view, rubbed, contact);
+      if (contact.anchor_triangle != kNoIndex) contact.anchor_m = AnchorPosition(view, contact);
+      return friction;
+    });
   }
 };
 
@@ -113,35 +165,68 @@ void PopIfTooHard(const Material& m, const Object& object, const ContactForce& f
   }
 }
 
-}  // namespace
-
-ContactForces ForcesOf(const Offer& offer, const Scene& scene, const Surface& surface, const Input& input,
-                       const std::array<Vec3, kMaxContacts>& last_proxy, State& state) noexcept {
-  const double limit_N_m = offer.stiffness_N_m;
-  std::array<Penetration, kMaxContacts> at;
-  std::array<Vec3, kMaxContacts> normals;
-  std::array<double, kMaxContacts> stiffness_N_m{};
+// What the contacts have in common, before their forces.
+struct Meetings {
+  std::array<Meeting, kMaxContacts> met;
   std::array<Felt, kMaxContacts> felt;
+  std::array<double, kMaxContacts> stiffness_N_m{};
+  std::array<double, kMaxContacts> body_N{};
+};
+
+bool Counts(const ContactState& contact) noexcept { return contact.active && !contact.popped; }
+
+Meetings MeetAll(const Touchables& touchables, const Input& input, double limit_N_m, const State& state) noexcept {
+  Meetings all;
+  std::array<Vec3, kMaxContacts> normals_base;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     const ContactState& contact = state.contacts[k];
-    if (!contact.active || contact.popped) continue;
-    at[k] = Measure(surface, contact, input.device_point_base_m);
-    normals[k] = at[k].normal;
-    const Material& m = scene.materials()[surface.GetTriangle(contact.triangle).material];
-    felt[k] = FeltAt(scene, surface, m, contact);
-    stiffness_N_m[k] = std::clamp(felt[k].stiffness * m.stiffness_N_m, 0.0, limit_N_m);
+    if (!Counts(contact)) continue;
+    all.met[k] = Meet(touchables, input, contact);
+    normals_base[k] = all.met[k].frame.BaseDirection(all.met[k].normal);
+    const Material& m = MaterialOf(touchables, contact);
+    all.felt[k] = FeltAt(touchables, m, contact);
+    all.stiffness_N_m[k] = std::clamp(all.felt[k].stiffness * m.stiffness_N_m, 0.0, limit_N_m);
   }
-  const double share = StiffnessShare(normals, stiffness_N_m, kMaxContacts, limit_N_m);
+  const double share = StiffnessShare(normals_base, all.stiffness_N_m, kMaxContacts, limit_N_m);
+  for (double& stiffness_N_m : all.stiffness_N_m) stiffness_N_m *= share;
+  return all;
+}
+
+// One step for every soft body that is touched, with all its contacts.
+void AskBodies(const Touchables& touchables, double dt_s, Meetings& all, State& state) noexcept {
+  std::array<bool, kMaxContacts> asked{};
+  for (std::size_t k = 0; k < kMaxContacts; ++k) {
+    if (asked[k] || !Counts(state.contacts[k]) || !all.met[k].soft) continue;
+    const std::uint32_t object = state.contacts[k].object;
+    std::array<SoftPress, kMaxContacts> press;
+    for (std::size_t i = 0; i < kMaxContacts; ++i)
+      press[i] = {all.met[i].normal, all.met[i].depth_m, all.stiffness_N_m[i]};
+    const auto forces = SoftForcesOf(touchables, object, press, dt_s, state);
+    for (std::size_t i = k; i < kMaxContacts; ++i) {
+      if (!Counts(state.contacts[i]) || state.contacts[i].object != object) continue;
+      all.body_N[i] = forces[i].normal_N;
+      asked[i] = true;
+    }
+  }
+}
+
+}  // namespace
+
+ContactForces ForcesOf(const Offer& offer, const Touchables& touchables, const Input& input,
+                       const std::array<Vec3, kMaxContacts>& last_proxy_m, State& state) noexcept {
+  Meetings all = MeetAll(touchables, input, offer.stiffness_N_m, state);
+  AskBodies(touchables, input.dt_s, all, state);
   ContactForces forces;
-  const Law law{offer, scene, surface, input, input.dt_s};
+  const Law law{offer, touchables, input, input.dt_s};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     ContactState& contact = state.contacts[k];
-    if (!contact.active || contact.popped) continue;
-    const Material& m = scene.materials()[surface.GetTriangle(contact.triangle).material];
-    ContactForce force = law.Of(at[k], felt[k], share * stiffness_N_m[k], last_proxy[k], state.texture_phase, contact);
-    const Object& object = scene.objects()[contact.object];
-    PopIfTooHard(m, object, force, contact);
-    if (contact.active && !contact.popped) forces.of[k] = force;
+    if (!Counts(contact)) continue;
+    const Material& m = MaterialOf(touchables, contact);
+    ContactForce force = law.Of(all.met[k], all.felt[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
+                                state.texture_phase, contact);
+    force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(touchables, contact, state));
+    PopIfTooHard(m, touchables.scene().objects()[contact.object], force, contact);
+    if (Counts(contact)) forces.of[k] = force;
   }
   return forces;
 }

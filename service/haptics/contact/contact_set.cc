@@ -26,27 +26,35 @@ struct Left {
   std::size_t count = 0;
 };
 
-SkipList InContact(const Surface& surface, std::uint32_t object, const State& state,
-                   const ContactState* except) noexcept {
+template <TreeView View>
+SkipList InContact(const View& view, std::uint32_t object, const State& state, const ContactState* except) noexcept {
   SkipList skip;
   for (const ContactState& c : state.contacts) {
-    if (c.active && &c != except && c.object == object) skip.Add(surface.GetTriangle(c.triangle).component);
+    if (c.active && &c != except && c.object == object) skip.Add(view.GetTriangle(c.triangle).component);
   }
   return skip;
 }
 
-double Depth(const ContactState& contact, const Vec3& tip) noexcept { return Norm(contact.proxy_base_m - tip); }
-
-void Place(const ProxyPoint& proxy, ContactState& contact) noexcept {
-  contact.triangle = proxy.triangle;
-  contact.proxy_base_m = proxy.closest.point;
+template <class Found>  // a ProxyPoint or a NearestResult
+void Place(const Found& found, ContactState& contact) noexcept {
+  contact.triangle = found.triangle;
+  contact.proxy_m = found.closest.point;
+  contact.depth_m = std::sqrt(found.closest.distance_squared);
 }
 
 // Inside by the sign at the nearest point of the whole object; exact for closed objects.
-bool IsInside(const Surface& surface, const Object& object, const Vec3& tip, NearestResult& nearest) noexcept {
-  if (BoxDistance(object, tip) > 0) return false;
-  nearest = NearestPoint(surface, object, tip);
-  return nearest.triangle != kNoIndex && SideOf(surface, nearest, tip) < 0;
+template <TreeView View>
+bool IsInside(const View& view, const Target& target, const Vec3& tip, NearestResult& nearest) noexcept {
+  if (target.boxed && BoxDistance(target.object, tip) > 0) return false;
+  nearest = NearestInTree(view, target.root, tip);
+  return nearest.triangle != kNoIndex && SideOf(view, nearest, tip) < 0;
+}
+
+template <TreeView View>
+CrossingResult Crossing(const View& view, const Target& target, const Vec3& start, const Vec3& end,
+                        const SkipList& skip) noexcept {
+  const bool double_sided = (target.object.flags & kDoubleSided) != 0;
+  return CrossingInTree(view, target.root, start, end, double_sided, {skip.components.data(), skip.count});
 }
 
 bool HasInside(const Object& object) noexcept {
@@ -54,27 +62,29 @@ bool HasInside(const Object& object) noexcept {
 }
 
 // A face that is cut into coplanar triangles: there the descent sees nothing but its own plane.
-bool IsFlatAround(const Surface& surface, std::uint32_t triangle) noexcept {
+template <MeshView View>
+bool IsFlatAround(const View& view, std::uint32_t triangle) noexcept {
   constexpr double kFlatCosine = 1 - 1e-9;
-  const Vec3 normal = FaceNormal(surface, triangle);
-  for (const std::uint32_t other : surface.GetTriangle(triangle).neighbour) {
-    if (other != kNoIndex && Dot(FaceNormal(surface, other), normal) > kFlatCosine) return true;
+  const Vec3 normal = FaceNormal(view, triangle);
+  for (const std::uint32_t other : view.GetTriangle(triangle).neighbour) {
+    if (other != kNoIndex && Dot(FaceNormal(view, other), normal) > kFlatCosine) return true;
   }
   return false;
 }
 
 // Local descent, and from within a plane to the nearest face of the same smooth surface, so that a plane in many
 // triangles does as one in few   (2.1).
-ProxyPoint DescendOn(const Surface& surface, const Object& object, std::uint32_t start, const Vec3& tip) noexcept {
-  const ProxyPoint proxy = Descend(surface, start, tip);
-  if (proxy.closest.feature != Feature::kFace || !HasInside(object) || !IsFlatAround(surface, proxy.triangle))
+template <TreeView View>
+ProxyPoint DescendOn(const View& view, const Target& target, std::uint32_t start, const Vec3& tip) noexcept {
+  const ProxyPoint proxy = Descend(view, start, tip);
+  if (proxy.closest.feature != Feature::kFace || !HasInside(target.object) || !IsFlatAround(view, proxy.triangle))
     return proxy;
   const double depth_m = std::sqrt(proxy.closest.distance_squared);
-  const NearestResult nearest = NearestFaceInTree(surface, object.root, tip, depth_m * (1 - 1e-9),
-                                                  {FaceNormal(surface, proxy.triangle), kSmoothCosine});
+  const NearestResult nearest = NearestFaceInTree(view, target.root, tip, depth_m * (1 - 1e-9),
+                                                  {FaceNormal(view, proxy.triangle), kSmoothCosine});
   if (nearest.triangle == kNoIndex) return proxy;
-  if (surface.GetTriangle(nearest.triangle).component != surface.GetTriangle(proxy.triangle).component) return proxy;
-  return Descend(surface, nearest.triangle, tip);
+  if (view.GetTriangle(nearest.triangle).component != view.GetTriangle(proxy.triangle).component) return proxy;
+  return Descend(view, nearest.triangle, tip);
 }
 
 bool Skips(const SkipList& skip, std::uint32_t component) noexcept {
@@ -85,67 +95,67 @@ bool Skips(const SkipList& skip, std::uint32_t component) noexcept {
 // Within a micrometre of a concave edge a tip can be in front of one wall and behind the other with no crossing between
 // where it is looked from and where it is. Where a contact ends or an entry leads nowhere, the exact sign has the last
 // word.
-bool AcquireInside(const Surface& surface, const Object& object, const Vec3& tip, const SkipList& skip,
+template <TreeView View>
+bool AcquireInside(const View& view, const Target& target, const Vec3& tip, const SkipList& skip,
                    ContactState& contact) noexcept {
   NearestResult nearest;
-  if (!HasInside(object) || !IsInside(surface, object, tip, nearest)) return false;
-  if (Skips(skip, surface.GetTriangle(nearest.triangle).component)) return false;
+  if (!HasInside(target.object) || !IsInside(view, target, tip, nearest)) return false;
+  if (Skips(skip, view.GetTriangle(nearest.triangle).component)) return false;
   contact.side = 1;
-  contact.triangle = nearest.triangle;
-  contact.proxy_base_m = nearest.closest.point;
+  Place(nearest, contact);
   return true;
 }
 
 // Follows the segment from outside to the tip. True if it ends behind a surface: `contact` then has its proxy, and its
 // anchor where the surface was entered unless it had one.
-bool Acquire(const Surface& surface, const Object& object, Vec3 start, const Vec3& tip, const SkipList& skip,
-             bool was_inside, ContactState& contact) noexcept {
+template <TreeView View>
+bool Acquire(const View& view, const Target& target, Vec3 start, const Vec3& tip, const SkipList& skip, bool was_inside,
+             ContactState& contact) noexcept {
   for (int entry = 0; entry < kMaxEntries; ++entry) {
-    const CrossingResult hit = FirstCrossing(surface, object, start, tip, skip.components.data(), skip.count);
+    const CrossingResult hit = Crossing(view, target, start, tip, skip);
     if (hit.triangle == kNoIndex) {
-      return (was_inside || entry > 0) && AcquireInside(surface, object, tip, skip, contact);
+      return (was_inside || entry > 0) && AcquireInside(view, target, tip, skip, contact);
     }
     contact.side = hit.front ? 1 : -1;
-    const ProxyPoint proxy = DescendOn(surface, object, hit.triangle, tip);
+    const ProxyPoint proxy = DescendOn(view, target, hit.triangle, tip);
     Place(proxy, contact);
-    if (Judge(surface, proxy, tip, contact.side) == ProxyVerdict::kInside) {
+    if (Judge(view, proxy, tip, contact.side) == ProxyVerdict::kInside) {
       if (contact.anchor_triangle == kNoIndex) {
-        const ClosestPoint at = ClosestOnTriangle(surface.TriangleCorners(hit.triangle), start + hit.t * (tip - start));
+        const ClosestPoint at = ClosestOnTriangle(view.TriangleCorners(hit.triangle), start + hit.t * (tip - start));
         contact.anchor_triangle = hit.triangle;
         contact.anchor_weights = at.weights;
         contact.sticking = true;
       }
       return true;
     }
-    start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(surface, proxy);
+    start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(view, proxy);
   }
-  return AcquireInside(surface, object, tip, skip, contact);
+  return AcquireInside(view, target, tip, skip, contact);
 }
 
 // A proxy stays on the face it entered through while the tip, deep inside, goes around a convex edge. If another face
 // is nearer than half the proxy and the tip is behind that one too, the proxy goes there   (2.3). The far side of a
 // thin part (facing the opposite way) does not count, nor does it hide a third face: entered from here, felt from here.
-void ReleaseFromCrease(const Surface& surface, const Object& object, const Vec3& tip, const ProxyPoint& proxy,
+template <TreeView View>
+void ReleaseFromCrease(const View& view, const Target& target, const Vec3& tip, const ProxyPoint& proxy,
                        ContactState& contact) noexcept {
   constexpr double kOppositeCosine = -0.6;
   const double depth_m = std::sqrt(proxy.closest.distance_squared);
-  if (!HasInside(object) || !(depth_m > kTrustedDepth_m)) return;
+  if (!HasInside(target.object) || !(depth_m > kTrustedDepth_m)) return;
   const Vec3 outwards = (1 / depth_m) * (proxy.closest.point - tip);
-  const NearestResult nearest =
-      NearestFaceInTree(surface, object.root, tip, 0.5 * depth_m, {outwards, kOppositeCosine});
-  if (nearest.triangle == kNoIndex || SideOf(surface, nearest, tip) > 0) return;
-  if (surface.GetTriangle(nearest.triangle).component != surface.GetTriangle(proxy.triangle).component) return;
-  contact.triangle = nearest.triangle;
-  contact.proxy_base_m = nearest.closest.point;
+  const NearestResult nearest = NearestFaceInTree(view, target.root, tip, 0.5 * depth_m, {outwards, kOppositeCosine});
+  if (nearest.triangle == kNoIndex || SideOf(view, nearest, tip) > 0) return;
+  if (view.GetTriangle(nearest.triangle).component != view.GetTriangle(proxy.triangle).component) return;
+  Place(nearest, contact);
   contact.anchor_triangle = kNoIndex;
-  contact.swap_left_s = kSwapFade_s;
+  StartSwap(contact);
 }
 
 // Pushed through a part and out on its far side, the pen would hang on a spring to where it went in.   (2.6)
-bool CameThrough(const Surface& surface, const Object& object, const Vec3& tip, double depth_m, double dt_s,
-                 ContactState& contact) noexcept {
+template <TreeView View>
+bool CameThrough(const View& view, const Target& target, const Vec3& tip, double dt_s, ContactState& contact) noexcept {
   NearestResult nearest;
-  if (!(depth_m > kThroughDepth_m) || (HasInside(object) && IsInside(surface, object, tip, nearest))) {
+  if (!(contact.depth_m > kThroughDepth_m) || (HasInside(target.object) && IsInside(view, target, tip, nearest))) {
     contact.through_s = 0;
     return false;
   }
@@ -153,122 +163,153 @@ bool CameThrough(const Surface& surface, const Object& object, const Vec3& tip, 
   return contact.through_s > kThroughTime_s;
 }
 
-void Follow(const Scene& scene, const Surface& surface, const Vec3& tip, double dt_s, State& state,
+template <TreeView View>
+void Follow(const View& view, const Target& target, const Touchables& touchables, double dt_s, State& state,
             ContactState& contact, Left& left) noexcept {
-  const Object& object = scene.objects()[contact.object];
-  const ProxyPoint proxy = DescendOn(surface, object, contact.triangle, tip);
+  Vec3 tip = touchables.TipOver(target, contact);
+  ProxyPoint proxy = DescendOn(view, target, contact.triangle, tip);
   if (contact.popped) {
     NearestResult nearest;
-    if (IsInside(surface, object, tip, nearest)) {
+    if (IsInside(view, target, tip, nearest)) {
       Place(proxy, contact);
     } else {
       contact = {};
     }
     return;
   }
+  // What a soft body gave way a tick ago may lift the tip out, though it is still in: then the tip itself counts.
+  if (tip != target.tip && Judge(view, proxy, tip, contact.side) != ProxyVerdict::kInside) {
+    tip = target.tip;
+    proxy = DescendOn(view, target, contact.triangle, tip);
+  }
   Place(proxy, contact);
-  if (CameThrough(surface, object, tip, Depth(contact, tip), dt_s, contact)) {
+  if (CameThrough(view, target, tip, dt_s, contact)) {
     contact = {};
     return;
   }
-  if (Judge(surface, proxy, tip, contact.side) == ProxyVerdict::kInside) {
-    ReleaseFromCrease(surface, object, tip, proxy, contact);
+  if (Judge(view, proxy, tip, contact.side) == ProxyVerdict::kInside) {
+    ReleaseFromCrease(view, target, tip, proxy, contact);
     return;
   }
   // Out here, but perhaps straight into another part of the same object: the proxy is outside, look from there.
-  const std::uint32_t component = surface.GetTriangle(proxy.triangle).component;
-  const Vec3 start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(surface, proxy);
-  if (Acquire(surface, object, start, tip, InContact(surface, contact.object, state, &contact), true, contact)) return;
+  const std::uint32_t component = view.GetTriangle(proxy.triangle).component;
+  const Vec3 start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(view, proxy);
+  if (Acquire(view, target, start, tip, InContact(view, contact.object, state, &contact), true, contact)) return;
   left.object[left.count] = contact.object;
   left.component[left.count++] = component;
   contact = {};
 }
 
-// A free slot, else that of the shallowest contact if the new one is deeper, else none.
-ContactState* SlotFor(double depth_m, const Vec3& tip, State& state) noexcept {
-  ContactState* shallowest = &state.contacts[0];
+// Keeps a new contact in a free slot, else in that of the shallowest one if the new one is deeper.
+bool Keep(const ContactState& contact, State& state) noexcept {
+  ContactState* slot = &state.contacts[0];
   for (ContactState& c : state.contacts) {
-    if (!c.active) return &c;
-    if (Depth(c, tip) < Depth(*shallowest, tip)) shallowest = &c;
+    if (!c.active) {
+      slot = &c;
+      break;
+    }
+    if (c.depth_m < slot->depth_m) slot = &c;
   }
-  return Depth(*shallowest, tip) < depth_m ? shallowest : nullptr;
+  if (slot->active && !(slot->depth_m < contact.depth_m)) return false;
+  *slot = contact;
+  return true;
 }
 
-bool TakeOn(const Surface& surface, const Object& object, std::uint32_t index, const Vec3& start, const Vec3& tip,
-            const SkipList& skip, State& state) noexcept {
+template <TreeView View>
+bool TakeOn(const View& view, const Target& target, const Vec3& start, const SkipList& skip, State& state) noexcept {
   ContactState contact;
   contact.active = true;
-  contact.object = index;
-  if (!Acquire(surface, object, start, tip, skip, false, contact)) return false;
-  ContactState* slot = SlotFor(Depth(contact, tip), tip, state);
-  if (slot != nullptr) *slot = contact;
-  return slot != nullptr;
+  contact.object = target.index;
+  return Acquire(view, target, start, target.tip, skip, false, contact) && Keep(contact, state);
+}
+
+// A tip that an object was put around, or whose surface was moved over it: taken on where it is, and the force comes in
+// gently.
+template <TreeView View>
+void TakeOnInside(const View& view, const Target& target, State& state) noexcept {
+  ContactState contact;
+  contact.active = true;
+  contact.object = target.index;
+  StartSwap(contact);
+  if (AcquireInside(view, target, target.tip, InContact(view, target.index, state, nullptr), contact)) {
+    Keep(contact, state);
+  }
 }
 
 // Swept segment of the tip against one object. A one-sided object is entered from the front only, so the segment may be
 // back-dated; at a double-sided one that would find the side just left.
-void Sweep(const Surface& surface, const Object& object, std::uint32_t index, const Vec3& tip, const Left& left,
-           State& state) noexcept {
-  const bool double_sided = (object.flags & kDoubleSided) != 0;
+template <TreeView View>
+void Sweep(const View& view, const Target& target, const Left& left, State& state) noexcept {
+  const bool double_sided = (target.object.flags & kDoubleSided) != 0;
   for (int taken = 0; taken < kMaxContacts; ++taken) {
-    SkipList skip = InContact(surface, index, state, nullptr);
-    if (skip.count >= static_cast<int>(object.component_count)) return;
+    SkipList skip = InContact(view, target.index, state, nullptr);
+    if (skip.count >= static_cast<int>(target.object.component_count)) return;
     for (std::size_t k = 0; double_sided && k < left.count; ++k) {
-      if (left.object[k] == index) skip.Add(left.component[k]);
+      if (left.object[k] == target.index) skip.Add(left.component[k]);
     }
     // As it is first: near a concave edge the start dated back may lie behind the other wall, and would enter nothing.
-    const Vec3 from = state.last_device_point_base_m;
-    if (TakeOn(surface, object, index, from, tip, skip, state)) continue;
+    if (TakeOn(view, target, target.from, skip, state)) continue;
     if (double_sided) return;
-    const Vec3 start = from - kBackDate_m * Normalized(tip - from);
-    if (!TakeOn(surface, object, index, start, tip, skip, state)) return;
+    const Vec3 start = target.from - kBackDate_m * Normalized(target.tip - target.from);
+    if (!TakeOn(view, target, start, skip, state)) return;
   }
 }
 
 // A face that moved since the last tick may have swept over the tip: look at the tip's motion in the face's frame.
-void SweepMovedRegions(const Scene& scene, const Surface& surface, const Vec3& tip, State& state) noexcept {
-  const auto regions = scene.regions();
+void SweepMovedRegions(const Touchables& touchables, State& state) noexcept {
+  const auto regions = touchables.scene().regions();
+  const Surface& surface = touchables.surface();
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const double moved_m = state.regions[r].offset_m - state.regions[r].last_offset_m;
     if (moved_m == 0) continue;
-    const Object& object = scene.objects()[regions[r].object];
-    const SkipList skip = InContact(surface, regions[r].object, state, nullptr);
-    if ((object.flags & kCollidable) == 0 || skip.count >= static_cast<int>(object.component_count)) continue;
-    const Vec3 start = state.last_device_point_base_m + moved_m * regions[r].normal;
-    const CrossingResult hit = FirstCrossing(surface, object, start, tip, skip.components.data(), skip.count);
+    const Target target = touchables.TargetOf(regions[r].object);
+    const SkipList skip = InContact(surface, target.index, state, nullptr);
+    if ((target.object.flags & kCollidable) == 0) continue;
+    if (skip.count >= static_cast<int>(target.object.component_count)) continue;
+    const Vec3 start = target.from + moved_m * regions[r].normal;
+    const CrossingResult hit = Crossing(surface, target, start, target.tip, skip);
     if (hit.triangle == kNoIndex || surface.RegionOf(hit.triangle) != r) continue;
-    TakeOn(surface, object, regions[r].object, start, tip, skip, state);
+    TakeOn(surface, target, start, skip, state);
   }
 }
 
 }  // namespace
 
-void StartContacts(const Scene& scene, const Surface& surface, const Vec3& tip, State& state) noexcept {
-  const auto objects = scene.objects();
+void StartContacts(const Touchables& touchables, State& state) noexcept {
+  const auto objects = touchables.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0 || !HasInside(objects[i])) continue;
-    NearestResult nearest;
-    if (!IsInside(surface, objects[i], tip, nearest)) continue;
-    ContactState contact;
-    contact.active = true;
-    contact.object = i;
-    contact.triangle = nearest.triangle;
-    contact.proxy_base_m = nearest.closest.point;
-    ContactState* slot = SlotFor(Depth(contact, tip), tip, state);
-    if (slot != nullptr) *slot = contact;
+    const Target target = touchables.TargetOf(i);
+    touchables.On(i, [&](const auto& view) noexcept {
+      ContactState contact;
+      contact.active = true;
+      contact.object = i;
+      if (AcquireInside(view, target, target.tip, {}, contact)) Keep(contact, state);
+    });
   }
 }
 
-void UpdateContacts(const Scene& scene, const Surface& surface, const Vec3& tip, double dt_s, State& state) noexcept {
+void UpdateContacts(const Touchables& touchables, double dt_s, State& state) noexcept {
   Left left;
   for (ContactState& contact : state.contacts) {
-    if (contact.active) Follow(scene, surface, tip, dt_s, state, contact, left);
+    if (!contact.active) continue;
+    const Target target = touchables.TargetOf(contact.object);
+    touchables.On(contact.object,
+                  [&](const auto& view) noexcept { Follow(view, target, touchables, dt_s, state, contact, left); });
   }
-  const auto objects = scene.objects();
+  const auto objects = touchables.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if ((objects[i].flags & kCollidable) != 0) Sweep(surface, objects[i], i, tip, left, state);
+    if ((objects[i].flags & kCollidable) == 0) continue;
+    const Target target = touchables.TargetOf(i);
+    touchables.On(i, [&](const auto& view) noexcept {
+      if (touchables.ChangedUnderTip(i)) {
+        TakeOnInside(view, target, state);
+      } else {
+        Sweep(view, target, left, state);
+      }
+    });
   }
-  SweepMovedRegions(scene, surface, tip, state);
+  SweepMovedRegions(touchables, state);
 }
 
 }  // namespace omni::haptics

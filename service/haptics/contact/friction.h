@@ -16,10 +16,16 @@ struct FrictionInput {
   double dynamic_friction = 0;
 };
 
-// Tangential force on the tool. Sets the anchor if the contact has none, moves it when slipping.
-Vec3 FrictionForce(const Surface& surface, const FrictionInput& input, ContactState& contact) noexcept;
+// Tangential force on the tool. Sets the anchor if the contact has none, moves it when slipping. Defined for Surface
+// and sculpt::SculptSurface.
+template <MeshView View>
+Vec3 FrictionForce(const View& view, const FrictionInput& input, ContactState& contact) noexcept;
 
 // Where the anchor is now; precondition: contact.anchor_triangle is set.
-Vec3 AnchorPosition(const Surface& surface, const ContactState& contact) noexcept;
+template <MeshView View>
+Vec3 AnchorPosition(const View& view, const ContactState& contact) noexcept {
+  const Corners c = view.TriangleCorners(contact.anchor_triangle);
+  return contact.anchor_weights[0] * c[0] + contact.anchor_weights[1] * c[1] + contact.anchor_weights[2] * c[2];
+}
 
 }  // namespace omni::haptics

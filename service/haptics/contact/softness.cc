@@ -23,7 +23,7 @@ double ElasticForce(const Softness& softness, double stiffness_N_m, double depth
 // Maxwell branch beside the layer: r' = g F' - r / tau, exactly integrated over a tick   (4.3). The series stiffness is
 // lowered by 1 + g, so that the instantaneous slope stays within the offered stiffness.
 double LayerForce(const Softness& softness, double stiffness_N_m, double depth_m, double dt_s,
-                 ContactState& contact) noexcept {
+                  ContactState& contact) noexcept {
   if (softness.model == SoftnessModel::kNone) return ElasticForce(softness, stiffness_N_m, depth_m);
   const double elastic_N = ElasticForce(softness, stiffness_N_m / (1 + kRelaxingShare), depth_m);
   const double keep = softness.relaxation_time_s > 0 ? std::exp(-dt_s / softness.relaxation_time_s) : 0;

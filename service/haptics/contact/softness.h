@@ -15,6 +15,6 @@ double ElasticForce(const Softness& softness, double stiffness_N_m, double depth
 
 // Adds the relaxing part; updates contact.elastic_N and contact.relaxation_N.
 double LayerForce(const Softness& softness, double stiffness_N_m, double depth_m, double dt_s,
-                 ContactState& contact) noexcept;
+                  ContactState& contact) noexcept;
 
 }  // namespace omni::haptics

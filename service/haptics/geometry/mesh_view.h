@@ -36,7 +36,7 @@ concept LeafListView = requires(const View& view, std::array<std::uint32_t, kPac
   noexcept->std::same_as<int>;  // how many
 };
 template <class View>
-concept TreeView = MeshView<View> && (PacketView<View> || LeafListView<View>)&&requires(const View& view) {
+concept TreeView = MeshView<View> &&(PacketView<View> || LeafListView<View>)&&requires(const View& view) {
   { view.Node(std::uint32_t{}) }
   noexcept->std::same_as<const TreeNode&>;
   { view.TreeExtent() }

@@ -17,9 +17,10 @@ class Surface {
         triangles_(scene.triangles().data()),
         nodes_(scene.nodes().data()),
         packets_(scene.packets().data()),
-        tree_extent_m_(scene.header().tree_extent_m) {
+        tree_extent_m_(scene.header().tree_extent_m),
+        region_count_(std::min(scene.header().region_count, kMaxRegions)) {
     const auto regions = scene.regions();
-    for (std::size_t r = 0; r < regions.size() && r < kMaxRegions; ++r) {
+    for (std::size_t r = 0; r < region_count_; ++r) {
       displacement_[r] = states[r].offset_m * regions[r].normal;
     }
   }
@@ -37,6 +38,7 @@ class Surface {
   const TreeNode& Node(std::uint32_t index) const noexcept { return nodes_[index]; }
   const TrianglePacket& Packet(std::uint32_t index) const noexcept { return packets_[index]; }
   double TreeExtent() const noexcept { return tree_extent_m_; }
+  std::uint32_t region_count() const noexcept { return region_count_; }
 
   // Region that all three corners move with, else kNoIndex.
   std::uint32_t RegionOf(std::uint32_t triangle) const noexcept {
@@ -51,6 +53,7 @@ class Surface {
   const TreeNode* nodes_;
   const TrianglePacket* packets_;
   double tree_extent_m_;
+  std::uint32_t region_count_;
   std::array<Vec3, kMaxRegions> displacement_{};
 };
 

@@ -29,7 +29,11 @@ class Workshop {
   SculptEditor& editor() noexcept { return *editor_; }
   ServeReport Poll() { return server_.Poll(); }
   // The tick begins or has ceased to look at this (SculptPublisher::SetReader).
-  void SetReader(bool present) noexcept { editor_->publisher().SetReader(present); }
+  // A stroke that is open when it ceases is ended: its tool is gone.
+  void SetReader(bool present) {
+    if (!present) server_.Close();
+    editor_->publisher().SetReader(present);
+  }
 
  private:
   const SculptFeel feel_;

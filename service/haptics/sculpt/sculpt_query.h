@@ -20,8 +20,8 @@ extern template double SideOf(const sculpt::SculptSurface&, const NearestResult&
 
 namespace omni::haptics::sculpt {
 
-// Where a point of an older generation is now: nearest point within `reach_m` that faces like `normal` (zero: any), else
-// nearest of any. A thin part does not turn the proxy over to its other side.   (6.2)
+// Where a point of an older generation is now: nearest point within `reach_m` that faces like `normal` (zero: any),
+// else nearest of any. A thin part does not turn the proxy over to its other side.   (6.2)
 NearestResult FindAgain(const SculptSurface& surface, const Vec3& point_base_m, const Vec3& normal,
                         double reach_m) noexcept;
 

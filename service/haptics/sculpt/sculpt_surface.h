@@ -17,8 +17,8 @@ struct SculptTable {
   double extent_m = 0;          // largest |coordinate|
 };
 
-// A view of one generation, a TreeView with its root at 0; valid during the tick that acquired it. Any number may exist,
-// reading takes no lock.
+// A view of one generation, a TreeView with its root at 0; valid during the tick that acquired it. Any number may
+// exist, reading takes no lock.
 class SculptSurface : public PageView {
  public:
   explicit SculptSurface(const SculptTable& table) noexcept

@@ -2,10 +2,14 @@
 
 namespace omni::haptics::sculpt {
 
+void StrokeServer::Close() {
+  if (open_ != 0) editor_.End();
+  open_ = 0;
+}
+
 void StrokeServer::Begin(const StrokeMessage& message, ServeReport& report) {
   constexpr double kReach_m = 0.005;  // the surface may have changed since the tick saw it
-  if (open_ != 0) editor_.End();      // its end is lost; what was done stays
-  open_ = 0;
+  Close();                            // its end was lost
   const SurfacePoint at = editor_.Locate(message.point_base_m, kReach_m);
   const base::Status begun = editor_.Begin(at, message.brush);
   if (!begun.ok()) {

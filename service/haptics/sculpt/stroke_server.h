@@ -19,6 +19,8 @@ class StrokeServer {
 
   // Everything in the ring, moves of one stroke joined to the newest, then one publish.
   ServeReport Poll();
+  // Ends an open stroke; what it did stays.
+  void Close();
 
  private:
   void Begin(const StrokeMessage& message, ServeReport& report);

@@ -8,7 +8,7 @@
 
 namespace omni::haptics::sculpt {
 
-inline constexpr int kMaxTopDepth = 16;  // levels of nodes, kept by TopTree
+inline constexpr int kMaxTopDepth = 16;            // levels of nodes, kept by TopTree
 static_assert(kMaxTopDepth + 2 <= kMaxTreeDepth);  // with those of a page: stacks in the tick are fixed
 
 class TopTree {

@@ -65,16 +65,20 @@ class ContactEngine final : public Engine {
   BuildCost Build(const Body& /*body*/) override { return cost_; }
   void Start(const Vec3& tip) override {
     Enter(scene_, state_);
-    StartContacts(scene_, Surface(scene_, state_.regions), tip, state_);
+    Input input;
+    input.device_point_base_m = tip;
+    StartContacts(Touchables(scene_, input, state_), state_);
     state_.last_device_point_base_m = tip;
     state_.was_tracked = true;
   }
   double Tick(const Vec3& tip) override {
     if (!(Norm(tip - state_.far_origin_base_m) < state_.far_distance_m)) {
-      const Surface surface(scene_, state_.regions);
-      UpdateContacts(scene_, surface, tip, 1e-3, state_);
+      Input input;
+      input.device_point_base_m = tip;
+      const Touchables touchables(scene_, input, state_);
+      UpdateContacts(touchables, 1e-3, state_);
       state_.far_distance_m = 0;
-      if (!state_.contacts[0].active) LookAround(surface, tip);
+      if (!state_.contacts[0].active) LookAround(touchables.surface(), tip);
     }
     state_.last_device_point_base_m = tip;
     return -1;

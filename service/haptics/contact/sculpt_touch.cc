@@ -1,0 +1,107 @@
+#include "service/haptics/contact/sculpt_touch.h"
+
+#include "service/haptics/contact/contact_set.h"
+#include "service/haptics/sculpt/handover.h"
+
+namespace omni::haptics {
+namespace {
+
+constexpr double kReach_m = 0.01;  // how far a place of the surface may have moved and still be the same place
+
+void PutAnchor(const sculpt::SculptSurface& surface, ContactState& contact) noexcept {
+  sculpt::KeptFeature anchor{contact.anchor_triangle, contact.anchor_weights, contact.anchor_m, contact.normal};
+  sculpt::Rebind(surface, kReach_m, anchor);
+  contact.anchor_triangle = anchor.triangle;
+  contact.anchor_weights = anchor.weights;
+  contact.anchor_m = anchor.point_base_m;
+}
+
+// The force goes over smoothly to what the new place asks for, unless the surface is where it was.
+void PutContact(const sculpt::SculptSurface& surface, ContactState& contact) noexcept {
+  sculpt::KeptFeature proxy{contact.triangle, {}, contact.proxy_m, contact.normal};
+  const double moved_m = sculpt::Rebind(surface, kReach_m, proxy);
+  if (proxy.triangle == kNoIndex) {
+    contact = {};
+    return;
+  }
+  contact.triangle = proxy.triangle;
+  contact.proxy_m = proxy.point_base_m;
+  if (contact.anchor_triangle != kNoIndex) PutAnchor(surface, contact);
+  if (moved_m > sculpt::kStill_m) StartSwap(contact);
+}
+
+// The deepest contact with the object; kMaxContacts: none.
+std::size_t DeepestOn(std::uint32_t object, const State& state) noexcept {
+  std::size_t deepest = kMaxContacts;
+  for (std::size_t k = 0; k < kMaxContacts; ++k) {
+    const ContactState& c = state.contacts[k];
+    if (!c.active || c.popped || c.object != object) continue;
+    if (deepest == kMaxContacts || c.depth_m > state.contacts[deepest].depth_m) deepest = k;
+  }
+  return deepest;
+}
+
+sculpt::SculptTouch TouchOf(const sculpt::SculptTable& table, const ContactState& contact,
+                            const ContactForce& force) noexcept {
+  const sculpt::SculptSurface surface(table);
+  const ClosestPoint at = ClosestOnTriangle(surface.TriangleCorners(contact.triangle), contact.proxy_m);
+  return {true, contact.triangle, at.weights, contact.proxy_m, contact.normal, force.report.normal_force_N};
+}
+
+}  // namespace
+
+void RebindContacts(const Touchables& touchables, State& state) noexcept {
+  for (ContactState& contact : state.contacts) {
+    if (!contact.active || !touchables.ChangedUnderTip(contact.object)) continue;
+    const sculpt::SculptTable* table = touchables.TableOf(contact.object);
+    if (table != nullptr) {
+      PutContact(sculpt::SculptSurface(*table), contact);
+    } else {
+      contact = {};  // the object leapt away; if it is around the tip now, it is taken on anew
+    }
+  }
+}
+
+Vec3 StepSculptTools(const Offer& offer, const Touchables& touchables, const Input& input, ContactForces& forces,
+                     State& state) noexcept {
+  Vec3 sum;
+  const LiveParts* live = touchables.scene().live().get();
+  for (std::uint32_t n = 0; live != nullptr && n < live->workshop_count() && n < kMaxSculpted; ++n) {
+    const std::uint32_t object = live->object_at(n);
+    const sculpt::SculptTable* table = touchables.TableOf(object);
+    if (table == nullptr) continue;
+    sculpt::Workshop& workshop = live->workshop_at(n);
+    const Frame frame = touchables.FrameOf(object);
+    const Target target = touchables.TargetOf(object);
+    sculpt::SculptInput tool;
+    tool.tracked = input.tracked;
+    tool.tip_base_m = target.tip;  // the tool lives where the mesh rests
+    tool.velocity_base_m_s = frame.RestDirection(input.velocity_base_m_s - touchables.VelocityOf(object, target.tip));
+    tool.dt_s = input.dt_s;
+    tool.stiffness_limit_N_m = offer.stiffness_N_m;
+    tool.generation = table->generation;
+    tool.brush = workshop.brush();
+    const std::size_t touched = DeepestOn(object, state);
+    if (touched < kMaxContacts) tool.touch = TouchOf(*table, state.contacts[touched], forces.of[touched]);
+    const auto out = sculpt::StepSculptTool(workshop.feel(), tool, state.sculpted[n].tool, workshop.ring());
+    for (std::size_t k = 0; k < kMaxContacts; ++k) {
+      if (state.contacts[k].active && state.contacts[k].object == object) {
+        forces.of[k].force_N = out.contact_share * forces.of[k].force_N;
+      }
+    }
+    sum = sum + frame.BaseDirection(out.force_N);
+  }
+  return sum;
+}
+
+bool ToolsRest(const Scene& scene, const State& state) noexcept {
+  if (scene.live() == nullptr) return true;
+  for (std::uint32_t n = 0; n < scene.live()->workshop_count() && n < kMaxSculpted; ++n) {
+    const sculpt::SculptToolState& tool = state.sculpted[n].tool;
+    const bool free = tool.phase == sculpt::SculptPhase::kFree;
+    if (!free || tool.begin_waits || tool.end_waits || tool.hold > 0) return false;
+  }
+  return true;
+}
+
+}  // namespace omni::haptics

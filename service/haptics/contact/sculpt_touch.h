@@ -1,0 +1,20 @@
+// Contacts on sculpted surfaces: found again when the surface was changed, and given to the tool that takes hold of it.
+// docs/theory/sculpting.md, sections 5 and 6.
+#pragma once
+
+#include "service/haptics/contact/contact_force.h"
+
+namespace omni::haptics {
+
+// Before contacts are followed: puts those on surfaces that have changed onto the new ones.
+void RebindContacts(const Touchables& touchables, State& state) noexcept;
+
+// After the contacts' forces are known: steps the tool of every workshop. Scales the contact forces of a surface that
+// is held and returns the tools' own, base frame.
+Vec3 StepSculptTools(const Offer& offer, const Touchables& touchables, const Input& input, ContactForces& forces,
+                     State& state) noexcept;
+
+// A tool is at work or has something to say to its editor: it must be stepped though nothing is touched.
+bool ToolsRest(const Scene& scene, const State& state) noexcept;
+
+}  // namespace omni::haptics

@@ -1,0 +1,60 @@
+#include "service/haptics/contact/soft_touch.h"
+
+#include "service/haptics/contact/softness.h"
+#include "service/haptics/geometry/topology.h"
+
+namespace omni::haptics {
+namespace {
+
+// The one the object has, else a free one; there are as many as contacts.
+SoftTouch* SlotOf(std::uint32_t object, State& state) noexcept {
+  SoftTouch* free = nullptr;
+  for (SoftTouch& soft : state.soft) {
+    if (soft.object == object) return &soft;
+    if (soft.object == kNoIndex && free == nullptr) free = &soft;
+  }
+  if (free != nullptr) free->object = object;
+  return free;
+}
+
+}  // namespace
+
+// The direction to the proxy is that of a small difference where the dent is small; the face's normal steadies it.
+SoftPress PressOf(const Touchables& touchables, const Target& target, const ContactState& contact) noexcept {
+  constexpr double kSteady_m = 2e-5;
+  const Vec3 face = touchables.On(
+      target.index, [&](const auto& view) noexcept { return contact.side * FaceNormal(view, contact.triangle); });
+  const Vec3 towards = contact.proxy_m - touchables.TipOver(target, contact);
+  const Vec3 normal = Normalized(towards + kSteady_m * face);
+  return {normal, Dot(contact.proxy_m - target.tip, normal), 0};
+}
+
+std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, std::uint32_t object,
+                                                 const std::array<SoftPress, kMaxContacts>& press, double dt_s,
+                                                 State& state) noexcept {
+  std::array<SoftForce, kMaxContacts> forces{};
+  const SoftBody* body = touchables.SoftOf(object);
+  SoftTouch* soft = SlotOf(object, state);
+  if (body == nullptr || soft == nullptr) return forces;
+  std::array<SoftContact, kMaxContacts> contacts{};
+  for (std::size_t k = 0; k < kMaxContacts; ++k) {
+    const ContactState& contact = state.contacts[k];
+    if (!contact.active || contact.popped || contact.object != object || !(press[k].stiffness_N_m > 0)) continue;
+    contacts[k] = {true, contact.proxy_m, press[k].normal, press[k].depth_m, 1 / press[k].stiffness_N_m};
+  }
+  const double tip_m = touchables.scene().header().tip_radius_m;
+  StepSoftContacts(body->view(), contacts, tip_m > 0 ? tip_m : kIndenterRadius_m, dt_s, soft->body, forces);
+  return forces;
+}
+
+Vec3 DeformedProxy(const Touchables& touchables, const ContactState& contact, const State& state) noexcept {
+  const SoftBody* body = touchables.SoftOf(contact.object);
+  if (body == nullptr) return contact.proxy_m;
+  for (const SoftTouch& soft : state.soft) {
+    if (soft.object == contact.object)
+      return contact.proxy_m + SoftDisplacement(body->view(), soft.body, contact.proxy_m);
+  }
+  return contact.proxy_m;
+}
+
+}  // namespace omni::haptics

@@ -1,0 +1,26 @@
+// Contacts on soft bodies: what the body answers to the depths of all contacts on it. docs/theory/deformable.md.
+#pragma once
+
+#include "service/haptics/contact/touchables.h"
+
+namespace omni::haptics {
+
+// A contact as its body meets it, in the frame of its rest.
+struct SoftPress {
+  Vec3 normal;               // unit, out of the body
+  double depth_m = 0;        // of the tip under the rest surface, along `normal`
+  double stiffness_N_m = 0;  // offered, in series with the body; > 0
+};
+
+// Where the body answers: out of the surface, and how deep the real tip is   (deformable.md 8.1).
+SoftPress PressOf(const Touchables& touchables, const Target& target, const ContactState& contact) noexcept;
+
+// Normal forces of the contacts of `object`, by slot; `press[k]` counts for active contacts of the object.
+std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, std::uint32_t object,
+                                                 const std::array<SoftPress, kMaxContacts>& press, double dt_s,
+                                                 State& state) noexcept;
+
+// Where the proxy is on the deformed surface, in the frame of the rest.
+Vec3 DeformedProxy(const Touchables& touchables, const ContactState& contact, const State& state) noexcept;
+
+}  // namespace omni::haptics
