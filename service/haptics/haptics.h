@@ -176,7 +176,9 @@ struct State {
   VehicleState vehicle;
   OfferState offer;
   EnergyState energy;
-  double ramp = 0;  // 0..1 gain on contact forces
+  base::Vec3 left_N;       // force of contacts whose surface was taken from under the tip ...
+  double left_fade_s = 0;  // ... which fades out over this time
+  double ramp = 0;         // 0..1 gain on contact forces
   base::Vec3 last_force_N;
   double texture_phase = 0;
   double far_distance_m = 0;  // motion bound: nothing can be touched before the tip moved this far

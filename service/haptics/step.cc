@@ -106,7 +106,8 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touch
 }
 
 // Follows the contacts to the tip and gives their forces.
-ContactForces Follow(const Touchables& touchables, const Offer& offer, const Input& input, State& state) noexcept {
+ContactForces Follow(const Touchables& touchables, const Offer& offer, const Input& input, const Vec3& on_changed_N,
+                     State& state) noexcept {
   std::array<Vec3, kMaxContacts> last_proxy_m;
   std::array<bool, kMaxContacts> was_active{};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
@@ -118,6 +119,7 @@ ContactForces Follow(const Touchables& touchables, const Offer& offer, const Inp
   } else {
     StartContacts(touchables, state);
   }
+  if (touchables.anything_moves()) StartLeaving(touchables, on_changed_N, state);
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     if (!was_active[k]) last_proxy_m[k] = state.contacts[k].proxy_m;
   }
@@ -161,13 +163,14 @@ Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State&
   if (IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state))) return {};
   const Touchables touchables(scene, input, state);
   Touched touched;
-  RebindContacts(touchables, state);
+  const Vec3 on_changed_N = touchables.anything_moves() ? ForceOnChanged(touchables, state) : Vec3{};
+  if (touchables.anything_moves()) RebindContacts(touchables, state);
   touched.moving = touchables.anything_moves() || !RegionsRest(scene, state);
   if (touched.moving) state.far_distance_m = 0;
   ContactForces forces;
   RegionTouches touches{};
   if (!StillFar(tip, state) || !ToolsRest(scene, state)) {
-    if (input.tracked) forces = Follow(touchables, offer, input, state);
+    if (input.tracked) forces = Follow(touchables, offer, input, on_changed_N, state);
     touched.others_N = StepSculptTools(offer, touchables, input, forces, state);
     if (input.tracked) touched.contacts_N = Collect(forces, state.ramp, state, touched, output);
     if (input.tracked) touches = TouchesOf(touchables, forces, state);
@@ -178,6 +181,7 @@ Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State&
   }
   touched.others_N = touched.others_N + StepRegions(touchables, offer, input, touches, state);
   touched.moving = touched.moving || !RegionsRest(scene, state);
+  if (state.left_fade_s > 0) touched.others_N = touched.others_N + FadeLeaving(input.dt_s, state);
   ForgetUntouched(state);
   return touched;
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/haptics/sculpt/check_manifold.h"
+#include "service/haptics/sculpt/handover.h"
 #include "tests/support/sculpt_hand.h"
 
 namespace omni::haptics::sculpt {
@@ -224,43 +225,42 @@ void AddUndoRow(const Options& options, const char* body, const InputObject& obj
 // Largest change of the wanted force from tick to tick, before the limit of the device.
 void AddFeelRow(const Options& options, int squares, const char* what, double speed_m_s, double way_m, bool undo,
                 ordered_json& rows) {
-  const auto editor = EditorOf(BumpyBall(squares, kBodyRadius_m));
-  Brush brush;
+  SculptHand hand(BumpyBall(squares, kBodyRadius_m), {}, Brush{});
+  SculptEditor& editor = hand.editor();
   double largest_N = 0, moved_mm = 0;
   int grabs = 0, undone = 0;
   Random random(options.seed + 2);
-  const std::uint64_t first = editor->publisher().generation();
+  const std::uint64_t first = editor.publisher().generation();
   for (int k = 0; k < (options.quick ? 4 : 40); ++k) {
-    SculptHand hand(*editor, {}, brush);
-    const SurfacePoint at = On(*editor, OnBall(random));
+    const SurfacePoint at = On(editor, OnBall(random));
     const Vec3 out = Normalized(at.position);
-    hand.MoveTo(at.position + 0.004 * out);
+    hand.MoveTo(at.position + 0.004 * out);  // from the last place: no hand's motion
+    hand.Rest(200);
+    hand.ForgetSteps();
     hand.Go(at.position - 0.0016 * out, 0.03);
     hand.Rest(230);
     grabs += hand.state().phase == SculptPhase::kHeld;
     hand.Go(at.position + way_m * out, speed_m_s);
-    if (undo) hand.input().let_go = true;
-    hand.Rest(undo ? 30 : 330);
-    hand.input().let_go = false;
+    hand.Rest(360);
     moved_mm = std::max(moved_mm, 1e3 * std::abs(hand.state().offset_m));
     if (undo) {
-      hand.Go(On(*editor, hand.input().tip_base_m).position - 0.001 * out, 0.03);
-      undone += editor->Undo();
+      hand.Go(On(editor, hand.tip()).position - 0.001 * out, 0.03);
+      undone += editor.Undo();
       hand.Rest(60);
     }
     largest_N = std::max(largest_N, hand.largest_step_N());
   }
   rows.push_back({{"table", "feel"},
                   {"what", what},
-                  {"triangles", editor->mesh().triangle_count()},
+                  {"triangles", editor.mesh().triangle_count()},
                   {"speed_mm_s", 1e3 * speed_m_s},
                   {"grabs", grabs},
                   {"undone_under_tip", undone},
-                  {"generations", editor->publisher().generation() - first},
+                  {"generations", editor.publisher().generation() - first},
                   {"moved_mm_max", moved_mm},
                   {"force_step_max_N_per_ms", largest_N},
                   {"slew_limit_N_per_ms", 0.85},
-                  {"manifold", CheckManifold(editor->mesh()).ok()}});
+                  {"manifold", CheckManifold(editor.mesh()).ok()}});
 }
 
 ordered_json Run(const Options& options) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/sculpt/check_manifold.h"
+#include "service/haptics/sculpt/handover.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/support/sculpt_hand.h"
 
@@ -33,9 +34,9 @@ void Grab(SculptHand& hand, double top_m, double depth_m = 0.0015) {
 }
 
 TEST(SculptFeelTest, PullsOutAndIsFeltAsABump) {
-  const auto editor = EditorOf(Sphere(40, kRadius_m));
-  const double top_m = TopOf(*editor);
-  SculptHand hand(*editor, {}, FiveMillimetres());
+  SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
+  SculptEditor& editor = hand.editor();
+  const double top_m = TopOf(editor);
   Grab(hand, top_m);
   ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
   hand.Go({0, 0, top_m + 0.006}, 0.03);
@@ -43,9 +44,9 @@ TEST(SculptFeelTest, PullsOutAndIsFeltAsABump) {
   EXPECT_GT(hand.state().offset_m, 0.003);
   hand.Rest(400);
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
-  EXPECT_FALSE(editor->in_stroke());
-  EXPECT_EQ(editor->undo_steps(), 1U);
-  EXPECT_NEAR(TopOf(*editor) - top_m, hand.state().offset_m, 2e-4);
+  EXPECT_FALSE(editor.in_stroke());
+  EXPECT_EQ(editor.undo_steps(), 1U);
+  EXPECT_NEAR(TopOf(editor) - top_m, hand.state().offset_m, 2e-4);
   EXPECT_LT(hand.largest_step_N(), kSlew_N / 4);
   // Sliding across at a height that was in the open is now pushed up by the bump.
   hand.Go({0.02, 0, top_m + 0.004}, 0.1);
@@ -56,10 +57,9 @@ TEST(SculptFeelTest, PullsOutAndIsFeltAsABump) {
 }
 
 TEST(SculptFeelTest, PushesInOnlyAgainstMoreThanItBears) {
-  const auto editor = EditorOf(Sphere(40, kRadius_m));
-  const double top_m = TopOf(*editor);
   SculptFeel feel;
-  SculptHand hand(*editor, feel, FiveMillimetres());
+  SculptHand hand(Sphere(40, kRadius_m), feel, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
   Grab(hand, top_m);
   ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
   const double depth_m = 0.0015, bears_m = feel.yield_N / feel.stiffness_N_m;
@@ -67,17 +67,15 @@ TEST(SculptFeelTest, PushesInOnlyAgainstMoreThanItBears) {
   EXPECT_EQ(hand.state().offset_m, 0);
   hand.Go({0, 0, top_m - depth_m - 0.005}, 0.03);
   EXPECT_LT(hand.state().offset_m, -0.002);
-  hand.input().let_go = true;
-  hand.Rest(50);
-  EXPECT_LT(TopOf(*editor), top_m - 0.002);
+  hand.Rest(400);
+  EXPECT_LT(TopOf(hand.editor()), top_m - 0.002);
   EXPECT_LT(hand.largest_step_N(), kSlew_N / 4);
 }
 
 TEST(SculptFeelTest, ResistanceGrowsWithSpeedAndWay) {
   const auto pull = [](double speed_m_s, double way_m) {
-    const auto editor = EditorOf(Sphere(20, kRadius_m));
-    SculptHand hand(*editor, {}, FiveMillimetres());
-    const double top_m = TopOf(*editor);
+    SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
+    const double top_m = TopOf(hand.editor());
     Grab(hand, top_m);
     hand.Go({0, 0, top_m + way_m}, speed_m_s);
     return -hand.force_N().z;
@@ -89,17 +87,17 @@ TEST(SculptFeelTest, ResistanceGrowsWithSpeedAndWay) {
 // The worst a person can ask for: undo while the pen is inside what was pulled out or pushed in.
 TEST(SculptFeelTest, UndoUnderThePenDoesNotKick) {
   for (const double offset_m : {-0.004, 0.004}) {
-    const auto editor = EditorOf(Sphere(40, kRadius_m));
-    ASSERT_TRUE(editor->Stroke(On(*editor, {0, 0, 1}), FiveMillimetres(), offset_m).ok());
-    editor->Publish();
-    SculptHand hand(*editor, {.grab_force_N = 2}, FiveMillimetres());
-    hand.MoveTo({0, 0, TopOf(*editor) + 0.002});
-    hand.Go({0, 0, TopOf(*editor) - 0.001}, 0.03);
+    SculptHand hand(Sphere(40, kRadius_m), {.grab_force_N = 2}, FiveMillimetres());
+    SculptEditor& editor = hand.editor();
+    ASSERT_TRUE(editor.Stroke(On(editor, {0, 0, 1}), FiveMillimetres(), offset_m).ok());
+    editor.Publish();
+    hand.MoveTo({0, 0, TopOf(editor) + 0.002});
+    hand.Go({0, 0, TopOf(editor) - 0.001}, 0.03);
     hand.ForgetSteps();
-    ASSERT_TRUE(editor->Undo());
+    ASSERT_TRUE(editor.Undo());
     hand.Rest(100);
     EXPECT_LT(hand.largest_step_N(), 0.15) << offset_m;
-    EXPECT_NEAR(TopOf(*editor), kRadius_m, 1e-5) << offset_m;
+    EXPECT_NEAR(TopOf(editor), kRadius_m, 1e-5) << offset_m;
     if (offset_m < 0) {
       EXPECT_NEAR(hand.force_N().z, 0.005 * SculptHand::kStiffness_N_m, 0.1);
     } else {
@@ -111,39 +109,33 @@ TEST(SculptFeelTest, UndoUnderThePenDoesNotKick) {
 TEST(SculptFeelTest, SettlesOnTheGrid) {
   SculptOptions options;
   options.grid_step_m = 0.002;
-  const auto editor = EditorOf(Sphere(40, kRadius_m), options);
-  SculptHand hand(*editor, {.grid_step_m = options.grid_step_m}, FiveMillimetres());
-  const double top_m = TopOf(*editor);
+  SculptHand hand(Sphere(40, kRadius_m), {.grid_step_m = options.grid_step_m}, FiveMillimetres(), options);
+  const double top_m = TopOf(hand.editor());
   Grab(hand, top_m);
   hand.Go({0, 0, top_m + 0.006}, 0.03);
   hand.Rest(600);
   const double steps = hand.state().offset_m / options.grid_step_m;
   EXPECT_GE(steps, 1);
   EXPECT_NEAR(steps, std::round(steps), 1e-9);
-  EXPECT_NEAR(TopOf(*editor) - top_m, hand.state().offset_m, 2e-5);
+  EXPECT_NEAR(TopOf(hand.editor()) - top_m, hand.state().offset_m, 2e-5);
 }
 
 TEST(SculptFeelTest, TornOrLostItEndsTheStroke) {
   for (const bool torn : {true, false}) {
-    const auto editor = EditorOf(Sphere(20, kRadius_m));
-    SculptHand hand(*editor, {}, FiveMillimetres());
-    const double top_m = TopOf(*editor);
+    SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
+    const double top_m = TopOf(hand.editor());
     Grab(hand, top_m);
+    ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
     if (torn) {
       hand.Go({0, 0, top_m + 0.03}, 1.0);
+      hand.Rest(30);
     } else {
-      hand.input().tracked = false;
-      SculptToolState state = hand.state();
-      StrokeRing ring;
-      for (int k = 0; k < 30; ++k) StepSculptTool({}, hand.input(), state, ring);
-      EXPECT_EQ(state.phase, SculptPhase::kFree);
-      EXPECT_EQ(state.hold, 0);
-      continue;
+      for (int k = 0; k < 60; ++k) hand.Lose();
     }
-    hand.Rest(30);
     EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
-    EXPECT_FALSE(editor->in_stroke());
-    EXPECT_TRUE(CheckManifold(editor->mesh()).ok());
+    EXPECT_EQ(hand.state().hold, 0);
+    EXPECT_FALSE(hand.editor().in_stroke());
+    EXPECT_TRUE(CheckManifold(hand.editor().mesh()).ok());
   }
 }
 
@@ -163,7 +155,7 @@ TEST(SculptFeelTest, MessagesWaitWhileTheRingIsFull) {
     input.tip_base_m.z += 1e-4;
     StepSculptTool({}, input, state, ring);
   }
-  input.let_go = true;
+  input.tracked = false;
   for (int k = 0; k < 100; ++k) StepSculptTool({}, input, state, ring);
   EXPECT_TRUE(state.begin_waits && state.end_waits);
   StrokeMessage message;
@@ -190,7 +182,6 @@ TEST(SculptFeelTest, BadInputGivesFiniteForceAndNoHeap) {
   const auto any = [&] { return random.Next() % 3 == 0 ? bad[random.Next() % std::size(bad)] : random.Uniform(-1, 1); };
   const auto ring = std::make_unique<StrokeRing>();
   SculptToolState state;
-  ForceFade fade;
   double largest_N = 0;
   bool finite = true;
   const loop::AllocProbe probe;
@@ -212,10 +203,8 @@ TEST(SculptFeelTest, BadInputGivesFiniteForceAndNoHeap) {
     KeptFeature feature{0, {}, {any(), any(), any()}, {any(), any(), any()}};
     Rebind(surface, any(), feature);
     CrossingInTree(surface, 0, input.tip_base_m, {any(), any(), any()}, false);
-    if (random.Next() % 4 == 0) fade.Start();
     const SculptToolOutput out = StepSculptTool({}, input, state, *ring);
-    const Vec3 force_N = fade.Blend(out.force_N, 1e-3);
-    finite = finite && Within(force_N, 1e3) && out.contact_share >= 0 && out.contact_share <= 1;
+    finite = finite && Within(out.force_N, 1e3) && out.contact_share >= 0 && out.contact_share <= 1;
     largest_N = std::max(largest_N, Norm(out.force_N));
     StrokeMessage message;
     while (ring->TryPop(message)) {

@@ -48,7 +48,38 @@ sculpt::SculptTouch TouchOf(const sculpt::SculptTable& table, const ContactState
   return {true, contact.triangle, at.weights, contact.proxy_m, contact.normal, force.report.normal_force_N};
 }
 
+// What the tool has not taken over of the contact's force.
+double ContactShare(const Touchables& touchables, std::uint32_t object, const State& state) noexcept {
+  const LiveParts* live = touchables.scene().live().get();
+  for (std::uint32_t n = 0; live != nullptr && n < live->workshop_count() && n < kMaxSculpted; ++n) {
+    if (live->object_at(n) == object) return 1 - state.sculpted[n].tool.hold;
+  }
+  return 1;
+}
+
 }  // namespace
+
+Vec3 ForceOnChanged(const Touchables& touchables, const State& state) noexcept {
+  Vec3 sum;
+  for (const ContactState& contact : state.contacts) {
+    if (!contact.active || contact.popped || !touchables.ChangedUnderTip(contact.object)) continue;
+    const double share = ContactShare(touchables, contact.object, state);
+    sum = sum + share * touchables.FrameOf(contact.object).BaseDirection(contact.last_force_N);
+  }
+  return sum;
+}
+
+void StartLeaving(const Touchables& touchables, const Vec3& before_N, State& state) noexcept {
+  const Vec3 gone_N = before_N - ForceOnChanged(touchables, state);
+  if (!(SquaredNorm(gone_N) > 1e-12)) return;
+  state.left_N = gone_N + (state.left_fade_s / kSwapFade_s) * state.left_N;
+  state.left_fade_s = kSwapFade_s;
+}
+
+Vec3 FadeLeaving(double dt_s, State& state) noexcept {
+  state.left_fade_s = std::max(0.0, state.left_fade_s - dt_s);
+  return state.left_fade_s > 0 ? (state.left_fade_s / kSwapFade_s) * state.left_N : Vec3{};
+}
 
 void RebindContacts(const Touchables& touchables, State& state) noexcept {
   for (ContactState& contact : state.contacts) {

@@ -72,7 +72,7 @@ void StepHeld(const SculptFeel& feel, const SculptInput& input, SculptToolState&
   state.rested_s = slow && std::abs(state.offset_m) > kMoved_m ? state.rested_s + input.dt_s : 0;
   const bool torn =
       !(std::abs(height_m - state.offset_m) <= feel.tear_m && side_m <= input.brush.radius_m + feel.tear_m);
-  if (torn || input.let_go || state.rested_s >= feel.rest_s) state.phase = SculptPhase::kSettling;
+  if (torn || state.rested_s >= feel.rest_s) state.phase = SculptPhase::kSettling;
 }
 
 void StepSettling(const SculptFeel& feel, double dt_s, SculptToolState& state) noexcept {

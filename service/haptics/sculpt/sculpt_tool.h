@@ -42,7 +42,6 @@ struct SculptInput {
   std::uint64_t generation = 0;    // of the surface the touch is on
   SculptTouch touch;
   Brush brush;
-  bool let_go = false;  // the person asks for it (a button)
 };
 
 enum class SculptPhase : std::uint8_t { kFree = 0, kPressed = 1, kHeld = 2, kSettling = 3 };
