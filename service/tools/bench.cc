@@ -37,6 +37,7 @@ constexpr Bench kBenches[] = {
     {"collision", "contact with rigid meshes beside four engines: time, correctness, memory", BenchCollision},
     {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
     {"stability", "walls that a simulated hand can hold still against, and those that are offered", BenchStability},
+    {"friction", "cone, stick-slip and drift against Coulomb's law", BenchFriction},
     {"race", "hits of the car against what the pen feels; walls and cost of the race", BenchRace},
     {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
     {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},

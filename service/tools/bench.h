@@ -67,6 +67,9 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 // table: what is offered, by delay and noise.
 base::Result<BenchRows> BenchStability(const BenchOptions& options);
 
+// Friction against Coulomb's law: study, body, trials, breakaway and sliding error; side tables: stick-slip, drift.
+base::Result<BenchRows> BenchFriction(const BenchOptions& options);
+
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);
 
