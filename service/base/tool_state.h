@@ -25,7 +25,7 @@ enum ToolLimit : std::uint32_t {
   kToolRepeated = 32       // the scan's stamp did not move: the state is that of the scan before
 };
 
-// How uncertain a point of the tool is along its worst axis: variances of position and velocity, and their covariance.
+// How uncertain a point of the tool is along one direction: variances of position and velocity, and their covariance.
 struct PointNoise {
   double position_m2 = 0;
   double cross_m2_s = 0;
@@ -49,8 +49,9 @@ struct ToolState {
   double gap_m = 0;  // nearest point of the magnet to the hull; < 0: inside
   // Covariance of (position 3, tangent of u 2), row-major 5x5, SI.
   std::array<double, 25> covariance{};
-  PointNoise device_point_noise;
-  double chi2 = 0;  // of this scan's fit, `dof` degrees of freedom
+  PointNoise device_point_noise;        // along its worst direction
+  PointNoise device_point_noise_along;  // along axis_base, where tilt does not count
+  double chi2 = 0;                      // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;
 };

@@ -43,7 +43,9 @@ struct Input {
   bool tracked = false;            // false: force goes to zero under the slew limit; contacts are forgotten after 25 ms
   base::Vec3 device_point_base_m;  // at t_ns, not predicted
   base::Vec3 velocity_base_m_s;    // of the device point
-  base::PointNoise noise;          // of the device point
+  base::PointNoise noise;          // of the device point, along its worst direction
+  base::PointNoise noise_along;    // along the pen's axis
+  base::Vec3 axis_base;            // of the pen, unit; zero: noise is alike in all directions
   double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
   base::ForceLimit limit;
   std::span<const ObjectPose> poses;  // at t_ns, at most kMaxMoved; what is not named stands where it stood
@@ -62,6 +64,7 @@ struct ContactState {
   base::Vec3 anchor_m;        // where it was at the last tick, in the same frame
   double depth_m = 0;         // of the tip under the proxy, as the proxy was found
   double side = 1;            // +1 entered from the front, -1 from the back (double-sided objects)
+  double offered_N_m = 0;     // stiffness in the direction of the contact since it began; only falls; 0: new
   double relaxation_N = 0;    // softness: viscous part
   double elastic_N = 0;       // softness: elastic part at the last tick
   base::Vec3 last_force_N;    // of the last tick, in that frame
@@ -126,8 +129,9 @@ struct OfferState {
   bool known = false;
   double age_s = 0;  // since it was renewed
   double predict_s = 0;
-  double recent_N_m = 0;     // the limit, smoothed
-  double stiffness_N_m = 0;  // what is offered
+  double recent_N_m = 0, recent_along_N_m = 0;  // the limits, smoothed
+  double stiffness_N_m = 0;                     // what is offered in the worst direction ...
+  double along_N_m = 0;                         // ... and along the pen's axis
 };
 
 inline constexpr std::uint32_t kEnergyHistory = 32;
@@ -216,7 +220,7 @@ struct Output {
   double thumbstick_x = 0, thumbstick_y = 0;  // -1..1, +y away from the user (+y of B), +x right
   bool saturated = false;                     // the limit cut the force
   double stiffness_cut = 1;                   // offered / asked stiffness of the stiffest contact
-  double stiffness_offered_N_m = 0;           // the most that any surface is given now
+  double stiffness_offered_N_m = 0;           // the most that any surface is given now, one across the pen's axis
   double energy_gain = 1;                     // < 1: contacts gave energy to the hand and are held back
   VehicleReport vehicle;
 };

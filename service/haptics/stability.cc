@@ -50,20 +50,28 @@ bool IsPlausible(const base::PointNoise& noise) noexcept {
          noise.velocity_m2_s2 >= 0 && noise.velocity_m2_s2 < 1e6;
 }
 
+// In touch only down; in the air towards the limit.
+void Follow(double limit_N_m, bool known, bool touching, double dt_s, double& recent_N_m,
+            double& offered_N_m) noexcept {
+  recent_N_m = known && limit_N_m > 0 ? Approach(recent_N_m, limit_N_m, dt_s, kLimitTime_s) : limit_N_m;
+  if (!known || recent_N_m < offered_N_m) {
+    offered_N_m = recent_N_m;
+  } else if (!touching) {
+    offered_N_m = Approach(offered_N_m, recent_N_m, dt_s, kRiseTime_s);
+  }
+}
+
 // `dt_s`: since the last time.
 void Renew(const Config& config, const Input& input, bool touching, double dt_s, OfferState& state) noexcept {
   if (!touching || !state.known) {
     const double best_s = BestPrediction_s(config, input);
     state.predict_s = state.known ? Approach(state.predict_s, best_s, dt_s, kPredictTime_s) : best_s;
   }
-  const double limit_N_m = StiffnessLimit(config, input, state.predict_s);
-  state.recent_N_m =
-      state.known && limit_N_m > 0 ? Approach(state.recent_N_m, limit_N_m, dt_s, kLimitTime_s) : limit_N_m;
-  if (!state.known || state.recent_N_m < state.stiffness_N_m) {
-    state.stiffness_N_m = state.recent_N_m;
-  } else if (!touching) {
-    state.stiffness_N_m = Approach(state.stiffness_N_m, state.recent_N_m, dt_s, kRiseTime_s);
-  }
+  const double worst_N_m = StiffnessLimit(config, input, input.noise, state.predict_s);
+  const bool uniform = input.axis_base == Vec3{};
+  const double along_N_m = uniform ? worst_N_m : StiffnessLimit(config, input, input.noise_along, state.predict_s);
+  Follow(worst_N_m, state.known, touching, dt_s, state.recent_N_m, state.stiffness_N_m);
+  Follow(std::max(worst_N_m, along_N_m), state.known, touching, dt_s, state.recent_along_N_m, state.along_N_m);
   state.known = true;
 }
 
@@ -75,11 +83,20 @@ double LoopLag_s(const Config& config, const Input& input) noexcept {
   return delay_s >= 0 && lag_s > 0 && lag_s < 1 ? lag_s : std::numeric_limits<double>::quiet_NaN();
 }
 
-double StiffnessLimit(const Config& config, const Input& input, double predict_s) noexcept {
+// K sigma is what noise allows, and sigma_n^2 = c^2 sigma_along^2 + (1 - c^2) sigma_worst^2, c = n . axis.
+double StiffnessAlong(const Offer& offer, const Vec3& direction) noexcept {
+  if (!(offer.stiffness_N_m > 0 && offer.along_N_m > offer.stiffness_N_m)) return offer.stiffness_N_m;
+  const double c = Dot(direction, offer.axis_base), share = std::clamp(c * c, 0.0, 1.0);
+  const double ratio = offer.stiffness_N_m / offer.along_N_m;
+  return offer.stiffness_N_m / std::sqrt(share * ratio * ratio + (1 - share));
+}
+
+double StiffnessLimit(const Config& config, const Input& input, const base::PointNoise& noise,
+                      double predict_s) noexcept {
   const double lag_s = LoopLag_s(config, input);
   const double damping_Ns_m = config.hand_damping_Ns_m;
-  if (!(lag_s > 0 && damping_Ns_m >= 0 && config.stiffness_max_N_m >= 0 && IsPlausible(input.noise))) return 0;
-  const auto& [position_m2, cross_m2_s, velocity_m2_s2] = input.noise;
+  if (!(lag_s > 0 && damping_Ns_m >= 0 && config.stiffness_max_N_m >= 0 && IsPlausible(noise))) return 0;
+  const auto& [position_m2, cross_m2_s, velocity_m2_s2] = noise;
   double limit_N_m = 0.5 * damping_Ns_m / lag_s;                    // (3.2)
   if (predict_s > 0 && (velocity_m2_s2 > 0 || position_m2 == 0)) {  // (3.3)
     const Lead lead = LeadOf(lag_s, predict_s, position_m2 > 0 ? position_m2 / velocity_m2_s2 : 0);
@@ -99,10 +116,10 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept {
   const double lag_s = LoopLag_s(config, input);
   if (!(lag_s > 0)) return 0;
   double best_s = 0;
-  double best_N_m = kWorthIt * StiffnessLimit(config, input, 0);
+  double best_N_m = kWorthIt * StiffnessLimit(config, input, input.noise, 0);
   for (const double share : {0.25, 0.5, 0.75, 1.0}) {
     const double predict_s = std::min(share * lag_s, config.predict_max_s);
-    const double limit_N_m = StiffnessLimit(config, input, predict_s);
+    const double limit_N_m = StiffnessLimit(config, input, input.noise, predict_s);
     if (!(limit_N_m > best_N_m)) continue;
     best_N_m = limit_N_m;
     best_s = predict_s;
@@ -117,20 +134,19 @@ Offer UpdateOffer(const Config& config, const Input& input, bool touching, Offer
     Renew(config, input, touching, state.age_s, state);
     state.age_s = 0;
   }
-  return {state.stiffness_N_m, std::max(0.0, config.hand_damping_Ns_m), state.predict_s};
+  return {state.stiffness_N_m, state.along_N_m, input.axis_base, std::max(0.0, config.hand_damping_Ns_m),
+          state.predict_s};
 }
 
 double StiffnessShare(const std::array<Vec3, kMaxContacts>& normals,
-                      const std::array<double, kMaxContacts>& stiffness_N_m, int count, double limit) noexcept {
+                      const std::array<double, kMaxContacts>& load) noexcept {
   double largest = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+  for (std::size_t i = 0; i < kMaxContacts; ++i) {
     double sum = 0;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) {
-      sum += stiffness_N_m[j] * std::abs(Dot(normals[i], normals[j]));
-    }
+    for (std::size_t j = 0; j < kMaxContacts; ++j) sum += load[j] * std::abs(Dot(normals[i], normals[j]));
     largest = std::max(largest, sum);
   }
-  return largest > limit && largest > 0 ? limit / largest : 1;
+  return largest > 1 ? 1 / largest : 1;
 }
 
 }  // namespace omni::haptics

@@ -10,7 +10,9 @@ namespace omni::haptics {
 
 // What is offered in one tick.
 struct Offer {
-  double stiffness_N_m = 0;
+  double stiffness_N_m = 0;  // in the worst direction
+  double along_N_m = 0;      // along the pen's axis, at least that
+  Vec3 axis_base;            // unit, or zero
   double damping_Ns_m = 0;
   double predict_s = 0;  // the tip is taken this far ahead
 };
@@ -19,8 +21,12 @@ struct Offer {
 // is none.   (3.1)
 double LoopLag_s(const Config& config, const Input& input) noexcept;
 
+// Stiffness offered along a unit direction   (3.5)
+double StiffnessAlong(const Offer& offer, const Vec3& direction) noexcept;
+
 // Largest stiffness while the tip is predicted by `predict_s`; zero if an input is not a number.   (3.2)-(3.4)
-double StiffnessLimit(const Config& config, const Input& input, double predict_s) noexcept;
+double StiffnessLimit(const Config& config, const Input& input, const base::PointNoise& noise,
+                      double predict_s) noexcept;
 
 // The prediction, 0 to the whole lag in quarters, that allows the largest stiffness; none unless it gains a fifth.
 double BestPrediction_s(const Config& config, const Input& input) noexcept;
@@ -29,8 +35,9 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept;
 Offer UpdateOffer(const Config& config, const Input& input, bool touching, OfferState& state) noexcept;
 
 // Springs K_i along unit n_i add up to sum K_i n_i n_i', whose largest eigenvalue is at most
-// max_i sum_j K_j |n_i . n_j|   (Gershgorin on the Gram matrix, 3.6). Factor that brings this bound under `limit`.
+// max_i sum_j K_j |n_i . n_j|   (Gershgorin on the Gram matrix, 3.7). With `load` = K_i over what may be offered along
+// n_i: the factor that brings this bound to 1.
 double StiffnessShare(const std::array<Vec3, kMaxContacts>& normals,
-                      const std::array<double, kMaxContacts>& stiffness_N_m, int count, double limit) noexcept;
+                      const std::array<double, kMaxContacts>& load) noexcept;
 
 }  // namespace omni::haptics

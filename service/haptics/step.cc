@@ -189,6 +189,7 @@ Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State&
 // Vector scaling to what the device can do, then the slew limit. Where the limit itself falls faster than the slew, the
 // limit wins; where nothing is known about it (no pose), the force fades out under the slew.   (10.1), (10.2)
 void Limit(const Config& config, const Input& input, const Vec3& wanted_N, State& state, Output& output) noexcept {
+  if (wanted_N == Vec3{} && state.last_force_N == Vec3{}) return;  // a far tip costs nothing
   const bool known = input.tracked && input.limit.valid;
   const double scale = known ? base::FeasibleScale(input.limit, wanted_N) : 0;
   output.saturated = known && scale < 1;
@@ -247,7 +248,7 @@ void Step(const Config& config, const Scene& scene, const Input& input, State& s
     offer = UpdateOffer(config, clean, AnyContact(state), state.offer);
     clean.device_point_base_m = measured_tip + offer.predict_s * clean.velocity_base_m_s;
   }
-  output.stiffness_offered_N_m = offer.stiffness_N_m;
+  output.stiffness_offered_N_m = offer.along_N_m;
   Touched touched;
   Vec3 others_N;
   if (!scene.empty()) {

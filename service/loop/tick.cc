@@ -66,6 +66,8 @@ haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLim
           .device_point_base_m = tool.device_point_base_m,
           .velocity_base_m_s = tool.device_point_velocity_base_m_s,
           .noise = tool.device_point_noise,
+          .noise_along = tool.device_point_noise_along,
+          .axis_base = tool.axis_base,
           .delay_s = delay_s,
           .limit = limit};
 }

@@ -115,8 +115,8 @@ nlohmann::ordered_json RuleRow(const char* what, double delay_us) {
   return {{"table", "stiffness"},
           {"delay", what},
           {"delay_us", delay_us},
-          {"unpredicted_N_m", haptics::StiffnessLimit(config, quiet, 0)},
-          {"predicted_N_m", haptics::StiffnessLimit(config, quiet, predict_s)}};
+          {"unpredicted_N_m", haptics::StiffnessLimit(config, quiet, quiet.noise, 0)},
+          {"predicted_N_m", haptics::StiffnessLimit(config, quiet, quiet.noise, predict_s)}};
 }
 
 }  // namespace

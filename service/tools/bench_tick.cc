@@ -144,6 +144,8 @@ std::vector<haptics::Input> LongestTouch(const loop::TickConfig& config, const h
                    .device_point_base_m = output.tool.device_point_base_m,
                    .velocity_base_m_s = output.tool.device_point_velocity_base_m_s,
                    .noise = output.tool.device_point_noise,
+                   .noise_along = output.tool.device_point_noise_along,
+                   .axis_base = output.tool.axis_base,
                    .delay_s = 1e-3});
     if (now.size() > best.size()) best = now;
   }

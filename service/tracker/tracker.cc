@@ -115,6 +115,15 @@ base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexce
           worst(filter.covariance_vv) + lever_m2 * filter.variance_rate};
 }
 
+// The same along the axis u, where a small tilt moves nothing: u' C u.
+base::PointNoise NoiseAlong(const FilterState& filter) noexcept {
+  const Vector3d u = base::ToEigen(filter.axis_base);
+  const auto along = [&](const std::array<double, 9>& c) {
+    return u.dot(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(c.data()) * u);
+  };
+  return {along(filter.covariance_pp), along(filter.covariance_pv), along(filter.covariance_vv)};
+}
+
 // Published is what is known: the filter's covariance, and the share of the fit's that no filtering takes away.
 base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const PoseMeasurement& measured,
                               const FilterState& filter) noexcept {
@@ -140,6 +149,7 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
     tool.covariance[i] = filter.variance_angle + (1 - filter.axis_whiteness.share) * measured.covariance[i];
   }
   tool.device_point_noise = NoiseOfPoint(filter, model.tip_offset_m);
+  tool.device_point_noise_along = NoiseAlong(filter);
   return tool;
 }
 

@@ -88,7 +88,7 @@ TEST(Detents, TheDeadZoneHasASoftEdge) {
   const auto at = [&](double x) {
     Input input;
     input.device_point_base_m = {x, 0, 0};
-    return -JoystickForce(stick, 0, Offer{110, 1, 0}, input).x;
+    return -JoystickForce(stick, 0, Offer{.stiffness_N_m = 110, .damping_Ns_m = 1}, input).x;
   };
   EXPECT_EQ(at(0.8 * stick.dead_zone_m), 0);
   EXPECT_NEAR(at(2 * stick.dead_zone_m), 60 * stick.dead_zone_m, 1e-12);

@@ -21,26 +21,27 @@ base::PointNoise NoiseOf(double sigma_m, double w_rad_s) {
 
 Input Delayed(double delay_s, const base::PointNoise& noise = {}) { return {.noise = noise, .delay_s = delay_s}; }
 
-double Best(const Config& config, const Input& input) {
-  return StiffnessLimit(config, input, BestPrediction_s(config, input));
+double Limit(const Config& config, const Input& input, double predict_s) {
+  return StiffnessLimit(config, input, input.noise, predict_s);
 }
+double Best(const Config& config, const Input& input) { return Limit(config, input, BestPrediction_s(config, input)); }
 
 TEST(Stability, UnpredictedIsHalfOfTheDelayedBound) {
   const Config config;
-  EXPECT_NEAR(StiffnessLimit(config, {}, 0), 0.5 * 1.0 / (0.5e-3 + 3e-3 + 0.4e-3), 1e-9) << "delay not known";
-  EXPECT_NEAR(StiffnessLimit(config, Delayed(1.5e-3), 0), 0.5 * 1.0 / (0.5e-3 + 1.5e-3 + 0.4e-3), 1e-9) << "measured";
-  EXPECT_NEAR(StiffnessLimit(config, Delayed(1.5e-3, NoiseOf(1e-3, 500)), 0), 18, 1e-9) << "18 mN over 1 mm";
+  EXPECT_NEAR(Limit(config, {}, 0), 0.5 * 1.0 / (0.5e-3 + 3e-3 + 0.4e-3), 1e-9) << "delay not known";
+  EXPECT_NEAR(Limit(config, Delayed(1.5e-3), 0), 0.5 * 1.0 / (0.5e-3 + 1.5e-3 + 0.4e-3), 1e-9) << "measured";
+  EXPECT_NEAR(Limit(config, Delayed(1.5e-3, NoiseOf(1e-3, 500)), 0), 18, 1e-9) << "18 mN over 1 mm";
 }
 
 TEST(Stability, NothingIsOfferedOnWhatIsNotANumber) {
   const Config config;
-  EXPECT_EQ(StiffnessLimit(config, Delayed(kNan), 0), 0);
-  EXPECT_EQ(StiffnessLimit(config, Delayed(-1), 0), 0);
+  EXPECT_EQ(Limit(config, Delayed(kNan), 0), 0);
+  EXPECT_EQ(Limit(config, Delayed(-1), 0), 0);
   for (double base::PointNoise::*field :
        {&base::PointNoise::position_m2, &base::PointNoise::cross_m2_s, &base::PointNoise::velocity_m2_s2}) {
     Input input = Delayed(1e-3, NoiseOf(1e-5, 500));
     input.noise.*field = kNan;
-    EXPECT_EQ(StiffnessLimit(config, input, 1e-3), 0);
+    EXPECT_EQ(Limit(config, input, 1e-3), 0);
     EXPECT_EQ(BestPrediction_s(config, input), 0);
     OfferState state;
     EXPECT_EQ(UpdateOffer(config, input, false, state).stiffness_N_m, 0);
@@ -57,7 +58,7 @@ TEST(Stability, OfferIsMonotone) {
     const double w_rad_s = random.Uniform(100, 3000);
     const double limit = Best(config, Delayed(delay_s, NoiseOf(sigma_m, w_rad_s)));
     ASSERT_GT(limit, 0);
-    ASSERT_GE(limit, StiffnessLimit(config, Delayed(delay_s, NoiseOf(sigma_m, w_rad_s)), 0));
+    ASSERT_GE(limit, Limit(config, Delayed(delay_s, NoiseOf(sigma_m, w_rad_s)), 0));
     // The choice among quarters takes what gains a fifth: monotone but for that.
     ASSERT_LE(Best(config, Delayed(1.3 * delay_s + 1e-4, NoiseOf(sigma_m, w_rad_s))), 1.21 * limit);
     ASSERT_LE(Best(config, Delayed(delay_s, NoiseOf(2 * sigma_m, w_rad_s))), limit * (1 + 1e-9));
@@ -72,7 +73,7 @@ TEST(Stability, AQuietTrackerIsPredictedAndOffersMore) {
   config.stiffness_max_N_m = 1e9;
   const Input quiet = Delayed(2e-3, NoiseOf(2e-6, 1500));
   EXPECT_GT(BestPrediction_s(config, quiet), 1e-3);
-  EXPECT_GT(Best(config, quiet), 1.5 * StiffnessLimit(config, quiet, 0));
+  EXPECT_GT(Best(config, quiet), 1.5 * Limit(config, quiet, 0));
   EXPECT_EQ(BestPrediction_s(config, Delayed(2e-3, NoiseOf(3e-4, 300))), 0) << "a noisy one is not";
 }
 
@@ -194,6 +195,52 @@ TEST(Gap, ALongAbsenceForgets) {
   pen.MoveTo({0, 0, -0.004});
   pen.Rest(20);
   EXPECT_EQ(pen.output.contact_count, 0);
+}
+
+// A pen that is better known along its axis than across it is offered more there; in between by the mixed variance.
+TEST(Stability, OffersMoreAlongThePen) {
+  Config config;
+  Input input = Delayed(2e-3, NoiseOf(4e-4, 200));
+  input.noise_along = NoiseOf(1e-4, 200);
+  input.axis_base = {0, 0, -1};
+  OfferState state;
+  const Offer offer = UpdateOffer(config, input, false, state);
+  EXPECT_GT(offer.along_N_m, 1.2 * offer.stiffness_N_m);
+  EXPECT_NEAR(StiffnessAlong(offer, {0, 0, 1}), offer.along_N_m, 1e-9);
+  EXPECT_NEAR(StiffnessAlong(offer, {1, 0, 0}), offer.stiffness_N_m, 1e-9);
+  double last_N_m = 0;
+  for (double angle = 1.57; angle > 0; angle -= 0.01) {
+    const double now_N_m = StiffnessAlong(offer, {std::sin(angle), 0, std::cos(angle)});
+    EXPECT_GT(now_N_m, last_N_m);
+    last_N_m = now_N_m;
+  }
+  input.axis_base = {};
+  OfferState uniform;
+  EXPECT_EQ(UpdateOffer(config, input, false, uniform).along_N_m, uniform.stiffness_N_m);
+}
+
+// The pen is turned while it presses: what the contact is given falls with the angle and does not rise again.
+TEST(Stability, AContactsStiffnessOnlyFallsWhileThePenIsTurned) {
+  Pen pen(Built(SceneOf(Block(2, {0.02, 0.02, 0.01}))));
+  pen.input.delay_s = 2e-3;
+  pen.input.noise = NoiseOf(2e-4, 200);
+  pen.input.noise_along = NoiseOf(4e-5, 200);
+  const auto turn = [&](double angle) { pen.input.axis_base = {std::sin(angle), 0, -std::cos(angle)}; };
+  turn(0);
+  pen.Slide({0, 0, 0.015}, {0, 0, 0.009}, 200);
+  double last_N = pen.output.force_base_N.z;
+  EXPECT_GT(last_N, 0.001 * 1.5 * pen.state.offer.stiffness_N_m);
+  for (double angle = 0; angle < 1.2; angle += 0.01) {
+    turn(angle);
+    pen.Rest(5);
+    EXPECT_LE(pen.output.force_base_N.z, last_N + 1e-6);
+    last_N = pen.output.force_base_N.z;
+  }
+  for (double angle = 1.2; angle > 0; angle -= 0.01) {
+    turn(angle);
+    pen.Rest(5);
+    EXPECT_NEAR(pen.output.force_base_N.z, last_N, 1e-3);
+  }
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ struct Law {
   const Input& input;
   double dt_s;
 
-  // Damping acts on the way in and out, but the sum never pulls   (3.7)
+  // Damping acts on the way in and out, but the sum never pulls   (3.8)
   double Normal(const Material& m, double elastic_N, const Meeting& met) const noexcept {
     const double damping_Ns_m = std::clamp(m.damping_Ns_m, 0.0, offer.damping_Ns_m);
     return std::max(0.0, elastic_N - damping_Ns_m * Dot(met.velocity_m_s, met.normal));
@@ -118,7 +118,8 @@ struct Law {
     result.stiffness_cut = result.asked_stiffness_N_m > 0 ? stiffness_N_m / result.asked_stiffness_N_m : 1;
     result.elastic_N = met.soft ? body_N : LayerForce(m.softness, stiffness_N_m, met.depth_m, dt_s, contact);
     const double tangential_N_m = met.depth_m > 1e-9 ? result.elastic_N / met.depth_m : 0;
-    const Vec3 friction = Rub(met, felt, m, std::min(tangential_N_m, stiffness_N_m), result.elastic_N, contact);
+    const double rubs_N_m = std::min({tangential_N_m, stiffness_N_m, offer.stiffness_N_m});  // any direction
+    const Vec3 friction = Rub(met, felt, m, rubs_N_m, result.elastic_N, contact);
     const double slid_m = contact.sticking ? 0 : Norm(contact.proxy_m - last_proxy_m);
     const double normal_N = Normal(m, result.elastic_N, met);
     const double ripple_N = Ripple(m, felt, stiffness_N_m, result.elastic_N, slid_m, texture_phase);
@@ -175,19 +176,29 @@ struct Meetings {
 
 bool Counts(const ContactState& contact) noexcept { return contact.active && !contact.popped; }
 
-Meetings MeetAll(const Touchables& touchables, const Input& input, double limit_N_m, const State& state) noexcept {
+// What is offered in the contact's direction; as the pen is turned in touch it only falls, for a change is a push.
+double OfferedTo(const Offer& offer, const Vec3& normal_base, ContactState& contact) noexcept {
+  const double now_N_m = StiffnessAlong(offer, normal_base);
+  contact.offered_N_m = contact.offered_N_m > 0 ? std::min(contact.offered_N_m, now_N_m) : now_N_m;
+  return contact.offered_N_m;
+}
+
+Meetings MeetAll(const Touchables& touchables, const Input& input, const Offer& offer, State& state) noexcept {
   Meetings all;
+  std::array<double, kMaxContacts> load{};
   std::array<Vec3, kMaxContacts> normals_base;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
-    const ContactState& contact = state.contacts[k];
+    ContactState& contact = state.contacts[k];
     if (!Counts(contact)) continue;
     all.met[k] = Meet(touchables, input, contact);
     normals_base[k] = all.met[k].frame.BaseDirection(all.met[k].normal);
     const Material& m = MaterialOf(touchables, contact);
     all.felt[k] = FeltAt(touchables, m, contact);
-    all.stiffness_N_m[k] = std::clamp(all.felt[k].stiffness * m.stiffness_N_m, 0.0, limit_N_m);
+    const double offered_N_m = OfferedTo(offer, normals_base[k], contact);
+    all.stiffness_N_m[k] = std::clamp(all.felt[k].stiffness * m.stiffness_N_m, 0.0, offered_N_m);
+    load[k] = offered_N_m > 0 ? all.stiffness_N_m[k] / offered_N_m : 0;
   }
-  const double share = StiffnessShare(normals_base, all.stiffness_N_m, kMaxContacts, limit_N_m);
+  const double share = StiffnessShare(normals_base, load);
   for (double& stiffness_N_m : all.stiffness_N_m) stiffness_N_m *= share;
   return all;
 }
@@ -214,7 +225,7 @@ void AskBodies(const Touchables& touchables, double dt_s, Meetings& all, State& 
 
 ContactForces ForcesOf(const Offer& offer, const Touchables& touchables, const Input& input,
                        const std::array<Vec3, kMaxContacts>& last_proxy_m, State& state) noexcept {
-  Meetings all = MeetAll(touchables, input, offer.stiffness_N_m, state);
+  Meetings all = MeetAll(touchables, input, offer, state);
   AskBodies(touchables, input.dt_s, all, state);
   ContactForces forces;
   const Law law{offer, touchables, input, input.dt_s};
