@@ -71,7 +71,7 @@ Document DragonScene() {
                               {"staticFriction", 0.7},
                               {"dynamicFriction", 0.5},
                               {"softness",
-                               {{"model", "winkler"},
+                               {{"model", "tet"},
                                 {"youngModulus", 3.0e4},
                                 {"poissonRatio", 0.45},
                                 {"thickness", 0.012},

@@ -1,4 +1,4 @@
-// A rounded block; its top and two of its sides can be taken hold of and extruded.
+// A rounded block of clay: wherever it is pressed and held, it can be pulled out and pushed in.
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -79,23 +79,29 @@ Mesh BlockMesh() {
 }  // namespace
 
 Document ExtrusionScene() {
-  const OrderedJson body = {{"stiffness", 600.0}, {"damping", 0.6}, {"staticFriction", 0.5}, {"dynamicFriction", 0.4}};
-  OrderedJson face = body;
-  face["extrude"] = {{"step", 0.004}, {"stepsOut", 2}, {"stepsIn", 1}, {"grabForce", 0.5}, {"dwell", 0.2}};
-  const auto uses = [](int index) { return OrderedJson{{"OMNI_haptic_material", {{"material", index}}}}; };
+  const OrderedJson clay = {{"stiffness", 600.0},
+                            {"damping", 0.6},
+                            {"staticFriction", 0.5},
+                            {"dynamicFriction", 0.4},
+                            {"sculptable",
+                             {{"radius", 0.006},
+                              {"falloff", "constant"},
+                              {"snap", 0.002},
+                              {"grabForce", 0.5},
+                              {"dwell", 0.2},
+                              {"resistance", 150.0}}}};
   Document document;
   document.title = "extrusion";
-  document.materials = {{"block", {0.300, 0.420, 0.560}, 0.6, 0, uses(0), nullptr},
-                        {"top, extrudes", {0.900, 0.420, 0.090}, 0.5, 0, uses(1), nullptr},
-                        {"right, extrudes", {0.130, 0.480, 0.420}, 0.5, 0, uses(1), nullptr},
-                        {"front, extrudes", {0.560, 0.200, 0.330}, 0.5, 0, uses(1), nullptr}};
-  document.meshes = {{"block", BlockMesh(), {kBody, kTop, kRight, kFront}, nullptr}};
+  document.materials = {{"block", {0.300, 0.420, 0.560}, 0.6, 0, nullptr, nullptr},
+                        {"top", {0.900, 0.420, 0.090}, 0.5, 0, nullptr, nullptr},
+                        {"right", {0.130, 0.480, 0.420}, 0.5, 0, nullptr, nullptr},
+                        {"front", {0.560, 0.200, 0.330}, 0.5, 0, nullptr, nullptr}};
+  document.meshes = {
+      {"block", BlockMesh(), {kBody, kTop, kRight, kFront}, {{"MPEG_haptic_material", {{"hapticMaterialIndex", 0}}}}}};
   document.nodes.push_back({"block", 0, Vec(0.0), 0, nullptr, {}});
-  const auto named = [](const char* name, const OrderedJson& values) {
-    return OrderedJson{{"name", name}, {"extensions", {{"OMNI_haptic_material", values}}}};
-  };
-  document.extensions = {{"MPEG_haptic_material",
-                          {{"materials", OrderedJson::array({named("stiff", body), named("stiff, extrudes", face)})}}}};
+  document.extensions = {
+      {"MPEG_haptic_material",
+       {{"materials", OrderedJson::array({{{"name", "clay"}, {"extensions", {{"OMNI_haptic_material", clay}}}}})}}}};
   document.extensions_used = {"MPEG_haptic_material", "OMNI_haptic_material"};
   return document;
 }
