@@ -123,10 +123,23 @@ inline int MeetMask(const TrianglePacket& packet, const SegmentLanes& s) noexcep
                                  {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)}));
 }
 
-// (1.8) Squared lower bound of the distance of p to each of four triangles. A nearest point q is computed in float as
-// in (1.1); whatever its error, no point x of the triangle is nearer than min_k u . (v_k - p), u = (q - p) / |q - p|,
-// because u . x is linear. Zero or not a number where nothing can be said.
-inline __m128 TriangleDistanceSquared(const TrianglePacket& packet, const Lanes3& p) noexcept {
+// (1.8) What bounds the distance of p to each of four triangles. A nearest point q is computed in float as in (1.1);
+// whatever its error, no point x of the triangle is nearer than min_k u . (v_k - p), u = (q - p) / |q - p|, because
+// u . x is linear.
+struct TriangleBounds {
+  Lanes3 to_nearest;      // q - p
+  __m128 least;           // min_k (q - p) . (v_k - p)
+  __m128 length_squared;  // |q - p|^2
+  // The bound squared; zero or not a number where nothing can be said.
+  __m128 DistanceSquared() const noexcept {
+    const __m128 squared = _mm_div_ps(_mm_mul_ps(least, least), length_squared);
+    const __m128 sound =
+        _mm_and_ps(_mm_cmpgt_ps(least, _mm_setzero_ps()), _mm_cmpgt_ps(length_squared, _mm_set1_ps(1e-30F)));
+    return _mm_and_ps(sound, squared);
+  }
+};
+
+inline TriangleBounds BoundTriangles(const TrianglePacket& packet, const Lanes3& p) noexcept {
   const __m128 zero = _mm_setzero_ps(), one = _mm_set1_ps(1);
   const Lanes3 a = LoadCorner(packet, 0) - p, b = LoadCorner(packet, 1) - p, c = LoadCorner(packet, 2) - p;
   const Lanes3 ab = b - a, ac = c - a;
@@ -171,11 +184,11 @@ inline __m128 TriangleDistanceSquared(const TrianglePacket& packet, const Lanes3
     return _mm_add_ps(from, _mm_add_ps(_mm_mul_ps(v, by_b), _mm_mul_ps(w, by_c)));
   };
   const Lanes3 q{mix(a.x, ab.x, ac.x), mix(a.y, ab.y, ac.y), mix(a.z, ab.z, ac.z)};
-  const __m128 least = _mm_min_ps(_mm_min_ps(Dot(q, a), Dot(q, b)), Dot(q, c));
-  const __m128 length_squared = Dot(q, q);
-  const __m128 squared = _mm_div_ps(_mm_mul_ps(least, least), length_squared);
-  const __m128 sound = both(_mm_cmpgt_ps(least, zero), _mm_cmpgt_ps(length_squared, _mm_set1_ps(1e-30F)));
-  return _mm_and_ps(sound, squared);
+  return {q, _mm_min_ps(_mm_min_ps(Dot(q, a), Dot(q, b)), Dot(q, c)), Dot(q, q)};
+}
+
+inline __m128 TriangleDistanceSquared(const TrianglePacket& packet, const Lanes3& p) noexcept {
+  return BoundTriangles(packet, p).DistanceSquared();
 }
 
 }  // namespace omni::haptics
