@@ -1,0 +1,398 @@
+// The bodies of ball_proxy.h's templates: include this where a view is instantiated, once per view.
+#pragma once
+
+#include <bit>
+
+#include "service/haptics/contact/ball_proxy.h"
+#include "service/haptics/geometry/query_in_tree.h"
+
+namespace omni::haptics {
+
+// A triangle near the ball, behind a plane: from a place that is `way` away from where it was gathered, its distance is
+// at least lower_m + normal . way   (12.3).
+struct BallNeighbour {
+  std::uint32_t triangle;
+  std::array<float, 3> normal;
+  double lower_m;
+
+  double AtLeast(const Vec3& way) const noexcept {
+    return lower_m + double{normal[0]} * way.x + double{normal[1]} * way.y + double{normal[2]} * way.z;
+  }
+};
+
+// All triangles within some distance of a place.
+struct BallNear {
+  std::size_t count = 0;
+  std::array<BallNeighbour, kMaxBallNear> of;
+};
+
+// Triangles of the packet within `bound` (squared) of p. False: there is no room for all.
+inline bool AddPacket(const TrianglePacket& packet, bool moves, const Lanes3& p, float bound, double slack_m,
+                      BallNear& near) noexcept {
+  alignas(16) float squared[kPacketSize] = {}, normal[3][kPacketSize] = {};
+  unsigned mask = 0xF;
+  if (!moves) {
+    const TriangleBounds bounds = BoundTriangles(packet, p);
+    const __m128 d = bounds.DistanceSquared();
+    mask ^= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(d, _mm_set1_ps(bound))));
+    if (mask == 0) return true;
+    const __m128 back = _mm_div_ps(_mm_set1_ps(-1), _mm_sqrt_ps(bounds.length_squared));
+    _mm_store_ps(squared, d);
+    _mm_store_ps(normal[0], _mm_mul_ps(back, bounds.to_nearest.x));
+    _mm_store_ps(normal[1], _mm_mul_ps(back, bounds.to_nearest.y));
+    _mm_store_ps(normal[2], _mm_mul_ps(back, bounds.to_nearest.z));
+  }
+  for (; mask != 0; mask &= mask - 1) {
+    const auto k = static_cast<std::size_t>(std::countr_zero(mask));
+    if (k > 0 && packet.triangle[k] == packet.triangle[0]) continue;  // fills an unused lane
+    if (near.count == kMaxBallNear) return false;
+    BallNeighbour& added = near.of[near.count++];
+    added = {packet.triangle[k], {}, 0};
+    if (!(squared[k] > 0)) continue;  // nothing is known
+    added.normal = {normal[0][k], normal[1][k], normal[2][k]};
+    added.lower_m = std::sqrt(double{squared[k]}) * (1 - 0x1p-20) - slack_m;
+  }
+  return true;
+}
+
+// False: more than kMaxBallNear.
+template <TreeView View>
+bool GatherNear(const View& view, std::uint32_t root, const Vec3& p, double distance_m, BallNear& near) noexcept {
+  near.count = 0;
+  const double slack_m = FloatSlack(view.TreeExtent(), LargestComponent(p));
+  const float bound = SquaredBound(distance_m, slack_m);
+  const __m128 bound_lanes = _mm_set1_ps(bound);
+  const Lanes3 lanes = Spread(p);
+  std::array<std::uint32_t, (kTreeWidth - 1) * kMaxTreeDepth + kTreeWidth> stack;
+  std::size_t size = 0;
+  stack[size++] = root;
+  while (size > 0) {
+    const std::uint32_t child = stack[--size];
+    if ((child & kLeafBit) != 0) {
+      const bool moves = (child & kMovesBit) != 0;
+      if (!AddPacket(view.Packet(child & kChildIndex), moves, lanes, bound, slack_m, near)) return false;
+      continue;
+    }
+    const TreeNode& node = view.Node(child);
+    const auto low = _mm_movemask_ps(_mm_cmple_ps(BoxDistanceSquared(node, 0, lanes), bound_lanes));
+    const auto high = _mm_movemask_ps(_mm_cmple_ps(BoxDistanceSquared(node, 1, lanes), bound_lanes));
+    for (auto mask = static_cast<unsigned>(low | high << 4); mask != 0; mask &= mask - 1) {
+      stack[size++] = node.child[std::countr_zero(mask)];
+    }
+  }
+  return true;
+}
+
+// (12.3) First t in [0, limit] at which a ball moving from `centre` by t `move` is as near as `radius_m` to the
+// triangle and comes nearer; `limit` if none. The distance is convex in t, so Newton's steps never pass the first
+// touch: wherever they end, the way so far is free.
+inline double FirstTouch(const Corners& corners, const Vec3& centre, const Vec3& move, double radius_m, double near_m,
+                         double limit) noexcept {
+  constexpr int kMaxNewton = 32;
+  double t = 0;
+  for (int k = 0; k < kMaxNewton; ++k) {
+    const Vec3 at = centre + t * move;
+    const ClosestPoint closest = ClosestOnTriangle(corners, at);
+    const double distance_m = std::sqrt(closest.distance_squared), gap_m = distance_m - radius_m;
+    const double approach = distance_m > 0 ? -Dot(at - closest.point, move) / distance_m : 0;
+    if (gap_m <= near_m) return approach > 1e-9 * Norm(move) ? t : limit;
+    if (!(approach * (limit - t) > gap_m)) return limit;
+    t += gap_m / approach;
+  }
+  return t;
+}
+
+// Straight moves, one after the other: each towards the point that the surfaces touched now allow, as far as no other
+// surface is met   (12.2) to (12.5).
+template <TreeView View>
+class BallDescent {
+ public:
+  BallDescent(const View& view, std::uint32_t root, double radius_m, const Vec3& target, const Vec3& centre) noexcept
+      : view_(view),
+        root_(root),
+        radius_m_(radius_m),
+        give_m_(kBallGive * radius_m),
+        target_(target),
+        centre_(centre),
+        span_m_(std::max(radius_m, 1e-3)) {}
+
+  const Vec3& centre() const noexcept { return centre_; }
+
+  // `expected`: how far the ball will probably move.
+  BallContact Run(const Vec3& expected) noexcept {
+    if (!Gather(expected)) return Held();
+    for (int step = 0; step < kMaxBallSteps; ++step) {
+      FindTouching();
+      const NearestInside next = Next();
+      RememberFaces(next);
+      const bool slides = next.active_count > 0;
+      if (Norm(next.point) <= (slides ? 0.5 * give_m_ : 0)) return Contact(next, true);
+      const Vec3 move = slides ? Stride(next) : next.point;
+      const double known = Limit(move);  // what is left of the gathered place
+      if (known < 1 && known * Norm(move) < give_m_ && !Gather(move)) return Held();
+      const double t = Sweep(move, Limit(move));
+      centre_ = t == 1 && !slides ? target_ : centre_ + t * move;
+      if (t > 0) continue;
+      if (overshot_ || !slides) return Contact(next, false);
+      overshot_ = true;  // a longer stride was into another surface that is touched: again, without
+    }
+    FindTouching();
+    return Contact(Next(), false);
+  }
+
+ private:
+  // Finds all triangles that the ball could touch on its way along `move`, at least along its first part.
+  bool Gather(const Vec3& move) noexcept {
+    constexpr int kTries = 8;
+    const double length_m = Norm(move);
+    double share = length_m > span_m_ ? span_m_ / length_m : 1;
+    for (int k = 0; k < kTries; ++k, share *= 0.25) {
+      gathered_at_ = centre_ + (0.5 * share) * move;
+      reach_m_ = 0.7 * share * length_m + 4 * give_m_;
+      if (!GatherNear(view_, root_, gathered_at_, radius_m_ + reach_m_, near_)) continue;
+      if (near_.count == 0) span_m_ *= 2;
+      return true;
+    }
+    return false;
+  }
+
+  // The part of `move` on which every triangle is known that the ball could touch: inside of the sphere around where
+  // they were gathered.
+  double Limit(const Vec3& move) const noexcept {
+    const Vec3 way = centre_ - gathered_at_;
+    const double radius_m = reach_m_ - give_m_, out = Dot(way, move), squared = SquaredNorm(move);
+    const double root = std::sqrt(std::max(out * out + squared * (radius_m * radius_m - SquaredNorm(way)), 0.0));
+    return std::clamp((root - out) / squared, 0.0, 1.0);
+  }
+
+  // (12.2) Faces at their distance, edges and vertices a little nearer.
+  void FindTouching() noexcept {
+    touching_ = 0;
+    const Vec3 way = centre_ - gathered_at_;
+    for (std::size_t i = 0; i < near_.count; ++i) {
+      BallNeighbour& neighbour = near_.of[i];
+      if (neighbour.AtLeast(way) > radius_m_ + 0.5 * give_m_) continue;
+      const ClosestPoint closest = ClosestOnTriangle(view_.TriangleCorners(neighbour.triangle), centre_);
+      const double distance_m = std::sqrt(closest.distance_squared);
+      const double kept_m = IsOnFace(neighbour.triangle, closest) ? radius_m_ : radius_m_ - give_m_;
+      if (distance_m > kept_m + 0.5 * give_m_) continue;
+      const Vec3 normal =
+          distance_m > 0 ? (1 / distance_m) * (centre_ - closest.point) : FaceNormal(view_, neighbour.triangle);
+      AddTouching({normal, kept_m - distance_m}, {neighbour.triangle, closest, normal, 0});
+    }
+  }
+
+  // A face that has just held the ball does so to its very rim: else, where walls meet over the edges between coplanar
+  // triangles, the ball would be pushed off a face onto an edge and sink back.
+  bool IsOnFace(std::uint32_t triangle, const ClosestPoint& closest) const noexcept {
+    return closest.feature == Feature::kFace || std::find(faces_.begin(), faces_.end(), triangle) != faces_.end();
+  }
+
+  void RememberFaces(const NearestInside& next) noexcept {
+    const std::array<std::uint32_t, kMaxActive> last = faces_;
+    faces_.fill(kNoIndex);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(next.active_count); ++k) {
+      const BallTouch& touch = touches_[static_cast<std::size_t>(next.active[k])];
+      const bool held = std::find(last.begin(), last.end(), touch.triangle) != last.end();
+      if (held || touch.at.feature == Feature::kFace) faces_[k] = touch.triangle;
+    }
+  }
+
+  // The same direction twice (both faces of an edge) counts once. With no room left, what holds back least gives way.
+  void AddTouching(const HalfSpace& space, const BallTouch& touch) noexcept {
+    constexpr double kSameDirection = 1 - 1e-10;
+    const Vec3 goal = target_ - centre_;
+    std::size_t at = touching_;
+    for (std::size_t k = 0; k < touching_; ++k) {
+      if (Dot(spaces_[k].normal, space.normal) < kSameDirection) continue;
+      if (spaces_[k].offset >= space.offset) return;
+      at = k;
+    }
+    if (at == kMaxBallTouching) {
+      at = 0;
+      for (std::size_t k = 1; k < touching_; ++k) {
+        if (Dot(spaces_[k].normal, goal) > Dot(spaces_[at].normal, goal)) at = k;
+      }
+      if (Dot(spaces_[at].normal, goal) <= Dot(space.normal, goal)) return;
+    }
+    spaces_[at] = space;
+    touches_[at] = touch;
+    touching_ = std::max(touching_, at + 1);
+  }
+
+  // (12.4) Squeezed between walls the ball may slide, but not out of them.
+  NearestInside Next() noexcept {
+    const double tolerance_m = 1e-4 * give_m_;
+    const std::span<const HalfSpace> spaces(spaces_.data(), touching_);
+    const NearestInside next = NearestInHalfSpaces(target_ - centre_, spaces, tolerance_m);
+    if (next.feasible) return next;
+    for (std::size_t k = 0; k < touching_; ++k) spaces_[k].offset = std::min(spaces_[k].offset, 0.0);
+    const NearestInside slide = NearestInHalfSpaces(target_ - centre_, spaces, tolerance_m);
+    return slide.feasible ? slide : Stuck();
+  }
+
+  // Rounding left no way: held by the surface that stands most in the way.
+  NearestInside Stuck() const noexcept {
+    NearestInside stuck;
+    stuck.active_count = 1;
+    for (std::size_t k = 1; k < touching_; ++k) {
+      const auto most = static_cast<std::size_t>(stuck.active[0]);
+      const Vec3 goal = target_ - centre_;
+      if (Dot(spaces_[k].normal, goal) < Dot(spaces_[most].normal, goal)) stuck.active[0] = static_cast<int>(k);
+    }
+    return stuck;
+  }
+
+  // (12.5) On round edges and corners slides would get shorter by a factor each time; where two faces meet in a very
+  // blunt groove they would turn back and forth.
+  Vec3 Stride(const NearestInside& next) noexcept {
+    const Vec3 slide = next.point, last = last_slide_;
+    if (Norm(slide) < 4 * give_m_) return slide;  // hardly more than being pushed out
+    last_slide_ = slide;
+    const bool turned = Dot(slide, last) < -0.5 * Norm(slide) * Norm(last);
+    stride_ = turned ? 0.5 * stride_ : 1;
+    overshot_ = overshot_ || turned;
+    const auto active = static_cast<std::size_t>(next.active[0]);
+    const Rim last_rim = last_rim_;
+    last_rim_ = next.active_count == 1 ? RimOf(touches_[active]) : Rim{};
+    if (overshot_ || last_rim_.from == kNoIndex || !(last_rim_ == last_rim)) return stride_ * slide;
+    return AroundRim(spaces_[active].normal, touches_[active].at.point, slide);
+  }
+
+  // The edge that is touched, or the vertex twice; none for a face.
+  struct Rim {
+    std::uint32_t from = kNoIndex, to = kNoIndex;
+    bool operator==(const Rim&) const = default;
+  };
+  Rim RimOf(const BallTouch& touch) const noexcept {
+    if (touch.at.feature == Feature::kFace) return {};
+    const auto& vertex = view_.GetTriangle(touch.triangle).vertex;
+    const std::uint32_t a = vertex[touch.at.index];
+    const std::uint32_t b = touch.at.feature == Feature::kEdge ? vertex[(touch.at.index + 1) % 3] : a;
+    return {std::min(a, b), std::max(a, b)};
+  }
+
+  // Lengthens the part of a slide that goes around the rim so that the way from its end straight to the target meets
+  // the rim's circle at the place that is nearest to the target: k = kept / height. A target over the rim or beyond it
+  // makes the ball leave: it does so in long steps, too.
+  Vec3 AroundRim(const Vec3& normal, const Vec3& place, const Vec3& slide) const noexcept {
+    constexpr double kLongest = 8, kFarthest = 0.25;  // times the slide, of the radius
+    const double height_m = Dot(normal, target_ - place), kept_m = radius_m_ - give_m_;
+    const Vec3 edge = Normalized(view_.VertexPosition(last_rim_.to) - view_.VertexPosition(last_rim_.from));
+    const Vec3 around = slide - Dot(slide, normal) * normal - Dot(slide, edge) * edge;
+    const double times =
+        std::min(kept_m / std::max(height_m, kept_m / kLongest), kFarthest * kept_m / std::max(Norm(around), give_m_));
+    return times > 1 ? slide + (times - 1) * around : slide;
+  }
+
+  // (12.3)
+  double Sweep(const Vec3& move, double limit) noexcept {
+    const double hard_m = radius_m_ - 2 * give_m_, over_m = radius_m_ - 1.5 * give_m_;
+    double t = limit;
+    const Vec3 way = centre_ - gathered_at_;
+    for (std::size_t i = 0; i < near_.count && t > 0; ++i) {
+      const BallNeighbour& neighbour = near_.of[i];
+      if (std::min(neighbour.AtLeast(way), neighbour.AtLeast(way + t * move)) > over_m) continue;
+      const Corners corners = view_.TriangleCorners(neighbour.triangle);
+      if (!StaysOver(corners, t * move, over_m)) t = FirstTouch(corners, centre_, move, hard_m, 0.25 * give_m_, t);
+    }
+    return t;
+  }
+
+  // Over the triangle's plane, before the move and after it: then the plane is not met, let alone the triangle.
+  bool StaysOver(const Corners& corners, const Vec3& move, double over_m) const noexcept {
+    const Vec3 area = AreaVector(corners);
+    const double before = Height(corners, area, centre_), after = before + Dot(area, move);
+    const double least = before * after > 0 ? std::min(before * before, after * after) : 0;
+    return least > over_m * over_m * SquaredNorm(area);
+  }
+
+  BallContact Contact(const NearestInside& next, bool settled) const noexcept {
+    BallContact contact;
+    contact.settled = settled;
+    const Vec3 push = centre_ - target_;
+    const double push_m = Norm(push);
+    const auto shares = Multipliers(next, {spaces_.data(), touching_}, push);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(next.active_count); ++k) {
+      if (!(shares[k] > 0)) continue;
+      BallTouch& touch = contact.touches[static_cast<std::size_t>(contact.touch_count++)];
+      touch = touches_[static_cast<std::size_t>(next.active[k])];
+      touch.share = shares[k] / push_m;
+    }
+    return contact;
+  }
+
+  // Touched in too many places to tell what a move would meet: held, unless it is plain that nothing holds it.
+  BallContact Held() noexcept {
+    const bool is_free = NearestInTree(view_, root_, target_, radius_m_ - give_m_).triangle == kNoIndex &&
+                         CrossingInTree(view_, root_, centre_, target_, true).triangle == kNoIndex;
+    if (is_free) {
+      centre_ = target_;
+      return {};
+    }
+    BallContact contact;
+    contact.settled = false;
+    const NearestResult nearest = NearestInTree(view_, root_, centre_);
+    contact.touch_count = 1;
+    contact.touches[0] = {nearest.triangle, nearest.closest, Normalized(centre_ - nearest.closest.point), 1};
+    return contact;
+  }
+
+  const View& view_;
+  const std::uint32_t root_;
+  const double radius_m_, give_m_;
+  const Vec3 target_;
+  Vec3 centre_;
+  double span_m_;       // longest move that is looked ahead for at once
+  Vec3 gathered_at_;    // around there, near_ is complete ...
+  double reach_m_ = 0;  // ... for a ball whose centre is at most so far away
+  BallNear near_;
+  std::array<std::uint32_t, kMaxActive> faces_{kNoIndex, kNoIndex, kNoIndex};  // that held the ball at the last move
+  Vec3 last_slide_;
+  double stride_ = 1;
+  bool overshot_ = false;  // in this tick: no lengthened strides any more
+  Rim last_rim_;
+  std::size_t touching_ = 0;
+  std::array<HalfSpace, kMaxBallTouching> spaces_;
+  std::array<BallTouch, kMaxBallTouching> touches_;
+};
+
+inline constexpr double kFarthestBall_m = 1e6;
+
+template <TreeView View>
+BallState StartBall(const View& view, std::uint32_t root, bool closed, double radius_m,
+                    const Vec3& device_point_m) noexcept {
+  constexpr int kTries = 48;  // twice as far each time: 1e-6 m to out of any scene
+  if (!Within(device_point_m, kFarthestBall_m)) return {};
+  const NearestResult nearest = NearestInTree(view, root, device_point_m);
+  const auto is_free = [&](const NearestResult& at, const Vec3& centre) noexcept {
+    const double kept_m = radius_m * (1 - kBallGive);
+    return at.closest.distance_squared >= kept_m * kept_m && !(closed && SideOf(view, at, centre) < 0);
+  };
+  if (is_free(nearest, device_point_m)) return {device_point_m, device_point_m};
+  const ClosestPoint& foot = nearest.closest;
+  Vec3 out = Normalized(device_point_m - foot.point);
+  if (!(foot.distance_squared > 1e-18))
+    out = Pseudonormal(view, nearest.triangle, foot.feature, foot.index);
+  else if (closed && SideOf(view, nearest, device_point_m) < 0)
+    out = -out;
+  Vec3 centre;
+  double distance_m = radius_m;
+  for (int k = 0; k < kTries; ++k, distance_m *= 2) {
+    centre = foot.point + distance_m * out;
+    if (is_free(NearestInTree(view, root, centre), centre)) break;
+  }
+  return {centre, device_point_m};
+}
+
+template <TreeView View>
+BallContact FollowBall(const View& view, std::uint32_t root, double radius_m, const Vec3& device_point_m,
+                       BallState& state) noexcept {
+  if (!Within(device_point_m, kFarthestBall_m)) return {};
+  BallDescent<View> descent(view, root, radius_m, device_point_m, state.centre_m);
+  const BallContact contact = descent.Run(device_point_m - state.device_point_m);
+  state = {descent.centre(), device_point_m};
+  return contact;
+}
+
+}  // namespace omni::haptics

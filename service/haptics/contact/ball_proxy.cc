@@ -1,0 +1,10 @@
+#include "service/haptics/contact/ball_proxy.h"
+
+#include "service/haptics/contact/ball_in_tree.h"
+
+namespace omni::haptics {
+
+template BallState StartBall(const Surface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+template BallContact FollowBall(const Surface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
+
+}  // namespace omni::haptics

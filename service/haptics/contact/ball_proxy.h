@@ -1,0 +1,69 @@
+// The tip as a ball: its proxy is the centre of a ball that stays outside of the surface, on the side it came from, and
+// as near to the device point as it can get from where it is. docs/theory/haptics.md, section 12.
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "service/haptics/contact/half_spaces.h"
+#include "service/haptics/geometry/query.h"
+
+namespace omni::haptics {
+
+inline constexpr double kMinBallRadius_m = 1e-6;  // smaller: use the point proxy
+inline constexpr double kMaxBallRadius_m = 0.01;
+
+// A ball of radius r rests at r from faces and at r (1 - kBallGive) from edges and vertices, so that a face always
+// comes before its own rim and inner edges are not felt, whatever the mesh. Nothing is ever nearer than r (1 - 2
+// kBallGive).
+inline constexpr double kBallGive = 1e-4;
+
+inline constexpr int kMaxBallSteps = 32;     // straight moves in a tick; the ball goes on in the next
+inline constexpr int kMaxBallNear = 512;     // triangles looked at in a move; more near by: the move gets shorter
+inline constexpr int kMaxBallTouching = 16;  // surfaces touched at once; those that hold back most are kept
+
+// What is kept from tick to tick, one for each object a ball can touch. Frame: the mesh's rest frame. Who moves the
+// mesh's vertices carries the centre of a touching ball along by the same motion, or keeps the motion below the radius:
+// the ball is pushed out of what came up to its centre, not of what passed it.
+struct BallState {
+  Vec3 centre_m;
+  Vec3 device_point_m;  // of the last tick
+};
+static_assert(std::is_trivially_copyable_v<BallState>);
+
+// One place at which the ball rests.
+struct BallTouch {
+  std::uint32_t triangle = kNoIndex;
+  ClosestPoint at;   // place on the triangle: point, weights, feature
+  Vec3 normal;       // unit, from the surface to the ball's centre
+  double share = 0;  // >= 0: of the push centre - device point, share x |push| x normal is from here
+};
+
+struct BallContact {
+  int touch_count = 0;  // 0: the centre is at the device point, nothing is felt
+  std::array<BallTouch, kMaxActive> touches;
+  bool settled = true;  // false: the ball is still under way, its place is free but not the nearest
+};
+
+// Puts the ball where it may be: at the device point if that is free, else outside near the nearest surface, from where
+// the first tick lets it fall. `closed`: the object has an inside, which is not free. Any device point with components
+// within 1e6 m.
+template <TreeView View>
+BallState StartBall(const View& view, std::uint32_t root, bool closed, double radius_m,
+                    const Vec3& device_point_m) noexcept;
+
+// One tick: the ball rolls and slides from state.centre_m to the local minimum of its distance to the device point. It
+// passes through nothing at any speed, because its moves are swept. Precondition: kMinBallRadius_m <= radius_m <=
+// kMaxBallRadius_m, the same as in the ticks before. A device point beyond 1e6 m, or no number, changes nothing.
+//
+// Work is bounded by the constants above. At the bounds the ball stays where it is for the rest of the tick, which is
+// free; where more than kMaxBallNear triangles touch it at once it is held, and let go when its device point is free
+// and in sight of its centre   (12.6).
+template <TreeView View>
+BallContact FollowBall(const View& view, std::uint32_t root, double radius_m, const Vec3& device_point_m,
+                       BallState& state) noexcept;
+
+extern template BallState StartBall(const Surface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+extern template BallContact FollowBall(const Surface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
+
+}  // namespace omni::haptics
