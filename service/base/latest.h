@@ -16,7 +16,13 @@ class Latest {
  public:
   // Writer thread only.
   void Write(const T& value) noexcept {
-    slots_[writer_] = value;
+    WriteWith([&value](T& slot) { slot = value; });
+  }
+
+  // The same without a copy of its own: `fill(T&)` is given the slot, with some older value in it.
+  template <class Fill>
+  void WriteWith(Fill&& fill) noexcept {
+    fill(slots_[writer_]);
     const std::uint8_t previous =
         exchange_.exchange(static_cast<std::uint8_t>(writer_ | kFresh), std::memory_order_acq_rel);
     writer_ = previous & kIndex;

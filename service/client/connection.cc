@@ -43,11 +43,13 @@ struct Connection::Impl {
   void OnWelcome(std::int64_t now_ns, const protocol::Welcome& welcome, UniqueFd* fds, std::size_t fd_count);
   void OnReject(std::int64_t now_ns, const protocol::Reject& reject);
   void OnNotice(const protocol::Notice& notice);
+  void OnSurfaces(std::int64_t now_ns, const protocol::Surfaces& surfaces, UniqueFd* fds, std::size_t fd_count);
   // A packet that must not come now, or not at all.
   void OnOther(std::int64_t now_ns, const protocol::Message& message);
   void Disconnect(std::int64_t now_ns) noexcept;
   void Fail(std::int64_t now_ns, const std::string& problem);
   void SendPendingSession() noexcept;
+  void SendSurfaceRequest() noexcept;
 
   template <class T>
   bool Send(const T& message) noexcept {
@@ -65,6 +67,10 @@ struct Connection::Impl {
   std::int64_t greeting_since_ns = 0;
   protocol::SessionState session = protocol::SessionState::kNone;
   bool session_pending = false;  // the service does not know `session` yet
+  std::shared_ptr<const SurfaceReader> surface_reader;
+  bool surfaces_wanted = false;
+  bool surfaces_pending = false;  // the service does not know `surfaces_wanted` yet
+  bool surfaces_answered = false;
   std::string status;
   std::vector<protocol::Notice> notices;
   std::string last_error;
@@ -79,6 +85,7 @@ void Connection::Impl::Advance(std::int64_t now_ns) {
     Fail(now_ns, "omnid at " + path + " does not answer; restart omnid");
   }
   if (phase == Phase::kConnected && session_pending) SendPendingSession();
+  if (phase == Phase::kConnected && surfaces_pending) SendSurfaceRequest();
 }
 
 void Connection::Impl::Attempt(std::int64_t now_ns) {
@@ -117,6 +124,8 @@ void Connection::Impl::Read(std::int64_t now_ns) {
       status.assign(reply->json);
     } else if (const auto* notice = std::get_if<protocol::Notice>(&message); notice && phase == Phase::kConnected) {
       OnNotice(*notice);
+    } else if (const auto* there = std::get_if<protocol::Surfaces>(&message); there && phase == Phase::kConnected) {
+      OnSurfaces(now_ns, *there, fds, received.fd_count);
     } else {
       OnOther(now_ns, message);
     }
@@ -140,6 +149,7 @@ void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& w
   phase = Phase::kConnected;
   last_error.clear();
   session_pending = session != protocol::SessionState::kNone;
+  surfaces_pending = surfaces_wanted;
 }
 
 void Connection::Impl::OnReject(std::int64_t now_ns, const protocol::Reject& reject) {
@@ -156,6 +166,25 @@ void Connection::Impl::OnNotice(const protocol::Notice& notice) {
   notices.push_back(notice);
 }
 
+void Connection::Impl::OnSurfaces(std::int64_t now_ns, const protocol::Surfaces& surfaces, UniqueFd* fds,
+                                  std::size_t fd_count) {
+  const std::size_t expected = surfaces.total_bytes > 0 ? 1 : 0;
+  if (fd_count != expected) {
+    return Fail(now_ns, "omnid at " + path + ": its Surfaces carries " + std::to_string(fd_count) +
+                            " descriptors, must be " + std::to_string(expected));
+  }
+  if (!surfaces_wanted || surfaces_pending) return;  // of a request that was taken back
+  surfaces_answered = true;
+  surface_reader.reset();
+  if (surfaces.total_bytes == 0) return;
+  std::string problem;
+  surface_reader = SurfaceReader::Map(fds[0].Release(), surfaces.total_bytes, &problem);
+  if (surface_reader == nullptr) return Fail(now_ns, "omnid at " + path + ": its " + problem);
+  if (surface_reader->memory_generation() != surfaces.memory_generation) {
+    return Fail(now_ns, "omnid at " + path + ": its surface memory is not the one it announced; restart omnid");
+  }
+}
+
 void Connection::Impl::OnOther(std::int64_t now_ns, const protocol::Message& message) {
   const auto* invalid = std::get_if<protocol::Invalid>(&message);
   const std::string what = invalid != nullptr ? invalid->reason : "a message that has no place there";
@@ -166,6 +195,8 @@ void Connection::Impl::Disconnect(std::int64_t now_ns) noexcept {
   phase = Phase::kIdle;
   socket.Reset();
   reader.reset();
+  surface_reader.reset();
+  surfaces_answered = false;
   life.Detach();
   next_attempt_ns = now_ns + info.retry_interval_ns;
 }
@@ -179,6 +210,12 @@ void Connection::Impl::SendPendingSession() noexcept {
   protocol::Session message;
   message.state = session;
   session_pending = !Send(message);
+}
+
+void Connection::Impl::SendSurfaceRequest() noexcept {
+  protocol::SurfaceRequest message;
+  message.wanted = surfaces_wanted ? 1 : 0;
+  surfaces_pending = !Send(message);
 }
 
 Connection::Connection(ConnectionInfo info) : impl_(std::make_unique<Impl>(std::move(info))) {}
@@ -221,6 +258,19 @@ bool Connection::SendHapticStop() noexcept {
 }
 
 bool Connection::RequestStatus() noexcept { return impl_->Send(protocol::StatusRequest{}); }
+
+bool Connection::RequestSurfaces(bool wanted) noexcept {
+  impl_->surfaces_wanted = wanted;
+  impl_->surfaces_pending = true;
+  impl_->surfaces_answered = false;
+  impl_->surface_reader.reset();
+  if (connected()) impl_->SendSurfaceRequest();
+  return !impl_->surfaces_pending;
+}
+
+std::shared_ptr<const SurfaceReader> Connection::surfaces() const noexcept { return impl_->surface_reader; }
+
+bool Connection::surfaces_answered() const noexcept { return impl_->surfaces_answered; }
 
 std::string Connection::TakeStatus() { return std::exchange(impl_->status, {}); }
 

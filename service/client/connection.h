@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "service/client/state_reader.h"
+#include "service/client/surface_reader.h"
 #include "service/protocol/control.h"
 
 namespace omni::client {
@@ -49,6 +50,15 @@ class Connection {
   bool SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept;
   bool SendHapticStop() noexcept;
   bool RequestStatus() noexcept;
+
+  // Asks for the surfaces that change shape or place, or no longer; asked again on reconnection. Nothing is computed
+  // while nobody asks.
+  bool RequestSurfaces(bool wanted) noexcept;
+  // The newest memory announced; another one after a change of scene, or when a sculpted surface has outgrown it. Null:
+  // not asked, not answered yet, or nothing changes. Lives as long as the caller holds it.
+  std::shared_ptr<const SurfaceReader> surfaces() const noexcept;
+  // The newest request was answered, if only with "nothing".
+  bool surfaces_answered() const noexcept;
 
   // Newest answer to RequestStatus (JSON), empty if none yet; taking it clears it.
   std::string TakeStatus();

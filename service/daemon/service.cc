@@ -21,7 +21,12 @@ Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       start_ns_(base::MonotonicNow_ns()),
       builder_(options_.hull_radius_m, options_.cache_folder),
-      calibration_(options_.calibration) {
+      calibration_(options_.calibration),
+      surfaces_(
+          options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
+          [this](ipc::ClientId id, const protocol::Surfaces& surfaces, int fd) {
+            return server_ != nullptr && server_->SendSurfaces(id, surfaces, fd);
+          }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
 }
 
@@ -66,6 +71,7 @@ void Service::OnGone(ipc::ClientId id) {
   DropScene(found->second);
   clients_.erase(found);
   owners_.Remove(id);
+  surfaces_.Remove(id);
   if (application) WriteCommands(base::MonotonicNow_ns());  // a dead owner's force goes now, not at the next period
 }
 
@@ -101,9 +107,14 @@ void Service::OnHapticStop(ipc::ClientId id) {
   WriteCommands(base::MonotonicNow_ns());
 }
 
+void Service::OnSurfaceRequest(ipc::ClientId id, bool wanted) {
+  if (clients_.count(id) != 0) surfaces_.Ask(id, wanted);
+}
+
 void Service::OnPeriod(std::int64_t now_ns) {
   TakeBuiltScenes();
   WriteCommands(now_ns);
+  UpdateSurfaces();
   ReleaseScenes();
 }
 
@@ -156,6 +167,20 @@ void Service::WriteCommands(std::int64_t now_ns) {
   if (loop_ == nullptr) return;
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
   loop_->commands().Write(commands);
+}
+
+void Service::UpdateSurfaces() {
+  const std::string problem = surfaces_.Update(wanted_ == nullptr ? nullptr : wanted_->scene, generation_);
+  if (!problem.empty()) Problem(0, 2, problem);
+  const std::lock_guard lock(loop_mutex_);
+  if (loop_ != nullptr) loop_->WantSurfaces(surfaces_.running());
+}
+
+bool Service::ReadSnapshot(loop::SurfaceSnapshot& snapshot) {
+  const std::lock_guard lock(loop_mutex_);
+  if (loop_ == nullptr) return false;
+  snapshot = loop_->surfaces().Read();
+  return true;
 }
 
 // Frees retired scenes once the tick is known to hold the newest hand-over. Until then it may hold, or be about to

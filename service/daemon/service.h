@@ -13,6 +13,7 @@
 #include "service/config/calibration_file.h"
 #include "service/daemon/owner.h"
 #include "service/daemon/scene_builder.h"
+#include "service/daemon/surface_clients.h"
 #include "service/device/transport.h"
 #include "service/ipc/server.h"
 #include "service/loop/tick_thread.h"
@@ -46,6 +47,7 @@ class Service : public ipc::ServerHandler {
   void OnSession(ipc::ClientId id, protocol::SessionState state) override;
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
+  void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override;
 
@@ -58,6 +60,8 @@ class Service : public ipc::ServerHandler {
   void TakeBuiltScenes();
   void ReleaseScenes();
   void WriteCommands(std::int64_t now_ns);
+  void UpdateSurfaces();
+  bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   void DropScene(Client& client);
   void Problem(ipc::ClientId id, int level, const std::string& text);
 
@@ -78,6 +82,7 @@ class Service : public ipc::ServerHandler {
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;
   std::string device_absent_why_ = "not opened yet";
+  SurfaceClients surfaces_;  // the last: its thread uses the loop
 };
 
 }  // namespace omni::daemon

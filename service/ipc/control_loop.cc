@@ -205,6 +205,10 @@ bool ControlLoop::Handle(Peer& peer, const protocol::Message& message) {
     AnswerStatus(peer);
     return false;  // one answer per round: a client that floods must not starve the others
   }
+  if (const auto* request = std::get_if<protocol::SurfaceRequest>(&message)) {
+    Guarded("OnSurfaceRequest", &peer, [&] { handler_.OnSurfaceRequest(peer.id(), request->wanted != 0); });
+    return !peer.doomed();
+  }
   return HandleApplication(peer, message);
 }
 
@@ -316,6 +320,12 @@ void ControlLoop::SendNotice(ClientId id, int level, const std::string& text) {
   notice.level = static_cast<std::uint32_t>(std::clamp(level, 0, 2));
   protocol::SetField(notice.text, text);
   found->second.Send(&notice, sizeof(notice));
+}
+
+bool ControlLoop::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd) {
+  const auto found = peers_.find(id);
+  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
+  return found->second.TrySend(&surfaces, sizeof(surfaces), fd);
 }
 
 }  // namespace omni::ipc

@@ -73,6 +73,12 @@ void Peer::Send(const void* bytes, std::size_t size) noexcept {
   if (result == SendResult::kGone) doomed_ = true;
 }
 
+bool Peer::TrySend(const void* bytes, std::size_t size, int fd) noexcept {
+  const SendResult result = protocol::SendPacket(socket_.get(), bytes, size, &fd, fd >= 0 ? 1 : 0);
+  if (result == SendResult::kGone) doomed_ = true;
+  return result == SendResult::kSent;
+}
+
 void Peer::ReadBeat(std::int64_t now_ns) noexcept {
   if (life_ == nullptr) return;
   const std::uint64_t beat = life_->beat.load(std::memory_order_relaxed);

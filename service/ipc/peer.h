@@ -47,6 +47,9 @@ class Peer {
   // Non-blocking: a peer that does not read loses the packet, a peer that is gone is doomed.
   void Send(const void* bytes, std::size_t size) noexcept;
 
+  // The same for what will be sent again later: a packet that does not go out is not counted as lost. `fd` < 0: none.
+  bool TrySend(const void* bytes, std::size_t size, int fd) noexcept;
+
   // Looks at the life page once.
   void ReadBeat(std::int64_t now_ns) noexcept;
 

@@ -32,6 +32,9 @@ class ServerHandler {
   virtual void OnSession(ClientId id, protocol::SessionState state) = 0;
   virtual void OnHaptic(ClientId id, const protocol::Haptic& haptic) = 0;
   virtual void OnHapticStop(ClientId id) = 0;
+  // This client wants to draw surfaces that change, or no longer; it waits for SendSurfaces. Not overridden: there are
+  // none, ever.
+  virtual void OnSurfaceRequest(ClientId /*id*/, bool /*wanted*/) {}
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -63,6 +66,8 @@ class Server {
   // Control thread only (from within handler calls).
   std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; read anew every period
   void SendNotice(ClientId id, int level, const std::string& text);
+  // False: it does not read now and the message was not sent, or it is gone. `fd` < 0: none goes along.
+  bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 

@@ -11,7 +11,8 @@ TickThread::TickThread(const TickConfig& config, const Options& options, TickSou
       source_(source),
       sink_(sink),
       statistics_(std::make_unique<TickStatistics>()),
-      telemetry_(std::make_unique<TelemetryRing>()) {}
+      telemetry_(std::make_unique<TelemetryRing>()),
+      surfaces_(std::make_unique<base::Latest<SurfaceSnapshot>>()) {}
 
 TickThread::~TickThread() { Stop(); }
 
@@ -55,6 +56,12 @@ void TickThread::TakeScene(const Commands& commands) noexcept {
   statistics_->scene_generation.store(next.generation, std::memory_order_release);
 }
 
+void TickThread::WriteSurfaces(std::int64_t t_ns) noexcept {
+  if (!surfaces_wanted_.load(std::memory_order_relaxed) || !SnapshotIsDue(t_ns, surfaces_written_ns_)) return;
+  surfaces_->WriteWith([this](SurfaceSnapshot& snapshot) { FillSurfaceSnapshot(state_, snapshot); });
+  surfaces_written_ns_ = t_ns;
+}
+
 void TickThread::Once(const base::HallScan& scan) noexcept {
   const Commands& commands = commands_.Read();
   const bool at_zero = state_.gate == 0 && record_.output.currents.current_A == base::CoilCurrents{}.current_A;
@@ -78,6 +85,7 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
     record_.scan = scan;
     if (!telemetry_->TryPush(record_)) statistics_->dropped_records.fetch_add(1, std::memory_order_relaxed);
   }
+  WriteSurfaces(scan.t_ns);
   if (record_.output.wants_scene) TakeScene(commands);
 }
 

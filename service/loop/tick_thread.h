@@ -9,6 +9,7 @@
 
 #include "service/base/latest.h"
 #include "service/loop/realtime.h"
+#include "service/loop/surface_snapshot.h"
 #include "service/loop/telemetry.h"
 #include "service/loop/tick.h"
 #include "service/loop/tick_source.h"
@@ -50,10 +51,15 @@ class TickThread {
   TelemetryRing& telemetry() noexcept { return *telemetry_; }
   const RealtimeStatus& realtime() const noexcept { return realtime_; }  // after Start
 
+  // Whether somebody draws surfaces: only then are snapshots written. Any thread.
+  void WantSurfaces(bool wanted) noexcept { surfaces_wanted_.store(wanted, std::memory_order_relaxed); }
+  base::Latest<SurfaceSnapshot>& surfaces() noexcept { return *surfaces_; }
+
  private:
   void Run();
   void Once(const base::HallScan& scan) noexcept;
   void TakeScene(const Commands& commands) noexcept;
+  void WriteSurfaces(std::int64_t t_ns) noexcept;
 
   const TickConfig config_;
   const Options options_;
@@ -63,6 +69,8 @@ class TickThread {
   base::Latest<SceneRef> scenes_;
   std::unique_ptr<TickStatistics> statistics_;
   std::unique_ptr<TelemetryRing> telemetry_;
+  std::unique_ptr<base::Latest<SurfaceSnapshot>> surfaces_;
+  std::atomic<bool> surfaces_wanted_{false};
   RealtimeStatus realtime_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> started_{false};
@@ -74,6 +82,7 @@ class TickThread {
   TickRecord record_;
   const haptics::Scene empty_;
   const haptics::Scene* scene_ = &empty_;
+  std::int64_t surfaces_written_ns_ = 0;
 };
 
 }  // namespace omni::loop

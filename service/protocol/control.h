@@ -12,20 +12,22 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
-inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr std::uint16_t kProtocolVersion = 2;
 inline constexpr std::size_t kMaxMessageBytes = 65536;
 inline constexpr std::size_t kMaxSocketPathBytes = 107;
 
 enum class MessageType : std::uint16_t {
-  kHello = 1,          // client -> server, first message
-  kWelcome = 2,        // server -> client, with two descriptors: state memory (read only), life page (read/write)
-  kReject = 3,         // server -> client, then close
-  kSession = 4,        // client -> server: the application's session changed
-  kHaptic = 5,         // client -> server
-  kHapticStop = 6,     // client -> server
-  kStatusRequest = 7,  // client -> server
-  kStatusReply = 8,    // server -> client: JSON text after the header
-  kNotice = 9          // server -> client: something a person should read (e.g. a scene that did not load)
+  kHello = 1,            // client -> server, first message
+  kWelcome = 2,          // server -> client, with two descriptors: state memory (read only), life page (read/write)
+  kReject = 3,           // server -> client, then close
+  kSession = 4,          // client -> server: the application's session changed
+  kHaptic = 5,           // client -> server
+  kHapticStop = 6,       // client -> server
+  kStatusRequest = 7,    // client -> server
+  kStatusReply = 8,      // server -> client: JSON text after the header
+  kNotice = 9,           // server -> client: something a person should read (e.g. a scene that did not load)
+  kSurfaceRequest = 20,  // client -> server: show me the surfaces that change, or no longer
+  kSurfaces = 21         // server -> client, with one descriptor (surface memory, read only) if there is one
 };
 
 struct MessageHeader {
@@ -86,6 +88,20 @@ struct HapticStop {
 
 struct StatusRequest {
   MessageHeader header{.type = MessageType::kStatusRequest, .size = sizeof(StatusRequest)};
+};
+
+// The newest request counts. Answered with Surfaces at once and again whenever the memory is another one.
+struct SurfaceRequest {
+  MessageHeader header{.type = MessageType::kSurfaceRequest, .size = sizeof(SurfaceRequest)};
+  std::uint32_t wanted = 0;  // 0 no, 1 yes
+  std::uint32_t reserved = 0;
+};
+
+// Layout: surface_memory.h. total_bytes 0: no descriptor, nothing in the present scene changes its shape or place.
+struct Surfaces {
+  MessageHeader header{.type = MessageType::kSurfaces, .size = sizeof(Surfaces)};
+  std::uint64_t total_bytes = 0;
+  std::uint64_t memory_generation = 0;  // the memory's own; 0 with total_bytes 0
 };
 
 struct Notice {

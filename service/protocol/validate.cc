@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "service/protocol/state_memory.h"
+#include "service/protocol/surface_memory.h"
 #include "service/protocol/text.h"
 
 namespace omni::protocol {
@@ -57,6 +58,16 @@ const char* Problem(const Notice& notice) noexcept {
   return IsTerminated(notice.text) ? nullptr : "text is not terminated";
 }
 
+const char* Problem(const SurfaceRequest& request) noexcept {
+  return request.wanted <= 1 ? nullptr : "wanted is neither 0 nor 1";
+}
+
+const char* Problem(const Surfaces& surfaces) noexcept {
+  if (!(surfaces.total_bytes <= kMaxSurfaceBytes)) return "total_bytes is above 2^30";
+  const bool both = (surfaces.total_bytes == 0) == (surfaces.memory_generation == 0);
+  return both ? nullptr : "total_bytes without memory_generation, or the reverse";
+}
+
 template <class T>
 Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
   if (size != sizeof(T)) return Because("%s of %zu bytes, must be %zu", name, size, sizeof(T));
@@ -86,6 +97,8 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kStatusRequest, "StatusRequest", Take<StatusRequest>},
     {MessageType::kStatusReply, "StatusReply", Take<StatusReply>},
     {MessageType::kNotice, "Notice", Take<Notice>},
+    {MessageType::kSurfaceRequest, "SurfaceRequest", Take<SurfaceRequest>},
+    {MessageType::kSurfaces, "Surfaces", Take<Surfaces>},
 };
 
 const TypeRow* FindType(MessageType type) noexcept {

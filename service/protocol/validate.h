@@ -25,8 +25,8 @@ struct StatusReply {
   std::string_view json;
 };
 
-using Message =
-    std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply, Notice>;
+using Message = std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply,
+                             Notice, SurfaceRequest, Surfaces>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;

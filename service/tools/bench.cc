@@ -41,6 +41,7 @@ constexpr Bench kBenches[] = {
     {"race", "hits of the car against what the pen feels; walls and cost of the race", BenchRace},
     {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
     {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},
+    {"surfaces", "showing surfaces that change: snapshot, vertices, shared memory, a client's copy", BenchSurfaces},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 

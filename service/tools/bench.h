@@ -89,6 +89,9 @@ base::Result<BenchRows> BenchDeformable(const BenchOptions& options);
 // tables: what the tick pays, ten thousand strokes and all of them undone, force steps while editing under the tip.
 base::Result<BenchRows> BenchSculpt(const BenchOptions& options);
 
+// Showing changing surfaces of 100,000 vertices: step, vertices, triangles, us_median, us_p99, n.
+base::Result<BenchRows> BenchSurfaces(const BenchOptions& options);
+
 // {"name", "command", "commit", "machine", "rows"} and, when there are side tables, "tables": {name: rows}.
 nlohmann::ordered_json BenchDocument(const std::string& name, const BenchRows& rows);
 // Aligned columns, one line a row.

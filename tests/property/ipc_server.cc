@@ -20,10 +20,11 @@ Bytes BytesOf(const T& message) {
 }
 
 Bytes RandomPacket(std::mt19937_64& random) {
-  static const std::vector<Bytes> seeds = {BytesOf(protocol::Hello{}),         BytesOf(protocol::Session{}),
-                                           BytesOf(protocol::Haptic{}),        BytesOf(protocol::HapticStop{}),
-                                           BytesOf(protocol::StatusRequest{}), BytesOf(protocol::Notice{}),
-                                           BytesOf(protocol::Reject{}),        BytesOf(protocol::Welcome{})};
+  static const std::vector<Bytes> seeds = {BytesOf(protocol::Hello{}),          BytesOf(protocol::Session{}),
+                                           BytesOf(protocol::Haptic{}),         BytesOf(protocol::HapticStop{}),
+                                           BytesOf(protocol::StatusRequest{}),  BytesOf(protocol::Notice{}),
+                                           BytesOf(protocol::Reject{}),         BytesOf(protocol::Welcome{}),
+                                           BytesOf(protocol::SurfaceRequest{}), BytesOf(protocol::Surfaces{})};
   Bytes bytes = seeds[1 + random() % (seeds.size() - 1)];
   if (random() % 3 == 0)
     bytes[random() % std::min<std::size_t>(bytes.size(), 40)] = static_cast<unsigned char>(random());

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "service/protocol/state_memory.h"
+#include "service/protocol/surface_memory.h"
 #include "service/protocol/text.h"
 
 namespace omni::protocol {
@@ -32,11 +33,15 @@ std::vector<Bytes> Seeds() {
   welcome.client_id = 1;
   welcome.state_bytes = sizeof(StateMemory);
   welcome.life_bytes = kLifePageBytes;
+  Surfaces surfaces;
+  surfaces.total_bytes = 4096;
+  surfaces.memory_generation = 3;
   MessageHeader reply;
   reply.type = MessageType::kStatusReply;
   reply.size = sizeof(reply);
-  return {BytesOf(Hello{}),      BytesOf(welcome),         BytesOf(Reject{}), BytesOf(Session{}), BytesOf(Haptic{}),
-          BytesOf(HapticStop{}), BytesOf(StatusRequest{}), BytesOf(Notice{}), BytesOf(reply)};
+  return {BytesOf(Hello{}),  BytesOf(welcome),          BytesOf(Reject{}),        BytesOf(Session{}),
+          BytesOf(Haptic{}), BytesOf(HapticStop{}),     BytesOf(StatusRequest{}), BytesOf(Notice{}),
+          BytesOf(reply),    BytesOf(SurfaceRequest{}), BytesOf(surfaces)};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {
@@ -73,6 +78,11 @@ struct Contract {
   void operator()(const Reject& reject) const { EXPECT_TRUE(IsTerminated(reject.reason)); }
   void operator()(const Welcome& welcome) const { EXPECT_NE(welcome.client_id, 0u); }
   void operator()(const StatusReply& reply) const { EXPECT_EQ(reply.json.size(), size - sizeof(MessageHeader)); }
+  void operator()(const SurfaceRequest& request) const { EXPECT_LE(request.wanted, 1u); }
+  void operator()(const Surfaces& surfaces) const {
+    EXPECT_LE(surfaces.total_bytes, kMaxSurfaceBytes);
+    EXPECT_EQ(surfaces.total_bytes == 0, surfaces.memory_generation == 0);
+  }
   template <class T>
   void operator()(const T&) const {
     EXPECT_EQ(size, sizeof(T));

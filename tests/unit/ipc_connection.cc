@@ -9,6 +9,7 @@
 #include <array>
 #include <iterator>
 
+#include "service/ipc/surface_publisher.h"
 #include "tests/scenario/ipc_fixture.h"
 
 namespace omni {
@@ -136,7 +137,7 @@ TEST(Connection, AnotherVersionIsNamed) {
     reject.server_version = 5;
     server.Send(reject);
   });
-  EXPECT_NE(error.find("speaks protocol version 5, this client version 1"), std::string::npos) << error;
+  EXPECT_NE(error.find("speaks protocol version 5, this client version 2"), std::string::npos) << error;
 }
 
 TEST(Connection, TheReasonOfARefusalSurvivesTheEndOfTheSocket) {
@@ -237,6 +238,77 @@ TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
   EXPECT_FALSE(connection.SendHapticStop());
   connection.Poll(base::MonotonicNow_ns());
   EXPECT_TRUE(connection.connected());
+}
+
+// A connection that has asked for surfaces, and what it makes of an answer.
+struct AskingForSurfaces {
+  AskingForSurfaces() : server(temp.Path("omnid.sock")), connection(InfoFor(temp.Path("omnid.sock"), "touch")) {
+    connection.RequestSurfaces(true);
+    connection.Poll(0);
+    server.Accept();
+    const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
+    const protocol::UniqueFd life = LifeFile(kLifeSeals);
+    server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
+    connection.Poll(1);
+    EXPECT_TRUE(connection.connected()) << connection.last_error();
+  }
+  void Answer(std::uint64_t bytes, std::uint64_t generation, const std::vector<int>& fds) {
+    protocol::Surfaces surfaces;
+    surfaces.total_bytes = bytes;
+    surfaces.memory_generation = generation;
+    server.Send(surfaces, fds);
+    connection.Poll(2);
+  }
+  const TempFolder temp;
+  FakeServer server;
+  client::Connection connection;
+};
+
+std::unique_ptr<ipc::SurfacePublisher> OneSurface(std::uint64_t generation) {
+  const protocol::SurfacePlan plan{.name = "cup", .flags = protocol::kSurfaceMoved};
+  return std::move(ipc::SurfacePublisher::Create({.memory_generation = generation}, {&plan, 1}).value());
+}
+
+TEST(Connection, TakesSurfacesAndTheirSuccessors) {
+  AskingForSurfaces asking;
+  EXPECT_FALSE(asking.connection.surfaces_answered());
+  asking.Answer(0, 0, {});
+  EXPECT_TRUE(asking.connection.surfaces_answered());
+  EXPECT_EQ(asking.connection.surfaces(), nullptr);
+  const auto first = OneSurface(1), second = OneSurface(2);
+  asking.Answer(first->bytes(), 1, {first->fd()});
+  ASSERT_NE(asking.connection.surfaces(), nullptr) << asking.connection.last_error();
+  const auto kept = asking.connection.surfaces();
+  asking.Answer(second->bytes(), 2, {second->fd()});
+  ASSERT_NE(asking.connection.surfaces(), nullptr);
+  EXPECT_EQ(asking.connection.surfaces()->memory_generation(), 2u);
+  EXPECT_EQ(kept->memory_generation(), 1u) << "what was taken before stays";
+  asking.connection.RequestSurfaces(false);
+  asking.Answer(second->bytes(), 2, {second->fd()});
+  EXPECT_EQ(asking.connection.surfaces(), nullptr) << "an answer that comes too late";
+  EXPECT_TRUE(asking.connection.connected());
+}
+
+TEST(Connection, BrokenSurfacesEndTheConnectionOnly) {
+  const auto memory = OneSurface(3);
+  const auto error_after = [](std::uint64_t bytes, std::uint64_t generation, const std::vector<int>& fds) {
+    AskingForSurfaces asking;
+    asking.Answer(bytes, generation, fds);
+    EXPECT_FALSE(asking.connection.connected());
+    EXPECT_EQ(asking.connection.surfaces(), nullptr);
+    return asking.connection.last_error();
+  };
+  const std::string none = error_after(memory->bytes(), 3, {});
+  EXPECT_NE(none.find("carries 0 descriptors, must be 1"), std::string::npos) << none;
+  const std::string too_many = error_after(0, 0, {memory->fd()});
+  EXPECT_NE(too_many.find("carries 1 descriptors, must be 0"), std::string::npos) << too_many;
+  const std::string other = error_after(memory->bytes(), 4, {memory->fd()});
+  EXPECT_NE(other.find("not the one it announced"), std::string::npos) << other;
+  const std::string small = error_after(memory->bytes() - 64, 3, {memory->fd()});
+  EXPECT_NE(small.find("surface memory"), std::string::npos) << small;
+  const protocol::UniqueFd life = LifeFile(kLifeSeals);
+  const std::string life_page = error_after(protocol::kLifePageBytes, 3, {life.get()});
+  EXPECT_NE(life_page.find("lacks the seals F_SEAL_FUTURE_WRITE"), std::string::npos) << life_page;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "service/protocol/state_memory.h"
+#include "service/protocol/surface_memory.h"
 #include "service/protocol/text.h"
 
 namespace omni::protocol {
@@ -45,6 +46,8 @@ TEST(Validate, LetsEveryDefaultMessageThrough) {
   EXPECT_TRUE(std::holds_alternative<HapticStop>(Check(HapticStop{})));
   EXPECT_TRUE(std::holds_alternative<StatusRequest>(Check(StatusRequest{})));
   EXPECT_TRUE(std::holds_alternative<Notice>(Check(Notice{})));
+  EXPECT_TRUE(std::holds_alternative<SurfaceRequest>(Check(SurfaceRequest{})));
+  EXPECT_TRUE(std::holds_alternative<Surfaces>(Check(Surfaces{})));
 }
 
 TEST(Validate, KeepsTheFields) {
@@ -168,6 +171,21 @@ TEST(Validate, RefusesWelcomesThatDoNotDescribeOurMemory) {
   welcome = GoodWelcome();
   welcome.life_bytes = 1 << 30;
   EXPECT_NE(ReasonFor(welcome).find("life_bytes"), std::string::npos);
+}
+
+TEST(Validate, RefusesSurfacesThatCannotBe) {
+  SurfaceRequest request;
+  request.wanted = 2;
+  EXPECT_NE(ReasonFor(request).find("wanted"), std::string::npos);
+  Surfaces surfaces;
+  surfaces.total_bytes = kMaxSurfaceBytes;
+  EXPECT_NE(ReasonFor(surfaces).find("memory_generation"), std::string::npos);
+  surfaces.memory_generation = 1;
+  EXPECT_EQ(ReasonFor(surfaces), "accepted");
+  surfaces.total_bytes += 1;
+  EXPECT_NE(ReasonFor(surfaces).find("total_bytes"), std::string::npos);
+  surfaces.total_bytes = 0;
+  EXPECT_NE(ReasonFor(surfaces).find("memory_generation"), std::string::npos);
 }
 
 TEST(Validate, NamesTypes) {

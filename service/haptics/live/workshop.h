@@ -25,6 +25,10 @@ class Workshop {
   const SculptTable* Acquire() noexcept { return editor_->publisher().Acquire(); }
   StrokeRing& ring() noexcept { return ring_; }
 
+  // The side of who draws, one thread: SculptPublisher::Pin.
+  const SculptTable* Pin() noexcept { return editor_->publisher().Pin(); }
+  void Unpin() noexcept { editor_->publisher().Unpin(); }
+
   // The editor's side, one thread.
   SculptEditor& editor() noexcept { return *editor_; }
   ServeReport Poll() { return server_.Poll(); }

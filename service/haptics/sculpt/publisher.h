@@ -1,8 +1,13 @@
-// Hands generations of a sculpted surface from the editor to one reader (the tick). The reader never waits and never
-// frees: it loads one pointer and says which generation it now holds. What an older generation refers to is used again
-// only after that.
+// Hands generations of a sculpted surface from the editor to two readers: the tick, and whoever draws.
+//
+// The tick never waits and never frees: it loads one pointer and says which generation it now holds. What an older
+// generation refers to is used again only after that. Who draws pins a generation for as long as the copy takes and
+// then lets go: a hazard pointer [Michael 2004], which asks for nothing to be set up on the editor's thread, and which
+// costs the editor one load. It loads the newest, says so, and looks again whether it still is the newest. Either the
+// editor sees the pin when it looks for what may be used again, or the reader sees that there is a newer one.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <vector>
@@ -11,7 +16,7 @@
 
 namespace omni::haptics::sculpt {
 
-// Generations the reader has not yet passed; beyond, edits collect and go out with a later publish.
+// Generations the readers have not yet passed; beyond, edits collect and go out with a later publish.
 inline constexpr std::size_t kMaxTables = 4;
 
 class SculptPublisher {
@@ -23,6 +28,19 @@ class SculptPublisher {
     return table;
   }
 
+  // Drawing thread only (one): the newest generation, valid until Unpin. Null: none published yet. Not while another
+  // one is pinned.
+  const SculptTable* Pin() noexcept {
+    const SculptTable* table = current_.load(std::memory_order_seq_cst);
+    for (;;) {
+      pinned_.store(table, std::memory_order_seq_cst);
+      const SculptTable* newest = current_.load(std::memory_order_seq_cst);
+      if (newest == table) return table;
+      table = newest;
+    }
+  }
+  void Unpin() noexcept { pinned_.store(nullptr, std::memory_order_release); }
+
   // Editor only. False while nothing reads (before the tick starts, after its thread has ended): all but the newest
   // generation is then free at once. Precondition for false: the reader calls Acquire no more.
   void SetReader(bool present) noexcept {
@@ -32,14 +50,16 @@ class SculptPublisher {
 
   // Editor only: nothing older than this generation is read any more.
   std::uint64_t OldestInUse() const noexcept {
-    return reader_ ? acknowledged_.load(std::memory_order_acquire) : generation_;
+    const std::uint64_t in_tick = reader_ ? acknowledged_.load(std::memory_order_acquire) : generation_;
+    const SculptTable* pinned = pinned_.load(std::memory_order_seq_cst);
+    return pinned != nullptr ? std::min(in_tick, pinned->generation) : in_tick;
   }
-  // A table that nobody reads, to be filled; null: the reader is kMaxTables generations behind.
+  // A table that nobody reads, to be filled; null: a reader is kMaxTables generations behind.
   SculptTable* Spare();
   // Makes it the newest generation; visible to the next Acquire.
   void Publish(SculptTable* table) noexcept {
     table->generation = ++generation_;
-    current_.store(table, std::memory_order_release);
+    current_.store(table, std::memory_order_seq_cst);
   }
   std::uint64_t generation() const noexcept { return generation_; }
   // The newest, for the editor's own questions; null: none yet.
@@ -47,6 +67,7 @@ class SculptPublisher {
 
  private:
   std::atomic<const SculptTable*> current_{nullptr};
+  std::atomic<const SculptTable*> pinned_{nullptr};
   std::atomic<std::uint64_t> acknowledged_{0};
   std::uint64_t generation_ = 0;
   bool reader_ = false;
