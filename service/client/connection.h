@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,14 @@ struct ConnectionInfo {
 
 // $OMNI_SOCKET, else $XDG_RUNTIME_DIR/omni/omnid.sock, else /tmp/omni-<uid>/omnid.sock.
 std::string DefaultSocketPath();
+
+// The answer to a scene command.
+struct SceneAnswer {
+  std::uint32_t number = 0;  // that SendSceneCommand returned
+  bool done = false;         // false: refused, `text` says why
+  std::string text;          // kEdits: JSON; else a line for people
+  std::string file;          // kSave: bytes of a .glb
+};
 
 class Connection {
  public:
@@ -49,6 +58,11 @@ class Connection {
   bool SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept;
   bool SendHapticStop() noexcept;
   bool RequestStatus() noexcept;
+
+  // Number of the command, which its answer bears; 0: not sent. `object` longer than the field is cut.
+  std::uint32_t SendSceneCommand(protocol::SceneAction action, std::uint64_t client_id, const std::string& object);
+  // Newest answer to a scene command; taking it clears it.
+  std::optional<SceneAnswer> TakeSceneAnswer();
 
   // Newest answer to RequestStatus (JSON), empty if none yet; taking it clears it.
   std::string TakeStatus();

@@ -205,6 +205,10 @@ bool ControlLoop::Handle(Peer& peer, const protocol::Message& message) {
     AnswerStatus(peer);
     return false;  // one answer per round: a client that floods must not starve the others
   }
+  if (const auto* command = std::get_if<protocol::SceneCommand>(&message)) {
+    Guarded("OnSceneCommand", &peer, [&] { handler_.OnSceneCommand(peer.id(), *command); });
+    return false;  // as above
+  }
   return HandleApplication(peer, message);
 }
 
@@ -316,6 +320,20 @@ void ControlLoop::SendNotice(ClientId id, int level, const std::string& text) {
   notice.level = static_cast<std::uint32_t>(std::clamp(level, 0, 2));
   protocol::SetField(notice.text, text);
   found->second.Send(&notice, sizeof(notice));
+}
+
+void ControlLoop::SendSceneReply(ClientId id, const SceneReplyParts& parts) {
+  const auto found = peers_.find(id);
+  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
+  protocol::SceneReply reply;
+  const std::size_t text_bytes = std::min(parts.text.size(), protocol::kMaxMessageBytes - sizeof(reply));
+  reply.header.size = static_cast<std::uint32_t>(sizeof(reply) + text_bytes);
+  reply.number = parts.number;
+  reply.done = parts.done ? 1 : 0;
+  reply.file_bytes = parts.done ? parts.file_bytes : 0;
+  std::string packet(reinterpret_cast<const char*>(&reply), sizeof(reply));
+  packet.append(parts.text, 0, text_bytes);
+  found->second.Send(packet.data(), packet.size(), &parts.file, reply.file_bytes > 0 ? 1 : 0);
 }
 
 }  // namespace omni::ipc

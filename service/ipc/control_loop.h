@@ -28,6 +28,7 @@ class ControlLoop {
   // Control thread only; null: unknown.
   const Peer* Find(ClientId id) const;
   void SendNotice(ClientId id, int level, const std::string& text);
+  void SendSceneReply(ClientId id, const SceneReplyParts& parts);
 
  private:
   ControlLoop(const ServerOptions& options, ServerHandler& handler, Listener listener);

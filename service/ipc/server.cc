@@ -52,6 +52,8 @@ std::int64_t Server::LastBeat_ns(ClientId id) const {
 
 void Server::SendNotice(ClientId id, int level, const std::string& text) { impl_->loop->SendNotice(id, level, text); }
 
+void Server::SendSceneReply(ClientId id, const SceneReplyParts& parts) { impl_->loop->SendSceneReply(id, parts); }
+
 std::uint64_t Server::DroppedMessages(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);
   return peer != nullptr ? peer->dropped() : 0;

@@ -22,6 +22,15 @@ struct ClientInfo {
   std::string engine;
 };
 
+// The answer to a SceneCommand.
+struct SceneReplyParts {
+  std::uint32_t number = 0;  // of the command
+  bool done = false;
+  std::string text;              // longer than a message: cut
+  int file = -1;                 // descriptor that goes along if `done` and file_bytes > 0; stays the caller's
+  std::uint64_t file_bytes = 0;  // its size
+};
+
 // Called on the control thread only. Calls must be short. A call that throws costs the client that caused it its
 // connection, and nothing else. Stop() makes no OnGone calls.
 class ServerHandler {
@@ -32,6 +41,8 @@ class ServerHandler {
   virtual void OnSession(ClientId id, protocol::SessionState state) = 0;
   virtual void OnHaptic(ClientId id, const protocol::Haptic& haptic) = 0;
   virtual void OnHapticStop(ClientId id) = 0;
+  // To be answered by one SendSceneReply, now or later. Any client.
+  virtual void OnSceneCommand(ClientId id, const protocol::SceneCommand& command) = 0;
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -63,6 +74,7 @@ class Server {
   // Control thread only (from within handler calls).
   std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; read anew every period
   void SendNotice(ClientId id, int level, const std::string& text);
+  void SendSceneReply(ClientId id, const SceneReplyParts& parts);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 

@@ -35,8 +35,9 @@ std::vector<Bytes> Seeds() {
   MessageHeader reply;
   reply.type = MessageType::kStatusReply;
   reply.size = sizeof(reply);
-  return {BytesOf(Hello{}),      BytesOf(welcome),         BytesOf(Reject{}), BytesOf(Session{}), BytesOf(Haptic{}),
-          BytesOf(HapticStop{}), BytesOf(StatusRequest{}), BytesOf(Notice{}), BytesOf(reply)};
+  return {BytesOf(Hello{}),  BytesOf(welcome),        BytesOf(Reject{}),        BytesOf(Session{}),
+          BytesOf(Haptic{}), BytesOf(HapticStop{}),   BytesOf(StatusRequest{}), BytesOf(Notice{}),
+          BytesOf(reply),    BytesOf(SceneCommand{}), BytesOf(SceneReply{})};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {
@@ -73,6 +74,14 @@ struct Contract {
   void operator()(const Reject& reject) const { EXPECT_TRUE(IsTerminated(reject.reason)); }
   void operator()(const Welcome& welcome) const { EXPECT_NE(welcome.client_id, 0u); }
   void operator()(const StatusReply& reply) const { EXPECT_EQ(reply.json.size(), size - sizeof(MessageHeader)); }
+  void operator()(const SceneCommand& command) const {
+    EXPECT_TRUE(IsTerminated(command.object));
+    EXPECT_TRUE(command.action >= SceneAction::kEdits && command.action <= SceneAction::kSave);
+  }
+  void operator()(const SceneAnswer& answer) const {
+    EXPECT_EQ(answer.text.size(), size - sizeof(SceneReply));
+    EXPECT_TRUE(answer.reply.done == 1 || answer.reply.file_bytes == 0);
+  }
   template <class T>
   void operator()(const T&) const {
     EXPECT_EQ(size, sizeof(T));

@@ -136,7 +136,7 @@ TEST(Connection, AnotherVersionIsNamed) {
     reject.server_version = 5;
     server.Send(reject);
   });
-  EXPECT_NE(error.find("speaks protocol version 5, this client version 1"), std::string::npos) << error;
+  EXPECT_NE(error.find("speaks protocol version 5, this client version 2"), std::string::npos) << error;
 }
 
 TEST(Connection, TheReasonOfARefusalSurvivesTheEndOfTheSocket) {
