@@ -1,5 +1,8 @@
 #include "service/client/connection.h"
 
+#include <fcntl.h>
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +11,7 @@
 
 #include "service/client/dial.h"
 #include "service/client/life_link.h"
+#include "service/client/sealed_memory.h"
 #include "service/protocol/packet_socket.h"
 #include "service/protocol/socket_path.h"
 #include "service/protocol/text.h"
@@ -44,6 +48,8 @@ struct Connection::Impl {
   void OnReject(std::int64_t now_ns, const protocol::Reject& reject);
   void OnNotice(const protocol::Notice& notice);
   void OnSurfaces(std::int64_t now_ns, const protocol::Surfaces& surfaces, UniqueFd* fds, std::size_t fd_count);
+  void OnSceneAnswer(std::int64_t now_ns, const protocol::SceneAnswer& answer, const UniqueFd* fds,
+                     std::size_t fd_count);
   // A packet that must not come now, or not at all.
   void OnOther(std::int64_t now_ns, const protocol::Message& message);
   void Disconnect(std::int64_t now_ns) noexcept;
@@ -73,6 +79,8 @@ struct Connection::Impl {
   bool surfaces_answered = false;
   std::string status;
   std::vector<protocol::Notice> notices;
+  std::uint32_t scene_commands = 0;  // sent so far
+  std::optional<SceneAnswer> scene_answer;
   std::string last_error;
   std::vector<std::byte> buffer;
 };
@@ -126,6 +134,9 @@ void Connection::Impl::Read(std::int64_t now_ns) {
       OnNotice(*notice);
     } else if (const auto* there = std::get_if<protocol::Surfaces>(&message); there && phase == Phase::kConnected) {
       OnSurfaces(now_ns, *there, fds, received.fd_count);
+    } else if (const auto* answer = std::get_if<protocol::SceneAnswer>(&message);
+               answer && phase == Phase::kConnected) {
+      OnSceneAnswer(now_ns, *answer, fds, received.fd_count);
     } else {
       OnOther(now_ns, message);
     }
@@ -183,6 +194,24 @@ void Connection::Impl::OnSurfaces(std::int64_t now_ns, const protocol::Surfaces&
   if (surface_reader->memory_generation() != surfaces.memory_generation) {
     return Fail(now_ns, "omnid at " + path + ": its surface memory is not the one it announced; restart omnid");
   }
+}
+
+void Connection::Impl::OnSceneAnswer(std::int64_t now_ns, const protocol::SceneAnswer& answer, const UniqueFd* fds,
+                                     std::size_t fd_count) {
+  const protocol::SceneReply& reply = answer.reply;
+  SceneAnswer taken{
+      .number = reply.number, .done = reply.done == 1, .text = protocol::Printable(answer.text), .file = {}};
+  if (reply.file_bytes > 0) {
+    const std::string who = "omnid at " + path + ": the file in its answer ";
+    if (fd_count != 1) return Fail(now_ns, who + "is missing; restart omnid");
+    const auto bytes = static_cast<std::size_t>(reply.file_bytes);
+    const SealedMapping mapped =
+        MapSealed(fds[0].get(), F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL, bytes, PROT_READ);
+    if (mapped.memory == nullptr) return Fail(now_ns, who + mapped.problem);
+    taken.file.assign(static_cast<const char*>(mapped.memory), bytes);
+    ::munmap(mapped.memory, bytes);
+  }
+  scene_answer = std::move(taken);
 }
 
 void Connection::Impl::OnOther(std::int64_t now_ns, const protocol::Message& message) {
@@ -271,6 +300,17 @@ bool Connection::RequestSurfaces(bool wanted) noexcept {
 std::shared_ptr<const SurfaceReader> Connection::surfaces() const noexcept { return impl_->surface_reader; }
 
 bool Connection::surfaces_answered() const noexcept { return impl_->surfaces_answered; }
+std::uint32_t Connection::SendSceneCommand(protocol::SceneAction action, std::uint64_t client_id,
+                                           const std::string& object) {
+  protocol::SceneCommand message;
+  message.action = action;
+  message.number = impl_->scene_commands + 1;
+  message.client_id = client_id;
+  protocol::SetField(message.object, object);
+  return impl_->Send(message) ? ++impl_->scene_commands : 0;
+}
+
+std::optional<SceneAnswer> Connection::TakeSceneAnswer() { return std::exchange(impl_->scene_answer, std::nullopt); }
 
 std::string Connection::TakeStatus() { return std::exchange(impl_->status, {}); }
 

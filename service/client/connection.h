@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,14 @@ struct ConnectionInfo {
 
 // $OMNI_SOCKET, else $XDG_RUNTIME_DIR/omni/omnid.sock, else /tmp/omni-<uid>/omnid.sock.
 std::string DefaultSocketPath();
+
+// The answer to a scene command.
+struct SceneAnswer {
+  std::uint32_t number = 0;  // that SendSceneCommand returned
+  bool done = false;         // false: refused, `text` says why
+  std::string text;          // kEdits: JSON; else a line for people
+  std::string file;          // kSave: bytes of a .glb
+};
 
 class Connection {
  public:
@@ -59,6 +68,11 @@ class Connection {
   std::shared_ptr<const SurfaceReader> surfaces() const noexcept;
   // The newest request was answered, if only with "nothing".
   bool surfaces_answered() const noexcept;
+
+  // Number of the command, which its answer bears; 0: not sent. `object` longer than the field is cut.
+  std::uint32_t SendSceneCommand(protocol::SceneAction action, std::uint64_t client_id, const std::string& object);
+  // Newest answer to a scene command; taking it clears it.
+  std::optional<SceneAnswer> TakeSceneAnswer();
 
   // Newest answer to RequestStatus (JSON), empty if none yet; taking it clears it.
   std::string TakeStatus();

@@ -1,9 +1,11 @@
-// The builder thread: loads and builds one scene at a time, off the tick and off the control thread.
+// The builder thread: loads and builds one scene at a time, off the tick and off the control thread. A scene with soft
+// bodies is delivered without them; they are computed afterwards, one by one, while no scene is waited for.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,6 +16,7 @@
 #include "service/config/app_file.h"
 #include "service/haptics/scene.h"
 #include "service/scene/cache_store.h"
+#include "service/scene/load_soft_body.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::daemon {
@@ -21,11 +24,27 @@ namespace omni::daemon {
 struct BuiltScene {
   std::uint64_t client = 0;
   std::string file;
-  std::shared_ptr<const haptics::Scene> scene;  // null: failed, see error
+  // Null: failed, see error. Carries its live parts, if it has any: workshops at once, soft bodies as they get ready.
+  std::shared_ptr<const haptics::Scene> scene;
   std::string error;
   std::vector<std::string> warnings;
   scene::LoadReport load;
   haptics::BuildReport report;
+};
+
+// Of one client's scene.
+struct SoftProgress {
+  std::uint32_t objects = 0;  // that get a soft body; 0: none does
+  std::uint32_t ready = 0, failed = 0;
+  double done = 0;  // of all objects, 0 ... 1
+};
+
+// One soft body came out, or did not.
+struct SoftOutcome {
+  std::uint64_t client = 0;
+  std::string file, object;
+  std::string error;  // empty: the tick has it
+  scene::SoftLoadReport report;
 };
 
 // What an application file asks of its scene.
@@ -33,36 +52,62 @@ scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius
 
 class SceneBuilder {
  public:
-  // `cache_folder`: built scenes are kept there (scene/cache_store.h); empty: nowhere.
-  explicit SceneBuilder(double hull_radius_m, std::string cache_folder = {});
+  static constexpr std::uint32_t kSoftTets = 2000;
+
+  // `cache_folder`: built scenes are kept there (scene/cache_store.h); empty: nowhere. `soft_tets`: of a soft body, at
+  // most [100, 400000]; finer takes longer to compute.
+  explicit SceneBuilder(double hull_radius_m, std::string cache_folder = {}, std::uint32_t soft_tets = kSoftTets);
   ~SceneBuilder();
   SceneBuilder(const SceneBuilder&) = delete;
   SceneBuilder& operator=(const SceneBuilder&) = delete;
 
-  // Queues a job; a job of the same client that has not begun is replaced.
+  // Queues a job; a job of the same client that has not begun is replaced, and its soft bodies are given up.
   void Request(std::uint64_t client, const config::AppEntry& app);
-  // Forgets the client's waiting job; the result of a running one is dropped.
+  // Forgets the client's waiting jobs; the result of a running one is dropped.
   void Cancel(std::uint64_t client);
   // A finished job, oldest first.
   std::optional<BuiltScene> TakeResult();
+  // A soft body that was finished or has failed, oldest first. Never before its scene's result.
+  std::optional<SoftOutcome> TakeSoftOutcome();
+  SoftProgress Progress(std::uint64_t client) const;
 
  private:
   struct Job {
     std::uint64_t client;
     config::AppEntry app;
   };
+  // The soft bodies that a scene still has to get.
+  struct SoftJob {
+    std::uint64_t client = 0;
+    std::string file;
+    std::shared_ptr<const haptics::Scene> scene;
+    std::deque<std::uint32_t> objects;
+  };
   void Run();
-  BuiltScene Build(const Job& job);
+  // Both with the lock held, which they give up while they work.
+  void RunJob(std::unique_lock<std::mutex>& lock);
+  void RunSoftJob(std::unique_lock<std::mutex>& lock);
+  std::unique_ptr<const haptics::SoftBody> MakeSoftBody(const haptics::Scene& scene, std::uint32_t index,
+                                                        SoftOutcome& outcome);
+  // From within the precompute: whether to go on. Builds the scenes that are waited for meanwhile.
+  bool GoOn(std::uint64_t client, double done);
+  void DropSoft(std::uint64_t client);  // with the lock held
+  BuiltScene Build(const Job& job, std::deque<std::uint32_t>& soft_objects);
 
   const double hull_radius_m_;
   const std::string cache_folder_;
+  const std::uint32_t soft_tets_;
   std::optional<scene::CacheStore> cache_;  // of the thread
   bool told_of_cache_ = false;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> jobs_;
   std::deque<BuiltScene> results_;
   std::uint64_t running_client_ = 0;  // 0: none, or its result is not wanted any more
+  std::deque<SoftJob> soft_jobs_;     // the first one is worked on
+  std::uint64_t soft_client_ = 0;     // as running_client_
+  std::deque<SoftOutcome> outcomes_;
+  std::map<std::uint64_t, SoftProgress> progress_;
   bool stop_ = false;
   std::thread thread_;
 };

@@ -15,12 +15,16 @@ constexpr std::size_t kMaxProblems = 20;  // the oldest goes when full
 
 std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 0 : scene.header().triangle_count; }
 
+std::uint32_t SculptedOf(const haptics::Scene& scene) {
+  return scene.live() == nullptr ? 0 : scene.live()->workshop_count();
+}
+
 }  // namespace
 
 Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       start_ns_(base::MonotonicNow_ns()),
-      builder_(options_.hull_radius_m, options_.cache_folder),
+      builder_(options_.hull_radius_m, options_.cache_folder, options_.soft_tets),
       calibration_(options_.calibration),
       surfaces_(
           options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
@@ -111,8 +115,21 @@ void Service::OnSurfaceRequest(ipc::ClientId id, bool wanted) {
   if (clients_.count(id) != 0) surfaces_.Ask(id, wanted);
 }
 
+void Service::OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) {
+  constexpr SculptAction kActions[] = {SculptAction::kEdits, SculptAction::kUndo, SculptAction::kRedo,
+                                       SculptAction::kSave};
+  sculpt_.Ask({.asker = id,
+               .number = command.number,
+               .client = command.client_id,
+               .action = kActions[static_cast<std::size_t>(command.action) - 1],
+               .object = command.object},
+              owners_.owner());
+}
+
 void Service::OnPeriod(std::int64_t now_ns) {
   TakeBuiltScenes();
+  TakeSoftBodies();
+  TakeSculptNews();
   WriteCommands(now_ns);
   UpdateSurfaces();
   ReleaseScenes();
@@ -137,7 +154,35 @@ void Service::TakeBuiltScenes() {
                    TrianglesOf(*built->scene), built->load.cached ? "from the cache" : "built", built->load.load_ms);
     }
     if (found->second.scene != nullptr) retired_.push_back(found->second.scene);
+    sculpt_.Add(built->client, built->file, built->scene);
     found->second.scene = std::make_shared<const BuiltScene>(std::move(*built));
+  }
+}
+
+void Service::TakeSoftBodies() {
+  while (const std::optional<SoftOutcome> soft = builder_.TakeSoftOutcome()) {
+    const std::string what = soft->file + ": " + soft->object + ": ";
+    if (!soft->error.empty()) {
+      Problem(soft->client, 1, what + soft->error + ": it stays a layer");
+      continue;
+    }
+    spdlog::info("client {}: {}soft body with {} nodes, {:.1f} MB, {} in {:.0f} ms", soft->client, what,
+                 soft->report.build.surface_nodes, static_cast<double>(soft->report.build.bytes) * 1e-6,
+                 soft->report.cached ? "from the cache" : "computed", soft->report.load_ms);
+  }
+}
+
+void Service::TakeSculptNews() {
+  while (const std::optional<SculptProblem> problem = sculpt_.TakeProblem()) {
+    Problem(problem->client, 1, problem->text);
+  }
+  while (const std::optional<SculptAnswer> answer = sculpt_.TakeAnswer()) {
+    if (server_ == nullptr) continue;
+    server_->SendSceneReply(answer->asker, {.number = answer->number,
+                                            .done = answer->ok,
+                                            .text = answer->text,
+                                            .file = answer->file.get(),
+                                            .file_bytes = answer->file_bytes});
   }
 }
 
@@ -154,6 +199,7 @@ void Service::WriteCommands(std::int64_t now_ns) {
   if (wanted_ != scene) {
     if (wanted_ != nullptr) retired_.push_back(wanted_);
     wanted_ = scene;
+    if (wanted_ != nullptr) sculpt_.Enter(*wanted_->scene);
     ++generation_;
   }
   const std::int64_t beat_ns = owner == 0 || server_ == nullptr ? 0 : server_->LastBeat_ns(owner);
@@ -190,7 +236,15 @@ void Service::ReleaseScenes() {
   const std::lock_guard lock(loop_mutex_);
   const bool newest =
       loop_ == nullptr || loop_->statistics().scene_generation.load(std::memory_order_acquire) == generation_;
-  if (newest) retired_.clear();
+  if (!newest) return;
+  for (const std::shared_ptr<const BuiltScene>& scene : retired_) {
+    if (scene == wanted_) continue;  // it came back
+    sculpt_.Leave(*scene->scene);
+    const bool kept =
+        std::any_of(clients_.begin(), clients_.end(), [&](const auto& client) { return client.second.scene == scene; });
+    if (!kept) sculpt_.Remove(*scene->scene);
+  }
+  retired_.clear();
 }
 
 void Service::Problem(ipc::ClientId id, int level, const std::string& text) {
@@ -216,12 +270,16 @@ std::string Service::StatusJson() {
                              .monitor = client.info.role == protocol::ClientRole::kMonitor,
                              .session = owners_.session(id),
                              .owner = id == owners_.owner(),
-                             .scene = client.scene == nullptr ? "" : client.scene->file});
+                             .scene = client.scene == nullptr ? "" : client.scene->file,
+                             .soft = builder_.Progress(id),
+                             .sculpted = client.scene == nullptr ? 0 : SculptedOf(*client.scene->scene)});
   }
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {
     input.scene_file = wanted_->file;
     input.scene_triangles = TrianglesOf(*wanted_->scene);
+    input.scene_soft = builder_.Progress(wanted_->client);
+    input.scene_sculpted = SculptedOf(*wanted_->scene);
   }
   const std::lock_guard lock(loop_mutex_);
   input.calibration = calibration_;

@@ -13,6 +13,7 @@
 #include "service/config/calibration_file.h"
 #include "service/daemon/owner.h"
 #include "service/daemon/scene_builder.h"
+#include "service/daemon/sculpt_thread.h"
 #include "service/daemon/surface_clients.h"
 #include "service/device/transport.h"
 #include "service/ipc/server.h"
@@ -27,6 +28,7 @@ struct ServiceOptions {
   double hull_radius_m = 0;
   std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until SetCalibration
+  std::uint32_t soft_tets = SceneBuilder::kSoftTets;
 };
 
 class Service : public ipc::ServerHandler {
@@ -48,6 +50,7 @@ class Service : public ipc::ServerHandler {
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
   void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
+  void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override;
 
@@ -58,6 +61,8 @@ class Service : public ipc::ServerHandler {
     std::shared_ptr<const BuiltScene> scene;
   };
   void TakeBuiltScenes();
+  void TakeSoftBodies();
+  void TakeSculptNews();
   void ReleaseScenes();
   void WriteCommands(std::int64_t now_ns);
   void UpdateSurfaces();
@@ -71,6 +76,7 @@ class Service : public ipc::ServerHandler {
   OwnerTable owners_;
   std::map<ipc::ClientId, Client> clients_;
   SceneBuilder builder_;
+  SculptThread sculpt_;
   std::shared_ptr<const BuiltScene> wanted_;                // of the owner; null: empty
   std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
   std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over

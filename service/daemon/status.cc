@@ -89,6 +89,12 @@ json Race(const loop::VehicleStatistics& car) {
           {"best_lap_s", car.best_lap_s.load()}};
 }
 
+// Null: the scene has none.
+json SoftBodies(const SoftProgress& soft) {
+  if (soft.objects == 0) return nullptr;
+  return {{"objects", soft.objects}, {"ready", soft.ready}, {"failed", soft.failed}, {"done", soft.done}};
+}
+
 json Clients(const StatusInput& input) {
   json rows = json::array();
   for (const StatusInput::ClientRow& row : input.clients) {
@@ -98,7 +104,9 @@ json Clients(const StatusInput& input) {
                     {"monitor", row.monitor},
                     {"session", SessionName(row.session)},
                     {"owner", row.owner},
-                    {"scene", row.scene}});
+                    {"scene", row.scene},
+                    {"soft_bodies", SoftBodies(row.soft)},
+                    {"sculpted", row.sculpted}});
   }
   return rows;
 }
@@ -113,7 +121,11 @@ std::string WriteStatus(const StatusInput& input) {
       {"calibration", Calibration(input.calibration)},
       {"clients", Clients(input)},
       {"scene",
-       {{"name", input.scene_file}, {"generation", input.scene_generation}, {"triangles", input.scene_triangles}}},
+       {{"name", input.scene_file},
+        {"generation", input.scene_generation},
+        {"triangles", input.scene_triangles},
+        {"soft_bodies", SoftBodies(input.scene_soft)},
+        {"sculpted", input.scene_sculpted}}},
       {"aligned", false},  // alignment is not measured yet: the base is assumed in front of the user
       {"problems", input.problems}};
   if (input.loop != nullptr) status["tick"] = Ticks(*input.loop);

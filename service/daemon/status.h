@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "service/config/calibration_file.h"
+#include "service/daemon/scene_builder.h"
 #include "service/device/transport.h"
 #include "service/loop/tick_thread.h"
 #include "service/protocol/control.h"
@@ -21,6 +22,8 @@ struct StatusInput {
     protocol::SessionState session = protocol::SessionState::kNone;
     bool owner = false;
     std::string scene;
+    SoftProgress soft;
+    std::uint32_t sculpted = 0;  // objects
   };
   std::string version;
   std::uint64_t instance = 0;
@@ -31,6 +34,8 @@ struct StatusInput {
   std::string scene_file;
   std::uint64_t scene_generation = 0;
   std::uint32_t scene_triangles = 0;
+  SoftProgress scene_soft;
+  std::uint32_t scene_sculpted = 0;
   const loop::TickThread* loop = nullptr;  // null: no device
   const device::Transport* transport = nullptr;
   std::string device_absent_why;

@@ -209,6 +209,10 @@ bool ControlLoop::Handle(Peer& peer, const protocol::Message& message) {
     Guarded("OnSurfaceRequest", &peer, [&] { handler_.OnSurfaceRequest(peer.id(), request->wanted != 0); });
     return !peer.doomed();
   }
+  if (const auto* command = std::get_if<protocol::SceneCommand>(&message)) {
+    Guarded("OnSceneCommand", &peer, [&] { handler_.OnSceneCommand(peer.id(), *command); });
+    return false;  // as above
+  }
   return HandleApplication(peer, message);
 }
 
@@ -326,6 +330,20 @@ bool ControlLoop::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, 
   const auto found = peers_.find(id);
   if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
   return found->second.TrySend(&surfaces, sizeof(surfaces), fd);
+}
+
+void ControlLoop::SendSceneReply(ClientId id, const SceneReplyParts& parts) {
+  const auto found = peers_.find(id);
+  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
+  protocol::SceneReply reply;
+  const std::size_t text_bytes = std::min(parts.text.size(), protocol::kMaxMessageBytes - sizeof(reply));
+  reply.header.size = static_cast<std::uint32_t>(sizeof(reply) + text_bytes);
+  reply.number = parts.number;
+  reply.done = parts.done ? 1 : 0;
+  reply.file_bytes = parts.done ? parts.file_bytes : 0;
+  std::string packet(reinterpret_cast<const char*>(&reply), sizeof(reply));
+  packet.append(parts.text, 0, text_bytes);
+  found->second.Send(packet.data(), packet.size(), &parts.file, reply.file_bytes > 0 ? 1 : 0);
 }
 
 }  // namespace omni::ipc

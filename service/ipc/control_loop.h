@@ -29,6 +29,7 @@ class ControlLoop {
   const Peer* Find(ClientId id) const;
   void SendNotice(ClientId id, int level, const std::string& text);
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
+  void SendSceneReply(ClientId id, const SceneReplyParts& parts);
 
  private:
   ControlLoop(const ServerOptions& options, ServerHandler& handler, Listener listener);

@@ -67,8 +67,8 @@ base::Status Peer::Greet(const protocol::Hello& hello, std::uint64_t service_ins
   return base::Ok{};
 }
 
-void Peer::Send(const void* bytes, std::size_t size) noexcept {
-  const SendResult result = protocol::SendPacket(socket_.get(), bytes, size);
+void Peer::Send(const void* bytes, std::size_t size, const int* fds, std::size_t fd_count) noexcept {
+  const SendResult result = protocol::SendPacket(socket_.get(), bytes, size, fds, fd_count);
   if (result == SendResult::kFull) ++dropped_;
   if (result == SendResult::kGone) doomed_ = true;
 }

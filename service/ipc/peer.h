@@ -45,7 +45,8 @@ class Peer {
   base::Status Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd, std::int64_t now_ns);
 
   // Non-blocking: a peer that does not read loses the packet, a peer that is gone is doomed.
-  void Send(const void* bytes, std::size_t size) noexcept;
+  // `fd_count` descriptors go along; they stay the caller's.
+  void Send(const void* bytes, std::size_t size, const int* fds = nullptr, std::size_t fd_count = 0) noexcept;
 
   // The same for what will be sent again later: a packet that does not go out is not counted as lost. `fd` < 0: none.
   bool TrySend(const void* bytes, std::size_t size, int fd) noexcept;

@@ -41,4 +41,12 @@ base::Result<SealedMemory> MakeSealedMemory(const char* name, std::size_t bytes,
   return SealedMemory{std::move(fd), std::move(mapping)};
 }
 
+base::Result<protocol::UniqueFd> MemoryWith(const char* name, std::string_view content) {
+  base::Result<SealedMemory> made = MakeSealedMemory(name, content.size(), PROT_READ | PROT_WRITE,
+                                                     F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
+  if (!made.ok()) return base::Error{made.error()};
+  std::memcpy(made->mapping.get(), content.data(), content.size());
+  return std::move(made->fd);  // our mapping, the only one that could write, ends here
+}
+
 }  // namespace omni::ipc

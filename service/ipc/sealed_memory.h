@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string_view>
 
 #include "service/base/result.h"
 #include "service/protocol/unique_fd.h"
@@ -31,5 +32,8 @@ struct SealedMemory {
 
 // Zeroed memory of `bytes`, mapped with `protection`, then sealed with `seals` (F_SEAL_*). `name` shows in /proc.
 base::Result<SealedMemory> MakeSealedMemory(const char* name, std::size_t bytes, int protection, int seals);
+
+// Memory that holds `content` (not empty) and that nobody can change any more.
+base::Result<protocol::UniqueFd> MemoryWith(const char* name, std::string_view content);
 
 }  // namespace omni::ipc

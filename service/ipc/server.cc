@@ -56,6 +56,8 @@ bool Server::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int f
   return impl_->loop->SendSurfaces(id, surfaces, fd);
 }
 
+void Server::SendSceneReply(ClientId id, const SceneReplyParts& parts) { impl_->loop->SendSceneReply(id, parts); }
+
 std::uint64_t Server::DroppedMessages(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);
   return peer != nullptr ? peer->dropped() : 0;

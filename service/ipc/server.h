@@ -22,6 +22,15 @@ struct ClientInfo {
   std::string engine;
 };
 
+// The answer to a SceneCommand.
+struct SceneReplyParts {
+  std::uint32_t number = 0;  // of the command
+  bool done = false;
+  std::string text;              // longer than a message: cut
+  int file = -1;                 // descriptor that goes along if `done` and file_bytes > 0; stays the caller's
+  std::uint64_t file_bytes = 0;  // its size
+};
+
 // Called on the control thread only. Calls must be short. A call that throws costs the client that caused it its
 // connection, and nothing else. Stop() makes no OnGone calls.
 class ServerHandler {
@@ -35,6 +44,8 @@ class ServerHandler {
   // This client wants to draw surfaces that change, or no longer; it waits for SendSurfaces. Not overridden: there are
   // none, ever.
   virtual void OnSurfaceRequest(ClientId /*id*/, bool /*wanted*/) {}
+  // To be answered by one SendSceneReply, now or later. Any client.
+  virtual void OnSceneCommand(ClientId id, const protocol::SceneCommand& command) = 0;
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -68,6 +79,7 @@ class Server {
   void SendNotice(ClientId id, int level, const std::string& text);
   // False: it does not read now and the message was not sent, or it is gone. `fd` < 0: none goes along.
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
+  void SendSceneReply(ClientId id, const SceneReplyParts& parts);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 

@@ -12,7 +12,7 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
-inline constexpr std::uint16_t kProtocolVersion = 2;
+inline constexpr std::uint16_t kProtocolVersion = 2;        // 2: scene commands, surfaces
 inline constexpr std::size_t kMaxMessageBytes = 65536;
 inline constexpr std::size_t kMaxSocketPathBytes = 107;
 
@@ -26,8 +26,10 @@ enum class MessageType : std::uint16_t {
   kStatusRequest = 7,    // client -> server
   kStatusReply = 8,      // server -> client: JSON text after the header
   kNotice = 9,           // server -> client: something a person should read (e.g. a scene that did not load)
-  kSurfaceRequest = 20,  // client -> server: show me the surfaces that change, or no longer
-  kSurfaces = 21         // server -> client, with one descriptor (surface memory, read only) if there is one
+  kSceneCommand = 10,    // client -> server: undo, redo, save what was sculpted
+  kSceneReply = 11,      // server -> client: text after it; with a file: one descriptor, sealed memory
+  kSurfaceRequest = 12,  // client -> server: show me the surfaces that change, or no longer
+  kSurfaces = 13         // server -> client, with one descriptor (surface memory, read only) if there is one
 };
 
 struct MessageHeader {
@@ -111,6 +113,27 @@ struct Notice {
   char text[1000] = {};
 };
 
+enum class SceneAction : std::uint32_t { kEdits = 1, kUndo = 2, kRedo = 3, kSave = 4 };
+
+// Asks for something to be done with a sculpted scene; answered by one SceneReply. Any client may ask.
+struct SceneCommand {
+  MessageHeader header{.type = MessageType::kSceneCommand, .size = sizeof(SceneCommand)};
+  SceneAction action = SceneAction::kEdits;
+  std::uint32_t number = 0;     // comes back in the reply
+  std::uint64_t client_id = 0;  // whose scene; 0: the owner's if it is sculpted, else the only one that is
+  char object[128] = {};        // UTF-8; kUndo, kRedo: name or index; empty: the one that was edited last
+};
+
+// Followed by a text of header.size - sizeof(SceneReply) bytes: kEdits JSON, else a line for people.
+struct SceneReply {
+  MessageHeader header{.type = MessageType::kSceneReply, .size = sizeof(SceneReply)};
+  std::uint32_t number = 0;      // of the command
+  std::uint32_t done = 0;        // 1: done, 0: refused, the text says why
+  std::uint64_t file_bytes = 0;  // > 0: a descriptor came along: memory of this size, a whole .glb file
+};
+
+static_assert(std::is_trivially_copyable_v<SceneCommand> && std::is_trivially_copyable_v<SceneReply>);
+static_assert(sizeof(SceneCommand) == 160 && sizeof(SceneReply) == 32);
 static_assert(std::is_trivially_copyable_v<Hello> && std::is_trivially_copyable_v<Notice>);
 static_assert(sizeof(MessageHeader) == 16 && sizeof(Hello) == 288 && sizeof(Welcome) == 40 && sizeof(Reject) == 272);
 

@@ -68,6 +68,16 @@ const char* Problem(const Surfaces& surfaces) noexcept {
   return both ? nullptr : "total_bytes without memory_generation, or the reverse";
 }
 
+const char* Problem(const SceneCommand& command) noexcept {
+  if (command.action < SceneAction::kEdits || command.action > SceneAction::kSave) return "action is not in 1..4";
+  return IsTerminated(command.object) ? nullptr : "object is not terminated";
+}
+
+const char* Problem(const SceneReply& reply) noexcept {
+  if (reply.done > 1) return "done is neither 0 nor 1";
+  return reply.done == 1 || reply.file_bytes == 0 ? nullptr : "a refusal with a file";
+}
+
 template <class T>
 Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
   if (size != sizeof(T)) return Because("%s of %zu bytes, must be %zu", name, size, sizeof(T));
@@ -80,6 +90,18 @@ Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
 template <>
 Message Take<StatusReply>(const char*, const void* bytes, std::size_t size) noexcept {
   return StatusReply{{static_cast<const char*>(bytes) + sizeof(MessageHeader), size - sizeof(MessageHeader)}};
+}
+
+template <>
+Message Take<SceneAnswer>(const char* name, const void* bytes, std::size_t size) noexcept {
+  SceneAnswer answer;
+  if (size < sizeof(answer.reply)) {
+    return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(answer.reply));
+  }
+  std::memcpy(static_cast<void*>(&answer.reply), bytes, sizeof(answer.reply));
+  if (const char* problem = Problem(answer.reply)) return Because("%s: %s", name, problem);
+  answer.text = {static_cast<const char*>(bytes) + sizeof(answer.reply), size - sizeof(answer.reply)};
+  return answer;
 }
 
 struct TypeRow {
@@ -99,6 +121,8 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kNotice, "Notice", Take<Notice>},
     {MessageType::kSurfaceRequest, "SurfaceRequest", Take<SurfaceRequest>},
     {MessageType::kSurfaces, "Surfaces", Take<Surfaces>},
+    {MessageType::kSceneCommand, "SceneCommand", Take<SceneCommand>},
+    {MessageType::kSceneReply, "SceneReply", Take<SceneAnswer>},
 };
 
 const TypeRow* FindType(MessageType type) noexcept {

@@ -25,8 +25,14 @@ struct StatusReply {
   std::string_view json;
 };
 
+// A SceneReply with the text behind it, a view into the validated bytes.
+struct SceneAnswer {
+  SceneReply reply;
+  std::string_view text;
+};
+
 using Message = std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply,
-                             Notice, SurfaceRequest, Surfaces>;
+                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;

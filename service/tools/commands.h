@@ -10,7 +10,7 @@ namespace omni::tools {
 void AddStatus(CLI::App& app);
 void AddWatch(CLI::App& app);
 void AddSurfaces(CLI::App& app);
-void AddScene(CLI::App& app);  // omni scene explain, cost, cache
+void AddScene(CLI::App& app);  // omni scene explain, cost, cache, edits, undo, redo, save
 void AddDoctor(CLI::App& app);
 void AddTwin(CLI::App& app);  // omni twin serve, and below it:
 void AddTwinRun(CLI::App& twin);

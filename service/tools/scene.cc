@@ -1,5 +1,5 @@
 // omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: that as
-// the system counts it. omni scene cache: the built scenes that are kept.
+// the system counts it. omni scene cache: the built scenes that are kept. The rest: scene_edit.h.
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -14,6 +14,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/scene_cost.h"
+#include "service/tools/scene_edit.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/scene_text.h"
 
@@ -65,7 +66,7 @@ int Cache(const ExplainArguments& arguments) {
 
 void AddScene(CLI::App& app) {
   auto arguments = std::make_shared<ExplainArguments>();
-  CLI::App* scene = app.add_subcommand("scene", "scene files");
+  CLI::App* scene = app.add_subcommand("scene", "scene files, and what was sculpted");
   scene->require_subcommand(1);
   CLI::App* explain = scene->add_subcommand("explain", "what of a glTF file is loaded, what not and why, and its cost");
   explain->add_option("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
@@ -82,6 +83,7 @@ void AddScene(CLI::App& app) {
   cache->add_flag("--clear", arguments->clear, "remove them");
   cache->callback([arguments] { throw CLI::RuntimeError(Cache(*arguments)); });
   explain->callback([arguments] { throw CLI::RuntimeError(Explain(*arguments)); });
+  AddSceneEdits(*scene);
 }
 
 }  // namespace omni::tools

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/haptics/live/make_live.h"
 #include "service/tools/scene_source.h"
 
 namespace omni::tools {
@@ -39,6 +40,7 @@ base::Result<nlohmann::ordered_json> SceneCost(const std::string& path, const sc
   const base::Result<LoadedScene> loaded = LoadScene(path, options, cached);
   const ProcessUse after = LookAtThisProcess();
   if (!loaded.ok()) return base::Error{loaded.error()};
+  const haptics::LivePlan plan = haptics::PlanLive(loaded->scene);
   const double rss_MB = (static_cast<double>(after.rss_bytes) - static_cast<double>(before.rss_bytes)) * 1e-6;
   return nlohmann::ordered_json{{"bytes_file", loaded->load.file_bytes},
                                 {"bytes_read", after.read_bytes - before.read_bytes},
@@ -50,6 +52,10 @@ base::Result<nlohmann::ordered_json> SceneCost(const std::string& path, const sc
                                 {"build_ms", loaded->load.cached ? 0.0 : loaded->build.build_ms},
                                 {"cached", loaded->load.cached},
                                 {"skipped", loaded->load.skipped},
+                                {"soft_bodies", plan.soft.size()},
+                                {"soft_bytes_max", plan.soft.size() * haptics::MostSoftBytes({})},
+                                {"sculpted", plan.sculpted.size()},
+                                {"sculpted_bytes", haptics::WorkshopBytes(loaded->scene, plan)},
                                 {"triangles", loaded->scene.empty() ? 0 : loaded->scene.header().triangle_count}};
 }
 

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <functional>
 
+#include "service/haptics/live/make_live.h"
+
 namespace omni::tools {
 namespace {
 
@@ -65,15 +67,29 @@ std::size_t CountOf(const std::vector<Material>& used, Is is) {
   return static_cast<std::size_t>(std::count_if(used.begin(), used.end(), is));
 }
 
-SceneFeature Softness(const std::vector<Material>& used) {
-  const auto with = [&](SoftnessModel model) {
-    return CountOf(used, [model](const Material& m) { return m.softness.model == model; });
-  };
-  const std::size_t layers = with(SoftnessModel::kWinkler), bodies = with(SoftnessModel::kTet);
+SceneFeature Softness(const std::vector<Material>& used, const haptics::LivePlan& plan) {
+  const std::size_t layers =
+      CountOf(used, [](const Material& m) { return m.softness.model == SoftnessModel::kWinkler; });
+  const std::size_t bodies = CountOf(used, [](const Material& m) { return m.softness.model == SoftnessModel::kTet; });
   if (layers + bodies == 0) return {"softness", false, "no material has it: not a byte, not a thread"};
-  return {"softness", true,
-          Plural(layers, "winkler material") + ", " + Plural(bodies, "tet material") +
-              (bodies > 0 ? ", rendered as winkler by this version" : "")};
+  std::string why = Plural(layers, "winkler material") + ", " + Plural(bodies, "tet material");
+  if (!plan.soft.empty()) {
+    const haptics::SoftBodyOptions options;
+    const double most_MB = static_cast<double>(plan.soft.size() * haptics::MostSoftBytes(options)) * 1e-6;
+    why += ": " + std::to_string(plan.soft.size()) + (plan.soft.size() == 1 ? " soft body" : " soft bodies") +
+           " of at most " + std::to_string(options.lattice.max_surface_vertices) + " nodes, " + Short(most_MB) + " MB";
+  }
+  return {"softness", true, why};
+}
+
+SceneFeature Sculpted(const haptics::Scene& scene, const std::vector<Material>& used, const haptics::LivePlan& plan) {
+  const std::size_t materials = CountOf(used, [](const Material& m) { return m.sculpt.enabled; });
+  if (materials == 0) return {"sculpt", false, "no material is sculptable: not a byte, not a thread"};
+  std::size_t triangles = 0;
+  for (const std::uint32_t object : plan.sculpted) triangles += scene.objects()[object].triangle_count;
+  return {"sculpt", !plan.sculpted.empty(),
+          Plural(plan.sculpted.size(), "object") + ", " + Plural(triangles, "triangle") + ", about " +
+              Short(static_cast<double>(haptics::WorkshopBytes(scene, plan)) * 1e-6) + " MB of pages"};
 }
 
 SceneFeature Images(const haptics::Scene& scene) {
@@ -109,11 +125,9 @@ std::vector<SceneFeature> FeaturesOf(const LoadedScene& loaded) {
   std::vector<SceneFeature> features{Collision(loaded)};
   for (const MaterialFeature& feature : kMaterialFeatures) features.push_back(ByMaterial(feature, used));
   features.push_back(Images(scene));
-  features.push_back(Softness(used));
-  const std::size_t sculptable = CountOf(used, [](const Material& m) { return m.sculpt.enabled; });
-  features.push_back({"sculpt", false,
-                      sculptable > 0 ? Plural(sculptable, "material") + ", rigid in this version"
-                                     : std::string("no material is sculptable")});
+  const haptics::LivePlan plan = haptics::PlanLive(scene);
+  features.push_back(Softness(used, plan));
+  features.push_back(Sculpted(scene, used, plan));
   features.push_back(
       {"extrude", header.region_count > 0,
        header.region_count > 0 ? Plural(header.region_count, "face") : std::string("no material has extrude")});
@@ -124,7 +138,9 @@ std::vector<SceneFeature> FeaturesOf(const LoadedScene& loaded) {
   features.push_back({"ball tip", false,
                       header.tip_radius_m > 0 ? Short(1e3 * header.tip_radius_m) + " mm, a point in this version"
                                               : std::string("the scene has no tip.radius: a point")});
-  features.push_back({"threads", false, "none for this scene; it is built on the service's builder thread"});
+  features.push_back({"threads", !plan.sculpted.empty(),
+                      plan.sculpted.empty() ? "none for this scene; it is built on the service's builder thread"
+                                            : "one that edits the surface, while an application has this scene"});
   return features;
 }
 

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/haptics/live/make_live.h"
 #include "service/protocol/text.h"
 #include "service/tools/material_table.h"
 #include "service/tools/scene_features.h"
@@ -182,6 +183,7 @@ std::string SceneText(const std::string& path, const LoadedScene& loaded) {
     text += "material " + Padded(std::to_string(index++), 2) + MaterialLine(material) + "\n";
   }
   for (const std::string& line : loaded.build.lines) text += "note       " + Printable(line) + "\n";
+  for (const std::string& line : haptics::PlanLive(loaded.scene).lines) text += "note       " + Printable(line) + "\n";
   for (const std::string& warning : load.warnings) text += "warning    " + Printable(warning) + "\n";
   return text;
 }
@@ -198,6 +200,9 @@ json SceneJson(const std::string& path, const LoadedScene& loaded) {
                        {"normal_base", VectorJson(region.normal)},
                        {"centroid_base_m", VectorJson(region.centroid_base_m)}});
   }
+  const haptics::LivePlan plan = haptics::PlanLive(loaded.scene);
+  std::vector<std::string> notes = loaded.build.lines;
+  notes.insert(notes.end(), plan.lines.begin(), plan.lines.end());
   return {{"file", path},
           {"file_bytes", loaded.load.file_bytes},
           {"bytes_read", loaded.load.bytes_read},
@@ -224,7 +229,9 @@ json SceneJson(const std::string& path, const LoadedScene& loaded) {
           {"welded_vertices", loaded.build.welded_vertices},
           {"dropped_triangles", loaded.build.dropped_triangles},
           {"flipped_objects", loaded.build.flipped_objects},
-          {"notes", loaded.build.lines},
+          {"soft_bodies", plan.soft},
+          {"sculpted", plan.sculpted},
+          {"notes", notes},
           {"warnings", loaded.load.warnings}};
 }
 

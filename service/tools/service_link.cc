@@ -11,6 +11,7 @@ namespace omni::tools {
 namespace {
 
 constexpr std::int64_t kPatience_ns = 2'500'000'000;  // longer than the connection's own wait for a welcome
+constexpr std::int64_t kScenePatience_ns = 30'000'000'000;
 constexpr auto kPause = std::chrono::milliseconds(2);
 constexpr std::int64_t kStale_ns = 100'000'000;  // an older sample is not "now"
 
@@ -50,6 +51,21 @@ base::Result<nlohmann::json> AskStatus(client::Connection& connection) {
     std::this_thread::sleep_for(kPause);
   }
   return base::Error{"omnid did not answer within 2.5 s (" + connection.last_error() + "); restart omnid"};
+}
+
+base::Result<client::SceneAnswer> AskScene(client::Connection& connection, protocol::SceneAction action,
+                                           std::uint64_t client_id, const std::string& object) {
+  const std::uint32_t number = connection.SendSceneCommand(action, client_id, object);
+  if (number == 0) return base::Error{"omnid does not take a request; restart omnid"};
+  const std::int64_t deadline_ns = base::MonotonicNow_ns() + kScenePatience_ns;
+  while (base::MonotonicNow_ns() < deadline_ns) {
+    connection.Poll(base::MonotonicNow_ns());
+    std::optional<client::SceneAnswer> answer = connection.TakeSceneAnswer();
+    if (answer && answer->number == number) return std::move(*answer);
+    if (!connection.connected()) break;
+    std::this_thread::sleep_for(kPause);
+  }
+  return base::Error{"omnid did not answer within 30 s (" + connection.last_error() + "); restart omnid"};
 }
 
 void AddNewestSample(const protocol::ToolSample& sample, std::int64_t now_ns, nlohmann::json& status) {

@@ -1,5 +1,6 @@
 #include "service/tools/status_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -89,6 +90,21 @@ std::string SceneLine(const json& status) {
          TextAt(status, "/scene/generation");
 }
 
+// Empty: the scene has no soft body.
+std::string SoftLine(const json& status) {
+  const double objects = NumberAt(status, "/scene/soft_bodies/objects"),
+               done = NumberAt(status, "/scene/soft_bodies/done");
+  if (!(objects > 0)) return {};
+  std::string text = TextAt(status, "/scene/soft_bodies/ready") + " of " +
+                     TextAt(status, "/scene/soft_bodies/objects") + " soft bodies ready";
+  if (done < 1)
+    text += ", " + std::to_string(static_cast<int>(100 * std::clamp(done, 0.0, 1.0))) + " %; layers until then";
+  if (NumberAt(status, "/scene/soft_bodies/failed") > 0) {
+    text += ", " + TextAt(status, "/scene/soft_bodies/failed") + " failed (see problems)";
+  }
+  return text;
+}
+
 std::string CalibrationLine(const json& status) {
   const std::string file = TextAt(status, "/calibration/file");
   if (file == "-") return "none: the base works as drawn; `omni calibrate` measures it";
@@ -116,6 +132,13 @@ std::string StatusText(const json& status) {
   text += Line("pen", TrackingLine(status));
   text += Line("force", ForceLine(status));
   text += Line("scene", SceneLine(status));
+  const std::string soft = SoftLine(status);
+  if (!soft.empty()) text += Line("soft", soft);
+  if (NumberAt(status, "/scene/sculpted") > 0) {
+    text += Line("sculpted", TextAt(status, "/scene/sculpted") +
+                                 (NumberAt(status, "/scene/sculpted") == 1 ? " object" : " objects") +
+                                 "; `omni scene edits` shows more");
+  }
   const std::string race = RaceText(status);
   if (!race.empty()) text += Line("race", race);
   text += Line("alignment", TrueAt(status, "/aligned") ? "aligned with the headset"

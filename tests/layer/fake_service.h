@@ -55,6 +55,7 @@ class FakeService : private ipc::ServerHandler {
   void OnSession(ipc::ClientId id, protocol::SessionState state) override;
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
+  void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
 

@@ -39,9 +39,10 @@ std::vector<Bytes> Seeds() {
   MessageHeader reply;
   reply.type = MessageType::kStatusReply;
   reply.size = sizeof(reply);
-  return {BytesOf(Hello{}),  BytesOf(welcome),          BytesOf(Reject{}),        BytesOf(Session{}),
-          BytesOf(Haptic{}), BytesOf(HapticStop{}),     BytesOf(StatusRequest{}), BytesOf(Notice{}),
-          BytesOf(reply),    BytesOf(SurfaceRequest{}), BytesOf(surfaces)};
+  return {BytesOf(Hello{}),  BytesOf(welcome),        BytesOf(Reject{}),        BytesOf(Session{}),
+          BytesOf(Haptic{}), BytesOf(HapticStop{}),   BytesOf(StatusRequest{}), BytesOf(Notice{}),
+          BytesOf(reply),    BytesOf(SceneCommand{}), BytesOf(SceneReply{}),    BytesOf(SurfaceRequest{}),
+          BytesOf(surfaces)};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {
@@ -82,6 +83,14 @@ struct Contract {
   void operator()(const Surfaces& surfaces) const {
     EXPECT_LE(surfaces.total_bytes, kMaxSurfaceBytes);
     EXPECT_EQ(surfaces.total_bytes == 0, surfaces.memory_generation == 0);
+  }
+  void operator()(const SceneCommand& command) const {
+    EXPECT_TRUE(IsTerminated(command.object));
+    EXPECT_TRUE(command.action >= SceneAction::kEdits && command.action <= SceneAction::kSave);
+  }
+  void operator()(const SceneAnswer& answer) const {
+    EXPECT_EQ(answer.text.size(), size - sizeof(SceneReply));
+    EXPECT_TRUE(answer.reply.done == 1 || answer.reply.file_bytes == 0);
   }
   template <class T>
   void operator()(const T&) const {

@@ -75,6 +75,11 @@ class RecordingHandler : public ipc::ServerHandler {
     const std::lock_guard lock(mutex_);
     ++stops_;
   }
+  void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override {
+    const std::lock_guard lock(mutex_);
+    scene_commands_.push_back(command);
+    if (on_scene_command) on_scene_command(id, command);
+  }
   void OnPeriod(std::int64_t) override {
     const std::lock_guard lock(mutex_);
     ++periods_;
@@ -123,6 +128,9 @@ class RecordingHandler : public ipc::ServerHandler {
   std::vector<std::pair<ipc::ClientId, protocol::SessionState>> Sessions() {
     return Locked([&] { return sessions_; });
   }
+  std::vector<protocol::SceneCommand> SceneCommands() {
+    return Locked([&] { return scene_commands_; });
+  }
   std::vector<std::pair<ipc::ClientId, protocol::Haptic>> Haptics() {
     return Locked([&] { return haptics_; });
   }
@@ -131,6 +139,7 @@ class RecordingHandler : public ipc::ServerHandler {
   ipc::Server* server = nullptr;
   std::string status = R"({"status":"fine"})";
   int notices_per_period = 0;
+  std::function<void(ipc::ClientId, const protocol::SceneCommand&)> on_scene_command;
 
  private:
   std::mutex mutex_;
@@ -140,6 +149,7 @@ class RecordingHandler : public ipc::ServerHandler {
   std::map<ipc::ClientId, std::uint64_t> dropped_;
   std::vector<std::pair<ipc::ClientId, protocol::SessionState>> sessions_;
   std::vector<std::pair<ipc::ClientId, protocol::Haptic>> haptics_;
+  std::vector<protocol::SceneCommand> scene_commands_;
   int periods_ = 0;
   int stops_ = 0;
 };

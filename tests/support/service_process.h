@@ -26,12 +26,13 @@ inline void SleepMs(int ms) { std::this_thread::sleep_for(std::chrono::milliseco
 
 class ServiceProcess {
  public:
-  ServiceProcess() {
+  ServiceProcess() : ServiceProcess(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kPressOnTheBlock) {}
+  // For applications called process_test*: this scene, and a hand by this script.
+  ServiceProcess(const std::string& scene, const std::string& hand) {
     std::filesystem::create_directories(folder_.Path("run"));
     std::filesystem::permissions(folder_.Path("run"), std::filesystem::perms::owner_all);
-    folder_.Write("config/omni/apps.d/test.toml",
-                  "application = \"process_test*\"\nscene = \"" OMNI_SOURCE_DIR "/scenes/extrusion.glb\"\n");
-    WriteHand();
+    folder_.Write("config/omni/apps.d/test.toml", "application = \"process_test*\"\nscene = \"" + scene + "\"\n");
+    folder_.Write("hand.json", hand);
   }
   ~ServiceProcess() {
     if (pid() > 0) {
@@ -45,7 +46,8 @@ class ServiceProcess {
     auto started =
         tools::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script",
                                     hand_path(), "--twin-record", truth_path(), "--log-level", "warn"},
-                                   {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config")});
+                                   {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
+                                    "XDG_CACHE_HOME=" + folder_.Path("cache")});
     if (started.ok()) process_ = std::make_unique<tools::ChildProcess>(std::move(*started));
   }
 
@@ -80,13 +82,11 @@ class ServiceProcess {
 
  private:
   // Down onto the block's top, then pressing for a long time.
-  void WriteHand() {
-    folder_.Write("hand.json", R"({"name": "press", "repeat": false, "waypoints": [
+  static constexpr const char* kPressOnTheBlock = R"({"name": "press", "repeat": false, "waypoints": [
       {"s": 0, "tip_m": [0.008, 0.004, 0.085], "axis": [0, 0, -1]},
       {"s": 0.6, "tip_m": [0.008, 0.004, 0.080], "axis": [0, 0, -1]},
       {"s": 0.8, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]},
-      {"s": 60, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]}]})");
-  }
+      {"s": 60, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]}]})";
 
   const TempFolder folder_;  // outlives the process
   std::unique_ptr<tools::ChildProcess> process_;

@@ -48,6 +48,41 @@ TEST(Validate, LetsEveryDefaultMessageThrough) {
   EXPECT_TRUE(std::holds_alternative<Notice>(Check(Notice{})));
   EXPECT_TRUE(std::holds_alternative<SurfaceRequest>(Check(SurfaceRequest{})));
   EXPECT_TRUE(std::holds_alternative<Surfaces>(Check(Surfaces{})));
+  EXPECT_TRUE(std::holds_alternative<SceneCommand>(Check(SceneCommand{})));
+  EXPECT_TRUE(std::holds_alternative<SceneAnswer>(Check(SceneReply{})));
+}
+
+TEST(Validate, SceneAnswerIsTheReplyAndTheTextBehindIt) {
+  SceneReply reply;
+  const std::string text = "clay: nothing to undo";
+  reply.number = 7;
+  reply.header.size = static_cast<std::uint32_t>(sizeof(reply) + text.size());
+  std::string packet(reinterpret_cast<const char*>(&reply), sizeof(reply));
+  packet += text;
+  const Message message = Validate(packet.data(), packet.size());
+  ASSERT_TRUE(std::holds_alternative<SceneAnswer>(message));
+  EXPECT_EQ(std::get<SceneAnswer>(message).text, text);
+  EXPECT_EQ(std::get<SceneAnswer>(message).reply.number, 7u);
+  reply.header.size = sizeof(reply) - 1;
+  const Message cut = Validate(&reply, sizeof(reply) - 1);
+  EXPECT_NE(std::string(std::get<Invalid>(cut).reason).find("at least 32"), std::string::npos);
+}
+
+TEST(Validate, RefusesSceneMessagesOutsideTheirRange) {
+  SceneCommand command;
+  command.action = static_cast<SceneAction>(0);
+  EXPECT_NE(ReasonFor(command).find("action"), std::string::npos);
+  command.action = static_cast<SceneAction>(5);
+  EXPECT_NE(ReasonFor(command).find("action"), std::string::npos);
+  command = {};
+  std::memset(command.object, 'x', sizeof(command.object));
+  EXPECT_NE(ReasonFor(command).find("object"), std::string::npos);
+  SceneReply reply;
+  reply.done = 2;
+  EXPECT_NE(ReasonFor(reply).find("done"), std::string::npos);
+  reply = {};
+  reply.file_bytes = 1;
+  EXPECT_NE(ReasonFor(reply).find("refusal with a file"), std::string::npos);
 }
 
 TEST(Validate, KeepsTheFields) {

@@ -18,7 +18,8 @@ constexpr double kWide = 1.5;               // a second, wider patch, to extrapo
 constexpr double kMostExtrapolated = 0.15;  // of the flat give
 constexpr double kCurvature_cells = 1.7;    // radius of the neighbourhood curvature is fitted in
 constexpr double kFlatPatch = 0.6;          // mean give of a half-space under a Hertz pressure, times M rho   (4.2)
-constexpr double kFactorShare = 0.4;        // of the progress bar
+constexpr double kLatticeShare = 0.05;      // of the progress bar ...
+constexpr double kFactorShare = 0.4;        // ... with what comes before
 
 using Clock = std::chrono::steady_clock;
 
@@ -80,9 +81,10 @@ class SoftBuilder {
     cell_m_ = lattice->cell_m;
     radius_m_ = kPatch_cells * cell_m_;
     report_.lattice_ms = MillisecondsSince(start_);
-    if (!Tell(0.05)) return base::Error{"cancelled"};
+    if (!Tell(kLatticeShare)) return base::Error{"cancelled"};
     auto fem = ElasticFem::Build(
-        mesh_, [this](const Vec3& p) { return StiffnessAt(p); }, ClampedNodes());
+        mesh_, [this](const Vec3& p) { return StiffnessAt(p); }, ClampedNodes(),
+        [this](double done) { return Tell(kLatticeShare + (kFactorShare - kLatticeShare) * done); });
     if (!fem.ok()) return base::Error{fem.error()};
     report_.factor_ms = MillisecondsSince(start_);
     if (!Tell(kFactorShare)) return base::Error{"cancelled"};

@@ -1,10 +1,11 @@
 #include "service/haptics/deformable/fem.h"
 
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <unordered_map>
 
 #include "service/haptics/deformable/dissection.h"
+#include "service/haptics/deformable/ldlt.h"
 
 namespace omni::haptics {
 namespace {
@@ -59,7 +60,7 @@ std::vector<std::vector<std::uint32_t>> NeighboursOf(const QuadraticMesh& mesh) 
   return neighbours;
 }
 
-// Lower triangle in the order of elimination.
+// Upper triangle in the order of elimination.
 Sparse AssembleStiffness(const QuadraticMesh& mesh, const std::function<Stiffness6(const Vec3&)>& stiffness,
                          const std::vector<std::uint32_t>& rank, int size) {
   std::vector<Eigen::Triplet<double, int>> entries;
@@ -76,7 +77,7 @@ Sparse AssembleStiffness(const QuadraticMesh& mesh, const std::function<Stiffnes
         const std::uint32_t column_node = rank[tet[j / 3]];
         if (column_node == kNotFree) continue;
         const int column = static_cast<int>(3 * column_node + j % 3);
-        if (row >= column) entries.emplace_back(row, column, k[30 * i + j]);
+        if (row <= column) entries.emplace_back(row, column, k[30 * i + j]);
       }
     }
   }
@@ -136,7 +137,7 @@ std::array<double, 900> ElementStiffness(const std::array<Vec3, 4>& corners, con
 
 struct ElasticFem::Factor {
   std::vector<std::uint32_t> rank;  // of every node, or kNotFree
-  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt;
+  LdltFactor ldlt;
 };
 
 ElasticFem::ElasticFem(std::unique_ptr<Factor> factor) : factor_(std::move(factor)) {}
@@ -146,7 +147,7 @@ ElasticFem::~ElasticFem() = default;
 
 base::Result<ElasticFem> ElasticFem::Build(const QuadraticMesh& mesh,
                                            const std::function<Stiffness6(const Vec3&)>& stiffness,
-                                           const std::vector<bool>& clamped) {
+                                           const std::vector<bool>& clamped, const std::function<bool(double)>& go_on) {
   std::vector<std::uint32_t> free;
   for (std::uint32_t n = 0; n < mesh.nodes_base_m.size(); ++n) {
     if (!clamped[n]) free.push_back(n);
@@ -159,8 +160,14 @@ base::Result<ElasticFem> ElasticFem::Build(const QuadraticMesh& mesh,
   factor->rank.assign(mesh.nodes_base_m.size(), kNotFree);
   const std::vector<std::uint32_t> order = DissectionOrder(mesh.nodes_base_m, free, NeighboursOf(mesh));
   for (std::uint32_t k = 0; k < order.size(); ++k) factor->rank[order[k]] = k;
-  factor->ldlt.compute(AssembleStiffness(mesh, stiffness, factor->rank, static_cast<int>(3 * order.size())));
-  if (factor->ldlt.info() != Eigen::Success || !(factor->ldlt.vectorD().minCoeff() > 0)) {
+  const Sparse matrix = AssembleStiffness(mesh, stiffness, factor->rank, static_cast<int>(3 * order.size()));
+  const auto columns = static_cast<std::size_t>(matrix.cols()), entries = static_cast<std::size_t>(matrix.nonZeros());
+  const LdltOutcome outcome =
+      FactoriseLdlt({std::span(matrix.outerIndexPtr(), columns + 1), std::span(matrix.innerIndexPtr(), entries),
+                     std::span(matrix.valuePtr(), entries)},
+                    go_on, factor->ldlt);
+  if (outcome == LdltOutcome::kStopped) return base::Error{"cancelled"};
+  if (outcome == LdltOutcome::kNotPositive) {
     return base::Error{"soft body: the stiffness matrix is singular; a part of the body hangs on nothing"};
   }
   return ElasticFem(std::move(factor));
@@ -168,34 +175,28 @@ base::Result<ElasticFem> ElasticFem::Build(const QuadraticMesh& mesh,
 
 // L D L^T x = f, once through L for all columns.
 void ElasticFem::Solve(LoadBlock& block) const {
-  const Sparse& l = factor_->ldlt.matrixL().nestedExpression();
-  const auto& d = factor_->ldlt.vectorD();
-  const Eigen::Index size = l.cols();
-  LoadBlock x(static_cast<std::size_t>(size));
+  const LdltFactor& l = factor_->ldlt;
+  const std::size_t size = l.diagonal.size();
+  LoadBlock x(size);
   for (std::size_t n = 0; n < factor_->rank.size(); ++n) {
     if (factor_->rank[n] == kNotFree) continue;
     for (std::size_t a = 0; a < 3; ++a) x[3 * factor_->rank[n] + a] = block[3 * n + a];
   }
-  const int* outer = l.outerIndexPtr();
-  const int* inner = l.innerIndexPtr();
-  const double* value = l.valuePtr();
-  for (Eigen::Index j = 0; j < size; ++j) {
-    const auto xj = x[static_cast<std::size_t>(j)];
-    for (int p = outer[j]; p < outer[j + 1]; ++p) {
-      if (inner[p] <= j) continue;
-      auto& row = x[static_cast<std::size_t>(inner[p])];
-      for (std::size_t c = 0; c < kSolveWidth; ++c) row[c] -= value[p] * xj[c];
+  for (std::size_t j = 0; j < size; ++j) {
+    const auto xj = x[j];
+    for (std::size_t p = l.first[j]; p < l.first[j + 1]; ++p) {
+      auto& row = x[l.row[p]];
+      for (std::size_t c = 0; c < kSolveWidth; ++c) row[c] -= l.value[p] * xj[c];
     }
   }
-  for (Eigen::Index j = size - 1; j >= 0; --j) {
-    auto xj = x[static_cast<std::size_t>(j)];
-    for (double& v : xj) v /= d[j];
-    for (int p = outer[j]; p < outer[j + 1]; ++p) {
-      if (inner[p] <= j) continue;
-      const auto& row = x[static_cast<std::size_t>(inner[p])];
-      for (std::size_t c = 0; c < kSolveWidth; ++c) xj[c] -= value[p] * row[c];
+  for (std::size_t j = size; j-- > 0;) {
+    auto xj = x[j];
+    for (double& v : xj) v /= l.diagonal[j];
+    for (std::size_t p = l.first[j]; p < l.first[j + 1]; ++p) {
+      const auto& row = x[l.row[p]];
+      for (std::size_t c = 0; c < kSolveWidth; ++c) xj[c] -= l.value[p] * row[c];
     }
-    x[static_cast<std::size_t>(j)] = xj;
+    x[j] = xj;
   }
   for (std::size_t n = 0; n < factor_->rank.size(); ++n) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -204,8 +205,6 @@ void ElasticFem::Solve(LoadBlock& block) const {
   }
 }
 
-std::size_t ElasticFem::factor_entries() const {
-  return static_cast<std::size_t>(factor_->ldlt.matrixL().nestedExpression().nonZeros());
-}
+std::size_t ElasticFem::factor_entries() const { return factor_->ldlt.row.size(); }
 
 }  // namespace omni::haptics

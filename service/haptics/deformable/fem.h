@@ -34,10 +34,12 @@ using LoadBlock = std::vector<std::array<double, kSolveWidth>>;
 
 class ElasticFem {
  public:
-  // `stiffness(p)`: of the material at p. Fails if nothing is clamped, all is, or the matrix is singular.
+  // `stiffness(p)`: of the material at p. Fails if nothing is clamped, all is, or the matrix is singular. `go_on` is
+  // asked now and then with 0 ... 1; false: stop, with the error "cancelled".
   static base::Result<ElasticFem> Build(const QuadraticMesh& mesh,
                                         const std::function<Stiffness6(const Vec3&)>& stiffness,
-                                        const std::vector<bool>& clamped);
+                                        const std::vector<bool>& clamped,
+                                        const std::function<bool(double done)>& go_on = {});
   ElasticFem(ElasticFem&&) noexcept;
   ElasticFem& operator=(ElasticFem&&) noexcept;
   ~ElasticFem();

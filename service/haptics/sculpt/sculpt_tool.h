@@ -12,7 +12,7 @@ struct SculptFeel {
   double grab_force_N = 0.5;      // (0, 2]: press at least this ...
   double dwell_s = 0.2;           // ... for this long to take hold
   double yield_N = 0.2;           // [0, 2]: below, it does not give way
-  double hardening_N_m = 40;      // [0, 1000]: and this much more for every metre it was moved
+  double hardening_N_m = 40;      // [0, 2000]: and this much more for every metre it was moved
   double viscosity_Ns_m = 4;      // [0, 100]: and this much more for every metre per second
   double stiffness_N_m = 400;     // [0, 2000], of the hold, at most what stability allows
   double hold_force_max_N = 1.5;  // (0, 2]

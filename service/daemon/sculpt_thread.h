@@ -1,0 +1,125 @@
+// The thread that edits sculpted surfaces: takes what the tick sent, every 2 ms, and does what people ask for (undo,
+// redo, save). It exists while a scene with a workshop is here, and polls only while the tick may look at one.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "service/haptics/live/live_parts.h"
+#include "service/protocol/unique_fd.h"
+
+namespace omni::daemon {
+
+enum class SculptAction : std::uint8_t { kEdits, kUndo, kRedo, kSave };
+
+struct SculptRequest {
+  std::uint64_t asker = 0;   // client that gets the answer
+  std::uint32_t number = 0;  // comes back in it
+  std::uint64_t client = 0;  // whose scene; 0: the owner's if it is sculpted, else the only one that is
+  SculptAction action = SculptAction::kEdits;
+  std::string object;  // name, or index in the scene; empty: undo and redo take the one that was edited last
+};
+
+struct SculptAnswer {
+  std::uint64_t asker = 0;
+  std::uint32_t number = 0;
+  bool ok = false;
+  std::string text;              // kEdits: JSON; else a line for people, the reason of a refusal included
+  protocol::UniqueFd file;       // kSave: sealed memory that holds a .glb
+  std::uint64_t file_bytes = 0;  // its size
+};
+
+// A stroke that was refused, for people.
+struct SculptProblem {
+  std::uint64_t client = 0;
+  std::string text;
+};
+
+class SculptThread {
+ public:
+  static constexpr std::chrono::milliseconds kPeriod{2};
+  static constexpr std::size_t kMaxWaiting = 16;                // requests; further ones are refused at once
+  static constexpr std::chrono::seconds kSameProblemAfter{10};  // the same refusal is not told again before
+
+  SculptThread() = default;
+  ~SculptThread();
+  SculptThread(const SculptThread&) = delete;
+  SculptThread& operator=(const SculptThread&) = delete;
+
+  // All below: one thread, the control thread. A scene without workshop is left out by all of them.
+
+  // A client has this scene, of this file. Held until Remove.
+  void Add(std::uint64_t client, const std::string& file, const std::shared_ptr<const haptics::Scene>& scene);
+  // Before the scene is handed to the tick, each time: nothing that the tick may read is used again from here on.
+  void Enter(const haptics::Scene& scene);
+  // The tick has given the scene up: it has acknowledged a newer hand-over, or its thread has ended. Ends open strokes.
+  void Leave(const haptics::Scene& scene);
+  // Nobody has it any more. Precondition: never entered, or left since.
+  void Remove(const haptics::Scene& scene);
+
+  // The answer comes by TakeAnswer, also when it is a refusal. `owner`: client that owns the force; 0: none.
+  void Ask(const SculptRequest& request, std::uint64_t owner);
+  // Neither of the two waits for an edit: none now may be one a moment later.
+  std::optional<SculptAnswer> TakeAnswer();
+  std::optional<SculptProblem> TakeProblem();
+  // Whether the thread is there, for tests and status.
+  bool running() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // One workshop.
+  struct Bench {
+    std::uint64_t edited = 0;  // when it was edited last, counted; 0: never
+    std::string problem;       // the newest that was told ...
+    Clock::time_point told;    // ... and when
+  };
+  struct Sculpted {
+    std::uint64_t client = 0;
+    std::string file;
+    std::shared_ptr<const haptics::Scene> scene;
+    std::vector<Bench> benches;  // as the scene's workshops
+    bool read = false;           // by the tick
+    bool broken = false;         // an edit ran out of memory: it is not edited any more
+
+    haptics::sculpt::Workshop& workshop(std::size_t n) const {
+      return scene->live()->workshop_at(static_cast<std::uint32_t>(n));
+    }
+    std::uint32_t object(std::size_t n) const { return scene->live()->object_at(static_cast<std::uint32_t>(n)); }
+    const char* name(std::size_t n) const { return scene->objects()[object(n)].name; }
+  };
+  struct Work {
+    SculptRequest request;
+    std::shared_ptr<const haptics::Scene> scene;
+  };
+  void Run();
+  void Poll(Sculpted& sculpted);
+  void Tell(Sculpted& sculpted, std::size_t n, const std::string& problem);
+  void Do(const Work& work, std::unique_lock<std::mutex>& lock);
+  void Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer);
+  void Step(Sculpted& sculpted, const SculptRequest& request, SculptAnswer& answer);
+  static std::string Edits(const Sculpted& sculpted);
+  // The workshop a request means; none: `why`.
+  static std::optional<std::size_t> Named(const Sculpted& sculpted, const std::string& object, std::string& why);
+  Sculpted* Find(const haptics::Scene& scene);
+  Sculpted* Choose(std::uint64_t client, std::uint64_t owner, std::string& why);
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::vector<Sculpted> scenes_;
+  std::deque<Work> work_;
+  std::deque<SculptAnswer> answers_;
+  std::deque<SculptProblem> problems_;
+  std::uint64_t edits_ = 0;  // counts
+  bool ended_ = false;       // the thread has left Run, or is about to
+  std::thread thread_;
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,29 @@
+#include "service/haptics/live/sculpted_scene.h"
+
+namespace omni::haptics {
+
+SceneInput SculptedScene(const Scene& scene, const LiveParts& live) {
+  SceneInput saved;
+  saved.name = scene.header().name;
+  std::vector<std::uint32_t> renamed(scene.materials().size(), kNoIndex);
+  for (std::uint32_t n = 0; n < live.workshop_count(); ++n) {
+    Mesh mesh = live.workshop_at(n).editor().Snapshot();
+    for (std::uint16_t& m : mesh.material) {
+      if (renamed[m] == kNoIndex) {
+        renamed[m] = static_cast<std::uint32_t>(saved.materials.size());
+        Material& material = saved.materials.emplace_back(scene.materials()[m]);
+        material.stiffness_texture = material.friction_texture = material.vibrotactile_texture = -1;
+      }
+      m = static_cast<std::uint16_t>(renamed[m]);
+    }
+    InputObject& object = saved.objects.emplace_back();
+    object.name = scene.objects()[live.object_at(n)].name;
+    object.vertices_base_m = std::move(mesh.vertices);
+    object.triangles = std::move(mesh.triangles);
+    object.triangle_material = std::move(mesh.material);
+    object.car_wall = (scene.objects()[live.object_at(n)].flags & kCarWall) != 0;
+  }
+  return saved;
+}
+
+}  // namespace omni::haptics
