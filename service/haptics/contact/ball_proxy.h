@@ -19,7 +19,8 @@ inline constexpr double kMaxBallRadius_m = 0.01;
 inline constexpr double kBallGive = 1e-4;
 
 inline constexpr int kMaxBallSteps = 32;     // straight moves in a tick; the ball goes on in the next
-inline constexpr int kMaxBallNear = 512;     // triangles looked at in a move; more near by: the move gets shorter
+inline constexpr int kMaxBallLooks = 2048;   // triangles looked at in a tick, after which no further move is begun
+inline constexpr int kMaxBallNear = 512;     // triangles known in a move; more near by: the move gets shorter
 inline constexpr int kMaxBallTouching = 16;  // surfaces touched at once; those that hold back most are kept
 
 // What is kept from tick to tick, one for each object a ball can touch. Frame: the mesh's rest frame. Who moves the
