@@ -20,9 +20,6 @@
 namespace omni::tools {
 namespace {
 
-using sim::operator*;
-using sim::operator-;
-
 constexpr double kGaps_mm[] = {0, 5, 10, 20, 30, 60};
 constexpr int kSeeds = 3;
 constexpr int kPosesPerSeed = 700;
@@ -52,6 +49,7 @@ sim::MagnetPose DrawAtGap(const base::DeviceGeometry& device, double gap_m, sim:
   } while (std::abs(sim::Dot(pose.axis_base, n)) < kTiltCosine);
   double near_m = device.hull_radius_m, far_m = device.hull_radius_m + gap_m + 0.1;
   for (int i = 0; i < 60; ++i) {
+    using sim::operator*;
     const double r = 0.5 * (near_m + far_m);
     pose.centre_base_m = r * n;
     (sim::GapToHull(device.magnet, device.hull_radius_m, pose).gap_m < gap_m ? near_m : far_m) = r;
@@ -119,6 +117,7 @@ Errors Compare(const actuation::ForceMap& map, const std::vector<TruePose>& pose
     const sim::Vec3 mapped_pull{mapped.snapping_N.x, mapped.snapping_N.y, mapped.snapping_N.z};
     errors.map_pct.push_back(100 * std::sqrt(wrong / all));
     errors.torque_pct.push_back(100 * std::sqrt(torque_wrong / torque_all));
+    using sim::operator-;
     errors.snapping_pct.push_back(100 * sim::Norm(mapped_pull - pull) / sim::Norm(pull));
   }
   return errors;

@@ -17,6 +17,7 @@
 #include "tests/support/sculpt_body.h"
 #include "tests/support/temp_folder.h"
 #include "tests/unit/deformable_story.h"
+#include "tests/unit/scene_files.h"
 
 namespace omni::daemon {
 namespace {
@@ -266,11 +267,16 @@ struct NowhereSink : loop::TickSink {
   void Publish(const loop::TickOutput& /*output*/) noexcept override {}
 };
 
-config::AppTable SurfaceApps() {
-  const std::string scenes = std::string(OMNI_SOURCE_DIR) + "/scenes/";
+// A tetrahedron whose faces can be extruded, and one that is rigid.
+config::AppTable SurfaceApps(const test::TempFolder& folder) {
+  scene::test::Model rigid = scene::test::Tetra();
+  scene::test::Model clay = scene::test::Tetra();
+  clay.json["materials"][0]["extras"]["haptic"] = {{"extrude", true}};
   config::AppTable table;
-  table.entries.push_back({.application_glob = "block*", .scene = scenes + "extrusion.glb"});
-  table.entries.push_back({.application_glob = "track*", .scene = scenes + "racetrack.glb"});
+  table.entries.push_back(
+      {.application_glob = "clay*", .scene = folder.Write("clay.glb", clay.Bytes()), .touch = config::Touch::kAll});
+  table.entries.push_back(
+      {.application_glob = "rigid*", .scene = folder.Write("rigid.glb", rigid.Bytes()), .touch = config::Touch::kAll});
   return table;
 }
 
@@ -278,7 +284,8 @@ config::AppTable SurfaceApps() {
 class SurfacesOverTheSocket : public testing::Test {
  protected:
   SurfacesOverTheSocket()
-      : source_(device_), service_({.version = "test", .instance = 5, .apps = SurfaceApps(), .hull_radius_m = 0.0375}) {
+      : source_(device_),
+        service_({.version = "test", .instance = 5, .apps = SurfaceApps(temp_), .hull_radius_m = 0.0375}) {
     publisher_ = std::move(ipc::StatePublisher::Create(5).value());
     server_ = std::move(
         ipc::Server::Open(
@@ -329,35 +336,35 @@ TEST_F(SurfacesOverTheSocket, AreAskedForShownChangedAndTakenBack) {
   ASSERT_TRUE(Until({monitor.get()}, [&] { return monitor->surfaces_answered(); })) << monitor->last_error();
   EXPECT_EQ(monitor->surfaces(), nullptr) << "no scene, nothing to draw";
 
-  auto block = Connect("block 1", protocol::ClientRole::kApplication);
-  block->SendSession(protocol::SessionState::kFocused);
-  ASSERT_TRUE(Until({monitor.get(), block.get()}, [&] { return monitor->surfaces() != nullptr; }));
+  const auto clay = Connect("clay 1", protocol::ClientRole::kApplication);
+  clay->SendSession(protocol::SessionState::kFocused);
+  ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] { return monitor->surfaces() != nullptr; }));
   const auto first = monitor->surfaces();
   EXPECT_EQ(first->service_instance(), 5U);
   EXPECT_EQ(first->object_count(), 1U);
   EXPECT_EQ(first->object(0).flags, protocol::kSurfaceExtruded);
   SurfaceCopy copy;
-  ASSERT_TRUE(Until({monitor.get(), block.get()}, [&] { return first->Read(0, copy) == SurfaceRead::kTriangles; }));
-  EXPECT_EQ(copy.triangles.size(), 1608U);
+  ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] { return first->Read(0, copy) == SurfaceRead::kTriangles; }));
+  EXPECT_EQ(copy.triangles.size(), 4U);
   protocol::SurfacePulse early, later;
   ASSERT_TRUE(first->Pulse(early));
   ASSERT_TRUE(
-      Until({monitor.get(), block.get()}, [&] { return first->Pulse(later) && later.looks >= early.looks + 10; }));
+      Until({monitor.get(), clay.get()}, [&] { return first->Pulse(later) && later.looks >= early.looks + 10; }));
 
-  // The same memory again for who asks again, another one for another client of the same scene: the same bytes.
+  // The same memory again for who asks again.
   monitor->RequestSurfaces(true);
-  ASSERT_TRUE(Until({monitor.get(), block.get()}, [&] { return monitor->surfaces() != nullptr; }));
+  ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] { return monitor->surfaces() != nullptr; }));
   EXPECT_EQ(monitor->surfaces()->memory_generation(), first->memory_generation());
 
   // A scene that changes nothing.
-  const auto track = Connect("track 1", protocol::ClientRole::kApplication);
-  track->SendSession(protocol::SessionState::kFocused);
-  ASSERT_TRUE(Until({monitor.get(), block.get(), track.get()}, [&] { return monitor->surfaces() == nullptr; }));
+  const auto rigid = Connect("rigid 1", protocol::ClientRole::kApplication);
+  rigid->SendSession(protocol::SessionState::kFocused);
+  ASSERT_TRUE(Until({monitor.get(), clay.get(), rigid.get()}, [&] { return monitor->surfaces() == nullptr; }));
   EXPECT_TRUE(monitor->surfaces_answered());
 
   // Back, in a new memory; what was mapped before can still be read.
-  track->SendSession(protocol::SessionState::kNone);
-  ASSERT_TRUE(Until({monitor.get(), block.get(), track.get()}, [&] { return monitor->surfaces() != nullptr; }));
+  rigid->SendSession(protocol::SessionState::kNone);
+  ASSERT_TRUE(Until({monitor.get(), clay.get(), rigid.get()}, [&] { return monitor->surfaces() != nullptr; }));
   EXPECT_GT(monitor->surfaces()->memory_generation(), first->memory_generation());
   EXPECT_NE(first->Read(0, copy), SurfaceRead::kNothing);
 
@@ -367,14 +374,14 @@ TEST_F(SurfacesOverTheSocket, AreAskedForShownChangedAndTakenBack) {
   EXPECT_EQ(monitor->surfaces(), nullptr);
   std::uint64_t looks = 0;
   int still = 0;
-  ASSERT_TRUE(Until({monitor.get(), block.get()}, [&] {
+  ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] {
     protocol::SurfacePulse pulse;
     (void)last->Pulse(pulse);
     still = pulse.looks == looks ? still + 1 : 0;
     looks = pulse.looks;
     return still > 100;
   }));
-  EXPECT_TRUE(monitor->connected() && block->connected()) << monitor->last_error();
+  EXPECT_TRUE(monitor->connected() && clay->connected()) << monitor->last_error();
 }
 
 }  // namespace

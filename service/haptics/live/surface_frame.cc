@@ -10,7 +10,7 @@ DrawnVertex Rounded(const Vec3& p) noexcept {
 }
 
 // The object's soft body as it is touched now; null: at rest, or of an object without one.
-const SoftContactState* TouchOf(std::uint32_t object, std::span<const SoftTouch> soft) noexcept {
+const SoftContactState* SoftTouchOf(std::uint32_t object, std::span<const SoftTouch> soft) noexcept {
   for (const SoftTouch& touch : soft) {
     if (touch.object == object) return &touch.body;
   }
@@ -19,7 +19,7 @@ const SoftContactState* TouchOf(std::uint32_t object, std::span<const SoftTouch>
 
 // False: the body does not give way now, or does not belong to this mesh.
 bool SoftDisplacements(const Scene& scene, std::span<const SoftTouch> soft, RestObject& rest) {
-  const SoftContactState* touch = TouchOf(rest.object, soft);
+  const SoftContactState* touch = SoftTouchOf(rest.object, soft);
   const SoftBody* body = scene.live() == nullptr ? nullptr : scene.live()->soft_body(rest.object);
   if (touch == nullptr || body == nullptr) return false;
   rest.displacement_m.resize(rest.vertices_base_m.size());
