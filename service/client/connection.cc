@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -205,10 +206,11 @@ void Connection::Impl::OnSceneAnswer(std::int64_t now_ns, const protocol::SceneA
     const std::string who = "omnid at " + path + ": the file in its answer ";
     if (fd_count != 1) return Fail(now_ns, who + "is missing; restart omnid");
     const auto bytes = static_cast<std::size_t>(reply.file_bytes);
+    taken.file.resize(bytes);  // before the mapping: nothing is lost if there is no memory
     const SealedMapping mapped =
         MapSealed(fds[0].get(), F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL, bytes, PROT_READ);
     if (mapped.memory == nullptr) return Fail(now_ns, who + mapped.problem);
-    taken.file.assign(static_cast<const char*>(mapped.memory), bytes);
+    std::memcpy(taken.file.data(), mapped.memory, bytes);
     ::munmap(mapped.memory, bytes);
   }
   scene_answer = std::move(taken);

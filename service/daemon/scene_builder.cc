@@ -8,23 +8,6 @@
 #include "service/scene/load_scene.h"
 
 namespace omni::daemon {
-namespace {
-
-// Workshops at once; which objects are to get soft bodies.
-void AddLiveParts(haptics::Scene& scene, BuiltScene& built, std::deque<std::uint32_t>& soft_objects) {
-  haptics::LivePlan plan = haptics::PlanLive(scene);
-  std::shared_ptr<haptics::LiveParts> live;
-  if (!plan.empty()) {
-    live = std::make_shared<haptics::LiveParts>();
-    haptics::AddWorkshops(scene, plan, *live, plan.lines);
-  }
-  for (const std::string& line : plan.lines) built.warnings.push_back(built.file + ": " + line);
-  if (plan.soft.empty() && (live == nullptr || live->workshop_count() == 0)) return;
-  scene.SetLive(std::move(live));
-  soft_objects.assign(plan.soft.begin(), plan.soft.end());
-}
-
-}  // namespace
 
 scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m) {
   return {.touch_untagged = app.touch == config::Touch::kAll,
@@ -181,7 +164,9 @@ BuiltScene SceneBuilder::Build(const Job& job, std::deque<std::uint32_t>& soft_o
       built.warnings.push_back("scene cache: " + cache_->problem());
     }
     if (scene.ok()) {
-      AddLiveParts(*scene, built, soft_objects);
+      const haptics::LivePlan plan = haptics::MakeLive(*scene);
+      for (const std::string& line : plan.lines) built.warnings.push_back(built.file + ": " + line);
+      soft_objects.assign(plan.soft.begin(), plan.soft.end());
       built.scene = std::make_shared<const haptics::Scene>(std::move(*scene));
     } else {
       built.error = scene.error();

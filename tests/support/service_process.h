@@ -63,6 +63,7 @@ class ServiceProcess {
   std::string socket_path() const { return folder_.Path("run/omnid.sock"); }
   std::string truth_path() const { return folder_.Path("truth.csv"); }
   std::string hand_path() const { return folder_.Path("hand.json"); }
+  std::string cache_folder() const { return folder_.Path("cache/omni"); }
 
   // The twin's own recording, once its process has finished writing: it lingers after omnid is gone.
   std::optional<tools::CsvTable> Truth() const {

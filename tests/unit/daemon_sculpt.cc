@@ -43,11 +43,7 @@ std::shared_ptr<const haptics::Scene> Lumps(int count) {
     for (base::Vec3& v : input.objects.back().vertices_base_m) v.x += 0.05 * k;
   }
   haptics::Scene scene = haptics::Built(input);
-  const haptics::LivePlan plan = haptics::PlanLive(scene);
-  auto live = std::make_shared<haptics::LiveParts>();
-  std::vector<std::string> lines;
-  haptics::AddWorkshops(scene, plan, *live, lines);
-  if (live->workshop_count() > 0) scene.SetLive(live);
+  haptics::MakeLive(scene);
   return std::make_shared<const haptics::Scene>(std::move(scene));
 }
 

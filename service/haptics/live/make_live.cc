@@ -163,6 +163,15 @@ void AddWorkshops(const Scene& scene, const LivePlan& plan, LiveParts& live, std
   }
 }
 
+LivePlan MakeLive(Scene& scene) {
+  LivePlan plan = PlanLive(scene);
+  if (plan.empty()) return plan;
+  auto live = std::make_shared<LiveParts>();
+  AddWorkshops(scene, plan, *live, plan.lines);
+  if (!plan.soft.empty() || live->workshop_count() > 0) scene.SetLive(std::move(live));
+  return plan;
+}
+
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options) {
   const std::uint64_t n = options.lattice.max_surface_vertices;
   return n * n * sizeof(Float3) + n * (n + 1) / 2 * sizeof(float);

@@ -48,6 +48,10 @@ sculpt::Brush BrushOf(const Sculpt& sculpt, const Mesh& mesh);
 // A workshop for each of plan.sculpted. One that cannot be made stays out, with a line that says why.
 void AddWorkshops(const Scene& scene, const LivePlan& plan, LiveParts& live, std::vector<std::string>& lines);
 
+// Plans, makes the workshops and gives the scene its LiveParts if anything is to change in it; soft bodies are left to
+// the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet.
+LivePlan MakeLive(Scene& scene);
+
 // What the tables between a soft body's nodes take at most, bytes; its skin adds 16 a vertex.
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options);
 // What the freshly made workshops of plan.sculpted take, bytes, about.
