@@ -159,13 +159,19 @@ int WatchSurfaces(const SurfacesArguments& arguments) {
   const std::int64_t begin_ns = base::MonotonicNow_ns();
   bool was_connected = false;
   int reads = 0;
+  std::string last;  // printed while there is nothing to count
   for (;;) {
     const std::int64_t now_ns = base::MonotonicNow_ns();
     if (EndSignals::asked() || static_cast<double>(now_ns - begin_ns) * 1e-9 >= arguments.seconds) break;
     const bool news = counter.Read(now_ns);
     was_connected |= counter.view().connected;
     const bool gone = screen != nullptr && ++reads % 25 == 0 && !screen->Show(SurfacesText(counter.view()));
-    if (screen == nullptr && news) std::cout << SurfacesText(counter.view()) << std::flush;
+    if (screen == nullptr && (counter.view().connected || counter.failed())) {
+      const std::string text = SurfacesText(counter.view());
+      const bool other_state = !counter.view().has_memory && text != last;
+      if (news || other_state) std::cout << text << std::flush;
+      last = text;
+    }
     if (gone || !std::cout.good()) break;
     std::this_thread::sleep_for(kReadPeriod);
   }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "service/haptics/geometry/surface.h"
+#include "service/haptics/live/make_live.h"
 #include "tests/support/sculpt_body.h"
 #include "tests/unit/deformable_story.h"
 
@@ -58,6 +59,18 @@ TEST(SurfaceFrame, VerticesOfAnObjectAreItsOwnInTheOrderOfItsTriangles) {
     EXPECT_EQ(next, range.count);
   }
   EXPECT_EQ(VerticesOf(scene, 0).count + VerticesOf(scene, 1).count, scene.vertices().size());
+}
+
+// What soft bodies and editors are made from is what is drawn, vertex by vertex.
+TEST(SurfaceFrame, IsInTheOrderOfTheMeshThatPartsAreMadeFrom) {
+  const Scene scene = Built(TwoBalls());
+  for (std::uint32_t o = 0; o < 2; ++o) {
+    const Mesh mesh = MeshOf(scene, o);
+    std::vector<DrawnTriangle> triangles;
+    DrawnTriangles(scene, o, triangles);
+    EXPECT_EQ(RestOf(scene, o).vertices_base_m, mesh.vertices);
+    EXPECT_EQ(triangles, mesh.triangles);
+  }
 }
 
 TEST(SurfaceFrame, SaysWhatChanges) {
