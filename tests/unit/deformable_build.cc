@@ -1,4 +1,5 @@
 // Building a soft body: lattice, block, bad input.
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -145,6 +146,21 @@ TEST(SoftBlock, SurvivesATripAndNoDamageGoesUnseen) {
   for (const std::size_t size : {std::size_t{0}, std::size_t{10}, sizeof(SoftHeader), bytes.size() - 1}) {
     EXPECT_FALSE(SoftBody::Load(bytes.first(size)).ok());
   }
+}
+
+// The sides that begin at its edge say nothing about how a flat top is bent.
+TEST(SoftBuild, FlatTopIsFlatUpToItsEdge) {
+  const auto body = BuildSmall(SoftBoxMesh(), SmallOptions());
+  ASSERT_TRUE(body.ok()) << body.error();
+  const SoftHeader& h = body->view().header();
+  int flat = 0;
+  for (std::uint32_t n = 0; n < h.node_count; ++n) {
+    const SoftNode& node = body->view().Node(n);
+    if (!(node.normal.z > 0.9999F && node.position_base_m.z > 0.0299F)) continue;
+    ++flat;
+    EXPECT_LT(std::abs(static_cast<double>(node.curvature_1_m)) * h.cell_m, 0.02) << node.position_base_m.x;
+  }
+  EXPECT_GT(flat, 5);
 }
 
 TEST(SoftBuild, KeyFollowsEveryInput) {

@@ -41,6 +41,40 @@ TEST(SoftLaw, SmallDentsAreHertz) {
   EXPECT_NEAR(LocalForce(law, dent) / (4.0 / 3 * law.modulus_Pa * std::sqrt(0.005) * std::pow(dent, 1.5)), 1, 1e-3);
 }
 
+// Whatever dent the search starts from.
+TEST(SoftLaw, DentDoesNotDependOnTheGuess) {
+  const LocalLaw law{2e5, 0.004, GainOf(0.4, 0)};
+  for (double dent = 1e-6; dent < 0.02; dent *= 1.7) {
+    const double force_N = LocalForce(law, dent);
+    for (const double guess : {0.0, 1e-9, 0.3 * dent, 0.999 * dent, 1.3 * dent, 1.0, kNan}) {
+      EXPECT_NEAR(LocalAtForce(law, force_N, guess).dent_m / dent, 1, 1e-12) << dent << " " << guess;
+    }
+  }
+}
+
+// Firm, soft and overfirm bodies, with and without a spring: the force of a depth is that which goes so deep.
+TEST(SoftLaw, ForceOfABallAloneGoesToItsDepth) {
+  std::mt19937_64 rng(31);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const LocalLaw law{std::pow(10, 4 + 3 * any(rng)), 0.002 + 0.01 * any(rng), GainOf(0.49 * any(rng), 0)};
+    const double flat = 1 / (law.modulus_Pa * law.radius_m);
+    const BallGive give = MakeBallGive(law, flat * (any(rng) - 0.4), any(rng) < 0.5 ? 0 : 3 * flat * any(rng));
+    const double depth_m = law.radius_m * std::pow(10, -4 * any(rng));
+    const double force_N = ForceAlone(give, depth_m, 0);
+    EXPECT_GT(force_N, 0);
+    EXPECT_NEAR(GiveAtForce(give, force_N, 0).depth_m / depth_m, 1, 1e-8) << trial;
+    EXPECT_NEAR(ForceAlone(give, depth_m, depth_m * any(rng)) / force_N, 1, 1e-8) << trial;
+    const double h = 1e-4 * force_N;
+    const double slope =
+        (GiveAtForce(give, force_N + h, 0).depth_m - GiveAtForce(give, force_N - h, 0).depth_m) / (2 * h);
+    if (force_N > 1e-4) {
+      EXPECT_NEAR(GiveAtForce(give, force_N, 0).slope_m_N / slope, 1, 2e-3) << trial;
+    }
+  }
+  EXPECT_EQ(ForceAlone(MakeBallGive({2e5, 0.005, {}}, 0, 0), kNan, 0), 0);
+}
+
 TEST(SoftContacts, ForceGrowsWithDepthAndSlopeIsItsDerivative) {
   for (const Vec3& at : {Vec3{0, 0, 1}, Vec3{1, 0.3, 0.2}, Vec3{-0.4, 0.5, 0.6}}) {
     double last_N = 0;

@@ -340,6 +340,29 @@ TEST(RepairMesh, WindingTreeAgreesWithTheSumOfSolidAngles) {
   }
 }
 
+// A soup of its own, as soft bodies are cut from: triangles without area, alone in a leaf too, say nothing.
+TEST(RepairMesh, WindingTreeBearsTrianglesWithoutArea) {
+  std::vector<Vec3> vertices = kBall.vertices_base_m;
+  std::vector<std::array<std::uint32_t, 3>> triangles = kBall.triangles;
+  const WindingTree whole(vertices, triangles);
+  for (std::uint32_t k = 0; k < 40; ++k) {
+    vertices.push_back({0.5, 0.5, 0.5 + 1e-4 * k});
+    const auto last = static_cast<std::uint32_t>(vertices.size() - 1);
+    triangles.push_back({last, last, last});
+    triangles.push_back({0, 0, k});
+  }
+  const WindingTree spoilt(vertices, triangles);
+  Random random(6);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 p = random.InBox(0.04);
+    ASSERT_NEAR(spoilt.At(p), whole.At(p), 0.03) << i;
+    if (std::abs(whole.At(p) - 0.5) > 0.1) {
+      ASSERT_EQ(spoilt.Inside(p), whole.Inside(p)) << i;
+    }
+  }
+  EXPECT_EQ(WindingTree(std::span<const Vec3>(), {}).At({0, 0, 0}), 0);
+}
+
 // A hole's filling keeps texture coordinates and materials per triangle, and snapping interpolates them.
 TEST(RepairMesh, WhatIsStoredPerTriangleFollowsEveryRepair) {
   InputObject object = TopFinerThanSides();

@@ -1,11 +1,10 @@
 #include "service/haptics/deformable/build_soft_body.h"
 
+#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <string>
 
 #include "service/haptics/deformable/fem.h"
-#include "service/haptics/deformable/local_law.h"
 #include "service/haptics/deformable/patch_load.h"
 #include "service/haptics/deformable/soft_grid.h"
 
@@ -14,10 +13,10 @@ namespace {
 
 // Radius of the pressure a column answers to. The nodes of the quadratic elements are half a cell apart.
 constexpr double kPatch_cells = 1.25;
-constexpr double kWide = 1.5;               // a second, wider patch, to extrapolate to a patch of no size
 constexpr double kMostExtrapolated = 0.15;  // of the flat give
 constexpr double kCurvature_cells = 1.7;    // radius of the neighbourhood curvature is fitted in
-constexpr double kFlatPatch = 0.6;          // mean give of a half-space under a Hertz pressure, times M rho   (4.2)
+constexpr double kFlatMean = 0.6;           // mean give of a half-space under a Hertz pressure, times M rho   (4.2)
+constexpr double kFlatMiddle = 0.75;        // ... and that at its middle
 constexpr double kLatticeShare = 0.05;      // of the progress bar ...
 constexpr double kFactorShare = 0.4;        // ... with what comes before
 
@@ -51,18 +50,6 @@ base::Status CheckSoftOptions(const SoftBodyOptions& o) {
 }
 
 Float3 ToFloat3(const Vec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
-
-// Mean give of a half-space under a Hertz pressure of radius rho, seen through one of kWide rho, times M rho:
-// 3/4 int 3 s sqrt(1 - s^2) P(kWide s) ds, s = 0 ... 1.   (4.4)
-double FlatWide() {
-  constexpr int kSamples = 2000;
-  double sum = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const double s = (i + 0.5) / kSamples;
-    sum += 3 * s * std::sqrt(1 - s * s) * DentProfile(kWide * s) / kSamples;
-  }
-  return 0.75 * sum;
-}
 
 // One build, step by step.
 class SoftBuilder {
@@ -138,7 +125,6 @@ class SoftBuilder {
     const auto patches = MeasurePatches(mesh_, surface_nodes_, kCurvature_cells * cell_m_);
     for (const SurfacePatch& patch : patches) {
       loads_.push_back(SpreadLoad(mesh_, patch, radius_m_));
-      wide_loads_.push_back(SpreadLoad(mesh_, patch, kWide * radius_m_));
       const double nu = options_.moduli.poisson_ratio;
       const double modulus = options_.moduli.fibre_ratio == 1
                                  ? options_.moduli.young_modulus_Pa / (1 - nu * nu)
@@ -185,13 +171,14 @@ class SoftBuilder {
     node.compliance_m_N = static_cast<float>(OwnCompliance(j, c, block, flat));
   }
 
-  // What the body adds to a half-space, c(rho) = C_jj - 0.6 / (M rho), and the same seen through a wider patch; both
-  // grow with the squares of the radii, so the limit of a small patch follows.   (4.2), (4.4)
+  // What the body adds to a half-space, as the mean over the patch and as its middle feels it. The one is off by twice
+  // as much as the other, so that of a patch without size follows.   (4.2), (4.4)
   double OwnCompliance(std::size_t j, std::size_t c, const LoadBlock& block, double flat) const {
-    const double narrow = Give(loads_[j], c, block) - kFlatPatch * flat;
-    const double wide = Give(wide_loads_[j], c, block) - flat_wide_ * flat;
-    const double more = 2 / (kWide * kWide - 1) * (wide - narrow);
-    return narrow - std::clamp(more, -kMostExtrapolated * flat, kMostExtrapolated * flat);
+    const double mean = Give(loads_[j], c, block) - kFlatMean * flat;
+    const std::size_t row = 3 * static_cast<std::size_t>(surface_nodes_[j]);
+    const double middle =
+        -Dot(loads_[j].normal, {block[row][c], block[row + 1][c], block[row + 2][c]}) - kFlatMiddle * flat;
+    return mean + std::clamp(2 * (middle - mean), -kMostExtrapolated * flat, kMostExtrapolated * flat);
   }
 
   // How far a patch goes in, weighted as its pressure.
@@ -236,8 +223,7 @@ class SoftBuilder {
   QuadraticMesh mesh_;
   double cell_m_ = 0, radius_m_ = 0;
   std::vector<std::uint32_t> surface_nodes_;
-  std::vector<PatchLoad> loads_, wide_loads_;
-  double flat_wide_ = FlatWide();
+  std::vector<PatchLoad> loads_;
   SoftParts parts_;
 };
 

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "service/haptics/deformable/lattice_cut.h"
-#include "service/haptics/deformable/winding.h"
+#include "service/haptics/geometry/winding_number.h"
 
 namespace omni::haptics {
 namespace {
@@ -73,7 +73,7 @@ std::vector<TetCorners> BccGrid::Tets() const {
 
 class Stuffer {
  public:
-  Stuffer(const BccGrid& grid, const WindingField& field) : grid_(grid), field_(field), tets_(grid.Tets()) {
+  Stuffer(const BccGrid& grid, const WindingTree& field) : grid_(grid), field_(field), tets_(grid.Tets()) {
     position_.reserve(grid.Points());
     side_.reserve(grid.Points());
     for (std::uint32_t p = 0; p < grid.Points(); ++p) {
@@ -176,7 +176,7 @@ class Stuffer {
   }
 
   const BccGrid& grid_;
-  const WindingField& field_;
+  const WindingTree& field_;
   std::vector<TetCorners> tets_;
   std::vector<Vec3> position_;
   std::vector<int> side_;
@@ -326,7 +326,7 @@ TetLattice StuffLattice(std::span<const Vec3> vertices, Triangles triangles, dou
   const auto cubes = [&](double length) { return static_cast<std::uint32_t>(length / cell_m) + 4; };
   const BccGrid grid{bounds.lower - cell_m * (Vec3{1.5, 1.5, 1.5} + shift_cells), cell_m, cubes(extent.x) + 1,
                      cubes(extent.y) + 1, cubes(extent.z) + 1};
-  const WindingField field(vertices, triangles);
+  const WindingTree field(vertices, triangles);
   TetLattice lattice = Stuffer(grid, field).Run();
   if (lattice.tets.empty()) return lattice;
   KeepLargestPart(lattice);

@@ -18,11 +18,21 @@ struct LocalLaw {
 
 inline constexpr double kLargestDent = 1;  // s up to which the gain was fitted and a bit beyond; from there on straight
 
-// F = 4/3 M R^2 s^3 (1 + g1 s + g2 s^2), s = sqrt(x / R); 0 for x <= 0 or NaN.   (5.1)
+// A point of the law.
+struct LocalPoint {
+  double dent_m = 0;
+  double force_N = 0;
+  double slope_N_m = 0;  // dF/dx
+};
+
+// F = 4/3 M R^2 s^3 (1 + g1 s + g2 s^2), s = sqrt(x / R); all 0 for x <= 0 or NaN.   (5.1)
+LocalPoint LocalAtDent(const LocalLaw& law, double dent_m) noexcept;
+// The dent for a force >= 0: Newton on s, to rounding. `near_m`: a dent near it, which saves steps; 0: none known.
+LocalPoint LocalAtForce(const LocalLaw& law, double force_N, double near_m) noexcept;
+
+// Parts of them.
 double LocalForce(const LocalLaw& law, double dent_m) noexcept;
-// dF/dx, N/m.
 double LocalSlope(const LocalLaw& law, double dent_m) noexcept;
-// The dent for a force >= 0: Newton on s, to rounding.
 double LocalDent(const LocalLaw& law, double force_N) noexcept;
 
 // Radius a of the contact, sqrt(R x).

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kCuts = 4;            // per edge, of a triangle for quadrature
 constexpr double kSameWay = 0.35;   // cosine: triangles turned away more are another side of the body
+constexpr double kAlike = 0.8;      // cosine: points turned away more say nothing about the curvature here
 constexpr double kDeepest = 1.0;    // of the radius: farther below the tangent plane does not count
 constexpr std::size_t kFewest = 9;  // points for a fit of curvature
 
@@ -103,7 +104,7 @@ std::vector<SurfacePatch> MeasurePatches(const QuadraticMesh& mesh, const std::v
     for (const std::uint32_t m : nodes) {
       const Offset o = OffsetFrom(patch, mesh.nodes_base_m[m]);
       const bool near = o.across_m < radius_m && std::abs(o.height_m) < kDeepest * radius_m;
-      if (near && Dot(Normalized(normal[m]), patch.normal) > kSameWay) points.push_back(mesh.nodes_base_m[m]);
+      if (near && Dot(Normalized(normal[m]), patch.normal) > kAlike) points.push_back(mesh.nodes_base_m[m]);
     }
     patch.curvature_1_m = FitCurvature(patch, points, radius_m);
     patches.push_back(patch);

@@ -7,40 +7,20 @@ namespace omni::haptics {
 namespace {
 
 constexpr int kSoftNewtonSteps = 12;
-constexpr double kForceTolerance = 1e-7;   // relative
-constexpr double kSmallestForce_N = 1e-5;  // below, the slope of the dent is taken from here: it is infinite at zero
-constexpr double kMovedWeight = 1e-3;      // a row of the matrix is kept until its place moved by this
-constexpr double kStaleDiagonal = 0.05;    // ... or its own give changed by this share
-constexpr double kDeepest_balls = 4;       // depth beyond this is taken for this
-constexpr double kSteepest = 0.8;          // how much of the local give a negative compliance may take away
+constexpr double kForceTolerance = 1e-7;  // relative
+constexpr double kMovedWeight = 1e-3;     // a row of the matrix is kept until its place moved by this
+constexpr double kStaleDiagonal = 0.05;   // ... or its own give changed by this share
+constexpr double kDeepest_balls = 4;      // depth beyond this is taken for this
 
 std::size_t Z(int i) { return static_cast<std::size_t>(i); }
 
-// One ball on its own: depth as a function of its force, h(f) = dent(f) + c f.
-struct OwnGive {
-  LocalLaw law;
-  double compliance_m_N = 0;  // of the body here
-  double series_m_N = 0;
-  double limit_N = 1e300;  // for compliance < 0: from here on only the rest of the local give is left   (6.4)
-  double limit_dent_m = 0;
-
-  double Depth(double f) const noexcept {
-    const double dent = LocalDent(law, f);
-    if (f <= limit_N) return dent + (compliance_m_N + series_m_N) * f;
-    return limit_dent_m + compliance_m_N * limit_N + (1 - kSteepest) * (dent - limit_dent_m) + series_m_N * f;
-  }
-  double Slope(double f) const noexcept {
-    const double local = 1 / LocalSlope(law, LocalDent(law, std::max(f, kSmallestForce_N)));
-    return (f <= limit_N ? local + compliance_m_N : (1 - kSteepest) * local) + series_m_N;
-  }
-};
-
 // All that is known of a contact before its force.
 struct Touch {
-  OwnGive give;
+  BallGive give;
   double depth_m = 0;
-  double modulus_Pa = 0;
   double relaxing_gain = 0;  // share of a new elastic force that is felt on top of it
+  double least_m_N = 0;      // give of the patch that the columns stand for
+  GivePoint now;             // at the force of this iteration
 };
 
 double Blend(const SoftBodyView& body, const SoftPlace& place, float SoftNode::*field) noexcept {
@@ -73,33 +53,12 @@ bool Usable(const SoftContact& c) noexcept {
          c.series_compliance_m_N >= 0 && c.series_compliance_m_N < 1e6;
 }
 
-OwnGive GiveAt(const SoftBodyView& body, const SoftPlace& place, double ball_radius_m, double series_m_N) noexcept {
+BallGive GiveOf(const SoftBodyView& body, const SoftPlace& place, double ball_radius_m, double series_m_N) noexcept {
   const SoftHeader& h = body.header();
-  OwnGive give;
-  give.law = {std::max(Blend(body, place, &SoftNode::modulus_Pa), 1.0),
-              ContactRadius(ball_radius_m, Blend(body, place, &SoftNode::curvature_1_m)),
-              GainOf(h.poisson_ratio, h.hardening)};
-  give.compliance_m_N = Blend(body, place, &SoftNode::compliance_m_N);
-  give.series_m_N = series_m_N;
-  if (give.compliance_m_N < 0) {
-    // Hertz: 1 / slope = 1 / (2 M a); the body may take kSteepest of it, so a = kSteepest / (2 M |c|).
-    const double a = kSteepest / (2 * give.law.modulus_Pa * -give.compliance_m_N);
-    give.limit_dent_m = a * a / give.law.radius_m;
-    give.limit_N = LocalForce(give.law, give.limit_dent_m);
-  }
-  return give;
-}
-
-// The force of one ball alone, by Newton on the concave h(f): from below it never overshoots.
-double AloneForce(const OwnGive& give, double depth_m, double start_N) noexcept {
-  double f = std::max(start_N, 0.0);
-  for (int step = 0; step < kSoftNewtonSteps; ++step) {
-    const double next = std::max(0.0, f + (depth_m - give.Depth(f)) / give.Slope(f));
-    const bool done = std::abs(next - f) <= kForceTolerance * next;
-    f = next;
-    if (done) break;
-  }
-  return f;
+  const LocalLaw law{std::max(Blend(body, place, &SoftNode::modulus_Pa), 1.0),
+                     ContactRadius(ball_radius_m, Blend(body, place, &SoftNode::curvature_1_m)),
+                     GainOf(h.poisson_ratio, h.hardening)};
+  return MakeBallGive(law, Blend(body, place, &SoftNode::compliance_m_N), series_m_N);
 }
 
 class SoftSystem {
@@ -116,7 +75,7 @@ class SoftSystem {
     touch.relaxing_gain = keep * body_.header().relaxing_share;
     // The spring in series carries the relaxing part too: d = h(f) + c_s ((1 + g) f + rest), rest from before.   (7.2)
     const double rest_N = keep * (slot.relaxing_N - body_.header().relaxing_share * slot.elastic_N);
-    touch.give = GiveAt(body_, place, radius_m, contact.series_compliance_m_N * (1 + touch.relaxing_gain));
+    touch.give = GiveOf(body_, place, radius_m, contact.series_compliance_m_N * (1 + touch.relaxing_gain));
     touch.depth_m = std::min(contact.depth_m, kDeepest_balls * radius_m) - contact.series_compliance_m_N * rest_N;
     moved_[Z(k)] = !slot.active || !SamePlace(place, slot.place);
     if (moved_[Z(k)]) slot.place = place;
@@ -141,11 +100,11 @@ class SoftSystem {
  private:
   void SolveAlone(ContactVector& slopes) noexcept {
     const int k = in_[0];
-    const Touch& touch = touches_[Z(k)];
+    Touch& touch = touches_[Z(k)];
     SoftSlot& slot = state_.slots[Z(k)];
-    const double start_N = slot.elastic_N > 0 ? slot.elastic_N : 0.5 * LocalForce(touch.give.law, touch.depth_m);
-    slot.elastic_N = touch.depth_m > 0 ? AloneForce(touch.give, touch.depth_m, start_N) : 0;
-    slopes[Z(k)] = slot.elastic_N > 0 ? 1 / touch.give.Slope(slot.elastic_N) : 0;
+    slot.elastic_N = ForceAlone(touch.give, touch.depth_m, slot.dent_m);
+    touch.now = GiveAtForce(touch.give, slot.elastic_N, slot.dent_m);
+    slopes[Z(k)] = slot.elastic_N > 0 ? 1 / touch.now.slope_m_N : 0;
     state_.factor.count = 0;
     state_.matrix[Z(k)][Z(k)] = 0;  // its row is made again when it gets company
   }
@@ -153,42 +112,48 @@ class SoftSystem {
   // Modified Newton: A = C between the balls + their own slopes, f >= 0   (6.3).
   void SolveTogether(ContactVector& slopes) noexcept {
     ContactVector force{};
-    for (int i = 0; i < count_; ++i) force[Z(in_[Z(i)])] = StartForce(in_[Z(i)]);
-    RefreshRows(force);
+    for (int i = 0; i < count_; ++i) {
+      const int k = in_[Z(i)];
+      const SoftSlot& slot = state_.slots[Z(k)];
+      Touch& touch = touches_[Z(k)];
+      touch.least_m_N = 1.001 * Between(body_, slot.place, slot.place);
+      force[Z(k)] = slot.elastic_N > 0 ? slot.elastic_N : ForceAlone(touch.give, touch.depth_m, 0);
+      touch.now = GiveAtForce(touch.give, force[Z(k)], slot.dent_m);
+    }
+    RefreshRows();
     for (int step = 0; step < kSoftNewtonSteps; ++step) {
-      ContactVector right{};
-      for (int i = 0; i < count_; ++i) {
-        const int k = in_[Z(i)];
-        const Touch& touch = touches_[Z(k)];
-        right[Z(k)] = touch.depth_m - touch.give.Depth(force[Z(k)]) + state_.matrix[Z(k)][Z(k)] * force[Z(k)];
-      }
-      ContactVector next = force;
-      SolveContact(state_.matrix, kMaxSoftContacts, right, state_.factor, next);
-      double change = 0;
-      double largest = 0;
-      for (int i = 0; i < count_; ++i) {
-        change = std::max(change, std::abs(next[Z(in_[Z(i)])] - force[Z(in_[Z(i)])]));
-        largest = std::max(largest, next[Z(in_[Z(i)])]);
-      }
-      force = next;
-      if (change <= kForceTolerance * largest) break;
-      RefreshDiagonal(force);
+      if (Iterate(force) <= kForceTolerance) break;
+      RefreshDiagonal();
     }
     InverseDiagonal(state_.factor, slopes);
     for (int i = 0; i < count_; ++i) state_.slots[Z(in_[Z(i)])].elastic_N = force[Z(in_[Z(i)])];
   }
 
-  double StartForce(int k) const noexcept {
-    const double last_N = state_.slots[Z(k)].elastic_N;
-    if (last_N > 0) return last_N;
-    return touches_[Z(k)].depth_m > 0 ? AloneForce(touches_[Z(k)].give, touches_[Z(k)].depth_m, 0) : 0;
+  // One step of it; the largest change of a force over the largest force.
+  double Iterate(ContactVector& force) noexcept {
+    ContactVector right{};
+    for (int i = 0; i < count_; ++i) {
+      const int k = in_[Z(i)];
+      const Touch& touch = touches_[Z(k)];
+      right[Z(k)] = touch.depth_m - touch.now.depth_m + state_.matrix[Z(k)][Z(k)] * force[Z(k)];
+    }
+    ContactVector next = force;
+    SolveContact(state_.matrix, kMaxSoftContacts, right, state_.factor, next);
+    double change = 0;
+    double largest = 1e-300;
+    for (int i = 0; i < count_; ++i) {
+      const int k = in_[Z(i)];
+      Touch& touch = touches_[Z(k)];
+      change = std::max(change, std::abs(next[Z(k)] - force[Z(k)]));
+      largest = std::max(largest, next[Z(k)]);
+      touch.now = GiveAtForce(touch.give, next[Z(k)], touch.now.dent_m);
+    }
+    force = next;
+    return change / largest;
   }
 
   // Own slope, at least the give of the patch the columns stand for, so that A stays positive definite.
-  double Diagonal(int k, double force_N) const noexcept {
-    const SoftSlot& slot = state_.slots[Z(k)];
-    return std::max(touches_[Z(k)].give.Slope(force_N), 1.001 * Between(body_, slot.place, slot.place));
-  }
+  double Diagonal(int k) const noexcept { return std::max(touches_[Z(k)].now.slope_m_N, touches_[Z(k)].least_m_N); }
 
   bool Positioned(int k, int& position) const noexcept {
     for (position = 0; position < state_.factor.count; ++position) {
@@ -199,13 +164,13 @@ class SoftSystem {
 
   // Rows whose place moved, and all if nothing was kept; the factor follows one by one, or afresh when most have
   // changed.
-  void RefreshRows(const ContactVector& force) noexcept {
+  void RefreshRows() noexcept {
     int changed = 0;
     std::array<bool, kMaxSoftContacts> stale{};
     for (int i = 0; i < count_; ++i) {
       const int k = in_[Z(i)];
       const double diagonal = state_.matrix[Z(k)][Z(k)];
-      stale[Z(k)] = moved_[Z(k)] || !(diagonal > 0) || IsStale(diagonal, Diagonal(k, force[Z(k)]));
+      stale[Z(k)] = moved_[Z(k)] || !(diagonal > 0) || IsStale(diagonal, Diagonal(k));
       if (!stale[Z(k)]) continue;
       ++changed;
       for (int j = 0; j < count_; ++j) {
@@ -214,19 +179,19 @@ class SoftSystem {
         const double c = Between(body_, state_.slots[Z(k)].place, state_.slots[Z(m)].place);
         state_.matrix[Z(k)][Z(m)] = state_.matrix[Z(m)][Z(k)] = c;
       }
-      state_.matrix[Z(k)][Z(k)] = Diagonal(k, force[Z(k)]);
+      state_.matrix[Z(k)][Z(k)] = Diagonal(k);
     }
     Refactor(stale, changed);
   }
 
   static bool IsStale(double kept, double now) noexcept { return std::abs(kept - now) > kStaleDiagonal * now; }
 
-  void RefreshDiagonal(const ContactVector& force) noexcept {
+  void RefreshDiagonal() noexcept {
     int changed = 0;
     std::array<bool, kMaxSoftContacts> stale{};
     for (int i = 0; i < count_; ++i) {
       const int k = in_[Z(i)];
-      const double now = Diagonal(k, force[Z(k)]);
+      const double now = Diagonal(k);
       if (!IsStale(state_.matrix[Z(k)][Z(k)], now)) continue;
       state_.matrix[Z(k)][Z(k)] = now;
       stale[Z(k)] = true;
@@ -298,9 +263,10 @@ void StepSoftContacts(const SoftBodyView& body, std::span<const SoftContact> con
   for (std::size_t k = 0; k < forces.size() && k < Z(kMaxSoftContacts); ++k) {
     SoftSlot& slot = state.slots[k];
     if (!slot.active) continue;
-    const double gain = system.Of(static_cast<int>(k)).relaxing_gain;
-    slot.dent_m = LocalDent(slot.law, slot.elastic_N);
-    slot.carried_m = system.Of(static_cast<int>(k)).give.compliance_m_N * slot.elastic_N;
+    const Touch& touch = system.Of(static_cast<int>(k));
+    const double gain = touch.relaxing_gain;
+    slot.dent_m = touch.now.dent_m;
+    slot.carried_m = touch.give.compliance_m_N * slot.elastic_N;
     // r' = g f' - r / tau over a tick; the force is f + r   (7.1)
     slot.relaxing_N = keep * slot.relaxing_N + gain * (slot.elastic_N - last_N[k]);
     const double force_N = slot.elastic_N > 0 ? std::max(0.0, slot.elastic_N + slot.relaxing_N) : 0;

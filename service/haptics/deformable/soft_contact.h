@@ -11,8 +11,8 @@
 #include <span>
 #include <type_traits>
 
+#include "service/haptics/deformable/ball_give.h"
 #include "service/haptics/deformable/capacitance.h"
-#include "service/haptics/deformable/local_law.h"
 #include "service/haptics/deformable/soft_body.h"
 #include "service/haptics/deformable/soft_locate.h"
 

@@ -10,11 +10,6 @@ namespace {
 constexpr std::uint32_t kLeafTriangles = 8;
 constexpr double kFar = 2.5;  // a cluster is one dipole from this many radii on
 
-std::array<Vec3, 3> CornersOf(const Mesh& mesh, std::uint32_t t) {
-  const auto& [a, b, c] = mesh.triangles[t];
-  return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
-}
-
 }  // namespace
 
 // tan(omega / 2) = a.(b x c) / (|a||b||c| + (a.b)|c| + (b.c)|a| + (c.a)|b|)   (R.4) [van Oosterom & Strackee 1983]
@@ -23,16 +18,23 @@ double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 2 * std::atan2(Dot(a, Cross(b, c)), la * lb * lc + Dot(a, b) * lc + Dot(b, c) * la + Dot(c, a) * lb);
 }
 
-WindingTree::WindingTree(const Mesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
+WindingTree::WindingTree(std::span<const Vec3> vertices, Triangles triangles)
+    : vertices_(vertices), triangles_(triangles), order_(triangles.size()) {
+  if (order_.empty()) return;
   std::iota(order_.begin(), order_.end(), 0U);
-  std::vector<Vec3> centroids(mesh.triangles.size());
+  std::vector<Vec3> centroids(order_.size());
   for (std::uint32_t t = 0; t < centroids.size(); ++t) {
-    const auto [a, b, c] = CornersOf(mesh, t);
+    const auto [a, b, c] = CornersOf(t);
     centroids[t] = (1.0 / 3) * (a + b + c);
   }
   nodes_.reserve(centroids.size() / 2 + 8);
   Build(0, static_cast<std::uint32_t>(order_.size()), centroids);
   Refit();
+}
+
+std::array<Vec3, 3> WindingTree::CornersOf(std::uint32_t triangle) const {
+  const auto& [a, b, c] = triangles_[triangle];
+  return {vertices_[a], vertices_[b], vertices_[c]};
 }
 
 // Halves along the longest axis: the depth is log2(n / 8), so recursion is shallow.
@@ -60,37 +62,43 @@ std::uint32_t WindingTree::Build(std::uint32_t first, std::uint32_t count, const
   return index;
 }
 
+void WindingTree::FitLeaf(Node& node) const {
+  node.area_m2 = 0;
+  node.centre = node.area_vector = {};
+  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+    const auto [a, b, c] = CornersOf(order_[i]);
+    const Vec3 vector = 0.5 * Cross(b - a, c - a);
+    const double weight = Norm(vector);
+    node.area_vector = node.area_vector + vector;
+    node.centre = node.centre + (weight / 3) * (a + b + c);
+    node.area_m2 += weight;
+  }
+  node.centre = node.area_m2 > 0 ? (1 / node.area_m2) * node.centre : CornersOf(order_[node.first])[0];
+  node.radius_m = 0;
+  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+    for (const Vec3& v : CornersOf(order_[i])) node.radius_m = std::max(node.radius_m, Norm(v - node.centre));
+  }
+}
+
 void WindingTree::Refit() {
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {  // children come after their parent
-    double area = 0;
-    node->centre = node->area_vector = {};
     if (node->left == 0) {
-      for (std::uint32_t i = node->first; i < node->first + node->count; ++i) {
-        const auto [a, b, c] = CornersOf(mesh_, order_[i]);
-        const Vec3 vector = 0.5 * Cross(b - a, c - a);
-        const double weight = Norm(vector);
-        node->area_vector = node->area_vector + vector;
-        node->centre = node->centre + (weight / 3) * (a + b + c);
-        area += weight;
-      }
-      node->centre = (1 / area) * node->centre;
-      node->radius_m = 0;
-      for (std::uint32_t i = node->first; i < node->first + node->count; ++i) {
-        for (const Vec3& v : CornersOf(mesh_, order_[i]))
-          node->radius_m = std::max(node->radius_m, Norm(v - node->centre));
-      }
-    } else {
-      const Node &left = nodes_[node->left], &right = nodes_[node->right];
-      node->area_vector = left.area_vector + right.area_vector;
-      node->centre = 0.5 * (left.centre + right.centre);
-      node->radius_m = std::max(Norm(left.centre - node->centre) + left.radius_m,
-                                Norm(right.centre - node->centre) + right.radius_m);
+      FitLeaf(*node);
+      continue;
     }
+    const Node &left = nodes_[node->left], &right = nodes_[node->right];
+    node->area_vector = left.area_vector + right.area_vector;
+    node->area_m2 = left.area_m2 + right.area_m2;
+    const double share = node->area_m2 > 0 ? left.area_m2 / node->area_m2 : 0.5;
+    node->centre = share * left.centre + (1 - share) * right.centre;
+    node->radius_m =
+        std::max(Norm(left.centre - node->centre) + left.radius_m, Norm(right.centre - node->centre) + right.radius_m);
   }
 }
 
 // w(p) = 1/(4 pi) sum of solid angles; a far cluster adds A . r / (4 pi |r|^3), r = centre - p   (R.5)
 double WindingTree::At(const Vec3& p, std::uint32_t own) const {
+  if (nodes_.empty()) return 0;
   std::array<std::uint32_t, 64> stack{};
   std::size_t size = 1;
   double sum = 0;
@@ -103,7 +111,7 @@ double WindingTree::At(const Vec3& p, std::uint32_t own) const {
     } else if (node.left == 0) {
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         if (order_[i] == own) continue;
-        const auto [a, b, c] = CornersOf(mesh_, order_[i]);
+        const auto [a, b, c] = CornersOf(order_[i]);
         sum += SolidAngle(a - p, b - p, c - p);
       }
     } else {

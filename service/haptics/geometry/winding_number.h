@@ -2,7 +2,9 @@
 // [Jacobson, Kavan & Sorkine-Hornung 2013]. docs/theory/haptics.md (R.5). Set-up only.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "service/haptics/geometry/mesh.h"
@@ -15,26 +17,36 @@ double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c);
 // Sums over far triangles by their clusters' area vectors [Barill et al. 2018]: O(log n) a point, error about 1 %.
 class WindingTree {
  public:
-  // `mesh` outlives the tree; its vertices stay. Precondition: it has triangles.
-  explicit WindingTree(const Mesh& mesh);
+  using Triangles = std::span<const std::array<std::uint32_t, 3>>;
+
+  // What is passed outlives the tree; vertices stay. Precondition: indices in range, vertices finite.
+  WindingTree(std::span<const Vec3> vertices, Triangles triangles);
+  explicit WindingTree(const Mesh& mesh) : WindingTree(mesh.vertices, mesh.triangles) {}
 
   // After triangles were turned.
   void Refit();
 
   // At `p`; triangle `own`, on which p lies, does not count: what is then left lies half-way between the two sides.
-  double At(const Vec3& p, std::uint32_t own) const;
+  double At(const Vec3& p, std::uint32_t own = kNoTriangle) const;
+  bool Inside(const Vec3& p) const { return At(p) > 0.5; }
 
  private:
+  static constexpr std::uint32_t kNoTriangle = 0xFFFFFFFF;
   struct Node {
     Vec3 centre;       // of the area
     Vec3 area_vector;  // sum of n A
-    double radius_m = 0;
+    double area_m2 = 0;
+    double radius_m = 0;                 // no triangle reaches farther from the centre
     std::uint32_t first = 0, count = 0;  // of order_
     std::uint32_t left = 0, right = 0;   // 0: leaf (the root is nobody's child)
   };
   std::uint32_t Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids);
 
-  const Mesh& mesh_;
+  std::array<Vec3, 3> CornersOf(std::uint32_t triangle) const;
+  void FitLeaf(Node& node) const;
+
+  std::span<const Vec3> vertices_;
+  Triangles triangles_;
   std::vector<std::uint32_t> order_;  // of triangles
   std::vector<Node> nodes_;
 };

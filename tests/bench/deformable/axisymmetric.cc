@@ -64,6 +64,13 @@ class Press {
     return true;
   }
 
+  void ReadTop(AxisCurve& curve) const {
+    for (int i = 0; i < columns_; ++i) {
+      curve.top_r_m.push_back(rest_[static_cast<std::size_t>(i)].x());
+      curve.top_fall_m.push_back(-u_[2 * i + 1]);
+    }
+  }
+
   double Force() const {
     double force = 0;
     ForContact(u_, [&](double weight, double inside, const Vector2d& out, const Vector2d&, int) {
@@ -280,6 +287,11 @@ double AxisBody::Top(double r_m) const {
   return height_m - cap + std::copysign(std::sqrt(cap * cap - r_m * r_m), cap);
 }
 
+double AxisBody::TopSlope(double r_m) const {
+  const double c = cap_curvature_1_m;
+  return -c * r_m / std::sqrt(1 - c * c * r_m * r_m);
+}
+
 AxisCurve PressBall(const AxisBody& body, double poisson_ratio, double ball_radius_m,
                     const std::vector<double>& depths_m, const AxisMesh& mesh) {
   Press press(body, poisson_ratio, ball_radius_m, mesh);
@@ -289,6 +301,7 @@ AxisCurve PressBall(const AxisBody& body, double poisson_ratio, double ball_radi
     curve.converged = curve.converged && press.MoveTo(depth);
     curve.force_per_modulus_m2.push_back(press.Force());
   }
+  press.ReadTop(curve);
   return curve;
 }
 

@@ -13,8 +13,9 @@ struct AxisBody {
   double radius_m = 0.03;
   double height_m = 0.03;        // at the axis
   double cap_curvature_1_m = 0;  // of the top, convex > 0
-  // Height of the top at distance r from the axis.
+  // Height of the top at distance r from the axis, and its derivative.
   double Top(double r_m) const;
+  double TopSlope(double r_m) const;
 };
 
 struct AxisMesh {
@@ -24,6 +25,7 @@ struct AxisMesh {
 
 struct AxisCurve {
   std::vector<double> force_per_modulus_m2;  // F / E, one per depth
+  std::vector<double> top_r_m, top_fall_m;   // at the last depth: how far the top goes down at a distance from the axis
   int nodes = 0;
   bool converged = true;
 };

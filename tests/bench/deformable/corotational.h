@@ -10,17 +10,17 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "service/haptics/deformable/lattice.h"
+#include "tests/bench/deformable/peer_contact.h"
 
 namespace omni::bench {
 
 class Corotational {
  public:
   // Clamped where z < `clamp_m`.
-  Corotational(const haptics::TetLattice& lattice, double modulus_Pa, double nu, double clamp_m);
+  Corotational(const haptics::TetLattice& lattice, double modulus_Pa, double nu, double clamp_m, double ball_radius_m);
 
-  // One tick with a ball at `centre`; returns the force that lifts it.
-  double Step(const Eigen::Vector3d& centre, double radius_m);
+  // One tick with a ball at `centre`; the force that lifts it.
+  double Step(const Eigen::Vector3d& centre);
   std::size_t tets() const { return elements_.size(); }
 
  private:
@@ -28,28 +28,25 @@ class Corotational {
   struct Element {
     std::array<std::uint32_t, 4> node;
     std::array<Eigen::Vector3d, 4> gradient;
-    Matrix12 rest;    // stiffness
-    Matrix12 turned;  // R k R^T of this tick
+    Matrix12 rest;  // stiffness
     Eigen::Quaterniond rotation;
-  };
-  struct Touch {
-    std::array<std::uint32_t, 3> node;
-    Eigen::Vector3d weights, normal;
-    double stiffness;
+    std::array<std::uint32_t, 16> block;  // where its pairs of nodes stand
   };
 
-  void Rotate(Eigen::VectorXd& residual);
-  double AddContact(const Eigen::Vector3d& centre, double radius_m, Eigen::VectorXd& residual);
+  void MakePattern();
+  std::uint32_t BlockOf(std::uint32_t row, std::uint32_t column) const;
+  void Assemble(Eigen::VectorXd& residual);
+  void AddContact(const Eigen::Vector3d& centre, Eigen::VectorXd& residual);
   void Multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
   void ConjugateGradients(const Eigen::VectorXd& residual, Eigen::VectorXd& step) const;
 
-  double penalty_;  // N/m^3
+  PeerContact contact_;
   std::vector<Eigen::Vector3d> rest_;
   Eigen::VectorXd position_;
   std::vector<bool> held_;
   std::vector<Element> elements_;
-  std::vector<std::array<std::uint32_t, 3>> surface_;
-  std::vector<Touch> touches_;
+  std::vector<std::uint32_t> row_, column_;  // the matrix of this tick, by blocks
+  std::vector<Eigen::Matrix3d> block_;
 };
 
 }  // namespace omni::bench

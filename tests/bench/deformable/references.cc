@@ -1,0 +1,77 @@
+// What the judges are worth.
+#include <string>
+
+#include "service/haptics/deformable/soft_gain.h"
+#include "tests/bench/deformable/gain_fit.h"
+#include "tests/bench/deformable/off_axis.h"
+#include "tests/bench/deformable/rows.h"
+
+namespace omni::bench {
+namespace {
+
+struct MeshStudy {
+  std::string judge, mesh;
+  AxisCurve curve;
+};
+
+// Every curve beside the one before it in the list, and beside `truth`.
+void AddStudy(const std::vector<MeshStudy>& study, const std::vector<double>& depths_m, const AxisCurve& truth,
+              Rows& rows) {
+  for (std::size_t i = 0; i < study.size(); ++i) {
+    for (std::size_t k = 0; k < depths_m.size(); ++k) {
+      const double force = study[i].curve.force_per_modulus_m2[k];
+      nlohmann::ordered_json row{{"table", "reference mesh"},
+                                 {"judge", study[i].judge},
+                                 {"mesh", study[i].mesh},
+                                 {"nodes", study[i].curve.nodes},
+                                 {"depth_mm", depths_m[k] * 1e3},
+                                 {"force_N_at_0.2MPa", force * 2e5},
+                                 {"change_pct", nullptr},
+                                 {"off_finest_axisymmetric_pct", PercentOff(force, truth.force_per_modulus_m2[k])}};
+      if (i > 0 && study[i - 1].judge == study[i].judge) {
+        row["change_pct"] = PercentOff(force, study[i - 1].curve.force_per_modulus_m2[k]);
+      }
+      rows.push_back(row);
+    }
+  }
+}
+
+void AddGain(const Settings& settings, Rows& rows) {
+  const GainFit fit = FitGain({settings.quick ? 3e-4 : 1.2e-4, 1.15});
+  for (std::size_t k = 0; k < 3; ++k) {
+    rows.push_back({{"table", "gain"},
+                    {"power_of_nu", k},
+                    {"linear_fit", fit.linear[k]},
+                    {"linear_shipped", haptics::kGainLinear[k]},
+                    {"quadratic_fit", fit.quadratic[k]},
+                    {"quadratic_shipped", haptics::kGainQuadratic[k]},
+                    {"worst_residual_pct", 100 * fit.worst},
+                    {"points", fit.points}});
+  }
+}
+
+}  // namespace
+
+void AddReferenceTables(const Settings& settings, Rows& rows) {
+  const AxisBody body{"cylinder r30 h30", 0.03, 0.03, 0};
+  const std::vector<double> depths_m{2e-4, 6e-4, 1.9e-3};
+  std::vector<MeshStudy> study;
+  for (const double finest_m : {5e-4, 2.5e-4, 1.25e-4, 8e-5}) {
+    if (settings.quick && finest_m < 2e-4) break;
+    study.push_back({"axisymmetric", std::to_string(static_cast<int>(finest_m * 1e6)) + " um",
+                     PressBall(body, kPoisson, kBall_m, depths_m, {finest_m, 1.15})});
+  }
+  const AxisCurve truth = study.back().curve;
+  // The second judge on the axis, where the first one knows the answer; then beside it, by mesh and Fourier order.
+  const SolidMesh coarse{3.75e-4, 1.8, 2};
+  for (const SolidMesh& mesh : {coarse, SolidMesh{}}) {
+    if (settings.quick && mesh.modes > coarse.modes) break;
+    study.push_back({"off-axis at the axis",
+                     std::to_string(static_cast<int>(mesh.finest_m * 1e6)) + " um, order " + std::to_string(mesh.modes),
+                     PressBallAside(body, 0, kPoisson, kBall_m, depths_m, mesh)});
+  }
+  AddStudy(study, depths_m, truth, rows);
+  AddGain(settings, rows);
+}
+
+}  // namespace omni::bench
