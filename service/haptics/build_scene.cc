@@ -328,10 +328,6 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
   AddTextures(input, parts);
   FillHeader(input, parts);
   BuildWalls(parts);
-  for (std::size_t i = 0; i < input.materials.size(); ++i) {
-    if (input.materials[i].softness.model != SoftnessModel::kTet) continue;
-    report.lines.push_back("material " + std::to_string(i) + ": softness model tet is rendered as winkler");
-  }
   PhaseClock clock;
   Scene scene = MakeScene(parts);
   clock.AddTo(report.layout_ms);

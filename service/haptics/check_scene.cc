@@ -76,8 +76,8 @@ bool SoundBytes(const Material& m) {
     std::memcpy(&byte, &field, 1);
     return byte;
   };
-  return byte_of(m.softness.model) <= 2 && byte_of(m.extrude.enabled) <= 1 && byte_of(m.sculpt.enabled) <= 1 &&
-         byte_of(m.sculpt.falloff) <= 2 && byte_of(m.sculpt.symmetry) <= 3;
+  return byte_of(m.softness.model) <= 2 && byte_of(m.smooth) <= 1 && byte_of(m.extrude.enabled) <= 1 &&
+         byte_of(m.sculpt.enabled) <= 1 && byte_of(m.sculpt.falloff) <= 2 && byte_of(m.sculpt.symmetry) <= 3;
 }
 
 Status CheckMaterials(const Scene& scene) {

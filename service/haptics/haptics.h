@@ -57,7 +57,9 @@ struct ContactState {
   std::uint32_t object = kNoIndex;
   std::uint32_t triangle = kNoIndex;  // of the proxy
   base::Vec3 proxy_m;                 // on the surface, in the frame of the object's rest; a soft body undeformed
+  base::Vec3 held_m;                  // what the spring draws the tip to: the proxy, or the centre of a ball
   base::Vec3 normal;                  // of the contact at the last tick, unit, out of the object, in that frame
+  bool one_place = true;              // a ball may rest on several at once; the others are in the direction only
   bool sticking = false;
   std::uint32_t anchor_triangle = kNoIndex;  // stick anchor, barycentric: survives deformation
   std::array<double, 3> anchor_weights{};

@@ -62,6 +62,7 @@ struct Material {
   double magnet_max_force_N = 0;
   double magnet_range_m = 0.003;
   double temperature_K = 293.15;  // carried, not rendered
+  bool smooth = false;            // force shading: facets are felt as the smooth body they stand for
   // Indices into the scene's textures, -1: none. Factor x texel, by SampleTexture (contact/texture.h).
   std::int32_t stiffness_texture = -1;
   std::int32_t friction_texture = -1;      // of both frictions

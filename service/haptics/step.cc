@@ -71,11 +71,12 @@ Vec3 LookAround(const Touchables& touchables, double stiffness_limit_N_m, const 
       material = &scene.materials()[view.GetTriangle(found.triangle).material];
     });
   }
+  const double gap_m = distance_m - touchables.tip_radius_m();
   state.far_origin_base_m = tip;
-  state.far_distance_m = std::max(0.0, distance_m - scene.header().magnet_range_m - kMargin_m);
-  if (material == nullptr || !(distance_m < scene.header().magnet_range_m)) return {};
+  state.far_distance_m = std::max(0.0, gap_m - scene.header().magnet_range_m - kMargin_m);
+  if (material == nullptr || !(gap_m < scene.header().magnet_range_m)) return {};
   const MagnetEffect magnet{material->magnet_max_force_N, material->magnet_range_m};
-  return magnet.ForceOn(distance_m, stiffness_limit_N_m) * Normalized(towards);
+  return magnet.ForceOn(gap_m, stiffness_limit_N_m) * Normalized(towards);
 }
 
 // What the contacts ask for, before limits.

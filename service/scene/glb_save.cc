@@ -55,6 +55,7 @@ void PutKey(std::string_view key, double value, OrderedJson& tag) {
 OrderedJson TagOf(const haptics::Material& material) {
   OrderedJson tag = OrderedJson::object();
   const bool soft = material.softness.model != haptics::SoftnessModel::kNone;
+  if (material.smooth) tag["smooth"] = true;
   if (soft) tag["softness"]["model"] = material.softness.model == haptics::SoftnessModel::kTet ? "tet" : "winkler";
   if (material.sculpt.enabled) {
     constexpr const char* kFalloffs[] = {"constant", "linear", "smooth"};

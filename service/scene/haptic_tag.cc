@@ -71,6 +71,7 @@ class TagReader {
     if (path == "name" || path == "role") return;  // the role was read first: it decides which keys there are
     if (path == "doubleSided") return ReadFlag(value, pointer, tag_.double_sided);
     if (path == "kinematic") return ReadFlag(value, pointer, tag_.kinematic);
+    if (path == "smooth") return ReadFlag(value, pointer, tag_.smooth);
     if (path == "sculptable" && value.is_object()) tag_.sculptable = true;
     if (path == "sculptable" && !value.is_object()) return ReadFlag(value, pointer, tag_.sculptable);
     if (path == "sculptable.falloff") return ReadWord(kFalloffs, &FalloffRow::falloff, value, pointer, tag_.falloff);
@@ -233,6 +234,7 @@ void HapticTag::OverrideBy(const HapticTag& stronger) {
   Override(role, stronger.role);
   Override(double_sided, stronger.double_sided);
   Override(kinematic, stronger.kinematic);
+  Override(smooth, stronger.smooth);
   Override(extrude, stronger.extrude);
   Override(sculptable, stronger.sculptable);
   Override(falloff, stronger.falloff);
@@ -327,6 +329,7 @@ static void Settle(const HapticTag& tag, const std::string& pointer, Warnings& w
 haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings) {
   haptics::Material material = Filled(kMaterialKeys, tag.material);
   material.softness.model = tag.softness.value_or(haptics::SoftnessModel::kNone);
+  material.smooth = tag.smooth.value_or(false);
   material.extrude.enabled = tag.extrude.value_or(false);
   material.sculpt.enabled = tag.sculptable.value_or(false);
   material.sculpt.falloff = tag.falloff.value_or(material.sculpt.falloff);
@@ -345,7 +348,7 @@ haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, W
 }
 
 bool SameMaterial(const haptics::Material& a, const haptics::Material& b) {
-  return a.softness.model == b.softness.model && a.extrude.enabled == b.extrude.enabled &&
+  return a.smooth == b.smooth && a.softness.model == b.softness.model && a.extrude.enabled == b.extrude.enabled &&
          a.sculpt.enabled == b.sculpt.enabled && a.sculpt.falloff == b.sculpt.falloff &&
          a.sculpt.symmetry == b.sculpt.symmetry && a.softness.fibre_direction_base == b.softness.fibre_direction_base &&
          a.stiffness_texture == b.stiffness_texture && a.friction_texture == b.friction_texture &&

@@ -51,6 +51,7 @@ struct HapticTag {
   std::optional<Role> role;
   std::optional<bool> double_sided;
   std::optional<bool> kinematic;
+  std::optional<bool> smooth;
   std::optional<bool> extrude;
   std::optional<bool> sculptable;
   std::optional<haptics::Falloff> falloff;

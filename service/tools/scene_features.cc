@@ -112,7 +112,7 @@ SceneFeature Kinematic(const haptics::Scene& scene) {
     for (const haptics::Object& object : scene.objects()) moved += (object.flags & haptics::kKinematic) != 0;
   }
   if (moved == 0) return {"kinematic", false, "no object is: none moves by itself"};
-  return {"kinematic", false, Plural(moved, "object") + " that the application moves; this version holds them still"};
+  return {"kinematic", true, Plural(moved, "object") + " that the application moves"};
 }
 
 }  // namespace
@@ -135,8 +135,8 @@ std::vector<SceneFeature> FeaturesOf(const LoadedScene& loaded) {
   const bool joystick = header.has_joystick != 0, vehicle = header.has_vehicle != 0;
   features.push_back({"joystick", joystick, joystick ? "one" : "no node has the role \"joystick\""});
   features.push_back({"vehicle", vehicle, vehicle ? "one" : "no node has the role \"vehicle\""});
-  features.push_back({"ball tip", false,
-                      header.tip_radius_m > 0 ? Short(1e3 * header.tip_radius_m) + " mm, a point in this version"
+  features.push_back({"ball tip", header.tip_radius_m > 0,
+                      header.tip_radius_m > 0 ? Short(1e3 * header.tip_radius_m) + " mm"
                                               : std::string("the scene has no tip.radius: a point")});
   features.push_back({"threads", !plan.sculpted.empty(),
                       plan.sculpted.empty() ? "none for this scene; it is built on the service's builder thread"

@@ -1,5 +1,6 @@
 // Soft bodies in the tick: a pen presses, slides and lets go of a body that gives way.
 #include "service/haptics/contact/frame.h"
+#include "service/haptics/contact/softness.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/support/same_bits.h"
@@ -20,10 +21,10 @@ Material Jelly() {
 
 std::unique_ptr<const SoftBody> Copy(const SoftBody& body) { return std::make_unique<const SoftBody>(body); }
 
-// The ball, tip of 5 mm; with its body at once unless `later`.
-Scene SoftScene(const Material& material, bool later = false, bool kinematic = false) {
+// The ball; with its body at once unless `later`.
+Scene SoftScene(const Material& material, bool later = false, bool kinematic = false, double tip_radius_m = 0) {
   SceneInput input = SceneOf(Sphere(48, kRadius_m), material);  // finer than the body was made from
-  input.tip_radius_m = kTip_m;
+  input.tip_radius_m = tip_radius_m;
   input.objects[0].kinematic = kinematic;
   Scene scene = Built(input);
   auto live = std::make_shared<LiveParts>();
@@ -33,12 +34,12 @@ Scene SoftScene(const Material& material, bool later = false, bool kinematic = f
 }
 
 // Of a ball pressed in at the place, once it has relaxed: body and spring in series.
-double ModelForce(const Vec3& direction, double depth_m, double stiffness_N_m) {
+double ModelForce(const Vec3& direction, double depth_m, double stiffness_N_m, double tip_m = kIndenterRadius_m) {
   SoftContactState state{};
   const Vec3 n = Normalized(direction);
   const SoftContact contact{true, kRadius_m * n, n, depth_m, 1 / stiffness_N_m};
-  for (int k = 0; k < 3000; ++k) StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state);
-  return StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state).normal_N;
+  for (int k = 0; k < 3000; ++k) StepSoftContact(SoftBall().view(), contact, tip_m, 1e-3, state);
+  return StepSoftContact(SoftBall().view(), contact, tip_m, 1e-3, state).normal_N;
 }
 
 TEST(SoftTouch, RestsWithTheForceOfTheBodyInSeriesWithTheOfferedSpring) {
@@ -57,6 +58,20 @@ TEST(SoftTouch, RestsWithTheForceOfTheBodyInSeriesWithTheOfferedSpring) {
     // Shown on the deformed surface: at the tip, but for what the spring gives.
     EXPECT_LT(Norm(pen.output.contacts[0].point_base_m - 0.0275 * n), expected_N / 900 + 2e-4);
   }
+}
+
+// A tip that is a ball presses with its own radius, from where it touches.
+TEST(SoftTouch, ABallPressesWithItsRadius) {
+  const Vec3 n = Normalized({0.2, -0.1, 1});
+  Pen pen(SoftScene(Jelly(), false, false, kTip_m));
+  pen.Slide(0.04 * n, 0.0325 * n, 300);
+  pen.Rest(1500);
+  ASSERT_EQ(pen.output.contact_count, 1);
+  const double depth_m = -pen.output.contacts[0].gap_m;
+  EXPECT_NEAR(depth_m, 0.0025, 3e-4);
+  EXPECT_NEAR(Norm(pen.output.force_base_N) / ModelForce(n, depth_m, 900, kTip_m), 1, 0.02);
+  pen.Slide(0.0325 * n, 0.036 * n, 100);
+  EXPECT_EQ(pen.output.contact_count, 0);
 }
 
 // A body that becomes ready under the pen waits until it is let go: until then not a bit changes.

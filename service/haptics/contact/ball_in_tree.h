@@ -55,6 +55,27 @@ inline bool AddPacket(const TrianglePacket& packet, bool moves, const Lanes3& p,
   return true;
 }
 
+// The same for a leaf that is a list, in double.
+template <LeafListView View>
+bool AddList(const View& view, std::uint32_t leaf, const Vec3& p, double distance_m, double slack_m,
+             BallNear& near) noexcept {
+  std::array<std::uint32_t, kPacketSize> triangles;
+  const int count = view.LeafTriangles(leaf, triangles);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    const ClosestPoint closest = ClosestOnTriangle(view.TriangleCorners(triangles[k]), p);
+    const double away_m = std::sqrt(closest.distance_squared);
+    if (away_m > distance_m) continue;
+    if (near.count == kMaxBallNear) return false;
+    BallNeighbour& added = near.of[near.count++];
+    added = {triangles[k], {}, 0};
+    if (!(away_m > slack_m)) continue;
+    const Vec3 normal = (1 / away_m) * (p - closest.point);
+    added.normal = {static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)};
+    added.lower_m = away_m * (1 - 0x1p-20) - slack_m;
+  }
+  return true;
+}
+
 // False: more than kMaxBallNear.
 template <TreeView View>
 bool GatherNear(const View& view, std::uint32_t root, const Vec3& p, double distance_m, BallNear& near) noexcept {
@@ -69,8 +90,12 @@ bool GatherNear(const View& view, std::uint32_t root, const Vec3& p, double dist
   while (size > 0) {
     const std::uint32_t child = stack[--size];
     if ((child & kLeafBit) != 0) {
-      const bool moves = (child & kMovesBit) != 0;
-      if (!AddPacket(view.Packet(child & kChildIndex), moves, lanes, bound, slack_m, near)) return false;
+      if constexpr (PacketView<View>) {
+        const bool moves = (child & kMovesBit) != 0;
+        if (!AddPacket(view.Packet(child & kChildIndex), moves, lanes, bound, slack_m, near)) return false;
+      } else {
+        if (!AddList(view, child & kChildIndex, p, distance_m, slack_m, near)) return false;
+      }
       continue;
     }
     const TreeNode& node = view.Node(child);

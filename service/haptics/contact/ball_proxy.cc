@@ -6,5 +6,7 @@ namespace omni::haptics {
 
 template BallState StartBall(const Surface&, std::uint32_t, bool, double, const Vec3&) noexcept;
 template BallContact FollowBall(const Surface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
+template BallState StartBall(const sculpt::SculptSurface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+template BallContact FollowBall(const sculpt::SculptSurface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
 
 }  // namespace omni::haptics

@@ -7,6 +7,7 @@
 
 #include "service/haptics/contact/half_spaces.h"
 #include "service/haptics/geometry/query.h"
+#include "service/haptics/sculpt/sculpt_surface.h"
 
 namespace omni::haptics {
 
@@ -66,5 +67,8 @@ BallContact FollowBall(const View& view, std::uint32_t root, double radius_m, co
 
 extern template BallState StartBall(const Surface&, std::uint32_t, bool, double, const Vec3&) noexcept;
 extern template BallContact FollowBall(const Surface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
+extern template BallState StartBall(const sculpt::SculptSurface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+extern template BallContact FollowBall(const sculpt::SculptSurface&, std::uint32_t, double, const Vec3&,
+                                       BallState&) noexcept;
 
 }  // namespace omni::haptics

@@ -1,8 +1,9 @@
 #include "service/haptics/contact/contact_force.h"
 
-#include "service/haptics/contact/contact_set.h"
+#include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/contact/effects.h"
 #include "service/haptics/contact/friction.h"
+#include "service/haptics/contact/shading.h"
 #include "service/haptics/contact/soft_touch.h"
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/contact/texture.h"
@@ -28,7 +29,7 @@ void Measure(const Touchables& touchables, const Target& target, const ContactSt
     met.depth_m = std::max(0.0, press.depth_m);
     return;
   }
-  const Vec3 d = contact.proxy_m - target.tip;
+  const Vec3 d = contact.held_m - target.tip;
   met.depth_m = Norm(d);
   if (met.depth_m > 1e-9) {
     met.normal = (1 / met.depth_m) * d;
@@ -36,6 +37,14 @@ void Measure(const Touchables& touchables, const Target& target, const ContactSt
   }
   met.normal = touchables.On(target.index, [&](const auto& view) noexcept {
     return contact.side * Pseudonormal(view, contact.triangle, Feature::kFace, 0);
+  });
+}
+
+// Force shading   (13.5): where a smooth body is touched at one place, its facets are felt as what they stand for.
+void Shade(const Touchables& touchables, const ContactState& contact, Meeting& met) noexcept {
+  met.normal = touchables.On(contact.object, [&](const auto& view) noexcept {
+    const ClosestPoint at = ClosestOnTriangle(view.TriangleCorners(contact.triangle), contact.proxy_m);
+    return ShadedDirection(view, contact.triangle, at, met.normal);
   });
 }
 
@@ -156,10 +165,10 @@ struct Law {
   }
 };
 
-void PopIfTooHard(const Material& m, const Object& object, const ContactForce& force, ContactState& contact) noexcept {
+void PopIfTooHard(const Material& m, const Object& object, bool ball, const ContactForce& force,
+                  ContactState& contact) noexcept {
   if (!PopThroughEffect{m.pop_through_N}.GivesWay(force.elastic_N)) return;
-  const bool has_inside = (object.flags & kClosed) != 0 && (object.flags & kDoubleSided) == 0;
-  if (has_inside) {
+  if (ball || HasInside(object)) {
     contact.popped = true;
   } else {
     contact = {};  // through the sheet
@@ -191,6 +200,7 @@ Meetings MeetAll(const Touchables& touchables, const Input& input, const Offer& 
     ContactState& contact = state.contacts[k];
     if (!Counts(contact)) continue;
     all.met[k] = Meet(touchables, input, contact);
+    if (MaterialOf(touchables, contact).smooth && contact.one_place) Shade(touchables, contact, all.met[k]);
     normals_base[k] = all.met[k].frame.BaseDirection(all.met[k].normal);
     const Material& m = MaterialOf(touchables, contact);
     all.felt[k] = FeltAt(touchables, m, contact);
@@ -236,7 +246,7 @@ ContactForces ForcesOf(const Offer& offer, const Touchables& touchables, const I
     ContactForce force = law.Of(all.met[k], all.felt[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
                                 state.texture_phase, contact);
     force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(touchables, contact, state));
-    PopIfTooHard(m, touchables.scene().objects()[contact.object], force, contact);
+    PopIfTooHard(m, touchables.scene().objects()[contact.object], touchables.tip_radius_m() > 0, force, contact);
     if (Counts(contact)) forces.of[k] = force;
   }
   return forces;

@@ -1,5 +1,7 @@
 #include "service/haptics/contact/contact_set.h"
 
+#include "service/haptics/contact/ball_touch.h"
+#include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/geometry/query.h"
 
 namespace omni::haptics {
@@ -35,30 +37,11 @@ SkipList InContact(const View& view, std::uint32_t object, const State& state, c
   return skip;
 }
 
-template <class Found>  // a ProxyPoint or a NearestResult
-void Place(const Found& found, ContactState& contact) noexcept {
-  contact.triangle = found.triangle;
-  contact.proxy_m = found.closest.point;
-  contact.depth_m = std::sqrt(found.closest.distance_squared);
-}
-
-// Inside by the sign at the nearest point of the whole object; exact for closed objects.
-template <TreeView View>
-bool IsInside(const View& view, const Target& target, const Vec3& tip, NearestResult& nearest) noexcept {
-  if (target.boxed && BoxDistance(target.object, tip) > 0) return false;
-  nearest = NearestInTree(view, target.root, tip);
-  return nearest.triangle != kNoIndex && SideOf(view, nearest, tip) < 0;
-}
-
 template <TreeView View>
 CrossingResult Crossing(const View& view, const Target& target, const Vec3& start, const Vec3& end,
                         const SkipList& skip) noexcept {
   const bool double_sided = (target.object.flags & kDoubleSided) != 0;
   return CrossingInTree(view, target.root, start, end, double_sided, {skip.components.data(), skip.count});
-}
-
-bool HasInside(const Object& object) noexcept {
-  return (object.flags & kClosed) != 0 && (object.flags & kDoubleSided) == 0;
 }
 
 // A face that is cut into coplanar triangles: there the descent sees nothing but its own plane.
@@ -151,18 +134,6 @@ void ReleaseFromCrease(const View& view, const Target& target, const Vec3& tip, 
   StartSwap(contact);
 }
 
-// Pushed through a part and out on its far side, the pen would hang on a spring to where it went in.   (2.6)
-template <TreeView View>
-bool CameThrough(const View& view, const Target& target, const Vec3& tip, double dt_s, ContactState& contact) noexcept {
-  NearestResult nearest;
-  if (!(contact.depth_m > kThroughDepth_m) || (HasInside(target.object) && IsInside(view, target, tip, nearest))) {
-    contact.through_s = 0;
-    return false;
-  }
-  contact.through_s += dt_s;
-  return contact.through_s > kThroughTime_s;
-}
-
 template <TreeView View>
 void Follow(const View& view, const Target& target, const Touchables& touchables, double dt_s, State& state,
             ContactState& contact, Left& left) noexcept {
@@ -198,21 +169,6 @@ void Follow(const View& view, const Target& target, const Touchables& touchables
   left.object[left.count] = contact.object;
   left.component[left.count++] = component;
   contact = {};
-}
-
-// Keeps a new contact in a free slot, else in that of the shallowest one if the new one is deeper.
-bool Keep(const ContactState& contact, State& state) noexcept {
-  ContactState* slot = &state.contacts[0];
-  for (ContactState& c : state.contacts) {
-    if (!c.active) {
-      slot = &c;
-      break;
-    }
-    if (c.depth_m < slot->depth_m) slot = &c;
-  }
-  if (slot->active && !(slot->depth_m < contact.depth_m)) return false;
-  *slot = contact;
-  return true;
 }
 
 template <TreeView View>
@@ -276,6 +232,7 @@ void SweepMovedRegions(const Touchables& touchables, State& state) noexcept {
 }  // namespace
 
 void StartContacts(const Touchables& touchables, State& state) noexcept {
+  if (touchables.tip_radius_m() > 0) return StartBalls(touchables, state);
   const auto objects = touchables.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0 || !HasInside(objects[i])) continue;
@@ -290,6 +247,7 @@ void StartContacts(const Touchables& touchables, State& state) noexcept {
 }
 
 void UpdateContacts(const Touchables& touchables, double dt_s, State& state) noexcept {
+  if (touchables.tip_radius_m() > 0) return UpdateBalls(touchables, dt_s, state);
   Left left;
   for (ContactState& contact : state.contacts) {
     if (!contact.active) continue;

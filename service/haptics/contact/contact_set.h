@@ -13,16 +13,5 @@ void StartContacts(const Touchables& touchables, State& state) noexcept;
 void UpdateContacts(const Touchables& touchables, double dt_s, State& state) noexcept;
 
 inline constexpr double kTrustedDepth_m = 0.002;  // deeper, a proxy that faces the wrong way round an edge is let go
-inline constexpr double kSwapFade_s = 0.02;
-
-// The proxy has been put somewhere else: the force goes over from the last one in kSwapFade_s.
-inline void StartSwap(ContactState& contact) noexcept {
-  contact.swapped_from_N = contact.last_force_N;
-  contact.swap_left_s = kSwapFade_s;
-}
-
-// A tip that was pushed through a part is let go when it is this far from its proxy, in the open, for this long.
-inline constexpr double kThroughDepth_m = 0.010;
-inline constexpr double kThroughTime_s = 0.1;
 
 }  // namespace omni::haptics

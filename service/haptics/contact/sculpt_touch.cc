@@ -1,6 +1,6 @@
 #include "service/haptics/contact/sculpt_touch.h"
 
-#include "service/haptics/contact/contact_set.h"
+#include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/sculpt/handover.h"
 
 namespace omni::haptics {
@@ -25,7 +25,7 @@ void PutContact(const sculpt::SculptSurface& surface, ContactState& contact) noe
     return;
   }
   contact.triangle = proxy.triangle;
-  contact.proxy_m = proxy.point_base_m;
+  contact.proxy_m = proxy.point_base_m;  // what holds the tip is found from there when the contact is followed
   if (contact.anchor_triangle != kNoIndex) PutAnchor(surface, contact);
   if (moved_m > sculpt::kStill_m) StartSwap(contact);
 }

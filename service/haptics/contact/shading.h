@@ -5,6 +5,7 @@
 #include <array>
 
 #include "service/haptics/geometry/topology.h"
+#include "service/haptics/sculpt/sculpt_surface.h"
 
 namespace omni::haptics {
 
@@ -22,5 +23,7 @@ Vec3 ShadedDirection(const View& view, std::uint32_t triangle, const ClosestPoin
 
 extern template Vec3 ShadedNormal(const Surface&, std::uint32_t, const std::array<double, 3>&) noexcept;
 extern template Vec3 ShadedDirection(const Surface&, std::uint32_t, const ClosestPoint&, const Vec3&) noexcept;
+extern template Vec3 ShadedDirection(const sculpt::SculptSurface&, std::uint32_t, const ClosestPoint&,
+                                     const Vec3&) noexcept;
 
 }  // namespace omni::haptics

@@ -24,9 +24,9 @@ SoftPress PressOf(const Touchables& touchables, const Target& target, const Cont
   constexpr double kSteady_m = 2e-5;
   const Vec3 face = touchables.On(
       target.index, [&](const auto& view) noexcept { return contact.side * FaceNormal(view, contact.triangle); });
-  const Vec3 towards = contact.proxy_m - touchables.TipOver(target, contact);
+  const Vec3 towards = contact.held_m - touchables.TipOver(target, contact);
   const Vec3 normal = Normalized(towards + kSteady_m * face);
-  return {normal, Dot(contact.proxy_m - target.tip, normal), 0};
+  return {normal, Dot(contact.held_m - target.tip, normal), 0};
 }
 
 std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, std::uint32_t object,
@@ -42,8 +42,8 @@ std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, s
     if (!contact.active || contact.popped || contact.object != object || !(press[k].stiffness_N_m > 0)) continue;
     contacts[k] = {true, contact.proxy_m, press[k].normal, press[k].depth_m, 1 / press[k].stiffness_N_m};
   }
-  const double tip_m = touchables.scene().header().tip_radius_m;
-  StepSoftContacts(body->view(), contacts, tip_m > 0 ? tip_m : kIndenterRadius_m, dt_s, soft->body, forces);
+  const double ball_m = touchables.tip_radius_m();
+  StepSoftContacts(body->view(), contacts, ball_m > 0 ? ball_m : kIndenterRadius_m, dt_s, soft->body, forces);
   return forces;
 }
 

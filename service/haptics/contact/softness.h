@@ -10,7 +10,7 @@ inline constexpr double kIndenterRadius_m = 0.003;  // of the pen's tip
 inline constexpr double kRelaxingShare = 0.3;       // instantaneous over long-term modulus, minus one
 
 // Normal force of the whole contact at `depth_m`, without damping. Monotone in depth, slope at most `stiffness_N_m`.
-// `softness.model` kNone: stiffness * depth. kTet is rendered as kWinkler by this version.
+// `softness.model` kNone: stiffness * depth. kTet, before its body is ready: as kWinkler.
 double ElasticForce(const Softness& softness, double stiffness_N_m, double depth_m) noexcept;
 
 // Adds the relaxing part; updates contact.elastic_N and contact.relaxation_N.

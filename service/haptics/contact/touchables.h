@@ -3,6 +3,7 @@
 // docs/theory/haptics.md, section 9.
 #pragma once
 
+#include "service/haptics/contact/ball_proxy.h"
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/geometry/surface.h"
 #include "service/haptics/live/live_parts.h"
@@ -26,6 +27,11 @@ class Touchables {
   Touchables(const Scene& scene, const Input& input, State& state) noexcept;
 
   const Scene& scene() const noexcept { return scene_; }
+  // Of the ball that the tip is; 0: a point.
+  double tip_radius_m() const noexcept {
+    const double radius_m = scene_.header().tip_radius_m;
+    return radius_m >= kMinBallRadius_m ? std::min(radius_m, kMaxBallRadius_m) : 0;
+  }
   const Surface& surface() const noexcept { return surface_; }  // rest meshes and extruded regions
 
   Target TargetOf(std::uint32_t object) const noexcept;

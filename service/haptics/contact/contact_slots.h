@@ -1,0 +1,66 @@
+// What every way of finding contacts shares: their slots, and the questions that decide on them.
+#pragma once
+
+#include "service/haptics/contact/touchables.h"
+
+namespace omni::haptics {
+
+inline constexpr double kSwapFade_s = 0.02;
+
+// The proxy has been put somewhere else: the force goes over from the last one in kSwapFade_s.
+inline void StartSwap(ContactState& contact) noexcept {
+  contact.swapped_from_N = contact.last_force_N;
+  contact.swap_left_s = kSwapFade_s;
+}
+
+// A tip that was pushed through a part is let go when it is this far from its proxy, in the open, for this long.
+inline constexpr double kThroughDepth_m = 0.010;
+inline constexpr double kThroughTime_s = 0.1;
+
+inline bool HasInside(const Object& object) noexcept {
+  return (object.flags & kClosed) != 0 && (object.flags & kDoubleSided) == 0;
+}
+
+template <class Found>  // a ProxyPoint or a NearestResult
+void Place(const Found& found, ContactState& contact) noexcept {
+  contact.triangle = found.triangle;
+  contact.proxy_m = contact.held_m = found.closest.point;
+  contact.depth_m = std::sqrt(found.closest.distance_squared);
+}
+
+// Keeps a new contact in a free slot, else in that of the shallowest one if the new one is deeper.
+inline bool Keep(const ContactState& contact, State& state) noexcept {
+  ContactState* slot = &state.contacts[0];
+  for (ContactState& c : state.contacts) {
+    if (!c.active) {
+      slot = &c;
+      break;
+    }
+    if (c.depth_m < slot->depth_m) slot = &c;
+  }
+  if (slot->active && !(slot->depth_m < contact.depth_m)) return false;
+  *slot = contact;
+  return true;
+}
+
+// Inside by the sign at the nearest point of the whole object; exact for closed objects.
+template <TreeView View>
+bool IsInside(const View& view, const Target& target, const Vec3& tip, NearestResult& nearest) noexcept {
+  if (target.boxed && BoxDistance(target.object, tip) > 0) return false;
+  nearest = NearestInTree(view, target.root, tip);
+  return nearest.triangle != kNoIndex && SideOf(view, nearest, tip) < 0;
+}
+
+// Pushed through a part and out on its far side, the pen would hang on a spring to where it went in.   (2.6)
+template <TreeView View>
+bool CameThrough(const View& view, const Target& target, const Vec3& tip, double dt_s, ContactState& contact) noexcept {
+  NearestResult nearest;
+  if (!(contact.depth_m > kThroughDepth_m) || (HasInside(target.object) && IsInside(view, target, tip, nearest))) {
+    contact.through_s = 0;
+    return false;
+  }
+  contact.through_s += dt_s;
+  return contact.through_s > kThroughTime_s;
+}
+
+}  // namespace omni::haptics
