@@ -10,6 +10,7 @@ constexpr int kSoftNewtonSteps = 12;
 constexpr double kForceTolerance = 1e-7;  // relative
 constexpr double kMovedWeight = 1e-3;     // a row of the matrix is kept until its place moved by this
 constexpr double kStaleDiagonal = 0.05;   // ... or its own give changed by this share
+constexpr double kLeastGive = 0.1;        // of a patch, of a half-space's
 constexpr double kDeepest_balls = 4;      // depth beyond this is taken for this
 
 std::size_t Z(int i) { return static_cast<std::size_t>(i); }
@@ -53,12 +54,25 @@ bool Usable(const SoftContact& c) noexcept {
          c.series_compliance_m_N >= 0 && c.series_compliance_m_N < 1e6;
 }
 
+// What the body adds at a place. Near an edge that grows like one over the distance, so that the whole give of a patch
+// is blended by its reciprocal; in the open both are the same.   (4.5)
+double ComplianceAt(const SoftBodyView& body, const SoftPlace& place, double modulus_Pa) noexcept {
+  const double flat = 0.6 / (modulus_Pa * body.header().patch_radius_m);
+  const SoftTriangle& t = body.GetTriangle(place.triangle);
+  double stiffness = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double give = flat + static_cast<double>(body.Node(t.node[k]).compliance_m_N);
+    stiffness += place.weights[k] / std::max(give, kLeastGive * flat);
+  }
+  return 1 / stiffness - flat;
+}
+
 BallGive GiveOf(const SoftBodyView& body, const SoftPlace& place, double ball_radius_m, double series_m_N) noexcept {
   const SoftHeader& h = body.header();
   const LocalLaw law{std::max(Blend(body, place, &SoftNode::modulus_Pa), 1.0),
                      ContactRadius(ball_radius_m, Blend(body, place, &SoftNode::curvature_1_m)),
                      GainOf(h.poisson_ratio, h.hardening)};
-  return MakeBallGive(law, Blend(body, place, &SoftNode::compliance_m_N), series_m_N);
+  return MakeBallGive(law, ComplianceAt(body, place, law.modulus_Pa), series_m_N);
 }
 
 class SoftSystem {
