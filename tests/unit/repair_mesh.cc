@@ -344,7 +344,7 @@ TEST(RepairMesh, WindingTreeAgreesWithTheSumOfSolidAngles) {
 TEST(RepairMesh, WindingTreeBearsTrianglesWithoutArea) {
   std::vector<Vec3> vertices = kBall.vertices_base_m;
   std::vector<std::array<std::uint32_t, 3>> triangles = kBall.triangles;
-  const WindingTree whole(vertices, triangles);
+  const WindingTree whole(kBall.vertices_base_m, kBall.triangles);  // looks at what it is given
   for (std::uint32_t k = 0; k < 40; ++k) {
     vertices.push_back({0.5, 0.5, 0.5 + 1e-4 * k});
     const auto last = static_cast<std::uint32_t>(vertices.size() - 1);
