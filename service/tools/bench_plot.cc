@@ -209,7 +209,7 @@ base::Result<std::string> DrawDeformable(const json& document, const std::string
     }
     found->points.push_back({us, pct});
     char tets[32];
-    std::snprintf(tets, sizeof(tets), "%.0f tets", Value(row, "tets"));
+    std::snprintf(tets, sizeof(tets), "%.0f", Value(row, "tets"));
     found->labels.emplace_back(tets);
     times_us.push_back(us);
     errors_pct.push_back(pct);
@@ -217,7 +217,7 @@ base::Result<std::string> DrawDeformable(const json& document, const std::string
   if (times_us.empty()) {
     return base::Error{file + ": no row has us_median and error_pct; make it with omni bench deformable"};
   }
-  return Chart(document, "One tick with one ball: run time against error of the force",
+  return Chart(document, "One tick with one ball: run time against error of the force, by number of tetrahedra",
                AxisFor("median time of a tick, us", times_us, true),
                AxisFor("error against neo-Hookean, %", errors_pct, true), series, 640);
 }

@@ -29,7 +29,8 @@ struct Place {
 // Flat until the rim is two balls away; at least a fifth of that off the axis.
 Place DrawPlace(const AxisBody& body, std::mt19937_64& rng);
 
-// The reference on two meshes: the finer one's forces, and what the last refinement changed.
+// The reference on two meshes: the finer one's forces, and what the last refinement changed. Quick: one mesh, no
+// change.
 struct Reference {
   std::vector<double> force_per_modulus_m2;
   std::vector<double> change_pct;
