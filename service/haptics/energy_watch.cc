@@ -38,7 +38,7 @@ double WatchEnergy(const WatchedTick& tick, EnergyState& state) noexcept {
   if (leak_J > kLeak_J) {
     state.gain = std::max(kGainMin, state.gain * (1 - std::min(0.5, tick.dt_s / kFall_s)));
     ++state.leaking_ticks;
-  } else if (leak_J < 0.5 * kLeak_J) {
+  } else if (state.gain < 1 && leak_J < 0.5 * kLeak_J) {
     state.gain = std::min(1.0, state.gain + tick.dt_s / kRise_s);
   }
   return state.gain;

@@ -1,4 +1,7 @@
 // Enter and Step: the order of a tick.
+#include <cstddef>
+#include <cstring>
+
 #include "service/base/force_limit.h"
 #include "service/haptics/contact/contact_force.h"
 #include "service/haptics/contact/contact_set.h"
@@ -23,6 +26,24 @@ constexpr double kGapMax_s = 25e-3;  // ticks without a pose that end no contact
 constexpr double kLeap_m = 0.5;      // 20 m/s over such a gap; farther is another place
 constexpr double kFast_m = 0.01;     // in one tick: no hand, so the force fades in, whatever was entered
 
+// As if new, for an output that is new or of an earlier tick: its contacts beyond the count are so already, and are
+// most of its bytes.
+void Clear(Output& output) noexcept {
+  static constexpr Output kNew;
+  constexpr std::size_t kHead = offsetof(Output, contacts), kTail = kHead + sizeof(Output::contacts);
+  const int used = std::clamp(output.contact_count, 0, kMaxContacts);
+  for (int k = 0; k < used; ++k) output.contacts[static_cast<std::size_t>(k)] = {};
+  auto* to = reinterpret_cast<std::byte*>(&output);
+  const auto* from = reinterpret_cast<const std::byte*>(&kNew);
+  std::memcpy(to, from, kHead);
+  std::memcpy(to + kTail, from + kTail, sizeof(Output) - kTail);
+}
+
+bool IsClean(const Input& input) noexcept {
+  return input.dt_s >= 0 && input.dt_s <= kLongestTick_s && input.tracked &&
+         Within(input.device_point_base_m, kFarthestTip_m) && Within(input.velocity_base_m_s, kFastestTip_m_s);
+}
+
 // The same input with what cannot be used taken out.
 Input Cleaned(const Input& input) noexcept {
   Input clean = input;
@@ -34,6 +55,7 @@ Input Cleaned(const Input& input) noexcept {
 }
 
 bool AnyContact(const State& state) noexcept {
+  if (state.far_distance_m > 0) return false;  // it is only while nothing is touched
   return std::any_of(state.contacts.begin(), state.contacts.end(), [](const ContactState& c) { return c.active; });
 }
 
@@ -49,6 +71,20 @@ bool RegionsRest(const Scene& scene, const State& state) noexcept {
 // Motion bound: the tip is still within a ball in which there is nothing to touch   (2.4)
 bool StillFar(const Vec3& tip, const State& state) noexcept {
   return state.was_tracked && Norm(tip - state.far_origin_base_m) < state.far_distance_m;
+}
+
+// Nothing in the scene needs a look at each tick: no surface is edited, pushed, moved or driven. A soft body is taken
+// up when the tip comes near.
+bool Rests(const Scene& scene, const Input& input, const State& state) noexcept {
+  const SceneHeader& header = scene.header();
+  return header.region_count == 0 && header.has_joystick == 0 && header.has_vehicle == 0 &&
+         (scene.live() == nullptr || scene.live()->workshop_count() == 0) && input.poses.empty() &&
+         state.moved[0].object == kNoIndex;
+}
+
+// The scene does nothing with a tip there.
+bool NothingHere(const Scene& scene, const Input& input, const Vec3& tip, const State& state) noexcept {
+  return scene.empty() || (Rests(scene, input, state) && (!input.tracked || StillFar(tip, state)));
 }
 
 // Distance to what can be touched. Renews the motion bound and returns the pull of a magnetic surface.
@@ -229,6 +265,48 @@ bool Remember(const Config& config, const Input& input, State& state) noexcept {
   return steady;
 }
 
+// What the scene does, and what of it the device may.
+void Render(const Config& config, const Offer& offer, const Scene& scene, const Input& measured, const Vec3& tip,
+            bool steady, State& state, Output& output) noexcept {
+  Input input = measured;
+  input.device_point_base_m = tip;
+  Touched touched;
+  Vec3 others_N;
+  if (!scene.empty()) {
+    touched = Touch(scene, offer, input, state, output);
+    others_N =
+        touched.others_N + Play(config, offer, scene, input, touched.contacts_N + touched.others_N, state, output);
+  }
+  const bool passive = steady && state.ramp == 1 && !touched.moving && others_N == Vec3{};
+  output.energy_gain = WatchEnergy(
+      {measured.device_point_base_m, input.dt_s, LoopLag_s(config, input), touched.stored_J, passive}, state.energy);
+  const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;
+  Limit(config, input, input.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
+}
+
+// A far tip should cost nothing: it copies nothing and asks nobody.
+void StepClean(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
+  const bool steady = Remember(config, input, state);
+  Offer offer;
+  Vec3 tip = input.device_point_base_m;
+  if (input.tracked) {
+    offer = UpdateOffer(config, input, AnyContact(state), state.offer);
+    tip = tip + offer.predict_s * input.velocity_base_m_s;
+  }
+  output.stiffness_offered_N_m = offer.along_N_m;
+  if (state.last_force_N == Vec3{} && NothingHere(scene, input, tip, state)) {
+    output.energy_gain = WatchEnergy(
+        {input.device_point_base_m, input.dt_s, LoopLag_s(config, input), 0, steady && state.ramp == 1}, state.energy);
+  } else {
+    Render(config, offer, scene, input, tip, steady, state, output);
+  }
+  RememberForce(output.force_base_N, state.energy);
+  if (!input.tracked) return;
+  if (state.ramp < 1) state.ramp = config.ramp_s > 0 ? std::min(1.0, state.ramp + input.dt_s / config.ramp_s) : 1;
+  state.was_tracked = true;
+  state.last_device_point_base_m = tip;
+}
+
 }  // namespace
 
 void Enter(const Scene& scene, State& state) noexcept {
@@ -240,33 +318,11 @@ void Enter(const Scene& scene, State& state) noexcept {
 }
 
 void Step(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
-  output = {};
-  Input clean = Cleaned(input);
-  const bool steady = Remember(config, clean, state);
-  Offer offer;
-  const Vec3 measured_tip = clean.device_point_base_m;
-  if (clean.tracked) {
-    offer = UpdateOffer(config, clean, AnyContact(state), state.offer);
-    clean.device_point_base_m = measured_tip + offer.predict_s * clean.velocity_base_m_s;
-  }
-  output.stiffness_offered_N_m = offer.along_N_m;
-  Touched touched;
-  Vec3 others_N;
-  if (!scene.empty()) {
-    touched = Touch(scene, offer, clean, state, output);
-    others_N =
-        touched.others_N + Play(config, offer, scene, clean, touched.contacts_N + touched.others_N, state, output);
-  }
-  const bool passive = steady && state.ramp == 1 && !touched.moving && others_N == Vec3{};
-  output.energy_gain =
-      WatchEnergy({measured_tip, clean.dt_s, LoopLag_s(config, clean), touched.stored_J, passive}, state.energy);
-  const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;
-  Limit(config, clean, clean.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
-  RememberForce(output.force_base_N, state.energy);
-  if (clean.tracked) {
-    state.ramp = config.ramp_s > 0 ? std::min(1.0, state.ramp + clean.dt_s / config.ramp_s) : 1;
-    state.was_tracked = true;
-    state.last_device_point_base_m = clean.device_point_base_m;
+  Clear(output);
+  if (IsClean(input)) {
+    StepClean(config, scene, input, state, output);
+  } else {
+    StepClean(config, scene, Cleaned(input), state, output);
   }
 }
 
