@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 
+#include "service/haptics/live/virtual_editor.h"
 #include "service/loop/denormals.h"
 
 namespace omni::daemon {
@@ -70,6 +71,7 @@ VirtualRunSummary RunVirtual(const loop::TickConfig& config, device::Transport& 
   VirtualRunSummary summary;
   TickHash hash;
   base::HallScan scan;
+  haptics::VirtualEditor editor(scene);
   loop::EnterScene(scene, 1, *state);
   while (transport.Read(scan, 0) == device::ReadStatus::kScan) {
     const loop::Commands commands = script ? script(scan) : OpenGate(scan);
@@ -78,6 +80,7 @@ VirtualRunSummary RunVirtual(const loop::TickConfig& config, device::Transport& 
     hash.Add(scan, *output);
     Count(*output, summary);
     if (observer) observer(scan, *output);
+    editor.AfterTick();
   }
   summary.hash = hash.value();
   return summary;

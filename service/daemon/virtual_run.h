@@ -24,7 +24,8 @@ struct VirtualRunSummary {
 using CommandScript = std::function<loop::Commands(const base::HallScan&)>;
 using TickObserver = std::function<void(const base::HallScan&, const loop::TickOutput&)>;
 
-// Runs until the transport says kEnd or kGone. `scene` becomes generation 1.
+// Runs until the transport says kEnd or kGone. `scene` becomes generation 1; what can be sculpted in it is edited every
+// 2 ms of virtual time and stays as it is left.
 VirtualRunSummary RunVirtual(const loop::TickConfig& config, device::Transport& transport, const haptics::Scene& scene,
                              const CommandScript& script = {}, const TickObserver& observer = {});
 

@@ -20,6 +20,14 @@ base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOp
   return loaded;
 }
 
+base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::LoadOptions& options) {
+  base::Result<LoadedScene> loaded = LoadScene(path, options);
+  if (!loaded.ok()) return loaded;
+  scene::CacheStore cache(config::CacheFolder());
+  loaded->live = scene::LoadLive(loaded->scene, &cache);
+  return loaded;
+}
+
 std::string FindScene(const std::string& name) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return name;

@@ -5,6 +5,7 @@
 
 #include "service/base/result.h"
 #include "service/haptics/scene.h"
+#include "service/scene/load_live.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::tools {
@@ -13,10 +14,15 @@ struct LoadedScene {
   haptics::Scene scene;
   scene::LoadReport load;
   haptics::BuildReport build;
+  scene::LiveReport live;  // of LoadLiveScene
 };
 
 // `cached`: by the user's cache (config::CacheFolder), as omnid does; false: always built.
 base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options, bool cached = true);
+
+// The same with all that changes in it while it is felt: soft bodies, which may take minutes the first time, and
+// sculptable surfaces.
+base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::LoadOptions& options);
 
 // `name` as given if it is a file, else a scene of the data folder: "dragon" -> <scenes>/dragon.glb.
 std::string FindScene(const std::string& name);

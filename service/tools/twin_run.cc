@@ -80,8 +80,10 @@ base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const ba
 
 int RunTwin(const RunArguments& arguments) {
   const std::string path = FindScene(arguments.scene);
-  auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
+  auto loaded = LoadLiveScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
   if (!loaded.ok()) return Fail("omni twin", loaded.error());
+  for (const std::string& line : loaded->live.lines)
+    std::fprintf(stderr, "omni twin: %s: %s\n", path.c_str(), line.c_str());
   auto hand = HandFor(arguments, path, loaded->scene);
   if (!hand.ok()) return Fail("omni twin", hand.error());
   const base::DeviceGeometry& device = config::DefaultDevice();
@@ -113,6 +115,8 @@ int RunTwin(const RunArguments& arguments) {
   if (!table.ok()) return Fail("omni twin", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
   std::printf("scene            %s\n", path.c_str());
+  std::printf("what changes     %u soft bodies, %u sculptable surfaces\n", loaded->live.soft_bodies,
+              loaded->live.workshops);
   std::printf("device           digital twin (a simulation), seed %llu\n",
               static_cast<unsigned long long>(arguments.seed));
   std::printf("ticks            %llu (virtual time, %.3f s)\n", static_cast<unsigned long long>(summary.ticks),

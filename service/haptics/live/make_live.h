@@ -52,6 +52,10 @@ void AddWorkshops(const Scene& scene, const LivePlan& plan, LiveParts& live, std
 // the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet.
 LivePlan MakeLive(Scene& scene);
 
+// The scene as it was before anybody sculpted it: new workshops, the same soft bodies. A scene without workshops shares
+// its live parts with the copy.
+Scene FreshCopy(const Scene& scene);
+
 // What the tables between a soft body's nodes take at most, bytes; its skin adds 16 a vertex.
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options);
 // What the freshly made workshops of plan.sculpted take, bytes, about.

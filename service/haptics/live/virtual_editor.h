@@ -1,0 +1,37 @@
+// Edits a scene's sculpted surfaces in the loop's own time, as the service's thread does in real time
+// (daemon/sculpt_thread.h): runs that play the same then give the same bits. A stroke that is refused changes nothing.
+#pragma once
+
+#include "service/haptics/live/live_parts.h"
+
+namespace omni::haptics {
+
+class VirtualEditor {
+ public:
+  static constexpr int kPeriod_ticks = 2;  // the service's 2 ms
+
+  // Before the first tick of `scene`, which outlives this.
+  explicit VirtualEditor(const Scene& scene) : live_(scene.live().get()) { SetReader(true); }
+  // Ends open strokes.
+  ~VirtualEditor() { SetReader(false); }
+  VirtualEditor(const VirtualEditor&) = delete;
+  VirtualEditor& operator=(const VirtualEditor&) = delete;
+
+  // After each tick, on its thread. May allocate, and take some milliseconds.
+  void AfterTick() {
+    if (live_ == nullptr || ++ticks_ % kPeriod_ticks != 0) return;
+    for (std::uint32_t n = 0; n < live_->workshop_count(); ++n) live_->workshop_at(n).Poll();
+  }
+
+ private:
+  void SetReader(bool present) {
+    for (std::uint32_t n = 0; live_ != nullptr && n < live_->workshop_count(); ++n) {
+      live_->workshop_at(n).SetReader(present);
+    }
+  }
+
+  LiveParts* live_;
+  int ticks_ = 0;
+};
+
+}  // namespace omni::haptics

@@ -1,0 +1,25 @@
+// All that changes in a scene while it is felt, made before anybody feels it: for those who can wait, as tools can. The
+// service hands a scene to the tick first and its soft bodies when they are ready (daemon/scene_builder.cc).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/haptics/scene.h"
+#include "service/scene/cache_store.h"
+
+namespace omni::scene {
+
+struct LiveReport {
+  std::uint32_t soft_bodies = 0, workshops = 0;
+  std::vector<std::string> lines;  // why an object that asks for one of them has none, a sentence each
+  double load_ms = 0;
+};
+
+// Gives `scene` what haptics/live/make_live.h plans, soft bodies included. Seconds to minutes unless these are in the
+// cache; `cache` may be null. Equal scenes get equal parts, from the cache or not. An object whose part cannot be made
+// stays as it was, with a line. `soft_tets`: of a soft body, at most, [100, 400000]; the default is the service's.
+LiveReport LoadLive(haptics::Scene& scene, CacheStore* cache, std::uint32_t soft_tets = 2000);
+
+}  // namespace omni::scene
