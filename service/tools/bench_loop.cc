@@ -24,7 +24,7 @@ base::Result<BenchRows> BenchLoop(const BenchOptions& options) {
   BenchRows rows;
   for (const char* name : kScenes) {
     const std::string path = FindScene(name);
-    auto loaded = LoadScene(path, {});
+    auto loaded = LoadLiveScene(path, {});
     if (!loaded.ok()) return base::Error{loaded.error()};
     auto scans = RecordScans(config, loaded->scene, path, options.seed);
     if (!scans.ok()) return base::Error{scans.error()};

@@ -1,12 +1,11 @@
-// omni bench tick: the whole tick - track, contact, force, allocate - in scenes that ask much of it, what each feature
-// of a material costs, and how late ticks are on a busy machine.
+// omni bench tick: the whole tick - track, contact, force, allocate - in scenes that ask much of it, with all that
+// changes in them, and how late ticks are on a busy machine.
 #include <pthread.h>
 #include <sched.h>
 #include <time.h>
 
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -16,10 +15,12 @@
 
 #include "service/base/limits.h"
 #include "service/config/device_file.h"
+#include "service/haptics/live/live_parts.h"
 #include "service/loop/denormals.h"
 #include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/tools/bench.h"
+#include "service/tools/bench_tick_features.h"
 #include "service/tools/loop_replay.h"
 #include "service/tools/quiet_timing.h"
 #include "service/tools/scene_source.h"
@@ -100,6 +101,7 @@ Lateness MeasureLateness(ScanPlayer& player, bool wants_fifo, double seconds) {
     for (result.ticks = 0; static_cast<double>(result.ticks) * base::kTickPeriod_s < seconds; ++result.ticks) {
       due += period;
       std::this_thread::sleep_until(due);
+      if (player.at_end()) player.Start();
       player.Tick();
       const Clock::time_point end = Clock::now();
       result.late += std::chrono::duration<double>(end - due).count() > kLate_s ? 1 : 0;
@@ -111,21 +113,15 @@ Lateness MeasureLateness(ScanPlayer& player, bool wants_fifo, double seconds) {
   return result;
 }
 
-struct Feature {
-  const char* name;
-  void (*enable)(haptics::Material&);
-};
-
-constexpr Feature kFeatures[] = {
-    {"friction", [](haptics::Material& m) { m.static_friction = 0.5, m.dynamic_friction = 0.4; }},
-    {"damping", [](haptics::Material& m) { m.damping_Ns_m = 0.5; }},
-    {"viscosity", [](haptics::Material& m) { m.viscosity_Ns_m = 0.5; }},
-    {"texture", [](haptics::Material& m) { m.texture_amplitude_m = 2e-4; }},
-    {"vibration", [](haptics::Material& m) { m.vibration_amplitude_N = 0.1; }},
-    {"magnet", [](haptics::Material& m) { m.magnet_max_force_N = 0.2; }},
-    {"pop-through", [](haptics::Material& m) { m.pop_through_N = 5; }},
-    {"soft layer", [](haptics::Material& m) { m.softness.model = haptics::SoftnessModel::kWinkler; }},
-};
+// What a device that can do two newtons in every direction tells the renderer.
+base::ForceLimit UsualLimit() {
+  base::ForceLimit limit;
+  limit.valid = true;
+  limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
+  limit.current_max_A = {15, 15, 15};
+  limit.force_max_N = 2;
+  return limit;
+}
 
 // What the renderer was given in the longest stretch of touch.
 std::vector<haptics::Input> LongestTouch(const loop::TickConfig& config, const haptics::Scene& scene,
@@ -146,26 +142,29 @@ std::vector<haptics::Input> LongestTouch(const loop::TickConfig& config, const h
                    .noise = output.tool.device_point_noise,
                    .noise_along = output.tool.device_point_noise_along,
                    .axis_base = output.tool.axis_base,
-                   .delay_s = 1e-3});
+                   .delay_s = 1e-3,
+                   .limit = UsualLimit()});
     if (now.size() > best.size()) best = now;
   }
   return best;
 }
 
-// The renderer alone, over the same touch.
-QuietTiming TimeSteps(const haptics::Scene& scene, const std::vector<haptics::Input>& inputs, int batches) {
-  const haptics::Config config;
-  const auto state = std::make_unique<haptics::State>();
-  haptics::Enter(scene, *state);
-  haptics::Output output;
-  return TimeQuietly(batches, kBatch, 4,
-                     [&](std::uint64_t i) { haptics::Step(config, scene, inputs[i % inputs.size()], *state, output); });
-}
-
 QuietTiming TimePlayer(const loop::TickConfig& config, const haptics::Scene& scene,
                        const std::vector<base::HallScan>& scans, int batches) {
   const auto player = std::make_unique<ScanPlayer>(config, scene, scans);
-  return TimeQuietly(batches, kBatch, 1, [&](std::uint64_t) { player->Tick(); });
+  return TimeQuietly(
+      batches, kBatch, 1, [&](std::uint64_t) { player->Tick(); },
+      [&] {
+        if (player->at_end()) player->Start();
+      });
+}
+
+int SoftBodiesOf(const haptics::Scene& scene) {
+  int bodies = 0;
+  for (std::uint32_t object = 0; scene.live() != nullptr && object < scene.objects().size(); ++object) {
+    bodies += scene.live()->soft_body(object) != nullptr;
+  }
+  return bodies;
 }
 
 class TickBench {
@@ -175,8 +174,9 @@ class TickBench {
   base::Result<BenchRows> Run() {
     for (const char* name : {"extrusion", "dragon", "racetrack"}) {
       const std::string path = FindScene(name);
-      auto loaded = LoadScene(path, {});
+      auto loaded = LoadLiveScene(path, {});
       if (!loaded.ok()) return base::Error{loaded.error()};
+      if (!loaded->live.lines.empty()) return base::Error{path + ": " + loaded->live.lines.front()};
       if (const auto status = Add(name, loaded->scene, path); !status.ok()) return base::Error{status.error()};
       if (std::string(name) == "dragon") {
         if (const auto status = AddRigid(loaded->scene, path); !status.ok()) return base::Error{status.error()};
@@ -195,6 +195,8 @@ class TickBench {
     rows_.push_back(
         {{"scene", name},
          {"triangles", scene.header().triangle_count},
+         {"soft_bodies", SoftBodiesOf(scene)},
+         {"sculptable", scene.live() != nullptr ? scene.live()->workshop_count() : 0},
          {"us_median", timing.us_median},
          {"us_p99", timing.us_p99},
          {"allocations", replay.allocations},
@@ -214,7 +216,7 @@ class TickBench {
     auto scans = RecordScans(config_, *scene, path, options_.seed);
     if (!scans.ok()) return base::Error{scans.error()};
     AddLateness(*scene, *scans);
-    return AddFeatures(input, *scans);
+    return AddFeatures(input, *scene, *scans);
   }
 
   void AddLateness(const haptics::Scene& scene, const std::vector<base::HallScan>& scans) {
@@ -230,25 +232,13 @@ class TickBench {
     }
   }
 
-  base::Status AddFeatures(haptics::SceneInput input, const std::vector<base::HallScan>& scans) {
-    const int batches = options_.quick ? 3 : 30;
-    auto plain = Build(input);
-    if (!plain.ok()) return base::Error{plain.error()};
-    const std::vector<haptics::Input> touch = LongestTouch(config_, *plain, scans);
-    if (touch.empty()) return base::Error{"omni bench tick: the hand script never touches the dragon"};
-    for (const Feature& feature : kFeatures) {
-      haptics::SceneInput with = input;
-      feature.enable(with.materials[0]);
-      auto scene = Build(with);
-      if (!scene.ok()) return base::Error{scene.error()};
-      const QuietTiming off = TimeSteps(*plain, touch, batches), on = TimeSteps(*scene, touch, batches);
-      side_.push_back({{"table", "features"},
-                       {"feature", feature.name},
-                       {"off_us_median", off.us_median},
-                       {"on_us_median", on.us_median},
-                       {"off_us_p99", off.us_p99},
-                       {"on_us_p99", on.us_p99}});
-    }
+  base::Status AddFeatures(const haptics::SceneInput& input, const haptics::Scene& scene,
+                           const std::vector<base::HallScan>& scans) {
+    const TouchedBody body{input, LongestTouch(config_, scene, scans)};
+    if (body.touch.empty()) return base::Error{"omni bench tick: the hand script never touches the dragon"};
+    const auto rows = TickFeatureRows(body, options_.quick);
+    if (!rows.ok()) return base::Error{rows.error()};
+    side_.insert(side_.end(), rows->begin(), rows->end());
     return base::Ok{};
   }
 

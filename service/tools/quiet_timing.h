@@ -19,9 +19,9 @@ struct QuietTiming {
 };
 
 // Calls work(i) for i = 0, 1, ... and times `group` calls at a time (short work drowns in the clock's own 25 ns), until
-// `quiet_batches` are together or kPatience_s are over.
-template <class Work>
-QuietTiming TimeQuietly(int quiet_batches, int batch_size, int group, Work&& work) {
+// `quiet_batches` are together or kPatience_s are over. `prepare` is called before each group and is not timed.
+template <class Work, class Prepare>
+QuietTiming TimeQuietly(int quiet_batches, int batch_size, int group, Work&& work, Prepare&& prepare) {
   constexpr double kPatience_s = 10;
   using Clock = std::chrono::steady_clock;
   const auto switches = [] {
@@ -38,6 +38,7 @@ QuietTiming TimeQuietly(int quiet_batches, int batch_size, int group, Work&& wor
     ++timing.batches;
     const long before = switches();
     for (double& each_us : us) {
+      prepare();
       const Clock::time_point begin = Clock::now();
       for (int i = 0; i < group; ++i) work(next++);
       each_us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count() / group;
@@ -50,6 +51,11 @@ QuietTiming TimeQuietly(int quiet_batches, int batch_size, int group, Work&& wor
   timing.us_median = Quantile(medians, 0.5);
   timing.us_p99 = Quantile(tails, 0.5);
   return timing;
+}
+
+template <class Work>
+QuietTiming TimeQuietly(int quiet_batches, int batch_size, int group, Work&& work) {
+  return TimeQuietly(quiet_batches, batch_size, group, work, [] {});
 }
 
 }  // namespace omni::tools
