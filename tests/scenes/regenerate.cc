@@ -69,7 +69,7 @@ Span SpanOf(const haptics::InputObject& object) {
   return span;
 }
 
-TEST(Scenes, BlockIsClosedAndItsFacesExtrude) {
+TEST(Scenes, BlockIsClosedClayThatIsSculpted) {
   const haptics::SceneInput scene = Load("extrusion.glb");
   ASSERT_EQ(scene.objects.size(), 1U);
   const haptics::InputObject& block = scene.objects[0];
@@ -79,24 +79,14 @@ TEST(Scenes, BlockIsClosedAndItsFacesExtrude) {
   const Span span = SpanOf(block);
   EXPECT_NEAR(span.upper.z, 0.056, 1e-6);
   EXPECT_NEAR(span.upper.x - span.lower.x, 0.040, 1e-5);
-  double area[3] = {};  // of extrudable triangles facing up, right, front
-  for (std::size_t i = 0; i < block.triangles.size(); ++i) {
-    const haptics::Material& material = scene.materials[block.triangle_material[i]];
+  for (const std::uint16_t index : block.triangle_material) {
+    const haptics::Material& material = scene.materials[index];
     EXPECT_EQ(material.stiffness_N_m, 600);
     EXPECT_EQ(material.static_friction, 0.5);
-    if (!material.extrude.enabled) continue;
-    const auto& [a, b, c] = block.triangles[i];
-    const auto at = [&](std::uint32_t v) {
-      return Vec(block.vertices_base_m[v].x, block.vertices_base_m[v].y, block.vertices_base_m[v].z);
-    };
-    const Vec u = at(b) - at(a), v = at(c) - at(a);
-    area[0] += std::max(0.0, u.x * v.y - u.y * v.x) / 2;
-    area[1] += std::max(0.0, u.y * v.z - u.z * v.y) / 2;
-    area[2] += std::max(0.0, u.x * v.z - u.z * v.x) / 2;
+    EXPECT_TRUE(material.sculpt.enabled);
+    EXPECT_EQ(material.sculpt.snap_m, 0.002);
+    EXPECT_FALSE(material.extrude.enabled);
   }
-  EXPECT_NEAR(area[0], 0.034 * 0.024, 1e-6);
-  EXPECT_NEAR(area[1], 0.024 * 0.012, 1e-6);
-  EXPECT_NEAR(area[2], 0.034 * 0.012, 1e-6);
 }
 
 TEST(Scenes, DragonIsOneClosedSurfaceOfSoftRubber) {
@@ -115,7 +105,7 @@ TEST(Scenes, DragonIsOneClosedSurfaceOfSoftRubber) {
     EXPECT_LE(span.upper[k] - span.lower[k], 0.12) << k;
   }
   ASSERT_EQ(scene.materials.size(), 1U);
-  EXPECT_EQ(scene.materials[0].softness.model, haptics::SoftnessModel::kWinkler);
+  EXPECT_EQ(scene.materials[0].softness.model, haptics::SoftnessModel::kTet);
   EXPECT_GE(scene.materials[0].softness.young_modulus_Pa, 2e4);
   EXPECT_LE(scene.materials[0].softness.young_modulus_Pa, 5e4);
 }
