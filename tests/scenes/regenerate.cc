@@ -69,7 +69,7 @@ Span SpanOf(const haptics::InputObject& object) {
   return span;
 }
 
-TEST(Scenes, BlockIsClosedClayThatIsSculpted) {
+TEST(Scenes, BlockIsClosedAndOfClay) {
   const haptics::SceneInput scene = Load("extrusion.glb");
   ASSERT_EQ(scene.objects.size(), 1U);
   const haptics::InputObject& block = scene.objects[0];
@@ -79,14 +79,11 @@ TEST(Scenes, BlockIsClosedClayThatIsSculpted) {
   const Span span = SpanOf(block);
   EXPECT_NEAR(span.upper.z, 0.056, 1e-6);
   EXPECT_NEAR(span.upper.x - span.lower.x, 0.040, 1e-5);
-  for (const std::uint16_t index : block.triangle_material) {
-    const haptics::Material& material = scene.materials[index];
-    EXPECT_EQ(material.stiffness_N_m, 600);
-    EXPECT_EQ(material.static_friction, 0.5);
-    EXPECT_TRUE(material.sculpt.enabled);
-    EXPECT_EQ(material.sculpt.snap_m, 0.002);
-    EXPECT_FALSE(material.extrude.enabled);
-  }
+  ASSERT_EQ(scene.materials.size(), 1U);
+  EXPECT_EQ(scene.materials[0].stiffness_N_m, 600);
+  EXPECT_EQ(scene.materials[0].static_friction, 0.5);
+  EXPECT_TRUE(scene.materials[0].sculpt.enabled);
+  EXPECT_EQ(scene.materials[0].sculpt.snap_m, 0.002);
 }
 
 TEST(Scenes, DragonIsOneClosedSurfaceOfSoftRubber) {
