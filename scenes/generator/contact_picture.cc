@@ -14,7 +14,9 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kBall_m = 0.0009;
 const Vec kProxyColour(0.95, 0.80, 0.10), kTipColour(0.05, 0.07, 0.10), kArrowColour(0.80, 0.05, 0.04),
-    kSpringColour(0.25, 0.27, 0.30);
+    kSpringColour(0.25, 0.27, 0.30), kPenColour(0.80, 0.82, 0.85);
+
+constexpr double kPenTip_m = 0.0003, kPenBarrel_m = 0.0022, kPenCone_m = 0.012, kPenLength_m = 0.045;
 
 // Surface of revolution about the line from `start` along `axis` (unit): radius(s) at s of the way to `length`.
 template <class Radius>
@@ -89,16 +91,26 @@ std::vector<DrawnMesh> DrawContact(const TouchedContact& contact, double arrow_m
     drawn.push_back(Revolved(contact.tip_m, glm::normalize(spring), glm::length(spring), kSpringColour, 1,
                              [](double) { return 0.3 * kBall_m; }));
   }
-  const double length_m = glm::length(contact.force_N) * arrow_m_per_N;
-  if (length_m > 1e-5) {
-    constexpr double kHead = 0.3;  // of the length
-    const Vec along = glm::normalize(contact.force_N);
-    drawn.push_back(Revolved(contact.proxy_m, along, length_m, kArrowColour, 100, [](double s) {
-      return s < 1 - kHead ? 0.45 * kBall_m : std::max(1.2 * kBall_m * (1 - s) / kHead, 1e-6);
-    }));
-  }
+  for (DrawnMesh& mesh : DrawForce(contact.proxy_m, contact.force_N, arrow_m_per_N)) drawn.push_back(std::move(mesh));
   for (DrawnMesh& mesh : drawn) mesh.overlay = true;
   return drawn;
+}
+
+std::vector<DrawnMesh> DrawForce(const Vec& tip_m, const Vec& force_N, double arrow_m_per_N) {
+  const double length_m = glm::length(force_N) * arrow_m_per_N;
+  if (!(length_m > 1e-5)) return {};
+  constexpr double kHead = 0.3;  // of the length
+  DrawnMesh arrow = Revolved(tip_m, glm::normalize(force_N), length_m, kArrowColour, 100, [](double s) {
+    return s < 1 - kHead ? 0.45 * kBall_m : std::max(1.2 * kBall_m * (1 - s) / kHead, 1e-6);
+  });
+  arrow.overlay = true;
+  return {arrow};
+}
+
+DrawnMesh DrawPen(const Vec& tip_m, const Vec& axis) {
+  return Revolved(tip_m, -glm::normalize(axis), kPenLength_m, kPenColour, 90, [](double s) {
+    return std::min(kPenBarrel_m, kPenTip_m + (kPenBarrel_m - kPenTip_m) * s * kPenLength_m / kPenCone_m);
+  });
 }
 
 }  // namespace omni::scenes

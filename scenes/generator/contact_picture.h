@@ -20,4 +20,10 @@ TouchedContact Touch(const std::string& path, const Vec& from_m, const Vec& tip_
 // `arrow_m_per_N`: length of the arrow. The proxy is a bright ball, the tip a dark one, the arrow red.
 std::vector<DrawnMesh> DrawContact(const TouchedContact& contact, double arrow_m_per_N);
 
+// The pen with its tip at `tip_m`; `axis`: unit, out of the tip. Casts a shadow.
+DrawnMesh DrawPen(const Vec& tip_m, const Vec& axis);
+
+// A force on the tip as a red arrow, seen through everything. Nothing for no force.
+std::vector<DrawnMesh> DrawForce(const Vec& tip_m, const Vec& force_N, double arrow_m_per_N);
+
 }  // namespace omni::scenes

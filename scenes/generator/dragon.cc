@@ -72,7 +72,7 @@ Document DragonScene() {
                               {"dynamicFriction", 0.5},
                               {"softness",
                                {{"model", "tet"},
-                                {"youngModulus", 3.0e4},
+                                {"youngModulus", 5.0e4},
                                 {"poissonRatio", 0.45},
                                 {"thickness", 0.012},
                                 {"maxDepth", 0.008},

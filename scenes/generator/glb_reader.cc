@@ -77,8 +77,10 @@ class Reader {
     for (const Vec& p : Vectors(attributes, "POSITION", false))
       drawn.mesh.positions.push_back(to_base(rotation * p + shift));
     for (const Vec& n : Vectors(attributes, "NORMAL", false)) drawn.normals.push_back(to_base(rotation * n));
-    const Json& pbr = root_.at("materials").at(primitive.at("material").get<std::size_t>()).at("pbrMetallicRoughness");
-    const Json& factor = pbr.at("baseColorFactor");
+    // Files of what was sculpted or deformed have no paint.
+    const Json& material = root_.at("materials").at(primitive.at("material").get<std::size_t>());
+    const Json pbr = material.value("pbrMetallicRoughness", Json::object());
+    const Json factor = pbr.value("baseColorFactor", Json{0.5, 0.5, 0.5, 1.0});
     const Vec colour(factor[0].get<double>(), factor[1].get<double>(), factor[2].get<double>());
     drawn.roughness = pbr.value("roughnessFactor", 0.7);
     drawn.mesh.colours.assign(drawn.mesh.positions.size(), colour);

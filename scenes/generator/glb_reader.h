@@ -1,4 +1,5 @@
-// Reads the .glb files that WriteGlb writes, for pictures: float positions, triangles, colours, node transforms.
+// Reads the .glb files that WriteGlb and `omni` write, for pictures: float positions, triangles, colours, node
+// transforms.
 #pragma once
 
 #include <string>

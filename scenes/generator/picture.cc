@@ -96,6 +96,11 @@ class Painter {
 
  private:
   void FitCamera() {
+    if (options_.look_at_m) {
+      camera_.centre = *options_.look_at_m;
+      camera_.scale = options_.zoom * std::min(camera_.width, camera_.height) / options_.span_m;
+      return;
+    }
     double left = 1e9, right = -1e9, low = 1e9, high = -1e9;
     for (const DrawnMesh& mesh : meshes_) {
       for (const Vec& p : mesh.mesh.positions) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct PictureOptions {
   int width = 960, height = 720;
   int supersampling = 3;
   double zoom = 1;
+  std::optional<Vec> look_at_m;  // in the middle of the picture, in place of the middle of everything ...
+  double span_m = 0.1;           // ... which then shows so much of its shorter side
 };
 
 // RGB, 8 bits each, rows from the top.

@@ -1,6 +1,9 @@
-// scene_render FILE.glb OUT.png --view front|side|top|three-quarter: a picture of one of our scenes; with --contact
-// also of a touch: tip, proxy, force.
+// scene_render FILE.glb OUT.png --view front|side|top|three-quarter: a picture of one of our scenes. With --contact
+// also of a touch: tip, proxy, force. With --rest of what a touch has made of a scene: FILE is what `omni surfaces
+// --save` or `omni scene save` wrote, the scene gives the paint and what else there is, and colours show what has
+// moved.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <stdexcept>
@@ -15,55 +18,140 @@
 #pragma GCC diagnostic pop
 
 #include "scenes/generator/contact_picture.h"
+#include "scenes/generator/labels.h"
 #include "scenes/generator/picture.h"
+#include "scenes/generator/race_picture.h"
+#include "scenes/generator/rest_surface.h"
 
 namespace {
 
-int Draw(int argc, char** argv) {
-  using omni::scenes::View;
-  const std::map<std::string, View> views = {{"front", {"front", 12, 8}},
-                                             {"side", {"side", -90, 8}},
-                                             {"top", {"top", -90, 78}},
-                                             {"three-quarter", {"three-quarter", -35, 13}}};
-  std::string in, out, view = "three-quarter";
+using omni::scenes::DrawnMesh;
+using omni::scenes::Vec;
+using omni::scenes::View;
+
+constexpr double kArrow_m_per_N = 0.02;
+
+struct DrawArguments {
+  std::string in, out, view = "three-quarter", rest, race, caption;
   omni::scenes::PictureOptions options;
-  CLI::App app{"Draws a .glb scene of this project into a PNG"};
-  app.add_option("FILE", in, "binary glTF")->required();
-  app.add_option("OUT", out, "PNG to write")->required();
-  app.add_option("--view", view, "from where")->check(CLI::IsMember({"front", "side", "top", "three-quarter"}));
-  app.add_option("--width", options.width)->check(CLI::Range(16, 8192));
-  app.add_option("--height", options.height)->check(CLI::Range(16, 8192));
-  app.add_option("--zoom", options.zoom)->check(CLI::Range(0.1, 20.0));
-  std::vector<double> tip_mm, from_mm;
-  CLI::Option* contact =
-      app.add_option("--contact", tip_mm, "x y z of the tip in the base frame, mm: draws what is felt there")
-          ->expected(3);
-  app.add_option("--from", from_mm, "x y z the tip comes from (default: 20 mm above)")->expected(3)->needs(contact);
-  double elevation_deg = 0;
-  const CLI::Option* elevation =
-      app.add_option("--elevation", elevation_deg, "of the camera, degrees, in place of the view's")
+  std::vector<double> tip_mm, from_mm;                  // --contact, --from
+  std::vector<double> pen_mm, axis{0, 0, -1}, force_N;  // --pen, --pen-axis, --force
+  std::vector<double> look_at_mm;                       // --look-at
+  double elevation_deg = 0, azimuth_deg = 0, displacement_mm = 0, span_mm = 100;
+};
+
+const std::map<std::string, View> kViews = {{"front", {"front", 12, 8}},
+                                            {"side", {"side", -90, 8}},
+                                            {"top", {"top", -90, 78}},
+                                            {"three-quarter", {"three-quarter", -35, 13}}};
+
+Vec Metres(const std::vector<double>& mm) { return Vec(mm[0], mm[1], mm[2]) * 1e-3; }
+Vec AsVec(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+void AddPlace(CLI::App& app, DrawArguments& arguments) {
+  app.add_option("--view", arguments.view, "from where")
+      ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}));
+  CLI::Option* elevation =
+      app.add_option("--elevation", arguments.elevation_deg, "of the camera, degrees, in place of the view's")
           ->check(CLI::Range(-90.0, 90.0));
-  CLI11_PARSE(app, argc, argv);
-  options.view = views.at(view);
-  if (elevation->count() > 0) options.view.elevation_deg = elevation_deg;
-  std::vector<omni::scenes::DrawnMesh> meshes = omni::scenes::ReadGlb(in);
-  if (contact->count() > 0) {
-    const omni::scenes::Vec tip(tip_mm[0] * 1e-3, tip_mm[1] * 1e-3, tip_mm[2] * 1e-3);
-    const omni::scenes::Vec from = from_mm.empty()
-                                       ? tip + omni::scenes::Vec(0, 0, 0.02)
-                                       : omni::scenes::Vec(from_mm[0] * 1e-3, from_mm[1] * 1e-3, from_mm[2] * 1e-3);
-    constexpr double kArrow_m_per_N = 0.02;
-    const omni::scenes::TouchedContact touched = omni::scenes::Touch(in, from, tip);
-    std::printf("tip %.2f %.2f %.2f mm, proxy %.2f %.2f %.2f mm, force %.3f %.3f %.3f N\n", tip.x * 1e3, tip.y * 1e3,
-                tip.z * 1e3, touched.proxy_m.x * 1e3, touched.proxy_m.y * 1e3, touched.proxy_m.z * 1e3,
-                touched.force_N.x, touched.force_N.y, touched.force_N.z);
-    for (omni::scenes::DrawnMesh& mesh : omni::scenes::DrawContact(touched, kArrow_m_per_N))
-      meshes.push_back(std::move(mesh));
+  CLI::Option* azimuth =
+      app.add_option("--azimuth", arguments.azimuth_deg, "of the camera, degrees, 0: in front of +x, likewise")
+          ->check(CLI::Range(-360.0, 360.0));
+  app.add_option("--width", arguments.options.width)->check(CLI::Range(16, 8192));
+  app.add_option("--height", arguments.options.height)->check(CLI::Range(16, 8192));
+  app.add_option("--supersampling", arguments.options.supersampling, "samples along each side of a pixel")
+      ->check(CLI::Range(1, 8));
+  app.add_option("--zoom", arguments.options.zoom)->check(CLI::Range(0.1, 20.0));
+  CLI::Option* look_at =
+      app.add_option("--look-at", arguments.look_at_mm, "x y z of the picture's middle in the base frame, mm")
+          ->expected(3);
+  app.add_option("--span", arguments.span_mm, "what its shorter side shows, mm")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->needs(look_at);
+  app.parse_complete_callback([&arguments, elevation, azimuth] {
+    arguments.options.view = kViews.at(arguments.view);
+    if (elevation->count() > 0) arguments.options.view.elevation_deg = arguments.elevation_deg;
+    if (azimuth->count() > 0) arguments.options.view.azimuth_deg = arguments.azimuth_deg;
+    if (!arguments.look_at_mm.empty()) arguments.options.look_at_m = Metres(arguments.look_at_mm);
+    arguments.options.span_m = arguments.span_mm * 1e-3;
+  });
+}
+
+void AddTouch(CLI::App& app, DrawArguments& arguments) {
+  CLI::Option* contact =
+      app.add_option("--contact", arguments.tip_mm, "x y z of the tip in the base frame, mm: draws what is felt there")
+          ->expected(3);
+  app.add_option("--from", arguments.from_mm, "x y z the tip comes from (default: 20 mm above)")
+      ->expected(3)
+      ->needs(contact);
+  CLI::Option* rest = app.add_option("--rest", arguments.rest, "the scene before it was sculpted or dented: its paint");
+  app.add_option("--show-displacement", arguments.displacement_mm, "colours up to so many mm away from --rest")
+      ->check(CLI::Range(0.01, 100.0))
+      ->needs(rest);
+  CLI::Option* pen = app.add_option("--pen", arguments.pen_mm, "x y z of the tip, mm: draws a pen there")->expected(3);
+  app.add_option("--pen-axis", arguments.axis, "x y z, out of its tip")->expected(3)->needs(pen);
+  app.add_option("--force", arguments.force_N, "x y z, N: an arrow at its tip, 20 mm/N")->expected(3)->needs(pen);
+  app.add_option("--race", arguments.race, "recording of omnid: the car's way, laps and hits, best from the top");
+  app.add_option("--caption", arguments.caption, "a line below the picture");
+}
+
+void AddContact(const DrawArguments& arguments, std::vector<DrawnMesh>& meshes) {
+  const Vec tip = Metres(arguments.tip_mm);
+  const Vec from = arguments.from_mm.empty() ? tip + Vec(0, 0, 0.02) : Metres(arguments.from_mm);
+  const omni::scenes::TouchedContact touched = omni::scenes::Touch(arguments.in, from, tip);
+  std::printf("tip %.2f %.2f %.2f mm, proxy %.2f %.2f %.2f mm, force %.3f %.3f %.3f N\n", tip.x * 1e3, tip.y * 1e3,
+              tip.z * 1e3, touched.proxy_m.x * 1e3, touched.proxy_m.y * 1e3, touched.proxy_m.z * 1e3, touched.force_N.x,
+              touched.force_N.y, touched.force_N.z);
+  for (DrawnMesh& mesh : omni::scenes::DrawContact(touched, kArrow_m_per_N)) meshes.push_back(std::move(mesh));
+}
+
+// Their caption too, unless there is one.
+void AddRace(DrawArguments& arguments, std::vector<DrawnMesh>& meshes) {
+  double top_m = 0;
+  for (const DrawnMesh& drawn : meshes) {
+    for (const Vec& p : drawn.mesh.positions) top_m = std::max(top_m, p.z);
   }
-  const std::vector<std::uint8_t> pixels = Render(meshes, options);
+  std::erase_if(meshes, [](const DrawnMesh& drawn) { return drawn.name == "car"; });
+  const std::vector<omni::scenes::RacePoint> race = omni::scenes::ReadRace(arguments.race);
+  for (DrawnMesh& mesh : omni::scenes::DrawRace(race, top_m)) meshes.push_back(std::move(mesh));
+  if (arguments.caption.empty()) arguments.caption = omni::scenes::RaceCaption(race);
+}
+
+std::vector<DrawnMesh> MeshesOf(DrawArguments& arguments) {
+  std::vector<DrawnMesh> meshes = omni::scenes::ReadGlb(arguments.in);
+  if (!arguments.rest.empty()) {
+    meshes = omni::scenes::PaintLike(omni::scenes::ReadGlb(arguments.rest), std::move(meshes),
+                                     arguments.displacement_mm * 1e-3);
+  }
+  if (!arguments.tip_mm.empty()) AddContact(arguments, meshes);
+  if (!arguments.pen_mm.empty()) {
+    const Vec tip = Metres(arguments.pen_mm);
+    meshes.push_back(omni::scenes::DrawPen(tip, AsVec(arguments.axis)));
+    if (!arguments.force_N.empty()) {
+      for (DrawnMesh& mesh : omni::scenes::DrawForce(tip, AsVec(arguments.force_N), kArrow_m_per_N))
+        meshes.push_back(std::move(mesh));
+    }
+  }
+  if (!arguments.race.empty()) AddRace(arguments, meshes);
+  return meshes;
+}
+
+int Draw(int argc, char** argv) {
+  DrawArguments arguments;
+  CLI::App app{"Draws a .glb scene of this project into a PNG"};
+  app.add_option("FILE", arguments.in, "binary glTF")->required();
+  app.add_option("OUT", arguments.out, "PNG to write")->required();
+  AddPlace(app, arguments);
+  AddTouch(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  const omni::scenes::PictureOptions& options = arguments.options;
+  std::vector<std::uint8_t> rgb = Render(MeshesOf(arguments), options);
+  const omni::scenes::Pixels pixels{rgb, options.width, options.height};
+  if (arguments.displacement_mm > 0) DrawDisplacementScale(arguments.displacement_mm * 1e-3, pixels);
+  if (!arguments.caption.empty()) DrawCaption(arguments.caption, pixels);
   stbi_write_png_compression_level = 9;
-  if (stbi_write_png(out.c_str(), options.width, options.height, 3, pixels.data(), options.width * 3) == 0) {
-    throw std::runtime_error(out + ": cannot be written");
+  if (stbi_write_png(arguments.out.c_str(), options.width, options.height, 3, rgb.data(), options.width * 3) == 0) {
+    throw std::runtime_error(arguments.out + ": cannot be written");
   }
   return 0;
 }

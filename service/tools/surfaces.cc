@@ -16,6 +16,7 @@
 #include "service/client/surface_reader.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/surfaces_save.h"
 #include "service/tools/surfaces_view.h"
 #include "service/tools/terminal.h"
 
@@ -183,11 +184,26 @@ int WatchSurfaces(const SurfacesArguments& arguments) {
 
 void AddSurfaces(CLI::App& app) {
   auto arguments = std::make_shared<SurfacesArguments>();
+  auto save = std::make_shared<SurfacesSaveArguments>();
   CLI::App* surfaces = app.add_subcommand("surfaces", "surfaces that give way, are sculpted, extruded or moved, now");
-  surfaces->add_flag("--watch", arguments->watch, "go on, until Ctrl-C");
-  surfaces->add_option("--seconds", arguments->seconds, "--watch: end after so long")->check(CLI::PositiveNumber);
+  CLI::Option* watch = surfaces->add_flag("--watch", arguments->watch, "go on, until Ctrl-C");
+  CLI::Option* file = surfaces->add_option("--save", save->file, "write the surfaces as they are now: NAME.glb");
+  file->excludes(watch);
+  surfaces
+      ->add_flag("--largest", save->largest,
+                 "--save: watch for --seconds, write the moment of the largest displacement")
+      ->needs(file);
+  surfaces->add_flag("--force", save->force, "--save: replace a file that is there")->needs(file);
+  CLI::Option* seconds =
+      surfaces->add_option("--seconds", arguments->seconds, "--watch: end after so long; --largest: default 10")
+          ->check(CLI::PositiveNumber);
   surfaces->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
-  surfaces->callback([arguments] {
+  surfaces->callback([arguments, save, seconds] {
+    if (!save->file.empty()) {
+      save->socket = arguments->socket;
+      if (seconds->count() > 0) save->seconds = arguments->seconds;
+      throw CLI::RuntimeError(SaveSurfaces(*save));
+    }
     throw CLI::RuntimeError(arguments->watch ? WatchSurfaces(*arguments) : PrintSurfaces(*arguments));
   });
 }

@@ -6,10 +6,13 @@ namespace omni::haptics {
 namespace {
 
 constexpr double kLargestPoisson = 0.49;  // CheckModuli's limit; files may say 0.499
+constexpr double kHeldShare = 0.3;        // of a soft body's height rests on the base: held by a foot, it would swing
 constexpr double kYieldDepth_m = 1e-3;    // the surface gives way to the force of so much displacement ...
 constexpr double kLeastYield_N = 0.05;    // ... at least this, so that it does not creep under a hand that rests ...
 constexpr double kMostYield_N = 0.5;      // ... at most this, so that the hardest can still be formed
 constexpr double kFollow_s = 0.02;        // viscosity over resistance
+constexpr double kTear_m =
+    0.012;  // a hold of 100 N/m, as stability may want it, gets from a press of 0.6 N to a pull of 0.6 N
 constexpr double kLeastViscosity_Ns_m = 1.0;  // quiets the tracker's noise where nothing resists
 
 bool AnyMaterialAsks(const Scene& scene) {
@@ -113,6 +116,7 @@ SoftBodyOptions SoftOptionsOf(const Material& material) {
     options.moduli.fibre_ratio = softness.fibre_ratio;
     options.fibre = {f[0], f[1], f[2]};
   }
+  options.clamped_share = kHeldShare;
   options.hardening = softness.hardening;
   options.relaxation_time_s = softness.relaxation_time_s;
   return options;
@@ -127,6 +131,7 @@ sculpt::SculptFeel FeelOf(const Material& material) {
   feel.yield_N = std::clamp(from.resistance_N_m * kYieldDepth_m, kLeastYield_N, kMostYield_N);
   feel.viscosity_Ns_m = std::max(from.resistance_N_m * kFollow_s, kLeastViscosity_Ns_m);
   feel.stiffness_N_m = material.stiffness_N_m;
+  feel.tear_m = kTear_m;
   feel.grid_step_m = from.snap_m;
   return feel;
 }

@@ -1,0 +1,46 @@
+// omni surfaces --save: what omnid publishes for drawing, as a .glb file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/client/surface_reader.h"
+#include "service/haptics/scene_input.h"
+
+namespace omni::tools {
+
+struct SurfacesSaveArguments {
+  std::string socket;    // empty: the user's
+  std::string file;      // NAME.glb
+  bool largest = false;  // watch, and write the moment of the largest displacement
+  bool force = false;    // replace a file that is there
+  double seconds = 10;   // largest: so long, or until Ctrl-C or the service's end
+};
+
+// The surfaces of one moment.
+struct PublishedSurfaces {
+  struct Object {
+    std::string name;
+    client::SurfaceCopy copy;
+  };
+  std::vector<Object> objects;
+
+  // Number of the object that is displaced most; objects.size(): there is none.
+  std::size_t MostDisplaced() const noexcept;
+  double LargestDisplacement_m() const noexcept;
+};
+
+// As a scene of solids in the base frame, each where its application holds it, all of the default material. Objects
+// that are published as a pose only have no surface, and are left out.
+haptics::SceneInput SceneOfSurfaces(const PublishedSurfaces& surfaces);
+
+// "1 object, 14000 vertices; largest displacement 1.234 mm (dragon) at t_ns 123"; the stamp is that of the Hall sample
+// that this followed from, as in recordings.
+std::string SavedText(const PublishedSurfaces& surfaces);
+
+// The command; its exit status. Refuses, with the reason: no service, nothing published, nothing displaced (largest), a
+// file that is there already. Writes all of the file or nothing.
+int SaveSurfaces(const SurfacesSaveArguments& arguments);
+
+}  // namespace omni::tools
