@@ -73,13 +73,17 @@ bool StillFar(const Vec3& tip, const State& state) noexcept {
   return state.was_tracked && Norm(tip - state.far_origin_base_m) < state.far_distance_m;
 }
 
-// Nothing in the scene needs a look at each tick: no surface is edited, pushed, moved or driven. A soft body is taken
-// up when the tip comes near.
+bool IsDented(const State& state) noexcept {
+  return std::any_of(state.soft.begin(), state.soft.end(), [](const SoftTouch& s) { return s.object != kNoIndex; });
+}
+
+// Nothing in the scene needs a look at each tick: no surface is edited, pushed, moved, driven or dented. A soft body is
+// taken up when the tip comes near.
 bool Rests(const Scene& scene, const Input& input, const State& state) noexcept {
   const SceneHeader& header = scene.header();
   return header.region_count == 0 && header.has_joystick == 0 && header.has_vehicle == 0 &&
-         (scene.live() == nullptr || scene.live()->workshop_count() == 0) && input.poses.empty() &&
-         state.moved[0].object == kNoIndex;
+         (scene.live() == nullptr || (scene.live()->workshop_count() == 0 && !IsDented(state))) &&
+         input.poses.empty() && state.moved[0].object == kNoIndex;
 }
 
 // The scene does nothing with a tip there.
