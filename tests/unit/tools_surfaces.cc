@@ -52,7 +52,7 @@ TEST(SurfacesText, ALongNameKeepsItsLine) {
   const std::string text = SurfacesText(view);
   std::size_t begin = text.find('\n') + 1, length = 0;
   for (std::size_t end = text.find('\n', begin); end != std::string::npos; end = text.find('\n', begin)) {
-    if (length != 0) EXPECT_EQ(end - begin, length);
+    EXPECT_TRUE(length == 0 || end - begin == length);
     length = end - begin;
     begin = end + 1;
   }
