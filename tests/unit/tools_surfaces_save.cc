@@ -51,15 +51,19 @@ TEST(SurfacesSave, TheFileHoldsEachSurfaceWhereItIs) {
     ASSERT_TRUE(loaded.ok()) << loaded.error();
     ASSERT_EQ(loaded->objects.size(), 2U);
     EXPECT_EQ(loaded->objects[1].name, "turned");
-    for (std::size_t v = 0; v < 4; ++v) {
-      const auto& p = surfaces.objects[1].copy.vertices_base_m[v];
-      const double c = std::cos(turn_rad), s = std::sin(turn_rad);
-      const base::Vec3& q = loaded->objects[1].vertices_base_m[v];
+    const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+    for (std::size_t corner = 0; corner < 12; ++corner) {  // vertices may be in another order
+      const auto at = [&](const auto& vertices, const auto& triangles) {
+        return vertices[triangles[corner / 3][corner % 3]];
+      };
+      const auto& saved = surfaces.objects;
+      const auto p = at(saved[1].copy.vertices_base_m, saved[1].copy.triangles);
+      const base::Vec3 q = at(loaded->objects[1].vertices_base_m, loaded->objects[1].triangles);
       EXPECT_NEAR(q.x, c * double{p[0]} - s * double{p[1]} + frame.translation_m[0], 2e-8);
       EXPECT_NEAR(q.y, s * double{p[0]} + c * double{p[1]} + frame.translation_m[1], 2e-8);
       EXPECT_NEAR(q.z, double{p[2]} + frame.translation_m[2], 2e-8);
-      EXPECT_NEAR(loaded->objects[0].vertices_base_m[v].x, double{surfaces.objects[0].copy.vertices_base_m[v][0]},
-                  2e-8);
+      EXPECT_NEAR(at(loaded->objects[0].vertices_base_m, loaded->objects[0].triangles).x,
+                  double{at(saved[0].copy.vertices_base_m, saved[0].copy.triangles)[0]}, 2e-8);
     }
   }
 }
@@ -84,7 +88,7 @@ TEST(SurfacesSave, SaysWhatIsDisplacedMostAndWhen) {
   EXPECT_EQ(SavedText(surfaces), "3 objects, 12 vertices; largest displacement 1.235 mm (b) at t_ns 1003");
 }
 
-int Run(const std::vector<const char*>& words, std::string* said) {
+int StatusOf(const std::vector<const char*>& words, std::string* said) {
   testing::internal::CaptureStderr();
   const int status = RunCommandLine(static_cast<int>(words.size()), words.data());
   *said = testing::internal::GetCapturedStderr();
@@ -97,15 +101,15 @@ TEST(SurfacesSave, RefusesWithAReason) {
   std::string said;
   for (const char* how : {"--force", "--largest"}) {
     const std::vector<const char*> words{"omni", "surfaces", "--save", file.c_str(), how, "--socket", socket.c_str()};
-    EXPECT_EQ(Run(words, &said), kExitNoService);
+    EXPECT_EQ(StatusOf(words, &said), kExitNoService);
     EXPECT_NE(said.find("to start it"), std::string::npos) << said;
     EXPECT_FALSE(std::filesystem::exists(file));
   }
   folder.Write("out.glb", "mine");
-  EXPECT_EQ(Run({"omni", "surfaces", "--save", file.c_str(), "--socket", socket.c_str()}, &said), kExitFailed);
+  EXPECT_EQ(StatusOf({"omni", "surfaces", "--save", file.c_str(), "--socket", socket.c_str()}, &said), kExitFailed);
   EXPECT_NE(said.find("out.glb: is there already"), std::string::npos) << said;
   EXPECT_EQ(std::filesystem::file_size(file), 4U);
-  EXPECT_NE(Run({"omni", "surfaces", "--largest"}, &said), kExitOk) << "there is nothing to write it to";
+  EXPECT_NE(StatusOf({"omni", "surfaces", "--largest"}, &said), kExitOk) << "there is nothing to write it to";
 }
 
 }  // namespace
