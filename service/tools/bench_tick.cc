@@ -24,6 +24,7 @@
 #include "service/tools/loop_replay.h"
 #include "service/tools/quiet_timing.h"
 #include "service/tools/scene_source.h"
+#include "service/tools/usual_limit.h"
 
 namespace omni::tools {
 namespace {
@@ -111,16 +112,6 @@ Lateness MeasureLateness(ScanPlayer& player, bool wants_fifo, double seconds) {
   ticker.join();
   stop = true;
   return result;
-}
-
-// What a device that can do two newtons in every direction tells the renderer.
-base::ForceLimit UsualLimit() {
-  base::ForceLimit limit;
-  limit.valid = true;
-  limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
-  limit.current_max_A = {15, 15, 15};
-  limit.force_max_N = 2;
-  return limit;
 }
 
 // What the renderer was given in the longest stretch of touch.

@@ -1,11 +1,11 @@
 #include "service/tools/device_text.h"
 
-#include <cstdarg>
 #include <cstdio>
 
 #include "firmware/wire/names.h"
 #include "firmware/wire/scaling.h"
 #include "service/device/base_notes.h"
+#include "service/tools/printed.h"
 
 namespace omni::tools {
 namespace {
@@ -14,16 +14,7 @@ constexpr double kResistanceUnit_mohm = 0.1;  // of wire::Telemetry
 constexpr double kTelemetryRate_Hz = 1000;
 constexpr double kTelemetryTolerance = 0.05;
 
-__attribute__((format(printf, 1, 2))) std::string TextOf(const char* format, ...) {
-  char text[256];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
-
-std::string Titled(const char* title, const std::string& text) { return TextOf("%-12s ", title) + text + "\n"; }
+std::string Titled(const char* title, const std::string& text) { return Printed("%-12s ", title) + text + "\n"; }
 
 // "24.1, 24.0, 23.9"
 template <class Count>
@@ -67,14 +58,14 @@ SelfTestRow JudgeRate(const device::UsbProbe& probe) {
   const double rate_Hz = static_cast<double>(probe.frames - 1 + probe.missed) / probe.listened_s;
   const bool steady = rate_Hz >= kTelemetryRate_Hz * (1 - kTelemetryTolerance) &&
                       rate_Hz <= kTelemetryRate_Hz * (1 + kTelemetryTolerance);
-  return {"telemetry", steady, TextOf("%.0f a second by its own clock, %.0f wanted", rate_Hz, kTelemetryRate_Hz)};
+  return {"telemetry", steady, Printed("%.0f a second by its own clock, %.0f wanted", rate_Hz, kTelemetryRate_Hz)};
 }
 
 SelfTestRow JudgeFrames(const device::UsbProbe& probe) {
   const bool whole = probe.frames > 0 && probe.missed == 0 && probe.bad_frames == 0;
   return {"frames", whole,
-          TextOf("%llu came, %llu lost, %llu bad", static_cast<unsigned long long>(probe.frames),
-                 static_cast<unsigned long long>(probe.missed), static_cast<unsigned long long>(probe.bad_frames)) +
+          Printed("%llu came, %llu lost, %llu bad", static_cast<unsigned long long>(probe.frames),
+                  static_cast<unsigned long long>(probe.missed), static_cast<unsigned long long>(probe.bad_frames)) +
               (whole ? "" : "; use another cable or port, without a hub")};
 }
 
@@ -88,7 +79,7 @@ SelfTestRow JudgeSensors(const device::UsbProbe& probe) {
   if (saturated != 0) {
     return {"Hall sensors", false, "saturated: " + SensorList(saturated) + "; take the pen and other magnets away"};
   }
-  return {"Hall sensors", true, TextOf("all %d give samples, none is saturated", wire::kSensors)};
+  return {"Hall sensors", true, Printed("all %d give samples, none is saturated", wire::kSensors)};
 }
 
 // Passed when none of `faults` is there.
@@ -107,15 +98,15 @@ SelfTestRow JudgeArming(const device::UsbProbe& probe) {
 
 }  // namespace
 
-std::string FirmwareText(std::uint16_t version) { return TextOf("%d.%d", version >> 8, version & 0xFF); }
+std::string FirmwareText(std::uint16_t version) { return Printed("%d.%d", version >> 8, version & 0xFF); }
 
 std::string DeviceListText(const std::vector<ListedBase>& bases) {
-  std::string text = TextOf("%-17s %-8s %-12s %-9s %s\n", "serial", "port", "speed", "firmware", "held by");
+  std::string text = Printed("%-17s %-8s %-12s %-9s %s\n", "serial", "port", "speed", "firmware", "held by");
   for (const ListedBase& listed : bases) {
     const device::UsbBase& base = listed.base;
     const std::string holders = device::HoldersText(listed.holders);
-    text += TextOf("%-17s %-8s %-12s %-9s ", base.serial.empty() ? "-" : base.serial.c_str(), base.port.c_str(),
-                   base.speed.c_str(), listed.firmware.empty() ? "-" : listed.firmware.c_str());
+    text += Printed("%-17s %-8s %-12s %-9s ", base.serial.empty() ? "-" : base.serial.c_str(), base.port.c_str(),
+                    base.speed.c_str(), listed.firmware.empty() ? "-" : listed.firmware.c_str());
     text += (holders.empty() ? "nobody" : holders) + "\n";
     if (!base.problem.empty()) text += "  " + base.problem + "\n";
   }
@@ -126,26 +117,26 @@ std::string DeviceIdentityText(const device::UsbBase& base, const wire::Hello& h
   std::string text = Titled("base", device::PrintableText(hello.serial, sizeof hello.serial) + " at port " + base.port +
                                         ", " + base.speed + ", " + base.node);
   text += Titled("firmware",
-                 FirmwareText(hello.firmware_version) + TextOf("; speaks protocol %d to %d, omni speaks %d",
-                                                               hello.version_min, hello.version_max, wire::kVersion));
-  text += Titled("limits", TextOf("%.2f A a coil; a field count is %.2f nT, %u and more are saturated",
-                                  static_cast<double>(hello.current_max_A),
-                                  1e9 * static_cast<double>(hello.field_lsb_T), hello.field_full_scale));
+                 FirmwareText(hello.firmware_version) + Printed("; speaks protocol %d to %d, omni speaks %d",
+                                                                hello.version_min, hello.version_max, wire::kVersion));
+  text += Titled("limits", Printed("%.2f A a coil; a field count is %.2f nT, %u and more are saturated",
+                                   static_cast<double>(hello.current_max_A),
+                                   1e9 * static_cast<double>(hello.field_lsb_T), hello.field_full_scale));
   text += Titled("calibration", hello.calibration_hash == 0
                                     ? "counts are nominal"
-                                    : TextOf("hash %016llx", static_cast<unsigned long long>(hello.calibration_hash)));
+                                    : Printed("hash %016llx", static_cast<unsigned long long>(hello.calibration_hash)));
   return text + Titled("can", CapabilityNames(hello.capabilities));
 }
 
 std::string DeviceLiveText(const device::UsbProbe& probe) {
   const wire::Telemetry& now = probe.telemetry;
   std::string text = Titled("state", wire::StateName(now.state));
-  text += Titled("supply", TextOf("%.2f V", now.supply * wire::kSupplyUnit_V));
+  text += Titled("supply", Printed("%.2f V", now.supply * wire::kSupplyUnit_V));
   text += Titled("currents", ThreeCounts(now.current[wire::kStepsPerTick - 1], wire::kCurrentUnit_A, "%.3f") + " A");
   text += Titled("coils", ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
                               ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm");
-  text +=
-      Titled("board", TextOf("%.1f C, fan %u a minute", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
+  text += Titled("board",
+                 Printed("%.1f C, fan %u a minute", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
   text += Titled("faults", FaultNames(now.faults));
   for (const wire::FaultText& fault : wire::Faults()) {
     if ((now.faults & fault.fault) != 0) text += Titled("", std::string(fault.name) + ": " + fault.advice);
@@ -159,13 +150,13 @@ std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {
           JudgeFrames(probe),
           JudgeSensors(probe),
           JudgeFaults("supply", probe, wire::kFaultSupplyLow | wire::kFaultSupplyHigh,
-                      TextOf("%.2f V", now.supply * wire::kSupplyUnit_V)),
+                      Printed("%.2f V", now.supply * wire::kSupplyUnit_V)),
           JudgeFaults("coils", probe,
                       wire::kFaultCoilOpen | wire::kFaultCoilShort | wire::kFaultModel | wire::kFaultOverTemperature |
                           wire::kFaultOverCurrent | wire::kFaultDriver | wire::kFaultCurrentSensor,
                       ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
                           ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm"),
-          JudgeFaults("fan", probe, wire::kFaultFan, TextOf("%u a minute", now.fan_rpm)),
+          JudgeFaults("fan", probe, wire::kFaultFan, Printed("%u a minute", now.fan_rpm)),
           JudgeFaults("own test", probe, wire::kFaultSelfTest | wire::kFaultWatchdog | wire::kFaultInternal,
                       std::string("state ") + wire::StateName(now.state)),
           JudgeArming(probe)};
@@ -174,7 +165,7 @@ std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {
 std::string SelfTestText(const std::vector<SelfTestRow>& rows) {
   std::string text;
   for (const SelfTestRow& row : rows)
-    text += TextOf("%-4s  ", row.passed ? "ok" : "FAIL") + Titled(row.name.c_str(), row.text);
+    text += Printed("%-4s  ", row.passed ? "ok" : "FAIL") + Titled(row.name.c_str(), row.text);
   return text;
 }
 

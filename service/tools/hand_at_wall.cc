@@ -7,6 +7,7 @@
 #include "service/base/limits.h"
 #include "service/haptics/stability.h"
 #include "service/sim/random.h"
+#include "service/tools/usual_limit.h"
 #include "service/tracker/filter.h"
 
 namespace omni::tools {
@@ -49,15 +50,6 @@ haptics::Config ConfigFor(const WallLoop& loop, WallRule rule) {
     config.predict_max_s = 0;
   }
   return config;
-}
-
-base::ForceLimit TwoNewtons() {
-  base::ForceLimit limit;
-  limit.valid = true;
-  limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
-  limit.current_max_A = {15, 15, 15};
-  limit.force_max_N = 2;
-  return limit;
 }
 
 // The tracker's filter on a noisy position.
@@ -137,7 +129,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& s
   haptics::State state;
   haptics::Output output;
   haptics::Enter(scene, state);
-  haptics::Input input{.tracked = true, .limit = TwoNewtons()};
+  haptics::Input input{.tracked = true, .limit = UsualLimit()};
   // A delay of none is "not known" to haptics.
   input.delay_s = rule == WallRule::kOffered ? std::max(loop.delay_s, 1e-9) : 1e-9;
   sim::Random random(seed);

@@ -1,10 +1,9 @@
 #include "service/tools/surfaces_view.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 
 #include "service/protocol/surface_memory.h"
+#include "service/tools/printed.h"
 
 namespace omni::tools {
 namespace {
@@ -24,15 +23,6 @@ std::string NamesOf(std::uint32_t flags) {
     if ((flags & row.flag) != 0) names += (names.empty() ? "" : ", ") + std::string(row.name);
   }
   return names;
-}
-
-[[gnu::format(printf, 1, 2)]] std::string Printed(const char* format, ...) {
-  char text[256];
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof(text), format, arguments);
-  va_end(arguments);
-  return text;
 }
 
 // A sculpted surface has no rest to be away from, and an object without vertices no shape.

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <sstream>
 
 #include "service/tools/json_text.h"
+#include "service/tools/printed.h"
 #include "service/tools/race_text.h"
 
 namespace omni::tools {
@@ -19,15 +18,6 @@ constexpr std::int64_t kStale_ns = 100'000'000;
 constexpr int kBarMargin = 34;
 constexpr std::array<const char*, protocol::kInputCount> kInputNames = {
     "tip force", "select", "secondary", "menu", "squeeze", "stick x", "stick y", "stick click", "docked"};
-
-[[gnu::format(printf, 1, 2)]] std::string Format(const char* format, ...) {
-  char text[256];
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof(text), format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 double Length(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -49,16 +39,16 @@ std::string PoseLines(const WatchFrame& frame, int bar) {
   const protocol::ToolSample& s = frame.sample;
   const auto& p = s.position_base_m;
   const auto u = TipDirection(s.orientation_base_wxyz);
-  std::string text = Format("pen       %s\n", PoseWord(frame));
-  text += Format("tip       x %+7.1f  y %+7.1f  z %+7.1f mm   sigma %.2f mm\n", p[0] * 1e3, p[1] * 1e3, p[2] * 1e3,
-                 s.position_sigma_m * 1e3);
-  text += Format("points to x %+7.3f  y %+7.3f  z %+7.3f\n", u[0], u[1], u[2]);
-  text += Format("speed     %7.1f mm/s\n", Length(s.linear_velocity_base_m_s) * 1e3);
-  text += Format("gap       %7.1f mm  ", s.gap_m * 1e3) + Bar(s.gap_m, kGapShown_m, bar) + "\n";
+  std::string text = Printed("pen       %s\n", PoseWord(frame));
+  text += Printed("tip       x %+7.1f  y %+7.1f  z %+7.1f mm   sigma %.2f mm\n", p[0] * 1e3, p[1] * 1e3, p[2] * 1e3,
+                  s.position_sigma_m * 1e3);
+  text += Printed("points to x %+7.3f  y %+7.3f  z %+7.3f\n", u[0], u[1], u[2]);
+  text += Printed("speed     %7.1f mm/s\n", Length(s.linear_velocity_base_m_s) * 1e3);
+  text += Printed("gap       %7.1f mm  ", s.gap_m * 1e3) + Bar(s.gap_m, kGapShown_m, bar) + "\n";
   text +=
-      Format("force     %7.2f N   ", Length(s.force_base_N)) + Bar(Length(s.force_base_N), kForceShown_N, bar) + "\n";
-  text += Format("          x %+6.2f  y %+6.2f  z %+6.2f N   %s\n", s.force_base_N[0], s.force_base_N[1],
-                 s.force_base_N[2], InContact(frame) ? "CONTACT" : "");
+      Printed("force     %7.2f N   ", Length(s.force_base_N)) + Bar(Length(s.force_base_N), kForceShown_N, bar) + "\n";
+  text += Printed("          x %+6.2f  y %+6.2f  z %+6.2f N   %s\n", s.force_base_N[0], s.force_base_N[1],
+                  s.force_base_N[2], InContact(frame) ? "CONTACT" : "");
   return text;
 }
 
@@ -66,15 +56,15 @@ std::string InputLines(const WatchFrame& frame) {
   std::string text;
   for (std::size_t i = 0; i < kInputNames.size(); ++i) {
     const protocol::InputValue& input = frame.inputs.components[i];
-    text += Format("%-11s %+5.2f  presses %-6u%s", kInputNames[i], static_cast<double>(input.value), input.press_count,
-                   i % 2 == 1 ? "\n" : "   ");
+    text += Printed("%-11s %+5.2f  presses %-6u%s", kInputNames[i], static_cast<double>(input.value), input.press_count,
+                    i % 2 == 1 ? "\n" : "   ");
   }
   return text + "\n";
 }
 
 std::string ServiceLines(const WatchFrame& frame) {
   std::string text =
-      std::isfinite(frame.tick_rate_Hz) ? Format("tick      %.0f Hz", frame.tick_rate_Hz) : "tick      -";
+      std::isfinite(frame.tick_rate_Hz) ? Printed("tick      %.0f Hz", frame.tick_rate_Hz) : "tick      -";
   if (frame.status.is_object()) {
     text += ", " + TextAt(frame.status, "/tick/late") + " late, p99 " + TextAt(frame.status, "/tick/us_p99", 1) + " us";
     const std::string scene = TextAt(frame.status, "/scene/name");
@@ -121,10 +111,10 @@ std::string WatchScreen(const WatchFrame& frame, int columns) {
 std::string WatchLine(const WatchFrame& frame) {
   if (!frame.connected) return "waiting for omnid: " + frame.problem + "\n";
   const protocol::ToolSample& s = frame.sample;
-  const std::string rate = std::isfinite(frame.tick_rate_Hz) ? Format("  tick %.0f Hz", frame.tick_rate_Hz) : "";
-  return Format("%s  tip %.1f %.1f %.1f mm  gap %.1f mm  force %.2f N%s%s\n", PoseWord(frame),
-                s.position_base_m[0] * 1e3, s.position_base_m[1] * 1e3, s.position_base_m[2] * 1e3, s.gap_m * 1e3,
-                Length(s.force_base_N), InContact(frame) ? " contact" : "", rate.c_str());
+  const std::string rate = std::isfinite(frame.tick_rate_Hz) ? Printed("  tick %.0f Hz", frame.tick_rate_Hz) : "";
+  return Printed("%s  tip %.1f %.1f %.1f mm  gap %.1f mm  force %.2f N%s%s\n", PoseWord(frame),
+                 s.position_base_m[0] * 1e3, s.position_base_m[1] * 1e3, s.position_base_m[2] * 1e3, s.gap_m * 1e3,
+                 Length(s.force_base_N), InContact(frame) ? " contact" : "", rate.c_str());
 }
 
 }  // namespace omni::tools

@@ -15,30 +15,12 @@
 #include "service/daemon/transport_tick_source.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin.h"
+#include "tests/support/quiet_device.h"
 
 namespace omni::daemon {
 namespace {
 
 using protocol::SessionState;
-
-// Scans without a pen, every millisecond.
-class QuietDevice : public device::Transport {
- public:
-  device::ReadStatus Read(base::HallScan& scan, std::int64_t /*timeout_ns*/) noexcept override {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    scan = {};
-    scan.sequence = ++sequence_;
-    scan.t_ns = base::MonotonicNow_ns();
-    return device::ReadStatus::kScan;
-  }
-  bool Write(const base::CoilCurrents& /*currents*/) noexcept override { return true; }
-  const device::TransportInfo& info() const noexcept override { return info_; }
-  device::TransportCounters counters() const noexcept override { return {}; }
-
- private:
-  device::TransportInfo info_{.name = "quiet"};
-  std::uint64_t sequence_ = 0;
-};
 
 // A pen held still in the extrusion block (simulated), five times faster than real.
 class HeldPen : public device::Transport {
@@ -68,7 +50,7 @@ struct NoSink : loop::TickSink {
 
 class ServiceTest : public testing::Test {
  protected:
-  explicit ServiceTest(std::unique_ptr<device::Transport> device = std::make_unique<QuietDevice>())
+  explicit ServiceTest(std::unique_ptr<device::Transport> device = std::make_unique<support::QuietDevice>())
       : device_(std::move(device)),
         source_(*device_),
         service_({.version = "test", .instance = 1, .apps = Apps(), .hull_radius_m = 0.0375}) {

@@ -14,6 +14,7 @@
 #include "service/daemon/transport_tick_source.h"
 #include "service/ipc/state_publisher.h"
 #include "service/loop/tick_config.h"
+#include "tests/support/quiet_device.h"
 #include "tests/support/sculpt_body.h"
 #include "tests/support/temp_folder.h"
 #include "tests/unit/deformable_story.h"
@@ -244,25 +245,6 @@ TEST(SurfaceClients, EachIsToldOnceAndAgainWhenTheMemoryIsAnother) {
   EXPECT_EQ(told.problem, "");
 }
 
-// Scans without a pen, every millisecond.
-class PenlessDevice : public device::Transport {
- public:
-  device::ReadStatus Read(base::HallScan& scan, std::int64_t /*timeout_ns*/) noexcept override {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    scan = {};
-    scan.sequence = ++sequence_;
-    scan.t_ns = base::MonotonicNow_ns();
-    return device::ReadStatus::kScan;
-  }
-  bool Write(const base::CoilCurrents& /*currents*/) noexcept override { return true; }
-  const device::TransportInfo& info() const noexcept override { return info_; }
-  device::TransportCounters counters() const noexcept override { return {}; }
-
- private:
-  device::TransportInfo info_{.name = "penless"};
-  std::uint64_t sequence_ = 0;
-};
-
 struct NowhereSink : loop::TickSink {
   void Publish(const loop::TickOutput& /*output*/) noexcept override {}
 };
@@ -321,7 +303,7 @@ class SurfacesOverTheSocket : public testing::Test {
   }
 
   test::TempFolder temp_;
-  PenlessDevice device_;
+  support::QuietDevice device_;
   TransportTickSource source_;
   NowhereSink sink_;
   Service service_;
