@@ -9,13 +9,13 @@
 namespace omni::haptics {
 namespace {
 
-constexpr double kNoiseForce_N = 0.018;     // K sigma; more is felt as a buzz
+constexpr double kNoiseForce_N = 0.020;     // N, of K sigma; more is felt as a buzz
 constexpr double kGainMargin = 2;           // 6 dB
 constexpr double kHandStiffness_N_m = 150;  // [Hajian & Howe 1997: fingers and wrist]
 constexpr std::array kHandMasses_kg = {0.05, 0.2};
 constexpr double kWorthIt = 1.2;
 constexpr double kPredictTime_s = 0.05, kLimitTime_s = 0.2, kRiseTime_s = 0.02;
-constexpr double kRenewInTouch_s = 4e-3, kRenewInAir_s = 16e-3;  // a far tip costs nothing
+constexpr double kRenewInTouch_s = 4e-3, kRenewInAir_s = 50e-3;  // a far tip costs nothing
 
 // The lag that is left over at low frequencies, and the terms that prediction and filter add at higher ones:
 // H(s) exp(-D s) = 1 - left s - ... , arg = -(left w + phase w^3), |H| = 1 + gain w^2, for a constant-velocity filter
@@ -39,6 +39,14 @@ double CriticalStiffness(const Lead& lead, double mass_kg, double damping_Ns_m) 
   const double x = 2 * damping_Ns_m / (b + std::sqrt(b * b + 4 * a * damping_Ns_m));
   const double w2 = (x + kHandStiffness_N_m) / mass_kg;
   return x / (1 + lead.gain_s2 * w2);
+}
+
+// Largest K with K sigma = N sqrt(1 - K / K_c): near the K_c at which the hand just oscillates, 1 - K / K_c of its
+// damping is left, and its resonance answers noise by the root of what it lost.  (3.4)
+double NoiseLimit(double sigma_m, double critical_N_m) noexcept {
+  if (!(sigma_m > 0)) return std::numeric_limits<double>::infinity();
+  const double plain_N_m = kNoiseForce_N / sigma_m, ratio = plain_N_m / critical_N_m;
+  return 2 * plain_N_m / (ratio + std::sqrt(ratio * ratio + 4));
 }
 
 double Approach(double from, double to, double dt_s, double time_s) noexcept {
@@ -106,10 +114,11 @@ double StiffnessLimit(const Config& config, const Input& input, const base::Poin
     }
     limit_N_m = std::max(limit_N_m, critical_N_m / kGainMargin);
   }
-  limit_N_m = std::min(limit_N_m, config.stiffness_max_N_m);
   const double variance_m2 = position_m2 + 2 * predict_s * cross_m2_s + predict_s * predict_s * velocity_m2_s2;
   const double sigma_m = std::sqrt(std::max(position_m2, variance_m2));
-  return sigma_m * limit_N_m > kNoiseForce_N ? kNoiseForce_N / sigma_m : limit_N_m;  // (3.4)
+  const double noise_N_m = NoiseLimit(std::sqrt(position_m2), kGainMargin * limit_N_m);  // (3.4)
+  limit_N_m = std::min({limit_N_m, config.stiffness_max_N_m, noise_N_m});
+  return sigma_m * limit_N_m > kNoiseForce_N ? kNoiseForce_N / sigma_m : limit_N_m;
 }
 
 double BestPrediction_s(const Config& config, const Input& input) noexcept {

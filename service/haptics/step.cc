@@ -77,18 +77,17 @@ bool IsDented(const State& state) noexcept {
   return std::any_of(state.soft.begin(), state.soft.end(), [](const SoftTouch& s) { return s.object != kNoIndex; });
 }
 
-// Nothing in the scene needs a look at each tick: no surface is edited, pushed, moved, driven or dented. A soft body is
+// No surface changes by itself: none is edited, pushed, moved or dented, and none that went fades out. A soft body is
 // taken up when the tip comes near.
-bool Rests(const Scene& scene, const Input& input, const State& state) noexcept {
-  const SceneHeader& header = scene.header();
-  return header.region_count == 0 && header.has_joystick == 0 && header.has_vehicle == 0 &&
-         (scene.live() == nullptr || (scene.live()->workshop_count() == 0 && !IsDented(state))) &&
-         input.poses.empty() && state.moved[0].object == kNoIndex;
+bool IsStill(const Scene& scene, const Input& input, const State& state) noexcept {
+  return scene.regions().empty() && input.poses.empty() && state.moved[0].object == kNoIndex &&
+         !(state.left_fade_s > 0) && (scene.live() == nullptr || (!IsDented(state) && SurfacesRest(scene, state)));
 }
 
 // The scene does nothing with a tip there.
 bool NothingHere(const Scene& scene, const Input& input, const Vec3& tip, const State& state) noexcept {
-  return scene.empty() || (Rests(scene, input, state) && (!input.tracked || StillFar(tip, state)));
+  const bool drives = scene.header().has_joystick != 0 || scene.header().has_vehicle != 0;
+  return scene.empty() || (!drives && IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state)));
 }
 
 // Distance to what can be touched. Renews the motion bound and returns the pull of a magnetic surface.

@@ -135,4 +135,12 @@ bool ToolsRest(const Scene& scene, const State& state) noexcept {
   return true;
 }
 
+bool SurfacesRest(const Scene& scene, const State& state) noexcept {
+  for (std::uint32_t n = 0; n < scene.live()->workshop_count() && n < kMaxSculpted; ++n) {
+    const sculpt::SculptTable* table = scene.live()->workshop_at(n).Acquire();
+    if (table != nullptr && table->generation != state.sculpted[n].generation) return false;
+  }
+  return ToolsRest(scene, state);
+}
+
 }  // namespace omni::haptics

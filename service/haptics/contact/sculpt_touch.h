@@ -24,5 +24,7 @@ Vec3 StepSculptTools(const Offer& offer, const Touchables& touchables, const Inp
 
 // A tool is at work or has something to say to its editor: it must be stepped though nothing is touched.
 bool ToolsRest(const Scene& scene, const State& state) noexcept;
+// The tools rest, and the surfaces are those that the tick took last. Tells their editors that it still holds these.
+bool SurfacesRest(const Scene& scene, const State& state) noexcept;
 
 }  // namespace omni::haptics

@@ -138,10 +138,6 @@ Vec3 Touchables::TipOver(const Target& target, const ContactState& contact) cons
   return target.tip;
 }
 
-bool IsStill(const Scene& scene, const Input& input, const State& state) noexcept {
-  return scene.live() == nullptr && scene.regions().empty() && input.poses.empty() && state.moved[0].object == kNoIndex;
-}
-
 void ForgetUntouched(State& state) noexcept {
   for (SoftTouch& soft : state.soft) {
     if (soft.object != kNoIndex && !IsTouched(state, soft.object)) soft = {};

@@ -87,9 +87,6 @@ class Touchables {
 };
 static_assert(kMaxObjects <= 64);
 
-// True if nothing in the scene can change by itself: no live parts, no moved object, no region.
-bool IsStill(const Scene& scene, const Input& input, const State& state) noexcept;
-
 // After the tick's contacts are known: what is touched no more lets its soft body go.
 void ForgetUntouched(State& state) noexcept;
 
