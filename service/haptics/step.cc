@@ -86,8 +86,9 @@ bool IsStill(const Scene& scene, const Input& input, const State& state) noexcep
 
 // The scene does nothing with a tip there.
 bool NothingHere(const Scene& scene, const Input& input, const Vec3& tip, const State& state) noexcept {
+  if (scene.empty()) return true;
   const bool drives = scene.header().has_joystick != 0 || scene.header().has_vehicle != 0;
-  return scene.empty() || (!drives && IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state)));
+  return !drives && IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state));
 }
 
 // Distance to what can be touched. Renews the motion bound and returns the pull of a magnetic surface.

@@ -87,6 +87,20 @@ TEST(FarTip, TheShortWayGivesTheBitsOfTheLongWay) {
   EXPECT_GT(touching_ticks, 1000);
 }
 
+TEST(FarTip, WithoutASceneThereIsNothingToFeel) {
+  const Config config;
+  const Scene none;
+  State state;
+  Output output;
+  Enter(none, state);
+  Wanderer wanderer(7);
+  for (int k = 0; k < 1000; ++k) {
+    Step(config, none, wanderer.Next(), state, output);
+    ASSERT_EQ(output.force_base_N, Vec3{});
+    ASSERT_EQ(output.contact_count, 0);
+  }
+}
+
 TEST(FarTip, NothingOfAnEarlierTouchStaysInTheOutput) {
   Pen pen(Built(SceneOf(Sphere(8, 0.02))));
   pen.Slide({0, 0, 0.05}, {0, 0, 0.018}, 200);
