@@ -15,11 +15,20 @@
 namespace omni::layer {
 namespace {
 
-// Extensions that we answer where nothing below does; advertised in the manifest.
-constexpr std::array<const char*, 1> kOurExtensions{XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME};
+// Extensions that we answer, all of them advertised in the manifest.
+struct OurExtension {
+  const char* name;
+  std::uint32_t version;
+  bool may_be_below;  // asked for there first; else only we know it, and what lies below never hears of it
+};
+constexpr std::array kOurExtensions{
+    OurExtension{XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME, 1, true},
+};
 
-bool IsOurs(const std::string& name) {
-  return std::find(kOurExtensions.begin(), kOurExtensions.end(), name) != kOurExtensions.end();
+const OurExtension* FindOurs(const std::string& name) {
+  const auto found = std::find_if(kOurExtensions.begin(), kOurExtensions.end(),
+                                  [&](const OurExtension& extension) { return name == extension.name; });
+  return found == kOurExtensions.end() ? nullptr : &*found;
 }
 
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
@@ -40,8 +49,10 @@ struct Creation {
 
 XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* instance) {
   std::vector<const char*> names;
-  for (const std::string& name : creation.asked)
-    if (attempt.ours || !IsOurs(name)) names.push_back(name.c_str());
+  for (const std::string& name : creation.asked) {
+    const OurExtension* ours = FindOurs(name);
+    if (!ours || (attempt.ours && ours->may_be_below)) names.push_back(name.c_str());
+  }
   if (attempt.timespec) names.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   XrInstanceCreateInfo info = *creation.info;
   info.enabledExtensionCount = static_cast<std::uint32_t>(names.size());
@@ -50,7 +61,10 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
 }
 
 XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
-  const bool ours = std::any_of(creation.asked.begin(), creation.asked.end(), IsOurs);
+  const bool ours = std::any_of(creation.asked.begin(), creation.asked.end(), [](const std::string& name) {
+    const OurExtension* extension = FindOurs(name);
+    return extension && extension->may_be_below;
+  });
   const bool timespec = !Contains(creation.asked, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   XrResult result = XR_ERROR_EXTENSION_NOT_PRESENT;
   for (const bool with_timespec : {true, false}) {
@@ -110,7 +124,8 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   const XrVersion version = info->applicationInfo.apiVersion;
   if (XR_VERSION_MAJOR(version) > 1 || XR_VERSION_MINOR(version) >= 1) setup.enabled.push_back("1.1");
   for (const std::string& name : creation.asked)
-    if (IsOurs(name) && !done.ours) setup.only_ours.push_back(name);
+    if (const OurExtension* ours = FindOurs(name); ours && !(ours->may_be_below && done.ours))
+      setup.only_ours.push_back(name);
   setup.hide_timespec = done.timespec;
   setup.connection = ConnectionFor(info->applicationInfo);
   try {
@@ -152,8 +167,8 @@ XrResult EnumerateExtensions(const char* layer_name, uint32_t capacity, uint32_t
   if (!properties) return XR_ERROR_VALIDATION_FAILURE;
   for (std::size_t i = 0; i < kOurExtensions.size(); ++i) {
     if (properties[i].type != XR_TYPE_EXTENSION_PROPERTIES) return XR_ERROR_VALIDATION_FAILURE;
-    std::strncpy(properties[i].extensionName, kOurExtensions[i], sizeof(properties[i].extensionName) - 1);
-    properties[i].extensionVersion = 1;
+    std::strncpy(properties[i].extensionName, kOurExtensions[i].name, sizeof(properties[i].extensionName) - 1);
+    properties[i].extensionVersion = kOurExtensions[i].version;
   }
   return XR_SUCCESS;
 }

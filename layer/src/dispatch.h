@@ -1,4 +1,4 @@
-// One list of the functions this layer touches. A new one is a word here and a body in an entry_*.cc.
+// One list of the functions this layer touches. A new one is a word here and a body in entry_points.cc.
 #pragma once
 
 #include "layer/src/omni_openxr_compat.h"
@@ -33,6 +33,10 @@
   X(ApplyHapticFeedback)               \
   X(StopHapticFeedback)
 
+// Functions that not every runtime has (extensions, OpenXR 1.1): intercepted where what lies below has them. The
+// application gets the answer from below where it does not.
+#define OMNI_LAYER_OPTIONAL(X)
+
 // Functions of the next layer or runtime that we only call.
 #define OMNI_LAYER_CALLED(X) \
   X(StringToPath)            \
@@ -45,8 +49,9 @@ struct Dispatch {
 #define OMNI_LAYER_MEMBER(name) PFN_xr##name name = nullptr;
   OMNI_LAYER_INTERCEPTED(OMNI_LAYER_MEMBER)
   OMNI_LAYER_CALLED(OMNI_LAYER_MEMBER)
-#undef OMNI_LAYER_MEMBER
   // Absent below: nullptr.
+  OMNI_LAYER_OPTIONAL(OMNI_LAYER_MEMBER)
+#undef OMNI_LAYER_MEMBER
   PFN_xrConvertTimespecTimeToTimeKHR ConvertTimespecTimeToTimeKHR = nullptr;
   PFN_xrEnumerateInstanceExtensionProperties EnumerateInstanceExtensionProperties = nullptr;
 };
@@ -54,7 +59,15 @@ struct Dispatch {
 // Fills `next`. False: a core function is missing below (`*missing` names it).
 bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispatch& next, const char** missing);
 
-// Our own function of that name, or nullptr.
-PFN_xrVoidFunction FindIntercepted(const char* name);
+// Our own function of that name, or nullptr. `below` is the table of the instance that asks; null: there is none yet.
+PFN_xrVoidFunction FindIntercepted(const char* name, const Dispatch* below);
+
+// A function of an extension that this layer brings: nothing below knows it. Each extension has a file of entry points
+// with such a table.
+struct OwnFunction {
+  const char* name;       // "xrApplyForceOMNIX1"
+  const char* extension;  // answered only to applications that enabled it
+  PFN_xrVoidFunction function;
+};
 
 }  // namespace omni::layer

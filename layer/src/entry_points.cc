@@ -1,42 +1,13 @@
 // Every function that an application or the loader can call: finds the instance, keeps exceptions in.
 // What happens is in Instance, a file per subject.
 #include <cstring>
-#include <new>
 
 #include "layer/src/create_instance.h"
-#include "layer/src/registry.h"
+#include "layer/src/guarded.h"
+#include "layer/src/own_functions.h"
 
 namespace omni::layer {
 namespace {
-
-// Exceptions must not cross the C interface.
-template <class Body>
-XrResult Guarded(Body body) noexcept {
-  try {
-    return body();
-  } catch (const std::bad_alloc&) {
-    return XR_ERROR_OUT_OF_MEMORY;
-  } catch (...) {
-    return XR_ERROR_RUNTIME_FAILURE;
-  }
-}
-
-// Calls `method` of the instance that made `handle`.
-template <class Handle, class... Parameters, class... Arguments>
-XrResult On(Handle handle, XrResult (Instance::*method)(Parameters...), Arguments... arguments) noexcept {
-  return Guarded([&] {
-    const auto instance = Registry::Get().Owner(handle);
-    return instance ? ((*instance).*method)(arguments...) : XR_ERROR_HANDLE_INVALID;
-  });
-}
-
-template <class... Parameters, class... Arguments>
-XrResult On(XrInstance handle, XrResult (Instance::*method)(Parameters...), Arguments... arguments) noexcept {
-  return Guarded([&] {
-    const auto instance = Registry::Get().Find(handle);
-    return instance ? ((*instance).*method)(arguments...) : XR_ERROR_HANDLE_INVALID;
-  });
-}
 
 XRAPI_ATTR XrResult XRAPI_CALL DestroyInstance(XrInstance instance) {
   return Guarded([&] {
@@ -170,11 +141,6 @@ XRAPI_ATTR XrResult XRAPI_CALL EnumerateInstanceExtensionProperties(const char* 
   return Guarded([&] { return EnumerateExtensions(layer_name, capacity, count, properties); });
 }
 
-template <class Function>
-PFN_xrVoidFunction Erase(Function function) {
-  return reinterpret_cast<PFN_xrVoidFunction>(function);
-}
-
 XRAPI_ATTR XrResult XRAPI_CALL CreateApiLayerInstanceEntry(const XrInstanceCreateInfo* info,
                                                            const XrApiLayerCreateInfo* layer_info,
                                                            XrInstance* instance) {
@@ -185,10 +151,16 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
                                                    PFN_xrVoidFunction* function) {
   return Guarded([&] {
     if (!name || !function) return XR_ERROR_VALIDATION_FAILURE;
-    *function = FindIntercepted(name);
-    if (*function) return XR_SUCCESS;
     const auto record = Registry::Get().Find(instance);
+    *function = FindIntercepted(name, record ? &record->next : nullptr);
+    if (*function) return XR_SUCCESS;
     if (!record) return XR_ERROR_HANDLE_INVALID;
+    for (const OwnFunction& own : OwnFunctions()) {
+      if (std::strcmp(name, own.name) != 0) continue;
+      if (!record->Enabled(own.extension)) return XR_ERROR_FUNCTION_UNSUPPORTED;
+      *function = own.function;
+      return XR_SUCCESS;
+    }
     // Enabled for our own use: to the application it is not there.
     if (record->hide_timespec && (std::strcmp(name, "xrConvertTimespecTimeToTimeKHR") == 0 ||
                                   std::strcmp(name, "xrConvertTimeToTimespecTimeKHR") == 0))
@@ -199,13 +171,17 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
 
 }  // namespace
 
-PFN_xrVoidFunction FindIntercepted(const char* name) {
+PFN_xrVoidFunction FindIntercepted(const char* name, [[maybe_unused]] const Dispatch* below) {
 #define OMNI_LAYER_ROW(function) \
   if (std::strcmp(name, "xr" #function) == 0) return Erase(&(function));
   OMNI_LAYER_INTERCEPTED(OMNI_LAYER_ROW)
   OMNI_LAYER_ROW(GetInstanceProcAddr)
   OMNI_LAYER_ROW(EnumerateApiLayerProperties)
   OMNI_LAYER_ROW(EnumerateInstanceExtensionProperties)
+#undef OMNI_LAYER_ROW
+#define OMNI_LAYER_ROW(function) \
+  if (below && below->function && std::strcmp(name, "xr" #function) == 0) return Erase(&(function));
+  OMNI_LAYER_OPTIONAL(OMNI_LAYER_ROW)
 #undef OMNI_LAYER_ROW
   return nullptr;
 }
@@ -232,6 +208,9 @@ bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispa
   }
   OMNI_LAYER_INTERCEPTED(OMNI_LAYER_LOAD)
   OMNI_LAYER_CALLED(OMNI_LAYER_LOAD)
+#undef OMNI_LAYER_LOAD
+#define OMNI_LAYER_LOAD(name) Load(instance, next_get, "xr" #name, next.name);
+  OMNI_LAYER_OPTIONAL(OMNI_LAYER_LOAD)
 #undef OMNI_LAYER_LOAD
   Load(instance, next_get, "xrConvertTimespecTimeToTimeKHR", next.ConvertTimespecTimeToTimeKHR);
   Load(instance, next_get, "xrEnumerateInstanceExtensionProperties", next.EnumerateInstanceExtensionProperties);

@@ -1,5 +1,6 @@
 #include "layer/src/instance.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -36,6 +37,10 @@ Instance::Instance(InstanceSetup setup)
   const std::int64_t now = MonotonicNow_ns();
   clock.Refresh(now);
   link.Poll(now);
+}
+
+bool Instance::Enabled(std::string_view extension) const {
+  return std::find(enabled_.begin(), enabled_.end(), extension) != enabled_.end();
 }
 
 std::string Instance::PathText(XrPath path) {

@@ -10,6 +10,7 @@
 
 #include "layer/src/clock.h"
 #include "layer/src/dispatch.h"
+#include "layer/src/event_queue.h"
 #include "layer/src/log.h"
 #include "layer/src/records.h"
 #include "layer/src/service_link.h"
@@ -39,6 +40,7 @@ class Instance {
   const XrPath hand_path;
   RuntimeClock clock;
   ServiceLink link;
+  EventQueue events;  // ours, delivered when nothing waits below
 
   HandleMap<XrSession, Session> sessions;
   HandleMap<XrActionSet, ActionSet> action_sets;
@@ -85,6 +87,9 @@ class Instance {
   XrResult LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location);
 
   XrResult WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state);
+
+  // An extension that the application enabled, or "1.1".
+  bool Enabled(std::string_view extension) const;
 
   // Sign of life and, when due, a look at the socket. Not from xrLocateSpace, which makes no system call.
   void Alive() {

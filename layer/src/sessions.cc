@@ -93,7 +93,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
   sessions.ForEach([&](Session& session) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
   });
-  if (due == XR_NULL_HANDLE) return result;
+  if (due == XR_NULL_HANDLE) return events.Pop(*event) ? XR_SUCCESS : result;
   const XrEventDataInteractionProfileChanged changed{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr, due};
   std::memcpy(event, &changed, sizeof(changed));
   return XR_SUCCESS;

@@ -1,0 +1,12 @@
+// The functions of our own extensions (layer/include), of all of them.
+#pragma once
+
+#include <vector>
+
+#include "layer/src/dispatch.h"
+
+namespace omni::layer {
+
+const std::vector<OwnFunction>& OwnFunctions();
+
+}  // namespace omni::layer
