@@ -56,12 +56,10 @@ OrderedJson TagOf(const haptics::Material& material) {
   OrderedJson tag = OrderedJson::object();
   const bool soft = material.softness.model != haptics::SoftnessModel::kNone;
   if (material.smooth) tag["smooth"] = true;
-  if (soft) tag["softness"]["model"] = material.softness.model == haptics::SoftnessModel::kTet ? "tet" : "winkler";
+  if (soft) tag["softness"]["model"] = NameOf(kSoftnessModels, material.softness.model);
   if (material.sculpt.enabled) {
-    constexpr const char* kFalloffs[] = {"constant", "linear", "smooth"};
-    constexpr const char* kSymmetries[] = {"none", "x", "y", "z"};
-    tag["sculptable"]["falloff"] = kFalloffs[static_cast<std::size_t>(material.sculpt.falloff)];
-    tag["sculptable"]["symmetry"] = kSymmetries[static_cast<std::size_t>(material.sculpt.symmetry)];
+    tag["sculptable"]["falloff"] = NameOf(kFalloffs, material.sculpt.falloff);
+    tag["sculptable"]["symmetry"] = NameOf(kSymmetries, material.sculpt.symmetry);
   }
   for (const auto& key : kMaterialKeys) {
     if (key.key.starts_with("softness.") && !soft) continue;

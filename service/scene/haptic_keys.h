@@ -32,6 +32,33 @@ struct NumberKey {
   }
 };
 
+// A word of a tag and what it means.
+template <class Value>
+struct TagWord {
+  std::string_view name;
+  Value value;
+};
+inline constexpr std::array kSoftnessModels = {
+    TagWord<haptics::SoftnessModel>{"none", haptics::SoftnessModel::kNone},
+    TagWord<haptics::SoftnessModel>{"winkler", haptics::SoftnessModel::kWinkler},
+    TagWord<haptics::SoftnessModel>{"tet", haptics::SoftnessModel::kTet}};
+inline constexpr std::array kFalloffs = {TagWord<haptics::Falloff>{"constant", haptics::Falloff::kConstant},
+                                         TagWord<haptics::Falloff>{"linear", haptics::Falloff::kLinear},
+                                         TagWord<haptics::Falloff>{"smooth", haptics::Falloff::kSmooth}};
+inline constexpr std::array kSymmetries = {TagWord<haptics::Symmetry>{"none", haptics::Symmetry::kNone},
+                                           TagWord<haptics::Symmetry>{"x", haptics::Symmetry::kX},
+                                           TagWord<haptics::Symmetry>{"y", haptics::Symmetry::kY},
+                                           TagWord<haptics::Symmetry>{"z", haptics::Symmetry::kZ}};
+
+// Empty: no such value.
+template <class Value, std::size_t kCount>
+constexpr std::string_view NameOf(const std::array<TagWord<Value>, kCount>& words, Value value) {
+  for (const TagWord<Value>& word : words) {
+    if (word.value == value) return word.name;
+  }
+  return {};
+}
+
 // Defaults are those of haptics::Material.
 inline constexpr std::array kMaterialKeys = {
     NumberKey<haptics::Material>{"stiffness", "N/m", 0, 2000,

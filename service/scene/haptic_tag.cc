@@ -10,38 +10,11 @@
 namespace omni::scene {
 namespace {
 
-struct RoleRow {
-  const char* name;
-  Role role;
-};
-constexpr RoleRow kRoles[] = {
-    {"solid", Role::kSolid}, {"ignore", Role::kIgnore}, {"joystick", Role::kJoystick},    {"vehicle", Role::kVehicle},
-    {"wall", Role::kWall},   {"track", Role::kTrack},   {"checkpoint", Role::kCheckpoint}};
-
-struct ModelRow {
-  const char* name;
-  haptics::SoftnessModel model;
-};
-constexpr ModelRow kModels[] = {{"none", haptics::SoftnessModel::kNone},
-                                {"winkler", haptics::SoftnessModel::kWinkler},
-                                {"tet", haptics::SoftnessModel::kTet}};
-
-struct FalloffRow {
-  const char* name;
-  haptics::Falloff falloff;
-};
-constexpr FalloffRow kFalloffs[] = {{"constant", haptics::Falloff::kConstant},
-                                    {"linear", haptics::Falloff::kLinear},
-                                    {"smooth", haptics::Falloff::kSmooth}};
-
-struct SymmetryRow {
-  const char* name;
-  haptics::Symmetry symmetry;
-};
-constexpr SymmetryRow kSymmetries[] = {{"none", haptics::Symmetry::kNone},
-                                       {"x", haptics::Symmetry::kX},
-                                       {"y", haptics::Symmetry::kY},
-                                       {"z", haptics::Symmetry::kZ}};
+using RoleWord = TagWord<Role>;
+constexpr std::array kRoles = {
+    RoleWord{"solid", Role::kSolid},          RoleWord{"ignore", Role::kIgnore}, RoleWord{"joystick", Role::kJoystick},
+    RoleWord{"vehicle", Role::kVehicle},      RoleWord{"wall", Role::kWall},     RoleWord{"track", Role::kTrack},
+    RoleWord{"checkpoint", Role::kCheckpoint}};
 
 std::string Text(double value) {
   std::ostringstream text;
@@ -49,11 +22,12 @@ std::string Text(double value) {
   return text.str();
 }
 
-template <class Row, std::size_t kCount>
-const Row* RowNamed(const Row (&rows)[kCount], const Json& value) {
-  if (!value.is_string()) return nullptr;
-  const auto found = std::find_if(std::begin(rows), std::end(rows), [&](const Row& row) { return value == row.name; });
-  return found == std::end(rows) ? nullptr : found;
+template <class Value, std::size_t kCount>
+const Value* ValueNamed(const std::array<TagWord<Value>, kCount>& words, const Json& name) {
+  if (!name.is_string()) return nullptr;
+  const auto found =
+      std::find_if(words.begin(), words.end(), [&](const TagWord<Value>& word) { return name == word.name; });
+  return found == words.end() ? nullptr : &found->value;
 }
 
 // A tag's object, walked with dotted paths.
@@ -74,9 +48,8 @@ class TagReader {
     if (path == "smooth") return ReadFlag(value, pointer, tag_.smooth);
     if (path == "sculptable" && value.is_object()) tag_.sculptable = true;
     if (path == "sculptable" && !value.is_object()) return ReadFlag(value, pointer, tag_.sculptable);
-    if (path == "sculptable.falloff") return ReadWord(kFalloffs, &FalloffRow::falloff, value, pointer, tag_.falloff);
-    if (path == "sculptable.symmetry")
-      return ReadWord(kSymmetries, &SymmetryRow::symmetry, value, pointer, tag_.symmetry);
+    if (path == "sculptable.falloff") return ReadWord(kFalloffs, value, pointer, tag_.falloff);
+    if (path == "sculptable.symmetry") return ReadWord(kSymmetries, value, pointer, tag_.symmetry);
     if (path == "softness.fibreDirection") return ReadDirection(value, pointer);
     if (path == "extrude" && value.is_object()) tag_.extrude = true;
     if (path == "extrude" && !value.is_object()) return ReadFlag(value, pointer, tag_.extrude);
@@ -91,8 +64,8 @@ class TagReader {
   }
 
   void ReadRole(const Json& value, const std::string& pointer) {
-    if (const RoleRow* row = RowNamed(kRoles, value)) {
-      tag_.role = row->role;
+    if (const Role* role = ValueNamed(kRoles, value)) {
+      tag_.role = *role;
     } else {
       warnings_.Add(pointer,
                     "is " + Shown(value) +
@@ -120,23 +93,23 @@ class TagReader {
   }
 
   void ReadModel(const Json& value, const std::string& pointer) {
-    if (const ModelRow* row = RowNamed(kModels, value)) {
-      tag_.softness = row->model;
+    if (const haptics::SoftnessModel* model = ValueNamed(kSoftnessModels, value)) {
+      tag_.softness = *model;
     } else {
       warnings_.Add(pointer, "is " + Shown(value) + ", must be none, winkler or tet; it is ignored");
     }
   }
 
-  template <class Row, std::size_t kCount, class T>
-  void ReadWord(const Row (&rows)[kCount], T Row::*value_of, const Json& value, const std::string& pointer,
-                std::optional<T>& word) {
+  template <class Value, std::size_t kCount>
+  void ReadWord(const std::array<TagWord<Value>, kCount>& words, const Json& value, const std::string& pointer,
+                std::optional<Value>& read) {
     if (!tag_.sculptable) tag_.sculptable = true;
-    if (const Row* row = RowNamed(rows, value)) {
-      word = row->*value_of;
+    if (const Value* known = ValueNamed(words, value)) {
+      read = *known;
       return;
     }
     std::string names;
-    for (const Row& row : rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
+    for (const TagWord<Value>& word : words) names += (names.empty() ? "" : ", ") + std::string(word.name);
     warnings_.Add(pointer, "is " + Shown(value) + ", must be one of " + names + "; it is ignored");
   }
 
@@ -215,12 +188,7 @@ T Filled(const std::array<NumberKey<T>, kCount>& keys, const Values<T, kCount>& 
 
 }  // namespace
 
-const char* NameOf(Role role) {
-  for (const RoleRow& row : kRoles) {
-    if (row.role == role) return row.name;
-  }
-  return "solid";
-}
+std::string_view NameOf(Role role) { return NameOf(kRoles, role); }
 
 void Warnings::Add(const std::string& pointer, const std::string& what) {
   constexpr std::size_t kMaxLines =

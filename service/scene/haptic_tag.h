@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "service/haptics/scene_input.h"
@@ -13,7 +14,7 @@
 namespace omni::scene {
 
 enum class Role { kSolid, kIgnore, kJoystick, kVehicle, kWall, kTrack, kCheckpoint };
-const char* NameOf(Role role);
+std::string_view NameOf(Role role);
 
 // Warnings, each "<file>: <pointer>: what".
 class Warnings {

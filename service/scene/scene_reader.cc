@@ -92,7 +92,7 @@ class SceneReader::Loader {
       if (any_tag_ && !tagged[i]) {
         Explain(node, false, "no haptic tag, and the file has tags elsewhere");
       } else if (role != Role::kSolid && role != Role::kWall) {
-        Explain(node, false, std::string("role ") + NameOf(role) + ": seen, not touched");
+        Explain(node, false, "role " + std::string(NameOf(role)) + ": seen, not touched");
       } else {
         touched.push_back(&node);
       }

@@ -171,7 +171,8 @@ PlotAxis AxisFor(const std::string& label, const std::vector<double>& values, bo
 }
 
 const char* PlotColour(std::size_t index) {
-  constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#333333"};
+  constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9",
+                                      "#e69f00", "#333333", "#882255", "#999933", "#44aa99"};
   return kColours[index % std::size(kColours)];
 }
 

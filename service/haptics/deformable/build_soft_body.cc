@@ -60,7 +60,8 @@ class SoftBuilder {
 
   base::Result<SoftBody> Run() {
     if (!Tell(0)) return base::Error{"cancelled"};
-    auto lattice = BuildTetLattice(vertices_, triangles_, options_.lattice);
+    auto lattice = BuildTetLattice(vertices_, triangles_, options_.lattice,
+                                   [this](double done) { return Tell(kLatticeShare * done); });
     if (!lattice.ok()) return base::Error{lattice.error()};
     mesh_ = MakeQuadratic(*lattice);
     report_.tets = static_cast<std::uint32_t>(lattice->tets.size());

@@ -335,7 +335,7 @@ TetLattice StuffLattice(std::span<const Vec3> vertices, Triangles triangles, dou
 }
 
 base::Result<TetLattice> BuildTetLattice(std::span<const Vec3> vertices, Triangles triangles,
-                                         const LatticeOptions& options) {
+                                         const LatticeOptions& options, const std::function<bool(double)>& progress) {
   const base::Status checked = CheckLatticeInput(vertices, triangles, options);
   if (!checked.ok()) return base::Error{checked.error()};
   const MeshBounds bounds = BoundsOf(vertices);
@@ -351,6 +351,7 @@ base::Result<TetLattice> BuildTetLattice(std::span<const Vec3> vertices, Triangl
   while (GridPoints(bounds, cell_m) > most_points) cell_m *= 1.1;
   TetLattice best;
   for (int trial = 0; trial < kCellTrials; ++trial) {
+    if (progress && !progress(static_cast<double>(trial) / kCellTrials)) return base::Error{"cancelled"};
     TetLattice lattice = StuffLattice(vertices, triangles, cell_m, options.shift_cells);
     const double tets = static_cast<double>(lattice.tets.size()) / options.max_tets;
     const double nodes = static_cast<double>(SurfaceVertexCount(lattice)) / options.max_surface_vertices;

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,10 +30,12 @@ struct LatticeOptions {
 };
 
 // The finest lattice within both limits. Parts that hang together by an edge or a vertex only are dropped, all but the
-// largest. Fails if nothing is inside (open sheet, zero thickness) or a coordinate is not a number.
+// largest. Fails if nothing is inside (open sheet, zero thickness), a coordinate is not a number, or `progress`, asked
+// with the share done in [0, 1] before each of its trials (0.1 s), says false ("cancelled").
 base::Result<TetLattice> BuildTetLattice(std::span<const Vec3> vertices_base_m,
                                          std::span<const std::array<std::uint32_t, 3>> triangles,
-                                         const LatticeOptions& options = {});
+                                         const LatticeOptions& options = {},
+                                         const std::function<bool(double)>& progress = {});
 
 // One lattice of the given cell; `lattice.tets` is empty if nothing is inside.
 TetLattice StuffLattice(std::span<const Vec3> vertices_base_m, std::span<const std::array<std::uint32_t, 3>> triangles,
