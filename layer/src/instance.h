@@ -46,6 +46,7 @@ class Instance {
   HandleMap<XrActionSet, ActionSet> action_sets;
   HandleMap<XrAction, Action> actions;
   HandleMap<XrSpace, Space> spaces;
+  HandleMap<XrHandTrackerEXT, Session> hand_trackers;  // to their sessions
 
   // sessions.cc
   XrResult CreateSession(const XrSessionCreateInfo* info, XrSession* session);
@@ -86,6 +87,21 @@ class Instance {
   XrResult DestroySpace(XrSpace space);
   XrResult LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location);
 
+  // locate_many.cc
+  XrResult LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations);
+  XrResult LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations);
+
+  // locate_from_pen.cc
+  XrResult LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
+                       uint32_t* count, XrView* views);
+  XrResult CreateHandTracker(XrSession session, const XrHandTrackerCreateInfoEXT* info, XrHandTrackerEXT* tracker);
+  XrResult DestroyHandTracker(XrHandTrackerEXT tracker);
+  XrResult LocateHandJoints(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
+                            XrHandJointLocationsEXT* locations);
+
+  // end_frame.cc
+  XrResult EndFrame(XrSession session, const XrFrameEndInfo* info);
+
   XrResult WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state);
 
   // An extension that the application enabled, or "1.1".
@@ -108,6 +124,10 @@ class Instance {
   void SetFocus(Session& session, bool focused);
   void ReportSessionState();
   void UpdateSpaces(const Session& session);
+  void MakeAnchors(Session& session);
+  void OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change);
+  XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
+                               XrSpaceLocations* locations);
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
   struct HapticRoute {
     bool to_pen = false;

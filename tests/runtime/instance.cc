@@ -22,6 +22,12 @@ struct Extension {
 constexpr Extension kExtensions[] = {
     {XR_MND_HEADLESS_EXTENSION_NAME, XR_MND_headless_SPEC_VERSION},
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
+    {XR_KHR_LOCATE_SPACES_EXTENSION_NAME, XR_KHR_locate_spaces_SPEC_VERSION},
+    {XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_EXT_hand_tracking_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_CUBE_EXTENSION_NAME, XR_KHR_composition_layer_cube_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_CYLINDER_EXTENSION_NAME, XR_KHR_composition_layer_cylinder_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_EQUIRECT_EXTENSION_NAME, XR_KHR_composition_layer_equirect_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_EQUIRECT2_EXTENSION_NAME, XR_KHR_composition_layer_equirect2_SPEC_VERSION},
 };
 
 template <size_t size>
@@ -30,14 +36,10 @@ bool IsTerminated(const char (&text)[size]) {
 }
 
 bool IsKnownExtension(const char* name) {
+  const bool is_timespec = std::strcmp(name, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME) == 0;
+  if (is_timespec && !TheState().world.has_timespec) return false;
   return std::any_of(std::begin(kExtensions), std::end(kExtensions),
                      [name](const Extension& known) { return std::strcmp(known.name, name) == 0; });
-}
-
-bool Enables(const XrInstanceCreateInfo& info, const char* extension) {
-  const char* const* const names = info.enabledExtensionNames;
-  return std::any_of(names, names + info.enabledExtensionCount,
-                     [extension](const char* name) { return std::strcmp(name, extension) == 0; });
 }
 
 XrResult CheckCreateInfo(const XrInstanceCreateInfo* info, const XrInstance* instance) {
@@ -45,7 +47,7 @@ XrResult CheckCreateInfo(const XrInstanceCreateInfo* info, const XrInstance* ins
   const XrApplicationInfo& app = info->applicationInfo;
   OMNI_REQUIRE(info->createFlags == 0, XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(IsTerminated(app.applicationName) && IsTerminated(app.engineName), XR_ERROR_VALIDATION_FAILURE);
-  OMNI_REQUIRE(XR_VERSION_MAJOR(app.apiVersion) == 1 && XR_VERSION_MINOR(app.apiVersion) == 0,
+  OMNI_REQUIRE(XR_VERSION_MAJOR(app.apiVersion) == 1 && XR_VERSION_MINOR(app.apiVersion) <= 1,
                XR_ERROR_API_VERSION_UNSUPPORTED);
   OMNI_REQUIRE(app.applicationName[0] != '\0', XR_ERROR_NAME_INVALID);
   OMNI_REQUIRE(info->enabledExtensionCount == 0 || info->enabledExtensionNames != nullptr, XR_ERROR_VALIDATION_FAILURE);
@@ -66,7 +68,7 @@ void CopyName(const char* name, int32_t value, const char* unknown, char* buffer
 
 void EraseHandles(State& state, const Instance& instance) {
   for (const auto& session : instance.sessions) {
-    for (const uint64_t space : session->spaces) state.handles.Erase(space);
+    for (const uint64_t child : session->children) state.handles.Erase(child);
     state.handles.Erase(session->handle);
   }
   for (const auto& set : instance.action_sets) {
@@ -94,9 +96,9 @@ XrResult EnumerateInstanceExtensionProperties(const char* layer, uint32_t capaci
 }
 
 XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) {
-  if (const XrResult check = CheckCreateInfo(info, instance); XR_FAILED(check)) return check;
   State& state = TheState();
   const std::unique_lock lock(state.mutex);
+  if (const XrResult check = CheckCreateInfo(info, instance); XR_FAILED(check)) return check;
   const auto created = std::make_shared<Instance>();
   if (const char* const file = std::getenv("OMNI_TEST_RUNTIME_SCRIPT"); file != nullptr && *file != '\0') {
     const std::string error = LoadScript(file, Now(), &created->script);
@@ -106,8 +108,9 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
     }
   }
   created->serial = ++state.instances_created;
-  created->headless = Enables(*info, XR_MND_HEADLESS_EXTENSION_NAME);
-  created->convert_timespec = Enables(*info, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  created->version_1_1 = XR_VERSION_MINOR(info->applicationInfo.apiVersion) >= 1;
+  created->extensions.assign(info->enabledExtensionNames, info->enabledExtensionNames + info->enabledExtensionCount);
+  created->headless = created->Enabled(XR_MND_HEADLESS_EXTENSION_NAME);
   *instance = Handles::As<XrInstance>(state.handles.Insert(created));
   state.instances.push_back(created);
   return XR_SUCCESS;

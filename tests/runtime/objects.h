@@ -4,11 +4,13 @@
 
 #include <openxr/openxr.h>
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -17,7 +19,7 @@
 
 namespace omni::runtime {
 
-enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace };
+enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace, kHandTracker };
 
 struct Object {
   Kind kind;
@@ -89,7 +91,11 @@ struct Instance : Object {
   uint32_t serial = 0;
   bool lost = false;
   bool headless = false;
-  bool convert_timespec = false;
+  bool version_1_1 = false;  // the application asked for OpenXR 1.1
+  std::vector<std::string> extensions;
+  bool Enabled(std::string_view extension) const {
+    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+  }
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;
@@ -120,7 +126,7 @@ struct Session : Object {
   bool frame_begun = false;
   XrTime next_frame = 0;
 
-  std::vector<uint64_t> spaces;  // handles of its children
+  std::vector<uint64_t> children;  // handles: spaces, hand trackers
 };
 
 struct Space : Object {
@@ -133,6 +139,13 @@ struct Space : Object {
   std::shared_ptr<Action> action;
   std::shared_ptr<ActionSet> set;
   XrPath subaction = XR_NULL_PATH;
+};
+
+struct HandTracker : Object {
+  static constexpr Kind kKind = Kind::kHandTracker;
+  HandTracker() : Object(kKind) {}
+  Session* session = nullptr;
+  int hand = 0;
 };
 
 }  // namespace omni::runtime
