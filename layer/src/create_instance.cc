@@ -23,9 +23,15 @@ struct OurExtension {
 };
 constexpr std::array kOurExtensions{
     OurExtension{XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME, 1, true},
+    OurExtension{XR_KHR_GENERIC_CONTROLLER_EXTENSION_NAME, 1, true},
+    OurExtension{"XR_OMNIX1_stylus_interaction", 1, false},
 };
 
+// Only the manifest for conformance tests names it (manifests/layer/conformance.json.in).
+constexpr OurExtension kAutomation{XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, 3, true};
+
 const OurExtension* FindOurs(const std::string& name) {
+  if (name == kAutomation.name) return TestDevice::Wanted() ? &kAutomation : nullptr;
   const auto found = std::find_if(kOurExtensions.begin(), kOurExtensions.end(),
                                   [&](const OurExtension& extension) { return name == extension.name; });
   return found == kOurExtensions.end() ? nullptr : &*found;

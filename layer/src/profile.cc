@@ -32,9 +32,8 @@ int ScalarFor(const Profile& profile, Hand hand, XrActionType type, const std::s
   return -1;
 }
 
-bool Offered(const PoseComponent& pose, const std::vector<std::string>& enabled) {
-  return pose.requires_any.empty() ||
-         std::any_of(pose.requires_any.begin(), pose.requires_any.end(), [&](const std::string& name) {
+bool Offered(const std::vector<std::string>& requires_any, const std::vector<std::string>& enabled) {
+  return requires_any.empty() || std::any_of(requires_any.begin(), requires_any.end(), [&](const std::string& name) {
            return std::find(enabled.begin(), enabled.end(), name) != enabled.end();
          });
 }
@@ -53,13 +52,17 @@ std::optional<Binding> ResolveScalar(const Profile& profile, Hand hand, XrAction
 
 }  // namespace
 
+std::string FullProfilePath(std::string_view name) {
+  return name.empty() || name.front() == '/' ? std::string(name) : "/interaction_profiles/" + std::string(name);
+}
+
 std::string_view UserPath(Hand hand) { return hand == Hand::kLeft ? "/user/hand/left" : "/user/hand/right"; }
 
 bool HasPath(const Profile& profile, Hand hand, std::string_view local_path, const std::vector<std::string>& enabled) {
   for (const Component& c : profile.components)
-    if (c.On(hand) && IsPathOrParent(local_path, c.path)) return true;
+    if (c.On(hand) && Offered(c.requires_any, enabled) && IsPathOrParent(local_path, c.path)) return true;
   for (const PoseComponent& pose : profile.poses)
-    if (Offered(pose, enabled) && IsPathOrParent(local_path, pose.path)) return true;
+    if (Offered(pose.requires_any, enabled) && IsPathOrParent(local_path, pose.path)) return true;
   return std::find(profile.haptics.begin(), profile.haptics.end(), local_path) != profile.haptics.end();
 }
 

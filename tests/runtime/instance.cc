@@ -21,6 +21,8 @@ struct Extension {
 };
 constexpr Extension kExtensions[] = {
     {XR_MND_HEADLESS_EXTENSION_NAME, XR_MND_headless_SPEC_VERSION},
+    {XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME, XR_KHR_binding_modification_SPEC_VERSION},
+    {XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME, XR_VALVE_analog_threshold_SPEC_VERSION},
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
 };
 
@@ -107,6 +109,8 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
   }
   created->serial = ++state.instances_created;
   created->headless = Enables(*info, XR_MND_HEADLESS_EXTENSION_NAME);
+  created->binding_modification = Enables(*info, XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME);
+  created->analog_threshold = Enables(*info, XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME);
   created->convert_timespec = Enables(*info, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   *instance = Handles::As<XrInstance>(state.handles.Insert(created));
   state.instances.push_back(created);

@@ -53,10 +53,17 @@ struct ActionSet : Object {
   std::vector<std::shared_ptr<Action>> actions;
 };
 
+// An analogue source read as a boolean, with hysteresis.
+struct Threshold {
+  float on = 0.7f;
+  float off = 0.5f;
+};
+
 struct Suggestion {
   const Action* action = nullptr;  // identity only
   int hand = -1;
   std::string path;  // below the hand
+  Threshold threshold;
 };
 // By profile index; an empty entry means: never suggested.
 using Suggestions = std::map<int, std::vector<Suggestion>>;
@@ -64,6 +71,7 @@ using Suggestions = std::map<int, std::vector<Suggestion>>;
 struct Bound {
   Source source;
   bool pressed = false;  // hysteresis of an analogue source read as a boolean
+  Threshold threshold;
 };
 
 // Answers for one (action, subaction path), constant between two syncs.
@@ -90,6 +98,8 @@ struct Instance : Object {
   bool lost = false;
   bool headless = false;
   bool convert_timespec = false;
+  bool binding_modification = false;
+  bool analog_threshold = false;
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;

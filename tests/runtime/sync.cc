@@ -14,10 +14,6 @@
 namespace omni::runtime {
 namespace {
 
-// An analogue source read as a boolean, with hysteresis.
-constexpr float kPress = 0.7f;
-constexpr float kRelease = 0.5f;
-
 // Which hands of which set this sync has made active. `all`: for XR_NULL_PATH.
 struct Activation {
   bool all = false;
@@ -70,7 +66,7 @@ void Bind(const World& world, Session& session, ActionState& entry) {
         if (!Takes(*session.instance, *entry.action, slot, hand)) continue;
         const bool known = std::any_of(slot.bound.begin(), slot.bound.end(),
                                        [&source](const Bound& bound) { return bound.source == source; });
-        if (!known) slot.bound.push_back({source, false});
+        if (!known) slot.bound.push_back({source, false, suggestion.threshold});
       }
     }
   }
@@ -120,7 +116,7 @@ float Magnitude(XrActionType type, const Value& value) {
 Value Convert(const World& world, XrActionType type, Bound& bound) {
   Value value = world.Read(bound.source);
   if (type != XR_ACTION_TYPE_BOOLEAN_INPUT) return value;
-  bound.pressed = value.x >= (bound.pressed ? kRelease : kPress);
+  bound.pressed = value.x >= (bound.pressed ? bound.threshold.off : bound.threshold.on);
   value.x = bound.pressed ? 1.0f : 0.0f;
   return value;
 }
