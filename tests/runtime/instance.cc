@@ -10,6 +10,7 @@
 
 #include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/priorities.h"
 #include "tests/runtime/state.h"
 
 namespace omni::runtime {
@@ -23,6 +24,7 @@ constexpr Extension kExtensions[] = {
     {XR_MND_HEADLESS_EXTENSION_NAME, XR_MND_headless_SPEC_VERSION},
     {XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME, XR_KHR_binding_modification_SPEC_VERSION},
     {XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME, XR_VALVE_analog_threshold_SPEC_VERSION},
+    {XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME, 1},
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
 };
 
@@ -111,6 +113,7 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
   created->headless = Enables(*info, XR_MND_HEADLESS_EXTENSION_NAME);
   created->binding_modification = Enables(*info, XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME);
   created->analog_threshold = Enables(*info, XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME);
+  created->set_priorities = Enables(*info, XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME);
   created->convert_timespec = Enables(*info, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   *instance = Handles::As<XrInstance>(state.handles.Insert(created));
   state.instances.push_back(created);

@@ -100,6 +100,7 @@ struct Instance : Object {
   bool convert_timespec = false;
   bool binding_modification = false;
   bool analog_threshold = false;
+  bool set_priorities = false;  // XR_EXT_active_action_set_priority
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;
