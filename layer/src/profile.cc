@@ -42,6 +42,18 @@ bool IsPathOrParent(std::string_view candidate, std::string_view path) {
   return candidate == path || candidate == Parent(path);
 }
 
+// XR_EXT_dpad_binding adds these to each thumbstick and trackpad. They are accepted, and give the pen nothing.
+bool IsDpad(const Profile& profile, Hand hand, std::string_view path, const std::vector<std::string>& enabled) {
+  if (std::find(enabled.begin(), enabled.end(), "XR_EXT_dpad_binding") == enabled.end()) return false;
+  const std::string parent(Parent(path));
+  const std::string_view last = path.substr(parent.size());
+  const bool is_stick = parent == "/input/thumbstick";
+  if ((!is_stick && parent != "/input/trackpad") || FindComponent(profile, hand, parent + "/x") < 0) return false;
+  for (const char* direction : {"/dpad_up", "/dpad_down", "/dpad_left", "/dpad_right"})
+    if (last == direction) return true;
+  return !is_stick && last == "/dpad_center";
+}
+
 std::optional<Binding> ResolveScalar(const Profile& profile, Hand hand, XrActionType type, const std::string& local) {
   const int index = ScalarFor(profile, hand, type, local);
   if (index < 0) return std::nullopt;
@@ -63,7 +75,8 @@ bool HasPath(const Profile& profile, Hand hand, std::string_view local_path, con
     if (c.On(hand) && Offered(c.requires_any, enabled) && IsPathOrParent(local_path, c.path)) return true;
   for (const PoseComponent& pose : profile.poses)
     if (Offered(pose.requires_any, enabled) && IsPathOrParent(local_path, pose.path)) return true;
-  return std::find(profile.haptics.begin(), profile.haptics.end(), local_path) != profile.haptics.end();
+  return IsDpad(profile, hand, local_path, enabled) ||
+         std::find(profile.haptics.begin(), profile.haptics.end(), local_path) != profile.haptics.end();
 }
 
 std::optional<Binding> Resolve(const Profile& profile, Hand hand, XrActionType type, std::string_view full_path) {

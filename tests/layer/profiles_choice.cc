@@ -18,6 +18,7 @@ class ProfilesChoice : public testing::Test {
   void TearDown() override {
     unsetenv("OMNI_PROFILE");
     unsetenv("OMNI_HAND");
+    unsetenv("OMNI_TEST_RUNTIME_EXTENSIONS");
   }
   static AppOptions Unattached(std::vector<const char*> extensions = {}) {
     AppOptions options;
@@ -151,6 +152,64 @@ TEST_F(ProfilesChoice, ErrorsBesideTipPaths) {
   ASSERT_EQ(app.Attach(), XR_SUCCESS);
   EXPECT_EQ(app.Suggest(kTouch, {{app.pose, "/user/hand/right/input/tip_omnix1/pose"}}),
             XR_ERROR_ACTIONSETS_ALREADY_ATTACHED);
+}
+
+// Of two extensions that both may answer, what lies below is asked for the one that it has, and answers that one.
+TEST_F(ProfilesChoice, RuntimeAnswersWhatItHas) {
+  for (const char* below : {kGenericExtension, XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME}) {
+    setenv("OMNI_TEST_RUNTIME_EXTENSIONS", below, 1);
+    AppOptions options = Unattached({kGenericExtension});
+    options.mx_ink_extension = true;
+    const App app(options);
+    const bool generic_below = below == kGenericExtension;
+    // The runtime takes the name and knows no such profile: its refusal shows that it was asked.
+    EXPECT_EQ(app.Suggest(kGeneric, {{app.force, "/user/hand/right/input/trigger/value"}}),
+              generic_below ? XR_ERROR_PATH_UNSUPPORTED : XR_SUCCESS);
+    EXPECT_EQ(app.SuggestUsual(kMxInk), generic_below ? XR_SUCCESS : XR_ERROR_PATH_UNSUPPORTED);
+  }
+}
+
+// XR_EXT_dpad_binding: accepted on the sticks of a profile that only the layer knows, without effect for the pen.
+TEST_F(ProfilesChoice, DpadPathsAreAcceptedAndGiveThePenNothing) {
+  constexpr const char* kDpad = "/user/hand/right/input/thumbstick/dpad_up";
+  {
+    const App app(Unattached({kGenericExtension}));
+    EXPECT_EQ(app.Suggest(kGeneric, {{app.select, kDpad}}), XR_ERROR_PATH_UNSUPPORTED) << "not enabled";
+  }
+  setenv("OMNI_TEST_RUNTIME_EXTENSIONS", "XR_EXT_dpad_binding", 1);
+  FakeService service;
+  App app(Unattached({kGenericExtension, "XR_EXT_dpad_binding"}));
+  EXPECT_EQ(app.Suggest(kGeneric, {{app.select, "/user/hand/right/input/trigger/dpad_up"}}), XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(app.Suggest(kGeneric, {{app.select, "/user/hand/right/input/thumbstick/dpad_center"}}),
+            XR_ERROR_PATH_UNSUPPORTED)
+      << "trackpads only";
+  ASSERT_EQ(app.Suggest(kGeneric, {{app.select, kDpad}, {app.force, "/user/hand/right/input/trigger/value"}}),
+            XR_SUCCESS);
+  ASSERT_EQ(app.Attach(), XR_SUCCESS);
+  ASSERT_TRUE(app.WaitProfile(service, kGeneric));
+  EXPECT_FALSE(app.Bool(app.select, app.right).isActive);
+  EXPECT_TRUE(app.Float(app.force, app.right).isActive);
+}
+
+// [semantic-paths-standard-pose-identifiers] poses that extensions add exist on every profile, if enabled.
+TEST_F(ProfilesChoice, PosesOfExtensionsOnAProfileOfOurs) {
+  const std::pair<const char*, const char*> rows[] = {
+      {"XR_EXT_palm_pose", "/user/hand/right/input/palm_ext/pose"},
+      {"XR_EXT_hand_interaction", "/user/hand/right/input/poke_ext"},
+      {"XR_KHR_maintenance1", "/user/hand/left/input/grip_surface/pose"}};
+  for (const auto& [extension, path] : rows) {
+    unsetenv("OMNI_TEST_RUNTIME_EXTENSIONS");
+    AppOptions options = Unattached();
+    options.mx_ink_extension = true;
+    {
+      const App app(options);
+      EXPECT_EQ(app.Suggest(kMxInk, {{app.pose, path}}), XR_ERROR_PATH_UNSUPPORTED) << path;
+    }
+    setenv("OMNI_TEST_RUNTIME_EXTENSIONS", extension, 1);
+    options.extensions = {extension};
+    const App app(options);
+    EXPECT_EQ(app.Suggest(kMxInk, {{app.pose, path}}), XR_SUCCESS) << path;
+  }
 }
 
 TEST_F(ProfilesChoice, EnvironmentPinsTheProfile) {

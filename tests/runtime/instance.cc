@@ -7,6 +7,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
@@ -17,10 +20,10 @@ namespace omni::runtime {
 namespace {
 
 struct Extension {
-  const char* name;
+  std::string name;
   uint32_t version;
 };
-constexpr Extension kExtensions[] = {
+const Extension kExtensions[] = {
     {XR_MND_HEADLESS_EXTENSION_NAME, XR_MND_headless_SPEC_VERSION},
     {XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME, XR_KHR_binding_modification_SPEC_VERSION},
     {XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME, XR_VALVE_analog_threshold_SPEC_VERSION},
@@ -28,14 +31,24 @@ constexpr Extension kExtensions[] = {
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
 };
 
+// Those of the table, and names that a test adds by OMNI_TEST_RUNTIME_EXTENSIONS (separated by spaces): accepted,
+// without any effect.
+std::vector<Extension> Extensions() {
+  std::vector<Extension> all(std::begin(kExtensions), std::end(kExtensions));
+  const char* const more = std::getenv("OMNI_TEST_RUNTIME_EXTENSIONS");
+  std::istringstream names(more == nullptr ? "" : more);
+  for (std::string name; names >> name;) all.push_back({name, 1});
+  return all;
+}
+
 template <size_t size>
 bool IsTerminated(const char (&text)[size]) {
   return std::memchr(text, 0, size) != nullptr;
 }
 
 bool IsKnownExtension(const char* name) {
-  return std::any_of(std::begin(kExtensions), std::end(kExtensions),
-                     [name](const Extension& known) { return std::strcmp(known.name, name) == 0; });
+  const std::vector<Extension> all = Extensions();
+  return std::any_of(all.begin(), all.end(), [name](const Extension& known) { return known.name == name; });
 }
 
 bool Enables(const XrInstanceCreateInfo& info, const char* extension) {
@@ -91,9 +104,11 @@ XrResult EnumerateInstanceExtensionProperties(const char* layer, uint32_t capaci
   for (uint32_t i = 0; properties != nullptr && i < capacity; ++i) {
     OMNI_REQUIRE(Is(&properties[i], XR_TYPE_EXTENSION_PROPERTIES), XR_ERROR_VALIDATION_FAILURE);
   }
-  return TwoCall(std::size(kExtensions), capacity, count, properties, [](uint32_t i, XrExtensionProperties& out) {
-    std::snprintf(out.extensionName, sizeof(out.extensionName), "%s", kExtensions[i].name);
-    out.extensionVersion = kExtensions[i].version;
+  const std::vector<Extension> all = Extensions();
+  const auto size = static_cast<uint32_t>(all.size());
+  return TwoCall(size, capacity, count, properties, [&all](uint32_t i, XrExtensionProperties& out) {
+    std::snprintf(out.extensionName, sizeof(out.extensionName), "%s", all[i].name.c_str());
+    out.extensionVersion = all[i].version;
   });
 }
 
