@@ -155,7 +155,7 @@ TEST_F(StatesRules, ThresholdOnTheTipWithPulses) {
   service.Set(InputIndex::kTipForce, 0.7f);
   Step(app, service);
   EXPECT_TRUE(app.Bool(app.select, app.right).currentState);
-  for (int i = 0; i < 400 && service.heard().haptics.empty(); ++i) Step(app, service);
+  ASSERT_TRUE(app.SyncUntil(service, [&] { return !service.heard().haptics.empty(); }));
   ASSERT_EQ(service.heard().haptics.size(), 1u);
   EXPECT_EQ(service.heard().haptics[0].duration_ns, 7'000'000);
   EXPECT_FLOAT_EQ(service.heard().haptics[0].amplitude, 0.25f);
