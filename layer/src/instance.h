@@ -1,8 +1,10 @@
 // One XrInstance: what lies below us, what the application made, and our link to the service.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -36,8 +38,7 @@ class Instance {
   const bool hide_timespec;
   Log log;
   const std::vector<Profile> profiles;
-  const Hand hand;
-  const XrPath hand_path;
+  const std::array<XrPath, 2> hand_paths;  // by Hand
   RuntimeClock clock;
   ServiceLink link;
   EventQueue events;  // ours, delivered when nothing waits below
@@ -113,14 +114,23 @@ class Instance {
     link.Poll(MonotonicNow_ns());
   }
 
+  // The pen's hand and preferred profile: from the environment, else from the service.
+  PenChoice Choice() const;
+
   // Empty / XR_NULL_PATH where the runtime knows none.
   std::string PathText(XrPath path);
   XrPath PathOf(const std::string& text);
 
  private:
   bool OnlyOurs(const Profile& profile) const;
-  XrResult CheckSuggestions(const Profile& profile, const XrInteractionProfileSuggestedBinding& suggested);
-  bool ProfileHasPath(const Profile& profile, std::string_view full_path) const;
+  bool OnlyOurs(const Profile& profile, std::string_view full_path) const;
+  XrResult CheckSuggestions(const Profile& profile, const std::vector<XrActionSuggestedBinding>& suggested);
+  XrResult Forward(const XrInteractionProfileSuggestedBinding& suggested, const Profile* known);
+  void Record(const std::string& profile_path, const XrInteractionProfileSuggestedBinding& suggested,
+              const std::vector<BindingThreshold>& thresholds);
+  bool PutDown(Session& session, const PenSnapshot& pen);
+  XrPath ProfileBelow(XrSession session, XrPath user_path) const;
+  void TellProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after);
   void SetFocus(Session& session, bool focused);
   void ReportSessionState();
   void UpdateSpaces(const Session& session);
@@ -137,6 +147,9 @@ class Instance {
 
   const std::vector<std::string> enabled_;
   const std::vector<std::string> only_ours_;
+  const std::vector<std::string> enabled_below_;  // enabled_ without only_ours_
+  const std::optional<Hand> fixed_hand_;          // by the environment
+  const std::string fixed_profile_;
 
   std::mutex suggestions_mutex_;
   Suggestions suggestions_;

@@ -6,6 +6,7 @@
 #include <shared_mutex>
 
 #include "layer/src/placement.h"
+#include "layer/src/pen_rest.h"
 #include "layer/src/session_actions.h"
 
 namespace omni::layer {
@@ -17,8 +18,9 @@ inline constexpr std::array kAnchorTypes{XR_REFERENCE_SPACE_TYPE_STAGE,
 
 class Session {
  public:
-  Session(XrSession xr_session, const std::vector<Profile>& profiles, Hand hand, XrPath hand_path)
-      : handle(xr_session), actions(profiles, hand, hand_path) {}
+  Session(XrSession xr_session, const std::vector<Profile>& profiles, const PenChoice& choice,
+          const std::array<XrPath, 2>& hand_paths)
+      : handle(xr_session), actions(profiles, choice, hand_paths) {}
 
   const XrSession handle;
 
@@ -42,11 +44,13 @@ class Session {
 
   std::atomic<bool> running{false};  // between xrBeginSession and xrEndSession
   std::atomic<bool> focused{false};
+  std::atomic<bool> focus_was_lost{false};  // since the last sync
   std::atomic<bool> profile_event_due{false};
 
-  // Guards `actions`. Held over calls to the next layer's xrGetActionState*, never over its xrSyncActions.
+  // Guards `actions` and `rest`. Held over calls to the next layer's xrGetActionState*, never over its xrSyncActions.
   mutable std::shared_mutex mutex;
   SessionActions actions;
+  PenRest rest;
 };
 
 }  // namespace omni::layer

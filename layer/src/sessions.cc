@@ -9,7 +9,7 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
   const XrResult result = next.CreateSession(handle, info, session);
   Alive();
   if (XR_FAILED(result)) return result;
-  auto record = std::make_shared<Session>(*session, profiles, hand, hand_path);
+  auto record = std::make_shared<Session>(*session, profiles, Choice(), hand_paths);
   MakeAnchors(*record);
   sessions.Insert(*session, std::move(record));
   return result;
@@ -54,7 +54,10 @@ XrResult Instance::EndSession(XrSession session) {
 // Leaving focus ends what vibrates and takes the force away.
 void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
-  if (!focused) link.HapticStop();
+  if (!focused) {
+    session.focus_was_lost = true;
+    link.HapticStop();
+  }
   ReportSessionState();
 }
 

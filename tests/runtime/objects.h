@@ -55,10 +55,17 @@ struct ActionSet : Object {
   std::vector<std::shared_ptr<Action>> actions;
 };
 
+// An analogue source read as a boolean, with hysteresis.
+struct Threshold {
+  float on = 0.7f;
+  float off = 0.5f;
+};
+
 struct Suggestion {
   const Action* action = nullptr;  // identity only
   int hand = -1;
   std::string path;  // below the hand
+  Threshold threshold;
 };
 // By profile index; an empty entry means: never suggested.
 using Suggestions = std::map<int, std::vector<Suggestion>>;
@@ -66,6 +73,7 @@ using Suggestions = std::map<int, std::vector<Suggestion>>;
 struct Bound {
   Source source;
   bool pressed = false;  // hysteresis of an analogue source read as a boolean
+  Threshold threshold;
 };
 
 // Answers for one (action, subaction path), constant between two syncs.
@@ -96,6 +104,9 @@ struct Instance : Object {
   bool Enabled(std::string_view extension) const {
     return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
   }
+  bool binding_modification = false;
+  bool analog_threshold = false;
+  bool set_priorities = false;  // XR_EXT_active_action_set_priority
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;
