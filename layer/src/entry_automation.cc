@@ -126,11 +126,12 @@ XRAPI_ATTR XrResult XRAPI_CALL SetVector2f(XrSession session, XrPath top_level, 
 XrResult PlaceTool(const Target& t, const PoseComponent& component, XrSpace space, const XrPosef& pose) {
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrTime now = t.instance->clock.ToXr(MonotonicNow_ns());
-  const XrResult result = t.instance->LocateSpace(space, t.session->anchor, now, &location);
+  const Placement placement = t.session->placement.At(now);
+  const XrResult result = t.instance->LocateSpace(space, t.session->Anchor(placement.space), now, &location);
   if (XR_FAILED(result)) return result;
   if ((location.locationFlags & kValid) != kValid) return XR_ERROR_RUNTIME_FAILURE;
   const Pose X_LP = Compose(FromXr(location.pose), FromXr(pose));
-  t.device->SetPose(Compose(Compose(Inverse(DefaultPlacement()), X_LP), Inverse(component.X_TP)));
+  t.device->SetPose(Compose(Compose(Inverse(placement.X_LO), X_LP), Inverse(component.X_TP)));
   return XR_SUCCESS;
 }
 
