@@ -123,6 +123,12 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kSurfaces, "Surfaces", Take<Surfaces>},
     {MessageType::kSceneCommand, "SceneCommand", Take<SceneCommand>},
     {MessageType::kSceneReply, "SceneReply", Take<SceneAnswer>},
+    {MessageType::kForceClaim, "ForceClaim", Take<ForceClaim>},
+    {MessageType::kForceApply, "ForceApply", Take<ForceApply>},
+    {MessageType::kForceConstraints, "ForceConstraints", Take<ForceConstraints>},
+    {MessageType::kForceStop, "ForceStop", Take<ForceStop>},
+    {MessageType::kForceOwner, "ForceOwner", Take<ForceOwner>},
+    {MessageType::kForceProperties, "ForceProperties", Take<ForceProperties>},
 };
 
 const TypeRow* FindType(MessageType type) noexcept {
