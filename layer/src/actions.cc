@@ -148,6 +148,8 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   if (record->running) SetFocus(*record, input.focused);
   input.active = ActiveSets(*info);
   input.pen = link.Read(now);
+  FollowConstraints();
+  WatchForces();
 
   const std::unique_lock lock(record->mutex);
   SessionActions& session_actions = record->actions;

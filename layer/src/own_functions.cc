@@ -1,10 +1,23 @@
 #include "layer/src/own_functions.h"
 
+#include <initializer_list>
+
 namespace omni::layer {
+namespace {
+
+std::vector<OwnFunction> Joined(std::initializer_list<const std::vector<OwnFunction>*> tables) {
+  std::vector<OwnFunction> all;
+  for (const auto* table : tables) all.insert(all.end(), table->begin(), table->end());
+  return all;
+}
+
+}  // namespace
 
 // A table a file of entry points: appended here.
 const std::vector<OwnFunction>& OwnFunctions() {
-  static const std::vector<OwnFunction> all;
+  static const std::vector<OwnFunction> all = Joined({
+      &ForceFeedbackFunctions(),
+  });
   return all;
 }
 

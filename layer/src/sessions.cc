@@ -23,6 +23,7 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
 XrResult Instance::DestroySession(XrSession session) {
   const XrResult result = next.DestroySession(session);
   if (XR_FAILED(result)) return result;
+  DestroyForcesOf(session);
   spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
   if (const auto record = sessions.Find(session)) {
     record->running = false;
@@ -58,7 +59,10 @@ XrResult Instance::EndSession(XrSession session) {
 // Leaving focus ends what vibrates and takes the force away.
 void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
-  if (!focused) link.HapticStop();
+  if (!focused) {
+    link.HapticStop();
+    ForgetForces(session);
+  }
   ReportSessionState();
 }
 
@@ -89,11 +93,17 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     return result;
   }
   if (result != XR_EVENT_UNAVAILABLE || !event) return result;
+  WatchForces();
   XrSession due = XR_NULL_HANDLE;
   sessions.ForEach([&](Session& session) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
   });
-  if (due == XR_NULL_HANDLE) return events.Pop(*event) ? XR_SUCCESS : result;
+  if (due == XR_NULL_HANDLE) {
+    while (events.Pop(*event))
+      if (!IsOfDestroyedForce(*event)) return XR_SUCCESS;
+    *event = {XR_TYPE_EVENT_DATA_BUFFER, nullptr, {}};
+    return result;
+  }
   const XrEventDataInteractionProfileChanged changed{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr, due};
   std::memcpy(event, &changed, sizeof(changed));
   return XR_SUCCESS;
@@ -103,6 +113,8 @@ XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrF
   const XrResult result = next.WaitFrame(session, info, state);
   Alive();
   if (XR_SUCCEEDED(result) && state) clock.OnFrame(*state, MonotonicNow_ns());
+  FollowConstraints();
+  WatchForces();
   return result;
 }
 

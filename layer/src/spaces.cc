@@ -84,7 +84,10 @@ XrResult Instance::CreateReferenceSpace(XrSession session, const XrReferenceSpac
 XrResult Instance::DestroySpace(XrSpace space) {
   const XrResult result = next.DestroySpace(space);
   link.Beat();
-  if (XR_SUCCEEDED(result)) spaces.Erase(space);
+  if (XR_SUCCEEDED(result)) {
+    ForgetSpace(space);
+    spaces.Erase(space);
+  }
   return result;
 }
 
@@ -126,6 +129,28 @@ XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
   if (const auto reader = link.reader()) tool = ToolMotionAt(*reader, clock.ToMonotonic(time), MonotonicNow_ns());
   const Located pen = PenIn(kPlacement_LO, tool, s.pen() ? s.X_TS : b.X_TS);
   Write(s.pen() ? Chain(below, pen) : Chain(Invert(pen), below), *location);
+  return result;
+}
+
+XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS) {
+  X_OS = {};
+  const Side s = SideOf(*this, space);
+  if (s.pen()) {
+    ToolMotion tool;
+    if (const auto reader = link.reader()) tool = ToolMotionAt(*reader, clock.ToMonotonic(time), MonotonicNow_ns());
+    X_OS = PenIn(Pose{}, tool, s.X_TS);
+    return XR_SUCCESS;
+  }
+  if (session.anchor == XR_NULL_HANDLE) return XR_SUCCESS;
+  Located X_LS;
+  const XrResult result = LocateBelow(*this, space, session.anchor, time, Static(s), X_LS);
+  if (XR_FAILED(result)) return result;
+  if (s.served_by == kServedByNobody) return result;
+  Located X_LO;
+  X_LO.motion.X = kPlacement_LO;
+  X_LO.flags = kValid | kTracked;
+  X_LO.velocity_flags = kVelocityValid;
+  X_OS = Chain(Invert(X_LO), X_LS);
   return result;
 }
 
