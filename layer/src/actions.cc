@@ -190,6 +190,8 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
     input.test = &test;
     input.choice.profile = test.profile;
   }
+  FollowConstraints();
+  WatchForces();
 
   const std::unique_lock lock(record->mutex);
   input.put_down = !input.test && PutDown(*record, input.pen);

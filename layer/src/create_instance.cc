@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "layer/include/openxr/omni_force_feedback.h"
 #include "layer/src/registry.h"
 
 namespace omni::layer {
@@ -25,6 +26,7 @@ constexpr std::array kOurExtensions{
     OurExtension{XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME, 1, true},
     OurExtension{XR_KHR_GENERIC_CONTROLLER_EXTENSION_NAME, 1, true},
     OurExtension{"XR_OMNIX1_stylus_interaction", 1, false},
+    OurExtension{XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME, XR_OMNIX1_force_feedback_SPEC_VERSION, false},
 };
 
 // Only the manifest for conformance tests names it (manifests/layer/conformance.json.in).

@@ -33,7 +33,10 @@
   X(LocateViews)                       \
   X(EndFrame)                          \
   X(ApplyHapticFeedback)               \
-  X(StopHapticFeedback)
+  X(StopHapticFeedback)                \
+  X(GetSystemProperties)               \
+  X(ResultToString)                    \
+  X(StructureTypeToString)
 
 // Functions that not every runtime has (extensions, OpenXR 1.1): intercepted where what lies below has them. The
 // application gets the answer from below where it does not.

@@ -163,6 +163,21 @@ XRAPI_ATTR XrResult XRAPI_CALL StopHapticFeedback(XrSession session, const XrHap
   return On(session, &Instance::StopHaptic, session, info);
 }
 
+XRAPI_ATTR XrResult XRAPI_CALL GetSystemProperties(XrInstance instance, XrSystemId system,
+                                                   XrSystemProperties* properties) {
+  return On(instance, &Instance::SystemProperties, system, properties);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL ResultToString(XrInstance instance, XrResult value,
+                                              char buffer[XR_MAX_RESULT_STRING_SIZE]) {
+  return On(instance, &Instance::ResultText, value, buffer);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL StructureTypeToString(XrInstance instance, XrStructureType value,
+                                                     char buffer[XR_MAX_STRUCTURE_NAME_SIZE]) {
+  return On(instance, &Instance::StructureTypeText, value, buffer);
+}
+
 XRAPI_ATTR XrResult XRAPI_CALL EnumerateApiLayerProperties(uint32_t capacity, uint32_t* count,
                                                            XrApiLayerProperties* properties) {
   return Guarded([&] { return EnumerateLayers(capacity, count, properties); });

@@ -1,9 +1,12 @@
 #include "layer/src/instance.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
+
+#include "layer/src/own_names.h"
 
 namespace omni::layer {
 namespace {
@@ -61,6 +64,22 @@ Instance::Instance(InstanceSetup setup)
   const std::int64_t now = MonotonicNow_ns();
   clock.Refresh(now);
   link.Poll(now);
+}
+
+XrResult Instance::ResultText(XrResult value, char* buffer) {
+  link.Beat();
+  const char* name = OwnName(value);
+  if (!name || !buffer) return next.ResultToString(handle, value, buffer);
+  std::snprintf(buffer, XR_MAX_RESULT_STRING_SIZE, "%s", name);
+  return XR_SUCCESS;
+}
+
+XrResult Instance::StructureTypeText(XrStructureType value, char* buffer) {
+  link.Beat();
+  const char* name = OwnName(value);
+  if (!name || !buffer) return next.StructureTypeToString(handle, value, buffer);
+  std::snprintf(buffer, XR_MAX_STRUCTURE_NAME_SIZE, "%s", name);
+  return XR_SUCCESS;
 }
 
 bool Instance::Enabled(std::string_view extension) const {

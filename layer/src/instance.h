@@ -13,6 +13,8 @@
 #include "layer/src/clock.h"
 #include "layer/src/dispatch.h"
 #include "layer/src/event_queue.h"
+#include "layer/src/force_feedback.h"
+#include "layer/src/locate.h"
 #include "layer/src/log.h"
 #include "layer/src/records.h"
 #include "layer/src/service_link.h"
@@ -48,6 +50,7 @@ class Instance {
   HandleMap<XrAction, Action> actions;
   HandleMap<XrSpace, Space> spaces;
   HandleMap<XrHandTrackerEXT, Session> hand_trackers;  // to their sessions
+  HandleMap<XrForceFeedbackOMNIX1, ForceFeedback> forces;
 
   // sessions.cc
   XrResult CreateSession(const XrSessionCreateInfo* info, XrSession* session);
@@ -102,6 +105,27 @@ class Instance {
 
   // end_frame.cc
   XrResult EndFrame(XrSession session, const XrFrameEndInfo* info);
+  // Where a space is in the base frame. Flags are 0 where it is nowhere; errors in space and time are the runtime's.
+  XrResult LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS);
+
+  // force_feedback.cc
+  XrResult CreateForceFeedback(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info,
+                               XrForceFeedbackOMNIX1* force);
+  XrResult DestroyForceFeedback(XrForceFeedbackOMNIX1 force);
+  XrResult ApplyForce(XrForceFeedbackOMNIX1 force, const XrForceApplyInfoOMNIX1* info);
+  XrResult SetConstraints(XrForceFeedbackOMNIX1 force, const XrForceFeedbackConstraintsSetInfoOMNIX1* info);
+  XrResult StopForce(XrForceFeedbackOMNIX1 force);
+
+  // What lies below does not know the names of our own enumerants.
+  XrResult ResultText(XrResult value, char* buffer);
+  XrResult StructureTypeText(XrStructureType value, char* buffer);
+
+  // force_queries.cc
+  XrResult SystemProperties(XrSystemId system, XrSystemProperties* properties);
+  XrResult ForceProperties(XrForceFeedbackOMNIX1 force, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
+                           XrForceFeedbackPropertiesOMNIX1* properties);
+  XrResult ForceState(XrForceFeedbackOMNIX1 force, const XrForceFeedbackStateGetInfoOMNIX1* info,
+                      XrForceFeedbackStateOMNIX1* state);
 
   XrResult WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state);
 
@@ -143,6 +167,16 @@ class Instance {
     bool to_pen = false;
     bool to_runtime = true;
   };
+  // force_feedback.cc, force_queries.cc
+  void DestroyForcesOf(XrSession session);
+  void ForgetForces(const Session& session);  // it has lost the focus
+  void ForgetSpace(XrSpace space);
+  void FollowConstraints();
+  void TellConstraints(ForceFeedback& force, const protocol::ForceConstraints& message);
+  ForceStatus StatusNow(const Session& session);
+  void WatchForces();
+  bool IsOfDestroyedForce(const XrEventDataBuffer& event) const;
+
   HapticRoute RouteHaptic(XrSession session, const XrHapticActionInfo* info) const;
 
   const std::vector<std::string> enabled_;
@@ -150,6 +184,8 @@ class Instance {
   const std::vector<std::string> enabled_below_;  // enabled_ without only_ours_
   const std::optional<Hand> fixed_hand_;          // by the environment
   const std::string fixed_profile_;
+
+  std::mutex forces_mutex_;  // there is one handle at a time
 
   std::mutex suggestions_mutex_;
   Suggestions suggestions_;

@@ -1,19 +1,26 @@
 #include "layer/src/own_functions.h"
 
+#include <initializer_list>
+
 #include "layer/src/entry_automation.h"
 
 namespace omni::layer {
+namespace {
+
+std::vector<OwnFunction> Joined(std::initializer_list<const std::vector<OwnFunction>*> tables) {
+  std::vector<OwnFunction> all;
+  for (const auto* table : tables) all.insert(all.end(), table->begin(), table->end());
+  return all;
+}
+
+}  // namespace
 
 // A table a file of entry points: appended here.
 const std::vector<OwnFunction>& OwnFunctions() {
-  static const std::vector<OwnFunction> all = [] {
-    std::vector<OwnFunction> out;
-    const auto append = [&out](const std::vector<OwnFunction>& table) {
-      out.insert(out.end(), table.begin(), table.end());
-    };
-    append(AutomationFunctions());
-    return out;
-  }();
+  static const std::vector<OwnFunction> all = Joined({
+      &AutomationFunctions(),
+      &ForceFeedbackFunctions(),
+  });
   return all;
 }
 

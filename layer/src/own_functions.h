@@ -9,4 +9,6 @@ namespace omni::layer {
 
 const std::vector<OwnFunction>& OwnFunctions();
 
+const std::vector<OwnFunction>& ForceFeedbackFunctions();  // entry_force_feedback.cc
+
 }  // namespace omni::layer

@@ -26,6 +26,7 @@ void ServiceLink::Poll(std::int64_t now_ns) {
   const bool connected = connection_.connected();
   for (const protocol::Notice& notice : connection_.TakeNotices())
     log_.Line(std::string("service says: ") + notice.text);
+  if (connected && !was_connected_) connection_number_.fetch_add(1, std::memory_order_relaxed);
   if (connected != was_connected_) log_.Line(connected ? "connected to omnid" : "connection to omnid lost");
   if (!connected && connection_.last_error() != last_error_) {
     last_error_ = connection_.last_error();
@@ -56,6 +57,36 @@ void ServiceLink::Haptic(std::int64_t duration_ns, float amplitude, float freque
 void ServiceLink::HapticStop() {
   const std::lock_guard lock(mutex_);
   connection_.SendHapticStop();
+}
+
+void ServiceLink::ClaimForce(bool wanted) {
+  const std::lock_guard lock(mutex_);
+  connection_.ClaimForce(wanted);  // the connection repeats what did not get through
+}
+
+void ServiceLink::SendForce(const protocol::ForceApply& apply) {
+  const std::lock_guard lock(mutex_);
+  connection_.SendForce(apply);
+}
+
+bool ServiceLink::SendConstraints(const protocol::ForceConstraints& constraints) {
+  const std::lock_guard lock(mutex_);
+  return connection_.SendConstraints(constraints);
+}
+
+void ServiceLink::StopForce() {
+  const std::lock_guard lock(mutex_);
+  connection_.SendForceStop();
+}
+
+protocol::ForceStanding ServiceLink::force_standing() const {
+  const std::lock_guard lock(mutex_);
+  return connection_.force_standing();
+}
+
+protocol::ForceProperties ServiceLink::force_properties() const {
+  const std::lock_guard lock(mutex_);
+  return connection_.force_properties();
 }
 
 std::shared_ptr<const client::StateReader> ServiceLink::reader() const {

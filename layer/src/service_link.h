@@ -33,6 +33,11 @@ class ServiceLink {
     if (test_) test_->Beat();
   }
   void Poll(std::int64_t now_ns);
+  // The same, however short ago the last look was.
+  void PollNow(std::int64_t now_ns) {
+    next_poll_ns_.store(0, std::memory_order_relaxed);
+    Poll(now_ns);
+  }
 
   void SetSession(protocol::SessionState state);
   void Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz);
@@ -42,6 +47,14 @@ class ServiceLink {
   void OfferTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
   // Null: no test mode.
   TestDevice* test() const { return test_.get(); }
+  void ClaimForce(bool wanted);
+  void SendForce(const protocol::ForceApply& apply);
+  bool SendConstraints(const protocol::ForceConstraints& constraints);  // false: they did not go out
+  void StopForce();
+  protocol::ForceStanding force_standing() const;
+  protocol::ForceProperties force_properties() const;
+  // Counts connections from 1: what an earlier one was told, this one does not know.
+  std::uint64_t connection_number() const { return connection_number_.load(std::memory_order_relaxed); }
 
   std::shared_ptr<const client::StateReader> reader() const;
   PenSnapshot Read(std::int64_t now_ns) const;
@@ -54,11 +67,12 @@ class ServiceLink {
   client::Connection connection_;
   std::unique_ptr<TestDevice> test_;
   Log& log_;
-  std::mutex mutex_;  // of connection_ (except Beat) and of what follows
+  mutable std::mutex mutex_;  // of connection_ (except Beat) and of what follows
   protocol::SessionState session_ = protocol::SessionState::kNone;
   bool was_connected_ = false;
   std::string last_error_;
   std::atomic<std::int64_t> next_poll_ns_{0};
+  std::atomic<std::uint64_t> connection_number_{0};
 
   mutable std::shared_mutex reader_mutex_;
   std::shared_ptr<const client::StateReader> reader_;

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <shared_mutex>
 
-#include "layer/src/placement.h"
 #include "layer/src/pen_rest.h"
+#include "layer/src/placement.h"
 #include "layer/src/session_actions.h"
 
 namespace omni::layer {

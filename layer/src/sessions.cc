@@ -18,6 +18,7 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
 XrResult Instance::DestroySession(XrSession session) {
   const XrResult result = next.DestroySession(session);
   if (XR_FAILED(result)) return result;
+  DestroyForcesOf(session);
   spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
   hand_trackers.EraseIf([session](const Session& owner) { return owner.handle == session; });
   if (const auto record = sessions.Find(session)) {
@@ -57,6 +58,7 @@ void Instance::SetFocus(Session& session, bool focused) {
   if (!focused) {
     session.focus_was_lost = true;
     link.HapticStop();
+    ForgetForces(session);
   }
   ReportSessionState();
 }
@@ -92,11 +94,17 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     return result;
   }
   if (result != XR_EVENT_UNAVAILABLE || !event) return result;
+  WatchForces();
   XrSession due = XR_NULL_HANDLE;
   sessions.ForEach([&](Session& session) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
   });
-  if (due == XR_NULL_HANDLE) return events.Pop(*event) ? XR_SUCCESS : result;
+  if (due == XR_NULL_HANDLE) {
+    while (events.Pop(*event))
+      if (!IsOfDestroyedForce(*event)) return XR_SUCCESS;
+    *event = {XR_TYPE_EVENT_DATA_BUFFER, nullptr, {}};
+    return result;
+  }
   const XrEventDataInteractionProfileChanged changed{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr, due};
   std::memcpy(event, &changed, sizeof(changed));
   return XR_SUCCESS;
@@ -108,6 +116,8 @@ XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrF
   Alive();
   clock.Refresh(now);
   if (XR_SUCCEEDED(result) && state) clock.OnFrame(*state, now);
+  FollowConstraints();
+  WatchForces();
   return result;
 }
 

@@ -74,7 +74,10 @@ XrResult Instance::CreateReferenceSpace(XrSession session, const XrReferenceSpac
 XrResult Instance::DestroySpace(XrSpace space) {
   const XrResult result = next.DestroySpace(space);
   link.Beat();
-  if (XR_SUCCEEDED(result)) spaces.Erase(space);
+  if (XR_SUCCEEDED(result)) {
+    ForgetSpace(space);
+    spaces.Erase(space);
+  }
   return result;
 }
 
@@ -100,6 +103,30 @@ XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
   const LocationFields fields{&location->locationFlags, &location->pose};
   const VelocityFields velocity = FieldsOf(FindInChain<XrSpaceVelocity>(location->next, XR_TYPE_SPACE_VELOCITY));
   Write(Between(s, b, FromBelow(fields, velocity, s, b), pen), fields, velocity);
+  return result;
+}
+
+XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS) {
+  X_OS = {};
+  const Side s = SideOf(*this, space);
+  const PenAt pen = PenAtTime(*this, session, time);
+  if (s.pen()) {
+    X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
+    return XR_SUCCESS;
+  }
+  if (pen.anchor == XR_NULL_HANDLE || !pen.placement.valid) return XR_SUCCESS;
+  XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
+  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
+  const XrResult result = next.LocateSpace(space, pen.anchor, time, &location);
+  if (XR_FAILED(result) || s.served_by == kServedByNobody) return result;
+  Side anchor;
+  anchor.served_by = 0;  // stands for L, as a space of the pen does
+  const Located X_LS = FromBelow({&location.locationFlags, &location.pose}, FieldsOf(&velocity), s, anchor);
+  Located X_LO;
+  X_LO.motion.X = pen.placement.X_LO;
+  X_LO.flags = pen.placement.tracked ? kValid | kTracked : kValid;
+  X_LO.velocity_flags = kVelocityValid;
+  X_OS = Chain(Invert(X_LO), X_LS);
   return result;
 }
 

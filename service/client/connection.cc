@@ -57,6 +57,7 @@ struct Connection::Impl {
   void Fail(std::int64_t now_ns, const std::string& problem);
   void SendPendingSession() noexcept;
   void SendSurfaceRequest() noexcept;
+  void SendForceClaim() noexcept;
 
   template <class T>
   bool Send(const T& message) noexcept {
@@ -78,6 +79,10 @@ struct Connection::Impl {
   bool surfaces_wanted = false;
   bool surfaces_pending = false;  // the service does not know `surfaces_wanted` yet
   bool surfaces_answered = false;
+  bool force_wanted = false;
+  bool force_pending = false;  // the service does not know `force_wanted` yet
+  protocol::ForceStanding force_standing = protocol::ForceStanding::kFree;
+  protocol::ForceProperties force_properties;
   std::string status;
   std::vector<protocol::Notice> notices;
   protocol::AppSettings settings;
@@ -96,6 +101,7 @@ void Connection::Impl::Advance(std::int64_t now_ns) {
   }
   if (phase == Phase::kConnected && session_pending) SendPendingSession();
   if (phase == Phase::kConnected && surfaces_pending) SendSurfaceRequest();
+  if (phase == Phase::kConnected && force_pending) SendForceClaim();
 }
 
 void Connection::Impl::Attempt(std::int64_t now_ns) {
@@ -138,6 +144,10 @@ void Connection::Impl::Read(std::int64_t now_ns) {
       settings = *wish;
     } else if (const auto* there = std::get_if<protocol::Surfaces>(&message); there && phase == Phase::kConnected) {
       OnSurfaces(now_ns, *there, fds, received.fd_count);
+    } else if (const auto* owner = std::get_if<protocol::ForceOwner>(&message); owner && phase == Phase::kConnected) {
+      force_standing = owner->standing;
+    } else if (const auto* can = std::get_if<protocol::ForceProperties>(&message); can && phase == Phase::kConnected) {
+      force_properties = *can;
     } else if (const auto* answer = std::get_if<protocol::SceneAnswer>(&message);
                answer && phase == Phase::kConnected) {
       OnSceneAnswer(now_ns, *answer, fds, received.fd_count);
@@ -165,6 +175,7 @@ void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& w
   last_error.clear();
   session_pending = session != protocol::SessionState::kNone;
   surfaces_pending = surfaces_wanted;
+  force_pending = force_wanted;
 }
 
 void Connection::Impl::OnReject(std::int64_t now_ns, const protocol::Reject& reject) {
@@ -231,6 +242,8 @@ void Connection::Impl::Disconnect(std::int64_t now_ns) noexcept {
   reader.reset();
   surface_reader.reset();
   surfaces_answered = false;
+  force_standing = protocol::ForceStanding::kFree;
+  force_properties = {};
   life.Detach();
   next_attempt_ns = now_ns + info.retry_interval_ns;
 }
@@ -250,6 +263,12 @@ void Connection::Impl::SendSurfaceRequest() noexcept {
   protocol::SurfaceRequest message;
   message.wanted = surfaces_wanted ? 1 : 0;
   surfaces_pending = !Send(message);
+}
+
+void Connection::Impl::SendForceClaim() noexcept {
+  protocol::ForceClaim message;
+  message.wanted = force_wanted ? 1 : 0;
+  force_pending = !Send(message);
 }
 
 Connection::Connection(ConnectionInfo info) : impl_(std::make_unique<Impl>(std::move(info))) {}
@@ -292,6 +311,32 @@ bool Connection::SendHapticStop() noexcept {
 }
 
 bool Connection::RequestStatus() noexcept { return impl_->Send(protocol::StatusRequest{}); }
+
+bool Connection::ClaimForce(bool wanted) noexcept {
+  if (impl_->info.role != protocol::ClientRole::kApplication) return false;
+  impl_->force_wanted = wanted;
+  impl_->force_pending = true;
+  if (connected()) impl_->SendForceClaim();
+  return !impl_->force_pending;
+}
+
+bool Connection::SendForce(const protocol::ForceApply& apply) noexcept {
+  return impl_->info.role == protocol::ClientRole::kApplication && protocol::Problem(apply) == nullptr &&
+         impl_->Send(apply);
+}
+
+bool Connection::SendConstraints(const protocol::ForceConstraints& constraints) noexcept {
+  return impl_->info.role == protocol::ClientRole::kApplication && protocol::Problem(constraints) == nullptr &&
+         impl_->Send(constraints);
+}
+
+bool Connection::SendForceStop() noexcept {
+  return impl_->info.role == protocol::ClientRole::kApplication && impl_->Send(protocol::ForceStop{});
+}
+
+protocol::ForceStanding Connection::force_standing() const noexcept { return impl_->force_standing; }
+
+const protocol::ForceProperties& Connection::force_properties() const noexcept { return impl_->force_properties; }
 
 bool Connection::RequestSurfaces(bool wanted) noexcept {
   impl_->surfaces_wanted = wanted;

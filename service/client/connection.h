@@ -12,6 +12,7 @@
 #include "service/client/surface_reader.h"
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
+#include "service/protocol/force_feedback.h"
 
 namespace omni::client {
 
@@ -60,6 +61,16 @@ class Connection {
   bool SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept;
   bool SendHapticStop() noexcept;
   bool RequestStatus() noexcept;
+
+  // Claims the pen for forces, or gives it up; claimed again on reconnection.
+  bool ClaimForce(bool wanted) noexcept;
+  // False: not sent. What is not in a message's range (force_feedback.h) is refused here, not by the service.
+  bool SendForce(const protocol::ForceApply& apply) noexcept;
+  bool SendConstraints(const protocol::ForceConstraints& constraints) noexcept;
+  bool SendForceStop() noexcept;
+  // Newest word of the service; while not connected: free, and nothing is available.
+  protocol::ForceStanding force_standing() const noexcept;
+  const protocol::ForceProperties& force_properties() const noexcept;
 
   // Asks for the surfaces that change shape or place, or no longer; asked again on reconnection. Nothing is computed
   // while nobody asks.

@@ -7,6 +7,7 @@
 #include "service/base/clock.h"
 #include "service/config/calibration_file.h"
 #include "service/daemon/fault_log.h"
+#include "service/daemon/force_properties.h"
 #include "service/daemon/recorder.h"
 #include "service/daemon/transport_tick_source.h"
 
@@ -64,6 +65,7 @@ bool DeviceKeeper::Open() {
       spdlog::error("{}", recorder.error());
     }
   }
+  service_.SetForceProperties(DescribeForce(config, device_));
   session_->loop.Start();
   service_.Attach(session_->loop, *session_->opened.transport);
   const std::string& refused = session_->loop.realtime().reason;

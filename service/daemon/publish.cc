@@ -17,6 +17,12 @@ std::uint32_t Flags(const loop::TickOutput& output) noexcept {
   if (output.tool.status == base::TrackingStatus::kTracking) flags |= protocol::kToolTracked;
   if (output.haptics.in_contact && output.gate > 0) flags |= protocol::kToolContact;
   if (output.haptics.joystick) flags |= protocol::kToolJoystick;
+  if (output.applied.acts && output.gate > 0) flags |= protocol::kToolPushed;
+  if (output.saturated) flags |= protocol::kToolSaturated;
+  if (output.warm) flags |= protocol::kToolWarm;
+  if (output.out_of_reach) flags |= protocol::kToolOutOfReach;
+  if ((output.faults & loop::kFaultDevice) != 0) flags |= protocol::kToolDeviceFault;
+  if (output.applied.stiffness_limited) flags |= protocol::kToolStiffnessLimited;
   return flags;
 }
 
@@ -28,6 +34,7 @@ void PublishSink::Publish(const loop::TickOutput& output) noexcept {
   protocol::ToolSample sample;
   sample.t_ns = output.t_ns;
   sample.flags = Flags(output);
+  sample.contact_count = static_cast<std::uint32_t>(std::max(0, output.haptics.contact_count));
   sample.position_base_m = ToArray(tool.device_point_base_m);
   sample.orientation_base_wxyz = {q.w, q.x, q.y, q.z};
   sample.linear_velocity_base_m_s = ToArray(tool.device_point_velocity_base_m_s);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include <spdlog/spdlog.h>
 
@@ -31,6 +32,12 @@ Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       start_ns_(base::MonotonicNow_ns()),
       builder_(options_.hull_radius_m, options_.cache_folder, options_.soft_tets),
+      force_({.owner = [this](ipc::ClientId id,
+                              const protocol::ForceOwner& owner) { return server_->SendForceOwner(id, owner); },
+              .properties =
+                  [this](ipc::ClientId id, const protocol::ForceProperties& properties) {
+                    return server_->SendForceProperties(id, properties);
+                  }}),
       calibration_(options_.calibration),
       surfaces_(
           options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
@@ -58,6 +65,7 @@ void Service::Detach(const std::string& why) {
   const std::lock_guard lock(loop_mutex_);
   loop_ = nullptr;
   transport_ = nullptr;
+  force_properties_ = {};
   device_absent_why_ = why;
 }
 
@@ -66,10 +74,17 @@ void Service::SetCalibration(config::CalibrationChoice choice) {
   calibration_ = std::move(choice);
 }
 
+void Service::SetForceProperties(const protocol::ForceProperties& properties) {
+  const std::lock_guard lock(loop_mutex_);
+  force_properties_ = properties;
+}
+
 void Service::OnClient(const ipc::ClientInfo& client) {
   owners_.Add(client.id, client.role);
   clients_[client.id] = {.info = client, .app = config::FindApp(options_.apps, client.application), .scene = nullptr};
   if (client.role != protocol::ClientRole::kApplication) return;
+  force_.Add(client.id);
+  TellForce();
   spdlog::info("client {}: application \"{}\" (pid {})", client.id, client.application, client.pid);
   if (server_ != nullptr) server_->SendSettings(client.id, SettingsFor(clients_[client.id].app));
 }
@@ -92,6 +107,7 @@ void Service::OnGone(ipc::ClientId id) {
   clients_.erase(found);
   owners_.Remove(id);
   surfaces_.Remove(id);
+  force_.Remove(id);
   if (application) WriteCommands(base::MonotonicNow_ns());  // a dead owner's force goes now, not at the next period
 }
 
@@ -127,6 +143,12 @@ void Service::OnHapticStop(ipc::ClientId id) {
   WriteCommands(base::MonotonicNow_ns());
 }
 
+void Service::OnForce(ipc::ClientId id, const protocol::ForceRequest& request) {
+  const std::int64_t now_ns = base::MonotonicNow_ns();
+  if (force_.Take(id, request, now_ns)) WriteCommands(now_ns);
+  if (std::holds_alternative<protocol::ForceClaim>(request)) TellForce();
+}
+
 void Service::OnSurfaceRequest(ipc::ClientId id, bool wanted) {
   if (clients_.count(id) != 0) surfaces_.Ask(id, wanted);
 }
@@ -147,6 +169,7 @@ void Service::OnPeriod(std::int64_t now_ns) {
   TakeSoftBodies();
   TakeSculptNews();
   WriteCommands(now_ns);
+  TellForce();
   UpdateSurfaces();
   ReleaseScenes();
 }
@@ -218,17 +241,29 @@ void Service::WriteCommands(std::int64_t now_ns) {
     if (wanted_ != nullptr) sculpt_.Enter(*wanted_->scene);
     ++generation_;
   }
+  force_.SetOwner(owner);
   const std::int64_t beat_ns = owner == 0 || server_ == nullptr ? 0 : server_->LastBeat_ns(owner);
   loop::Commands commands{.t_ns = now_ns,
                           .gate = owners_.Gate(now_ns, beat_ns),
                           .idle = owners_.empty(),
                           .scene_generation = generation_,
                           .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
-                          .haptic = haptic_};
+                          .haptic = haptic_,
+                          .applied = force_.Command(now_ns, beat_ns)};
   const std::lock_guard lock(loop_mutex_);
   if (loop_ == nullptr) return;
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
   loop_->commands().Write(commands);
+}
+
+void Service::TellForce() {
+  if (server_ == nullptr) return;
+  protocol::ForceProperties properties;
+  {
+    const std::lock_guard lock(loop_mutex_);
+    properties = force_properties_;
+  }
+  force_.Tell(properties);
 }
 
 void Service::UpdateSurfaces() {

@@ -11,6 +11,7 @@
 
 #include "service/config/app_file.h"
 #include "service/config/calibration_file.h"
+#include "service/daemon/force_clients.h"
 #include "service/daemon/owner.h"
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
@@ -44,6 +45,8 @@ class Service : public ipc::ServerHandler {
   void Detach(const std::string& why);
   // Any thread: what the device that is being opened works with.
   void SetCalibration(config::CalibrationChoice choice);
+  // Any thread: what the device that is attached, or about to be, can push. Detach takes it back.
+  void SetForceProperties(const protocol::ForceProperties& properties);
 
   void OnClient(const ipc::ClientInfo& client) override;
   void OnGone(ipc::ClientId id) override;
@@ -51,6 +54,7 @@ class Service : public ipc::ServerHandler {
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
   void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
+  void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
   void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override;
@@ -67,6 +71,7 @@ class Service : public ipc::ServerHandler {
   void ReleaseScenes();
   void WriteCommands(std::int64_t now_ns);
   void UpdateSurfaces();
+  void TellForce();
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   protocol::AppSettings SettingsFor(const config::AppEntry* app) const;
   void DropScene(Client& client);
@@ -83,12 +88,14 @@ class Service : public ipc::ServerHandler {
   std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
   std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over
   loop::HapticWaveform haptic_;
+  ForceClients force_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   std::mutex loop_mutex_;
   loop::TickThread* loop_ = nullptr;
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;
+  protocol::ForceProperties force_properties_;
   std::string device_absent_why_ = "not opened yet";
   SurfaceClients surfaces_;  // the last: its thread uses the loop
 };

@@ -49,6 +49,7 @@ struct Input {
   double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
   base::ForceLimit limit;
   std::span<const ObjectPose> poses;  // at t_ns, at most kMaxMoved; what is not named stands where it stood
+  bool pushed = false;                // something else moves the hand now: contacts are not judged by its energy
 };
 
 // One touched object.
@@ -201,6 +202,7 @@ struct Contact {
   double gap_m = 0;         // signed: < 0 penetrating
   double normal_force_N = 0;
   double tangential_force_N = 0;
+  double load = 0;  // its stiffness over what is offered along the normal
 };
 
 // The car, for people.

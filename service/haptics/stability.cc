@@ -143,8 +143,11 @@ Offer UpdateOffer(const Config& config, const Input& input, bool touching, Offer
     Renew(config, input, touching, state.age_s, state);
     state.age_s = 0;
   }
-  return {state.stiffness_N_m, state.along_N_m, input.axis_base, std::max(0.0, config.hand_damping_Ns_m),
-          state.predict_s};
+  return OfferOf(config, input.axis_base, state);
+}
+
+Offer OfferOf(const Config& config, const Vec3& axis_base, const OfferState& state) noexcept {
+  return {state.stiffness_N_m, state.along_N_m, axis_base, std::max(0.0, config.hand_damping_Ns_m), state.predict_s};
 }
 
 double StiffnessShare(const std::array<Vec3, kMaxContacts>& normals,

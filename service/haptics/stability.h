@@ -34,6 +34,9 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept;
 // Follows the limits: up and down in the air, only down in touch, where every change of stiffness would move the hand.
 Offer UpdateOffer(const Config& config, const Input& input, bool touching, OfferState& state) noexcept;
 
+// What UpdateOffer gave last.
+Offer OfferOf(const Config& config, const Vec3& axis_base, const OfferState& state) noexcept;
+
 // Springs K_i along unit n_i add up to sum K_i n_i n_i', whose largest eigenvalue is at most
 // max_i sum_j K_j |n_i . n_j|   (Gershgorin on the Gram matrix, 3.7). With `load` = K_i over what may be offered along
 // n_i: the factor that brings this bound to 1.

@@ -281,7 +281,7 @@ void Render(const Config& config, const Offer& offer, const Scene& scene, const 
     others_N =
         touched.others_N + Play(config, offer, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
-  const bool passive = steady && state.ramp == 1 && !touched.moving && others_N == Vec3{};
+  const bool passive = steady && state.ramp == 1 && !touched.moving && !input.pushed && others_N == Vec3{};
   output.energy_gain = WatchEnergy(
       {measured.device_point_base_m, input.dt_s, LoopLag_s(config, input), touched.stored_J, passive}, state.energy);
   const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;

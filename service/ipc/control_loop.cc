@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "service/base/clock.h"
@@ -53,6 +54,15 @@ base::Status CheckOptions(const ServerOptions& options) {
     return Error{"ServerOptions.max_clients is " + std::to_string(options.max_clients) + ", must be in 1..1024"};
   }
   return base::Ok{};
+}
+
+// The requests about forces that a client may make.
+std::optional<protocol::ForceRequest> ForceRequestIn(const protocol::Message& message) {
+  if (const auto* claim = std::get_if<protocol::ForceClaim>(&message)) return *claim;
+  if (const auto* apply = std::get_if<protocol::ForceApply>(&message)) return *apply;
+  if (const auto* constraints = std::get_if<protocol::ForceConstraints>(&message)) return *constraints;
+  if (const auto* stop = std::get_if<protocol::ForceStop>(&message)) return *stop;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -213,6 +223,7 @@ bool ControlLoop::Handle(Peer& peer, const protocol::Message& message) {
     Guarded("OnSceneCommand", &peer, [&] { handler_.OnSceneCommand(peer.id(), *command); });
     return false;  // as above
   }
+  if (const auto force = ForceRequestIn(message)) return HandleForce(peer, *force);
   return HandleApplication(peer, message);
 }
 
@@ -224,6 +235,15 @@ void ControlLoop::Greet(Peer& peer, const protocol::Hello& hello) {
   const auto greeted = peer.Greet(hello, options_.service_instance, options_.state_fd, base::MonotonicNow_ns());
   if (!greeted) return Refuse(peer, greeted.error());
   Guarded("OnClient", &peer, [&] { handler_.OnClient(peer.info()); });
+}
+
+bool ControlLoop::HandleForce(Peer& peer, const protocol::ForceRequest& request) {
+  if (peer.info().role != protocol::ClientRole::kApplication) {
+    Refuse(peer, "a monitor has no forces; say Hello as an application");
+  } else {
+    Guarded("OnForce", &peer, [&] { handler_.OnForce(peer.id(), request); });
+  }
+  return !peer.doomed();
 }
 
 bool ControlLoop::HandleApplication(Peer& peer, const protocol::Message& message) {
@@ -336,6 +356,12 @@ bool ControlLoop::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, 
   const auto found = peers_.find(id);
   if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
   return found->second.TrySend(&surfaces, sizeof(surfaces), fd);
+}
+
+bool ControlLoop::SendAgainLater(ClientId id, const void* bytes, std::size_t size) {
+  const auto found = peers_.find(id);
+  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
+  return found->second.TrySend(bytes, size, -1);
 }
 
 void ControlLoop::SendSceneReply(ClientId id, const SceneReplyParts& parts) {

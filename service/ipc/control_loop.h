@@ -31,6 +31,8 @@ class ControlLoop {
   void SendSettings(ClientId id, const protocol::AppSettings& settings);
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
   void SendSceneReply(ClientId id, const SceneReplyParts& parts);
+  // A message that its sender repeats until it goes out. False: not now.
+  bool SendAgainLater(ClientId id, const void* bytes, std::size_t size);
 
  private:
   ControlLoop(const ServerOptions& options, ServerHandler& handler, Listener listener);
@@ -46,6 +48,7 @@ class ControlLoop {
   bool Handle(Peer& peer, const protocol::Message& message);
   void Greet(Peer& peer, const protocol::Hello& hello);
   bool HandleApplication(Peer& peer, const protocol::Message& message);
+  bool HandleForce(Peer& peer, const protocol::ForceRequest& request);
   void AnswerStatus(Peer& peer);
   void OnTimer();
   void Refuse(Peer& peer, const std::string& reason);

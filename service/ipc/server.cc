@@ -62,6 +62,14 @@ bool Server::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int f
 
 void Server::SendSceneReply(ClientId id, const SceneReplyParts& parts) { impl_->loop->SendSceneReply(id, parts); }
 
+bool Server::SendForceOwner(ClientId id, const protocol::ForceOwner& owner) {
+  return impl_->loop->SendAgainLater(id, &owner, sizeof(owner));
+}
+
+bool Server::SendForceProperties(ClientId id, const protocol::ForceProperties& properties) {
+  return impl_->loop->SendAgainLater(id, &properties, sizeof(properties));
+}
+
 std::uint64_t Server::DroppedMessages(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);
   return peer != nullptr ? peer->dropped() : 0;

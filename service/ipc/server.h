@@ -10,6 +10,7 @@
 #include "service/base/result.h"
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
+#include "service/protocol/force_feedback.h"
 
 namespace omni::ipc {
 
@@ -47,6 +48,8 @@ class ServerHandler {
   virtual void OnSurfaceRequest(ClientId /*id*/, bool /*wanted*/) {}
   // To be answered by one SendSceneReply, now or later. Any client.
   virtual void OnSceneCommand(ClientId id, const protocol::SceneCommand& command) = 0;
+  // An application's claim on the pen, its force, its constraints. Not overridden: nothing is felt.
+  virtual void OnForce(ClientId /*id*/, const protocol::ForceRequest& /*request*/) {}
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -82,6 +85,9 @@ class Server {
   // False: it does not read now and the message was not sent, or it is gone. `fd` < 0: none goes along.
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
   void SendSceneReply(ClientId id, const SceneReplyParts& parts);
+  // False: as SendSurfaces.
+  bool SendForceOwner(ClientId id, const protocol::ForceOwner& owner);
+  bool SendForceProperties(ClientId id, const protocol::ForceProperties& properties);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 

@@ -58,8 +58,8 @@ void CarryOrientation(const base::ToolState& tool, LoopState& state, TickOutput&
   output.orientation_base_tool = base::FromEigen(R_BT);
 }
 
-haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLimit& limit, double delay_s,
-                               double dt_s) noexcept {
+haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLimit& limit, double delay_s, double dt_s,
+                               const LoopState& state) noexcept {
   return {.t_ns = tool.t_ns,
           .dt_s = dt_s,
           .tracked = tool.status == base::TrackingStatus::kTracking,
@@ -69,7 +69,28 @@ haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLim
           .noise_along = tool.device_point_noise_along,
           .axis_base = tool.axis_base,
           .delay_s = delay_s,
-          .limit = limit};
+          .limit = limit,
+          .poses = {},
+          .pushed = state.applied.force_presence > 0};
+}
+
+// The application's own forces and constraints. A control thread that is stuck, or a device with a fault, ends them.
+base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptics::Input& felt, LoopState& state,
+                TickOutput& output) noexcept {
+  if (haptics::IsAtRest(commands.applied, state.applied)) return {};
+  const bool fresh = base::StampDifference_ns(felt.t_ns, commands.t_ns) <= config.applied_timeout_ns;
+  const haptics::AppliedInput input{.t_ns = felt.t_ns,
+                                    .dt_s = felt.dt_s,
+                                    .allowed = fresh && (output.faults & kFaultDevice) == 0,
+                                    .tracked = felt.tracked,
+                                    .device_point_base_m = felt.device_point_base_m,
+                                    .velocity_base_m_s = felt.velocity_base_m_s,
+                                    .velocity_sigma_m_s = std::sqrt(std::max(0.0, felt.noise.velocity_m2_s2)),
+                                    .lag_s = haptics::LoopLag_s(config.haptics, felt),
+                                    .offer = haptics::OfferOf(config.haptics, felt.axis_base, state.haptics.offer),
+                                    .contacts = &output.haptics};
+  haptics::Apply(config.applied, commands.applied, input, state.applied, output.applied);
+  return output.applied.force_base_N;
 }
 
 // A single scan that does not fit (a current step, a spike) holds the last pose instead of dropping the contact.
@@ -100,18 +121,33 @@ base::Vec3 PlayWaveform(const TickConfig& config, const HapticWaveform& waveform
                 std::clamp(waveform.amplitude, 0.0, 1.0) * config.haptic_pulse_force_N * std::sin(phase));
 }
 
-// Adds contact and vibration under the gate; counts a waveform once when it reaches the command.
-base::Vec3 Mix(const base::Vec3& contact_N, const base::Vec3& vibration_N, const base::ForceLimit& limit,
-               double force_scale, LoopState& state) noexcept {
-  const base::Vec3 wanted{contact_N.x + vibration_N.x, contact_N.y + vibration_N.y, contact_N.z + vibration_N.z};
+base::Vec3 Plus(const base::Vec3& a, const base::Vec3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+
+// Adds vibration to the rest under the gate; counts a waveform once when it reaches the command.
+base::Vec3 Mix(const base::Vec3& rest_N, const base::Vec3& vibration_N, const base::ForceLimit& limit,
+               double force_scale, LoopState& state, TickOutput& output) noexcept {
+  const base::Vec3 wanted = Plus(rest_N, vibration_N);
   const double gain = state.gate * std::clamp(force_scale, 0.0, 1.0);
-  const base::Vec3 force_N = Scaled(wanted, gain * base::FeasibleScale(limit, wanted));
+  const double feasible = base::FeasibleScale(limit, wanted);
+  output.saturated = output.haptics.saturated || (gain > 0 && limit.valid && feasible < 1);
+  const base::Vec3 force_N = Scaled(wanted, gain * feasible);
   const bool vibrates = vibration_N != base::Vec3{};
   if (vibrates && !state.haptic_counted && force_N != base::Vec3{}) {
     state.haptic_counted = true;
     ++state.haptic_pulses;
   }
   return force_N;
+}
+
+// Less than this share of what a cold device offers: warm.
+constexpr double kWarmBelow = 0.9;
+
+void TellLimits(const TickConfig& config, const base::ForceLimit& limit, TickOutput& output) noexcept {
+  output.near_singular = limit.near_singular;
+  output.out_of_reach = !(limit.valid && limit.force_max_N > 0);
+  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+    if (limit.valid && limit.current_max_A[k] < kWarmBelow * config.cold_current_A[k]) output.warm = true;
+  }
 }
 
 }  // namespace
@@ -138,12 +174,14 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   actuation::UpdateHeat(config.actuation, scan, state.actuation);
   base::ForceLimit limit = actuation::ComputeDeratedLimit(config.actuation, tool, state.actuation.heat);
   actuation::FadeWeight(state.gate, limit);
-  output.near_singular = limit.near_singular;
+  TellLimits(config, limit, output);
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
-  haptics::Step(config.haptics, scene, MakeHapticInput(tool, limit, delay_s, dt_s), state.haptics, output.haptics);
+  const haptics::Input felt = MakeHapticInput(tool, limit, delay_s, dt_s, state);
+  haptics::Step(config.haptics, scene, felt, state.haptics, output.haptics);
+  const base::Vec3 pushed_N = Plus(output.haptics.force_base_N, Push(config, commands, felt, state, output));
   const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 
-  base::Vec3 force_N = Mix(output.haptics.force_base_N, vibration_N, limit, commands.force_scale, state);
+  base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
   if (!IsFinite(force_N)) {
     output.faults |= kFaultNotFinite;
     force_N = {};

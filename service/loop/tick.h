@@ -14,6 +14,7 @@
 #include "service/base/hall_scan.h"
 #include "service/base/input_state.h"
 #include "service/base/tool_state.h"
+#include "service/haptics/applied/applied.h"
 #include "service/haptics/haptics.h"
 #include "service/loop/inputs.h"
 #include "service/tracker/tracker.h"
@@ -25,12 +26,15 @@ struct TickConfig {
   tracker::Config tracker;
   actuation::Config actuation;
   haptics::Config haptics;
+  haptics::AppliedConfig applied;
   InputConfig inputs;
   double tip_offset_m = 0;       // device point = magnet centre + tip_offset_m * axis
   double open_ramp_s = 0.100;    // force fades in over this when an owner appears or a scene becomes current
   double gate_ramp_s = 0.010;    // force fades to zero over this when the owner is gone or hands over
   double silent_ramp_s = 0.100;  // fade after an owner gave no sign of life for 250 ms
-  std::int64_t command_timeout_ns = 100'000'000;  // commands older than this: the control thread is stuck, fade
+  std::int64_t command_timeout_ns = 100'000'000;          // commands older than this: the control thread is stuck, fade
+  std::int64_t applied_timeout_ns = 35'000'000;           // the same for an application's own forces and constraints
+  std::array<double, base::kCoilCount> cold_current_A{};  // what a cold device offers; prepared by MakeTickConfig
   int bridge_scans = 10;               // so many scans in a row without a fit do not end a contact: the pose is held
   double haptic_pulse_force_N = 0.25;  // amplitude 1 of xrApplyHapticFeedback
   double haptic_pulse_min_s = 0.020;   // XR_MIN_HAPTIC_DURATION
@@ -60,12 +64,14 @@ struct Commands {
   std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
   double force_scale = 1;              // [0, 1], from apps.d
   HapticWaveform haptic;
+  haptics::AppliedCommand applied;  // the owner's own forces and constraints
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
 
 struct LoopState {
   tracker::State tracker;
   haptics::State haptics;
+  haptics::AppliedState applied;
   actuation::State actuation;
   InputTracker inputs;
   std::int64_t t_ns = 0;  // of the last scan
@@ -88,6 +94,7 @@ struct TickOutput {
   base::ToolState tool;
   base::Quat orientation_base_tool;  // frame T: -z out of the tip
   haptics::Output haptics;
+  haptics::AppliedOutput applied;
   base::Wrench wrench;          // after all gates; the torque is what the currents do besides
   base::CoilCurrents currents;  // the last word, finite, within limits
   base::InputState inputs;
@@ -96,6 +103,9 @@ struct TickOutput {
   std::uint32_t faults = 0;         // TickFault bits of this tick
   double gate = 0;
   bool near_singular = false;  // pen nearly perpendicular to the radius: one direction of force is faded out
+  bool out_of_reach = false;   // no force can be made at this pose, or there is none
+  bool saturated = false;      // the device's limit cut the force
+  bool warm = false;           // coils offer less than cold ones
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
 

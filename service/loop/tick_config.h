@@ -13,6 +13,12 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const track
   config.tracker = tracker;
   config.actuation = actuation;
   config.tip_offset_m = device.magnet.tip_offset_m;
+  config.applied.force_slew_N_s = config.haptics.force_slew_N_s;
+  config.applied.force_max_N = device.force_max_N;
+  const actuation::HeatConfig& heat = actuation.heat;
+  for (std::size_t k = 0; k < config.cold_current_A.size(); ++k) {
+    config.cold_current_A[k] = actuation::CurrentCeiling_A(heat, k, heat.nodes.air_C, heat.nodes.air_C);
+  }
   return config;
 }
 

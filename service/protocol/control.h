@@ -30,7 +30,14 @@ enum class MessageType : std::uint16_t {
   kSceneReply = 11,      // server -> client: text after it; with a file: one descriptor, sealed memory
   kSurfaceRequest = 12,  // client -> server: show me the surfaces that change, or no longer
   kSurfaces = 13,        // server -> client, with one descriptor (surface memory, read only) if there is one
-  kAppSettings = 50      // server -> client: app_settings.h
+  // Force feedback: force_feedback.h
+  kForceClaim = 20,        // client -> server: it has a handle, or no longer
+  kForceApply = 21,        // client -> server
+  kForceConstraints = 22,  // client -> server
+  kForceStop = 23,         // client -> server
+  kForceOwner = 24,        // server -> client: who is felt
+  kForceProperties = 25,   // server -> client: what the device can do
+  kAppSettings = 50        // server -> client: app_settings.h
 };
 
 struct MessageHeader {

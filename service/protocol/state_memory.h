@@ -20,11 +20,17 @@ inline constexpr std::uint32_t kRingCapacity = 512;  // >= 250 ms at 1 kHz
 inline constexpr int kMaxTornReads = 3;
 
 enum ToolFlag : std::uint32_t {
-  kToolPoseValid = 1u << 0,  // there is a pose (maybe the last known one)
-  kToolTracked = 1u << 1,    // this sample was measured
-  kToolContact = 1u << 2,    // force is being rendered
-  kToolJoystick = 1u << 3,   // the scene in force says joystick: thumbstick components are live
-  kToolAligned = 1u << 4     // base pose in the headset's space is known (else the default placement holds)
+  kToolPoseValid = 1u << 0,         // there is a pose (maybe the last known one)
+  kToolTracked = 1u << 1,           // this sample was measured
+  kToolContact = 1u << 2,           // force is being rendered
+  kToolJoystick = 1u << 3,          // the scene in force says joystick: thumbstick components are live
+  kToolAligned = 1u << 4,           // base pose in the headset's space is known (else the default placement holds)
+  kToolPushed = 1u << 5,            // a force or a constraint of the application acts
+  kToolSaturated = 1u << 6,         // the device's limit cut the force
+  kToolWarm = 1u << 7,              // coils offer less than cold ones
+  kToolOutOfReach = 1u << 8,        // no force can be made at this pose
+  kToolDeviceFault = 1u << 9,       // the device reports a fault: no force
+  kToolStiffnessLimited = 1u << 10  // constraints are softer or less damped than asked for
 };
 
 // Frame T of the tool: origin at the device point (tip), -Z out of the tip along the pen's axis; roll about the axis
@@ -32,7 +38,7 @@ enum ToolFlag : std::uint32_t {
 struct ToolSample {
   std::int64_t t_ns = 0;  // CLOCK_MONOTONIC of the Hall sample
   std::uint32_t flags = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t contact_count = 0;          // surfaces touched
   std::array<double, 3> position_base_m{};  // device point
   std::array<double, 4> orientation_base_wxyz{1, 0, 0, 0};
   std::array<double, 3> linear_velocity_base_m_s{};  // of the device point

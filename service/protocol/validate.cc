@@ -131,6 +131,12 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kSceneCommand, "SceneCommand", Take<SceneCommand>},
     {MessageType::kSceneReply, "SceneReply", Take<SceneAnswer>},
     {MessageType::kAppSettings, "AppSettings", Take<AppSettings>},
+    {MessageType::kForceClaim, "ForceClaim", Take<ForceClaim>},
+    {MessageType::kForceApply, "ForceApply", Take<ForceApply>},
+    {MessageType::kForceConstraints, "ForceConstraints", Take<ForceConstraints>},
+    {MessageType::kForceStop, "ForceStop", Take<ForceStop>},
+    {MessageType::kForceOwner, "ForceOwner", Take<ForceOwner>},
+    {MessageType::kForceProperties, "ForceProperties", Take<ForceProperties>},
 };
 
 const TypeRow* FindType(MessageType type) noexcept {

@@ -103,12 +103,39 @@ void FakeService::OnHapticStop(ipc::ClientId) {
   ++heard_.haptic_stops;
 }
 
+void FakeService::SetForce(bool available, protocol::ForceStanding standing) {
+  const std::lock_guard lock(mutex_);
+  properties_.emplace();
+  if (available) {
+    properties_->available = 1;
+    properties_->max_force_N = 2;
+    properties_->continuous_force_N = 0.5;
+    properties_->max_stiffness_N_m = 1000;
+    properties_->max_damping_Ns_m = 1;
+    properties_->update_rate_Hz = 1000;
+    properties_->inner_radius_m = 0.04;
+    properties_->outer_radius_m = 0.15;
+    properties_->reach_count = 2;
+    properties_->reach[0] = {0.04, 1.5};
+    properties_->reach[1] = {0.15, 0.1};
+  }
+  owner_.emplace();
+  owner_->standing = standing;
+}
+
+void FakeService::OnForce(ipc::ClientId, const protocol::ForceRequest& request) {
+  const std::lock_guard lock(mutex_);
+  heard_.forces.push_back(request);
+}
+
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
   if (client_ == 0) return;
   last_beat_ns_ = server_->LastBeat_ns(client_);
   if (settings_due_) server_->SendSettings(client_, settings_);
   settings_due_ = false;
+  if (properties_ && server_->SendForceProperties(client_, *properties_)) properties_.reset();
+  if (owner_ && server_->SendForceOwner(client_, *owner_)) owner_.reset();
 }
 
 }  // namespace omni::test

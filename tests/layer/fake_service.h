@@ -23,6 +23,7 @@ struct Heard {
   std::vector<protocol::SessionState> sessions;
   std::vector<protocol::Haptic> haptics;
   int haptic_stops = 0;
+  std::vector<protocol::ForceRequest> forces;
   int gone = 0;
   // Empty: no session was ever reported.
   std::optional<protocol::SessionState> last_session() const {
@@ -40,6 +41,9 @@ class FakeService : private ipc::ServerHandler {
   void SetTrajectory(Trajectory trajectory) { trajectory_ = std::move(trajectory); }
   // A component moves now.
   void Set(protocol::InputIndex index, float value);
+
+  // What it says of forces from now on, to whoever is connected.
+  void SetForce(bool available, protocol::ForceStanding standing);
 
   // Publishes samples up to now.
   void Fill();
@@ -59,6 +63,7 @@ class FakeService : private ipc::ServerHandler {
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
   void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
+  void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
 
@@ -71,6 +76,8 @@ class FakeService : private ipc::ServerHandler {
   protocol::AppSettings settings_;
   bool settings_due_ = false;
   ipc::ClientId client_ = 0;
+  std::optional<protocol::ForceProperties> properties_;  // to be told; none: told
+  std::optional<protocol::ForceOwner> owner_;
   std::atomic<std::int64_t> last_beat_ns_{0};
   std::unique_ptr<ipc::StatePublisher> publisher_;
   std::unique_ptr<ipc::Server> server_;

@@ -180,6 +180,7 @@ struct Meetings {
   std::array<Meeting, kMaxContacts> met;
   std::array<Felt, kMaxContacts> felt;
   std::array<double, kMaxContacts> stiffness_N_m{};
+  std::array<double, kMaxContacts> load{};  // over what is offered
   std::array<double, kMaxContacts> body_N{};
 };
 
@@ -210,6 +211,7 @@ Meetings MeetAll(const Touchables& touchables, const Input& input, const Offer& 
   }
   const double share = StiffnessShare(normals_base, load);
   for (double& stiffness_N_m : all.stiffness_N_m) stiffness_N_m *= share;
+  for (std::size_t k = 0; k < kMaxContacts; ++k) all.load[k] = share * load[k];
   return all;
 }
 
@@ -245,6 +247,7 @@ ContactForces ForcesOf(const Offer& offer, const Touchables& touchables, const I
     const Material& m = MaterialOf(touchables, contact);
     ContactForce force = law.Of(all.met[k], all.felt[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
                                 state.texture_phase, contact);
+    force.report.load = all.load[k];
     force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(touchables, contact, state));
     PopIfTooHard(m, touchables.scene().objects()[contact.object], touchables.tip_radius_m() > 0, force, contact);
     if (Counts(contact)) forces.of[k] = force;

@@ -1,0 +1,157 @@
+// XR_OMNIX1_force_feedback: what a device can do, what is felt, and the events about it.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "layer/src/force_feedback.h"
+#include "layer/src/instance.h"
+#include "layer/src/locate.h"
+
+namespace omni::layer {
+namespace {
+
+constexpr XrForceFeedbackCapabilityFlagsOMNIX1 kCapabilities = XR_FORCE_FEEDBACK_CAPABILITY_FORCE_3DOF_BIT_OMNIX1 |
+                                                               XR_FORCE_FEEDBACK_CAPABILITY_CONSTRAINTS_BIT_OMNIX1 |
+                                                               XR_FORCE_FEEDBACK_CAPABILITY_VIBRATION_BIT_OMNIX1;
+
+// X_OW: base z up -> workspace y up, base y (away from the user) -> workspace -z.
+Pose WorkspaceInBase() {
+  const double h = std::sqrt(0.5);
+  return {{0.0, 0.0, 0.0}, glm::dquat(h, h, 0.0, 0.0)};
+}
+
+void FillSystem(const protocol::ForceProperties& can, XrSystemForceFeedbackPropertiesOMNIX1& out) {
+  const bool there = can.available != 0;
+  out.supportsForceFeedback = there ? XR_TRUE : XR_FALSE;
+  out.capabilityFlags = there ? kCapabilities : 0;
+  out.maxForce = static_cast<float>(can.max_force_N);
+  out.maxContinuousForce = static_cast<float>(can.continuous_force_N);
+  out.maxStiffness = static_cast<float>(can.max_stiffness_N_m);
+  out.maxDamping = static_cast<float>(can.max_damping_Ns_m);
+  out.updateRate = static_cast<float>(can.update_rate_Hz);
+  out.maxConstraintCount = there ? protocol::kMaxForceConstraints : 0;
+}
+
+XrResult FillReach(const protocol::ForceProperties& can, XrForceFeedbackPropertiesOMNIX1& out) {
+  out.reachCountOutput = can.reach_count;
+  if (out.reachCapacityInput == 0) return XR_SUCCESS;
+  if (!out.reach) return XR_ERROR_VALIDATION_FAILURE;
+  if (out.reachCapacityInput < can.reach_count) return XR_ERROR_SIZE_INSUFFICIENT;
+  for (std::uint32_t i = 0; i < can.reach_count; ++i) {
+    out.reach[i] = {static_cast<float>(can.reach[i].distance_m), static_cast<float>(can.reach[i].force_N)};
+  }
+  return XR_SUCCESS;
+}
+
+}  // namespace
+
+// What lies below never sees a structure of ours.
+XrResult Instance::SystemProperties(XrSystemId system, XrSystemProperties* properties) {
+  Alive();
+  if (!properties || !Enabled(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
+    return next.GetSystemProperties(handle, system, properties);
+  auto* before = reinterpret_cast<XrBaseOutStructure*>(properties);
+  while (before->next && before->next->type != XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1) before = before->next;
+  XrBaseOutStructure* ours = before->next;
+  if (!ours) return next.GetSystemProperties(handle, system, properties);
+  link.PollNow(MonotonicNow_ns());  // often asked right after xrCreateInstance: the service may just have answered
+  before->next = ours->next;
+  const XrResult result = next.GetSystemProperties(handle, system, properties);
+  before->next = ours;
+  if (XR_SUCCEEDED(result))
+    FillSystem(link.force_properties(), *reinterpret_cast<XrSystemForceFeedbackPropertiesOMNIX1*>(ours));
+  return result;
+}
+
+XrResult Instance::ForceProperties(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
+                                   XrForceFeedbackPropertiesOMNIX1* properties) {
+  Alive();
+  const auto force = forces.Find(handle_in);
+  if (!force) return XR_ERROR_HANDLE_INVALID;
+  if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1 || !properties ||
+      properties->type != XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1)
+    return XR_ERROR_VALIDATION_FAILURE;
+  if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
+  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
+  const protocol::ForceProperties can = link.force_properties();
+  if (can.available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
+  Located X_OS;
+  if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
+    return result;
+  Located workspace;
+  workspace.motion.X = WorkspaceInBase();
+  workspace.flags = kValid | kTracked;
+  Write(Chain(Invert(X_OS), workspace), {&properties->workspaceLocationFlags, &properties->workspacePose}, {});
+  properties->innerRadius = static_cast<float>(can.inner_radius_m);
+  properties->outerRadius = static_cast<float>(can.outer_radius_m);
+  return FillReach(can, *properties);
+}
+
+XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,
+                              XrForceFeedbackStateOMNIX1* state) {
+  Alive();
+  const auto force = forces.Find(handle_in);
+  if (!force) return XR_ERROR_HANDLE_INVALID;
+  if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1 || !state ||
+      state->type != XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1)
+    return XR_ERROR_VALIDATION_FAILURE;
+  if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
+  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
+  Located X_OS;
+  if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
+    return result;
+  protocol::ToolSample newest;
+  protocol::ToolSample then;
+  protocol::ToolSample after;
+  const auto reader = link.reader();
+  const bool any = reader && reader->Newest(newest) && reader->Around(clock.ToMonotonic(info->time), then, after);
+  const ForceStatus status = StatusOf({.focused = force->session->focused,
+                                       .standing = link.force_standing(),
+                                       .fresh = any && MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
+                                       .sample = any ? &then : nullptr});
+  state->isActive = status.active ? XR_TRUE : XR_FALSE;
+  state->stateFlags = status.flags;
+  state->sampleTime = any ? clock.ToXr(then.t_ns) : 0;
+  state->contactCount = any ? then.contact_count : 0;
+  state->isForceValid = any && (X_OS.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) ? XR_TRUE : XR_FALSE;
+  state->appliedForce = {0, 0, 0};
+  if (state->isForceValid) {
+    const glm::dvec3 f_O(then.force_base_N[0], then.force_base_N[1], then.force_base_N[2]);
+    state->appliedForce = ToXr(glm::conjugate(X_OS.motion.X.q) * f_O);
+  }
+  return XR_SUCCESS;
+}
+
+ForceStatus Instance::StatusNow(const Session& session) {
+  protocol::ToolSample newest;
+  const auto reader = link.reader();
+  const bool any = reader && reader->Newest(newest);
+  return StatusOf({.focused = session.focused,
+                   .standing = link.force_standing(),
+                   .fresh = any && MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
+                   .sample = any ? &newest : nullptr});
+}
+
+void Instance::WatchForces() {
+  for (const auto& force : forces.Values()) {
+    const std::int64_t now_ns = MonotonicNow_ns();
+    const ForceStatus now = StatusNow(*force->session);
+    ForceStatus told;
+    {
+      const std::lock_guard lock(force->mutex);
+      if (!force->watch.Step(now, now_ns, told)) continue;
+    }
+    events.Push(XrEventDataForceFeedbackStateChangedOMNIX1{
+        XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1, nullptr, force->session->handle, force->handle(),
+        static_cast<XrBool32>(told.active), told.flags, clock.ToXr(now_ns)});
+  }
+}
+
+bool Instance::IsOfDestroyedForce(const XrEventDataBuffer& event) const {
+  if (event.type != XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1) return false;
+  XrEventDataForceFeedbackStateChangedOMNIX1 changed;
+  std::memcpy(&changed, &event, sizeof(changed));
+  return !forces.Contains(changed.forceFeedback);
+}
+
+}  // namespace omni::layer

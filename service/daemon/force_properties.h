@@ -1,0 +1,13 @@
+// What a device can push, for applications that want to know beforehand.
+#pragma once
+
+#include "service/base/device_geometry.h"
+#include "service/loop/tick.h"
+#include "service/protocol/force_feedback.h"
+
+namespace omni::daemon {
+
+// Off the tick: some thousand evaluations of the force map.
+protocol::ForceProperties DescribeForce(const loop::TickConfig& config, const base::DeviceGeometry& device);
+
+}  // namespace omni::daemon

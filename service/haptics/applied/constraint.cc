@@ -1,0 +1,129 @@
+#include "service/haptics/applied/constraint.h"
+
+#include "service/haptics/geometry/vec_math.h"
+
+namespace omni::haptics {
+namespace {
+
+constexpr double kSmallest_m = 1e-9;     // a shorter vector has no direction
+constexpr double kDampedFrom_m = 5e-4;   // a damper grows in over this stretch: what is just met gives no kick
+constexpr double kAdvanceMax_s = 0.050;  // a frame that nobody speaks of any more stands still from then on
+
+Stretch Along(const Vec3& outward, double length_m) noexcept { return {.length_m = length_m, .outward = outward}; }
+
+// A signed distance s along `ray`: held on the surface, or pushed when beyond it.
+Stretch Signed(ConstraintSide side, const Vec3& ray, double s_m) noexcept {
+  const Vec3 outward = s_m >= 0 ? ray : -ray;
+  if (side == ConstraintSide::kOn) return Along(outward, std::abs(s_m));
+  const bool beyond = side == ConstraintSide::kOutside ? s_m < 0 : s_m > 0;
+  Stretch stretch = Along(outward, beyond ? std::abs(s_m) : 0);
+  stretch.one_sided = true;
+  return stretch;
+}
+
+Stretch OfPoint(const Vec3& r) noexcept {
+  const double length_m = Norm(r);
+  return Along(length_m > kSmallest_m ? (1 / length_m) * r : Vec3{}, length_m);
+}
+
+Stretch OfLine(const Constraint& c, const Vec3& r) noexcept {
+  const Vec3 across = r - Dot(r, c.direction_base) * c.direction_base;
+  Stretch stretch = OfPoint(across);
+  if (!(c.radius_m > 0)) return stretch;
+  stretch.length_m = std::max(0.0, stretch.length_m - c.radius_m);
+  stretch.one_sided = true;
+  return stretch;
+}
+
+// Within half of the radius the spring fades out towards the centre   (14.4)
+Stretch OfSphere(const Constraint& c, const Vec3& r) noexcept {
+  const double distance_m = Norm(r);
+  if (!(distance_m > kSmallest_m)) return {.one_sided = c.side != ConstraintSide::kOn, .conservative = false};
+  Stretch stretch = Signed(c.side, (1 / distance_m) * r, distance_m - c.radius_m);
+  stretch.weight = std::min(1.0, 2 * distance_m / c.radius_m);
+  stretch.conservative = stretch.weight == 1 || stretch.length_m == 0;
+  return stretch;
+}
+
+// The part of v along which this constraint damps.
+Vec3 DampedPart(const Constraint& c, const Stretch& stretch, const Vec3& v) noexcept {
+  if (c.kind == ConstraintKind::kPoint || c.kind == ConstraintKind::kViscous) return v;
+  if (c.kind == ConstraintKind::kLine && !stretch.one_sided) return v - Dot(v, c.direction_base) * c.direction_base;
+  return Dot(v, stretch.outward) * stretch.outward;
+}
+
+Vec3 AtMost(double most_N, const Vec3& force_N) noexcept {
+  const double size_N = Norm(force_N);
+  if (!(size_N < 1e12)) return {};
+  return size_N > most_N ? (most_N / size_N) * force_N : force_N;
+}
+
+// True: stiff in the whole space, or across a direction; else along `outward` alone.
+bool IsStiffInSpace(const Constraint& c) noexcept { return c.kind == ConstraintKind::kPoint; }
+bool IsStiffAcross(const Constraint& c) noexcept { return c.kind == ConstraintKind::kLine && !(c.radius_m > 0); }
+
+}  // namespace
+
+Constraint Moved(const Constraint& constraint, double after_s) noexcept {
+  const double dt_s = std::clamp(after_s, 0.0, kAdvanceMax_s);
+  Constraint moved = constraint;
+  moved.point_base_m = constraint.point_base_m + dt_s * constraint.velocity_base_m_s;
+  const Vec3 turned =
+      constraint.direction_base + dt_s * Cross(constraint.angular_velocity_base_rad_s, constraint.direction_base);
+  if (Norm(turned) > 0.5) moved.direction_base = Normalized(turned);
+  if (after_s > kAdvanceMax_s) moved.velocity_base_m_s = moved.angular_velocity_base_rad_s = {};
+  return moved;
+}
+
+Stretch StretchOf(const Constraint& c, const Vec3& device_point_base_m) noexcept {
+  const Vec3 r = device_point_base_m - c.point_base_m;
+  switch (c.kind) {
+    case ConstraintKind::kPoint:
+      return OfPoint(r);
+    case ConstraintKind::kLine:
+      return OfLine(c, r);
+    case ConstraintKind::kPlane:
+      return Signed(c.side, c.direction_base, Dot(r, c.direction_base));
+    case ConstraintKind::kSphere:
+      return OfSphere(c, r);
+    case ConstraintKind::kViscous:
+      break;
+  }
+  return {};
+}
+
+// F = -w (K s o + b P v), one-sided: never along o   (14.1) - (14.4)
+Vec3 ForceOf(const Constraint& c, const Stretch& stretch, double stiffness_N_m, double damping_Ns_m,
+             const Vec3& device_point_base_m, const Vec3& velocity_base_m_s) noexcept {
+  const Vec3 r = device_point_base_m - c.point_base_m;
+  const Vec3 shape_m_s = c.velocity_base_m_s + Cross(c.angular_velocity_base_rad_s, r);
+  const Vec3 v = DampedPart(c, stretch, velocity_base_m_s - shape_m_s);
+  const double grown = stretch.one_sided ? std::min(1.0, stretch.length_m / kDampedFrom_m) : 1.0;
+  const double b = stretch.weight * grown * damping_Ns_m;
+  const double spring_N = stretch.weight * stiffness_N_m * stretch.length_m;
+  if (!stretch.one_sided) return AtMost(c.max_force_N, -spring_N * stretch.outward - b * v);
+  const double push_N = std::max(0.0, spring_N + b * Dot(v, stretch.outward));
+  return AtMost(c.max_force_N, -push_N * stretch.outward);
+}
+
+// U = K s^2 / 2, and along the force limit from there on.
+double StoredIn_J(const Constraint& c, const Stretch& stretch, double stiffness_N_m) noexcept {
+  if (!(stiffness_N_m > 0)) return 0;
+  const double s_m = std::min(stretch.length_m, c.max_force_N / stiffness_N_m);
+  return 0.5 * stiffness_N_m * s_m * s_m + c.max_force_N * (stretch.length_m - s_m);
+}
+
+double Overlap(const Constraint& a, const Stretch& at_a, const Vec3& normal_base) noexcept {
+  if (IsStiffInSpace(a)) return 1;
+  if (!IsStiffAcross(a)) return std::min(1.0, std::abs(Dot(at_a.outward, normal_base)));
+  const double along = Dot(a.direction_base, normal_base);
+  return std::sqrt(std::max(0.0, 1 - along * along));
+}
+
+double Overlap(const Constraint& a, const Stretch& at_a, const Constraint& b, const Stretch& at_b) noexcept {
+  if (IsStiffInSpace(a) || IsStiffInSpace(b)) return 1;
+  if (!IsStiffAcross(b)) return Overlap(a, at_a, at_b.outward);
+  return IsStiffAcross(a) ? 1 : Overlap(b, at_b, at_a.outward);
+}
+
+}  // namespace omni::haptics

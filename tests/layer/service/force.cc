@@ -1,0 +1,217 @@
+// The whole way of a force: an OpenXR application, the loader, the layer, omnid, the twin. What the coils did is read
+// from the twin's own recording.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "layer/include/openxr/omni_force_feedback.h"
+#include "tests/layer/app.h"
+#include "tests/support/service_process.h"
+
+namespace omni::test {
+namespace {
+
+constexpr XrDuration kLong_ns = XR_MAX_FORCE_DURATION_OMNIX1;
+constexpr double kWholeRecording_ms = 1e6;
+
+constexpr const char* kHoldStill = R"({"name": "hold", "repeat": false, "waypoints": [
+    {"s": 0, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}]})";
+
+class StackService : public ServiceProcess {
+ public:
+  StackService() : ServiceProcess(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kHoldStill) {
+    setenv("OMNI_SOCKET", socket_path().c_str(), 1);
+    Start();
+  }
+};
+
+// An OpenXR application with one force feedback handle. Lives in a process of its own.
+class ForceApp {
+ public:
+  ForceApp() : app_(Options()) {
+    Get("xrCreateForceFeedbackOMNIX1", create_);
+    Get("xrApplyForceOMNIX1", apply_);
+    Get("xrSetForceFeedbackConstraintsOMNIX1", constrain_);
+    Get("xrGetForceFeedbackStateOMNIX1", state_);
+    local_ = app_.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  }
+
+  bool Create() {
+    return Until([&] {
+      const XrForceFeedbackCreateInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_CREATE_INFO_OMNIX1, nullptr, app_.right};
+      return create_(app_.session, &info, &force_) == XR_SUCCESS;
+    });
+  }
+  // Upwards, in LOCAL.
+  void Push(XrDuration duration) {
+    const XrForceApplyInfoOMNIX1 info{XR_TYPE_FORCE_APPLY_INFO_OMNIX1, nullptr, local_, {0, 0.6f, 0}, duration, 0};
+    apply_(force_, &info);
+  }
+  // A spring to a place 1 cm above the pen's.
+  void Hold() {
+    const XrForceFeedbackConstraintPointOMNIX1 point{
+        XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_POINT_OMNIX1, nullptr, local_, 300, 0.5f, 1, {0, -0.35f + 0.065f, -0.45f}};
+    const auto* header = reinterpret_cast<const XrForceFeedbackConstraintBaseHeaderOMNIX1*>(&point);
+    const XrForceFeedbackConstraintsSetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_CONSTRAINTS_SET_INFO_OMNIX1, nullptr, 1,
+                                                       &header};
+    constrain_(force_, &info);
+  }
+  float Felt_N() {
+    const XrForceFeedbackStateGetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, nullptr, local_,
+                                                 Now_ns() + kRuntimeOffset_ns};
+    XrForceFeedbackStateOMNIX1 state{XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1};
+    return state_(force_, &info, &state) == XR_SUCCESS && state.isActive ? state.appliedForce.y : 0;
+  }
+  // As a frame loop does, every 10 ms.
+  bool Until(const std::function<bool()>& done, int most_ms = 8000) {
+    for (int ms = 0; ms < most_ms; ms += 10) {
+      app_.Poll();
+      app_.Sync();
+      if (done()) return true;
+      SleepMs(10);
+    }
+    return false;
+  }
+  bool PushUntilFelt() {
+    return Until([&] {
+      Push(kLong_ns);
+      return Felt_N() > 0.5f;
+    });
+  }
+  bool HoldUntilFelt() {
+    return Until([&] {
+      if (held_ == 0) Hold();
+      held_ = (held_ + 1) % 50;
+      return Felt_N() > 0.5f;
+    });
+  }
+
+ private:
+  static AppOptions Options() {
+    AppOptions options;
+    options.extensions = {XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME};
+    return options;
+  }
+  template <class Function>
+  void Get(const char* name, Function& function) {
+    PFN_xrVoidFunction found = nullptr;
+    if (xrGetInstanceProcAddr(app_.instance, name, &found) == XR_SUCCESS) function = reinterpret_cast<Function>(found);
+  }
+
+  App app_;
+  PFN_xrCreateForceFeedbackOMNIX1 create_ = nullptr;
+  PFN_xrApplyForceOMNIX1 apply_ = nullptr;
+  PFN_xrSetForceFeedbackConstraintsOMNIX1 constrain_ = nullptr;
+  PFN_xrGetForceFeedbackStateOMNIX1 state_ = nullptr;
+  XrSpace local_ = XR_NULL_HANDLE;
+  XrForceFeedbackOMNIX1 force_ = XR_NULL_HANDLE;
+  int held_ = 0;
+};
+
+// Runs `body` in a process of its own; it returns the time of what it did, 0 if it did not get so far.
+struct Child {
+  pid_t pid = -1;
+  std::int64_t t_ns = 0;
+};
+Child Fork(const std::function<std::int64_t(ForceApp&)>& body, const std::function<void(ForceApp&)>& afterwards) {
+  int pipes[2];
+  if (pipe(pipes) != 0) return {};
+  Child child{.pid = fork()};
+  if (child.pid == 0) {
+    ForceApp app;
+    const std::int64_t t_ns = app.Create() ? body(app) : 0;
+    if (write(pipes[1], &t_ns, sizeof(t_ns)) != sizeof(t_ns)) _exit(1);
+    afterwards(app);
+    _exit(0);
+  }
+  close(pipes[1]);
+  if (read(pipes[0], &child.t_ns, sizeof(child.t_ns)) != sizeof(child.t_ns)) child.t_ns = 0;
+  close(pipes[0]);
+  return child;
+}
+
+void End(const Child& child) {
+  kill(child.pid, SIGKILL);
+  waitpid(child.pid, nullptr, 0);
+}
+
+double CoilsAtZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns) {
+  EXPECT_EQ(service.Stop(), 0);
+  const auto truth = service.Truth();
+  if (!truth.has_value()) return -1;
+  EXPECT_GT(MillisecondsToZero(*truth, t_ns - 20'000'000, 20), 0) << what << ": it was pushing before";
+  const double ms = MillisecondsToZero(*truth, t_ns, kWholeRecording_ms);
+  std::printf("[ figure   ] OpenXR application: coils at zero %.1f ms after %s\n", ms, what);
+  return ms;
+}
+
+void LiveOn(ForceApp& app) {
+  app.Until([] { return false; }, 600);
+}
+
+TEST(ForceStack, DeadmanEndsTheForce) {
+  StackService service;
+  const Child app = Fork(
+      [](ForceApp& a) -> std::int64_t {
+        if (!a.PushUntilFelt()) return 0;
+        a.Until(
+            [&] {
+              a.Push(kLong_ns);
+              return false;
+            },
+            300);
+        a.Push(40'000'000);
+        return Now_ns() + 40'000'000;
+      },
+      LiveOn);
+  SleepMs(500);
+  End(app);
+  ASSERT_NE(app.t_ns, 0);
+  const double ms = CoilsAtZero_ms(service, "the deadman's end", app.t_ns);
+  EXPECT_GE(ms, 0);
+  EXPECT_LE(ms, 50);
+}
+
+TEST(ForceStack, LosingFocusEndsForceAndConstraint) {
+  StackService service;
+  const Child app = Fork(
+      [](ForceApp& a) -> std::int64_t {
+        if (!a.HoldUntilFelt() || !a.PushUntilFelt()) return 0;
+        const std::int64_t t_ns = Now_ns();
+        omni_test_set_focus(0);
+        return t_ns;
+      },
+      LiveOn);
+  SleepMs(500);
+  End(app);
+  ASSERT_NE(app.t_ns, 0);
+  const double ms = CoilsAtZero_ms(service, "focus loss", app.t_ns);
+  EXPECT_GE(ms, 0);
+  EXPECT_LE(ms, 50);
+}
+
+TEST(ForceStack, KilledApplicationEndsForceAndConstraint) {
+  StackService service;
+  const Child app =
+      Fork([](ForceApp& a) -> std::int64_t { return a.HoldUntilFelt() && a.PushUntilFelt() ? Now_ns() : 0; },
+           [](ForceApp& a) {
+             a.Until([&] {
+               a.Push(kLong_ns);
+               return false;
+             });
+           });
+  SleepMs(200);
+  const std::int64_t killed_ns = Now_ns();
+  End(app);
+  ASSERT_NE(app.t_ns, 0);
+  SleepMs(500);
+  const double ms = CoilsAtZero_ms(service, "kill -9 of the application", killed_ns);
+  EXPECT_GE(ms, 0);
+  EXPECT_LE(ms, 50);
+}
+
+}  // namespace
+}  // namespace omni::test

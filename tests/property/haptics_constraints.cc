@@ -1,0 +1,166 @@
+// Constraints over random shapes, places and motions: they give no energy, stay within their force, and never jump.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "service/haptics/applied/constraint.h"
+#include "service/haptics/geometry/vec_math.h"
+
+namespace omni::haptics {
+namespace {
+
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : random_(seed) {}
+  double In(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  Vec3 Vector(double size) { return {In(-size, size), In(-size, size), In(-size, size)}; }
+  Vec3 Direction() {
+    for (;;) {
+      const Vec3 v = Vector(1);
+      if (Norm(v) > 0.1 && Norm(v) < 1) return Normalized(v);
+    }
+  }
+  Constraint Shape() {
+    Constraint c;
+    c.kind = static_cast<ConstraintKind>(1 + random_() % 5);
+    c.side = static_cast<ConstraintSide>(random_() % 3);
+    c.stiffness_N_m = c.kind == ConstraintKind::kViscous ? 0 : In(10, 2000);
+    c.damping_Ns_m = In(0, 3);
+    c.max_force_N = In(0.1, 5);
+    c.radius_m = c.kind == ConstraintKind::kSphere ? In(0.005, 0.05) : (random_() % 2 == 0 ? 0 : In(0, 0.01));
+    c.point_base_m = Vector(0.03);
+    c.direction_base = Direction();
+    return c;
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+Vec3 At(const Constraint& c, const Vec3& x, const Vec3& v) {
+  return ForceOf(c, StretchOf(c, x), c.stiffness_N_m, c.damping_Ns_m, x, v);
+}
+
+// A closed path without corners, in u in [0, 1].
+struct Loop {
+  Vec3 centre, a, b, c;
+  Vec3 Place(double u) const {
+    const double t = 2 * std::numbers::pi * u;
+    return centre + std::sin(t) * a + std::cos(t) * b + std::sin(2 * t) * c;
+  }
+};
+
+TEST(Constraints, GiveNoEnergyOnAnyWayRound) {
+  Dice dice(1);
+  for (int run = 0; run < 300; ++run) {
+    const Constraint c = dice.Shape();
+    const Loop loop{dice.Vector(0.03), dice.Vector(0.02), dice.Vector(0.02), dice.Vector(0.01)};
+    const double seconds = dice.In(0.2, 5);
+    constexpr int kSteps = 4000;
+    double given_J = 0;
+    double moved_J = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const Vec3 dx = loop.Place((i + 1.0) / kSteps) - loop.Place(static_cast<double>(i) / kSteps);
+      const Vec3 force_N = At(c, loop.Place((i + 0.5) / kSteps), (kSteps / seconds) * dx);
+      given_J += Dot(force_N, dx);
+      moved_J += Norm(force_N) * Norm(dx);
+    }
+    EXPECT_LE(given_J, 1e-4 * moved_J) << "run " << run << ", kind " << static_cast<int>(c.kind);
+  }
+}
+
+TEST(Constraints, SpringsAreGradientsOfTheirEnergy) {
+  Dice dice(2);
+  int checked = 0;
+  for (int run = 0; run < 4000; ++run) {
+    Constraint c = dice.Shape();
+    c.damping_Ns_m = 0;
+    const Vec3 x = dice.Vector(0.05);
+    const double h = 1e-7;
+    Vec3 gradient;
+    bool conservative = true;
+    const auto energy_J = [&](const Vec3& at) {
+      const Stretch stretch = StretchOf(c, at);
+      conservative = conservative && stretch.conservative && stretch.length_m != 0;
+      return StoredIn_J(c, stretch, c.stiffness_N_m);
+    };
+    const auto slope = [&](const Vec3& step) { return (energy_J(x + step) - energy_J(x - step)) / (2 * h); };
+    gradient = {slope({h, 0, 0}), slope({0, h, 0}), slope({0, 0, h})};
+    if (!conservative) continue;
+    ++checked;
+    const Vec3 force_N = At(c, x, {});
+    EXPECT_LE(Norm(force_N + gradient), 1e-4 * Norm(force_N) + 1e-7) << "kind " << static_cast<int>(c.kind);
+  }
+  EXPECT_GT(checked, 1500);
+}
+
+TEST(Constraints, OneSidedOnesNeverPull) {
+  Dice dice(3);
+  for (int run = 0; run < 20000; ++run) {
+    const Constraint c = dice.Shape();
+    const Vec3 x = dice.Vector(0.06);
+    const Stretch stretch = StretchOf(c, x);
+    if (!stretch.one_sided) continue;
+    const Vec3 force_N = At(c, x, dice.Vector(2));
+    EXPECT_LE(Dot(force_N, stretch.outward), 1e-12);
+    EXPECT_TRUE(stretch.length_m > 0 || Norm(force_N) == 0);
+  }
+}
+
+TEST(Constraints, StayWithinTheirForceWhateverComes) {
+  Dice dice(4);
+  const double nasty[] = {
+      0, 1e-300, 1e300, -1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()};
+  for (int run = 0; run < 20000; ++run) {
+    Constraint c = dice.Shape();
+    const auto wild = [&](double sane) { return dice.In(0, 1) < 0.15 ? nasty[run % 6] : sane; };
+    c.point_base_m.x = wild(c.point_base_m.x);
+    c.velocity_base_m_s.y = wild(0);
+    c.angular_velocity_base_rad_s.z = wild(0);
+    c.stiffness_N_m = wild(c.stiffness_N_m);
+    c.radius_m = wild(c.radius_m);
+    const Vec3 x = dice.Vector(0.06);
+    const Constraint moved = Moved(c, wild(0.01));
+    const Vec3 force_N = At(moved, x, {wild(0.1), 0, 0});
+    ASSERT_TRUE(Within(force_N, c.max_force_N * (1 + 1e-9))) << "run " << run;
+  }
+}
+
+// |F(x + h) - F(x)| <= L |h| everywhere: also where a shape has no direction, and where it is just met.
+TEST(Constraints, NeverJump) {
+  Dice dice(5);
+  for (int run = 0; run < 20000; ++run) {
+    const Constraint c = dice.Shape();
+    const bool close = run % 2 == 0;  // around the point, where spheres and tubes have no direction
+    const Vec3 x = close ? c.point_base_m + dice.Vector(1e-4) : dice.Vector(0.06);
+    const Vec3 step = dice.Vector(1e-6);
+    const Vec3 v = dice.Vector(0.3);
+    const double radius_m = std::max(c.radius_m, 1e-3);
+    // Spring, damper that grows in over half a millimetre, and a direction that turns with 1 / r at the centre.
+    const double slope_N_m = 4 * c.stiffness_N_m + c.damping_Ns_m * Norm(v) * (2 / 5e-4 + 8 / radius_m);
+    EXPECT_LE(Norm(At(c, x + step, v) - At(c, x, v)), slope_N_m * Norm(step) + 1e-12)
+        << "run " << run << ", kind " << static_cast<int>(c.kind);
+  }
+}
+
+TEST(Constraints, MoveWithTheirFrame) {
+  Dice dice(6);
+  for (int run = 0; run < 500; ++run) {
+    Constraint c = dice.Shape();
+    c.velocity_base_m_s = dice.Vector(0.2);
+    const Constraint later = Moved(c, 0.02);
+    EXPECT_LE(Norm(later.point_base_m - c.point_base_m - 0.02 * c.velocity_base_m_s), 1e-15);
+    // A point that moves with the frame feels only the spring.
+    const Vec3 x = dice.Vector(0.05);
+    Constraint springs = c;
+    springs.damping_Ns_m = 0;
+    EXPECT_LE(Norm(At(c, x, c.velocity_base_m_s) - At(springs, x, c.velocity_base_m_s)), 1e-12);
+    EXPECT_EQ(Moved(c, 10).velocity_base_m_s, Vec3{}) << "nobody speaks of it any more: it stands";
+  }
+}
+
+}  // namespace
+}  // namespace omni::haptics
