@@ -118,6 +118,24 @@ TEST_F(Automation, LocationOfAnyPose) {
   EXPECT_NEAR(std::fabs(0.5f * (q.x + q.y + q.z + q.w)), 1.0f, 1e-4f);
 }
 
+// ... also of one that is not where the tool frame is: the tip then lies 5 cm before the grip.
+TEST_F(Automation, LocationOfTheGripMovesTheTip) {
+  App app(WithAutomation());
+  const Functions f(app);
+  ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  const XrSpace stage = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
+  const XrSpace aim = app.ActionSpace(app.pose, app.right);
+  const XrPosef wanted{{0, 0, 0, 1}, {0.3f, 1.1f, -0.2f}};
+  ASSERT_EQ(f.location(app.session, app.right, app.Path("/user/hand/right/input/grip/pose"), stage, wanted),
+            XR_SUCCESS);
+  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+  ASSERT_EQ(xrLocateSpace(aim, stage, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
+  EXPECT_NEAR(location.pose.position.x, 0.3f, 1e-4f);
+  EXPECT_NEAR(location.pose.position.y, 1.1f, 1e-4f);
+  EXPECT_NEAR(location.pose.position.z, -0.25f, 1e-4f);
+}
+
 // A test that speaks takes the hardware's place.
 TEST_F(Automation, HardwareIsNotHeardAnyMore) {
   FakeService service;
