@@ -113,11 +113,14 @@ TEST(Examples, ForceNeedsTheLayer) {
 
 TEST(Examples, ForceRunsItsThreeParts) {
   FakeService service;
+  service.SetForce(true, protocol::ForceStanding::kYours);
   const ExampleRun run = RunExample(kWithLayer, "omni_force --seconds 1", [&] { service.Fill(); });
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(run.err, "");
   EXPECT_GT(run.Count("frames"), 10) << run.out;
-  for (const char* part : {"a breeze", "a table", "honey"}) EXPECT_NE(run.out.find(part), std::string::npos) << part;
+  for (const char* part : {"a breeze", "a table", "honey"})
+    EXPECT_NE(run.out.find(part), std::string::npos) << part << " is missing in: " << run.out;
+  EXPECT_GT(service.heard().forces.size(), 10u) << "a breeze is renewed every frame";
 }
 #endif
 

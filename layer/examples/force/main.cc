@@ -143,7 +143,7 @@ void Breeze(const Force& force, double time_s) {
 // Set once; it holds until others are set, or the focus is lost.
 void SetTable(const Force& force) {
   const XrForceFeedbackPropertiesOMNIX1& place = force.properties;
-  const float height_m = 0.5f * (place.innerRadius + place.outerRadius);
+  const float height_m = 0.8f * place.innerRadius + 0.2f * place.outerRadius;  // where the pen is strong
   XrForceFeedbackConstraintPlaneOMNIX1 table{};
   table.type = XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_PLANE_OMNIX1;
   table.baseSpace = force.local;

@@ -69,8 +69,9 @@ const void* Session::CreateVulkan(XrSystemId system) {
   if (!enable.LoadAll(instance_) || XR_FAILED(enable.requirements(instance_, system, &needs))) return nullptr;
 
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "example", 1, nullptr, 0, 0};
-  application.apiVersion = VK_MAKE_API_VERSION(0, XR_VERSION_MAJOR(needs.minApiVersionSupported),
-                                               XR_VERSION_MINOR(needs.minApiVersionSupported), 0);
+  const XrVersion least = needs.minApiVersionSupported;  // as Vulkan packs versions: major << 22 | minor << 12
+  application.apiVersion = static_cast<std::uint32_t>(XR_VERSION_MAJOR(least)) << 22 |
+                           static_cast<std::uint32_t>(XR_VERSION_MINOR(least)) << 12;
   VkInstanceCreateInfo instance_info{
       VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, nullptr, 0, &application, 0, nullptr, 0, nullptr};
   XrVulkanInstanceCreateInfoKHR make_instance{
