@@ -5,38 +5,25 @@
 #include "layer/src/create_instance.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <string>
 #include <vector>
 
-#include "layer/include/openxr/omni_force_feedback.h"
+#include "layer/src/our_extensions.h"
 #include "layer/src/registry.h"
 
 namespace omni::layer {
 namespace {
-
-// Extensions that we answer, all of them advertised in the manifest.
-struct OurExtension {
-  const char* name;
-  std::uint32_t version;
-  bool may_be_below;  // asked for there first; else only we know it, and what lies below never hears of it
-};
-constexpr std::array kOurExtensions{
-    OurExtension{XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME, 1, true},
-    OurExtension{XR_KHR_GENERIC_CONTROLLER_EXTENSION_NAME, 1, true},
-    OurExtension{"XR_OMNIX1_stylus_interaction", 1, false},
-    OurExtension{XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME, XR_OMNIX1_force_feedback_SPEC_VERSION, false},
-};
 
 // Only the manifest for conformance tests names it (manifests/layer/conformance.json.in).
 constexpr OurExtension kAutomation{XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, 3, true};
 
 const OurExtension* FindOurs(const std::string& name) {
   if (name == kAutomation.name) return TestDevice::Wanted() ? &kAutomation : nullptr;
-  const auto found = std::find_if(kOurExtensions.begin(), kOurExtensions.end(),
-                                  [&](const OurExtension& extension) { return name == extension.name; });
-  return found == kOurExtensions.end() ? nullptr : &*found;
+  const auto all = OurExtensions();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const OurExtension& extension) { return name == extension.name; });
+  return found == all.end() ? nullptr : &*found;
 }
 
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
@@ -182,14 +169,15 @@ XrResult EnumerateExtensions(const char* layer_name, uint32_t capacity, uint32_t
     *count = 0;
     return layer_name ? XR_ERROR_API_LAYER_NOT_PRESENT : XR_SUCCESS;
   }
-  *count = static_cast<std::uint32_t>(kOurExtensions.size());
+  const auto ours = OurExtensions();
+  *count = static_cast<std::uint32_t>(ours.size());
   if (capacity == 0) return XR_SUCCESS;
-  if (capacity < kOurExtensions.size()) return XR_ERROR_SIZE_INSUFFICIENT;
+  if (capacity < ours.size()) return XR_ERROR_SIZE_INSUFFICIENT;
   if (!properties) return XR_ERROR_VALIDATION_FAILURE;
-  for (std::size_t i = 0; i < kOurExtensions.size(); ++i) {
+  for (std::size_t i = 0; i < ours.size(); ++i) {
     if (properties[i].type != XR_TYPE_EXTENSION_PROPERTIES) return XR_ERROR_VALIDATION_FAILURE;
-    std::strncpy(properties[i].extensionName, kOurExtensions[i].name, sizeof(properties[i].extensionName) - 1);
-    properties[i].extensionVersion = kOurExtensions[i].version;
+    std::strncpy(properties[i].extensionName, ours[i].name, sizeof(properties[i].extensionName) - 1);
+    properties[i].extensionVersion = ours[i].version;
   }
   return XR_SUCCESS;
 }

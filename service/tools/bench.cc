@@ -29,6 +29,7 @@ constexpr Bench kBenches[] = {
     {"tick", "one tick in demanding scenes, features on and off, and beside busy threads", BenchTick},
     {"scene", "what loading a scene costs: bytes read, images, threads, memory, time", BenchScene},
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
+    {"layer", "the OpenXR layer: cost of calls, memory, latency, error of predicted poses", BenchLayer},
     {"tracking", "error of the tracker against the twin", BenchTracking},
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},

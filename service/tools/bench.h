@@ -42,6 +42,10 @@ base::Result<BenchRows> BenchScene(const BenchOptions& options);
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 
+// The layer: call, method, horizon_ms, ns_median, error_mm_p95 (calls with and without it; predicted poses against held
+// ones). Side tables: cost, latency, memory, library, motions.
+base::Result<BenchRows> BenchLayer(const BenchOptions& options);
+
 // Force map against the twin, by model and gap; timing: model, gap_mm, error_median_pct, ..., stage, us_median, us_p99.
 base::Result<BenchRows> BenchForce(const BenchOptions& options);
 

@@ -24,5 +24,6 @@ void AddCalibrate(CLI::App& app);
 void AddDevice(CLI::App& app);  // omni device list, info, selftest, flash-help, estop
 void AddRecord(CLI::App& app);
 void AddReplay(CLI::App& app);
+void AddLayer(CLI::App& app);  // omni layer enable, disable, status
 
 }  // namespace omni::tools

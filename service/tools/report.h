@@ -48,7 +48,7 @@ struct RunReport {
 struct RunFiles {
   std::string loop;   // omnid --record
   std::string truth;  // omnid --twin-record
-  std::string app;    // omni_touch --json
+  std::string app;    // omni_probe --json
 };
 
 // The recordings, kept for the picture.

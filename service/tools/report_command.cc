@@ -100,7 +100,7 @@ void AddReport(CLI::App& app) {
   report->add_option("--scene", arguments->scene, "scene file, drawn in the picture");
   report->add_option("--loop", arguments->files.loop, "omnid --record");
   report->add_option("--truth", arguments->files.truth, "omnid --twin-record");
-  report->add_option("--app", arguments->files.app, "what the app saw (omni_touch --json)");
+  report->add_option("--app", arguments->files.app, "what the app saw (omni_probe --json)");
   report->add_option("--summary", arguments->summary, "JSON file to add a row to");
   report->add_option("--picture", arguments->picture, "SVG file to write");
   report->add_option("--table", arguments->table, "print a summary file as a table, nothing else");

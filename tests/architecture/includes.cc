@@ -111,7 +111,7 @@ const std::vector<Confined>& ConfinedHeaders() {
       {"stb/", {"service/scene/haptic_texture.cc", "service/tools/bench_scene_files.cc"}},
       {"libusb", {"service/device/libusb_"}},
       {"ceres/", {"service/calibration/", "service/peers/"}},
-      {"openxr/", {"layer/"}},
+      {"openxr/", {"layer/", "service/tools/doctor/openxr_loader.cc"}},
       {"toml++/", {"service/config/"}},
       {"CLI/", {"service/tools/", "service/daemon/main.cc"}},
       {"spdlog/", {"service/daemon/", "service/tools/"}},

@@ -119,7 +119,7 @@ TEST_F(Doctor, ImplicitManifestNeedsADisableVariable) {
 TEST_F(Doctor, TwoManifestsOfTheSameKindAreNamed) {
   Explicit(Manifest(kSomeLayer));
   Explicit(Manifest(kSomeLayer), "other.json");
-  Expect(LookForLayer(there_), Verdict::kWarn, {"XrApiLayer_omni.json", "other.json"});
+  Expect(LintDuplicates(there_), Verdict::kWarn, {"XrApiLayer_omni.json", "other.json"});
 }
 
 TEST_F(Doctor, LibraryIsOpenedAndAsked) {
@@ -146,7 +146,7 @@ TEST_F(Doctor, EnabledByVariable) {
 TEST_F(Doctor, AMissingEnabledLayerStopsEveryApplication) {
   Explicit(Manifest(kSomeLayer));
   there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus:XR_APILAYER_GONE";
-  Expect(LookAtEnabledLayers(there_), Verdict::kFail, {"XR_APILAYER_GONE", "no OpenXR application starts"});
+  Expect(LintBadInstallation(there_), Verdict::kFail, {"XR_APILAYER_GONE", "no OpenXR application starts"});
 }
 
 TEST_F(Doctor, ImplicitLayerAndItsSwitches) {
@@ -156,6 +156,24 @@ TEST_F(Doctor, ImplicitLayerAndItsSwitches) {
   Expect(LookAtEnabledLayers(there_), Verdict::kOk, {"implicit"});
   there_.environment["NO_OMNI"] = "0";  // and disable wins
   Expect(LookAtEnabledLayers(there_), Verdict::kWarn, {"NO_OMNI", "unset"});
+}
+
+// Seen with Debian's loader 1.0.20: it looks for such a name among implicit layers only if there is an explicit one.
+TEST_F(Doctor, AnImplicitLayerIsFoundByNameOnlyBesideAnExplicitOne) {
+  Implicit(Manifest(kSomeLayer, R"(, "disable_environment": "NO_OMNI")"));
+  there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus";
+  Expect(LintBadInstallation(there_), Verdict::kFail, {"XR_APILAYER_OMNI_stylus"});
+  Explicit(Manifest(kSomeLayer));
+  Expect(LintBadInstallation(there_), Verdict::kOk, {});
+}
+
+TEST_F(Doctor, SteamNeedsItsLaunchOptions) {
+  Expect(LookAtSteam(there_), Verdict::kOk, {});
+  fs::create_directories(folder_.Path("home/.local/share/Steam"));
+  Expect(LookAtSteam(there_), Verdict::kWarn,
+         {"PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS=1", "PRESSURE_VESSEL_FILESYSTEMS_RW=" + folder_.Path("run")});
+  there_.environment["PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS"] = "1";
+  Expect(LookAtSteam(there_), Verdict::kOk, {});
 }
 
 TEST_F(Doctor, RuntimeByVariableUserAndSystem) {

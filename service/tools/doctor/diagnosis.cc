@@ -6,6 +6,7 @@
 
 #include "service/client/connection.h"
 #include "service/config/paths.h"
+#include "service/tools/doctor/openxr_loader.h"
 #include "service/tools/service_link.h"
 
 namespace omni::tools {
@@ -16,6 +17,13 @@ constexpr DiagnosisEntry kDiagnoses[] = {
     {"layer manifest", LookForLayer},
     {"layer library", LookAtLayerLibrary},
     {"layer enabled", LookAtEnabledLayers},
+    {"installations", LintBadInstallation},
+    {"switches", LintDisabledByEnvironment},
+    {"duplicates", LintDuplicates},
+    {"architectures", LintExplicitLayerArchitectures},
+    {"order", LintOrdering},
+    {"loader", LintSkippedByLoader},
+    {"Steam", LookAtSteam},
     {"socket folder", LookAtSocketFolder},
     {"service", LookForService},
     {"device", LookForDevice},
@@ -44,6 +52,10 @@ Surroundings SurroundingsOfThisProcess(const std::string& socket_path) {
   surroundings.socket_path = socket_path.empty() ? client::DefaultSocketPath() : socket_path;
   surroundings.app_folders = config::AppFolders();
   surroundings.scenes_folder = config::ScenesFolder();
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) surroundings.share = program.parent_path().parent_path() / "share";
+  surroundings.loader = AskLoader();
   base::Result<nlohmann::json> status = FetchStatus(socket_path);
   if (status.ok()) {
     surroundings.service = {.running = true, .error = {}, .status = std::move(*status)};

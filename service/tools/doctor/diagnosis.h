@@ -28,6 +28,13 @@ struct ServiceAnswer {  // NOLINT(bugprone-exception-escape): says so of json's 
   nlohmann::json status;  // when running
 };
 
+// What the OpenXR loader of this machine says when it is asked which layers there are.
+struct LoaderAnswer {
+  bool asked = false;               // false: there is no loader to ask
+  std::string error;                // why not, or what it answered instead
+  std::vector<std::string> layers;  // implicit ones that are not switched off, and explicit ones
+};
+
 // What diagnoses look at. Tests hand in fabricated ones.
 struct Surroundings {
   std::map<std::string, std::string> environment;
@@ -35,7 +42,9 @@ struct Surroundings {
   std::string socket_path;
   std::vector<std::string> app_folders;  // of application files, in order of precedence
   std::string scenes_folder;
+  std::filesystem::path share;  // beside this program: ../share, of a build tree or an installation; empty: unknown
   ServiceAnswer service;
+  LoaderAnswer loader;
 
   // Empty: not set.
   std::string Variable(const std::string& name) const;
@@ -63,5 +72,15 @@ Finding LookForDevice(const Surroundings& surroundings);
 Finding LookAtRealtime(const Surroundings& surroundings);
 Finding LookAtApplications(const Surroundings& surroundings);
 Finding LookAtAlignment(const Surroundings& surroundings);
+Finding LookAtSteam(const Surroundings& surroundings);
+
+// The six portable rules of OpenXR-API-Layers-GUI (github.com/fredemmott/OpenXR-API-Layers-GUI), over all layers of
+// this machine, not only ours: any of them can keep applications from starting.
+Finding LintBadInstallation(const Surroundings& surroundings);
+Finding LintDisabledByEnvironment(const Surroundings& surroundings);
+Finding LintDuplicates(const Surroundings& surroundings);
+Finding LintExplicitLayerArchitectures(const Surroundings& surroundings);
+Finding LintOrdering(const Surroundings& surroundings);
+Finding LintSkippedByLoader(const Surroundings& surroundings);
 
 }  // namespace omni::tools

@@ -10,11 +10,6 @@ constexpr const char* kInstall =
     "install the layer (cmake --install), or for a build tree set "
     "XR_API_LAYER_PATH=<build>/share/openxr/1/api_layers/explicit.d";
 
-// Our manifest is known by its layer's name; a broken one by its file's.
-bool IsOurs(const LayerManifest& manifest) {
-  return manifest.name == kLayerName || manifest.file.filename().string().rfind("XrApiLayer_omni", 0) == 0;
-}
-
 }  // namespace
 
 Finding LookForLayer(const Surroundings& surroundings) {
@@ -31,14 +26,6 @@ Finding LookForLayer(const Surroundings& surroundings) {
     if (manifest.problem.empty()) continue;
     return {Verdict::kFail, manifest.file.string() + " is skipped by the loader: " + manifest.problem,
             "install the layer again: its manifest is generated, not edited"};
-  }
-  for (const bool implicit : {true, false}) {
-    if (std::count_if(ours.begin(), ours.end(), [&](const auto& m) { return m.implicit == implicit; }) > 1) {
-      return {Verdict::kWarn,
-              std::string("two ") + (implicit ? "implicit" : "explicit") + " manifests name the layer: " +
-                  ours[0].file.string() + " and " + ours[1].file.string() + "; the loader takes the first",
-              "remove the one that is not wanted"};
-    }
   }
   return {Verdict::kOk, ours[0].file.string() + (ours[0].implicit ? " (implicit)" : " (explicit)"), {}};
 }

@@ -66,6 +66,11 @@ void ReadLayerObject(const json& layer, LayerManifest& manifest) {
   manifest.name = TextOf(layer, "name");
   manifest.disable_environment = TextOf(layer, "disable_environment");
   manifest.enable_environment = TextOf(layer, "enable_environment");
+  manifest.version = TextOf(layer, "implementation_version");
+  if (const auto all = layer.find("instance_extensions"); all != layer.end() && all->is_array()) {
+    for (const json& extension : *all)
+      if (extension.is_object()) manifest.extensions.push_back(TextOf(extension, "name"));
+  }
   const std::string library = TextOf(layer, "library_path");
   if (!library.empty()) manifest.library = ResolveLibrary(manifest.file, library);
   if (const auto functions = layer.find("functions"); functions != layer.end() && functions->is_object()) {
@@ -141,8 +146,30 @@ std::vector<LayerManifest> FindLayerManifests(const Surroundings& surroundings) 
   return manifests;
 }
 
+bool IsOurs(const LayerManifest& manifest) {
+  return manifest.name == kLayerName || manifest.file.filename().string().rfind("XrApiLayer_omni", 0) == 0;
+}
+
+std::vector<std::string> EnabledByVariable(const Surroundings& surroundings) {
+  return Split(surroundings.Variable("XR_ENABLE_API_LAYERS"), ':');
+}
+
+bool FoundByName(const std::vector<LayerManifest>& manifests, const std::string& name,
+                 const Surroundings& surroundings) {
+  const bool any_explicit = std::any_of(manifests.begin(), manifests.end(),
+                                        [](const LayerManifest& m) { return !m.implicit && m.problem.empty(); });
+  return std::any_of(manifests.begin(), manifests.end(), [&](const LayerManifest& manifest) {
+    return manifest.name == name && IsUsable(manifest, surroundings) && (!manifest.implicit || any_explicit);
+  });
+}
+
+bool LibraryIsThere(const LayerManifest& manifest) {
+  std::error_code error;
+  return manifest.library.find('/') == std::string::npos || fs::exists(manifest.library, error);
+}
+
 bool IsUsable(const LayerManifest& manifest, const Surroundings& surroundings) {
-  if (!manifest.problem.empty()) return false;
+  if (!manifest.problem.empty() || !LibraryIsThere(manifest)) return false;
   if (!manifest.implicit) return true;
   if (surroundings.Has(manifest.disable_environment)) return false;  // disable wins over enable
   return manifest.enable_environment.empty() || surroundings.Has(manifest.enable_environment);

@@ -19,6 +19,8 @@ struct LayerManifest {
   std::string negotiate = "xrNegotiateLoaderApiLayerInterface";
   std::string disable_environment;
   std::string enable_environment;
+  std::string version;                  // implementation_version
+  std::vector<std::string> extensions;  // that it brings: the names in instance_extensions
 };
 
 // Folders in search order, whether they exist or not.
@@ -29,7 +31,21 @@ std::vector<LayerManifest> FindLayerManifests(const Surroundings& surroundings);
 
 LayerManifest ReadLayerManifest(const std::filesystem::path& file, bool implicit);
 
-// The loader would use it: sound, and if implicit neither disabled nor waiting to be enabled.
+// Ours is known by its layer's name; a broken one by its file's.
+bool IsOurs(const LayerManifest& manifest);
+
+// The names in XR_ENABLE_API_LAYERS, in order.
+std::vector<std::string> EnabledByVariable(const Surroundings& surroundings);
+
+// Whether a name in XR_ENABLE_API_LAYERS is one that the loader finds. Debian's loader 1.0.20 looks among implicit
+// layers only where there is an explicit one too.
+bool FoundByName(const std::vector<LayerManifest>& manifests, const std::string& name,
+                 const Surroundings& surroundings);
+
+// The library is there, as far as that can be told without opening it: a bare name is dlopen's to find.
+bool LibraryIsThere(const LayerManifest& manifest);
+
+// The loader would use it: sound, its library there, and if implicit neither disabled nor waiting to be enabled.
 bool IsUsable(const LayerManifest& manifest, const Surroundings& surroundings);
 
 // The manifest of the runtime that an application gets; empty: none.

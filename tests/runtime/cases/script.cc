@@ -35,13 +35,13 @@ class ScriptTest : public RuntimeTest {
   }
 
   // Runs the example application under core validation; its exit status.
-  int RunTouch(const std::string& arguments) const {
+  int RunProbe(const std::string& arguments) const {
     const std::string environment =
         "XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation XR_CORE_VALIDATION_EXPORT_TYPE=text "
         "XR_CORE_VALIDATION_FILE_NAME=" +
         File("validation") + " ";
     const std::string command =
-        environment + OMNI_TOUCH " --json " + File("report.json") + " " + arguments + " > " + File("output") + " 2>&1";
+        environment + OMNI_PROBE " --json " + File("report.json") + " " + arguments + " > " + File("output") + " 2>&1";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -99,7 +99,7 @@ TEST_F(ScriptTest, TouchSeesTheScriptedHandAndIsValid) {
       "0.6 focus 0\n"
       "0.7 focus 1\n"
       "0.8 profile left /interaction_profiles/khr/simple_controller\n");
-  ASSERT_EQ(RunTouch("--hand left --seconds 1.2 --expect-pen --samples"), 0) << Read("output");
+  ASSERT_EQ(RunProbe("--hand left --seconds 1.2 --expect-pen --samples"), 0) << Read("output");
   EXPECT_TRUE(ReportHas("\"profile\": \"" + kSimplePath + "\"")) << Read("report.json");
   EXPECT_TRUE(ReportHas("\"profiles_seen\": [\"" + kTouchPath + "\", \"" + kSimplePath + "\"]"));
   EXPECT_TRUE(ReportHas("\"select_edges\": 3")) << "the second press is seen again after the focus";
@@ -111,31 +111,31 @@ TEST_F(ScriptTest, TouchSeesTheScriptedHandAndIsValid) {
 }
 
 TEST_F(ScriptTest, ValidationReportsThePlantedError) {
-  ASSERT_EQ(RunTouch("--hand left --seconds 0.2 --plant-error"), 0) << Read("output");
+  ASSERT_EQ(RunProbe("--hand left --seconds 0.2 --plant-error"), 0) << Read("output");
   EXPECT_NE(Read("validation").find("VUID-XrSpaceLocation-type-type"), std::string::npos) << Read("validation");
   EXPECT_TRUE(ReportHas("\"planted_error_result\": \"XR_ERROR_VALIDATION_FAILURE\""));
 }
 
 TEST_F(ScriptTest, TouchSaysWhatWasMissing) {
-  EXPECT_EQ(RunTouch("--hand right --seconds 0.2 --expect-pen --quiet"), 3);
+  EXPECT_EQ(RunProbe("--hand right --seconds 0.2 --expect-pen --quiet"), 3);
   EXPECT_NE(Read("output").find("no interaction profile became current"), std::string::npos) << Read("output");
   EXPECT_TRUE(ReportHas("\"profile\": null"));
   EXPECT_TRUE(ReportHas("\"first_valid_s\": null"));
-  EXPECT_EQ(RunTouch("--hand middle"), 2);
-  EXPECT_EQ(RunTouch("--seconds"), 2);
+  EXPECT_EQ(RunProbe("--hand middle"), 2);
+  EXPECT_EQ(RunProbe("--seconds"), 2);
 }
 
 // It leaves when the runtime says so, not when its 60 s are over.
 TEST_F(ScriptTest, TouchLeavesOnLossAndExit) {
   constexpr long kOneSecond = 90;
   Script("0.2 lose_session\n");
-  EXPECT_EQ(RunTouch("--hand left --seconds 60 --quiet"), 0);
+  EXPECT_EQ(RunProbe("--hand left --seconds 60 --quiet"), 0);
   EXPECT_LT(Frames(), kOneSecond);
   Script("0.2 lose_instance\n");
-  EXPECT_EQ(RunTouch("--hand left --seconds 60 --quiet"), 0);
+  EXPECT_EQ(RunProbe("--hand left --seconds 60 --quiet"), 0);
   EXPECT_LT(Frames(), kOneSecond);
   Script("0.2 exit\n");
-  EXPECT_EQ(RunTouch("--hand left --seconds 60 --quiet"), 0);
+  EXPECT_EQ(RunProbe("--hand left --seconds 60 --quiet"), 0);
   EXPECT_LT(Frames(), kOneSecond);
   EXPECT_TRUE(ReportHas("\"errors\": []")) << Read("report.json");
 }

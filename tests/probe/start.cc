@@ -5,9 +5,9 @@
 #include <cstring>
 #include <vector>
 
-#include "layer/examples/touch/app.h"
+#include "tests/probe/app.h"
 
-namespace touch {
+namespace probe {
 namespace {
 
 constexpr XrPosef kIdentity{{0, 0, 0, 1}, {0, 0, 0}};
@@ -45,7 +45,7 @@ bool App::CreateInstance() {
   std::vector<const char*> enabled = {XR_MND_HEADLESS_EXTENSION_NAME, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME};
   for (const char* const name : enabled) {
     if (HasExtension(name)) continue;
-    std::fprintf(stderr, "omni_touch: no runtime was found, or it does not offer %s, which this example needs\n", name);
+    std::fprintf(stderr, "omni_probe: no runtime was found, or it does not offer %s, which this example needs\n", name);
     report_.AddError("xrEnumerateInstanceExtensionProperties", name + std::string(" missing"));
     return false;
   }
@@ -118,4 +118,4 @@ void App::PlantError() {
   report_.planted_error_result = Name(xrLocateSpace(aim_, local_, Now(), &location));
 }
 
-}  // namespace touch
+}  // namespace probe

@@ -1,11 +1,11 @@
-#include "layer/examples/touch/report.h"
+#include "tests/probe/report.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <sstream>
 
-namespace touch {
+namespace probe {
 namespace {
 
 // The path is for pictures: this many points are plenty.
@@ -152,4 +152,4 @@ bool WriteJson(const Options& options, const Report& report) {
   return std::fclose(file) == 0 && written;
 }
 
-}  // namespace touch
+}  // namespace probe

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "layer/examples/touch/options.h"
+#include "tests/probe/options.h"
 
-namespace touch {
+namespace probe {
 
 struct FailedCall {
   std::string call;
@@ -54,4 +54,4 @@ std::string MissingFromPen(const Report& report);
 // False when the file cannot be written.
 bool WriteJson(const Options& options, const Report& report);
 
-}  // namespace touch
+}  // namespace probe

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <ctime>
 
-#include "layer/examples/touch/app.h"
+#include "tests/probe/app.h"
 
-namespace touch {
+namespace probe {
 namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
@@ -203,7 +203,7 @@ void App::PrintPose(const char* name, const XrSpaceLocation& location, const XrS
 bool App::Check(XrResult result, const char* call) {
   if (XR_SUCCEEDED(result)) return true;
   const std::string name = Name(result);
-  if (report_.errors.empty()) std::fprintf(stderr, "omni_touch: %s: %s\n", call, name.c_str());
+  if (report_.errors.empty()) std::fprintf(stderr, "omni_probe: %s: %s\n", call, name.c_str());
   report_.AddError(call, name);
   if (result == XR_ERROR_INSTANCE_LOST || result == XR_ERROR_SESSION_LOST) done_ = true;
   return false;
@@ -215,4 +215,4 @@ std::string App::Name(XrResult result) const {
   return "XrResult " + std::to_string(static_cast<int>(result));
 }
 
-}  // namespace touch
+}  // namespace probe

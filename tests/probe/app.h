@@ -7,11 +7,11 @@
 #include <atomic>
 #include <string>
 
-#include "layer/examples/touch/bindings.h"
-#include "layer/examples/touch/options.h"
-#include "layer/examples/touch/report.h"
+#include "tests/probe/bindings.h"
+#include "tests/probe/options.h"
+#include "tests/probe/report.h"
 
-namespace touch {
+namespace probe {
 
 class App {
  public:
@@ -72,4 +72,4 @@ class App {
   XrPath profile_ = XR_NULL_PATH;
 };
 
-}  // namespace touch
+}  // namespace probe

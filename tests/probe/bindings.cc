@@ -1,8 +1,8 @@
-#include "layer/examples/touch/bindings.h"
+#include "tests/probe/bindings.h"
 
 #include <cstdio>
 
-namespace touch {
+namespace probe {
 namespace {
 
 // A boolean action may be bound to an analogue input: the runtime applies the threshold.
@@ -99,4 +99,4 @@ XrResult Suggest(XrInstance instance, const std::string& hand_path, const Profil
   return xrSuggestInteractionProfileBindings(instance, &info);
 }
 
-}  // namespace touch
+}  // namespace probe

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-namespace touch {
+namespace probe {
 
 struct Options {
-  std::string name = "omni_touch";
+  std::string name = "omni_probe";
   std::string hand = "right";
   std::vector<std::string> profiles = {"mx_ink", "touch", "simple"};
   double seconds = 10;
@@ -25,4 +25,4 @@ std::string Parse(int argc, char** argv, Options* options);
 
 extern const char* const kUsage;
 
-}  // namespace touch
+}  // namespace probe

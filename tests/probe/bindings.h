@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace touch {
+namespace probe {
 
 struct Actions {
   XrActionSet set = XR_NULL_HANDLE;
@@ -40,4 +40,4 @@ XrResult CreateActions(XrInstance instance, XrPath hand, Actions* actions, const
 XrResult Suggest(XrInstance instance, const std::string& hand_path, const ProfileBindings& profile,
                  const Actions& actions);
 
-}  // namespace touch
+}  // namespace probe

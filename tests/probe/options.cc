@@ -1,16 +1,16 @@
-#include "layer/examples/touch/options.h"
+#include "tests/probe/options.h"
 
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
 
-#include "layer/examples/touch/bindings.h"
+#include "tests/probe/bindings.h"
 
-namespace touch {
+namespace probe {
 
 const char* const kUsage =
-    "usage: omni_touch [options]\n"
-    "  --name NAME       application name that the runtime sees (default omni_touch)\n"
+    "usage: omni_probe [options]\n"
+    "  --name NAME       application name that the runtime sees (default omni_probe)\n"
     "  --profiles LIST   interaction profiles to suggest bindings for: mx_ink,touch,simple (default: all)\n"
     "  --hand HAND       right (default) or left\n"
     "  --seconds S       how long to run (default 10)\n"
@@ -92,4 +92,4 @@ std::string Parse(int argc, char** argv, Options* options) {
   return "";
 }
 
-}  // namespace touch
+}  // namespace probe

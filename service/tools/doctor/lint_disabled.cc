@@ -1,0 +1,29 @@
+// Rule "DisabledByEnvironment": an implicit layer can be switched off, is not switched off now, and does not wait for a
+// variable. The loader asks whether a variable is set, not what to. [OpenXR-API-Layers-GUI,
+// DisabledByEnvironmentLinter]
+#include "service/tools/doctor/objections.h"
+#include "service/tools/doctor/openxr_manifests.h"
+
+namespace omni::tools {
+
+Finding LintDisabledByEnvironment(const Surroundings& surroundings) {
+  Objections objections;
+  for (const LayerManifest& manifest : FindLayerManifests(surroundings)) {
+    if (!manifest.implicit || manifest.name.empty()) continue;
+    const std::string who = manifest.name + " (" + manifest.file.string() + ")";
+    if (manifest.disable_environment.empty()) {
+      objections.Add(IsOurs(manifest) ? Verdict::kFail : Verdict::kWarn,
+                     who + " has no disable_environment: the loader skips it, for nobody could switch it off",
+                     "install that layer again, or remove its manifest");
+    } else if (surroundings.Has(manifest.disable_environment)) {
+      objections.Add(Verdict::kWarn, who + " is switched off: " + manifest.disable_environment + " is set",
+                     "unset " + manifest.disable_environment + " (its value does not matter)");
+    } else if (!manifest.enable_environment.empty() && !surroundings.Has(manifest.enable_environment)) {
+      objections.Add(Verdict::kWarn, who + " waits for " + manifest.enable_environment + ", which is not set",
+                     "set " + manifest.enable_environment + " where its applications start");
+    }
+  }
+  return objections.Sum("no implicit layer is switched off");
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,59 @@
+#include "service/tools/doctor/openxr_loader.h"
+
+#include <dlfcn.h>
+#include <stdlib.h>
+
+#include <cstdint>
+
+#include <openxr/openxr.h>
+
+namespace omni::tools {
+namespace {
+
+constexpr const char* kLoader = "libopenxr_loader.so.1";
+constexpr const char* kDebug = "XR_LOADER_DEBUG";
+
+// The loader writes what it finds wrong to stderr; the diagnoses say it better.
+class QuietLoader {
+ public:
+  QuietLoader() {
+    if (const char* value = std::getenv(kDebug)) {
+      had_ = true;
+      before_ = value;
+    }
+    ::setenv(kDebug, "none", 1);
+  }
+  ~QuietLoader() { had_ ? ::setenv(kDebug, before_.c_str(), 1) : ::unsetenv(kDebug); }
+  QuietLoader(const QuietLoader&) = delete;
+  QuietLoader& operator=(const QuietLoader&) = delete;
+
+ private:
+  bool had_ = false;
+  std::string before_;
+};
+
+}  // namespace
+
+LoaderAnswer AskLoader() {
+  LoaderAnswer answer;
+  const QuietLoader quiet;
+  void* library = ::dlopen(kLoader, RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) return answer;
+  answer.asked = true;
+  const auto enumerate =
+      reinterpret_cast<PFN_xrEnumerateApiLayerProperties>(::dlsym(library, "xrEnumerateApiLayerProperties"));
+  if (enumerate == nullptr) {
+    answer.error = std::string(kLoader) + " has no xrEnumerateApiLayerProperties";
+  } else {
+    std::uint32_t count = 0;
+    XrResult result = enumerate(0, &count, nullptr);
+    std::vector<XrApiLayerProperties> layers(count, {XR_TYPE_API_LAYER_PROPERTIES, nullptr, {}, 0, 0, {}});
+    if (XR_SUCCEEDED(result) && count > 0) result = enumerate(count, &count, layers.data());
+    if (XR_FAILED(result)) answer.error = "xrEnumerateApiLayerProperties: XrResult " + std::to_string(result);
+    for (std::uint32_t i = 0; answer.error.empty() && i < count; ++i) answer.layers.emplace_back(layers[i].layerName);
+  }
+  ::dlclose(library);
+  return answer;
+}
+
+}  // namespace omni::tools

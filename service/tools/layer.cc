@@ -1,0 +1,134 @@
+// omni layer enable, disable, status: whether applications that know nothing of Omni get the pen.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+#include "service/tools/elf_file.h"
+#include "service/tools/layer_store.h"
+
+namespace omni::tools {
+namespace {
+
+struct LayerArguments {
+  bool user = false;
+  bool system = false;
+  bool as_json = false;
+  bool binary = false;
+
+  LayerScope scope() const { return system ? LayerScope::kSystem : LayerScope::kUser; }
+};
+
+constexpr const char* kEnableCommand = "omni layer enable";
+constexpr const char* kDisableCommand = "omni layer disable";
+constexpr const char* kStatusCommand = "omni layer status";
+
+int Enable(const LayerArguments& arguments) {
+  const Surroundings surroundings = SurroundingsOfThisProcess({});
+  const auto enabled = EnableLayer(surroundings, arguments.scope());
+  if (!enabled.ok()) return Fail(kEnableCommand, enabled.error());
+  const LayerManifest manifest = ReadLayerManifest(enabled->file, true);
+  std::cout << (enabled->replaced ? "renewed " : "wrote ") << enabled->file.string() << "\n"
+            << "every OpenXR application of " << (arguments.system ? "this machine" : "yours") << " gets "
+            << manifest.library << "\n"
+            << "one application without it: " << manifest.disable_environment << "=1\n";
+  return kExitOk;
+}
+
+int Disable(const LayerArguments& arguments) {
+  const Surroundings surroundings = SurroundingsOfThisProcess({});
+  const auto removed = DisableLayer(surroundings, arguments.scope());
+  if (!removed.ok()) return Fail(kDisableCommand, removed.error());
+  for (const auto& file : *removed) std::cout << "removed " << file.string() << "\n";
+  if (removed->empty()) std::cout << "it was not enabled there\n";
+  const Finding left = LookAtEnabledLayers(surroundings);
+  if (left.verdict == Verdict::kOk) std::cout << "still enabled: " << left.what << "\n";
+  return kExitOk;
+}
+
+nlohmann::ordered_json StatusJson(const Surroundings& surroundings) {
+  nlohmann::ordered_json manifests = nlohmann::ordered_json::array();
+  for (const LayerManifest& manifest : FindLayerManifests(surroundings)) {
+    if (!IsOurs(manifest)) continue;
+    manifests.push_back({{"file", manifest.file.string()},
+                         {"implicit", manifest.implicit},
+                         {"library", manifest.library},
+                         {"problem", manifest.problem},
+                         {"disable_environment", manifest.disable_environment}});
+  }
+  const Finding enabled = LookAtEnabledLayers(surroundings);
+  return {{"layer", kLayerName},
+          {"enabled", enabled.verdict == Verdict::kOk},
+          {"why", enabled.what},
+          {"fix", enabled.fix},
+          {"manifests", manifests}};
+}
+
+nlohmann::ordered_json BinaryJson(const std::string& library, const ElfFile& elf) {
+  return {{"library", library},        {"bytes", elf.bytes},   {"architecture", elf.architecture()},
+          {"glibc", elf.newest_glibc}, {"needed", elf.needed}, {"exported", elf.exported}};
+}
+
+void PrintStatus(const nlohmann::ordered_json& status) {
+  std::cout << "layer        " << status["layer"].get<std::string>() << "\n"
+            << "enabled      " << (status["enabled"].get<bool>() ? "yes: " : "no: ") << status["why"].get<std::string>()
+            << "\n";
+  for (const auto& manifest : status["manifests"]) {
+    const std::string problem = manifest["problem"];
+    std::cout << (manifest["implicit"].get<bool>() ? "implicit     " : "explicit     ")
+              << manifest["file"].get<std::string>() << " -> "
+              << (problem.empty() ? manifest["library"].get<std::string>() : "skipped: " + problem) << "\n";
+  }
+  if (const std::string fix = status["fix"]; !fix.empty()) std::cout << "to enable it " << fix << "\n";
+}
+
+int Status(const LayerArguments& arguments) {
+  const Surroundings surroundings = SurroundingsOfThisProcess({});
+  nlohmann::ordered_json status = StatusJson(surroundings);
+  std::string binary;
+  if (arguments.binary) {
+    const auto layer = FindInstalledLayer(surroundings);
+    if (!layer.ok()) return Fail(kStatusCommand, layer.error());
+    const auto elf = ReadElfFile(layer->library);
+    if (!elf.ok()) return Fail(kStatusCommand, elf.error());
+    status["binary"] = BinaryJson(layer->library, *elf);
+    binary = "library      " + layer->library + "\n" + DescribeElf(*elf);
+  }
+  if (arguments.as_json) {
+    std::cout << status.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    PrintStatus(status);
+    std::cout << binary;
+  }
+  return kExitOk;
+}
+
+void AddScope(CLI::App& sub, const std::shared_ptr<LayerArguments>& arguments) {
+  CLI::Option* user = sub.add_flag("--user", arguments->user, "for you alone (the default)");
+  sub.add_flag("--system", arguments->system, "for everybody on this machine; needs root")->excludes(user);
+}
+
+}  // namespace
+
+void AddLayer(CLI::App& app) {
+  auto arguments = std::make_shared<LayerArguments>();
+  CLI::App* layer = app.add_subcommand("layer", "the OpenXR layer: enable it for all applications, or not");
+  layer->require_subcommand(1);
+  CLI::App* enable = layer->add_subcommand("enable", "every OpenXR application gets the pen (an implicit manifest)");
+  AddScope(*enable, arguments);
+  enable->callback([arguments] { throw CLI::RuntimeError(Enable(*arguments)); });
+  CLI::App* disable = layer->add_subcommand("disable", "only applications that name the layer get the pen");
+  AddScope(*disable, arguments);
+  disable->callback([arguments] { throw CLI::RuntimeError(Disable(*arguments)); });
+  CLI::App* status =
+      layer->add_subcommand("status", "which manifests there are, and whether applications get the layer");
+  status->add_flag("--json", arguments->as_json, "as JSON");
+  status->add_flag("--binary", arguments->binary, "the library too: size, the C library it needs, what it exports");
+  status->callback([arguments] { throw CLI::RuntimeError(Status(*arguments)); });
+}
+
+}  // namespace omni::tools

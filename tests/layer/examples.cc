@@ -1,0 +1,128 @@
+// The example applications as processes of their own, over the test runtime, with the layer and the fake service.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "tests/layer/app.h"
+#include "tests/support/temp_folder.h"
+
+namespace omni::test {
+namespace {
+
+struct ExampleRun {
+  int status = -1;
+  std::string out;
+  std::string err;
+
+  // The number after `word` in the last line: "frames 90, located 80, ...".
+  long Count(const std::string& word) const {
+    const std::size_t line = out.rfind("frames ");
+    const std::size_t at = line == std::string::npos ? line : out.find(word + " ", line);
+    return at == std::string::npos ? -1 : std::strtol(out.c_str() + at + word.size(), nullptr, 10);
+  }
+};
+
+std::string ReadAll(const std::string& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+// Runs a program of the build tree; `meanwhile` is called about every millisecond.
+template <class Meanwhile>
+ExampleRun RunExample(const std::string& environment, const std::string& command, Meanwhile meanwhile) {
+  const TempFolder folder;
+  ExampleRun run;
+  std::atomic<bool> done{false};
+  std::thread program([&] {
+    const std::string line = environment + " " + OMNI_BINARY_DIR + "/bin/" + command + " >" + folder.Path("out") +
+                             " 2>" + folder.Path("err");
+    const int status = std::system(line.c_str());
+    run.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    done = true;
+  });
+  while (!done) {
+    meanwhile();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  program.join();
+  run.out = ReadAll(folder.Path("out"));
+  run.err = ReadAll(folder.Path("err"));
+  return run;
+}
+
+constexpr const char* kWithLayer = "XR_ENABLE_API_LAYERS=XR_APILAYER_OMNI_stylus";
+
+TEST(Examples, TouchGetsThePenWithTheLayer) {
+  FakeService service;
+  int passes = 0;
+  const ExampleRun run = RunExample(kWithLayer, "omni_touch --seconds 1 --name omni_touch_test", [&] {
+    if (++passes % 60 == 0) {
+      service.Set(protocol::InputIndex::kTipForce, 0.8f);
+      service.Set(protocol::InputIndex::kSelect, 1);
+    } else if (passes % 60 == 30) {
+      service.Set(protocol::InputIndex::kTipForce, 0);
+      service.Set(protocol::InputIndex::kSelect, 0);
+    }
+    service.Fill();
+  });
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_GT(run.Count("frames"), 10) << run.out;
+  EXPECT_GT(run.Count("located"), run.Count("frames") / 2) << run.out;
+  EXPECT_GT(run.Count("presses"), 0) << run.out;
+  EXPECT_NE(run.out.find(std::string("profile ") + kMxInk), std::string::npos) << run.out;
+  const Heard heard = service.heard();
+  EXPECT_EQ(heard.applications, std::vector<std::string>{"omni_touch_test"});
+  EXPECT_FALSE(heard.haptics.empty()) << "a press is answered with a pulse";
+  ASSERT_TRUE(heard.last_session());
+  EXPECT_EQ(*heard.last_session(), protocol::SessionState::kNone) << "it left as it should";
+}
+
+// Nothing in it knows of Omni: without the layer it shows the runtime's controller.
+TEST(Examples, TouchGetsTheRuntimesControllerWithoutTheLayer) {
+  ASSERT_EQ(omni_test_reset(), 0);
+  const ExampleRun run = RunExample("XR_ENABLE_API_LAYERS=", "omni_touch --hand left --seconds 0.5", [] {});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_GT(run.Count("located"), 5) << run.out;
+  EXPECT_NE(run.out.find(std::string("profile ") + kTouch), std::string::npos) << run.out;
+}
+
+TEST(Examples, WhatIsMissingIsSaidInOneLine) {
+  const ExampleRun none = RunExample("XR_RUNTIME_JSON=/nowhere.json XR_LOADER_DEBUG=none", "omni_touch", [] {});
+  EXPECT_EQ(none.status, 1);
+  EXPECT_NE(none.err.find("omni_touch: no OpenXR runtime answers"), std::string::npos) << none.err;
+  const ExampleRun wrong = RunExample("", "omni_touch --hand both", [] {});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_EQ(wrong.err.rfind("usage: omni_touch", 0), 0u) << wrong.err;
+}
+
+#ifdef OMNI_FORCE_EXAMPLE
+TEST(Examples, ForceNeedsTheLayer) {
+  const ExampleRun run = RunExample("XR_ENABLE_API_LAYERS=", "omni_force --seconds 0.3", [] {});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("omni_force: no layer offers XR_OMNIX1_force_feedback"), std::string::npos) << run.err;
+}
+
+TEST(Examples, ForceRunsItsThreeParts) {
+  FakeService service;
+  service.SetForce(true, protocol::ForceStanding::kYours);
+  const ExampleRun run = RunExample(kWithLayer, "omni_force --seconds 1", [&] { service.Fill(); });
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_GT(run.Count("frames"), 10) << run.out;
+  for (const char* part : {"a breeze", "a table", "honey"})
+    EXPECT_NE(run.out.find(part), std::string::npos) << part << " is missing in: " << run.out;
+  EXPECT_GT(service.heard().forces.size(), 10u) << "a breeze is renewed every frame";
+}
+#endif
+
+}  // namespace
+}  // namespace omni::test
