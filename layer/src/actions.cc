@@ -2,6 +2,7 @@
 #include <cstring>
 #include <string>
 
+#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -13,6 +14,7 @@ class NextStates : public RuntimeStates {
   NextStates(const Dispatch& next, XrSession session) : next_(next), session_(session) {}
 
   StatePart Query(const Action& action, XrPath subaction) const override {
+    if (action.destroyed && !OMNI_FAULT("destroyed-handle-used")) return {};
     const XrActionStateGetInfo info{XR_TYPE_ACTION_STATE_GET_INFO, nullptr, action.handle, subaction};
     switch (action.type) {
       case XR_ACTION_TYPE_BOOLEAN_INPUT: {
@@ -62,7 +64,11 @@ XrResult Instance::DestroyActionSet(XrActionSet set) {
   const XrResult result = next.DestroyActionSet(set);
   link.Beat();
   if (XR_FAILED(result)) return result;
-  actions.EraseIf([set](const Action& action) { return action.set->handle == set; });
+  actions.EraseIf([set](Action& action) {
+    if (action.set->handle != set) return false;
+    action.destroyed = true;
+    return true;
+  });
   action_sets.Erase(set);
   return result;
 }
@@ -83,7 +89,11 @@ XrResult Instance::CreateAction(XrActionSet set, const XrActionCreateInfo* info,
 XrResult Instance::DestroyAction(XrAction action) {
   const XrResult result = next.DestroyAction(action);
   link.Beat();
-  if (XR_SUCCEEDED(result)) actions.Erase(action);
+  if (OMNI_FAULT("space-dies-with-its-action"))
+    spaces.EraseIf([action](const Space& space) { return space.action && space.action->handle == action; });
+  if (XR_FAILED(result)) return result;
+  if (const auto record = actions.Find(action)) record->destroyed = true;
+  actions.Erase(action);
   return result;
 }
 
@@ -125,7 +135,7 @@ std::vector<ActiveSet> Instance::ActiveSets(const XrActionsSyncInfo& info) const
   }
   const auto* chain = static_cast<const XrBaseInStructure*>(info.next);
   for (; chain; chain = chain->next) {
-    if (chain->type != XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT) continue;
+    if (chain->type != XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT || OMNI_FAULT("priority-override-ignored")) continue;
     XrActiveActionSetPrioritiesEXT overrides;
     std::memcpy(&overrides, chain, sizeof(overrides));
     for (std::uint32_t i = 0; i < overrides.actionSetPriorityCount; ++i)
@@ -144,7 +154,7 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   const std::int64_t now = MonotonicNow_ns();
   clock.Refresh(now);
   SyncInput input;
-  input.focused = result != XR_SESSION_NOT_FOCUSED;
+  input.focused = result != XR_SESSION_NOT_FOCUSED || OMNI_FAULT("not-focused-is-success");
   if (record->running) SetFocus(*record, input.focused);
   input.active = ActiveSets(*info);
   input.pen = link.Read(now);
@@ -161,7 +171,8 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   XrInteractionProfileState below{XR_TYPE_INTERACTION_PROFILE_STATE, nullptr, XR_NULL_PATH};
   if (XR_FAILED(next.GetCurrentInteractionProfile(session, hand_path, &below))) below.interactionProfile = XR_NULL_PATH;
   const auto shown = [&](const Profile* profile) { return profile ? PathOf(profile->path) : below.interactionProfile; };
-  if (record->running && shown(before) != shown(after)) record->profile_event_due = true;
+  if (record->running && (shown(before) != shown(after) || OMNI_FAULT("event-without-change")))
+    record->profile_event_due = true;
   return result;
 }
 

@@ -1,7 +1,9 @@
 // Which extensions the next layer is asked for.
 //
 // xrEnumerateInstanceExtensionProperties of what lies below is not to be relied on (layers and runtimes that lack it
-// exist), so we ask for what we want and, on XR_ERROR_EXTENSION_NOT_PRESENT, ask again for less.
+// exist), so we ask for what we want and, where that fails, again for less. Where it fails for whatever reason:
+// LunarG's core_validation 1.0.20 makes XR_ERROR_INITIALIZATION_FAILED of a runtime's XR_ERROR_EXTENSION_NOT_PRESENT.
+// The last attempt asks for no more than the application did, and its result stands.
 #include "layer/src/create_instance.h"
 
 #include <algorithm>
@@ -10,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "layer/src/fault.h"
 #include "layer/src/registry.h"
 
 namespace omni::layer {
@@ -51,7 +54,8 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
   std::vector<const char*> names;
   for (const std::string& name : creation.asked) {
     const OurExtension* ours = FindOurs(name);
-    if (!ours || (attempt.ours && ours->may_be_below)) names.push_back(name.c_str());
+    if (!ours || (attempt.ours && ours->may_be_below) || OMNI_FAULT("extension-leaks-below"))
+      names.push_back(name.c_str());
   }
   if (attempt.timespec) names.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   XrInstanceCreateInfo info = *creation.info;
@@ -72,7 +76,7 @@ XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
       if ((with_timespec && !timespec) || (with_ours && !ours)) continue;
       done = {with_ours, with_timespec};
       result = Try(creation, done, instance);
-      if (result != XR_ERROR_EXTENSION_NOT_PRESENT) return result;
+      if (XR_SUCCEEDED(result)) return result;
     }
   }
   return result;

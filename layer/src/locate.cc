@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "layer/src/fault.h"
+
 namespace omni::layer {
 namespace {
 
@@ -65,7 +67,7 @@ Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexce
   Motion offset;
   offset.X = X_TS;
   out.motion = Compose(Compose(placement, tool.X_BT), offset);
-  out.flags = tool.tracked ? kValid | kTracked : kValid;
+  out.flags = tool.tracked || OMNI_FAULT("always-tracked") ? kValid | kTracked : kValid;
   out.velocity_flags = kVelocityValid;
   return out;
 }
@@ -83,7 +85,7 @@ void Write(const Located& located, XrSpaceLocation& location) noexcept {
   if (located.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) location.pose.orientation = pose.orientation;
   if (located.flags & XR_SPACE_LOCATION_POSITION_VALID_BIT) location.pose.position = pose.position;
   XrSpaceVelocity* velocity = ChainedVelocity(location);
-  if (!velocity) return;
+  if (!velocity || OMNI_FAULT("velocity-untouched")) return;
   velocity->velocityFlags = located.velocity_flags;
   velocity->linearVelocity = {0, 0, 0};
   velocity->angularVelocity = {0, 0, 0};

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "layer/src/fault.h"
 #include "layer/src/tool_motion.h"
 
 namespace omni::layer {
@@ -22,7 +23,7 @@ void ServiceLink::Poll(std::int64_t now_ns) {
   for (const protocol::Notice& notice : connection_.TakeNotices())
     log_.Line(std::string("service says: ") + notice.text);
   if (connected != was_connected_) log_.Line(connected ? "connected to omnid" : "connection to omnid lost");
-  if (!connected && connection_.last_error() != last_error_) {
+  if (!connected && (connection_.last_error() != last_error_ || OMNI_FAULT("log-repeats"))) {
     last_error_ = connection_.last_error();
     if (!last_error_.empty()) log_.Line(last_error_);
   }

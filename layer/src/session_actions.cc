@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "layer/src/fault.h"
+
 namespace omni::layer {
 namespace {
 
@@ -33,7 +35,7 @@ void SessionActions::Attach(const std::vector<std::shared_ptr<ActionSet>>& sets,
         bound.bindings.push_back({std::move(binding), false});
       }
     }
-    if (chosen_) break;
+    if (chosen_ && !OMNI_FAULT("lowest-profile-chosen")) break;
   }
   if (chosen_) components_.resize(chosen_->components.size());
 }
@@ -45,8 +47,8 @@ bool SessionActions::attached(const ActionSet& set) const {
 void SessionActions::UpdateOwner(const SyncInput& input) {
   // Selection is made in focused syncs only: before the first one no profile is current.
   start_edges_ = false;
-  if (!input.focused) return;
-  const bool owner = chosen_ != nullptr && input.pen.present;
+  if (!input.focused && !OMNI_FAULT("unfocused-sync-selects")) return;
+  const bool owner = chosen_ != nullptr && (input.pen.present || OMNI_FAULT("absent-pen-present"));
   start_edges_ = owner && (!owner_ || service_instance_ != input.pen.service_instance);
   owner_ = owner;
   merging_ = merging_ || owner;
@@ -64,7 +66,7 @@ void SessionActions::UpdateComponents(const PenSnapshot& pen, const RuntimeClock
     const protocol::InputValue& value = input(component.source);
     const bool digital = component.type == ComponentType::kBoolean || component.click_source != kNoSource;
     const protocol::InputValue& click = component.click_source != kNoSource ? input(component.click_source) : value;
-    if (restart) state.edges.Start(click.press_count, click.release_count);
+    if (restart && !OMNI_FAULT("old-presses-reported")) state.edges.Start(click.press_count, click.release_count);
     if (digital) {
       state.edges.StepDigital(click.value > kPressThreshold, click.press_count, click.release_count);
     } else {
@@ -79,10 +81,15 @@ void SessionActions::UpdateComponents(const PenSnapshot& pen, const RuntimeClock
 // [XrActionSetCreateInfo] A source feeds only the active sets of the highest priority that bind it.
 void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
   std::unordered_map<std::string_view, std::uint32_t> highest;
+  const auto source = [](const LiveBinding& b) -> std::string_view {
+    return OMNI_FAULT("components-apart") ? b.binding.path : b.binding.identifier;
+  };
   const auto priority_of = [&](const Action& action, std::uint32_t* priority) {
     bool is_active = false;
     for (const ActiveSet& entry : active) {
-      if (entry.set != action.set || (entry.subaction != XR_NULL_PATH && entry.subaction != hand_path_)) continue;
+      if (entry.set != action.set) continue;
+      const bool other_hand = entry.subaction != XR_NULL_PATH && entry.subaction != hand_path_;
+      if (other_hand && !OMNI_FAULT("active-subaction-ignored")) continue;
       *priority = entry.priority;
       is_active = true;
     }
@@ -94,7 +101,7 @@ void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
     for (LiveBinding& b : bound.bindings) {
       b.live = is_active;
       if (!is_active) continue;
-      std::uint32_t& top = highest.try_emplace(b.binding.identifier, priority).first->second;
+      std::uint32_t& top = highest.try_emplace(source(b), priority).first->second;
       top = std::max(top, priority);
     }
   }
@@ -102,7 +109,8 @@ void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
     std::uint32_t priority = 0;
     if (!priority_of(*bound.action, &priority)) continue;
     for (LiveBinding& b : bound.bindings)
-      b.live = b.binding.kind == BindingKind::kHaptic || priority >= highest[b.binding.identifier];
+      b.live =
+          b.binding.kind == BindingKind::kHaptic || priority >= highest[source(b)] || OMNI_FAULT("priority-ignored");
   }
 }
 
@@ -129,7 +137,7 @@ StatePart SessionActions::PenPart(const Bound& bound) const {
     } else if (b.binding.kind == BindingKind::kVector2) {
       const StatePart x = Scalar(BindingKind::kFloat, b.binding.first);
       const StatePart y = Scalar(BindingKind::kFloat, b.binding.second);
-      part.value = {x.value.x, y.value.x};
+      part.value = {x.value.x, OMNI_FAULT("vector-loses-y") ? 0.0f : y.value.x};
       part.change_time = std::max(x.change_time, y.change_time);
     }
     out = Merge(bound.action->type, out, part);
@@ -142,6 +150,7 @@ StatePart SessionActions::PenPart(const Bound& bound) const {
 StatePart SessionActions::RuntimePartOfAny(const Action& action, const RuntimeStates& runtime) const {
   if (!owner_ || action.subactions.empty()) return runtime.Query(action, XR_NULL_PATH);
   StatePart out;
+  if (OMNI_FAULT("other-hand-stolen")) return out;
   for (const XrPath path : action.subactions)
     if (path != hand_path_) out = Merge(action.type, out, runtime.Query(action, path));
   return out;
@@ -149,7 +158,7 @@ StatePart SessionActions::RuntimePartOfAny(const Action& action, const RuntimeSt
 
 void SessionActions::AdvancePose(View& view, const StatePart& runtime, const StatePart& pen, bool sticky) const {
   // [input-multiple] One device; the XR_NULL_PATH view stays with the first it got, even when that goes off.
-  if (view.pose_device == Device::kNone || !sticky)
+  if (view.pose_device == Device::kNone || !sticky || OMNI_FAULT("pose-device-switches"))
     view.pose_device = pen.active ? Device::kPen : runtime.active ? Device::kRuntime : Device::kNone;
   view.state.active = view.pose_device == Device::kPen ? pen.active : runtime.active;
 }
@@ -165,7 +174,8 @@ void SessionActions::Sync(const SyncInput& input, const RuntimeStates& runtime, 
     const StatePart pen = PenPart(bound);
     const StatePart others = input.focused ? RuntimePartOfAny(action, runtime) : StatePart{};
     const bool has_hand = action.Declares(hand_path_);
-    const StatePart mine = input.focused && has_hand && !owner_ ? runtime.Query(action, hand_path_) : StatePart{};
+    const bool runtimes = !owner_ || OMNI_FAULT("runtime-controller-heard");
+    const StatePart mine = input.focused && has_hand && runtimes ? runtime.Query(action, hand_path_) : StatePart{};
     if (action.type == XR_ACTION_TYPE_POSE_INPUT) {
       AdvancePose(bound.any, others, pen, true);
       if (has_hand) AdvancePose(bound.owned, mine, pen, false);
@@ -196,7 +206,8 @@ int SessionActions::SpaceServedBy(const Action& action, XrPath subaction) const 
   if (subaction == hand_path_ && !owner_) return kServedByRuntime;
   if (!owner_) return kServedByNobody;
   for (const LiveBinding& b : bound->bindings)
-    if (b.live && b.binding.kind == BindingKind::kPose) return b.binding.first;
+    if ((b.live || OMNI_FAULT("unlocatable-stays-valid")) && b.binding.kind == BindingKind::kPose)
+      return b.binding.first;
   return kServedByNobody;
 }
 
@@ -209,7 +220,8 @@ std::vector<std::string> SessionActions::BoundSources(const Action& action) cons
   const Bound* bound = owner_ ? FindBound(action) : nullptr;
   if (!bound || (!action.subactions.empty() && !action.Declares(hand_path_))) return out;
   for (const LiveBinding& b : bound->bindings)
-    if (std::find(out.begin(), out.end(), b.binding.path) == out.end()) out.push_back(b.binding.path);
+    if (std::find(out.begin(), out.end(), b.binding.path) == out.end() && !OMNI_FAULT("no-bound-sources"))
+      out.push_back(b.binding.path);
   return out;
 }
 

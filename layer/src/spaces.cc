@@ -1,5 +1,6 @@
 // Spaces. An action space of ours is a real space of the runtime plus a record: calls that we do not know treat it as
 // unlocatable instead of failing.
+#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "layer/src/locate.h"
 
@@ -23,6 +24,7 @@ Side SideOf(const Instance& instance, XrSpace handle) {
   if (!side.space) return side;
   side.served_by = side.space->served_by.load(std::memory_order_acquire);
   if (side.pen()) side.X_TS = Compose(side.space->session->actions.PosePart(side.served_by), side.space->X_PS);
+  if (side.pen() && OMNI_FAULT("offset-ignored")) side.X_TS = {};
   return side;
 }
 
@@ -43,6 +45,7 @@ XrResult LocateBelow(const Instance& instance, XrSpace space, XrSpace base, XrTi
   out.flags = location.locationFlags;
   out.velocity_flags = is_static && out.flags ? kVelocityValid : velocity.velocityFlags;
   out.motion.X = FromXr(location.pose);
+  if (OMNI_FAULT("base-velocity-ignored")) velocity.velocityFlags = 0;
   if (velocity.velocityFlags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) out.motion.v = FromXr(velocity.linearVelocity);
   if (velocity.velocityFlags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) out.motion.w = FromXr(velocity.angularVelocity);
   return result;
@@ -95,7 +98,7 @@ void Instance::UpdateSpaces(const Session& session) {
 }
 
 XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
-  link.Beat();
+  if (!OMNI_FAULT("no-sign-of-life")) link.Beat();
   const Side s = SideOf(*this, space);
   const Side b = SideOf(*this, base);
   const bool by_runtime = s.served_by == kServedByRuntime && b.served_by == kServedByRuntime;
@@ -114,7 +117,7 @@ XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
   const XrSpace reference = b.pen() ? anchor : base;
   const XrResult result = LocateBelow(*this, target, reference, time, Static(s.pen() ? b : s), below);
   if (XR_FAILED(result)) return result;
-  if (s.pen() && b.pen()) {  // one rigid body: known even when it is not seen
+  if (s.pen() && b.pen() && !OMNI_FAULT("rigid-pair-forgotten")) {  // one rigid body: known even when it is not seen
     Located rigid;
     rigid.motion.X = Compose(Inverse(b.X_TS), s.X_TS);
     rigid.flags = kValid | kTracked;
@@ -122,10 +125,12 @@ XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
     Write(rigid, *location);
     return result;
   }
+  if (OMNI_FAULT("locate-ignores-time")) time = clock.ToXr(MonotonicNow_ns());
   ToolMotion tool;
   if (const auto reader = link.reader()) tool = ToolMotionAt(*reader, clock.ToMonotonic(time), MonotonicNow_ns());
   const Located pen = PenIn(kPlacement_LO, tool, s.pen() ? s.X_TS : b.X_TS);
-  Write(s.pen() ? Chain(below, pen) : Chain(Invert(pen), below), *location);
+  const bool inverts = !s.pen() && !OMNI_FAULT("base-not-inverted");
+  Write(inverts ? Chain(Invert(pen), below) : Chain(below, pen), *location);
   return result;
 }
 

@@ -2,13 +2,15 @@
 #include <algorithm>
 #include <string>
 
+#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
 
 bool Instance::OnlyOurs(const Profile& profile) const {
   return !profile.extension.empty() &&
-         std::find(only_ours_.begin(), only_ours_.end(), profile.extension) != only_ours_.end();
+         (OMNI_FAULT("profile-without-its-extension") ||
+          std::find(only_ours_.begin(), only_ours_.end(), profile.extension) != only_ours_.end());
 }
 
 bool Instance::ProfileHasPath(const Profile& profile, std::string_view full_path) const {
@@ -27,7 +29,7 @@ XrResult Instance::CheckSuggestions(const Profile& profile, const XrInteractionP
     const XrActionSuggestedBinding& binding = suggested.suggestedBindings[i];
     const auto action = actions.Find(binding.action);
     if (!action) return XR_ERROR_HANDLE_INVALID;
-    if (action->set->attached) return XR_ERROR_ACTIONSETS_ALREADY_ATTACHED;
+    if (action->set->attached && !OMNI_FAULT("suggest-after-attach")) return XR_ERROR_ACTIONSETS_ALREADY_ATTACHED;
     const std::string path = PathText(binding.binding);
     if (path.empty()) return XR_ERROR_PATH_INVALID;
     if (!ProfileHasPath(profile, path)) return XR_ERROR_PATH_UNSUPPORTED;
@@ -37,19 +39,24 @@ XrResult Instance::CheckSuggestions(const Profile& profile, const XrInteractionP
 
 XrResult Instance::Suggest(const XrInteractionProfileSuggestedBinding* suggested) {
   link.Beat();
+  if (OMNI_FAULT("suggest-always-succeeds")) return XR_SUCCESS;
   const bool readable = suggested && suggested->type == XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING;
   const std::string path = readable ? PathText(suggested->interactionProfile) : std::string();
   const auto profile = std::find_if(profiles.begin(), profiles.end(), [&](const Profile& p) { return p.path == path; });
   const bool ours = profile != profiles.end() && OnlyOurs(*profile);
   const XrResult result =
       ours ? CheckSuggestions(*profile, *suggested) : next.SuggestInteractionProfileBindings(handle, suggested);
-  if (XR_FAILED(result) || !readable) return result;
+  if ((XR_FAILED(result) && !OMNI_FAULT("refused-suggestion-kept")) || !readable) return result;
   std::vector<Suggestion> entries;
   for (std::uint32_t i = 0; i < suggested->countSuggestedBindings; ++i) {
     const XrActionSuggestedBinding& binding = suggested->suggestedBindings[i];
     if (auto action = actions.Find(binding.action)) entries.push_back({std::move(action), PathText(binding.binding)});
   }
   const std::lock_guard lock(suggestions_mutex_);
+  if (OMNI_FAULT("second-suggestion-adds")) {
+    const std::vector<Suggestion>& before = suggestions_[path];
+    entries.insert(entries.end(), before.begin(), before.end());
+  }
   suggestions_[path] = std::move(entries);  // a second suggestion for a profile replaces the first
   return result;
 }
@@ -57,7 +64,8 @@ XrResult Instance::Suggest(const XrInteractionProfileSuggestedBinding* suggested
 XrResult Instance::CurrentProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state) {
   const XrResult result = next.GetCurrentInteractionProfile(session, user_path, state);
   link.Beat();
-  if (XR_FAILED(result) || user_path != hand_path) return result;
+  if (XR_FAILED(result)) return OMNI_FAULT("profile-error-swallowed") ? XR_SUCCESS : result;
+  if (user_path != hand_path && !OMNI_FAULT("both-hands-owned")) return result;
   const auto record = sessions.Find(session);
   if (!record) return result;
   const std::shared_lock lock(record->mutex);

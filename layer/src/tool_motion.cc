@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "layer/src/fault.h"
+
 namespace omni::layer {
 namespace {
 
@@ -41,7 +43,8 @@ Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSampl
 
 Motion Predict(const protocol::ToolSample& sample, std::int64_t t_ns) noexcept {
   Motion m = MotionOf(sample);
-  const double dt = 1e-9 * static_cast<double>(std::clamp<std::int64_t>(t_ns - sample.t_ns, 0, kMaxPrediction_ns));
+  const std::int64_t longest_ns = OMNI_FAULT("prediction-without-end") ? 1'000'000'000 : kMaxPrediction_ns;
+  const double dt = 1e-9 * static_cast<double>(std::clamp<std::int64_t>(t_ns - sample.t_ns, 0, longest_ns));
   m.X.p += dt * m.v;
   m.X.q = glm::normalize(ExpRotation(dt * m.w) * m.X.q);
   return m;
@@ -50,7 +53,8 @@ Motion Predict(const protocol::ToolSample& sample, std::int64_t t_ns) noexcept {
 ToolMotion ToolMotionAt(const client::StateReader& reader, std::int64_t t_ns, std::int64_t now_ns) noexcept {
   ToolMotion out;
   protocol::ToolSample newest;
-  if (!reader.Newest(newest) || now_ns - newest.t_ns > kPresenceTimeout_ns) return out;
+  if (!reader.Newest(newest)) return out;
+  if (now_ns - newest.t_ns > kPresenceTimeout_ns && !OMNI_FAULT("stale-pen-valid")) return out;
   if (t_ns >= newest.t_ns) {
     out.valid = Has(newest, protocol::kToolPoseValid);
     out.tracked = out.valid && Has(newest, protocol::kToolTracked);

@@ -45,7 +45,7 @@ XrResult CheckCreateInfo(const XrInstanceCreateInfo* info, const XrInstance* ins
   const XrApplicationInfo& app = info->applicationInfo;
   OMNI_REQUIRE(info->createFlags == 0, XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(IsTerminated(app.applicationName) && IsTerminated(app.engineName), XR_ERROR_VALIDATION_FAILURE);
-  OMNI_REQUIRE(XR_VERSION_MAJOR(app.apiVersion) == 1 && XR_VERSION_MINOR(app.apiVersion) == 0,
+  OMNI_REQUIRE(XR_VERSION_MAJOR(app.apiVersion) == 1 && XR_VERSION_MINOR(app.apiVersion) <= 1,
                XR_ERROR_API_VERSION_UNSUPPORTED);
   OMNI_REQUIRE(app.applicationName[0] != '\0', XR_ERROR_NAME_INVALID);
   OMNI_REQUIRE(info->enabledExtensionCount == 0 || info->enabledExtensionNames != nullptr, XR_ERROR_VALIDATION_FAILURE);
