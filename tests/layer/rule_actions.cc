@@ -112,6 +112,22 @@ TEST_F(RuleActions, NothingChangesBetweenSyncs) {
   EXPECT_EQ(app.Profile(app.right), kTouch);
 }
 
+// What lies below may have given the handle to another action by now.
+TEST_F(RuleActions, DestroyedActionIsNotAskedForBelow) {
+  FakeService service;
+  App app;
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  const auto asked_in_a_sync = [&] {
+    const long before = omni_test_call_count("xrGetActionStatePose");
+    service.Fill();
+    EXPECT_EQ(app.Sync(), XR_SUCCESS);
+    return omni_test_call_count("xrGetActionStatePose") - before;
+  };
+  EXPECT_GT(asked_in_a_sync(), 0);
+  ASSERT_EQ(xrDestroyAction(app.pose), XR_SUCCESS);
+  EXPECT_EQ(asked_in_a_sync(), 0);
+}
+
 TEST_F(RuleActions, SyncErrorsAreTheRuntimes) {
   FakeService service;
   App app;

@@ -18,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kDebianLayers = "/usr/share/openxr/1/api_layers/explicit.d";
-const std::string kOwnLayers = OMNI_BINARY_DIR "/share/openxr/1/api_layers/explicit.d";
 const std::string kValidation = "XR_APILAYER_LUNARG_core_validation";
 const std::string kDump = "XR_APILAYER_LUNARG_api_dump";
 
@@ -74,12 +73,12 @@ class Stack : public testing::Test {
     fs::remove(report);
     std::string order = kLayer;
     order = place == Place::kAbove ? layer + ":" + order : order + ":" + layer;
-    const std::string command = "XR_ENABLE_API_LAYERS=" + order + " OMNI_TEST_LAYER_PATH=" + kOwnLayers + ":" +
-                                kDebianLayers + " OMNI_TEST_APP_LAYERS=none XR_CORE_VALIDATION_EXPORT_TYPE=text " +
-                                "XR_CORE_VALIDATION_FILE_NAME=" + report.string() + " XR_API_DUMP_EXPORT_TYPE=text " +
-                                "XR_API_DUMP_FILE_NAME=" + report.string() + " '" +
-                                fs::read_symlink("/proc/self/exe").string() + "' --gtest_filter='" + tests +
-                                "' --gtest_also_run_disabled_tests 2>&1";
+    const std::string command =
+        "XR_ENABLE_API_LAYERS=" + order + " OMNI_TEST_LAYER_PATH=" + std::getenv("XR_API_LAYER_PATH") + ":" +
+        kDebianLayers + " OMNI_TEST_APP_LAYERS=none XR_CORE_VALIDATION_EXPORT_TYPE=text " +
+        "XR_CORE_VALIDATION_FILE_NAME=" + report.string() + " XR_API_DUMP_EXPORT_TYPE=text " +
+        "XR_API_DUMP_FILE_NAME=" + report.string() + " '" + fs::read_symlink("/proc/self/exe").string() +
+        "' --gtest_filter='" + tests + "' --gtest_also_run_disabled_tests 2>&1";
     Ran ran;
     std::FILE* pipe = popen(command.c_str(), "r");
     if (!pipe) return ran;
