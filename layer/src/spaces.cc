@@ -105,7 +105,8 @@ XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
   if (by_runtime || !location || location->type != XR_TYPE_SPACE_LOCATION)
     return next.LocateSpace(space, base, time, location);
 
-  const XrSpace anchor = (s.pen() ? s : b).space->session->anchor;
+  const Side& one = s.pen() ? s : b;  // of the pen, unless nobody serves the other and this is anything
+  const XrSpace anchor = one.pen() ? one.space->session->anchor : XR_NULL_HANDLE;
   if (s.served_by == kServedByNobody || b.served_by == kServedByNobody || anchor == XR_NULL_HANDLE) {
     const XrResult result = next.LocateSpace(space, base, time, location);
     if (XR_SUCCEEDED(result)) Write(Located{}, *location);

@@ -153,6 +153,21 @@ TEST_F(RuleActions, SyncErrorsAreTheRuntimes) {
   EXPECT_EQ(none.lastChangeTime, 0);
 }
 
+// [xrLocateSpace] a space that nobody serves now, in a base that is none: the runtime's error.
+TEST_F(RuleActions, InactiveSpaceInABadBase) {
+  FakeService service;
+  App app;
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  const XrSpace pen = app.ActionSpace(app.pose, app.right);
+  ASSERT_EQ(app.SyncSets({}), XR_SUCCESS);
+  const auto bogus = reinterpret_cast<XrSpace>(std::uint64_t{0xdead0000beef0000});
+  for (const XrSpace base : {XrSpace{XR_NULL_HANDLE}, bogus}) {
+    XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+    EXPECT_EQ(xrLocateSpace(pen, base, Now_ns() + kRuntimeOffset_ns, &location), XR_ERROR_HANDLE_INVALID);
+    EXPECT_EQ(xrLocateSpace(base, pen, Now_ns() + kRuntimeOffset_ns, &location), XR_ERROR_HANDLE_INVALID);
+  }
+}
+
 // [XrEventDataInteractionProfileChanged]
 TEST_F(RuleEvents, NoneBeforeASync) {
   FakeService service;
