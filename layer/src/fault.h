@@ -2,7 +2,6 @@
 // library that ships is built without OMNI_LAYER_FAULTS: there the macro is the constant false, and neither code nor
 // text of a fault is left (Faults.TheShippedLayerHasNone). With it (target XrApiLayer_omni_faulty) the environment
 // variable OMNI_LAYER_FAULT names the one fault of this process. tests/layer/rules.json says which rule each breaks.
-// Only in .cc files: a header would be compiled with and without it into one library.
 #pragma once
 
 #ifdef OMNI_LAYER_FAULTS
