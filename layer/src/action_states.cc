@@ -84,7 +84,7 @@ Instance::HapticRoute Instance::RouteHaptic(XrSession session, const XrHapticAct
   const std::shared_lock lock(record->mutex);
   const SessionActions& state = record->actions;
   if (!state.attached(*action->set) || !state.pen_owns_hand()) return {};
-  const bool our_hand = info->subactionPath == hand_path && action->Declares(hand_path);
+  const bool our_hand = info->subactionPath == state.hand_path() && action->Declares(state.hand_path());
   return {state.HapticBound(*action, info->subactionPath), !our_hand && !OMNI_FAULT("haptic-to-pen-only")};
 }
 

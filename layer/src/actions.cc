@@ -87,12 +87,14 @@ XrResult Instance::CreateAction(XrActionSet set, const XrActionCreateInfo* info,
 }
 
 XrResult Instance::DestroyAction(XrAction action) {
+  const auto record = actions.Find(action);
   const XrResult result = next.DestroyAction(action);
   link.Beat();
   if (OMNI_FAULT("space-dies-with-its-action"))
     spaces.EraseIf([action](const Space& space) { return space.action && space.action->handle == action; });
   if (XR_FAILED(result)) return result;
-  if (const auto record = actions.Find(action)) record->destroyed = true;
+  if (record) record->destroyed = true;
+  if (record && !record->set->attached) record->withdrawn = !OMNI_FAULT("withdrawn-action-binds");
   actions.Erase(action);
   return result;
 }
@@ -117,9 +119,13 @@ XrResult Instance::Attach(XrSession session, const XrSessionActionSetsAttachInfo
   // Actions that were destroyed since they were suggested go on working; their suggestions keep them.
   std::vector<std::shared_ptr<Action>> candidates = actions.Values();
   for (const auto& [profile, entries] : suggestions)
-    for (const Suggestion& entry : entries) candidates.push_back(entry.action);
+    for (const Suggestion& entry : entries)
+      if (!entry.action->withdrawn) candidates.push_back(entry.action);
   const std::unique_lock lock(record->mutex);
   record->actions.Attach(sets, candidates, suggestions);
+  if (record->actions.preference_unusable())
+    log.Line(
+        "the preferred profile gives the pen nothing of what this application suggests; taking the best of the others");
   return result;
 }
 
@@ -146,6 +152,33 @@ std::vector<ActiveSet> Instance::ActiveSets(const XrActionsSyncInfo& info) const
   return out;
 }
 
+XrPath Instance::ProfileBelow(XrSession session, XrPath user_path) const {
+  XrInteractionProfileState below{XR_TYPE_INTERACTION_PROFILE_STATE, nullptr, XR_NULL_PATH};
+  const XrResult result = next.GetCurrentInteractionProfile(session, user_path, &below);
+  return XR_SUCCEEDED(result) ? below.interactionProfile : XR_NULL_PATH;
+}
+
+// A pen that lies there leaves its hand to the runtime's controller, if the runtime has one for that hand.
+bool Instance::PutDown(Session& session, const PenSnapshot& pen) {
+  if (!pen.present) {
+    session.rest.Reset();
+    return false;
+  }
+  RestLimits limits;
+  const float wished_s = link.settings().rest_after_s;
+  if (wished_s > 0) limits.still_ns = static_cast<std::int64_t>(1e9 * static_cast<double>(wished_s));
+  if (wished_s < 0) limits.still_ns = 0;
+  return session.rest.Update(pen, limits) && ProfileBelow(session.handle, session.actions.hand_path()) != XR_NULL_PATH;
+}
+
+// The runtime tells of its own changes; we tell of what the pen changes for the application, if it changes anything.
+void Instance::TellProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after) {
+  if (before == after || !session.running) return;
+  const XrPath below = before && after ? XR_NULL_PATH : ProfileBelow(session.handle, user_path);
+  const auto shown = [&](const Profile* profile) { return profile ? PathOf(profile->path) : below; };
+  if (shown(before) != shown(after) || OMNI_FAULT("event-without-change")) session.profile_event_due = true;
+}
+
 XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   const XrResult result = next.SyncActions(session, info);
   Alive();
@@ -157,22 +190,30 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   input.focused = result != XR_SESSION_NOT_FOCUSED || OMNI_FAULT("not-focused-is-success");
   if (record->running) SetFocus(*record, input.focused);
   input.active = ActiveSets(*info);
+  input.choice = Choice();
   input.pen = link.Read(now);
+  input.start_edges = record->focus_was_lost.exchange(false);
+  TestInputs test;
+  if (link.test() && link.test()->in_control()) {
+    test = link.test()->inputs();
+    input.test = &test;
+    input.choice.profile = test.profile;
+  }
 
   const std::unique_lock lock(record->mutex);
-  SessionActions& session_actions = record->actions;
-  const Profile* before = session_actions.profile();
-  session_actions.Sync(input, NextStates(next, session), clock, clock.ToXr(now));
-  const Profile* after = session_actions.profile();
+  input.put_down = !input.test && PutDown(*record, input.pen);
+  SessionActions& state = record->actions;
+  const Profile* before[] = {state.ProfileAt(hand_paths[0]), state.ProfileAt(hand_paths[1])};
+  state.Sync(input, NextStates(next, session), clock, clock.ToXr(now));
   UpdateSpaces(*record);
-  if (before == after) return result;
-  log.Line(std::string("the pen is ") + (after ? "there, as " + after->path : "gone"));
-  // What the runtime shows for that hand where the pen is not.
-  XrInteractionProfileState below{XR_TYPE_INTERACTION_PROFILE_STATE, nullptr, XR_NULL_PATH};
-  if (XR_FAILED(next.GetCurrentInteractionProfile(session, hand_path, &below))) below.interactionProfile = XR_NULL_PATH;
-  const auto shown = [&](const Profile* profile) { return profile ? PathOf(profile->path) : below.interactionProfile; };
-  if (record->running && (shown(before) != shown(after) || OMNI_FAULT("event-without-change")))
-    record->profile_event_due = true;
+  for (const Pulse& pulse : state.TakePulses()) link.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
+  for (std::size_t hand = 0; hand < hand_paths.size(); ++hand) {
+    const Profile* after = state.ProfileAt(hand_paths[hand]);
+    if (before[hand] == after) continue;
+    const std::string side(UserPath(static_cast<Hand>(hand)));
+    log.Line(side + (after ? " is the pen's, as " + after->path : ": the pen is gone or put down"));
+    TellProfileChange(*record, hand_paths[hand], before[hand], after);
+  }
   return result;
 }
 

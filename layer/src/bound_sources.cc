@@ -55,8 +55,10 @@ XrResult Instance::BoundSources(XrSession session, const XrBoundSourcesForAction
   const auto action = record && info ? actions.Find(info->action) : nullptr;
   std::vector<std::string> pen;
   bool owns = false;
+  Hand hand = Hand::kRight;
   if (action) {
     const std::shared_lock lock(record->mutex);
+    hand = record->actions.hand();
     owns = record->actions.pen_owns_hand() && record->actions.attached(*action->set);
     if (owns) pen = record->actions.BoundSources(*action);
   }
@@ -87,11 +89,13 @@ XrResult Instance::SourceName(XrSession session, const XrInputSourceLocalizedNam
   const auto record = sessions.Find(session);
   const bool readable = record && info && info->type == XR_TYPE_INPUT_SOURCE_LOCALIZED_NAME_GET_INFO;
   const std::string path = readable ? PathText(info->sourcePath) : std::string();
-  const std::string_view user = UserPath(hand);
-  if (StartsWith(path, std::string(user) + "/")) {
+  if (!path.empty()) {
     const std::shared_lock lock(record->mutex);
+    const Hand hand = record->actions.hand();
+    const std::string_view user = UserPath(hand);
     const Profile* profile = record->actions.profile();
-    const std::string part = profile ? ComponentName(*profile, hand, path.substr(user.size())) : std::string();
+    const bool of_pen = profile && StartsWith(path, std::string(user) + "/");
+    const std::string part = of_pen ? ComponentName(*profile, hand, path.substr(user.size())) : std::string();
     if (!part.empty()) {
       const XrInputSourceLocalizedNameFlags which = info->whichComponents;
       if ((which == 0 || (which & ~kKnown) != 0) && !OMNI_FAULT("name-flags-unchecked"))

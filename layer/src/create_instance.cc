@@ -26,9 +26,15 @@ struct OurExtension {
 };
 constexpr std::array kOurExtensions{
     OurExtension{XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME, 1, true},
+    OurExtension{XR_KHR_GENERIC_CONTROLLER_EXTENSION_NAME, 1, true},
+    OurExtension{"XR_OMNIX1_stylus_interaction", 1, false},
 };
 
+// Only the manifest for conformance tests names it (manifests/layer/conformance.json.in).
+constexpr OurExtension kAutomation{XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, 3, true};
+
 const OurExtension* FindOurs(const std::string& name) {
+  if (name == kAutomation.name) return TestDevice::Wanted() ? &kAutomation : nullptr;
   const auto found = std::find_if(kOurExtensions.begin(), kOurExtensions.end(),
                                   [&](const OurExtension& extension) { return name == extension.name; });
   return found == kOurExtensions.end() ? nullptr : &*found;
@@ -39,8 +45,8 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 }
 
 struct Attempt {
-  bool ours = false;      // ask below for our extensions as well
-  bool timespec = false;  // add XR_KHR_convert_timespec_time
+  std::vector<std::string> ours;  // those of our extensions that are asked for below
+  bool timespec = false;          // add XR_KHR_convert_timespec_time
 };
 
 struct Creation {
@@ -54,8 +60,7 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
   std::vector<const char*> names;
   for (const std::string& name : creation.asked) {
     const OurExtension* ours = FindOurs(name);
-    if (!ours || (attempt.ours && ours->may_be_below) || OMNI_FAULT("extension-leaks-below"))
-      names.push_back(name.c_str());
+    if (!ours || Contains(attempt.ours, name) || OMNI_FAULT("extension-leaks-below")) names.push_back(name.c_str());
   }
   if (attempt.timespec) names.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   XrInstanceCreateInfo info = *creation.info;
@@ -64,17 +69,31 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
   return creation.next->nextCreateApiLayerInstance(&info, &creation.below, instance);
 }
 
+// Of the extensions that both may answer, which ones what lies below has is found by trying: all of them, then fewer
+// and fewer. An application asks for one or two of them. Of more than five: all or none.
+std::vector<std::vector<std::string>> ChoicesOf(const std::vector<std::string>& asked) {
+  std::vector<std::string> shared;
+  for (const std::string& name : asked)
+    if (const OurExtension* ours = FindOurs(name); ours && ours->may_be_below) shared.push_back(name);
+  if (shared.size() > 5) return {shared, {}};
+  std::vector<std::vector<std::string>> choices;
+  for (unsigned mask = 0; mask < 1u << shared.size(); ++mask) {
+    std::vector<std::string> choice;
+    for (std::size_t i = 0; i < shared.size(); ++i)
+      if (mask & (1u << i)) choice.push_back(shared[i]);
+    choices.push_back(std::move(choice));
+  }
+  std::stable_sort(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return choices;
+}
+
 XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
-  const bool ours = std::any_of(creation.asked.begin(), creation.asked.end(), [](const std::string& name) {
-    const OurExtension* extension = FindOurs(name);
-    return extension && extension->may_be_below;
-  });
   const bool timespec = !Contains(creation.asked, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   XrResult result = XR_ERROR_EXTENSION_NOT_PRESENT;
   for (const bool with_timespec : {true, false}) {
-    for (const bool with_ours : {true, false}) {
-      if ((with_timespec && !timespec) || (with_ours && !ours)) continue;
-      done = {with_ours, with_timespec};
+    if (with_timespec && !timespec) continue;
+    for (const std::vector<std::string>& choice : ChoicesOf(creation.asked)) {
+      done = {choice, with_timespec};
       result = Try(creation, done, instance);
       if (XR_SUCCEEDED(result)) return result;
     }
@@ -128,8 +147,7 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   const XrVersion version = info->applicationInfo.apiVersion;
   if (XR_VERSION_MAJOR(version) > 1 || XR_VERSION_MINOR(version) >= 1) setup.enabled.push_back("1.1");
   for (const std::string& name : creation.asked)
-    if (const OurExtension* ours = FindOurs(name); ours && !(ours->may_be_below && done.ours))
-      setup.only_ours.push_back(name);
+    if (const OurExtension* ours = FindOurs(name); ours && !Contains(done.ours, name)) setup.only_ours.push_back(name);
   setup.hide_timespec = done.timespec;
   setup.connection = ConnectionFor(info->applicationInfo);
   try {

@@ -30,17 +30,25 @@
   X(CreateReferenceSpace)              \
   X(DestroySpace)                      \
   X(LocateSpace)                       \
+  X(LocateViews)                       \
+  X(EndFrame)                          \
   X(ApplyHapticFeedback)               \
   X(StopHapticFeedback)
 
 // Functions that not every runtime has (extensions, OpenXR 1.1): intercepted where what lies below has them. The
 // application gets the answer from below where it does not.
-#define OMNI_LAYER_OPTIONAL(X)
+#define OMNI_LAYER_OPTIONAL(X) \
+  X(LocateSpaces)              \
+  X(LocateSpacesKHR)           \
+  X(CreateHandTrackerEXT)      \
+  X(DestroyHandTrackerEXT)     \
+  X(LocateHandJointsEXT)
 
 // Functions of the next layer or runtime that we only call.
 #define OMNI_LAYER_CALLED(X) \
   X(StringToPath)            \
-  X(PathToString)
+  X(PathToString)            \
+  X(EnumerateReferenceSpaces)
 
 namespace omni::layer {
 

@@ -122,6 +122,39 @@ XRAPI_ATTR XrResult XRAPI_CALL LocateSpace(XrSpace space, XrSpace base, XrTime t
   return On(space, &Instance::LocateSpace, space, base, time, location);
 }
 
+XRAPI_ATTR XrResult XRAPI_CALL LocateSpaces(XrSession session, const XrSpacesLocateInfo* info,
+                                            XrSpaceLocations* locations) {
+  return On(session, &Instance::LocateSpaces, session, info, locations);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info,
+                                               XrSpaceLocations* locations) {
+  return On(session, &Instance::LocateSpacesKHR, session, info, locations);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state,
+                                           uint32_t capacity, uint32_t* count, XrView* views) {
+  return On(session, &Instance::LocateViews, session, info, state, capacity, count, views);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info,
+                                                    XrHandTrackerEXT* tracker) {
+  return On(session, &Instance::CreateHandTracker, session, info, tracker);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
+  return On(tracker, &Instance::DestroyHandTracker, tracker);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
+                                                   XrHandJointLocationsEXT* locations) {
+  return On(tracker, &Instance::LocateHandJoints, tracker, info, locations);
+}
+
+XRAPI_ATTR XrResult XRAPI_CALL EndFrame(XrSession session, const XrFrameEndInfo* info) {
+  return On(session, &Instance::EndFrame, session, info);
+}
+
 XRAPI_ATTR XrResult XRAPI_CALL ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info,
                                                    const XrHapticBaseHeader* haptic) {
   return On(session, &Instance::ApplyHaptic, session, info, haptic);

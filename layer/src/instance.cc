@@ -8,12 +8,31 @@
 namespace omni::layer {
 namespace {
 
-Hand OwnedHand(Log& log) {
+std::optional<Hand> FixedHand(Log& log) {
   const char* hand = std::getenv("OMNI_HAND");
-  if (!hand || !*hand || std::strcmp(hand, "right") == 0) return Hand::kRight;
+  if (!hand || !*hand) return std::nullopt;
+  if (std::strcmp(hand, "right") == 0) return Hand::kRight;
   if (std::strcmp(hand, "left") == 0) return Hand::kLeft;
-  log.Line(std::string("OMNI_HAND=") + hand + " is neither left nor right: the pen is in the right hand");
-  return Hand::kRight;
+  log.Line(std::string("OMNI_HAND=") + hand + " is neither left nor right: ignored");
+  return std::nullopt;
+}
+
+std::string FixedProfile(const std::vector<Profile>& profiles, Log& log) {
+  const char* name = std::getenv("OMNI_PROFILE");
+  if (!name || !*name) return {};
+  std::string path = FullProfilePath(name);
+  const bool known = std::any_of(profiles.begin(), profiles.end(), [&](const Profile& p) { return p.path == path; });
+  if (!known) log.Line("OMNI_PROFILE=" + std::string(name) + " is no profile that the pen knows: ignored");
+  return known ? path : std::string();
+}
+
+std::vector<std::string> Without(std::vector<std::string> names, const std::vector<std::string>& others) {
+  names.erase(std::remove_if(names.begin(), names.end(),
+                             [&](const std::string& name) {
+                               return std::find(others.begin(), others.end(), name) != others.end();
+                             }),
+              names.end());
+  return names;
 }
 
 XrPath ToPath(const Dispatch& next, XrInstance instance, std::string_view text) {
@@ -28,12 +47,17 @@ Instance::Instance(InstanceSetup setup)
       next(setup.next),
       hide_timespec(setup.hide_timespec),
       profiles(LoadProfiles()),
-      hand(OwnedHand(log)),
-      hand_path(ToPath(setup.next, setup.handle, UserPath(hand))),
+      hand_paths{ToPath(setup.next, setup.handle, UserPath(Hand::kLeft)),
+                 ToPath(setup.next, setup.handle, UserPath(Hand::kRight))},
       clock(setup.handle, setup.next.ConvertTimespecTimeToTimeKHR),
       link(std::move(setup.connection), log),
       enabled_(std::move(setup.enabled)),
-      only_ours_(std::move(setup.only_ours)) {
+      only_ours_(std::move(setup.only_ours)),
+      enabled_below_(Without(enabled_, only_ours_)),
+      fixed_hand_(FixedHand(log)),
+      fixed_profile_(FixedProfile(profiles, log)) {
+  if (Enabled(XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME) && TestDevice::Wanted())
+    link.OfferTestDevice(std::make_unique<TestDevice>());
   const std::int64_t now = MonotonicNow_ns();
   clock.Refresh(now);
   link.Poll(now);
@@ -41,6 +65,14 @@ Instance::Instance(InstanceSetup setup)
 
 bool Instance::Enabled(std::string_view extension) const {
   return std::find(enabled_.begin(), enabled_.end(), extension) != enabled_.end();
+}
+
+PenChoice Instance::Choice() const {
+  const protocol::AppSettings wished = link.settings();
+  PenChoice choice;
+  choice.hand = fixed_hand_.value_or(wished.hand == protocol::HandSetting::kLeft ? Hand::kLeft : Hand::kRight);
+  choice.profile = fixed_profile_.empty() ? std::string(wished.profile) : fixed_profile_;
+  return choice;
 }
 
 std::string Instance::PathText(XrPath path) {

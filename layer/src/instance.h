@@ -1,8 +1,10 @@
 // One XrInstance: what lies below us, what the application made, and our link to the service.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -36,8 +38,7 @@ class Instance {
   const bool hide_timespec;
   Log log;
   const std::vector<Profile> profiles;
-  const Hand hand;
-  const XrPath hand_path;
+  const std::array<XrPath, 2> hand_paths;  // by Hand
   RuntimeClock clock;
   ServiceLink link;
   EventQueue events;  // ours, delivered when nothing waits below
@@ -46,6 +47,7 @@ class Instance {
   HandleMap<XrActionSet, ActionSet> action_sets;
   HandleMap<XrAction, Action> actions;
   HandleMap<XrSpace, Space> spaces;
+  HandleMap<XrHandTrackerEXT, Session> hand_trackers;  // to their sessions
 
   // sessions.cc
   XrResult CreateSession(const XrSessionCreateInfo* info, XrSession* session);
@@ -86,6 +88,21 @@ class Instance {
   XrResult DestroySpace(XrSpace space);
   XrResult LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location);
 
+  // locate_many.cc
+  XrResult LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations);
+  XrResult LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations);
+
+  // locate_from_pen.cc
+  XrResult LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
+                       uint32_t* count, XrView* views);
+  XrResult CreateHandTracker(XrSession session, const XrHandTrackerCreateInfoEXT* info, XrHandTrackerEXT* tracker);
+  XrResult DestroyHandTracker(XrHandTrackerEXT tracker);
+  XrResult LocateHandJoints(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
+                            XrHandJointLocationsEXT* locations);
+
+  // end_frame.cc
+  XrResult EndFrame(XrSession session, const XrFrameEndInfo* info);
+
   XrResult WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state);
 
   // An extension that the application enabled, or "1.1".
@@ -97,17 +114,30 @@ class Instance {
     link.Poll(MonotonicNow_ns());
   }
 
+  // The pen's hand and preferred profile: from the environment, else from the service.
+  PenChoice Choice() const;
+
   // Empty / XR_NULL_PATH where the runtime knows none.
   std::string PathText(XrPath path);
   XrPath PathOf(const std::string& text);
 
  private:
   bool OnlyOurs(const Profile& profile) const;
-  XrResult CheckSuggestions(const Profile& profile, const XrInteractionProfileSuggestedBinding& suggested);
-  bool ProfileHasPath(const Profile& profile, std::string_view full_path) const;
+  bool OnlyOurs(const Profile& profile, std::string_view full_path) const;
+  XrResult CheckSuggestions(const Profile& profile, const std::vector<XrActionSuggestedBinding>& suggested);
+  XrResult Forward(const XrInteractionProfileSuggestedBinding& suggested, const Profile* known);
+  void Record(const std::string& profile_path, const XrInteractionProfileSuggestedBinding& suggested,
+              const std::vector<BindingThreshold>& thresholds);
+  bool PutDown(Session& session, const PenSnapshot& pen);
+  XrPath ProfileBelow(XrSession session, XrPath user_path) const;
+  void TellProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after);
   void SetFocus(Session& session, bool focused);
   void ReportSessionState();
   void UpdateSpaces(const Session& session);
+  void MakeAnchors(Session& session);
+  void OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change);
+  XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
+                               XrSpaceLocations* locations);
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
   struct HapticRoute {
     bool to_pen = false;
@@ -117,6 +147,9 @@ class Instance {
 
   const std::vector<std::string> enabled_;
   const std::vector<std::string> only_ours_;
+  const std::vector<std::string> enabled_below_;  // enabled_ without only_ours_
+  const std::optional<Hand> fixed_hand_;          // by the environment
+  const std::string fixed_profile_;
 
   std::mutex suggestions_mutex_;
   Suggestions suggestions_;

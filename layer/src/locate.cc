@@ -1,14 +1,9 @@
 #include "layer/src/locate.h"
 
-#include <cmath>
-
 #include "layer/src/fault.h"
 
 namespace omni::layer {
 namespace {
-
-constexpr double kInFront_m = 0.45;
-constexpr double kBelow_m = 0.35;
 
 bool All(XrFlags64 flags, XrFlags64 bits) { return (flags & bits) == bits; }
 
@@ -22,12 +17,6 @@ XrSpaceLocationFlags ChainBits(XrSpaceLocationFlags parent, XrSpaceLocationFlags
 }
 
 }  // namespace
-
-Pose DefaultPlacement() {
-  // -90 degrees about x: base z -> LOCAL y, base y -> LOCAL -z.
-  const double h = std::sqrt(0.5);
-  return {{0.0, -kBelow_m, -kInFront_m}, glm::dquat(h, -h, 0.0, 0.0)};
-}
 
 Located Chain(const Located& X_AB, const Located& X_BC) noexcept {
   Located out;
@@ -53,9 +42,11 @@ Located Invert(const Located& X_AB) noexcept {
       ChainBits(X_AB.flags, X_AB.flags, XR_SPACE_LOCATION_POSITION_VALID_BIT, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) |
       ChainBits(X_AB.flags, X_AB.flags, XR_SPACE_LOCATION_POSITION_TRACKED_BIT,
                 XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT);
-  out.velocity_flags = All(X_AB.velocity_flags, kVelocityValid) && All(X_AB.flags, kValid)
-                           ? kVelocityValid
-                           : X_AB.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT;
+  if (All(X_AB.velocity_flags, kVelocityValid) && All(X_AB.flags, kValid)) {
+    out.velocity_flags = kVelocityValid;
+  } else if (All(X_AB.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT)) {
+    out.velocity_flags = X_AB.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT;
+  }
   return out;
 }
 
@@ -72,25 +63,28 @@ Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexce
   return out;
 }
 
-XrSpaceVelocity* ChainedVelocity(const XrSpaceLocation& location) noexcept {
-  auto* chain = static_cast<XrBaseOutStructure*>(location.next);
-  while (chain && chain->type != XR_TYPE_SPACE_VELOCITY) chain = chain->next;
-  return static_cast<XrSpaceVelocity*>(static_cast<void*>(chain));
+Located Read(const LocationFields& location, const VelocityFields& velocity) noexcept {
+  Located out;
+  out.flags = *location.flags;
+  if (out.flags & kValid) out.motion.X = FromXr(*location.pose);
+  if (!velocity.flags) return out;
+  out.velocity_flags = *velocity.flags;
+  if (out.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) out.motion.v = FromXr(*velocity.linear);
+  if (out.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) out.motion.w = FromXr(*velocity.angular);
+  return out;
 }
 
-void Write(const Located& located, XrSpaceLocation& location) noexcept {
+void Write(const Located& located, const LocationFields& location, const VelocityFields& velocity) noexcept {
   const XrPosef pose = ToXr(located.motion.X);
-  location.locationFlags = located.flags;
-  location.pose = {{0, 0, 0, 1}, {0, 0, 0}};
-  if (located.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) location.pose.orientation = pose.orientation;
-  if (located.flags & XR_SPACE_LOCATION_POSITION_VALID_BIT) location.pose.position = pose.position;
-  XrSpaceVelocity* velocity = ChainedVelocity(location);
-  if (!velocity || OMNI_FAULT("velocity-untouched")) return;
-  velocity->velocityFlags = located.velocity_flags;
-  velocity->linearVelocity = {0, 0, 0};
-  velocity->angularVelocity = {0, 0, 0};
-  if (located.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) velocity->linearVelocity = ToXr(located.motion.v);
-  if (located.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) velocity->angularVelocity = ToXr(located.motion.w);
+  *location.flags = located.flags;
+  *location.pose = {{0, 0, 0, 1}, {0, 0, 0}};
+  if (located.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) location.pose->orientation = pose.orientation;
+  if (located.flags & XR_SPACE_LOCATION_POSITION_VALID_BIT) location.pose->position = pose.position;
+  if (!velocity.flags || OMNI_FAULT("velocity-untouched")) return;
+  *velocity.flags = located.velocity_flags;
+  *velocity.linear = *velocity.angular = {0, 0, 0};
+  if (located.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) *velocity.linear = ToXr(located.motion.v);
+  if (located.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) *velocity.angular = ToXr(located.motion.w);
 }
 
 }  // namespace omni::layer

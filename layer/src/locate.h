@@ -1,7 +1,7 @@
 // The algebra of xrLocateSpace: motions with the spec's validity bits.
 #pragma once
 
-#include "layer/src/pose_math.h"
+#include "layer/src/placement.h"
 #include "layer/src/tool_motion.h"
 
 namespace omni::layer {
@@ -19,20 +19,39 @@ inline constexpr XrSpaceLocationFlags kTracked =
 inline constexpr XrSpaceVelocityFlags kVelocityValid =
     XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT;
 
-// Where the base stands when nobody has aligned it: in front of the user of LOCAL, below the eyes, its +y away from
-// the user. O: base, z up; L: LOCAL, y up.
-Pose DefaultPlacement();
-
 Located Chain(const Located& X_AB, const Located& X_BC) noexcept;
 Located Invert(const Located& X_AB) noexcept;
 
-// A space fixed to the pen, in LOCAL.
+// A space fixed to the pen, in L.
 Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept;
 
-// Writes pose, flags and, if chained, the velocity. What is not valid is zero (unit rotation).
-void Write(const Located& located, XrSpaceLocation& location) noexcept;
+// OpenXR has four structures for a located thing (one space, one of many, a joint, all views); these are their parts.
+struct LocationFields {
+  XrSpaceLocationFlags* flags;
+  XrPosef* pose;
+};
+struct VelocityFields {  // all null: not asked for
+  XrSpaceVelocityFlags* flags = nullptr;
+  XrVector3f* linear = nullptr;
+  XrVector3f* angular = nullptr;
+};
+template <class Velocity>
+VelocityFields FieldsOf(Velocity* velocity) noexcept {
+  if (!velocity) return {};
+  return {&velocity->velocityFlags, &velocity->linearVelocity, &velocity->angularVelocity};
+}
 
-// The XrSpaceVelocity chained to a location, or null.
-XrSpaceVelocity* ChainedVelocity(const XrSpaceLocation& location) noexcept;
+Located Read(const LocationFields& location, const VelocityFields& velocity) noexcept;
+
+// Writes pose, flags and velocity. What is not valid is zero (unit rotation).
+void Write(const Located& located, const LocationFields& location, const VelocityFields& velocity) noexcept;
+
+// The structure of that type in an output chain, or null.
+template <class Structure>
+Structure* FindInChain(void* next, XrStructureType type) noexcept {
+  auto* chain = static_cast<XrBaseOutStructure*>(next);
+  while (chain && chain->type != type) chain = chain->next;
+  return static_cast<Structure*>(static_cast<void*>(chain));
+}
 
 }  // namespace omni::layer

@@ -34,13 +34,13 @@ void EdgeTracker::StepDigital(bool now_pressed, std::uint32_t press_count, std::
   seen_release = release_count;
 }
 
-void EdgeTracker::StepAnalog(float value, std::uint32_t press_count) {
+void EdgeTracker::StepAnalog(float value, std::uint32_t press_count, float on, float off) {
   if (pressed) {
-    pressed = value > (OMNI_FAULT("hysteresis-missing") ? kPressThreshold : kReleaseThreshold);
-    if (pressed) seen_press = press_count;
+    pressed = value >= (OMNI_FAULT("hysteresis-missing") ? on : off);
+    if (pressed) seen_press = press_count;  // else one that came since is reported by the next sync
     return;
   }
-  pressed = value >= kPressThreshold || press_count != seen_press;
+  pressed = value >= on || (on <= kPressThreshold && press_count != seen_press);
   seen_press = press_count;
 }
 

@@ -21,7 +21,9 @@ struct EdgeTracker {
   // From now on; edges before it are history.
   void Start(std::uint32_t press_count, std::uint32_t release_count);
   void StepDigital(bool now_pressed, std::uint32_t press_count, std::uint32_t release_count);
-  void StepAnalog(float value, std::uint32_t press_count);
+  // Pressed from `on`, released below `off`. `press_count` counts the edges over 0.5, which say something only of
+  // thresholds up to there.
+  void StepAnalog(float value, std::uint32_t press_count, float on = kPressThreshold, float off = kReleaseThreshold);
 };
 
 // One contribution to an action. Booleans and floats use value.x.

@@ -14,6 +14,12 @@
 #define XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME "XR_LOGITECH_mx_ink_stylus_interaction"
 #endif
 
+#ifndef XR_KHR_generic_controller
+#define XR_KHR_generic_controller 1
+#define XR_KHR_generic_controller_SPEC_VERSION 1
+#define XR_KHR_GENERIC_CONTROLLER_EXTENSION_NAME "XR_KHR_generic_controller"
+#endif
+
 #ifndef XR_EXT_active_action_set_priority
 #define XR_EXT_active_action_set_priority 1
 #define XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME "XR_EXT_active_action_set_priority"
@@ -32,3 +38,45 @@ typedef struct XrActiveActionSetPrioritiesEXT {
 
 // XR_REFERENCE_SPACE_TYPE_LOCAL_FLOOR (OpenXR 1.1): a macro of our own name, since an enumerator cannot be tested for.
 inline constexpr int kReferenceSpaceTypeLocalFloor = 1000426000;
+
+#ifndef XR_KHR_locate_spaces
+#define XR_KHR_locate_spaces 1
+#define XR_KHR_locate_spaces_SPEC_VERSION 1
+#define XR_KHR_LOCATE_SPACES_EXTENSION_NAME "XR_KHR_locate_spaces"
+#define XR_TYPE_SPACES_LOCATE_INFO (static_cast<XrStructureType>(1000471000))
+#define XR_TYPE_SPACE_LOCATIONS (static_cast<XrStructureType>(1000471001))
+#define XR_TYPE_SPACE_VELOCITIES (static_cast<XrStructureType>(1000471002))
+typedef struct XrSpacesLocateInfo {
+  XrStructureType type;
+  const void* next;
+  XrSpace baseSpace;
+  XrTime time;
+  uint32_t spaceCount;
+  const XrSpace* spaces;
+} XrSpacesLocateInfo;
+typedef struct XrSpaceLocationData {
+  XrSpaceLocationFlags locationFlags;
+  XrPosef pose;
+} XrSpaceLocationData;
+typedef struct XrSpaceLocations {
+  XrStructureType type;
+  void* next;
+  uint32_t locationCount;
+  XrSpaceLocationData* locations;
+} XrSpaceLocations;
+typedef struct XrSpaceVelocityData {
+  XrSpaceVelocityFlags velocityFlags;
+  XrVector3f linearVelocity;
+  XrVector3f angularVelocity;
+} XrSpaceVelocityData;
+// Extends XrSpaceLocations.
+typedef struct XrSpaceVelocities {
+  XrStructureType type;
+  void* next;
+  uint32_t velocityCount;
+  XrSpaceVelocityData* velocities;
+} XrSpaceVelocities;
+typedef XrResult(XRAPI_PTR* PFN_xrLocateSpaces)(XrSession session, const XrSpacesLocateInfo* locateInfo,
+                                                XrSpaceLocations* spaceLocations);
+typedef PFN_xrLocateSpaces PFN_xrLocateSpacesKHR;
+#endif

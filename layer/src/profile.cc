@@ -34,15 +34,26 @@ int ScalarFor(const Profile& profile, Hand hand, XrActionType type, const std::s
   return -1;
 }
 
-bool Offered(const PoseComponent& pose, const std::vector<std::string>& enabled) {
-  return pose.requires_any.empty() ||
-         std::any_of(pose.requires_any.begin(), pose.requires_any.end(), [&](const std::string& name) {
+bool Offered(const std::vector<std::string>& requires_any, const std::vector<std::string>& enabled) {
+  return requires_any.empty() || std::any_of(requires_any.begin(), requires_any.end(), [&](const std::string& name) {
            return std::find(enabled.begin(), enabled.end(), name) != enabled.end();
          });
 }
 
 bool IsPathOrParent(std::string_view candidate, std::string_view path) {
   return candidate == path || candidate == Parent(path);
+}
+
+// XR_EXT_dpad_binding adds these to each thumbstick and trackpad. They are accepted, and give the pen nothing.
+bool IsDpad(const Profile& profile, Hand hand, std::string_view path, const std::vector<std::string>& enabled) {
+  if (std::find(enabled.begin(), enabled.end(), "XR_EXT_dpad_binding") == enabled.end()) return false;
+  const std::string parent(Parent(path));
+  const std::string_view last = path.substr(parent.size());
+  const bool is_stick = parent == "/input/thumbstick";
+  if ((!is_stick && parent != "/input/trackpad") || FindComponent(profile, hand, parent + "/x") < 0) return false;
+  for (const char* direction : {"/dpad_up", "/dpad_down", "/dpad_left", "/dpad_right"})
+    if (last == direction) return true;
+  return !is_stick && last == "/dpad_center";
 }
 
 std::optional<Binding> ResolveScalar(const Profile& profile, Hand hand, XrActionType type, const std::string& local) {
@@ -55,14 +66,19 @@ std::optional<Binding> ResolveScalar(const Profile& profile, Hand hand, XrAction
 
 }  // namespace
 
+std::string FullProfilePath(std::string_view name) {
+  return name.empty() || name.front() == '/' ? std::string(name) : "/interaction_profiles/" + std::string(name);
+}
+
 std::string_view UserPath(Hand hand) { return hand == Hand::kLeft ? "/user/hand/left" : "/user/hand/right"; }
 
 bool HasPath(const Profile& profile, Hand hand, std::string_view local_path, const std::vector<std::string>& enabled) {
   for (const Component& c : profile.components)
-    if (c.On(hand) && IsPathOrParent(local_path, c.path)) return true;
+    if (c.On(hand) && Offered(c.requires_any, enabled) && IsPathOrParent(local_path, c.path)) return true;
   for (const PoseComponent& pose : profile.poses)
-    if (Offered(pose, enabled) && IsPathOrParent(local_path, pose.path)) return true;
-  return std::find(profile.haptics.begin(), profile.haptics.end(), local_path) != profile.haptics.end();
+    if (Offered(pose.requires_any, enabled) && IsPathOrParent(local_path, pose.path)) return true;
+  return IsDpad(profile, hand, local_path, enabled) ||
+         std::find(profile.haptics.begin(), profile.haptics.end(), local_path) != profile.haptics.end();
 }
 
 std::optional<Binding> Resolve(const Profile& profile, Hand hand, XrActionType type, std::string_view full_path) {

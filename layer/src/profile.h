@@ -29,6 +29,7 @@ struct Component {
   int click_source = kNoSource;  // a service-made click that stands for this analog component where a boolean is asked
   bool left = true;              // which hands have it
   bool right = true;
+  std::vector<std::string> requires_any;  // extensions or "1.1"; empty: always there
   bool On(Hand hand) const { return hand == Hand::kLeft ? left : right; }
 };
 
@@ -67,11 +68,17 @@ struct EmbeddedFile {
 // Made at build from layer/profiles/*.json.
 const std::vector<EmbeddedFile>& EmbeddedProfiles();
 
+// What every controller profile has besides its own: paths that an extension or OpenXR 1.1 adds to all of them.
+inline constexpr const char* kEveryProfileFile = "every_profile.json";
+
 // Throws std::runtime_error that names file, JSON pointer, value and remedy.
 Profile ParseProfile(const std::string& file, const std::string& text);
 
-// All embedded profiles, highest priority first.
+// All embedded profiles, highest priority first, each with the paths of kEveryProfileFile that it does not list itself.
 std::vector<Profile> LoadProfiles();
+
+// "oculus/touch_controller" -> "/interaction_profiles/oculus/touch_controller"; a full path stays as it is.
+std::string FullProfilePath(std::string_view name);
 
 // True: the profile has this path (component or parent of one) on that hand, given what the application enabled.
 bool HasPath(const Profile& profile, Hand hand, std::string_view local_path, const std::vector<std::string>& enabled);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -74,6 +75,18 @@ std::array<double, N> Numbers(const json& object, const char* key, const Place& 
   return out;
 }
 
+std::vector<std::string> RequiresAny(const json& object, const Place& place) {
+  std::vector<std::string> names;
+  const auto it = object.find("requires_any");
+  if (it == object.end()) return names;
+  if (!it->is_array()) place.At("requires_any").Fail("must be an array of extensions' names, or \"1.1\"");
+  for (const json& name : *it) {
+    if (!name.is_string()) place.At("requires_any").Fail("must hold strings");
+    names.push_back(name.get<std::string>());
+  }
+  return names;
+}
+
 Component ParseComponent(const json& object, const Place& place) {
   Component c;
   c.path = PathText(object, "/input/", place);
@@ -89,6 +102,7 @@ Component ParseComponent(const json& object, const Place& place) {
     c.left = hand == "left";
     c.right = hand == "right";
   }
+  c.requires_any = RequiresAny(object, place);
   return c;
 }
 
@@ -103,8 +117,7 @@ PoseComponent ParsePose(const json& object, const Place& place) {
   for (const double x : p)
     if (!(x >= -0.5 && x <= 0.5)) place.At("position_tool_m").Fail("must lie within 0.5 m of the tip");
   pose.X_TP = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
-  if (object.contains("requires_any"))
-    for (const json& name : object["requires_any"]) pose.requires_any.push_back(name.get<std::string>());
+  pose.requires_any = RequiresAny(object, place);
   return pose;
 }
 
@@ -114,12 +127,34 @@ const json& Array(const json& object, const char* key, const Place& place) {
   return *it;
 }
 
+json ParseRoot(const std::string& text, const Place& place) {
+  json root = json::parse(text, nullptr, false, true);
+  if (root.is_discarded() || !root.is_object()) place.Fail("is not a JSON object; check commas and braces");
+  return root;
+}
+
+void ParseParts(const json& root, const Place& place, Profile& profile) {
+  std::size_t i = 0;
+  for (const json& object : Array(root, "components", place))
+    profile.components.push_back(ParseComponent(object, place.At("components").At(std::to_string(i++))));
+  i = 0;
+  for (const json& object : Array(root, "poses", place))
+    profile.poses.push_back(ParsePose(object, place.At("poses").At(std::to_string(i++))));
+}
+
+template <class Part>
+void AddMissing(const std::vector<Part>& parts, std::vector<Part>& into) {
+  for (const Part& part : parts) {
+    const bool listed = std::any_of(into.begin(), into.end(), [&](const Part& own) { return own.path == part.path; });
+    if (!listed) into.push_back(part);
+  }
+}
+
 }  // namespace
 
 Profile ParseProfile(const std::string& file, const std::string& text) {
   const Place place{file, ""};
-  const json root = json::parse(text, nullptr, false, true);
-  if (root.is_discarded() || !root.is_object()) place.Fail("is not a JSON object; check commas and braces");
+  const json root = ParseRoot(text, place);
   Profile profile;
   profile.path = PathText(root, "/interaction_profiles/", place);
   profile.title = Text(root, "title", place);
@@ -129,12 +164,7 @@ Profile ParseProfile(const std::string& file, const std::string& text) {
   if (!root.contains("priority") || !root["priority"].is_number_integer())
     place.At("priority").Fail("must be an integer");
   profile.priority = root["priority"].get<int>();
-  std::size_t i = 0;
-  for (const json& object : Array(root, "components", place))
-    profile.components.push_back(ParseComponent(object, place.At("components").At(std::to_string(i++))));
-  i = 0;
-  for (const json& object : Array(root, "poses", place))
-    profile.poses.push_back(ParsePose(object, place.At("poses").At(std::to_string(i++))));
+  ParseParts(root, place, profile);
   for (const json& path : Array(root, "haptics", place)) {
     if (!path.is_string()) place.At("haptics").Fail("must hold strings");
     profile.haptics.push_back(path.get<std::string>());
@@ -144,7 +174,20 @@ Profile ParseProfile(const std::string& file, const std::string& text) {
 
 std::vector<Profile> LoadProfiles() {
   std::vector<Profile> profiles;
-  for (const EmbeddedFile& file : EmbeddedProfiles()) profiles.push_back(ParseProfile(file.name, file.text));
+  Profile every;
+  for (const EmbeddedFile& file : EmbeddedProfiles()) {
+    if (std::strcmp(file.name, kEveryProfileFile) == 0) {
+      const std::string name = file.name;
+      const Place place{name, ""};
+      ParseParts(ParseRoot(file.text, place), place, every);
+    } else {
+      profiles.push_back(ParseProfile(file.name, file.text));
+    }
+  }
+  for (Profile& profile : profiles) {
+    AddMissing(every.components, profile.components);
+    AddMissing(every.poses, profile.poses);
+  }
   std::stable_sort(profiles.begin(), profiles.end(),
                    [](const Profile& a, const Profile& b) { return a.priority > b.priority; });
   return profiles;

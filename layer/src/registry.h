@@ -34,6 +34,7 @@ class Registry {
   static bool Knows(const Instance& i, XrActionSet handle) { return i.action_sets.Contains(handle); }
   static bool Knows(const Instance& i, XrAction handle) { return i.actions.Contains(handle); }
   static bool Knows(const Instance& i, XrSpace handle) { return i.spaces.Contains(handle); }
+  static bool Knows(const Instance& i, XrHandTrackerEXT handle) { return i.hand_trackers.Contains(handle); }
 
   mutable std::shared_mutex mutex_;
   std::vector<std::shared_ptr<Instance>> instances_;

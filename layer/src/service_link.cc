@@ -1,5 +1,6 @@
 #include "layer/src/service_link.h"
 
+#include <cstring>
 #include <utility>
 
 #include "layer/src/fault.h"
@@ -19,6 +20,10 @@ void ServiceLink::Poll(std::int64_t now_ns) {
   next_poll_ns_.store(now_ns + kPollInterval_ns, std::memory_order_relaxed);
   connection_.Poll(now_ns);
   PublishReader();
+  if (std::memcmp(&connection_.settings(), &settings_, sizeof(settings_)) != 0) {
+    const std::unique_lock settings_lock(reader_mutex_);
+    settings_ = connection_.settings();
+  }
   const bool connected = connection_.connected();
   for (const protocol::Notice& notice : connection_.TakeNotices())
     log_.Line(std::string("service says: ") + notice.text);
@@ -55,8 +60,14 @@ void ServiceLink::HapticStop() {
 }
 
 std::shared_ptr<const client::StateReader> ServiceLink::reader() const {
+  if (test_ && test_->in_control()) return test_->reader();
   const std::shared_lock lock(reader_mutex_);
   return reader_;
+}
+
+protocol::AppSettings ServiceLink::settings() const {
+  const std::shared_lock lock(reader_mutex_);
+  return settings_;
 }
 
 PenSnapshot ServiceLink::Read(std::int64_t now_ns) const {

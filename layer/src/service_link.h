@@ -11,6 +11,7 @@
 #include <shared_mutex>
 
 #include "layer/src/log.h"
+#include "layer/src/test_device.h"
 #include "service/client/connection.h"
 
 namespace omni::layer {
@@ -27,20 +28,31 @@ class ServiceLink {
  public:
   ServiceLink(client::ConnectionInfo info, Log& log);
 
-  void Beat() noexcept { connection_.Beat(); }
+  void Beat() noexcept {
+    connection_.Beat();
+    if (test_) test_->Beat();
+  }
   void Poll(std::int64_t now_ns);
 
   void SetSession(protocol::SessionState state);
   void Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz);
   void HapticStop();
 
+  // Before anybody else knows of this link: a pen that a conformance test may take over.
+  void OfferTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
+  // Null: no test mode.
+  TestDevice* test() const { return test_.get(); }
+
   std::shared_ptr<const client::StateReader> reader() const;
   PenSnapshot Read(std::int64_t now_ns) const;
+  // What the service wishes of this application's layer; defaults while it has said nothing.
+  protocol::AppSettings settings() const;
 
  private:
   void PublishReader();
 
   client::Connection connection_;
+  std::unique_ptr<TestDevice> test_;
   Log& log_;
   std::mutex mutex_;  // of connection_ (except Beat) and of what follows
   protocol::SessionState session_ = protocol::SessionState::kNone;
@@ -50,6 +62,7 @@ class ServiceLink {
 
   mutable std::shared_mutex reader_mutex_;
   std::shared_ptr<const client::StateReader> reader_;
+  protocol::AppSettings settings_;
 };
 
 }  // namespace omni::layer

@@ -10,13 +10,8 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
   const XrResult result = next.CreateSession(handle, info, session);
   Alive();
   if (XR_FAILED(result)) return result;
-  auto record = std::make_shared<Session>(*session, profiles, hand, hand_path);
-  XrReferenceSpaceCreateInfo anchor{
-      XR_TYPE_REFERENCE_SPACE_CREATE_INFO, nullptr, XR_REFERENCE_SPACE_TYPE_LOCAL, {{0, 0, 0, 1}, {0, 0, 0}}};
-  if (XR_FAILED(next.CreateReferenceSpace(*session, &anchor, &record->anchor))) {
-    record->anchor = XR_NULL_HANDLE;
-    log.Line("the runtime gives no LOCAL space: the pen's pose stays invalid in this session");
-  }
+  auto record = std::make_shared<Session>(*session, profiles, Choice(), hand_paths);
+  MakeAnchors(*record);
   sessions.Insert(*session, std::move(record));
   return result;
 }
@@ -25,6 +20,7 @@ XrResult Instance::DestroySession(XrSession session) {
   const XrResult result = next.DestroySession(session);
   if (XR_FAILED(result)) return result;
   spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
+  hand_trackers.EraseIf([session](const Session& owner) { return owner.handle == session; });
   if (const auto record = sessions.Find(session)) {
     record->running = false;
     SetFocus(*record, false);
@@ -62,7 +58,10 @@ XrResult Instance::EndSession(XrSession session) {
 // Leaving focus ends what vibrates and takes the force away.
 void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
-  if (!focused && !OMNI_FAULT("haptic-outlives-focus")) link.HapticStop();
+  if (!focused) {
+    session.focus_was_lost = true;
+    if (!OMNI_FAULT("haptic-outlives-focus")) link.HapticStop();
+  }
   ReportSessionState();
 }
 
@@ -90,6 +89,10 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
       std::memcpy(&changed, event, sizeof(changed));
       const auto session = sessions.Find(changed.session);
       if (session && !OMNI_FAULT("duplicate-event")) session->profile_event_due = false;
+    } else if (event->type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
+      XrEventDataReferenceSpaceChangePending changed;
+      std::memcpy(&changed, event, sizeof(changed));
+      OnSpaceChange(changed);
     }
     return result;
   }
@@ -106,8 +109,10 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
 
 XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state) {
   const XrResult result = next.WaitFrame(session, info, state);
+  const std::int64_t now = MonotonicNow_ns();
   Alive();
-  if (XR_SUCCEEDED(result) && state) clock.OnFrame(*state, MonotonicNow_ns());
+  clock.Refresh(now);
+  if (XR_SUCCEEDED(result) && state) clock.OnFrame(*state, now);
   return result;
 }
 

@@ -1,57 +1,45 @@
 // Spaces. An action space of ours is a real space of the runtime plus a record: calls that we do not know treat it as
 // unlocatable instead of failing.
 #include "layer/src/fault.h"
-#include "layer/src/instance.h"
-#include "layer/src/locate.h"
+#include "layer/src/pen_space.h"
 
 namespace omni::layer {
 namespace {
 
-// X_LO while nobody has aligned the base.
-const Pose kPlacement_LO = DefaultPlacement();
-
-// A space's place in this call: whose it is and how far it is from the tool frame.
-struct Side {
-  std::shared_ptr<Space> space;  // null: not made through us
-  int served_by = kServedByRuntime;
-  Pose X_TS;
-  bool pen() const { return served_by >= 0; }
-};
-
-Side SideOf(const Instance& instance, XrSpace handle) {
-  Side side;
-  side.space = instance.spaces.Find(handle);
-  if (!side.space) return side;
-  side.served_by = side.space->served_by.load(std::memory_order_acquire);
-  if (side.pen()) side.X_TS = Compose(side.space->session->actions.PosePart(side.served_by), side.space->X_PS);
-  if (side.pen() && OMNI_FAULT("offset-ignored")) side.X_TS = {};
-  return side;
-}
-
-// Spaces that do not move against the anchor, so that an absent velocity means zero.
-bool Static(const Side& side) {
-  if (!side.space || side.space->action) return false;
-  const int type = side.space->reference;
-  return type == XR_REFERENCE_SPACE_TYPE_LOCAL || type == XR_REFERENCE_SPACE_TYPE_STAGE ||
-         type == kReferenceSpaceTypeLocalFloor;
-}
-
-// `space` in `base` as the runtime knows it, with velocity; also finds the spec's errors in base and time.
-XrResult LocateBelow(const Instance& instance, XrSpace space, XrSpace base, XrTime time, bool is_static, Located& out) {
-  XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
-  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
-  const XrResult result = instance.next.LocateSpace(space, base, time, &location);
-  if (XR_FAILED(result)) return result;
-  out.flags = location.locationFlags;
-  out.velocity_flags = is_static && out.flags ? kVelocityValid : velocity.velocityFlags;
-  out.motion.X = FromXr(location.pose);
-  if (OMNI_FAULT("base-velocity-ignored")) velocity.velocityFlags = 0;
-  if (velocity.velocityFlags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) out.motion.v = FromXr(velocity.linearVelocity);
-  if (velocity.velocityFlags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) out.motion.w = FromXr(velocity.angularVelocity);
-  return result;
+std::vector<XrReferenceSpaceType> OfferedSpaces(const Dispatch& next, XrSession session) {
+  std::uint32_t count = 0;
+  if (XR_FAILED(next.EnumerateReferenceSpaces(session, 0, &count, nullptr))) return {};
+  std::vector<XrReferenceSpaceType> offered(count);
+  if (XR_FAILED(next.EnumerateReferenceSpaces(session, count, &count, offered.data()))) return {};
+  offered.resize(std::min<std::size_t>(count, offered.size()));
+  return offered;
 }
 
 }  // namespace
+
+// LOCAL is tried unasked: every runtime must have it, and the default placement is told in it.
+void Instance::MakeAnchors(Session& session) {
+  const std::vector<XrReferenceSpaceType> offered = OfferedSpaces(next, session.handle);
+  for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
+    const XrReferenceSpaceType type = kAnchorTypes[i];
+    const bool is_offered = std::find(offered.begin(), offered.end(), type) != offered.end();
+    if (!is_offered && type != XR_REFERENCE_SPACE_TYPE_LOCAL) continue;
+    const XrReferenceSpaceCreateInfo info{
+        XR_TYPE_REFERENCE_SPACE_CREATE_INFO, nullptr, type, {{0, 0, 0, 1}, {0, 0, 0}}};
+    if (XR_FAILED(next.CreateReferenceSpace(session.handle, &info, &session.anchors[i])))
+      session.anchors[i] = XR_NULL_HANDLE;
+  }
+  if (session.Anchor(XR_REFERENCE_SPACE_TYPE_LOCAL) == XR_NULL_HANDLE)
+    log.Line("the runtime gives no LOCAL space: until the base is aligned the pen has no pose in this session");
+}
+
+void Instance::OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change) {
+  const auto session = sessions.Find(change.session);
+  if (!session || session->placement.OnChange(change)) return;
+  log.Line(
+      "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
+      "poses are no longer tracked; align the base again");
+}
 
 XrResult Instance::CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
   const XrResult result = next.CreateActionSpace(session, info, space);
@@ -97,41 +85,22 @@ void Instance::UpdateSpaces(const Session& session) {
   });
 }
 
+// One call down, into the application's own structure: what else is chained to it is the runtime's to fill. It also
+// finds the errors in handles and time.
 XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
   if (!OMNI_FAULT("no-sign-of-life")) link.Beat();
   const Side s = SideOf(*this, space);
   const Side b = SideOf(*this, base);
-  const bool by_runtime = s.served_by == kServedByRuntime && b.served_by == kServedByRuntime;
-  if (by_runtime || !location || location->type != XR_TYPE_SPACE_LOCATION)
+  const bool one_session = !s.ours() || !b.ours() || s.session() == b.session();
+  if ((!s.ours() && !b.ours()) || !one_session || !location || location->type != XR_TYPE_SPACE_LOCATION)
     return next.LocateSpace(space, base, time, location);
 
-  const Side& one = s.pen() ? s : b;  // of the pen, unless nobody serves the other and this is anything
-  const XrSpace anchor = one.pen() ? one.space->session->anchor : XR_NULL_HANDLE;
-  if (s.served_by == kServedByNobody || b.served_by == kServedByNobody || anchor == XR_NULL_HANDLE) {
-    const XrResult result = next.LocateSpace(space, base, time, location);
-    if (XR_SUCCEEDED(result)) Write(Located{}, *location);
-    return result;
-  }
-  // The runtime's half. It also checks the runtime's handle and the time.
-  Located below;
-  const XrSpace target = s.pen() ? anchor : space;
-  const XrSpace reference = b.pen() ? anchor : base;
-  const XrResult result = LocateBelow(*this, target, reference, time, Static(s.pen() ? b : s), below);
+  const PenAt pen = PenAtTime(*this, *(s.ours() ? s : b).session(), time);
+  const XrResult result = next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
   if (XR_FAILED(result)) return result;
-  if (s.pen() && b.pen() && !OMNI_FAULT("rigid-pair-forgotten")) {  // one rigid body: known even when it is not seen
-    Located rigid;
-    rigid.motion.X = Compose(Inverse(b.X_TS), s.X_TS);
-    rigid.flags = kValid | kTracked;
-    rigid.velocity_flags = kVelocityValid;
-    Write(rigid, *location);
-    return result;
-  }
-  if (OMNI_FAULT("locate-ignores-time")) time = clock.ToXr(MonotonicNow_ns());
-  ToolMotion tool;
-  if (const auto reader = link.reader()) tool = ToolMotionAt(*reader, clock.ToMonotonic(time), MonotonicNow_ns());
-  const Located pen = PenIn(kPlacement_LO, tool, s.pen() ? s.X_TS : b.X_TS);
-  const bool inverts = !s.pen() && !OMNI_FAULT("base-not-inverted");
-  Write(inverts ? Chain(Invert(pen), below) : Chain(below, pen), *location);
+  const LocationFields fields{&location->locationFlags, &location->pose};
+  const VelocityFields velocity = FieldsOf(FindInChain<XrSpaceVelocity>(location->next, XR_TYPE_SPACE_VELOCITY));
+  Write(Between(s, b, FromBelow(fields, velocity, s, b), pen), fields, velocity);
   return result;
 }
 

@@ -80,6 +80,7 @@ struct Connection::Impl {
   bool surfaces_answered = false;
   std::string status;
   std::vector<protocol::Notice> notices;
+  protocol::AppSettings settings;
   std::uint32_t scene_commands = 0;  // sent so far
   std::optional<SceneAnswer> scene_answer;
   std::string last_error;
@@ -133,6 +134,8 @@ void Connection::Impl::Read(std::int64_t now_ns) {
       status.assign(reply->json);
     } else if (const auto* notice = std::get_if<protocol::Notice>(&message); notice && phase == Phase::kConnected) {
       OnNotice(*notice);
+    } else if (const auto* wish = std::get_if<protocol::AppSettings>(&message); wish && phase == Phase::kConnected) {
+      settings = *wish;
     } else if (const auto* there = std::get_if<protocol::Surfaces>(&message); there && phase == Phase::kConnected) {
       OnSurfaces(now_ns, *there, fds, received.fd_count);
     } else if (const auto* answer = std::get_if<protocol::SceneAnswer>(&message);
@@ -317,6 +320,8 @@ std::optional<SceneAnswer> Connection::TakeSceneAnswer() { return std::exchange(
 std::string Connection::TakeStatus() { return std::exchange(impl_->status, {}); }
 
 std::vector<protocol::Notice> Connection::TakeNotices() { return std::exchange(impl_->notices, {}); }
+
+const protocol::AppSettings& Connection::settings() const noexcept { return impl_->settings; }
 
 const std::string& Connection::last_error() const noexcept { return impl_->last_error; }
 

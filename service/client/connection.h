@@ -10,6 +10,7 @@
 
 #include "service/client/state_reader.h"
 #include "service/client/surface_reader.h"
+#include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
 
 namespace omni::client {
@@ -78,6 +79,8 @@ class Connection {
   std::string TakeStatus();
   // Notices received since the last call.
   std::vector<protocol::Notice> TakeNotices();
+  // What the service last wished; all defaults while it never did. Kept over a lost connection.
+  const protocol::AppSettings& settings() const noexcept;
   // Why the last attempt failed: names the path and what to do. Empty when connected.
   const std::string& last_error() const noexcept;
 

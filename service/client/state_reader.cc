@@ -87,6 +87,17 @@ bool StateReader::Newest(ToolSample& sample) const noexcept {
   return false;
 }
 
+bool StateReader::Earlier(std::uint32_t back, ToolSample& sample) const noexcept {
+  for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
+    const std::uint64_t published = PublishedCount(*memory_);
+    if (published == 0) return false;
+    // The oldest slot is the one that the writer may be in.
+    const std::uint64_t kept = std::min<std::uint64_t>(published, kRingCapacity - 1);
+    if (ReadSlot(published - 1 - std::min<std::uint64_t>(back, kept - 1), sample)) return true;
+  }
+  return false;
+}
+
 bool StateReader::Inputs(protocol::InputSnapshot& inputs) const noexcept {
   for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
     protocol::InputSnapshot copy;

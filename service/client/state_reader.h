@@ -26,6 +26,10 @@ class StateReader {
   // Newest published sample. False: nothing published yet, or torn kMaxTornReads times.
   bool Newest(protocol::ToolSample& sample) const noexcept;
 
+  // The sample that was published `back` samples before the newest; the oldest kept if there are not so many. False as
+  // for Newest.
+  bool Earlier(std::uint32_t back, protocol::ToolSample& sample) const noexcept;
+
   // The two samples around t_ns: before.t_ns <= t_ns <= after.t_ns. t_ns past the newest: both are the newest;
   // before the oldest kept: both are the oldest. False as for Newest.
   bool Around(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;

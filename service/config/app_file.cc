@@ -18,6 +18,10 @@ constexpr std::size_t kMaxPathBytes = 1024;
 constexpr Range kOffset_m{-0.2, 0.2};
 constexpr Range kScale{1e-4, 1e4};
 constexpr Range kForceScale{0, 1};
+constexpr Range kRestAfter_s{-1, 86400};
+constexpr std::size_t kMaxProfileBytes = 127;
+constexpr std::string_view kProfilePrefix = "/interaction_profiles/";
+constexpr std::string_view kHands[] = {"auto", "left", "right"};
 constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
 constexpr std::string_view kTouches[] = {"tagged", "all"};
 
@@ -40,6 +44,24 @@ std::vector<std::string> TomlFiles(const std::string& folder, std::vector<std::s
   return files;
 }
 
+// "oculus/touch_controller" or the full path of it; empty if absent.
+std::string ReadProfile(TableReader& reader, FileProblem& problem) {
+  if (!reader.table().contains("profile")) return {};
+  std::string profile = reader.Text("profile", kMaxProfileBytes);
+  if (profile.rfind(kProfilePrefix, 0) != 0) profile.insert(0, kProfilePrefix);
+  const std::string_view name = std::string_view(profile).substr(kProfilePrefix.size());
+  constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyz0123456789-_./";
+  const bool is_path = !name.empty() && name.find_first_not_of(kAllowed) == name.npos &&
+                       std::count(name.begin(), name.end(), '/') == 1 && name.front() != '/' && name.back() != '/' &&
+                       profile.size() <= kMaxProfileBytes;
+  if (!is_path) {
+    problem.Report(reader.table().get("profile"), "profile = \"" + profile +
+                                                      "\" is no interaction profile; must be like "
+                                                      "\"oculus/touch_controller\"");
+  }
+  return profile;
+}
+
 }  // namespace
 
 base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& file,
@@ -60,6 +82,9 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   entry.offset_base_m = reader.Vector("offset_base_m", kOffset_m, base::Vec3{});
   entry.scale = reader.Number("scale", kScale, 1.0);
   entry.force_scale = reader.Number("force_scale", kForceScale, 1.0);
+  entry.profile = ReadProfile(reader, problem);
+  entry.hand = reader.Choice("hand", kHands, "auto");
+  entry.rest_after_s = reader.Number("rest_after_s", kRestAfter_s, 0.0);
   reader.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
   return entry;

@@ -29,6 +29,10 @@ struct AppEntry {
   base::Vec3 offset_base_m;
   double scale = 1;
   double force_scale = 1;  // [0, 1]
+  // Wishes that go to the application's OpenXR layer.
+  std::string profile;        // interaction profile path; empty: the layer's order
+  std::string hand = "auto";  // "left", "right"; "auto": omnid's, else the layer's default
+  double rest_after_s = 0;    // the pen lies still for so long: put down; 0: the layer's default, -1: never
 };
 
 struct AppTable {

@@ -26,6 +26,9 @@ int ParseAndRun(int argc, char** argv) {
   app.add_option("--twin-script", options.twin_script, "hand script (.json) of the twin");
   app.add_option("--twin-record", options.twin_record, "CSV file of the twin's true pose and currents");
   app.add_option("--twin-seed", options.twin_seed, "seed of the twin's noise and imperfections");
+  app.add_option("--hand", options.hand, "hand that holds the pen: left, right, or auto (the layer's default: right)")
+      ->check(CLI::IsMember({"auto", "left", "right"}))
+      ->capture_default_str();
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error")->capture_default_str();
   app.add_flag("!--no-realtime", options.realtime, "do not ask for SCHED_FIFO and mlockall");
   app.final_callback([&options] {

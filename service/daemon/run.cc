@@ -78,7 +78,8 @@ int RunChecked(RunOptions options) {
                    .instance = instance,
                    .apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder()),
                    .hull_radius_m = device.hull_radius_m,
-                   .cache_folder = config::CacheFolder()});
+                   .cache_folder = config::CacheFolder(),
+                   .hand = options.hand});
   auto server = ipc::Server::Open(
       {.socket_path = options.socket_path, .service_instance = instance, .state_fd = (*publisher)->fd()}, service);
   if (!server.ok()) {

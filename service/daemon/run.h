@@ -17,6 +17,7 @@ struct RunOptions {
   std::string twin_script;
   std::string twin_record;
   std::uint64_t twin_seed = 1;
+  std::string hand = "auto";  // "left", "right": the hand that holds the pen, unless an application's file says
   std::string log_level = "info";
   bool realtime = true;
 };

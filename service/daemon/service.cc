@@ -7,6 +7,7 @@
 
 #include "service/base/clock.h"
 #include "service/daemon/status.h"
+#include "service/protocol/text.h"
 
 namespace omni::daemon {
 namespace {
@@ -17,6 +18,11 @@ std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 
 
 std::uint32_t SculptedOf(const haptics::Scene& scene) {
   return scene.live() == nullptr ? 0 : scene.live()->workshop_count();
+}
+
+protocol::HandSetting HandOf(const std::string& name) {
+  if (name == "left") return protocol::HandSetting::kLeft;
+  return name == "right" ? protocol::HandSetting::kRight : protocol::HandSetting::kUnset;
 }
 
 }  // namespace
@@ -65,6 +71,16 @@ void Service::OnClient(const ipc::ClientInfo& client) {
   clients_[client.id] = {.info = client, .app = config::FindApp(options_.apps, client.application), .scene = nullptr};
   if (client.role != protocol::ClientRole::kApplication) return;
   spdlog::info("client {}: application \"{}\" (pid {})", client.id, client.application, client.pid);
+  if (server_ != nullptr) server_->SendSettings(client.id, SettingsFor(clients_[client.id].app));
+}
+
+protocol::AppSettings Service::SettingsFor(const config::AppEntry* app) const {
+  protocol::AppSettings settings;
+  settings.hand = HandOf(app != nullptr && app->hand != "auto" ? app->hand : options_.hand);
+  if (app == nullptr) return settings;
+  settings.rest_after_s = static_cast<float>(app->rest_after_s);
+  protocol::SetField(settings.profile, app->profile);
+  return settings;
 }
 
 void Service::OnGone(ipc::ClientId id) {

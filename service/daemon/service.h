@@ -29,6 +29,7 @@ struct ServiceOptions {
   std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until SetCalibration
   std::uint32_t soft_tets = SceneBuilder::kSoftTets;
+  std::string hand = "auto";  // "left", "right": of applications whose file names none
 };
 
 class Service : public ipc::ServerHandler {
@@ -67,6 +68,7 @@ class Service : public ipc::ServerHandler {
   void WriteCommands(std::int64_t now_ns);
   void UpdateSurfaces();
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
+  protocol::AppSettings SettingsFor(const config::AppEntry* app) const;
   void DropScene(Client& client);
   void Problem(ipc::ClientId id, int level, const std::string& text);
 

@@ -326,6 +326,12 @@ void ControlLoop::SendNotice(ClientId id, int level, const std::string& text) {
   found->second.Send(&notice, sizeof(notice));
 }
 
+void ControlLoop::SendSettings(ClientId id, const protocol::AppSettings& settings) {
+  const auto found = peers_.find(id);
+  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
+  found->second.Send(&settings, sizeof(settings));
+}
+
 bool ControlLoop::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd) {
   const auto found = peers_.find(id);
   if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;

@@ -28,6 +28,7 @@ class ControlLoop {
   // Control thread only; null: unknown.
   const Peer* Find(ClientId id) const;
   void SendNotice(ClientId id, int level, const std::string& text);
+  void SendSettings(ClientId id, const protocol::AppSettings& settings);
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
   void SendSceneReply(ClientId id, const SceneReplyParts& parts);
 

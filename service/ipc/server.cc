@@ -52,6 +52,10 @@ std::int64_t Server::LastBeat_ns(ClientId id) const {
 
 void Server::SendNotice(ClientId id, int level, const std::string& text) { impl_->loop->SendNotice(id, level, text); }
 
+void Server::SendSettings(ClientId id, const protocol::AppSettings& settings) {
+  impl_->loop->SendSettings(id, settings);
+}
+
 bool Server::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd) {
   return impl_->loop->SendSurfaces(id, surfaces, fd);
 }

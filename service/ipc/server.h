@@ -8,6 +8,7 @@
 #include <string>
 
 #include "service/base/result.h"
+#include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
 
 namespace omni::ipc {
@@ -77,6 +78,7 @@ class Server {
   // Control thread only (from within handler calls).
   std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; read anew every period
   void SendNotice(ClientId id, int level, const std::string& text);
+  void SendSettings(ClientId id, const protocol::AppSettings& settings);
   // False: it does not read now and the message was not sent, or it is gone. `fd` < 0: none goes along.
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
   void SendSceneReply(ClientId id, const SceneReplyParts& parts);

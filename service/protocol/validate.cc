@@ -78,6 +78,13 @@ const char* Problem(const SceneReply& reply) noexcept {
   return reply.done == 1 || reply.file_bytes == 0 ? nullptr : "a refusal with a file";
 }
 
+const char* Problem(const AppSettings& settings) noexcept {
+  if (settings.hand > HandSetting::kRight) return "hand is not 0, 1 or 2";
+  if (!(settings.rest_after_s >= -1 && settings.rest_after_s <= kLongestRest_s))
+    return "rest_after_s is not in -1..86400";
+  return IsTerminated(settings.profile) ? nullptr : "profile is not terminated";
+}
+
 template <class T>
 Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
   if (size != sizeof(T)) return Because("%s of %zu bytes, must be %zu", name, size, sizeof(T));
@@ -123,6 +130,7 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kSurfaces, "Surfaces", Take<Surfaces>},
     {MessageType::kSceneCommand, "SceneCommand", Take<SceneCommand>},
     {MessageType::kSceneReply, "SceneReply", Take<SceneAnswer>},
+    {MessageType::kAppSettings, "AppSettings", Take<AppSettings>},
 };
 
 const TypeRow* FindType(MessageType type) noexcept {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <variant>
 
+#include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
 
 namespace omni::protocol {
@@ -32,7 +33,7 @@ struct SceneAnswer {
 };
 
 using Message = std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply,
-                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces>;
+                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, AppSettings>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;

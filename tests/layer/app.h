@@ -13,6 +13,9 @@ namespace omni::test {
 
 inline constexpr const char* kLayer = "XR_APILAYER_OMNI_stylus";
 inline constexpr const char* kMxInk = "/interaction_profiles/logitech/mx_ink_stylus_logitech";
+inline constexpr const char* kOmniStylus = "/interaction_profiles/omni/stylus_omnix1";
+inline constexpr const char* kGeneric = "/interaction_profiles/khr/generic_controller";
+inline constexpr const char* kIndex = "/interaction_profiles/valve/index_controller";
 inline constexpr const char* kTouch = "/interaction_profiles/oculus/touch_controller";
 inline constexpr const char* kSimple = "/interaction_profiles/khr/simple_controller";
 // XrTime - CLOCK_MONOTONIC of the test runtime.
@@ -22,8 +25,9 @@ struct AppOptions {
   bool layer = true;
   std::vector<const char*> profiles = {kTouch};
   bool mx_ink_extension = false;
-  bool begin = true;   // begins the session and polls until it is focused
-  bool attach = true;  // suggests and attaches
+  std::vector<const char*> extensions = {};  // further ones
+  bool begin = true;                         // begins the session and polls until it is focused
+  bool attach = true;                        // suggests and attaches
   const char* name = "layer test";
   bool timespec_extension = true;
 };

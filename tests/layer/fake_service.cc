@@ -74,6 +74,13 @@ void FakeService::OnClient(const ipc::ClientInfo& client) {
   const std::lock_guard lock(mutex_);
   heard_.applications.push_back(client.application);
   client_ = client.id;
+  settings_due_ = true;
+}
+
+void FakeService::Wish(const protocol::AppSettings& settings) {
+  const std::lock_guard lock(mutex_);
+  settings_ = settings;
+  settings_due_ = true;
 }
 
 void FakeService::OnGone(ipc::ClientId) {
@@ -98,7 +105,10 @@ void FakeService::OnHapticStop(ipc::ClientId) {
 
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
-  if (client_ != 0) last_beat_ns_ = server_->LastBeat_ns(client_);
+  if (client_ == 0) return;
+  last_beat_ns_ = server_->LastBeat_ns(client_);
+  if (settings_due_) server_->SendSettings(client_, settings_);
+  settings_due_ = false;
 }
 
 }  // namespace omni::test

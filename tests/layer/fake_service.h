@@ -46,6 +46,9 @@ class FakeService : private ipc::ServerHandler {
   // A pen that is seen no more, or not seen.
   void SetFlags(std::uint32_t flags) { flags_ = flags; }
 
+  // Tells the layer of the service's wishes: now, and to who connects later.
+  void Wish(const protocol::AppSettings& settings);
+
   Heard heard() const;
   std::int64_t last_beat_ns() const { return last_beat_ns_; }
 
@@ -65,6 +68,8 @@ class FakeService : private ipc::ServerHandler {
   std::int64_t last_t_ns_ = 0;
   mutable std::mutex mutex_;
   Heard heard_;
+  protocol::AppSettings settings_;
+  bool settings_due_ = false;
   ipc::ClientId client_ = 0;
   std::atomic<std::int64_t> last_beat_ns_{0};
   std::unique_ptr<ipc::StatePublisher> publisher_;

@@ -42,7 +42,7 @@ std::vector<Bytes> Seeds() {
   return {BytesOf(Hello{}),  BytesOf(welcome),        BytesOf(Reject{}),        BytesOf(Session{}),
           BytesOf(Haptic{}), BytesOf(HapticStop{}),   BytesOf(StatusRequest{}), BytesOf(Notice{}),
           BytesOf(reply),    BytesOf(SceneCommand{}), BytesOf(SceneReply{}),    BytesOf(SurfaceRequest{}),
-          BytesOf(surfaces)};
+          BytesOf(surfaces), BytesOf(AppSettings{})};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {

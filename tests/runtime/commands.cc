@@ -1,6 +1,7 @@
 #include "tests/runtime/commands.h"
 
 #include "tests/runtime/clock.h"
+#include "tests/runtime/newer_openxr.h"
 
 namespace omni::runtime {
 
@@ -34,16 +35,42 @@ bool SetFocus(State& state, bool focus) {
   return true;
 }
 
-bool Recenter(State& state, const XrPosef& pose_in_local, XrDuration delay_ns) {
-  if (!IsValid(pose_in_local) || delay_ns < 0) return false;
-  const XrTime when = Now() + delay_ns;
-  state.world.Recenter(pose_in_local, when);
+bool SetHand(State& state, int hand, bool active, const Motion& palm) {
+  if (hand < 0 || !IsValid(palm.pose)) return false;
+  state.world.SetHand(hand, active, palm);
+  return true;
+}
+
+XrReferenceSpaceType SpaceNamed(std::string_view name) {
+  if (name == "local") return XR_REFERENCE_SPACE_TYPE_LOCAL;
+  if (name == "local_floor") return kLocalFloor;
+  return name == "stage" ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_MAX_ENUM;
+}
+
+namespace {
+
+// Tells every session that `space` moves at `when`; where to: as the world says.
+void TellChange(State& state, XrReferenceSpaceType space, XrTime when, bool told) {
+  const XrBool32 known = told ? XR_TRUE : XR_FALSE;
+  const XrPosef before = state.world.OriginAt(space, when - 1);
+  const XrPosef in_previous = Normalized(Compose(Inverse(before), state.world.OriginAt(space, when)));
   ForEachSession(state, [&](Session& session) {
-    Push(*session.instance,
-         XrEventDataReferenceSpaceChangePending{XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING, nullptr,
-                                                Handles::As<XrSession>(session.handle), XR_REFERENCE_SPACE_TYPE_LOCAL,
-                                                when, XR_TRUE, Normalized(pose_in_local)});
+    if (space == kLocalFloor && !session.instance->version_1_1) return;
+    Push(*session.instance, XrEventDataReferenceSpaceChangePending{XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING,
+                                                                   nullptr, Handles::As<XrSession>(session.handle),
+                                                                   space, when, known, told ? in_previous : XrPosef{}});
   });
+}
+
+}  // namespace
+
+bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrDuration delay_ns, bool told) {
+  const bool movable = space == XR_REFERENCE_SPACE_TYPE_LOCAL || space == XR_REFERENCE_SPACE_TYPE_STAGE;
+  if (!movable || !IsValid(pose) || delay_ns < 0) return false;
+  const XrTime when = Now() + delay_ns;
+  state.world.Recenter(space, pose, when);
+  TellChange(state, space, when, told);
+  if (space == XR_REFERENCE_SPACE_TYPE_LOCAL) TellChange(state, kLocalFloor, when, told);
   return true;
 }
 

@@ -17,7 +17,11 @@ bool ResetWorld(State& state);
 bool SetTracking(State& state, int hand, bool valid, bool tracked);
 bool SetHead(State& state, const Motion& motion);
 bool SetFocus(State& state, bool focus);
-bool Recenter(State& state, const XrPosef& pose_in_local, XrDuration delay_ns);
+bool SetHand(State& state, int hand, bool active, const Motion& palm);
+// "local", "local_floor" or "stage", else XR_REFERENCE_SPACE_TYPE_MAX_ENUM.
+XrReferenceSpaceType SpaceNamed(std::string_view name);
+// LOCAL (with LOCAL_FLOOR) or STAGE moves. `told`: the event says where to.
+bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrDuration delay_ns, bool told);
 bool RequestExit(State& state);
 bool LoseSessions(State& state);
 bool LoseInstances(State& state);

@@ -20,6 +20,9 @@ enum FunctionId : int {
 
 std::atomic<long> call_counts[kFunctions];
 
+// Instances of 1.0 and 1.1.
+constexpr XrVersion kApiVersion = XR_MAKE_VERSION(1, 1, 0);
+
 // What the application calls: counts, and lets no exception out.
 template <int id, auto function>
 struct Entry;
@@ -51,7 +54,15 @@ bool NeedsNoInstance(std::string_view name) {
          name == "xrEnumerateApiLayerProperties" || name == "xrCreateInstance";
 }
 
-bool NeedsTimespecExtension(std::string_view name) { return name.find("Timespec") != std::string_view::npos; }
+// Functions of extensions and of OpenXR 1.1 are there for the instances that asked for them.
+bool Offers(const Instance& instance, std::string_view name) {
+  if (name == "xrLocateSpaces") return instance.version_1_1;
+  if (name == "xrLocateSpacesKHR") return instance.Enabled(XR_KHR_LOCATE_SPACES_EXTENSION_NAME);
+  if (name.find("Hand") != std::string_view::npos) return instance.Enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+  if (name.find("Timespec") != std::string_view::npos)
+    return instance.Enabled(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  return true;
+}
 
 }  // namespace
 
@@ -72,18 +83,17 @@ XrResult GetInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFu
   *function = nullptr;
   State& state = TheState();
   const std::shared_lock lock(state.mutex);
-  bool convert_timespec = false;
+  const Instance* owner = nullptr;
   if (instance == XR_NULL_HANDLE) {
     OMNI_REQUIRE(NeedsNoInstance(name), XR_ERROR_HANDLE_INVALID);
   } else {
     // A lost instance still answers: the loader looks up xrDestroyInstance here.
-    const Instance* const owner = state.handles.Find<Instance>(instance);
+    owner = state.handles.Find<Instance>(instance);
     OMNI_REQUIRE(owner != nullptr, XR_ERROR_HANDLE_INVALID);
-    convert_timespec = owner->convert_timespec;
   }
   for (const NamedFunction& entry : kTable) {
     if (entry.name != name) continue;
-    if (NeedsTimespecExtension(name) && !convert_timespec) break;
+    if (owner != nullptr && !Offers(*owner, name)) break;
     *function = entry.function;
     return XR_SUCCESS;
   }
@@ -102,11 +112,10 @@ extern "C" __attribute__((visibility("default"))) XrResult xrNegotiateLoaderRunt
   if (!loader_ok || !request_ok) return XR_ERROR_INITIALIZATION_FAILED;
   const bool interface_ok =
       loader->min_interface_version <= kInterfaceVersion && kInterfaceVersion <= loader->max_interface_version;
-  const bool api_ok =
-      loader->min_api_version <= XR_CURRENT_API_VERSION && XR_CURRENT_API_VERSION <= loader->max_api_version;
+  const bool api_ok = loader->min_api_version <= kApiVersion && kApiVersion <= loader->max_api_version;
   if (!interface_ok || !api_ok) return XR_ERROR_INITIALIZATION_FAILED;
   request->runtime_interface_version = kInterfaceVersion;
-  request->runtime_api_version = XR_CURRENT_API_VERSION;
+  request->runtime_api_version = kApiVersion;
   request->get_instance_proc_addr =
       reinterpret_cast<PFN_xrGetInstanceProcAddr>(&Entry<kGetInstanceProcAddr, &GetInstanceProcAddr>::Call);
   return XR_SUCCESS;

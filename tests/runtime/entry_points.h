@@ -6,6 +6,8 @@
 
 #include <type_traits>
 
+#include "tests/runtime/newer_openxr.h"
+
 // X(name)
 #define OMNI_RUNTIME_FUNCTIONS(X)         \
   X(GetInstanceProcAddr)                  \
@@ -45,6 +47,11 @@
   X(CreateActionSpace)                    \
   X(LocateSpace)                          \
   X(DestroySpace)                         \
+  X(LocateSpaces)                         \
+  X(LocateSpacesKHR)                      \
+  X(CreateHandTrackerEXT)                 \
+  X(DestroyHandTrackerEXT)                \
+  X(LocateHandJointsEXT)                  \
   X(StringToPath)                         \
   X(PathToString)                         \
   X(CreateActionSet)                      \

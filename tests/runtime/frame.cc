@@ -5,6 +5,7 @@
 
 #include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/frame_layers.h"
 #include "tests/runtime/locate.h"
 #include "tests/runtime/system.h"
 
@@ -20,17 +21,6 @@ void SleepUntil(XrTime time) {
   const int64_t monotonic_ns = time - kTimeOffset_ns;
   const timespec until{monotonic_ns / kSecond_ns, monotonic_ns % kSecond_ns};
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
-}
-
-XrResult CheckLayers(const Session& session, const XrFrameEndInfo& info) {
-  OMNI_REQUIRE(info.layerCount <= XR_MIN_COMPOSITION_LAYERS_SUPPORTED, XR_ERROR_LAYER_LIMIT_EXCEEDED);
-  OMNI_REQUIRE(info.layerCount == 0 || info.layers != nullptr, XR_ERROR_LAYER_INVALID);
-  for (uint32_t i = 0; i < info.layerCount; ++i) {
-    OMNI_REQUIRE(info.layers[i] != nullptr, XR_ERROR_LAYER_INVALID);
-    const Space* const space = TheState().handles.Find<Space>(info.layers[i]->space);
-    OMNI_REQUIRE(space != nullptr && space->session == &session, XR_ERROR_HANDLE_INVALID);
-  }
-  return XR_SUCCESS;
 }
 
 // Every pose that is handed out is renewed: in the base space at display time.
@@ -95,7 +85,8 @@ XrResult EndFrame(XrSession session, const XrFrameEndInfo* info) {
   OMNI_REQUIRE(owner->frame_begun, XR_ERROR_CALL_ORDER_INVALID);
   OMNI_REQUIRE(info->displayTime > 0, XR_ERROR_TIME_INVALID);
   OMNI_REQUIRE(IsSupportedBlendMode(info->environmentBlendMode), XR_ERROR_ENVIRONMENT_BLEND_MODE_UNSUPPORTED);
-  if (const XrResult check = CheckLayers(*owner, *info); XR_FAILED(check)) return check;
+  RecordFrame(*info);
+  if (const XrResult check = CheckFrameLayers(*owner, *info); XR_FAILED(check)) return check;
   owner->frame_begun = false;
   return XR_SUCCESS;
 }

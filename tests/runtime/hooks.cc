@@ -7,6 +7,7 @@
 #include "tests/runtime/clock.h"
 #include "tests/runtime/commands.h"
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/frame_layers.h"
 #include "tests/runtime/state.h"
 
 namespace {
@@ -39,7 +40,10 @@ Motion MotionOf(const float pose[7], const float velocity[6]) {
 #pragma GCC visibility push(default)
 
 int omni_test_reset(void) {
-  return Alone([](auto& state) { return omni::runtime::ResetWorld(state); });
+  return Alone([](auto& state) {
+    omni::runtime::ForgetFrame();
+    return omni::runtime::ResetWorld(state);
+  });
 }
 
 int omni_test_set_device(const char* hand, int present, const char* profile) {
@@ -80,7 +84,45 @@ int omni_test_set_focus(int focus) {
 
 int omni_test_recenter(const float pose[7], int64_t delay_ns) {
   if (pose == nullptr) return -1;
-  return Alone([&](auto& state) { return omni::runtime::Recenter(state, MotionOf(pose, nullptr).pose, delay_ns); });
+  return omni_test_move_space("local", pose, delay_ns, 1);
+}
+
+int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int told) {
+  if (pose == nullptr) return -1;
+  const XrReferenceSpaceType type = omni::runtime::SpaceNamed(Text(space));
+  return Alone([&](auto& state) {
+    return omni::runtime::Recenter(state, type, MotionOf(pose, nullptr).pose, delay_ns, told != 0);
+  });
+}
+
+int omni_test_offer_stage(int offered) {
+  return Alone([&](auto& state) {
+    state.world.has_stage = offered != 0;
+    return true;
+  });
+}
+
+int omni_test_offer_timespec(int offered) {
+  return Alone([&](auto& state) {
+    state.world.has_timespec = offered != 0;
+    return true;
+  });
+}
+
+int omni_test_tell_velocities(int told) {
+  return Alone([&](auto& state) {
+    state.world.tells_velocities = told != 0;
+    return true;
+  });
+}
+
+int omni_test_set_hand(const char* hand, int active, const float pose[7], const float velocity[6]) {
+  const int index = omni::runtime::HandIndex(Text(hand));
+  if (index < 0) return -1;
+  return Alone([&](auto& state) {
+    const Motion palm = pose == nullptr ? state.world.hands[index].palm : MotionOf(pose, velocity);
+    return omni::runtime::SetHand(state, index, active != 0, palm);
+  });
 }
 
 int omni_test_request_exit(void) {
@@ -101,6 +143,14 @@ int omni_test_haptics(const char* hand, OmniTestHaptics* haptics) {
   return Alone([&](auto& state) {
     const omni::runtime::HapticRecord& record = state.world.devices[index].haptics;
     *haptics = {record.count, record.stops, record.amplitude, record.frequency_Hz, record.duration_ns};
+    return true;
+  });
+}
+
+int omni_test_frame(OmniTestFrame* frame) {
+  if (frame == nullptr) return -1;
+  return Alone([&](auto&) {
+    *frame = omni::runtime::RecordedFrame();
     return true;
   });
 }

@@ -22,6 +22,29 @@ struct OmniTestHaptics {
   int64_t last_duration_ns;
 };
 
+#define OMNI_TEST_MAX_LAYERS 16
+#define OMNI_TEST_MAX_VIEWS 2
+
+struct OmniTestLayer {
+  const void* structure;  // as it came; may be gone by now
+  const void* next;
+  uint64_t space;
+  int type;
+  float pose[7];  // identity for projections; a cube has an orientation only
+  uint32_t views;
+  float view_pose[OMNI_TEST_MAX_VIEWS][7];
+  const void* view_next[OMNI_TEST_MAX_VIEWS];
+};
+
+struct OmniTestFrame {
+  const void* info;  // as it came
+  const void* next;
+  int64_t display_time;
+  int blend_mode;
+  uint32_t layer_count;
+  struct OmniTestLayer layers[OMNI_TEST_MAX_LAYERS];
+};
+
 // The world as at load: left touch controller present, right absent, focus available. Sessions stay as they are.
 int omni_test_reset(void);
 // profile: "/interaction_profiles/oculus/touch_controller", ".../khr/simple_controller", or NULL to keep it.
@@ -34,8 +57,18 @@ int omni_test_set_pose(const char* path, const float pose[7], const float veloci
 int omni_test_set_head(const float pose[7], const float velocity[6]);
 // 0: focused sessions drop to VISIBLE at once, 1: they come back.
 int omni_test_set_focus(int focus);
-// LOCAL moves to `pose`, given in the present LOCAL, after delay_ns; the event is queued now.
+// LOCAL (and LOCAL_FLOOR with it) moves to `pose`, given in the present LOCAL, after delay_ns; the event is queued now.
 int omni_test_recenter(const float pose[7], int64_t delay_ns);
+// The same for "local" or "stage". told = 0: the event does not say where to (poseValid is false).
+int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int told);
+// 0: STAGE is not offered to sessions from now on.
+int omni_test_offer_stage(int offered);
+// 0: new instances are refused XR_KHR_convert_timespec_time.
+int omni_test_offer_timespec(int offered);
+// 0: no velocity is ever valid, as with runtimes that do not know them.
+int omni_test_tell_velocities(int told);
+// The hand that XR_EXT_hand_tracking sees; `pose` of the palm in STAGE, null to keep it.
+int omni_test_set_hand(const char* hand, int active, const float pose[7], const float velocity[6]);
 // The user quits the application: every running session goes to STOPPING.
 int omni_test_request_exit(void);
 // Every session: LOSS_PENDING is queued, and all its functions but destruction answer XR_ERROR_SESSION_LOST.
@@ -44,6 +77,8 @@ int omni_test_lose_session(void);
 int omni_test_lose_instance(void);
 
 int omni_test_haptics(const char* hand, struct OmniTestHaptics* haptics);
+// The newest xrEndFrame that came down, accepted or not; info is null before the first.
+int omni_test_frame(struct OmniTestFrame* frame);
 // Calls of "xrLocateSpace" ... that came down to the runtime since it was loaded; -1 for a function it does not have.
 long omni_test_call_count(const char* function);
 // Handles that are alive, of all types.

@@ -7,22 +7,45 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/priorities.h"
 #include "tests/runtime/state.h"
 
 namespace omni::runtime {
 namespace {
 
 struct Extension {
-  const char* name;
+  std::string name;
   uint32_t version;
 };
-constexpr Extension kExtensions[] = {
+const Extension kExtensions[] = {
     {XR_MND_HEADLESS_EXTENSION_NAME, XR_MND_headless_SPEC_VERSION},
+    {XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME, XR_KHR_binding_modification_SPEC_VERSION},
+    {XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME, XR_VALVE_analog_threshold_SPEC_VERSION},
+    {XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME, 1},
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
+    {XR_KHR_LOCATE_SPACES_EXTENSION_NAME, XR_KHR_locate_spaces_SPEC_VERSION},
+    {XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_EXT_hand_tracking_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_CUBE_EXTENSION_NAME, XR_KHR_composition_layer_cube_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_CYLINDER_EXTENSION_NAME, XR_KHR_composition_layer_cylinder_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_EQUIRECT_EXTENSION_NAME, XR_KHR_composition_layer_equirect_SPEC_VERSION},
+    {XR_KHR_COMPOSITION_LAYER_EQUIRECT2_EXTENSION_NAME, XR_KHR_composition_layer_equirect2_SPEC_VERSION},
 };
+
+// Those of the table, and names that a test adds by OMNI_TEST_RUNTIME_EXTENSIONS (separated by spaces): accepted,
+// without any effect.
+std::vector<Extension> Extensions() {
+  std::vector<Extension> all(std::begin(kExtensions), std::end(kExtensions));
+  const char* const more = std::getenv("OMNI_TEST_RUNTIME_EXTENSIONS");
+  std::istringstream names(more == nullptr ? "" : more);
+  for (std::string name; names >> name;) all.push_back({name, 1});
+  return all;
+}
 
 template <size_t size>
 bool IsTerminated(const char (&text)[size]) {
@@ -30,14 +53,10 @@ bool IsTerminated(const char (&text)[size]) {
 }
 
 bool IsKnownExtension(const char* name) {
-  return std::any_of(std::begin(kExtensions), std::end(kExtensions),
-                     [name](const Extension& known) { return std::strcmp(known.name, name) == 0; });
-}
-
-bool Enables(const XrInstanceCreateInfo& info, const char* extension) {
-  const char* const* const names = info.enabledExtensionNames;
-  return std::any_of(names, names + info.enabledExtensionCount,
-                     [extension](const char* name) { return std::strcmp(name, extension) == 0; });
+  const bool is_timespec = std::strcmp(name, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME) == 0;
+  if (is_timespec && !TheState().world.has_timespec) return false;
+  const std::vector<Extension> all = Extensions();
+  return std::any_of(all.begin(), all.end(), [name](const Extension& known) { return known.name == name; });
 }
 
 XrResult CheckCreateInfo(const XrInstanceCreateInfo* info, const XrInstance* instance) {
@@ -66,7 +85,7 @@ void CopyName(const char* name, int32_t value, const char* unknown, char* buffer
 
 void EraseHandles(State& state, const Instance& instance) {
   for (const auto& session : instance.sessions) {
-    for (const uint64_t space : session->spaces) state.handles.Erase(space);
+    for (const uint64_t child : session->children) state.handles.Erase(child);
     state.handles.Erase(session->handle);
   }
   for (const auto& set : instance.action_sets) {
@@ -87,16 +106,18 @@ XrResult EnumerateInstanceExtensionProperties(const char* layer, uint32_t capaci
   for (uint32_t i = 0; properties != nullptr && i < capacity; ++i) {
     OMNI_REQUIRE(Is(&properties[i], XR_TYPE_EXTENSION_PROPERTIES), XR_ERROR_VALIDATION_FAILURE);
   }
-  return TwoCall(std::size(kExtensions), capacity, count, properties, [](uint32_t i, XrExtensionProperties& out) {
-    std::snprintf(out.extensionName, sizeof(out.extensionName), "%s", kExtensions[i].name);
-    out.extensionVersion = kExtensions[i].version;
+  const std::vector<Extension> all = Extensions();
+  const auto size = static_cast<uint32_t>(all.size());
+  return TwoCall(size, capacity, count, properties, [&all](uint32_t i, XrExtensionProperties& out) {
+    std::snprintf(out.extensionName, sizeof(out.extensionName), "%s", all[i].name.c_str());
+    out.extensionVersion = all[i].version;
   });
 }
 
 XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) {
-  if (const XrResult check = CheckCreateInfo(info, instance); XR_FAILED(check)) return check;
   State& state = TheState();
   const std::unique_lock lock(state.mutex);
+  if (const XrResult check = CheckCreateInfo(info, instance); XR_FAILED(check)) return check;
   const auto created = std::make_shared<Instance>();
   if (const char* const file = std::getenv("OMNI_TEST_RUNTIME_SCRIPT"); file != nullptr && *file != '\0') {
     const std::string error = LoadScript(file, Now(), &created->script);
@@ -106,8 +127,12 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
     }
   }
   created->serial = ++state.instances_created;
-  created->headless = Enables(*info, XR_MND_HEADLESS_EXTENSION_NAME);
-  created->convert_timespec = Enables(*info, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  created->version_1_1 = XR_VERSION_MINOR(info->applicationInfo.apiVersion) >= 1;
+  created->extensions.assign(info->enabledExtensionNames, info->enabledExtensionNames + info->enabledExtensionCount);
+  created->headless = created->Enabled(XR_MND_HEADLESS_EXTENSION_NAME);
+  created->binding_modification = created->Enabled(XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME);
+  created->analog_threshold = created->Enabled(XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME);
+  created->set_priorities = created->Enabled(XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME);
   *instance = Handles::As<XrInstance>(state.handles.Insert(created));
   state.instances.push_back(created);
   return XR_SUCCESS;

@@ -1,4 +1,4 @@
-// xrLocateSpace. A shared lock, a few table lookups, arithmetic: no system call.
+// xrLocateSpace, xrLocateSpaces. A shared lock, a few table lookups, arithmetic: no system call.
 
 #include "tests/runtime/locate.h"
 
@@ -12,24 +12,53 @@ constexpr XrSpaceLocationFlags kTracked =
     XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
 
 Motion ReferenceMotion(const World& world, XrReferenceSpaceType type, XrTime time) {
-  switch (type) {
-    case XR_REFERENCE_SPACE_TYPE_VIEW:
-      return world.HeadAt(time);
-    case XR_REFERENCE_SPACE_TYPE_LOCAL: {
-      Motion motion;
-      motion.pose = world.LocalOriginAt(time);
-      return motion;
-    }
-    default:
-      return {};
-  }
+  if (type == XR_REFERENCE_SPACE_TYPE_VIEW) return world.HeadAt(time);
+  Motion motion;
+  motion.pose = world.OriginAt(type, time);
+  return motion;
 }
 
-XrSpaceVelocity* VelocityIn(XrSpaceLocation& location) {
-  for (auto* next = static_cast<XrBaseOutStructure*>(location.next); next != nullptr; next = next->next) {
-    if (next->type == XR_TYPE_SPACE_VELOCITY) return reinterpret_cast<XrSpaceVelocity*>(next);
+// XrSpaceLocation and XrSpaceLocationData, XrSpaceVelocity and XrSpaceVelocityData have the same members.
+template <class Location>
+void FillLocation(const Located& located, Location& out) {
+  out.locationFlags = (located.valid ? kValid : 0) | (located.tracked ? kTracked : 0);
+  out.pose = located.motion.pose;
+}
+
+template <class Velocity>
+void FillVelocity(const World& world, const Located& located, Velocity& out) {
+  const bool known = located.valid && world.tells_velocities;
+  out.velocityFlags = known ? XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT : 0;
+  out.linearVelocity = known ? located.motion.linear_m_s : XrVector3f{0, 0, 0};
+  out.angularVelocity = known ? located.motion.angular_rad_s : XrVector3f{0, 0, 0};
+}
+
+// Both names of xrLocateSpaces.
+XrResult LocateMany(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* out) {
+  State& state = TheState();
+  const std::shared_lock lock(state.mutex);
+  OMNI_FIND(Session, owner, session);
+  OMNI_REQUIRE(Is(info, XR_TYPE_SPACES_LOCATE_INFO) && Is(out, XR_TYPE_SPACE_LOCATIONS), XR_ERROR_VALIDATION_FAILURE);
+  OMNI_REQUIRE(info->spaceCount > 0 && info->spaces != nullptr, XR_ERROR_VALIDATION_FAILURE);
+  OMNI_REQUIRE(out->locationCount == info->spaceCount && out->locations != nullptr, XR_ERROR_VALIDATION_FAILURE);
+  auto* const velocities = InChain<XrSpaceVelocities>(out->next, XR_TYPE_SPACE_VELOCITIES);
+  OMNI_REQUIRE(
+      velocities == nullptr || (velocities->velocityCount == info->spaceCount && velocities->velocities != nullptr),
+      XR_ERROR_VALIDATION_FAILURE);
+  OMNI_FIND(Space, base, info->baseSpace);
+  OMNI_REQUIRE(base->session == owner, XR_ERROR_VALIDATION_FAILURE);
+  for (uint32_t i = 0; i < info->spaceCount; ++i) {
+    OMNI_FIND(Space, space, info->spaces[i]);
+    OMNI_REQUIRE(space->session == owner, XR_ERROR_VALIDATION_FAILURE);
   }
-  return nullptr;
+  OMNI_REQUIRE(info->time > 0, XR_ERROR_TIME_INVALID);
+  for (uint32_t i = 0; i < info->spaceCount; ++i) {
+    const Space& space = *state.handles.Find<Space>(info->spaces[i]);
+    const Located located = LocateIn(state.world, *owner, space, *base, info->time);
+    FillLocation(located, out->locations[i]);
+    if (velocities != nullptr) FillVelocity(state.world, located, velocities->velocities[i]);
+  }
+  return XR_SUCCESS;
 }
 
 }  // namespace
@@ -78,15 +107,18 @@ XrResult LocateSpace(XrSpace space, XrSpace base_space, XrTime time, XrSpaceLoca
   OMNI_REQUIRE(found->session == base->session, XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(time > 0, XR_ERROR_TIME_INVALID);
   const Located result = LocateIn(state.world, *found->session, *found, *base, time);
-  location->locationFlags = (result.valid ? kValid : 0) | (result.tracked ? kTracked : 0);
-  location->pose = result.motion.pose;
-  if (XrSpaceVelocity* const velocity = VelocityIn(*location); velocity != nullptr) {
-    velocity->velocityFlags =
-        result.valid ? XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT : 0;
-    velocity->linearVelocity = result.motion.linear_m_s;
-    velocity->angularVelocity = result.motion.angular_rad_s;
-  }
+  FillLocation(result, *location);
+  auto* const velocity = InChain<XrSpaceVelocity>(location->next, XR_TYPE_SPACE_VELOCITY);
+  if (velocity != nullptr) FillVelocity(state.world, result, *velocity);
   return XR_SUCCESS;
+}
+
+XrResult LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* out) {
+  return LocateMany(session, info, out);
+}
+
+XrResult LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* out) {
+  return LocateMany(session, info, out);
 }
 
 }  // namespace omni::runtime

@@ -4,11 +4,13 @@
 
 #include <openxr/openxr.h>
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -17,7 +19,7 @@
 
 namespace omni::runtime {
 
-enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace };
+enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace, kHandTracker };
 
 struct Object {
   Kind kind;
@@ -53,10 +55,17 @@ struct ActionSet : Object {
   std::vector<std::shared_ptr<Action>> actions;
 };
 
+// An analogue source read as a boolean, with hysteresis.
+struct Threshold {
+  float on = 0.7f;
+  float off = 0.5f;
+};
+
 struct Suggestion {
   const Action* action = nullptr;  // identity only
   int hand = -1;
   std::string path;  // below the hand
+  Threshold threshold;
 };
 // By profile index; an empty entry means: never suggested.
 using Suggestions = std::map<int, std::vector<Suggestion>>;
@@ -64,6 +73,7 @@ using Suggestions = std::map<int, std::vector<Suggestion>>;
 struct Bound {
   Source source;
   bool pressed = false;  // hysteresis of an analogue source read as a boolean
+  Threshold threshold;
 };
 
 // Answers for one (action, subaction path), constant between two syncs.
@@ -89,7 +99,14 @@ struct Instance : Object {
   uint32_t serial = 0;
   bool lost = false;
   bool headless = false;
-  bool convert_timespec = false;
+  bool version_1_1 = false;  // the application asked for OpenXR 1.1
+  std::vector<std::string> extensions;
+  bool Enabled(std::string_view extension) const {
+    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+  }
+  bool binding_modification = false;
+  bool analog_threshold = false;
+  bool set_priorities = false;  // XR_EXT_active_action_set_priority
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;
@@ -120,7 +137,7 @@ struct Session : Object {
   bool frame_begun = false;
   XrTime next_frame = 0;
 
-  std::vector<uint64_t> spaces;  // handles of its children
+  std::vector<uint64_t> children;  // handles: spaces, hand trackers
 };
 
 struct Space : Object {
@@ -133,6 +150,13 @@ struct Space : Object {
   std::shared_ptr<Action> action;
   std::shared_ptr<ActionSet> set;
   XrPath subaction = XR_NULL_PATH;
+};
+
+struct HandTracker : Object {
+  static constexpr Kind kKind = Kind::kHandTracker;
+  HandTracker() : Object(kKind) {}
+  Session* session = nullptr;
+  int hand = 0;
 };
 
 }  // namespace omni::runtime

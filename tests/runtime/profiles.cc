@@ -39,9 +39,37 @@ constexpr Component kTouch[] = {
     {"output/haptic", kHaptic, kBoth, "Haptics"},
 };
 
+constexpr Component kIndex[] = {
+    {"input/system/click", kBool, kBoth, "System"},
+    {"input/system/touch", kBool, kBoth, "System"},
+    {"input/a/click", kBool, kBoth, "A"},
+    {"input/a/touch", kBool, kBoth, "A"},
+    {"input/b/click", kBool, kBoth, "B"},
+    {"input/b/touch", kBool, kBoth, "B"},
+    {"input/squeeze/value", kFloat, kBoth, "Squeeze"},
+    {"input/squeeze/force", kFloat, kBoth, "Squeeze"},
+    {"input/trigger/click", kBool, kBoth, "Trigger"},
+    {"input/trigger/value", kFloat, kBoth, "Trigger"},
+    {"input/trigger/touch", kBool, kBoth, "Trigger"},
+    {"input/thumbstick", kVector2, kBoth, "Thumbstick"},
+    {"input/thumbstick/x", kVectorX, kBoth, "Thumbstick"},
+    {"input/thumbstick/y", kVectorY, kBoth, "Thumbstick"},
+    {"input/thumbstick/click", kBool, kBoth, "Thumbstick"},
+    {"input/thumbstick/touch", kBool, kBoth, "Thumbstick"},
+    {"input/trackpad", kVector2, kBoth, "Trackpad"},
+    {"input/trackpad/x", kVectorX, kBoth, "Trackpad"},
+    {"input/trackpad/y", kVectorY, kBoth, "Trackpad"},
+    {"input/trackpad/force", kFloat, kBoth, "Trackpad"},
+    {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
+    {"input/grip/pose", kPose, kBoth, "Grip"},
+    {"input/aim/pose", kPose, kBoth, "Aim"},
+    {"output/haptic", kHaptic, kBoth, "Haptics"},
+};
+
 constexpr Profile kProfiles[] = {
     {"/interaction_profiles/khr/simple_controller", "Simple Controller", kSimple},
     {"/interaction_profiles/oculus/touch_controller", "Touch Controller", kTouch},
+    {"/interaction_profiles/valve/index_controller", "Index Controller", kIndex},
 };
 
 bool Converts(ComponentType from, XrActionType to) {

@@ -57,7 +57,10 @@ constexpr Command kCommands[] = {
     {"pose", "pnnnnnnn", 6, [](State& state, const Words& w) { return state.world.SetPose(w[1], ReadMotion(w, 2)); }},
     {"head", "nnnnnnn", 6, [](State& state, const Words& w) { return SetHead(state, ReadMotion(w, 1)); }},
     {"focus", "n", 0, [](State& state, const Words& w) { return SetFocus(state, Truth(w[1])); }},
-    {"recenter", "nnnnnnn", 0, [](State& state, const Words& w) { return Recenter(state, ReadMotion(w, 1).pose, 0); }},
+    {"recenter", "nnnnnnn", 0,
+     [](State& state, const Words& w) {
+       return Recenter(state, XR_REFERENCE_SPACE_TYPE_LOCAL, ReadMotion(w, 1).pose, 0, true);
+     }},
     {"exit", "", 0, [](State& state, const Words&) { return RequestExit(state); }},
     {"lose_session", "", 0, [](State& state, const Words&) { return LoseSessions(state); }},
     {"lose_instance", "", 0, [](State& state, const Words&) { return LoseInstances(state); }},

@@ -31,7 +31,7 @@ XrResult DestroySession(XrSession session) {
   const std::unique_lock lock(state.mutex);
   const auto doomed = state.handles.Share<Session>(session);
   OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
-  for (const uint64_t space : doomed->spaces) state.handles.Erase(space);
+  for (const uint64_t child : doomed->children) state.handles.Erase(child);
   state.handles.Erase(doomed->handle);
   std::erase(doomed->instance->sessions, doomed);
   return XR_SUCCESS;

@@ -9,20 +9,24 @@
 namespace omni::runtime {
 namespace {
 
-constexpr XrReferenceSpaceType kReferenceSpaces[] = {XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL,
-                                                     XR_REFERENCE_SPACE_TYPE_STAGE};
+std::vector<XrReferenceSpaceType> OfferedSpaces(const State& state, const Session& session) {
+  std::vector<XrReferenceSpaceType> offered = {XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL};
+  if (state.world.has_stage) offered.push_back(XR_REFERENCE_SPACE_TYPE_STAGE);
+  if (session.instance->version_1_1) offered.push_back(kLocalFloor);
+  return offered;
+}
 
 XrSpace Add(State& state, Session& session, std::shared_ptr<Space> space) {
   space->session = &session;
   const uint64_t handle = state.handles.Insert(std::move(space));
-  session.spaces.push_back(handle);
+  session.children.push_back(handle);
   return Handles::As<XrSpace>(handle);
 }
 
-XrResult CheckReferenceType(XrReferenceSpaceType type) {
-  const auto* const end = std::end(kReferenceSpaces);
-  OMNI_REQUIRE(std::find(std::begin(kReferenceSpaces), end, type) != end, XR_ERROR_REFERENCE_SPACE_UNSUPPORTED);
-  return XR_SUCCESS;
+XrResult CheckReferenceType(const State& state, const Session& session, XrReferenceSpaceType type) {
+  const std::vector<XrReferenceSpaceType> offered = OfferedSpaces(state, session);
+  const bool known = std::find(offered.begin(), offered.end(), type) != offered.end();
+  return known ? XR_SUCCESS : XR_ERROR_REFERENCE_SPACE_UNSUPPORTED;
 }
 
 }  // namespace
@@ -31,8 +35,9 @@ XrResult EnumerateReferenceSpaces(XrSession session, uint32_t capacity, uint32_t
   State& state = TheState();
   const std::shared_lock lock(state.mutex);
   OMNI_FIND(Session, owner, session);
-  return TwoCall(std::size(kReferenceSpaces), capacity, count, types,
-                 [](uint32_t i, XrReferenceSpaceType& out) { out = kReferenceSpaces[i]; });
+  const std::vector<XrReferenceSpaceType> offered = OfferedSpaces(state, *owner);
+  return TwoCall(static_cast<uint32_t>(offered.size()), capacity, count, types,
+                 [&](uint32_t i, XrReferenceSpaceType& out) { out = offered[i]; });
 }
 
 XrResult GetReferenceSpaceBoundsRect(XrSession session, XrReferenceSpaceType type, XrExtent2Df* bounds) {
@@ -40,7 +45,7 @@ XrResult GetReferenceSpaceBoundsRect(XrSession session, XrReferenceSpaceType typ
   const std::shared_lock lock(state.mutex);
   OMNI_FIND(Session, owner, session);
   OMNI_REQUIRE(bounds != nullptr, XR_ERROR_VALIDATION_FAILURE);
-  if (const XrResult check = CheckReferenceType(type); XR_FAILED(check)) return check;
+  if (const XrResult check = CheckReferenceType(state, *owner, type); XR_FAILED(check)) return check;
   *bounds = {0, 0};
   return XR_SPACE_BOUNDS_UNAVAILABLE;
 }
@@ -50,7 +55,8 @@ XrResult CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInf
   const std::unique_lock lock(state.mutex);
   OMNI_FIND(Session, owner, session);
   OMNI_REQUIRE(Is(info, XR_TYPE_REFERENCE_SPACE_CREATE_INFO) && space != nullptr, XR_ERROR_VALIDATION_FAILURE);
-  if (const XrResult check = CheckReferenceType(info->referenceSpaceType); XR_FAILED(check)) return check;
+  if (const XrResult check = CheckReferenceType(state, *owner, info->referenceSpaceType); XR_FAILED(check))
+    return check;
   OMNI_REQUIRE(IsValid(info->poseInReferenceSpace), XR_ERROR_POSE_INVALID);
   auto created = std::make_shared<Space>();
   created->reference = info->referenceSpaceType;
@@ -89,7 +95,7 @@ XrResult DestroySpace(XrSpace space) {
   const std::unique_lock lock(state.mutex);
   const auto doomed = state.handles.Share<Space>(space);
   OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
-  std::erase(doomed->session->spaces, doomed->handle);
+  std::erase(doomed->session->children, doomed->handle);
   state.handles.Erase(doomed->handle);
   return XR_SUCCESS;
 }

@@ -42,6 +42,15 @@ inline XrResult Loss(const Session& session) {
 inline XrResult Loss(const ActionSet& set) { return Loss(*set.instance); }
 inline XrResult Loss(const Action& action) { return Loss(*action.set); }
 inline XrResult Loss(const Space& space) { return Loss(*space.session); }
+inline XrResult Loss(const HandTracker& tracker) { return Loss(*tracker.session); }
+
+// The structure of that type in a chain, or nullptr.
+template <class T>
+T* InChain(void* next, XrStructureType type) {
+  auto* link = static_cast<XrBaseOutStructure*>(next);
+  while (link != nullptr && link->type != type) link = link->next;
+  return reinterpret_cast<T*>(link);
+}
 
 // A structure is there and says what it should be.
 template <class T>

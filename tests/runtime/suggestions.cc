@@ -1,6 +1,7 @@
 // Suggested bindings, attaching, the current interaction profile.
 
 #include <algorithm>
+#include <cstring>
 #include <mutex>
 
 #include "tests/runtime/entry_points.h"
@@ -18,7 +19,50 @@ XrResult CheckBinding(const Instance& instance, const Profile& profile, const Xr
   const HandPath split = SplitHandPath(*text);
   OMNI_REQUIRE(split.hand >= 0 && IsSupported(profile, split.hand, split.rest), XR_ERROR_PATH_UNSUPPORTED);
   OMNI_REQUIRE(!action->set->attached, XR_ERROR_ACTIONSETS_ALREADY_ATTACHED);
-  *suggestion = {action, split.hand, std::string(split.rest)};
+  *suggestion = {action, split.hand, std::string(split.rest), {}};
+  return XR_SUCCESS;
+}
+
+// XR_VALVE_analog_threshold, chained or in XrBindingModificationsKHR.
+XrResult ApplyThreshold(const XrInteractionProfileSuggestedBinding& info,
+                        const XrBindingModificationBaseHeaderKHR* header, std::vector<Suggestion>& suggestions) {
+  OMNI_REQUIRE(header != nullptr, XR_ERROR_VALIDATION_FAILURE);
+  if (header->type != XR_TYPE_INTERACTION_PROFILE_ANALOG_THRESHOLD_VALVE) return XR_SUCCESS;
+  XrInteractionProfileAnalogThresholdVALVE asked;
+  std::memcpy(&asked, header, sizeof(asked));
+  const bool in_range = asked.offThreshold >= 0 && asked.onThreshold <= 1 && asked.onThreshold >= asked.offThreshold;
+  OMNI_REQUIRE(in_range, XR_ERROR_VALIDATION_FAILURE);
+  bool found = false;
+  for (uint32_t i = 0; i < info.countSuggestedBindings; ++i) {
+    const XrActionSuggestedBinding& binding = info.suggestedBindings[i];
+    if (binding.action != asked.action || binding.binding != asked.binding) continue;
+    suggestions[i].threshold = {asked.onThreshold, asked.offThreshold};
+    found = true;
+  }
+  OMNI_REQUIRE(found, XR_ERROR_PATH_UNSUPPORTED);
+  return XR_SUCCESS;
+}
+
+XrResult ApplyModifications(const Instance& instance, const XrInteractionProfileSuggestedBinding& info,
+                            std::vector<Suggestion>& suggestions) {
+  if (!instance.analog_threshold) return XR_SUCCESS;
+  const auto* chain = static_cast<const XrBaseInStructure*>(info.next);
+  for (; chain != nullptr; chain = chain->next) {
+    if (chain->type == XR_TYPE_INTERACTION_PROFILE_ANALOG_THRESHOLD_VALVE) {
+      const auto* header = static_cast<const XrBindingModificationBaseHeaderKHR*>(static_cast<const void*>(chain));
+      const XrResult applied = ApplyThreshold(info, header, suggestions);
+      if (XR_FAILED(applied)) return applied;
+    }
+    if (chain->type != XR_TYPE_BINDING_MODIFICATIONS_KHR || !instance.binding_modification) continue;
+    XrBindingModificationsKHR modifications;
+    std::memcpy(&modifications, chain, sizeof(modifications));
+    OMNI_REQUIRE(modifications.bindingModificationCount == 0 || modifications.bindingModifications != nullptr,
+                 XR_ERROR_VALIDATION_FAILURE);
+    for (uint32_t i = 0; i < modifications.bindingModificationCount; ++i) {
+      const XrResult applied = ApplyThreshold(info, modifications.bindingModifications[i], suggestions);
+      if (XR_FAILED(applied)) return applied;
+    }
+  }
   return XR_SUCCESS;
 }
 
@@ -52,6 +96,8 @@ XrResult SuggestInteractionProfileBindings(XrInstance instance, const XrInteract
     const XrResult check = CheckBinding(*owner, Profiles()[profile], info->suggestedBindings[i], &suggestions[i]);
     if (XR_FAILED(check)) return check;
   }
+  const XrResult modified = ApplyModifications(*owner, *info, suggestions);
+  if (XR_FAILED(modified)) return modified;
   owner->suggestions[profile] = std::move(suggestions);
   return XR_SUCCESS;
 }

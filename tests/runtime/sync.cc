@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <span>
@@ -9,19 +10,17 @@
 
 #include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/priorities.h"
 #include "tests/runtime/state.h"
 
 namespace omni::runtime {
 namespace {
 
-// An analogue source read as a boolean, with hysteresis.
-constexpr float kPress = 0.7f;
-constexpr float kRelease = 0.5f;
-
 // Which hands of which set this sync has made active. `all`: for XR_NULL_PATH.
 struct Activation {
   bool all = false;
   bool hand[kHands] = {false, false};
+  uint32_t priority = 0;
 };
 using Activations = std::map<const ActionSet*, Activation>;
 
@@ -70,7 +69,7 @@ void Bind(const World& world, Session& session, ActionState& entry) {
         if (!Takes(*session.instance, *entry.action, slot, hand)) continue;
         const bool known = std::any_of(slot.bound.begin(), slot.bound.end(),
                                        [&source](const Bound& bound) { return bound.source == source; });
-        if (!known) slot.bound.push_back({source, false});
+        if (!known) slot.bound.push_back({source, false, suggestion.threshold});
       }
     }
   }
@@ -106,7 +105,7 @@ Priorities HighestPriorities(const World& world, const Session& session, const A
       if (!IsActive(activation->second, *action, *session.instance, bound.source.hand)) continue;
       const auto identifier = SourceIdentifier(world.ComponentOf(bound.source).path);
       uint32_t& best = highest.try_emplace({bound.source.hand, identifier}, 0).first->second;
-      best = std::max(best, action->set->priority);
+      best = std::max(best, activation->second.priority);
     }
   }
   return highest;
@@ -120,7 +119,7 @@ float Magnitude(XrActionType type, const Value& value) {
 Value Convert(const World& world, XrActionType type, Bound& bound) {
   Value value = world.Read(bound.source);
   if (type != XR_ACTION_TYPE_BOOLEAN_INPUT) return value;
-  bound.pressed = value.x >= (bound.pressed ? kRelease : kPress);
+  bound.pressed = value.x >= (bound.pressed ? bound.threshold.off : bound.threshold.on);
   value.x = bound.pressed ? 1.0f : 0.0f;
   return value;
 }
@@ -163,7 +162,7 @@ void UpdateStates(const World& world, Session& session, const Activations& activ
         if (activation == activations.end()) break;
         if (!IsActive(activation->second, *action, *session.instance, bound.source.hand)) continue;
         const auto identifier = SourceIdentifier(world.ComponentOf(bound.source).path);
-        if (highest.at({bound.source.hand, identifier}) > action->set->priority) continue;
+        if (highest.at({bound.source.hand, identifier}) > activation->second.priority) continue;
         sources.push_back(&bound);
       }
       Evaluate(world, action->type, sources, slot);
@@ -178,6 +177,7 @@ XrResult CheckActiveSet(State& state, const Session& session, const XrActiveActi
   const bool attached = std::find(session.sets.begin(), session.sets.end(), set) != session.sets.end();
   OMNI_REQUIRE(attached, XR_ERROR_ACTIONSET_NOT_ATTACHED);
   Activation& activation = (*activations)[set.get()];
+  activation.priority = set->priority;
   if (active.subactionPath == XR_NULL_PATH) {
     activation.all = true;
     return XR_SUCCESS;
@@ -193,6 +193,22 @@ XrResult CheckActiveSet(State& state, const Session& session, const XrActiveActi
   return XR_SUCCESS;
 }
 
+// XR_EXT_active_action_set_priority
+void OverridePriorities(State& state, const Session& session, const XrActionsSyncInfo& info, Activations& activations) {
+  const auto* chain = static_cast<const XrBaseInStructure*>(info.next);
+  for (; chain != nullptr && session.instance->set_priorities; chain = chain->next) {
+    if (chain->type != XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT) continue;
+    XrActiveActionSetPrioritiesEXT overrides;
+    std::memcpy(&overrides, chain, sizeof(overrides));
+    for (uint32_t i = 0; i < overrides.actionSetPriorityCount; ++i) {
+      const XrActiveActionSetPriorityEXT& entry = overrides.actionSetPriorities[i];
+      const auto set = state.handles.Share<ActionSet>(entry.actionSet);
+      const auto found = activations.find(set.get());
+      if (found != activations.end()) found->second.priority = entry.priorityOverride;
+    }
+  }
+}
+
 }  // namespace
 
 XrResult SyncActions(XrSession session, const XrActionsSyncInfo* info) {
@@ -206,6 +222,7 @@ XrResult SyncActions(XrSession session, const XrActionsSyncInfo* info) {
     const XrResult check = CheckActiveSet(state, *owner, info->activeActionSets[i], &activations);
     if (XR_FAILED(check)) return check;
   }
+  OverridePriorities(state, *owner, *info, activations);
   RunScript(owner->instance->script, Now());
   if (const XrResult loss = Loss(*owner); XR_FAILED(loss)) return loss;
   if (owner->state != XR_SESSION_STATE_FOCUSED) {

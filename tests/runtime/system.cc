@@ -68,6 +68,9 @@ XrResult GetSystemProperties(XrInstance instance, XrSystemId system, XrSystemPro
   std::snprintf(properties->systemName, sizeof(properties->systemName), "Omni test system");
   properties->graphicsProperties = {kEyeHeight, kEyeWidth, XR_MIN_COMPOSITION_LAYERS_SUPPORTED};
   properties->trackingProperties = {XR_TRUE, XR_TRUE};
+  auto* const hands =
+      InChain<XrSystemHandTrackingPropertiesEXT>(properties->next, XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT);
+  if (hands != nullptr && owner->Enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) hands->supportsHandTracking = XR_TRUE;
   return XR_SUCCESS;
 }
 

@@ -1,13 +1,14 @@
 #include "tests/runtime/world.h"
 
 #include "tests/runtime/clock.h"
+#include "tests/runtime/newer_openxr.h"
 
 namespace omni::runtime {
 namespace {
 
 constexpr float kEyeHeight_m = 1.6f;
-// LOCAL origins that are remembered; queries about the past need few.
-constexpr size_t kMaxLocalOrigins = 64;
+// Origins that are remembered; queries about the past need few.
+constexpr size_t kMaxOrigins = 64;
 
 Motion RestPose(int hand, bool aim) {
   Motion motion;
@@ -28,9 +29,15 @@ void World::Reset() {
   head.pose.position = {0, kEyeHeight_m, 0};
   head_time = now;
   local_origins.assign(1, {0, {{0, 0, 0, 1}, {0, kEyeHeight_m, 0}}});
+  stage_origins.assign(1, {0, kIdentity});
+  has_stage = has_timespec = tells_velocities = true;
   for (int hand = 0; hand < kHands; ++hand) {
     devices[hand] = {};
     devices[hand].present = hand == 0;
+    hands[hand] = {};
+    Motion palm;
+    palm.pose.position = {hand == 0 ? -0.25f : 0.25f, 1.2f, -0.3f};
+    SetHand(hand, hand == 0, palm);
     ApplyProfile(hand, FindProfile("/interaction_profiles/oculus/touch_controller"));
   }
 }
@@ -111,16 +118,29 @@ void World::SetHead(const Motion& motion) {
   head_time = Now();
 }
 
-void World::Recenter(const XrPosef& pose_in_local, XrTime when) {
-  if (local_origins.size() == kMaxLocalOrigins) local_origins.erase(local_origins.begin());
-  local_origins.push_back({when, Normalized(Compose(local_origins.back().pose, pose_in_local))});
+void World::SetHand(int hand, bool active, const Motion& palm) {
+  hands[hand] = {active, palm, Now()};
+  hands[hand].palm.pose = Normalized(palm.pose);
 }
 
-const XrPosef& World::LocalOriginAt(XrTime time) const {
-  for (size_t i = local_origins.size(); i-- > 1;) {
-    if (time >= local_origins[i].since) return local_origins[i].pose;
-  }
-  return local_origins.front().pose;
+Motion World::PalmAt(int hand, XrTime time) const {
+  return Extrapolate(hands[hand].palm, Seconds(hands[hand].change_time, time));
+}
+
+void World::Recenter(XrReferenceSpaceType space, const XrPosef& pose, XrTime when) {
+  Origins& origins = space == XR_REFERENCE_SPACE_TYPE_STAGE ? stage_origins : local_origins;
+  if (origins.size() == kMaxOrigins) origins.erase(origins.begin());
+  origins.push_back({when, Normalized(Compose(origins.back().pose, pose))});
+}
+
+// LOCAL_FLOOR is LOCAL on the floor.
+XrPosef World::OriginAt(XrReferenceSpaceType space, XrTime time) const {
+  const Origins& origins = space == XR_REFERENCE_SPACE_TYPE_STAGE ? stage_origins : local_origins;
+  size_t i = origins.size() - 1;
+  while (i > 0 && time < origins[i].since) --i;
+  XrPosef origin = origins[i].pose;
+  if (space == kLocalFloor) origin.position.y = 0;
+  return origin;
 }
 
 Motion World::HeadAt(XrTime time) const { return Extrapolate(head, Seconds(head_time, time)); }

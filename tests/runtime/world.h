@@ -1,6 +1,7 @@
 #pragma once
-// What exists outside any session: the two simulated controllers, the head, the origin of LOCAL. Tests change it
-// through hooks.h; sessions read it. Everything is in the STAGE frame, called the world here.
+// What exists outside any session: the two simulated controllers, the head, the hands, the origins of LOCAL and STAGE.
+// Tests change it through hooks.h; sessions read it. Everything is in the frame that STAGE has at load, called the
+// world here.
 
 #include <openxr/openxr.h>
 
@@ -46,16 +47,30 @@ struct Source {
   bool operator==(const Source&) const = default;
 };
 
-struct LocalOrigin {
+// Where the origin of a reference space is in the world, from a time on.
+struct Origin {
   XrTime since = 0;
   XrPosef pose = kIdentity;
+};
+using Origins = std::vector<Origin>;  // in order of arrival, never empty
+
+// A hand that cameras see, apart from any controller.
+struct Hand {
+  bool active = false;
+  Motion palm;  // as of change_time
+  XrTime change_time = 0;
 };
 
 struct World {
   Device devices[kHands];
   Motion head;
   XrTime head_time = 0;
-  std::vector<LocalOrigin> local_origins;
+  Hand hands[kHands];
+  Origins local_origins;
+  Origins stage_origins;
+  bool has_stage = true;         // false: STAGE is not offered
+  bool has_timespec = true;      // false: new instances cannot convert times
+  bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid
   bool focus = true;
   uint32_t next_epoch = 1;
 
@@ -70,10 +85,13 @@ struct World {
   bool SetVector2(std::string_view path, float x, float y);
   bool SetPose(std::string_view path, const Motion& motion);
   void SetHead(const Motion& motion);
-  // LOCAL moves to `pose` (given in the present LOCAL) from `when` on.
-  void Recenter(const XrPosef& pose_in_local, XrTime when);
+  void SetHand(int hand, bool active, const Motion& palm);
+  // LOCAL or STAGE moves to `pose`, given in where it is now, from `when` on.
+  void Recenter(XrReferenceSpaceType space, const XrPosef& pose, XrTime when);
 
-  const XrPosef& LocalOriginAt(XrTime time) const;
+  // Natural origin of LOCAL, LOCAL_FLOOR or STAGE.
+  XrPosef OriginAt(XrReferenceSpaceType space, XrTime time) const;
+  Motion PalmAt(int hand, XrTime time) const;
   Motion HeadAt(XrTime time) const;
   bool IsLive(const Source& source) const;
   const Component& ComponentOf(const Source& source) const;

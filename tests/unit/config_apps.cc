@@ -66,6 +66,28 @@ TEST(ConfigApps, ReadsEveryKey) {
   EXPECT_EQ(entry->force_scale, 0.5);
 }
 
+TEST(ConfigApps, WishesOfTheLayer) {
+  const auto entry = ParseAppFile(
+      Entry("a", "b", "profile = \"oculus/touch_controller\"\nhand = \"left\"\nrest_after_s = 2.5\n"), "f.toml", "/s");
+  ASSERT_TRUE(entry.ok()) << entry.error();
+  EXPECT_EQ(entry->profile, "/interaction_profiles/oculus/touch_controller");
+  EXPECT_EQ(entry->hand, "left");
+  EXPECT_EQ(entry->rest_after_s, 2.5);
+  const auto full =
+      ParseAppFile(Entry("a", "b", "profile = \"/interaction_profiles/khr/simple_controller\"\n"), "f", "/s");
+  ASSERT_TRUE(full.ok()) << full.error();
+  EXPECT_EQ(full->profile, "/interaction_profiles/khr/simple_controller");
+  const auto none = ParseAppFile(Entry("a", "b"), "f", "/s");
+  EXPECT_EQ(none->profile, "");
+  EXPECT_EQ(none->hand, "auto");
+  EXPECT_EQ(none->rest_after_s, 0);
+  for (const char* wrong : {"Oculus Touch", "oculus", "/oculus/touch_controller", "a/b/c", "oculus/", "/", ""})
+    ExpectMentions(ErrorOf(Entry("a", "b", "profile = \"" + std::string(wrong) + "\"\n")), {"test.toml", "profile"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "profile = \"v/" + std::string(120, 'x') + "\"\n")), {"test.toml", "profile"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "hand = \"both\"\n")), {"hand", "left", "right"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "rest_after_s = -2\n")), {"rest_after_s", "-1"});
+}
+
 TEST(ConfigApps, AbsoluteScenesStay) {
   const auto entry = ParseAppFile(Entry("a", "/models/../cup.glb"), "f", "/scenes");
   ASSERT_TRUE(entry.ok());

@@ -51,6 +51,28 @@ TEST(SoftLattice, FillsABallWithPositiveTetsAndAClosedSurface) {
   }
 }
 
+double OutsideBlock(const Vec3& p, const Vec3& half) {
+  return std::max({std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z});
+}
+
+// A cut grid alone fills 0.922 to 0.954 of this block.
+TEST(SoftLattice, KeepsSharpEdges) {
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> shift(0.05, 0.45);
+  const Vec3 half{0.02, 0.014, 0.011};
+  const InputObject mesh = Block(3, half);
+  for (int k = 0; k < 12; ++k) {
+    const LatticeOptions options{.max_tets = 900, .shift_cells = {shift(random), shift(random), shift(random)}};
+    const auto lattice = BuildTetLattice(mesh.vertices_base_m, mesh.triangles, options);
+    ASSERT_TRUE(lattice.ok()) << lattice.error();
+    EXPECT_GT(VolumeOf(*lattice) / (8 * half.x * half.y * half.z), 0.957) << k;
+    EXPECT_TRUE(IsClosed(*lattice));
+    for (const auto& t : lattice->surface) {
+      for (const std::uint32_t v : t) EXPECT_NEAR(OutsideBlock(lattice->vertices_base_m[v], half), 0, 2e-5);
+    }
+  }
+}
+
 TEST(SoftLattice, DefectsOfTheMeshDoNotMatter) {
   InputObject mesh = SoftBallMesh();
   const auto whole = BuildTetLattice(mesh.vertices_base_m, mesh.triangles, {.max_tets = 500});

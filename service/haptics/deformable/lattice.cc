@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "service/haptics/deformable/lattice_cut.h"
+#include "service/haptics/deformable/lattice_edges.h"
 #include "service/haptics/geometry/winding_number.h"
 
 namespace omni::haptics {
@@ -331,6 +332,7 @@ TetLattice StuffLattice(std::span<const Vec3> vertices, Triangles triangles, dou
   if (lattice.tets.empty()) return lattice;
   KeepLargestPart(lattice);
   FindSurface(lattice);
+  KeepSharpEdges(vertices, triangles, lattice);
   return lattice;
 }
 

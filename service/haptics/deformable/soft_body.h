@@ -14,7 +14,7 @@
 namespace omni::haptics {
 
 inline constexpr std::uint32_t kSoftMagic = 0x3154534F;  // "OST1"
-inline constexpr std::uint32_t kSoftVersion = 2;
+inline constexpr std::uint32_t kSoftVersion = 3;
 inline constexpr std::uint32_t kMaxSoftNodes = 1024;  // of the coarse surface
 inline constexpr std::uint32_t kNoSoftTriangle = 0xFFFFFFFF;
 

@@ -54,7 +54,7 @@ TEST_F(InstanceTest, NegotiationRefusesForeignStructures) {
   NegotiateRuntimeRequest request = Request();
   ASSERT_EQ(xrNegotiateLoaderRuntimeInterface(&loader, &request), XR_SUCCESS);
   EXPECT_NE(request.get_instance_proc_addr, nullptr);
-  EXPECT_EQ(request.runtime_api_version, XR_CURRENT_API_VERSION);
+  EXPECT_EQ(request.runtime_api_version, XR_MAKE_VERSION(1, 1, 0));
   loader.struct_size = 8;
   EXPECT_EQ(xrNegotiateLoaderRuntimeInterface(&loader, &request), XR_ERROR_INITIALIZATION_FAILED);
   loader = Loader();

@@ -140,6 +140,8 @@ TEST_F(SessionTest, LayersNeedALivingSpace) {
   ASSERT_EQ(xrDestroySpace(space), XR_SUCCESS);
   EXPECT_EQ(End(frame.predictedDisplayTime, 1, &layer), XR_ERROR_HANDLE_INVALID);
   quad.space = ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  EXPECT_EQ(End(frame.predictedDisplayTime, 1, &layer), XR_ERROR_POSE_INVALID);
+  quad.pose = kHere;
   EXPECT_EQ(End(frame.predictedDisplayTime, 1, &layer), XR_SUCCESS);
 }
 

@@ -1,0 +1,166 @@
+// XR_EXT_conformance_automation: a conformance test moves the pen. Offered by a manifest of its own, in test mode only.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+
+#include <stdexcept>
+
+#include "tests/layer/app.h"
+
+namespace omni::test {
+namespace {
+
+constexpr const char* kExtension = XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME;
+const std::string kLayers = std::string(OMNI_BINARY_DIR) + "/share/openxr/1/api_layers/";
+
+// The conformance manifest, as long as one of these lives.
+class ConformanceManifest {
+ public:
+  ConformanceManifest() {
+    setenv("XR_API_LAYER_PATH", (kLayers + "conformance.d").c_str(), 1);
+    setenv("OMNI_TEST_MODE", "1", 1);
+  }
+  ~ConformanceManifest() {
+    setenv("XR_API_LAYER_PATH", (kLayers + "explicit.d").c_str(), 1);
+    unsetenv("OMNI_TEST_MODE");
+  }
+};
+
+class Automation : public testing::Test {
+ protected:
+  void SetUp() override { omni_test_reset(); }
+  static AppOptions WithAutomation() {
+    AppOptions options;
+    options.extensions = {kExtension};
+    return options;
+  }
+  ConformanceManifest manifest_;
+};
+
+template <class Function>
+Function Get(const App& app, const char* name) {
+  PFN_xrVoidFunction function = nullptr;
+  EXPECT_EQ(xrGetInstanceProcAddr(app.instance, name, &function), XR_SUCCESS) << name;
+  return reinterpret_cast<Function>(function);
+}
+
+struct Functions {
+  explicit Functions(const App& app)
+      : active(Get<PFN_xrSetInputDeviceActiveEXT>(app, "xrSetInputDeviceActiveEXT")),
+        set_bool(Get<PFN_xrSetInputDeviceStateBoolEXT>(app, "xrSetInputDeviceStateBoolEXT")),
+        set_float(Get<PFN_xrSetInputDeviceStateFloatEXT>(app, "xrSetInputDeviceStateFloatEXT")),
+        vector(Get<PFN_xrSetInputDeviceStateVector2fEXT>(app, "xrSetInputDeviceStateVector2fEXT")),
+        location(Get<PFN_xrSetInputDeviceLocationEXT>(app, "xrSetInputDeviceLocationEXT")) {}
+  PFN_xrSetInputDeviceActiveEXT active;
+  PFN_xrSetInputDeviceStateBoolEXT set_bool;
+  PFN_xrSetInputDeviceStateFloatEXT set_float;
+  PFN_xrSetInputDeviceStateVector2fEXT vector;
+  PFN_xrSetInputDeviceLocationEXT location;
+};
+
+TEST_F(Automation, DeviceComesGoesAndComesBack) {
+  App app(WithAutomation());
+  const Functions f(app);
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_EQ(app.Profile(app.right), "");
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
+    EXPECT_FALSE(app.PoseActive(app.pose, app.right)) << "not before the sync";
+    ASSERT_EQ(app.Sync(), XR_SUCCESS);
+    ASSERT_EQ(app.Sync(), XR_SUCCESS);
+    EXPECT_EQ(app.Profile(app.right), kTouch);
+    EXPECT_TRUE(app.PoseActive(app.pose, app.right));
+    ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_FALSE), XR_SUCCESS);
+    EXPECT_TRUE(app.PoseActive(app.pose, app.right)) << "until the sync";
+    ASSERT_EQ(app.Sync(), XR_SUCCESS);
+    EXPECT_EQ(app.Profile(app.right), "");
+    EXPECT_FALSE(app.PoseActive(app.pose, app.right));
+  }
+}
+
+TEST_F(Automation, StatesOfEveryType) {
+  App app(WithAutomation());
+  const Functions f(app);
+  ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  const auto path = [&](const char* local) { return app.Path(std::string("/user/hand/right") + local); };
+  ASSERT_EQ(f.set_float(app.session, app.right, path("/input/trigger/value"), 0.8f), XR_SUCCESS);
+  ASSERT_EQ(f.set_bool(app.session, app.right, path("/input/a/click"), XR_TRUE), XR_SUCCESS);
+  ASSERT_EQ(f.vector(app.session, app.right, path("/input/thumbstick"), {-0.5f, 0.25f}), XR_SUCCESS);
+  EXPECT_EQ(app.Float(app.force, app.right).currentState, 0.0f) << "not before the sync";
+  const XrTime before = app.Float(app.force, app.right).lastChangeTime;
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_FLOAT_EQ(app.Float(app.force, app.right).currentState, 0.8f);
+  EXPECT_GT(app.Float(app.force, app.right).lastChangeTime, before);
+  EXPECT_TRUE(app.Bool(app.select, app.right).currentState) << "trigger as a boolean";
+  EXPECT_TRUE(app.Bool(app.plain, XR_NULL_PATH).currentState);
+  EXPECT_FLOAT_EQ(app.Vector(app.stick, app.right).currentState.x, -0.5f);
+  EXPECT_FLOAT_EQ(app.Vector(app.stick, app.right).currentState.y, 0.25f);
+}
+
+TEST_F(Automation, LocationOfAnyPose) {
+  App app(WithAutomation());
+  const Functions f(app);
+  ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  const XrSpace stage = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
+  const XrSpace aim = app.ActionSpace(app.pose, app.right);
+  const XrPosef wanted{{0.5f, 0.5f, 0.5f, 0.5f}, {0.3f, 1.1f, -0.2f}};
+  ASSERT_EQ(f.location(app.session, app.right, app.Path("/user/hand/right/input/aim/pose"), stage, wanted), XR_SUCCESS);
+  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+  ASSERT_EQ(xrLocateSpace(aim, stage, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
+  ASSERT_TRUE(location.locationFlags & XR_SPACE_LOCATION_POSITION_TRACKED_BIT);
+  EXPECT_NEAR(location.pose.position.x, wanted.position.x, 1e-4f);
+  EXPECT_NEAR(location.pose.position.y, wanted.position.y, 1e-4f);
+  EXPECT_NEAR(location.pose.position.z, wanted.position.z, 1e-4f);
+  const XrQuaternionf& q = location.pose.orientation;
+  EXPECT_NEAR(std::fabs(0.5f * (q.x + q.y + q.z + q.w)), 1.0f, 1e-4f);
+}
+
+// A test that speaks takes the hardware's place.
+TEST_F(Automation, HardwareIsNotHeardAnyMore) {
+  FakeService service;
+  App app(WithAutomation());
+  const Functions f(app);
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  service.Set(protocol::InputIndex::kTipForce, 0.9f);
+  ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
+  service.Fill();
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_EQ(app.Float(app.force, app.right).currentState, 0.0f);
+}
+
+TEST_F(Automation, Errors) {
+  App app(WithAutomation());
+  const Functions f(app);
+  EXPECT_EQ(f.active(app.session, app.Path("/interaction_profiles/no/such"), app.right, XR_TRUE),
+            XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(f.active(app.session, 987654321, app.right, XR_TRUE), XR_ERROR_PATH_INVALID);
+  EXPECT_EQ(f.active(app.session, app.Path(kTouch), app.left, XR_TRUE), XR_ERROR_FUNCTION_UNSUPPORTED)
+      << "the runtime's hand, and the runtime has no such extension";
+  ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
+  EXPECT_EQ(f.set_bool(app.session, app.right, app.Path("/user/hand/right/input/x/click"), XR_TRUE),
+            XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(f.set_bool(app.session, app.right, app.Path("/user/hand/left/input/x/click"), XR_TRUE),
+            XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(f.set_float(app.session, app.right, app.Path("/user/hand/right/input/trigger/value"), NAN),
+            XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(f.set_float(XR_NULL_HANDLE, app.right, app.Path("/user/hand/right/input/trigger/value"), 0.5f),
+            XR_ERROR_HANDLE_INVALID);
+}
+
+TEST_F(Automation, OnlyInTestMode) {
+  unsetenv("OMNI_TEST_MODE");
+  EXPECT_THROW(App app(WithAutomation()), std::runtime_error) << "nobody answers the extension";
+  setenv("OMNI_TEST_MODE", "1", 1);
+  setenv("XR_API_LAYER_PATH", (kLayers + "explicit.d").c_str(), 1);
+  EXPECT_THROW(App app(WithAutomation()), std::runtime_error) << "the usual manifest does not name it";
+  const App plain;
+  PFN_xrVoidFunction function = nullptr;
+  EXPECT_EQ(xrGetInstanceProcAddr(plain.instance, "xrSetInputDeviceActiveEXT", &function),
+            XR_ERROR_FUNCTION_UNSUPPORTED);
+}
+
+}  // namespace
+}  // namespace omni::test

@@ -1,0 +1,18 @@
+#pragma once
+// What an application gives to xrEndFrame to be seen: checked, and remembered for the tests.
+
+#include "tests/runtime/hooks.h"
+#include "tests/runtime/state.h"
+
+namespace omni::runtime {
+
+// Spaces of this session, types that are enabled, unit orientations. Images are not looked at: without a display there
+// are no swapchains.
+XrResult CheckFrameLayers(const Session& session, const XrFrameEndInfo& info);
+
+// The newest frame that came down, accepted or not. The caller holds the state exclusively.
+void RecordFrame(const XrFrameEndInfo& info);
+const OmniTestFrame& RecordedFrame();
+void ForgetFrame();
+
+}  // namespace omni::runtime
