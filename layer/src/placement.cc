@@ -1,5 +1,7 @@
 #include "layer/src/placement.h"
 
+#include "layer/src/fault.h"
+
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -20,7 +22,7 @@ void PlacementHistory::Set(const Placement& placement, XrTime now) {
   const std::unique_lock lock(mutex_);
   epochs_.assign(1, {std::numeric_limits<XrTime>::min(), placement});
   for (const auto& change : changes_)
-    if (change.changeTime > now) Append(change);
+    if (change.changeTime > now && !OMNI_FAULT("pending-recentre-forgotten")) Append(change);
 }
 
 bool PlacementHistory::OnChange(const XrEventDataReferenceSpaceChangePending& change) {
@@ -32,11 +34,12 @@ bool PlacementHistory::OnChange(const XrEventDataReferenceSpaceChangePending& ch
 
 bool PlacementHistory::Append(const XrEventDataReferenceSpaceChangePending& change) {
   Epoch next = epochs_.back();
-  if (change.referenceSpaceType != next.placement.space) return true;
-  next.since = change.changeTime;
+  if (change.referenceSpaceType != next.placement.space && !OMNI_FAULT("any-recentre-counts")) return true;
+  if (OMNI_FAULT("recentre-ignored")) return true;
+  next.since = OMNI_FAULT("recentre-too-early") ? 0 : change.changeTime;
   if (change.poseValid) {
     next.placement.X_LO = Compose(Inverse(FromXr(change.poseInPreviousSpace)), next.placement.X_LO);
-  } else {
+  } else if (!OMNI_FAULT("unknown-recentre-tracked")) {
     next.placement.tracked = false;
   }
   if (epochs_.size() >= kMostEpochs) epochs_.erase(epochs_.begin());
