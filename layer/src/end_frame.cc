@@ -22,8 +22,8 @@ XrResult Instance::EndFrame(XrSession session, const XrFrameEndInfo* info) {
   link.Beat();
   if (!ShowsLayers(info)) return next.EndFrame(session, info);
   const auto is_ours = [&](const XrCompositionLayerBaseHeader* layer) { return LayerSide(*this, layer).ours(); };
-  const bool none = std::none_of(info->layers, info->layers + info->layerCount, is_ours);
-  if (none && !OMNI_FAULT("frame-always-copied")) return next.EndFrame(session, info);
+  const bool ours = std::any_of(info->layers, info->layers + info->layerCount, is_ours);
+  if (!ours && !OMNI_FAULT("frame-always-copied")) return next.EndFrame(session, info);
 
   FrameLayers copies;
   std::vector<const XrCompositionLayerBaseHeader*> layers;

@@ -32,8 +32,7 @@ XrResult Instance::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession sessi
                                        XrSpaceLocations* locations) {
   link.Beat();
   const auto record = sessions.Find(session);
-  if (!record || !NamesSpaces(info, locations) || OMNI_FAULT("many-spaces-by-the-runtime"))
-    return below(session, info, locations);
+  if (!record || !NamesSpaces(info, locations)) return below(session, info, locations);
   const Side base = SideIn(*this, *record, info->baseSpace);
   const auto is_ours = [&](XrSpace space) { return SideIn(*this, *record, space).ours(); };
   if (!base.ours() && std::none_of(info->spaces, info->spaces + info->spaceCount, is_ours))
@@ -54,12 +53,15 @@ XrResult Instance::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession sessi
   const XrResult result = below(session, &changed, locations);
   if (XR_FAILED(result)) return result;
 
+  if (OMNI_FAULT("many-not-moved")) return result;
+  if (OMNI_FAULT("two-calls-down")) below(session, &changed, locations);
   auto* const velocities = FindInChain<XrSpaceVelocities>(locations->next, XR_TYPE_SPACE_VELOCITIES);
   for (std::uint32_t i = 0; i < info->spaceCount; ++i) {
     if (!base.ours() && !sides[i].ours()) continue;
     XrSpaceLocationData& location = locations->locations[i];
     const LocationFields fields{&location.locationFlags, &location.pose};
-    const VelocityFields velocity = FieldsOf(velocities ? &velocities->velocities[i] : nullptr);
+    const VelocityFields velocity =
+        FieldsOf(velocities && !OMNI_FAULT("many-without-velocities") ? &velocities->velocities[i] : nullptr);
     Write(Between(sides[i], base, FromBelow(fields, velocity, sides[i], base), pen), fields, velocity);
   }
   return result;

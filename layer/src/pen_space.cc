@@ -7,7 +7,7 @@ namespace {
 
 // Does not move against the anchor. A side that is the pen's stands for the anchor itself.
 bool StandsStill(const Side& side) {
-  if (side.pen()) return true;
+  if (side.pen() || OMNI_FAULT("velocity-made-up")) return true;
   if (!side.space || side.space->action) return false;
   const int type = side.space->reference;
   return type == XR_REFERENCE_SPACE_TYPE_LOCAL || type == XR_REFERENCE_SPACE_TYPE_STAGE ||
@@ -29,9 +29,9 @@ Side SideOf(const Instance& instance, XrSpace handle) {
 
 PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time) {
   PenAt pen;
+  if (OMNI_FAULT("locate-ignores-time")) time = instance.clock.ToXr(MonotonicNow_ns());
   pen.placement = session.placement.At(time);
   pen.anchor = session.Anchor(pen.placement.space);
-  if (OMNI_FAULT("locate-ignores-time")) time = instance.clock.ToXr(MonotonicNow_ns());
   if (const auto reader = instance.link.reader())
     pen.tool = ToolMotionAt(*reader, instance.clock.ToMonotonic(time), MonotonicNow_ns());
   return pen;
@@ -53,9 +53,8 @@ Located Between(const Side& s, const Side& b, const Located& below, const PenAt&
     return rigid;
   }
   if (s.served_by == kServedByNobody || b.served_by == kServedByNobody) return {};
-  if (s.pen()) return Chain(below, pen.Locate(s.X_TS));
-  const Located X_LS = pen.Locate(b.X_TS);
-  return Chain(OMNI_FAULT("base-not-inverted") ? X_LS : Invert(X_LS), below);
+  if (s.pen() || OMNI_FAULT("base-not-inverted")) return Chain(below, pen.Locate(s.pen() ? s.X_TS : b.X_TS));
+  return Chain(Invert(pen.Locate(b.X_TS)), below);
 }
 
 Located FromBelow(const LocationFields& location, const VelocityFields& velocity, const Side& s,

@@ -1,10 +1,10 @@
 #include "layer/src/placement.h"
 
+#include "layer/src/fault.h"
+
 #include <cmath>
 #include <limits>
 #include <mutex>
-
-#include "layer/src/fault.h"
 
 namespace omni::layer {
 namespace {
@@ -22,7 +22,7 @@ void PlacementHistory::Set(const Placement& placement, XrTime now) {
   const std::unique_lock lock(mutex_);
   epochs_.assign(1, {std::numeric_limits<XrTime>::min(), placement});
   for (const auto& change : changes_)
-    if (change.changeTime > now) Append(change);
+    if (change.changeTime > now && !OMNI_FAULT("pending-recentre-forgotten")) Append(change);
 }
 
 bool PlacementHistory::OnChange(const XrEventDataReferenceSpaceChangePending& change) {
@@ -34,12 +34,13 @@ bool PlacementHistory::OnChange(const XrEventDataReferenceSpaceChangePending& ch
 
 bool PlacementHistory::Append(const XrEventDataReferenceSpaceChangePending& change) {
   Epoch next = epochs_.back();
-  if (change.referenceSpaceType != next.placement.space || OMNI_FAULT("recentre-ignored")) return true;
-  next.since = change.changeTime;
+  if (change.referenceSpaceType != next.placement.space && !OMNI_FAULT("any-recentre-counts")) return true;
+  if (OMNI_FAULT("recentre-ignored")) return true;
+  next.since = OMNI_FAULT("recentre-too-early") ? 0 : change.changeTime;
   if (change.poseValid) {
     next.placement.X_LO = Compose(Inverse(FromXr(change.poseInPreviousSpace)), next.placement.X_LO);
-  } else {
-    next.placement.tracked = OMNI_FAULT("unknown-origin-tracked");
+  } else if (!OMNI_FAULT("unknown-recentre-tracked")) {
+    next.placement.tracked = false;
   }
   if (epochs_.size() >= kMostEpochs) epochs_.erase(epochs_.begin());
   epochs_.push_back(next);
@@ -49,7 +50,7 @@ bool PlacementHistory::Append(const XrEventDataReferenceSpaceChangePending& chan
 Placement PlacementHistory::At(XrTime time) const {
   const std::shared_lock lock(mutex_);
   for (std::size_t i = epochs_.size(); i-- > 1;)
-    if (time >= epochs_[i].since || OMNI_FAULT("recentre-too-early")) return epochs_[i].placement;
+    if (time >= epochs_[i].since) return epochs_[i].placement;
   return epochs_.front().placement;
 }
 

@@ -1,5 +1,7 @@
 // Spaces. An action space of ours is a real space of the runtime plus a record: calls that we do not know treat it as
 // unlocatable instead of failing.
+#include <unistd.h>
+
 #include "layer/src/fault.h"
 #include "layer/src/pen_space.h"
 
@@ -91,11 +93,13 @@ XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
   if (!OMNI_FAULT("no-sign-of-life")) link.Beat();
   const Side s = SideOf(*this, space);
   const Side b = SideOf(*this, base);
-  const bool one_session = !s.ours() || !b.ours() || s.session() == b.session();
+  const bool one_session = OMNI_FAULT("sessions-mixed") || !s.ours() || !b.ours() || s.session() == b.session();
   if ((!s.ours() && !b.ours()) || !one_session || !location || location->type != XR_TYPE_SPACE_LOCATION)
     return next.LocateSpace(space, base, time, location);
 
   const PenAt pen = PenAtTime(*this, *(s.ours() ? s : b).session(), time);
+  if (OMNI_FAULT("two-calls-down")) next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
+  if (OMNI_FAULT("system-call")) static_cast<void>(getppid());
   const XrResult result = next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
   if (XR_FAILED(result)) return result;
   const LocationFields fields{&location->locationFlags, &location->pose};

@@ -26,7 +26,8 @@ bool Has(const protocol::ToolSample& s, std::uint32_t flag) noexcept { return (s
 
 // Seen by the tracker, and surely enough.
 bool Tracked(const protocol::ToolSample& s) noexcept {
-  return Has(s, protocol::kToolPoseValid) && Has(s, protocol::kToolTracked) && s.position_sigma_m <= kMaxTrackedSigma_m;
+  return Has(s, protocol::kToolPoseValid) && Has(s, protocol::kToolTracked) &&
+         (s.position_sigma_m <= kMaxTrackedSigma_m || OMNI_FAULT("unsure-pen-tracked"));
 }
 
 }  // namespace
@@ -80,7 +81,7 @@ Motion Predict(const protocol::ToolSample& newest, const protocol::ToolSample& e
                Prediction method) noexcept {
   Motion m = MotionOf(newest);
   if (method == Prediction::kHold) return m;
-  if (method == Prediction::kTrusted) TrustVelocities(newest, earlier, m);
+  if (method == Prediction::kTrusted && !OMNI_FAULT("resting-hand-shaken")) TrustVelocities(newest, earlier, m);
   const std::int64_t longest_ns = OMNI_FAULT("prediction-without-end") ? 1'000'000'000 : kMaxPrediction_ns;
   const double dt = 1e-9 * static_cast<double>(std::clamp<std::int64_t>(t_ns - newest.t_ns, 0, longest_ns));
   m.X.p += dt * m.v;
@@ -103,15 +104,15 @@ ToolMotion FromNewest(const client::StateReader& reader, const protocol::ToolSam
   return out;
 }
 
-// From history. Samples without a pose say nothing; beyond the oldest one the oldest pose stands for all before.
+// From history. Samples without a pose say nothing; the oldest pose stands for all before it.
 ToolMotion FromHistory(const protocol::ToolSample& before, const protocol::ToolSample& after,
                        std::int64_t t_ns) noexcept {
   const bool before_valid = Has(before, protocol::kToolPoseValid);
   const bool after_valid = Has(after, protocol::kToolPoseValid);
-  const bool near = t_ns - before.t_ns <= kMaxGap_ns && after.t_ns - t_ns <= kMaxGap_ns;
+  const bool near = t_ns >= before.t_ns && t_ns - before.t_ns <= kMaxGap_ns && after.t_ns - t_ns <= kMaxGap_ns;
   ToolMotion out;
   out.valid = before_valid || after_valid;
-  out.tracked = near && Tracked(before) && Tracked(after);
+  out.tracked = (near || OMNI_FAULT("gap-tracked")) && Tracked(before) && Tracked(after);
   if (before_valid && after_valid) {
     out.X_BT = Interpolate(before, after, std::max(t_ns, before.t_ns));
   } else if (out.valid) {
@@ -125,8 +126,7 @@ ToolMotion FromHistory(const protocol::ToolSample& before, const protocol::ToolS
 ToolMotion ToolMotionAt(const client::StateReader& reader, std::int64_t t_ns, std::int64_t now_ns) noexcept {
   protocol::ToolSample before;
   protocol::ToolSample after;
-  if (!reader.Newest(after)) return {};
-  if (now_ns - after.t_ns > kPresenceTimeout_ns && !OMNI_FAULT("stale-pen-valid")) return {};
+  if (!reader.Newest(after) || (now_ns - after.t_ns > kPresenceTimeout_ns && !OMNI_FAULT("stale-pen-valid"))) return {};
   if (t_ns >= after.t_ns) return FromNewest(reader, after, t_ns);
   return reader.Around(t_ns, before, after) ? FromHistory(before, after, t_ns) : ToolMotion{};
 }

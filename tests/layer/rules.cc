@@ -85,7 +85,7 @@ TEST(Rules, IdsAreUniqueAndEachGroupHasAFault) {
   }
 }
 
-// Every fault of the table is at one place in layer/src, and breaks a rule; the sources have no others.
+// Every fault of the table is in layer/src, and breaks a rule; the sources have no others.
 TEST(Rules, FaultsAreThoseOfTheSources) {
   const std::regex use("OMNI_FAULT\\(\"([^\"]*)\"\\)");
   std::map<std::string, int> places;
@@ -99,7 +99,7 @@ TEST(Rules, FaultsAreThoseOfTheSources) {
     for (const std::string fault : rule.at("faults")) named.insert(fault);
   });
   for (const auto& [fault, what] : Table().at("faults").items()) {
-    EXPECT_EQ(places[fault], 1) << fault << " must be at one place in layer/src";
+    EXPECT_GE(places[fault], 1) << fault << " is nowhere in layer/src";
     EXPECT_EQ(named.count(fault), 1u) << fault << " breaks no rule of the table";
   }
   for (const auto& [fault, count] : places) EXPECT_TRUE(Table().at("faults").contains(fault)) << fault;

@@ -5,97 +5,13 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
-#include "layer/src/locate.h"
-#include "tests/layer/app.h"
+#include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
 namespace {
 
 using layer::Motion;
-
-constexpr XrSpaceLocationFlags kSeen = layer::kValid | layer::kTracked;
-
-// A pen on a Lissajous figure of 2 cm, turning about a tilted axis; exact derivatives.
-Motion TrueMotion(double t) {
-  constexpr double kA = 0.02;
-  constexpr double kW = 2 * 3.14159265358979 * 2.0;
-  Motion m;
-  m.X.p = {kA * std::sin(kW * t), kA * std::cos(kW * t), 0.07 + 0.5 * kA * std::sin(2 * kW * t)};
-  m.v = {kA * kW * std::cos(kW * t), -kA * kW * std::sin(kW * t), kA * kW * std::cos(2 * kW * t)};
-  m.w = {0.6, 0.0, 2.0};
-  m.X.q = layer::ExpRotation(std::fmod(t, 100.0) * m.w);
-  return m;
-}
-
-void Trajectory(protocol::ToolSample& sample) {
-  const Motion m = TrueMotion(1e-9 * static_cast<double>(sample.t_ns));
-  sample.position_base_m = {m.X.p.x, m.X.p.y, m.X.p.z};
-  sample.orientation_base_wxyz = {m.X.q.w, m.X.q.x, m.X.q.y, m.X.q.z};
-  sample.linear_velocity_base_m_s = {m.v.x, m.v.y, m.v.z};
-  sample.angular_velocity_base_rad_s = {m.w.x, m.w.y, m.w.z};
-}
-
-struct Seen {
-  XrResult result = XR_SUCCESS;
-  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
-  XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY};
-  glm::dvec3 p() const { return layer::FromXr(location.pose.position); }
-  glm::dquat q() const { return layer::FromXr(location.pose).q; }
-  glm::dvec3 v() const { return layer::FromXr(velocity.linearVelocity); }
-  glm::dvec3 w() const { return layer::FromXr(velocity.angularVelocity); }
-};
-
-Seen Locate(XrSpace space, XrSpace base, std::int64_t monotonic_ns) {
-  Seen seen;
-  seen.location.next = &seen.velocity;
-  seen.result = xrLocateSpace(space, base, monotonic_ns + kRuntimeOffset_ns, &seen.location);
-  seen.location.next = nullptr;
-  return seen;
-}
-
-double Angle(const glm::dquat& a, const glm::dquat& b) {
-  const glm::dquat d = glm::conjugate(a) * b;
-  return 2 * std::asin(std::min(1.0, glm::length(glm::dvec3(d.x, d.y, d.z))));
-}
-
-// Base in LOCAL when nobody aligned it: 0.45 m ahead, 0.35 m down, base z up, base y away from the user.
-Motion InLocal(const Motion& in_base) {
-  Motion placement;
-  placement.X = {{0, -0.35, -0.45}, glm::dquat(std::sqrt(0.5), -std::sqrt(0.5), 0, 0)};
-  return layer::Compose(placement, in_base);
-}
-
-Motion With(const glm::dvec3& offset, const Motion& tool) {
-  Motion fixed;
-  fixed.X.p = offset;
-  return layer::Compose(tool, fixed);
-}
-
-class Spaces : public testing::Test {
- protected:
-  void SetUp() override { omni_test_reset(); }
-  // Pen on the trajectory, right aim pose (origin at the tip) bound.
-  void Start(App& app) {
-    service.SetTrajectory(Trajectory);
-    ASSERT_TRUE(app.WaitProfile(service, kTouch));
-    local = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
-    pen = app.ActionSpace(app.pose, app.right);
-    ForgetOldPath(app);
-  }
-  // 300 ms of history before the first sample of the trajectory must have gone by.
-  void ForgetOldPath(const App& app) {
-    const std::int64_t end = Now_ns() + 150'000'000;
-    while (Now_ns() < end) {
-      service.Fill();
-      ASSERT_EQ(app.Sync(), XR_SUCCESS);
-      const timespec pause{0, 5'000'000};
-      nanosleep(&pause, nullptr);
-    }
-  }
-  FakeService service;
-  XrSpace local = XR_NULL_HANDLE;
-  XrSpace pen = XR_NULL_HANDLE;
-};
+using Spaces = SpacesTest;
 
 // [xrLocateSpace] the past: best historical data.
 TEST_F(Spaces, PastIsInterpolatedWithin100um) {
@@ -108,7 +24,7 @@ TEST_F(Spaces, PastIsInterpolatedWithin100um) {
     ASSERT_EQ(seen.result, XR_SUCCESS);
     ASSERT_EQ(seen.location.locationFlags, kSeen);
     ASSERT_EQ(seen.velocity.velocityFlags, layer::kVelocityValid);
-    const Motion truth = InLocal(TrueMotion(1e-9 * static_cast<double>(now - back)));
+    const Motion truth = InLocal(Lissajous(1e-9 * static_cast<double>(now - back)));
     EXPECT_LT(glm::length(seen.p() - truth.X.p), 1e-4 * 0.02) << "float, and Hermite over 1 ms";
     EXPECT_LT(Angle(seen.q(), truth.X.q), 1e-3);
     EXPECT_LT(glm::length(seen.v() - truth.v), 1e-3 * glm::length(truth.v));
@@ -123,7 +39,7 @@ TEST_F(Spaces, FutureIsPredictedThenHeld) {
   service.Fill();
   const std::int64_t now = Now_ns();
   const Seen at_15ms = Locate(pen, local, now + 15'000'000);
-  const Motion truth = InLocal(TrueMotion(1e-9 * static_cast<double>(now + 15'000'000)));
+  const Motion truth = InLocal(Lissajous(1e-9 * static_cast<double>(now + 15'000'000)));
   ASSERT_EQ(at_15ms.location.locationFlags, kSeen);
   // Constant velocity: half the acceleration times t^2 (plus one sample period).
   EXPECT_LT(glm::length(at_15ms.p() - truth.X.p), 0.5 * 0.02 * 12.6 * 12.6 * 2.3 * 0.017 * 0.017);
@@ -144,10 +60,10 @@ TEST_F(Spaces, VelocityOfAnOffsetSpaceHasItsLeverArm) {
   service.Fill();
   const std::int64_t t = Now_ns() - 20'000'000;
   const Seen seen = Locate(far, local, t);
-  const Motion truth = InLocal(With(offset, TrueMotion(1e-9 * static_cast<double>(t))));
+  const Motion truth = InLocal(WithOffset(offset, Lissajous(1e-9 * static_cast<double>(t))));
   EXPECT_LT(glm::length(seen.p() - truth.X.p), 1e-4);
   EXPECT_LT(glm::length(seen.v() - truth.v), 2e-3 * glm::length(truth.v));
-  const Motion tip = InLocal(TrueMotion(1e-9 * static_cast<double>(t)));
+  const Motion tip = InLocal(Lissajous(1e-9 * static_cast<double>(t)));
   EXPECT_GT(glm::length(seen.v() - tip.v), 0.1) << "the tip's velocity would be wrong";
 }
 
@@ -169,8 +85,7 @@ TEST_F(Spaces, VelocityInAMovingBase) {
   ASSERT_EQ(at.velocity.velocityFlags, layer::kVelocityValid);
   const glm::dvec3 difference = (after.p() - before.p()) / (2e-9 * static_cast<double>(kStep));
   EXPECT_LT(glm::length(at.v() - difference), 0.01 * glm::length(difference) + 2e-3);
-  EXPECT_GT(glm::length(at.v() - InLocal(TrueMotion(1e-9 * static_cast<double>(t))).v), 0.1)
-      << "the base's part counts";
+  EXPECT_GT(glm::length(at.v() - InLocal(Lissajous(1e-9 * static_cast<double>(t))).v), 0.1) << "the base's part counts";
 }
 
 // A space of the runtime in a base that is the pen: the inverse, with velocity.
@@ -182,7 +97,7 @@ TEST_F(Spaces, PenAsBase) {
   const Seen direct = Locate(pen, local, t);
   const Seen inverse = Locate(local, pen, t);
   ASSERT_EQ(inverse.location.locationFlags, kSeen);
-  const Motion truth = layer::Inverse(InLocal(TrueMotion(1e-9 * static_cast<double>(t))));
+  const Motion truth = layer::Inverse(InLocal(Lissajous(1e-9 * static_cast<double>(t))));
   EXPECT_LT(glm::length(inverse.p() - truth.X.p), 1e-4);
   EXPECT_LT(Angle(inverse.q(), glm::conjugate(direct.q())), 1e-3);
   EXPECT_LT(glm::length(inverse.v() - truth.v), 2e-3 * glm::length(truth.v));
@@ -219,6 +134,29 @@ TEST_F(Spaces, ErrorsInTimeHandlesAndStructures) {
   EXPECT_EQ(xrLocateSpace(pen, local, now + kRuntimeOffset_ns, &wrong), XR_ERROR_VALIDATION_FAILURE);
   ASSERT_EQ(xrDestroySpace(pen), XR_SUCCESS);
   EXPECT_EQ(Locate(pen, local, now).result, XR_ERROR_HANDLE_INVALID);
+}
+
+// [xrLocateSpace] both spaces must be of one session.
+TEST_F(Spaces, SpacesOfTwoSessionsDoNotMix) {
+  App app;
+  Start(app);
+  const XrSession first = app.session;
+  const XrSessionCreateInfo create{XR_TYPE_SESSION_CREATE_INFO, nullptr, 0, app.system};
+  ASSERT_EQ(xrCreateSession(app.instance, &create, &app.session), XR_SUCCESS);
+  ASSERT_EQ(app.Attach(), XR_SUCCESS);
+  app.state = XR_SESSION_STATE_UNKNOWN;
+  app.PollUntilFocused();
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  const XrSpace other_pen = app.ActionSpace(app.pose, app.right);
+  const XrSpace other_local = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  service.Fill();
+  EXPECT_EQ(Locate(pen, other_local, Now_ns()).result, XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(Locate(other_local, pen, Now_ns()).result, XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(Locate(pen, other_pen, Now_ns()).result, XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(Locate(pen, local, Now_ns()).location.locationFlags, kSeen);
+  EXPECT_EQ(Locate(other_pen, other_local, Now_ns()).location.locationFlags, kSeen);
+  EXPECT_EQ(xrDestroySession(app.session), XR_SUCCESS);
+  app.session = first;
 }
 
 // [spaces-action-spaces-lifetime] not locatable unless the set was active in the last sync.
@@ -304,14 +242,14 @@ TEST_F(Spaces, GripLiesBehindTheTip) {
   AppOptions options;
   options.profiles = {kSimple};  // binds grip
   App app(options);
-  service.SetTrajectory(Trajectory);
+  service.SetTrajectory(Along(Lissajous));
   ASSERT_TRUE(app.WaitProfile(service, kSimple));
   local = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   const XrSpace grip = app.ActionSpace(app.pose, app.right);
   ForgetOldPath(app);
   service.Fill();
   const std::int64_t t = Now_ns() - 20'000'000;
-  const Motion truth = InLocal(With({0, 0, 0.05}, TrueMotion(1e-9 * static_cast<double>(t))));
+  const Motion truth = InLocal(WithOffset({0, 0, 0.05}, Lissajous(1e-9 * static_cast<double>(t))));
   EXPECT_LT(glm::length(Locate(grip, local, t).p() - truth.X.p), 1e-4);
 }
 
