@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -24,7 +25,7 @@ void Overlay(const Instance& instance, XrSession session, const XrActionStateGet
 
 template <class State>
 void AssignTimes(const ActionState& merged, State& state) {
-  state.changedSinceLastSync = merged.changed ? XR_TRUE : XR_FALSE;
+  state.changedSinceLastSync = merged.changed || OMNI_FAULT("changed-always") ? XR_TRUE : XR_FALSE;
   state.lastChangeTime = merged.last_change;
 }
 
@@ -33,7 +34,7 @@ void AssignTimes(const ActionState& merged, State& state) {
 XrResult Instance::GetBoolean(XrSession session, const XrActionStateGetInfo* info, XrActionStateBoolean* state) {
   const XrResult result = next.GetActionStateBoolean(session, info, state);
   link.Beat();
-  if (XR_FAILED(result)) return result;
+  if (XR_FAILED(result)) return OMNI_FAULT("query-error-swallowed") ? XR_SUCCESS : result;
   Overlay(*this, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
     out.currentState = merged.value.x > kPressThreshold ? XR_TRUE : XR_FALSE;
     AssignTimes(merged, out);
@@ -45,8 +46,10 @@ XrResult Instance::GetFloat(XrSession session, const XrActionStateGetInfo* info,
   const XrResult result = next.GetActionStateFloat(session, info, state);
   link.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(*this, session, *info, *state, [](const ActionState& merged, XrActionStateFloat& out) {
+  Overlay(*this, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
     out.currentState = merged.value.x;
+    if (OMNI_FAULT("states-not-snapshotted"))
+      out.currentState = link.Read(MonotonicNow_ns()).inputs.components[0].value;
     AssignTimes(merged, out);
   });
   return result;
@@ -76,12 +79,13 @@ Instance::HapticRoute Instance::RouteHaptic(XrSession session, const XrHapticAct
   if (!info || info->type != XR_TYPE_HAPTIC_ACTION_INFO) return {};
   const auto record = sessions.Find(session);
   const auto action = record ? actions.Find(info->action) : nullptr;
-  if (!action || action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT || !record->focused) return {};
+  if (!action || action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return {};
+  if (!record->focused && !OMNI_FAULT("haptic-without-focus")) return {};
   const std::shared_lock lock(record->mutex);
   const SessionActions& state = record->actions;
   if (!state.attached(*action->set) || !state.pen_owns_hand()) return {};
   const bool our_hand = info->subactionPath == state.hand_path() && action->Declares(state.hand_path());
-  return {state.HapticBound(*action, info->subactionPath), !our_hand};
+  return {state.HapticBound(*action, info->subactionPath), !our_hand && !OMNI_FAULT("haptic-to-pen-only")};
 }
 
 XrResult Instance::ApplyHaptic(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
@@ -103,7 +107,7 @@ XrResult Instance::StopHaptic(XrSession session, const XrHapticActionInfo* info)
   Alive();
   const HapticRoute route = RouteHaptic(session, info);
   const XrResult result = route.to_runtime ? next.StopHapticFeedback(session, info) : XR_SUCCESS;
-  if (route.to_pen && result == XR_SUCCESS) link.HapticStop();
+  if (route.to_pen && result == XR_SUCCESS && !OMNI_FAULT("haptic-stop-dropped")) link.HapticStop();
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <string>
 
+#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -13,6 +14,7 @@ class NextStates : public RuntimeStates {
   NextStates(const Dispatch& next, XrSession session) : next_(next), session_(session) {}
 
   StatePart Query(const Action& action, XrPath subaction) const override {
+    if (action.destroyed && !OMNI_FAULT("destroyed-handle-used")) return {};
     const XrActionStateGetInfo info{XR_TYPE_ACTION_STATE_GET_INFO, nullptr, action.handle, subaction};
     switch (action.type) {
       case XR_ACTION_TYPE_BOOLEAN_INPUT: {
@@ -62,7 +64,11 @@ XrResult Instance::DestroyActionSet(XrActionSet set) {
   const XrResult result = next.DestroyActionSet(set);
   link.Beat();
   if (XR_FAILED(result)) return result;
-  actions.EraseIf([set](const Action& action) { return action.set->handle == set; });
+  actions.EraseIf([set](Action& action) {
+    if (action.set->handle != set) return false;
+    action.destroyed = true;
+    return true;
+  });
   action_sets.Erase(set);
   return result;
 }
@@ -84,8 +90,11 @@ XrResult Instance::DestroyAction(XrAction action) {
   const auto record = actions.Find(action);
   const XrResult result = next.DestroyAction(action);
   link.Beat();
+  if (OMNI_FAULT("space-dies-with-its-action"))
+    spaces.EraseIf([action](const Space& space) { return space.action && space.action->handle == action; });
   if (XR_FAILED(result)) return result;
-  if (record && !record->set->attached) record->withdrawn = true;
+  if (record) record->destroyed = true;
+  if (record && !record->set->attached) record->withdrawn = !OMNI_FAULT("withdrawn-action-binds");
   actions.Erase(action);
   return result;
 }
@@ -132,7 +141,7 @@ std::vector<ActiveSet> Instance::ActiveSets(const XrActionsSyncInfo& info) const
   }
   const auto* chain = static_cast<const XrBaseInStructure*>(info.next);
   for (; chain; chain = chain->next) {
-    if (chain->type != XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT) continue;
+    if (chain->type != XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT || OMNI_FAULT("priority-override-ignored")) continue;
     XrActiveActionSetPrioritiesEXT overrides;
     std::memcpy(&overrides, chain, sizeof(overrides));
     for (std::uint32_t i = 0; i < overrides.actionSetPriorityCount; ++i)
@@ -167,7 +176,7 @@ void Instance::TellProfileChange(Session& session, XrPath user_path, const Profi
   if (before == after || !session.running) return;
   const XrPath below = before && after ? XR_NULL_PATH : ProfileBelow(session.handle, user_path);
   const auto shown = [&](const Profile* profile) { return profile ? PathOf(profile->path) : below; };
-  if (shown(before) != shown(after)) session.profile_event_due = true;
+  if (shown(before) != shown(after) || OMNI_FAULT("event-without-change")) session.profile_event_due = true;
 }
 
 XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
@@ -178,7 +187,7 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   const std::int64_t now = MonotonicNow_ns();
   clock.Refresh(now);
   SyncInput input;
-  input.focused = result != XR_SESSION_NOT_FOCUSED;
+  input.focused = result != XR_SESSION_NOT_FOCUSED || OMNI_FAULT("not-focused-is-success");
   if (record->running) SetFocus(*record, input.focused);
   input.active = ActiveSets(*info);
   input.choice = Choice();

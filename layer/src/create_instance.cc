@@ -1,7 +1,9 @@
 // Which extensions the next layer is asked for.
 //
 // xrEnumerateInstanceExtensionProperties of what lies below is not to be relied on (layers and runtimes that lack it
-// exist), so we ask for what we want and, on XR_ERROR_EXTENSION_NOT_PRESENT, ask again for less.
+// exist), so we ask for what we want and, where that fails, again for less. Where it fails for whatever reason:
+// LunarG's core_validation 1.0.20 makes XR_ERROR_INITIALIZATION_FAILED of a runtime's XR_ERROR_EXTENSION_NOT_PRESENT.
+// The last attempt asks for no more than the application did, and its result stands.
 #include "layer/src/create_instance.h"
 
 #include <algorithm>
@@ -9,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "layer/src/fault.h"
 #include "layer/src/our_extensions.h"
 #include "layer/src/registry.h"
 
@@ -46,7 +49,7 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
   std::vector<const char*> names;
   for (const std::string& name : creation.asked) {
     const OurExtension* ours = FindOurs(name);
-    if (!ours || Contains(attempt.ours, name)) names.push_back(name.c_str());
+    if (!ours || Contains(attempt.ours, name) || OMNI_FAULT("extension-leaks-below")) names.push_back(name.c_str());
   }
   if (attempt.timespec) names.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   XrInstanceCreateInfo info = *creation.info;
@@ -81,7 +84,7 @@ XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
     for (const std::vector<std::string>& choice : ChoicesOf(creation.asked)) {
       done = {choice, with_timespec};
       result = Try(creation, done, instance);
-      if (result != XR_ERROR_EXTENSION_NOT_PRESENT) return result;
+      if (XR_SUCCEEDED(result)) return result;
     }
   }
   return result;

@@ -30,6 +30,7 @@ struct Action {
   std::shared_ptr<ActionSet> set;
   XrActionType type = XR_ACTION_TYPE_BOOLEAN_INPUT;
   std::vector<XrPath> subactions;
+  std::atomic<bool> destroyed{false};  // its handle is no more: nothing below may be asked with it
   std::atomic<bool> withdrawn{false};  // destroyed before its set was attached: it feeds nothing
   bool Declares(XrPath path) const { return std::find(subactions.begin(), subactions.end(), path) != subactions.end(); }
 };

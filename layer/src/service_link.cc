@@ -3,6 +3,7 @@
 #include <cstring>
 #include <utility>
 
+#include "layer/src/fault.h"
 #include "layer/src/tool_motion.h"
 
 namespace omni::layer {
@@ -28,7 +29,7 @@ void ServiceLink::Poll(std::int64_t now_ns) {
     log_.Line(std::string("service says: ") + notice.text);
   if (connected && !was_connected_) connection_number_.fetch_add(1, std::memory_order_relaxed);
   if (connected != was_connected_) log_.Line(connected ? "connected to omnid" : "connection to omnid lost");
-  if (!connected && connection_.last_error() != last_error_) {
+  if (!connected && (connection_.last_error() != last_error_ || OMNI_FAULT("log-repeats"))) {
     last_error_ = connection_.last_error();
     if (!last_error_.empty()) log_.Line(last_error_);
   }

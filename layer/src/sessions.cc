@@ -1,6 +1,7 @@
 // Sessions and events: when the pen has an application to serve, and which.
 #include <cstring>
 
+#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -34,7 +35,10 @@ XrResult Instance::BeginSession(XrSession session, const XrSessionBeginInfo* inf
   const XrResult result = next.BeginSession(session, info);
   Alive();
   if (XR_FAILED(result)) return result;
-  if (const auto record = sessions.Find(session)) record->running = true;
+  if (const auto record = sessions.Find(session)) {
+    record->running = true;
+    if (OMNI_FAULT("event-outside-sync")) record->profile_event_due = true;
+  }
   ReportSessionState();
   return result;
 }
@@ -57,7 +61,7 @@ void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
   if (!focused) {
     session.focus_was_lost = true;
-    link.HapticStop();
+    if (!OMNI_FAULT("haptic-outlives-focus")) link.HapticStop();
     ForgetForces(session);
   }
   ReportSessionState();
@@ -66,7 +70,7 @@ void Instance::SetFocus(Session& session, bool focused) {
 void Instance::ReportSessionState() {
   protocol::SessionState state = protocol::SessionState::kNone;
   sessions.ForEach([&](const Session& session) {
-    if (!session.running) return;
+    if (!session.running || OMNI_FAULT("session-not-told")) return;
     state = std::max(state, session.focused ? protocol::SessionState::kFocused : protocol::SessionState::kBegun);
   });
   link.SetSession(state);
@@ -85,7 +89,8 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
       // One event says that any profile of the session may have changed: ours is delivered with it.
       XrEventDataInteractionProfileChanged changed;
       std::memcpy(&changed, event, sizeof(changed));
-      if (const auto session = sessions.Find(changed.session)) session->profile_event_due = false;
+      const auto session = sessions.Find(changed.session);
+      if (session && !OMNI_FAULT("duplicate-event")) session->profile_event_due = false;
     } else if (event->type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
       XrEventDataReferenceSpaceChangePending changed;
       std::memcpy(&changed, event, sizeof(changed));

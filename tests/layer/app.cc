@@ -4,24 +4,37 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
 namespace omni::test {
 namespace {
 
-constexpr std::int64_t kPatience_ns = 20'000'000'000;
-
 void Must(XrResult result, const char* what) {
   if (XR_FAILED(result)) throw std::runtime_error(std::string(what) + ": " + Name(result));
 }
 
-void Sleep_ms(long ms) {
-  const timespec t{0, ms * 1'000'000};
+}  // namespace
+
+void Pause_ms(long ms) {
+  const timespec t{ms / 1000, ms % 1000 * 1'000'000};
   nanosleep(&t, nullptr);
 }
 
-}  // namespace
+std::int64_t Patience_ns() {
+  static const char* const seconds = std::getenv("OMNI_TEST_PATIENCE_S");
+  return (seconds ? std::atoi(seconds) : 20) * std::int64_t{1'000'000'000};
+}
+
+bool Eventually(const std::function<bool()>& done) {
+  const std::int64_t end = Now_ns() + Patience_ns();
+  while (!done()) {
+    if (Now_ns() > end) return false;
+    Pause_ms(2);
+  }
+  return true;
+}
 
 std::string Name(XrResult result) { return "XrResult " + std::to_string(static_cast<int>(result)); }
 
@@ -53,7 +66,10 @@ void App::MakeInstance(const AppOptions& options) {
   XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
   std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "%s", options.name);
   info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 20);
-  info.enabledApiLayerCount = options.layer ? 1 : 0;
+  // OMNI_TEST_APP_LAYERS=none: XR_ENABLE_API_LAYERS alone says which layers there are, and in which order.
+  const char* layers = std::getenv("OMNI_TEST_APP_LAYERS");
+  const bool name_layer = options.layer && !(layers && std::strcmp(layers, "none") == 0);
+  info.enabledApiLayerCount = name_layer ? 1 : 0;
   info.enabledApiLayerNames = &kLayer;
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.enabledExtensionNames = extensions.data();
@@ -178,7 +194,7 @@ void App::Poll() {
 }
 
 void App::PollUntilFocused() {
-  const std::int64_t end = Now_ns() + kPatience_ns;
+  const std::int64_t end = Now_ns() + Patience_ns();
   while (state != XR_SESSION_STATE_FOCUSED) {
     if (Now_ns() > end) throw std::runtime_error("the session never became focused");
     Poll();
@@ -186,13 +202,13 @@ void App::PollUntilFocused() {
 }
 
 bool App::SyncUntil(FakeService& service, const std::function<bool()>& done) {
-  const std::int64_t end = Now_ns() + kPatience_ns;
+  const std::int64_t end = Now_ns() + Patience_ns();
   for (;;) {
     service.Fill();
     Must(Sync(), "xrSyncActions");
     if (done()) return true;
     if (Now_ns() > end) return false;
-    Sleep_ms(5);
+    Pause_ms(5);
   }
 }
 

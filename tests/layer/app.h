@@ -30,7 +30,6 @@ struct AppOptions {
   bool attach = true;                        // suggests and attaches
   const char* name = "layer test";
   bool timespec_extension = true;
-  std::vector<const char*> extensions = {};  // more of them
 };
 
 struct Bound {
@@ -95,5 +94,11 @@ class App {
 
 // Result text, for messages.
 std::string Name(XrResult result);
+
+void Pause_ms(long ms);
+// How long a test waits for what another thread does: $OMNI_TEST_PATIENCE_S, else 20 s.
+std::int64_t Patience_ns();
+// Waits for it that long; false: it never came.
+bool Eventually(const std::function<bool()>& done);
 
 }  // namespace omni::test

@@ -13,15 +13,7 @@ using protocol::SessionState;
 class Lifecycle : public testing::Test {
  protected:
   void SetUp() override { omni_test_reset(); }
-  static bool Until(const std::function<bool()>& done) {
-    const std::int64_t end = Now_ns() + 10'000'000'000;
-    while (!done()) {
-      if (Now_ns() > end) return false;
-      const timespec pause{0, 2'000'000};
-      nanosleep(&pause, nullptr);
-    }
-    return true;
-  }
+  static bool Until(const std::function<bool()>& done) { return Eventually(done); }
 };
 
 TEST_F(Lifecycle, ServiceHearsTheApplicationAndItsSession) {

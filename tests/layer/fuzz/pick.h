@@ -1,0 +1,25 @@
+// How a sequence picks handles and pointers; mostly right ones.
+#pragma once
+
+#include "tests/layer/fuzz/sequence.h"
+
+namespace omni::test {
+
+template <class Handle>
+Handle Sequence::Pick(const Pool<Handle>& pool) {
+  const std::uint32_t kind = random_.Below(24);
+  if (kind == 0) return XR_NULL_HANDLE;
+  if (kind == 1) return reinterpret_cast<Handle>(0xdead0000beef0000ULL + random_.Below(16));
+  if (kind == 2 && !pool.dead.empty()) return random_.Of(pool.dead);
+  // A handle of another type.
+  if (kind == 3 && !spaces_.live.empty()) return reinterpret_cast<Handle>(spaces_.live.front());
+  if (kind == 4 && !sessions_.live.empty()) return reinterpret_cast<Handle>(sessions_.live.front());
+  return pool.live.empty() ? Handle(XR_NULL_HANDLE) : random_.Of(pool.live);
+}
+
+template <class T>
+T* Sequence::OrNull(T* pointer) {
+  return random_.Percent(3) ? nullptr : pointer;
+}
+
+}  // namespace omni::test

@@ -1,0 +1,114 @@
+// One fuzzed application: a seeded sequence of all calls that the layer intercepts, with valid and destroyed handles,
+// handles of other types, null pointers, wrong structure types, wrong counts and times, chains of unknown structures.
+// Every call and what came back is one line of the transcript, free of handles, path atoms and times, so that the same
+// seed over two chains gives the same text where both answer alike. What the spec never allows is a violation.
+#pragma once
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/layer/fuzz/random.h"
+#include "tests/layer/mini_loader/mini_loader.h"
+
+namespace omni::test {
+
+// The handles of one type that the sequence has made.
+template <class Handle>
+struct Pool {
+  std::vector<Handle> live;
+  std::vector<Handle> dead;
+};
+
+struct SequenceOptions {
+  std::uint64_t seed = 0;
+  int steps = 60;
+  // Called between two steps: what happens outside of the application.
+  std::function<void(Random&)> world = {};
+  // Called once the session is focused and attached: waits for the pen. The function syncs.
+  std::function<void(const std::function<std::string()>& sync_and_profile)> arrive = {};
+};
+
+class Sequence {
+ public:
+  Sequence(const MiniLoader& loader, const SequenceOptions& options);
+  ~Sequence();
+  Sequence(const Sequence&) = delete;
+  Sequence& operator=(const Sequence&) = delete;
+
+  const std::vector<std::string>& transcript() const { return lines_; }
+  const std::vector<std::string>& violations() const { return violations_; }
+
+ private:
+  // sequence.cc
+  void Prepare();
+  void Step();
+  void Say(const char* call, XrResult result, const std::string& rest = {});
+  void Violation(const std::string& text);
+  template <class Handle>
+  Handle Pick(const Pool<Handle>& pool);
+  template <class T>
+  T* OrNull(T* pointer);
+  XrStructureType Type(XrStructureType right);
+  const void* Chain();
+  XrPath AnyPath();
+  XrPath HandPath();
+  XrPath Interned(const std::string& text);
+  std::string Text(XrPath path);
+
+  // calls_actions.cc
+  void Paths();
+  void MakeSet();
+  void MakeAction(XrActionType type);
+  void DropSet();
+  void DropAction();
+  void Suggest(bool sane);
+  void Attach(bool sane);
+  XrResult SyncOnce(bool sane);
+  void Bool();
+  void Float();
+  void Vector();
+  void PoseState();
+  void Profile();
+  void Sources();
+  void SourceName();
+  template <class State>
+  void CheckState(const char* call, const State& state, bool rests);
+
+  // calls_session.cc
+  void MakeSession();
+  void DropSession();
+  void Begin();
+  void End();
+  void Exit();
+  void Poll();
+  void Frame();
+  void Views();
+  void ActionSpace();
+  void ReferenceSpace();
+  void DropSpace();
+  void Locate();
+  void Vibrate();
+  void Stop();
+  XrPosef AnyPose();
+  void CheckLocation(const XrSpaceLocation& location, const XrSpaceVelocity* velocity);
+
+  SequenceOptions options_;
+  Random random_;
+  Functions f_;
+  XrInstance instance_ = XR_NULL_HANDLE;
+  XrSystemId system_ = XR_NULL_SYSTEM_ID;
+  Pool<XrSession> sessions_;
+  Pool<XrActionSet> sets_;
+  Pool<XrAction> actions_;
+  Pool<XrSpace> spaces_;
+  std::vector<XrPath> paths_;
+  std::set<XrSession> waited_;  // a frame was waited for and not begun: another wait would block
+  std::vector<std::string> lines_;
+  std::vector<std::string> violations_;
+  int made_ = 0;  // names must differ
+  XrBaseInStructure unknown_{};
+};
+
+}  // namespace omni::test

@@ -1,0 +1,50 @@
+// Prints docs/howto/openxr-rules.md from tests/layer/rules.json; Rules.PageIsTheCommittedOne compares.
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+std::string Code(const nlohmann::json& names) {
+  std::string text;
+  for (const std::string name : names) text += (text.empty() ? "`" : "<br>`") + name + "`";
+  return text;
+}
+
+void PrintGroup(const nlohmann::json& group) {
+  std::printf("\n## %s\n\n| rule | specification | test | seeded fault |\n|---|---|---|---|\n",
+              group.at("title").get<std::string>().c_str());
+  for (const nlohmann::json& rule : group.at("rules"))
+    std::printf("| **%s**: %s | %s | %s | %s |\n", rule.at("id").get<std::string>().c_str(),
+                rule.at("text").get<std::string>().c_str(), rule.at("spec").get<std::string>().c_str(),
+                Code(rule.at("tests")).c_str(), Code(rule.at("faults")).c_str());
+}
+
+}  // namespace
+
+int main() {
+  std::ifstream in(OMNI_SOURCE_DIR "/tests/layer/rules.json");
+  if (!in) return std::fprintf(stderr, "no " OMNI_SOURCE_DIR "/tests/layer/rules.json\n"), 1;
+  const nlohmann::json root = nlohmann::json::parse(in);
+  std::size_t rules = 0;
+  for (const nlohmann::json& group : root.at("groups")) rules += group.at("rules").size();
+  std::printf(
+      "# The rules that the OpenXR layer keeps, and what proves each\n"
+      "\n"
+      "Printed from tests/layer/rules.json by `layer_rules_page`; a test compares, and fails where a rule has no test "
+      "or\n"
+      "names one that does not exist. %zu rules, %zu seeded faults.\n"
+      "\n"
+      "A *seeded fault* is a place in layer/src where a second build of the layer (layer/src/fault.h) can be made to "
+      "break\n"
+      "a rule. ctest's `layer.faults` runs the tests of its rules with each fault and fails if they all pass. Names of "
+      "the\n"
+      "specification are its anchors, functions and structures.\n",
+      rules, root.at("faults").size());
+  for (const nlohmann::json& group : root.at("groups")) PrintGroup(group);
+  std::printf("\n## Seeded faults\n\n| fault | what the layer then does |\n|---|---|\n");
+  for (const auto& [name, what] : root.at("faults").items())
+    std::printf("| `%s` | %s |\n", name.c_str(), what.get<std::string>().c_str());
+  return 0;
+}
