@@ -7,10 +7,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <vector>
 
 #include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
 #include "tests/runtime/state.h"
+#include "tests/runtime/vulkan.h"
 
 namespace omni::runtime {
 namespace {
@@ -24,13 +26,23 @@ constexpr Extension kExtensions[] = {
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
 };
 
+// Those above that OMNI_TEST_RUNTIME_WITHOUT does not name, and Vulkan where it was built in.
+std::vector<Extension> OfferedExtensions() {
+  std::vector<Extension> offered(std::begin(kExtensions), std::end(kExtensions));
+  if (VulkanExtension() != nullptr) offered.push_back({VulkanExtension(), 2});
+  if (const char* without = std::getenv("OMNI_TEST_RUNTIME_WITHOUT"))
+    std::erase_if(offered, [without](const Extension& known) { return std::strcmp(known.name, without) == 0; });
+  return offered;
+}
+
 template <size_t size>
 bool IsTerminated(const char (&text)[size]) {
   return std::memchr(text, 0, size) != nullptr;
 }
 
 bool IsKnownExtension(const char* name) {
-  return std::any_of(std::begin(kExtensions), std::end(kExtensions),
+  const std::vector<Extension> offered = OfferedExtensions();
+  return std::any_of(offered.begin(), offered.end(),
                      [name](const Extension& known) { return std::strcmp(known.name, name) == 0; });
 }
 
@@ -87,10 +99,12 @@ XrResult EnumerateInstanceExtensionProperties(const char* layer, uint32_t capaci
   for (uint32_t i = 0; properties != nullptr && i < capacity; ++i) {
     OMNI_REQUIRE(Is(&properties[i], XR_TYPE_EXTENSION_PROPERTIES), XR_ERROR_VALIDATION_FAILURE);
   }
-  return TwoCall(std::size(kExtensions), capacity, count, properties, [](uint32_t i, XrExtensionProperties& out) {
-    std::snprintf(out.extensionName, sizeof(out.extensionName), "%s", kExtensions[i].name);
-    out.extensionVersion = kExtensions[i].version;
-  });
+  const std::vector<Extension> offered = OfferedExtensions();
+  return TwoCall(static_cast<uint32_t>(offered.size()), capacity, count, properties,
+                 [&offered](uint32_t i, XrExtensionProperties& out) {
+                   std::snprintf(out.extensionName, sizeof(out.extensionName), "%s", offered[i].name);
+                   out.extensionVersion = offered[i].version;
+                 });
 }
 
 XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) {
@@ -108,6 +122,7 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
   created->serial = ++state.instances_created;
   created->headless = Enables(*info, XR_MND_HEADLESS_EXTENSION_NAME);
   created->convert_timespec = Enables(*info, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  created->vulkan = VulkanExtension() != nullptr && Enables(*info, VulkanExtension());
   *instance = Handles::As<XrInstance>(state.handles.Insert(created));
   state.instances.push_back(created);
   return XR_SUCCESS;
