@@ -104,6 +104,17 @@ TEST(Examples, WhatIsMissingIsSaidInOneLine) {
   EXPECT_EQ(wrong.err.rfind("usage: omni_touch", 0), 0u) << wrong.err;
 }
 
+// A runtime without XR_MND_headless: empty frames with Vulkan (lavapipe needs no display).
+TEST(Examples, TouchSubmitsEmptyFramesWhereThereIsNoHeadless) {
+  const ExampleRun run = RunExample(std::string(kWithLayer) + " OMNI_TEST_RUNTIME_WITHOUT=XR_MND_headless",
+                                    "omni_touch --hand left --seconds 1", [] {});
+  for (const char* why : {"built without Vulkan", "could not make a Vulkan device"})
+    if (run.err.find(why) != std::string::npos) GTEST_SKIP() << run.err;
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_GT(run.Count("located"), 10) << run.out;
+  EXPECT_NE(run.out.find(std::string("profile ") + kTouch), std::string::npos) << run.out;
+}
+
 #ifdef OMNI_FORCE_EXAMPLE
 TEST(Examples, ForceNeedsTheLayer) {
   const ExampleRun run = RunExample("XR_ENABLE_API_LAYERS=", "omni_force --seconds 0.3", [] {});

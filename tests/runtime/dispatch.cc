@@ -7,6 +7,7 @@
 #include "tests/runtime/entry_points.h"
 #include "tests/runtime/negotiation.h"
 #include "tests/runtime/state.h"
+#include "tests/runtime/vulkan.h"
 
 namespace omni::runtime {
 namespace {
@@ -90,6 +91,8 @@ XrResult GetInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFu
     // A lost instance still answers: the loader looks up xrDestroyInstance here.
     owner = state.handles.Find<Instance>(instance);
     OMNI_REQUIRE(owner != nullptr, XR_ERROR_HANDLE_INVALID);
+    if (owner->vulkan) *function = FindVulkanFunction(name);
+    if (*function != nullptr) return XR_SUCCESS;
   }
   for (const NamedFunction& entry : kTable) {
     if (entry.name != name) continue;

@@ -15,6 +15,7 @@
 #include "tests/runtime/entry_points.h"
 #include "tests/runtime/priorities.h"
 #include "tests/runtime/state.h"
+#include "tests/runtime/vulkan.h"
 
 namespace omni::runtime {
 namespace {
@@ -37,10 +38,13 @@ const Extension kExtensions[] = {
     {XR_KHR_COMPOSITION_LAYER_EQUIRECT2_EXTENSION_NAME, XR_KHR_composition_layer_equirect2_SPEC_VERSION},
 };
 
-// Those of the table, and names that a test adds by OMNI_TEST_RUNTIME_EXTENSIONS (separated by spaces): accepted,
-// without any effect.
+// Those of the table that OMNI_TEST_RUNTIME_WITHOUT does not name, Vulkan where it was built in, and names that a test
+// adds by OMNI_TEST_RUNTIME_EXTENSIONS (separated by spaces): accepted, without any effect.
 std::vector<Extension> Extensions() {
   std::vector<Extension> all(std::begin(kExtensions), std::end(kExtensions));
+  if (VulkanExtension() != nullptr) all.push_back({VulkanExtension(), 2});
+  if (const char* without = std::getenv("OMNI_TEST_RUNTIME_WITHOUT"))
+    std::erase_if(all, [without](const Extension& known) { return known.name == without; });
   const char* const more = std::getenv("OMNI_TEST_RUNTIME_EXTENSIONS");
   std::istringstream names(more == nullptr ? "" : more);
   for (std::string name; names >> name;) all.push_back({name, 1});
@@ -133,6 +137,7 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
   created->binding_modification = created->Enabled(XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME);
   created->analog_threshold = created->Enabled(XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME);
   created->set_priorities = created->Enabled(XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME);
+  created->vulkan = VulkanExtension() != nullptr && created->Enabled(VulkanExtension());
   *instance = Handles::As<XrInstance>(state.handles.Insert(created));
   state.instances.push_back(created);
   return XR_SUCCESS;

@@ -107,6 +107,10 @@ struct Instance : Object {
   bool binding_modification = false;
   bool analog_threshold = false;
   bool set_priorities = false;  // XR_EXT_active_action_set_priority
+  bool vulkan = false;          // XR_KHR_vulkan_enable2 is enabled
+  bool vulkan_asked = false;    // its requirements were asked for
+  PFN_xrVoidFunction vulkan_get = nullptr;
+  void* vulkan_instance = nullptr;
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;

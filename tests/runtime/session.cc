@@ -6,10 +6,11 @@
 #include "tests/runtime/entry_points.h"
 #include "tests/runtime/state.h"
 #include "tests/runtime/system.h"
+#include "tests/runtime/vulkan.h"
 
 namespace omni::runtime {
 
-// Without a display there is no graphics binding that could be valid: only XR_MND_headless gives a session.
+// XR_MND_headless, or a Vulkan device of XR_KHR_vulkan_enable2; other graphics cannot be without a display.
 XrResult CreateSession(XrInstance instance, const XrSessionCreateInfo* info, XrSession* session) {
   State& state = TheState();
   const std::unique_lock lock(state.mutex);
@@ -17,7 +18,9 @@ XrResult CreateSession(XrInstance instance, const XrSessionCreateInfo* info, XrS
   OMNI_REQUIRE(Is(info, XR_TYPE_SESSION_CREATE_INFO) && session != nullptr, XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(info->createFlags == 0, XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(info->systemId == kSystemId, XR_ERROR_SYSTEM_INVALID);
-  OMNI_REQUIRE(owner->headless && info->next == nullptr, XR_ERROR_GRAPHICS_DEVICE_INVALID);
+  if (!owner->headless || info->next != nullptr) {
+    if (const XrResult check = CheckVulkanBinding(*owner, info->next); XR_FAILED(check)) return check;
+  }
   const auto created = std::make_shared<Session>();
   created->instance = owner;
   *session = Handles::As<XrSession>(state.handles.Insert(created));
