@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "layer/include/openxr/omni_force_feedback.h"
+#include "layer/include/openxr/omni_haptic_scene.h"
 #include "layer/src/registry.h"
 
 namespace omni::layer {
@@ -27,6 +28,7 @@ constexpr std::array kOurExtensions{
     OurExtension{XR_KHR_GENERIC_CONTROLLER_EXTENSION_NAME, 1, true},
     OurExtension{"XR_OMNIX1_stylus_interaction", 1, false},
     OurExtension{XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME, XR_OMNIX1_force_feedback_SPEC_VERSION, false},
+    OurExtension{XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME, XR_OMNIX1_haptic_scene_SPEC_VERSION, false},
 };
 
 // Only the manifest for conformance tests names it (manifests/layer/conformance.json.in).

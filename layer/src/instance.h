@@ -14,6 +14,7 @@
 #include "layer/src/dispatch.h"
 #include "layer/src/event_queue.h"
 #include "layer/src/force_feedback.h"
+#include "layer/src/haptic_scene.h"
 #include "layer/src/locate.h"
 #include "layer/src/log.h"
 #include "layer/src/records.h"
@@ -51,6 +52,7 @@ class Instance {
   HandleMap<XrSpace, Space> spaces;
   HandleMap<XrHandTrackerEXT, Session> hand_trackers;  // to their sessions
   HandleMap<XrForceFeedbackOMNIX1, ForceFeedback> forces;
+  HapticScenes haptic_scenes{*this};
 
   // sessions.cc
   XrResult CreateSession(const XrSessionCreateInfo* info, XrSession* session);
@@ -90,6 +92,8 @@ class Instance {
   XrResult CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space);
   XrResult DestroySpace(XrSpace space);
   XrResult LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location);
+  // A space of the session in the base's frame O. Not known: `X_OS` has no flags.
+  XrResult LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS);
 
   // locate_many.cc
   XrResult LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations);

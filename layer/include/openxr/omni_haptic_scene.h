@@ -17,28 +17,37 @@
 extern "C" {
 #endif
 
+/* Enumerants outside of openxr.h, of its types. */
+#ifndef OMNI_XR_ENUMERANT
+#ifdef __cplusplus
+#define OMNI_XR_ENUMERANT(type, value) (static_cast<type>(value))
+#else
+#define OMNI_XR_ENUMERANT(type, value) ((type)(value))
+#endif
+#endif
+
 #define XR_OMNIX1_haptic_scene 1
 #define XR_OMNIX1_haptic_scene_SPEC_VERSION 1
 #define XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME "XR_OMNIX1_haptic_scene"
 
-#define XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1 ((XrStructureType)2000002000)
-#define XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1 ((XrStructureType)2000002001)
-#define XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1 ((XrStructureType)2000002002)
-#define XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1 ((XrStructureType)2000002003)
-#define XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1 ((XrStructureType)2000002004)
-#define XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1 ((XrStructureType)2000002005)
-#define XR_TYPE_HAPTIC_MATERIAL_OMNIX1 ((XrStructureType)2000002006)
-#define XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1 ((XrStructureType)2000002007)
-#define XR_TYPE_HAPTIC_CONTACT_OMNIX1 ((XrStructureType)2000002008)
-#define XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1 ((XrStructureType)2000002009)
-#define XR_TYPE_HAPTIC_NODE_MESH_OMNIX1 ((XrStructureType)2000002010)
+#define XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002000)
+#define XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002001)
+#define XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002002)
+#define XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002003)
+#define XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002004)
+#define XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002005)
+#define XR_TYPE_HAPTIC_MATERIAL_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002006)
+#define XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002007)
+#define XR_TYPE_HAPTIC_CONTACT_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002008)
+#define XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002009)
+#define XR_TYPE_HAPTIC_NODE_MESH_OMNIX1 OMNI_XR_ENUMERANT(XrStructureType, 2000002010)
 
 /* The scene is still LOADING: it has no nodes, materials, contacts or meshes yet. */
-#define XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1 ((XrResult)-2000002000)
+#define XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1 OMNI_XR_ENUMERANT(XrResult, -2000002000)
 /* The scene is FAILED: xrGetHapticSceneDiagnosticsOMNIX1 says why. */
-#define XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1 ((XrResult)-2000002001)
+#define XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1 OMNI_XR_ENUMERANT(XrResult, -2000002001)
 /* No node of this scene has that id, or the node cannot do what was asked (move, deform). */
-#define XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1 ((XrResult)-2000002002)
+#define XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1 OMNI_XR_ENUMERANT(XrResult, -2000002002)
 
 XR_DEFINE_HANDLE(XrHapticSceneOMNIX1) /* parent: XrSession */
 XR_DEFINE_ATOM(XrHapticNodeIdOMNIX1)  /* valid for the life of the scene that gave it */
@@ -205,10 +214,10 @@ typedef struct XrHapticNodeMeshGetInfoOMNIX1 {
 typedef struct XrHapticNodeMeshOMNIX1 {
   XrStructureType type; /* XR_TYPE_HAPTIC_NODE_MESH_OMNIX1 */
   void* XR_MAY_ALIAS next;
-  XrTime time;            /* of the measurement that the shape follows from; 0: at rest since the scene became ready */
-  uint64_t vertexChange;  /* another number: other vertices */
-  uint64_t indexChange;   /* another number: other indices, and perhaps other counts */
-  float maxDisplacement;  /* m of the document, of a vertex from its rest; 0 for a sculpted node */
+  XrTime time;           /* of the measurement that the shape follows from; 0: at rest since the scene became ready */
+  uint64_t vertexChange; /* another number: other vertices */
+  uint64_t indexChange;  /* another number: other indices, and perhaps other counts */
+  float maxDisplacement; /* m of the document, of a vertex from its rest; 0 for a sculpted node */
   uint32_t vertexCapacityInput;
   uint32_t vertexCountOutput;
   XrVector3f* vertices; /* scene frame, document's metres; what xrUpdateHapticNodesOMNIX1 says is not in them */
