@@ -204,30 +204,31 @@ TEST(LiveMaterial, AChangeUnderThePenIsContinuous) {
   for (int trial = 0; trial < 40; ++trial) {
     Material material;
     material.stiffness_N_m = 400;
+    material.static_friction = material.dynamic_friction = 0.5;
     PlacedPen pen(SceneOf(Block(4, {0.05, 0.05, 0.01}), material));
     double x_m = 0;
-    for (int k = 0; k < 400; ++k) pen.MoveTo({x_m, 0, 0.012 - 7e-6 * std::min(k, 300)}, {});
+    for (int k = 0; k < 400; ++k) pen.MoveTo({x_m, 0, 0.0125 - 1e-5 * std::min(k, 300)}, {});
     MaterialChange change{0, FeelIn(material)};
     change.feel.stiffness_N_m = random.Uniform(0, 900);
     change.feel.damping_Ns_m = random.Uniform(0, 2);
     change.feel.static_friction = random.Uniform(0, 1.5);
-    change.feel.dynamic_friction = change.feel.static_friction * random.Uniform(0, 1);
+    change.feel.dynamic_friction = change.feel.static_friction;  // a stick that slips is a step of its own
     change.feel.viscosity_Ns_m = random.Uniform(0, 2);
-    change.feel.vibration_amplitude_N = random.Uniform(0, 0.1);
+    change.feel.vibration_amplitude_N = random.Uniform(0, 0.03);
     change.feel.vibration_frequency_Hz = random.Uniform(20, 120);
     pen.input.materials = {&change, 1};
     pen.step_N = 0;
     for (int k = 0; k < 300; ++k) {
       x_m += 2e-5;
-      pen.MoveTo({x_m, 0, 0.0099}, {});
+      pen.MoveTo({x_m, 0, 0.0095}, {});
     }
     largest_N = std::max(largest_N, pen.step_N);
-    const double expected_N = std::min(change.feel.stiffness_N_m, pen.output.stiffness_offered_N_m) * 0.0001;
+    const double expected_N = std::min(change.feel.stiffness_N_m, pen.output.stiffness_offered_N_m) * 0.0005;
     ASSERT_EQ(pen.output.contact_count, 1);
     EXPECT_NEAR(pen.output.contacts[0].normal_force_N, expected_N, 0.05 * expected_N + 1e-4) << trial;
   }
   // The hum alone changes by up to 2 pi f A a tick.
-  EXPECT_LT(largest_N, 0.1);
+  EXPECT_LT(largest_N, 0.06);
   std::printf("[ figure   ] a material changed under the pen: largest change of force within a tick %.4f N\n",
               largest_N);
 }
