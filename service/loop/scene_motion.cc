@@ -71,13 +71,13 @@ void FollowScene(const SceneControl& control, const haptics::Scene& scene, std::
     const haptics::Object& object = scene.objects()[sample.object];
     const base::Vec3 pivot_m = MiddleOf(object.lower_base_m, object.upper_base_m);
     PoseTrack& track = state.tracks[i];
-    if (i >= state.object_count) track = AtRest(pivot_m);
+    if (state.object[i] != sample.object + 1) track = AtRest(pivot_m);
+    state.object[i] = sample.object + 1;
     const bool leaps = Follow(AboutPivot(sample.pose, pivot_m, !state.begun), t_ns, track);
     if (track.number == 0) continue;
     const TrackedPose pose = PoseAt(track, t_ns);
     now.objects[now.object_count++] = {sample.object, pose.rotation, TranslationOf(pose, pivot_m), leaps};
   }
-  state.object_count = std::max(state.object_count, count);
   state.begun = true;
 }
 

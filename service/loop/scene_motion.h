@@ -31,8 +31,8 @@ static_assert(std::is_trivially_copyable_v<SceneControl>);
 
 struct SceneMotionState {
   PoseTrack placement;
-  std::array<PoseTrack, haptics::kMaxMoved> tracks;  // of objects[i] of the control
-  std::uint32_t object_count = 0;
+  std::array<PoseTrack, haptics::kMaxMoved> tracks;        // of objects[i] of the control
+  std::array<std::uint32_t, haptics::kMaxMoved> object{};  // of each track, plus one; 0: none yet
   bool begun = false;  // what was said before the scene was felt is no motion: it starts there
 };
 static_assert(std::is_trivially_copyable_v<SceneMotionState>);
