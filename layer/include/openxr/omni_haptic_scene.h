@@ -228,7 +228,7 @@ typedef struct XrHapticNodeMeshOMNIX1 {
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
-/* Takes a copy of the document and starts to load it; returns at once with status LOADING. One scene a session: a
+/* Takes a copy of the document and starts to load it; returns at once with status LOADING. One at a time: a
  * second one is XR_ERROR_LIMIT_REACHED. From READY until it is destroyed it stands in the place of the scene that the
  * service's configuration has for this application. */
 typedef XrResult(XRAPI_PTR* PFN_xrCreateHapticSceneOMNIX1)(XrSession session,
