@@ -223,7 +223,7 @@ struct Contact {
   double gap_m = 0;         // signed: < 0 penetrating
   double normal_force_N = 0;
   double tangential_force_N = 0;
-  double load = 0;  // its stiffness over what is offered along the normal
+  double load = 0;           // its stiffness over what is offered along the normal
   base::Vec3 force_base_N;   // that it asks for on the tip, all in all
   base::Vec3 slip_base_m_s;  // of the tip along the surface, relative to it
 };

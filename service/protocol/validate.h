@@ -51,8 +51,8 @@ struct HapticSceneRows {
 using Message =
     std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply, Notice,
                  SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, HapticSceneLoad, HapticSceneEnd, HapticScenePlace,
-                 HapticSceneEnable, HapticNodes, HapticMaterial, HapticSceneNews, HapticSceneRows, AppSettings, ForceClaim,
-                 ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties>;
+                 HapticSceneEnable, HapticNodes, HapticMaterial, HapticSceneNews, HapticSceneRows, AppSettings,
+                 ForceClaim, ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;

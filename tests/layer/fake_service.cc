@@ -138,8 +138,7 @@ void FakeService::OnPeriod(std::int64_t) {
   settings_due_ = false;
   if (properties_ && server_->SendForceProperties(client_, *properties_)) properties_.reset();
   if (owner_ && server_->SendForceOwner(client_, *owner_)) owner_.reset();
-  while (!to_say_.empty() &&
-         server_->TrySend(client_, to_say_.front().data(), to_say_.front().size())) {
+  while (!to_say_.empty() && server_->TrySend(client_, to_say_.front().data(), to_say_.front().size())) {
     to_say_.erase(to_say_.begin());
   }
 }
