@@ -117,7 +117,7 @@ std::string TableBytes(std::uint32_t nodes, std::uint32_t materials) {
   }
   for (std::uint32_t i = 0; i < materials; ++i) {
     HapticFeel feel = Tamed({});
-    feel.stiffness_N_m = 10.0 * i;
+    feel.stiffness_N_m = 5.0 * i;
     bytes.append(reinterpret_cast<const char*>(&feel), sizeof(feel));
   }
   table.header.size = static_cast<std::uint32_t>(bytes.size());
@@ -136,7 +136,7 @@ TEST(HapticSceneMessages, ATableIsItsRows) {
       EXPECT_EQ(rows->Node(i).gltf_node, static_cast<std::int32_t>(7 * i));
       EXPECT_EQ(std::string(rows->Node(i).name), "node " + std::to_string(i));
     }
-    for (std::uint32_t i = 0; i < materials; ++i) EXPECT_EQ(rows->Material(i).stiffness_N_m, 10.0 * i);
+    for (std::uint32_t i = 0; i < materials; ++i) EXPECT_EQ(rows->Material(i).stiffness_N_m, 5.0 * i);
   }
 }
 
