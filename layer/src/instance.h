@@ -92,8 +92,6 @@ class Instance {
   XrResult CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space);
   XrResult DestroySpace(XrSpace space);
   XrResult LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location);
-  // A space of the session in the base's frame O. Not known: `X_OS` has no flags.
-  XrResult LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS);
 
   // locate_many.cc
   XrResult LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations);
