@@ -79,6 +79,7 @@ struct OwnFunction {
   const char* name;       // "xrApplyForceOMNIX1"
   const char* extension;  // answered only to applications that enabled it
   PFN_xrVoidFunction function;
+  const char* also = nullptr;  // another extension that must be enabled too
 };
 
 }  // namespace omni::layer

@@ -206,7 +206,8 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
     if (!record) return XR_ERROR_HANDLE_INVALID;
     for (const OwnFunction& own : OwnFunctions()) {
       if (std::strcmp(name, own.name) != 0) continue;
-      if (!record->Enabled(own.extension)) return XR_ERROR_FUNCTION_UNSUPPORTED;
+      if (!record->Enabled(own.extension) || (own.also && !record->Enabled(own.also)))
+        return XR_ERROR_FUNCTION_UNSUPPORTED;
       *function = own.function;
       return XR_SUCCESS;
     }

@@ -14,6 +14,7 @@
 #include "layer/src/dispatch.h"
 #include "layer/src/event_queue.h"
 #include "layer/src/force_feedback.h"
+#include "layer/src/haptic_scene.h"
 #include "layer/src/locate.h"
 #include "layer/src/log.h"
 #include "layer/src/records.h"
@@ -51,6 +52,7 @@ class Instance {
   HandleMap<XrSpace, Space> spaces;
   HandleMap<XrHandTrackerEXT, Session> hand_trackers;  // to their sessions
   HandleMap<XrForceFeedbackOMNIX1, ForceFeedback> forces;
+  HapticScenes haptic_scenes{*this};
 
   // sessions.cc
   XrResult CreateSession(const XrSessionCreateInfo* info, XrSession* session);

@@ -20,6 +20,7 @@ const std::vector<OwnFunction>& OwnFunctions() {
   static const std::vector<OwnFunction> all = Joined({
       &AutomationFunctions(),
       &ForceFeedbackFunctions(),
+      &HapticSceneFunctions(),
   });
   return all;
 }

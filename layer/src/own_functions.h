@@ -10,5 +10,6 @@ namespace omni::layer {
 const std::vector<OwnFunction>& OwnFunctions();
 
 const std::vector<OwnFunction>& ForceFeedbackFunctions();  // entry_force_feedback.cc
+const std::vector<OwnFunction>& HapticSceneFunctions();    // entry_haptic_scene.cc
 
 }  // namespace omni::layer

@@ -36,6 +36,7 @@ class Registry {
   static bool Knows(const Instance& i, XrSpace handle) { return i.spaces.Contains(handle); }
   static bool Knows(const Instance& i, XrHandTrackerEXT handle) { return i.hand_trackers.Contains(handle); }
   static bool Knows(const Instance& i, XrForceFeedbackOMNIX1 handle) { return i.forces.Contains(handle); }
+  static bool Knows(const Instance& i, XrHapticSceneOMNIX1 handle) { return i.haptic_scenes.Contains(handle); }
 
   mutable std::shared_mutex mutex_;
   std::vector<std::shared_ptr<Instance>> instances_;

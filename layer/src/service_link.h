@@ -55,6 +55,12 @@ class ServiceLink {
   protocol::ForceProperties force_properties() const;
   // Counts connections from 1: what an earlier one was told, this one does not know.
   std::uint64_t connection_number() const { return connection_number_.load(std::memory_order_relaxed); }
+  // use(connection) while nobody else does; short, and nothing of the runtime in it.
+  template <class Use>
+  auto With(Use use) {
+    const std::lock_guard lock(mutex_);
+    return use(connection_);
+  }
 
   std::shared_ptr<const client::StateReader> reader() const;
   PenSnapshot Read(std::int64_t now_ns) const;

@@ -20,6 +20,7 @@ XrResult Instance::DestroySession(XrSession session) {
   const XrResult result = next.DestroySession(session);
   if (XR_FAILED(result)) return result;
   DestroyForcesOf(session);
+  haptic_scenes.EndOf(session);
   spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
   hand_trackers.EraseIf([session](const Session& owner) { return owner.handle == session; });
   if (const auto record = sessions.Find(session)) {
@@ -79,6 +80,7 @@ void Instance::ReportSessionState() {
 XrResult Instance::PollEvent(XrEventDataBuffer* event) {
   const XrResult result = next.PollEvent(handle, event);
   Alive();
+  haptic_scenes.Look();
   if (result == XR_SUCCESS && event) {
     if (event->type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
       XrEventDataSessionStateChanged changed;
@@ -120,7 +122,10 @@ XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrF
   const std::int64_t now = MonotonicNow_ns();
   Alive();
   clock.Refresh(now);
-  if (XR_SUCCEEDED(result) && state) clock.OnFrame(*state, now);
+  if (XR_SUCCEEDED(result) && state) {
+    clock.OnFrame(*state, now);
+    haptic_scenes.FollowSpace(session, state->predictedDisplayTime);
+  }
   FollowConstraints();
   WatchForces();
   return result;

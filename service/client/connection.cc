@@ -30,6 +30,25 @@ constexpr int kMessagesPerPoll = 16;
 constexpr std::size_t kMaxNotices = 32;  // older ones are dropped
 constexpr std::int64_t kWelcomeTimeout_ns = 2'000'000'000;
 
+// Line ends are kept.
+std::string PrintableLines(std::string_view text) {
+  std::string lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines += protocol::Printable(text.substr(0, end));
+    if (end < text.size()) lines += '\n';
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+HapticSceneTable TableOf(const protocol::HapticSceneRows& rows) {
+  HapticSceneTable table{.number = rows.table.number, .nodes = {}, .materials = {}};
+  for (std::uint32_t i = 0; i < rows.table.node_count; ++i) table.nodes.push_back(rows.Node(i));
+  for (std::uint32_t i = 0; i < rows.table.material_count; ++i) table.materials.push_back(rows.Material(i));
+  return table;
+}
+
 }  // namespace
 
 std::string DefaultSocketPath() { return protocol::DefaultSocketPath(); }
@@ -51,6 +70,7 @@ struct Connection::Impl {
   void OnSurfaces(std::int64_t now_ns, const protocol::Surfaces& surfaces, UniqueFd* fds, std::size_t fd_count);
   void OnSceneAnswer(std::int64_t now_ns, const protocol::SceneAnswer& answer, const UniqueFd* fds,
                      std::size_t fd_count);
+  void OnHapticScene(HapticSceneUpdate update);
   // A packet that must not come now, or not at all.
   void OnOther(std::int64_t now_ns, const protocol::Message& message);
   void Disconnect(std::int64_t now_ns) noexcept;
@@ -88,6 +108,8 @@ struct Connection::Impl {
   protocol::AppSettings settings;
   std::uint32_t scene_commands = 0;  // sent so far
   std::optional<SceneAnswer> scene_answer;
+  std::vector<HapticSceneUpdate> haptic_scene;
+  std::uint64_t welcomes = 0;
   std::string last_error;
   std::vector<std::byte> buffer;
 };
@@ -151,6 +173,12 @@ void Connection::Impl::Read(std::int64_t now_ns) {
     } else if (const auto* answer = std::get_if<protocol::SceneAnswer>(&message);
                answer && phase == Phase::kConnected) {
       OnSceneAnswer(now_ns, *answer, fds, received.fd_count);
+    } else if (const auto* news = std::get_if<protocol::HapticSceneNews>(&message);
+               news && phase == Phase::kConnected) {
+      OnHapticScene({.state = news->state, .text = PrintableLines(news->text), .table = {}});
+    } else if (const auto* rows = std::get_if<protocol::HapticSceneRows>(&message);
+               rows && phase == Phase::kConnected) {
+      OnHapticScene({.is_table = true, .state = {}, .text = {}, .table = TableOf(*rows)});
     } else {
       OnOther(now_ns, message);
     }
@@ -172,6 +200,7 @@ void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& w
   if (problem = life.Attach(fds[1].get()); !problem.empty()) return Fail(now_ns, who + "its life page " + problem);
   reader = std::move(mapped);
   phase = Phase::kConnected;
+  ++welcomes;
   last_error.clear();
   session_pending = session != protocol::SessionState::kNone;
   surfaces_pending = surfaces_wanted;
@@ -230,6 +259,11 @@ void Connection::Impl::OnSceneAnswer(std::int64_t now_ns, const protocol::SceneA
   scene_answer = std::move(taken);
 }
 
+void Connection::Impl::OnHapticScene(HapticSceneUpdate update) {
+  if (haptic_scene.size() >= kMaxHapticSceneUpdates) haptic_scene.erase(haptic_scene.begin());
+  haptic_scene.push_back(std::move(update));
+}
+
 void Connection::Impl::OnOther(std::int64_t now_ns, const protocol::Message& message) {
   const auto* invalid = std::get_if<protocol::Invalid>(&message);
   const std::string what = invalid != nullptr ? invalid->reason : "a message that has no place there";
@@ -244,6 +278,7 @@ void Connection::Impl::Disconnect(std::int64_t now_ns) noexcept {
   surfaces_answered = false;
   force_standing = protocol::ForceStanding::kFree;
   force_properties = {};
+  haptic_scene.clear();
   life.Detach();
   next_attempt_ns = now_ns + info.retry_interval_ns;
 }
@@ -361,6 +396,20 @@ std::uint32_t Connection::SendSceneCommand(protocol::SceneAction action, std::ui
 }
 
 std::optional<SceneAnswer> Connection::TakeSceneAnswer() { return std::exchange(impl_->scene_answer, std::nullopt); }
+
+bool Connection::SendHapticScene(const protocol::HapticSceneLoad& load, int document) noexcept {
+  return connected() &&
+         protocol::SendPacket(impl_->socket.get(), &load, sizeof(load), &document, 1) == SendResult::kSent;
+}
+bool Connection::Send(const protocol::HapticSceneEnd& message) noexcept { return impl_->Send(message); }
+bool Connection::Send(const protocol::HapticScenePlace& message) noexcept { return impl_->Send(message); }
+bool Connection::Send(const protocol::HapticSceneEnable& message) noexcept { return impl_->Send(message); }
+bool Connection::Send(const protocol::HapticNodes& message) noexcept { return impl_->Send(message); }
+bool Connection::Send(const protocol::HapticMaterial& message) noexcept { return impl_->Send(message); }
+
+std::uint64_t Connection::welcomes() const noexcept { return impl_->welcomes; }
+
+std::vector<HapticSceneUpdate> Connection::TakeHapticSceneUpdates() { return std::exchange(impl_->haptic_scene, {}); }
 
 std::string Connection::TakeStatus() { return std::exchange(impl_->status, {}); }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "service/client/haptic_scene.h"
 #include "service/client/state_reader.h"
 #include "service/client/surface_reader.h"
 #include "service/protocol/app_settings.h"
@@ -85,6 +86,19 @@ class Connection {
   std::uint32_t SendSceneCommand(protocol::SceneAction action, std::uint64_t client_id, const std::string& object);
   // Newest answer to a scene command; taking it clears it.
   std::optional<SceneAnswer> TakeSceneAnswer();
+
+  // The scene that this application gives. Nothing is sent again after a reconnection: who keeps the document looks at
+  // welcomes(), which counts the connections made so far. `document`: sealed memory, stays the caller's.
+  bool SendHapticScene(const protocol::HapticSceneLoad& load, int document) noexcept;
+  bool Send(const protocol::HapticSceneEnd& message) noexcept;
+  bool Send(const protocol::HapticScenePlace& message) noexcept;
+  bool Send(const protocol::HapticSceneEnable& message) noexcept;
+  bool Send(const protocol::HapticNodes& message) noexcept;
+  bool Send(const protocol::HapticMaterial& message) noexcept;
+  std::uint64_t welcomes() const noexcept;
+  // What came since the last call, oldest first; at most kMaxHapticSceneUpdates wait, older ones are dropped.
+  static constexpr std::size_t kMaxHapticSceneUpdates = 16;
+  std::vector<HapticSceneUpdate> TakeHapticSceneUpdates();
 
   // Newest answer to RequestStatus (JSON), empty if none yet; taking it clears it.
   std::string TakeStatus();

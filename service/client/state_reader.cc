@@ -27,7 +27,8 @@ std::string HeaderProblem(const StateHeader& header) {
            std::to_string(protocol::kStateVersion) + "; install the same Omni version for service and layer";
   }
   const bool same_layout = header.total_bytes == sizeof(StateMemory) && header.ring_capacity == mine.ring_capacity &&
-                           header.slot_bytes == mine.slot_bytes && header.input_bytes == mine.input_bytes;
+                           header.slot_bytes == mine.slot_bytes && header.input_bytes == mine.input_bytes &&
+                           header.contact_bytes == mine.contact_bytes;
   return same_layout ? std::string() : "has another layout than this client was built for";
 }
 
@@ -103,6 +104,16 @@ bool StateReader::Inputs(protocol::InputSnapshot& inputs) const noexcept {
     protocol::InputSnapshot copy;
     if (protocol::LoadCell(memory_->inputs, copy) == 0 || !protocol::InRange(copy)) continue;
     inputs = copy;
+    return true;
+  }
+  return false;
+}
+
+bool StateReader::Contacts(protocol::ContactSnapshot& contacts) const noexcept {
+  for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
+    protocol::ContactSnapshot copy;
+    if (protocol::LoadCell(memory_->contacts, copy) == 0 || !protocol::InRange(copy)) continue;
+    contacts = copy;
     return true;
   }
   return false;

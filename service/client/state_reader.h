@@ -36,6 +36,9 @@ class StateReader {
 
   bool Inputs(protocol::InputSnapshot& inputs) const noexcept;
 
+  // What the tip touches now. False as for Newest.
+  bool Contacts(protocol::ContactSnapshot& contacts) const noexcept;
+
  private:
   StateReader(const protocol::StateMemory* memory, std::size_t bytes)
       : memory_(memory), bytes_(bytes), service_instance_(memory->header.service_instance) {}

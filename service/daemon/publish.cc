@@ -26,6 +26,26 @@ std::uint32_t Flags(const loop::TickOutput& output) noexcept {
   return flags;
 }
 
+protocol::ContactSnapshot ContactsOf(const loop::TickOutput& output) noexcept {
+  protocol::ContactSnapshot contacts;
+  contacts.t_ns = output.t_ns;
+  contacts.scene_generation = output.scene_generation;
+  static_assert(haptics::kMaxContacts == static_cast<int>(protocol::kMaxSampledContacts));
+  for (int k = 0; k < output.haptics.contact_count; ++k) {
+    const haptics::Contact& from = output.haptics.contacts[static_cast<std::size_t>(k)];
+    contacts.contacts[contacts.count++] = {.object = from.object,
+                                           .material = from.material,
+                                           .point_base_m = ToArray(from.point_base_m),
+                                           .normal_base = ToArray(from.normal_base),
+                                           .force_base_N = ToArray(from.force_base_N),
+                                           .slip_base_m_s = ToArray(from.slip_base_m_s),
+                                           .normal_force_N = from.normal_force_N,
+                                           .tangential_force_N = from.tangential_force_N,
+                                           .penetration_m = std::max(0.0, -from.gap_m)};
+  }
+  return contacts;
+}
+
 }  // namespace
 
 void PublishSink::Publish(const loop::TickOutput& output) noexcept {
@@ -52,6 +72,7 @@ void PublishSink::Publish(const loop::TickOutput& output) noexcept {
                             .reserved = 0,
                             .t_change_ns = from.t_change_ns};
   }
+  publisher_.PublishContacts(ContactsOf(output));
   publisher_.Publish(sample, inputs);
 }
 

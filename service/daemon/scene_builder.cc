@@ -33,19 +33,25 @@ SceneBuilder::~SceneBuilder() {
 }
 
 void SceneBuilder::Request(std::uint64_t client, const config::AppEntry& app) {
+  Request({.client = client, .file = app.scene, .options = LoadOptionsOf(app, hull_radius_m_), .document = nullptr});
+}
+
+void SceneBuilder::Request(SceneJob job) {
+  if (job.document != nullptr) job.options.memory = job.document->get();
+  const std::uint64_t client = job.client;
   {
     const std::lock_guard lock(mutex_);
-    std::erase_if(jobs_, [&](const Job& job) { return job.client == client; });
+    std::erase_if(jobs_, [&](const SceneJob& waiting) { return waiting.client == client; });
     if (running_client_ == client) running_client_ = 0;
     DropSoft(client);
-    jobs_.push_back({client, app});
+    jobs_.push_back(std::move(job));
   }
   wake_.notify_one();
 }
 
 void SceneBuilder::Cancel(std::uint64_t client) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(jobs_, [&](const Job& job) { return job.client == client; });
+  std::erase_if(jobs_, [&](const SceneJob& job) { return job.client == client; });
   std::erase_if(results_, [&](const BuiltScene& result) { return result.client == client; });
   if (running_client_ == client) running_client_ = 0;
   DropSoft(client);
@@ -90,7 +96,7 @@ void SceneBuilder::Run() {
 }
 
 void SceneBuilder::RunJob(std::unique_lock<std::mutex>& lock) {
-  const Job job = std::move(jobs_.front());
+  const SceneJob job = std::move(jobs_.front());
   jobs_.pop_front();
   running_client_ = job.client;
   lock.unlock();
@@ -153,12 +159,12 @@ bool SceneBuilder::GoOn(std::uint64_t client, double done) {
   return true;
 }
 
-BuiltScene SceneBuilder::Build(const Job& job, std::deque<std::uint32_t>& soft_objects) {
-  BuiltScene built{.client = job.client, .file = job.app.scene};
+BuiltScene SceneBuilder::Build(const SceneJob& job, std::deque<std::uint32_t>& soft_objects) {
+  BuiltScene built{.client = job.client, .file = job.file};
   try {
     if (!cache_ && !cache_folder_.empty()) cache_.emplace(cache_folder_);
-    base::Result<haptics::Scene> scene = scene::LoadScene(job.app.scene, LoadOptionsOf(job.app, hull_radius_m_),
-                                                          cache_ ? &*cache_ : nullptr, built.load, built.report);
+    base::Result<haptics::Scene> scene =
+        scene::LoadScene(job.file, job.options, cache_ ? &*cache_ : nullptr, built.load, built.report);
     built.warnings = built.load.warnings;
     if (cache_ && !cache_->problem().empty() && !std::exchange(told_of_cache_, true)) {
       built.warnings.push_back("scene cache: " + cache_->problem());
@@ -172,7 +178,7 @@ BuiltScene SceneBuilder::Build(const Job& job, std::deque<std::uint32_t>& soft_o
       built.error = scene.error();
     }
   } catch (const std::exception& caught) {  // out of memory on a hostile file must not take the service down
-    built.error = job.app.scene + ": " + caught.what();
+    built.error = job.file + ": " + caught.what();
   }
   return built;
 }

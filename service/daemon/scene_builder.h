@@ -15,6 +15,7 @@
 
 #include "service/config/app_file.h"
 #include "service/haptics/scene.h"
+#include "service/protocol/unique_fd.h"
 #include "service/scene/cache_store.h"
 #include "service/scene/load_soft_body.h"
 #include "service/scene/scene_file.h"
@@ -50,6 +51,14 @@ struct SoftOutcome {
 // What an application file asks of its scene.
 scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m);
 
+// What is to be built, and for whom.
+struct SceneJob {
+  std::uint64_t client = 0;
+  std::string file;                                    // path, or the document's name
+  scene::LoadOptions options;                          // `memory` is set from the next one
+  std::shared_ptr<const protocol::UniqueFd> document;  // instead of a file; null: none
+};
+
 class SceneBuilder {
  public:
   static constexpr std::uint32_t kSoftTets = 2000;
@@ -63,6 +72,7 @@ class SceneBuilder {
 
   // Queues a job; a job of the same client that has not begun is replaced, and its soft bodies are given up.
   void Request(std::uint64_t client, const config::AppEntry& app);
+  void Request(SceneJob job);
   // Forgets the client's waiting jobs; the result of a running one is dropped.
   void Cancel(std::uint64_t client);
   // A finished job, oldest first.
@@ -72,10 +82,6 @@ class SceneBuilder {
   SoftProgress Progress(std::uint64_t client) const;
 
  private:
-  struct Job {
-    std::uint64_t client;
-    config::AppEntry app;
-  };
   // The soft bodies that a scene still has to get.
   struct SoftJob {
     std::uint64_t client = 0;
@@ -92,7 +98,7 @@ class SceneBuilder {
   // From within the precompute: whether to go on. Builds the scenes that are waited for meanwhile.
   bool GoOn(std::uint64_t client, double done);
   void DropSoft(std::uint64_t client);  // with the lock held
-  BuiltScene Build(const Job& job, std::deque<std::uint32_t>& soft_objects);
+  BuiltScene Build(const SceneJob& job, std::deque<std::uint32_t>& soft_objects);
 
   const double hull_radius_m_;
   const std::string cache_folder_;
@@ -101,7 +107,7 @@ class SceneBuilder {
   bool told_of_cache_ = false;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Job> jobs_;
+  std::deque<SceneJob> jobs_;
   std::deque<BuiltScene> results_;
   std::uint64_t running_client_ = 0;  // 0: none, or its result is not wanted any more
   std::deque<SoftJob> soft_jobs_;     // the first one is worked on

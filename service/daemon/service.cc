@@ -32,6 +32,10 @@ Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       start_ns_(base::MonotonicNow_ns()),
       builder_(options_.hull_radius_m, options_.cache_folder, options_.soft_tets),
+      app_scenes_(builder_, options_.hull_radius_m, retired_,
+                  [this](ipc::ClientId id, const std::string& message) {
+                    return server_ != nullptr && server_->TrySend(id, message.data(), message.size());
+                  }),
       force_({.owner = [this](ipc::ClientId id,
                               const protocol::ForceOwner& owner) { return server_->SendForceOwner(id, owner); },
               .properties =
@@ -104,6 +108,7 @@ void Service::OnGone(ipc::ClientId id) {
   const bool application = found->second.info.role == protocol::ClientRole::kApplication;
   if (application) spdlog::info("client {} is gone", id);
   DropScene(found->second);
+  app_scenes_.Remove(id);
   clients_.erase(found);
   owners_.Remove(id);
   surfaces_.Remove(id);
@@ -164,6 +169,33 @@ void Service::OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& com
               owners_.owner());
 }
 
+void Service::OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end()) return;
+  app_scenes_.Load(id, found->second.info.application, load, std::move(document));
+  WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnHapticSceneEnd(ipc::ClientId id, const protocol::HapticSceneEnd& end) {
+  if (app_scenes_.End(id, end.number)) WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnHapticScenePlace(ipc::ClientId id, const protocol::HapticScenePlace& place) {
+  if (app_scenes_.Place(id, place)) WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) {
+  if (app_scenes_.Enable(id, enable)) WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnHapticNodes(ipc::ClientId id, const protocol::HapticNodes& nodes) {
+  if (app_scenes_.MoveNodes(id, nodes)) WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial& material) {
+  if (app_scenes_.SetMaterial(id, material)) WriteCommands(base::MonotonicNow_ns());
+}
+
 void Service::OnPeriod(std::int64_t now_ns) {
   TakeBuiltScenes();
   TakeSoftBodies();
@@ -172,10 +204,15 @@ void Service::OnPeriod(std::int64_t now_ns) {
   TellForce();
   UpdateSurfaces();
   ReleaseScenes();
+  app_scenes_.Tell(owners_.owner(), generation_);
 }
 
 void Service::TakeBuiltScenes() {
   while (std::optional<BuiltScene> built = builder_.TakeResult()) {
+    if (AppScenes::IsJob(built->client)) {
+      TakeAppScene(std::move(*built));
+      continue;
+    }
     const auto found = clients_.find(built->client);
     if (found == clients_.end()) continue;
     for (const std::string& warning : built->warnings) spdlog::warn("{}", warning);
@@ -198,8 +235,23 @@ void Service::TakeBuiltScenes() {
   }
 }
 
+// What went wrong with it is told to its client by its state, and to people here.
+void Service::TakeAppScene(BuiltScene built) {
+  const ipc::ClientId id = AppScenes::ClientOf(built.client);
+  const std::string error = built.error;
+  const std::shared_ptr<const BuiltScene> scene = app_scenes_.Take(std::move(built));
+  if (scene == nullptr) {
+    if (!error.empty()) Problem(0, 1, error);
+    return;
+  }
+  spdlog::info("client {}: {} ({} triangles in {:.1f} ms)", id, scene->file, TrianglesOf(*scene->scene),
+               scene->load.load_ms);
+  sculpt_.Add(id, scene->file, scene->scene);
+}
+
 void Service::TakeSoftBodies() {
-  while (const std::optional<SoftOutcome> soft = builder_.TakeSoftOutcome()) {
+  while (std::optional<SoftOutcome> soft = builder_.TakeSoftOutcome()) {
+    soft->client = AppScenes::ClientOf(soft->client);
     const std::string what = soft->file + ": " + soft->object + ": ";
     if (!soft->error.empty()) {
       Problem(soft->client, 1, what + soft->error + ": it stays a layer");
@@ -230,11 +282,17 @@ void Service::DropScene(Client& client) {
   if (client.scene != nullptr) retired_.push_back(std::exchange(client.scene, nullptr));
 }
 
+std::shared_ptr<const BuiltScene> Service::SceneOf(ipc::ClientId id) const {
+  if (app_scenes_.Stands(id)) return app_scenes_.Felt(id);
+  const auto found = clients_.find(id);
+  return found == clients_.end() ? nullptr : found->second.scene;
+}
+
 void Service::WriteCommands(std::int64_t now_ns) {
   const std::uint64_t owner = owners_.owner();
   const auto found = clients_.find(owner);
   const Client* client = found == clients_.end() ? nullptr : &found->second;
-  const std::shared_ptr<const BuiltScene> scene = client == nullptr ? nullptr : client->scene;
+  const std::shared_ptr<const BuiltScene> scene = SceneOf(owner);
   if (wanted_ != scene) {
     if (wanted_ != nullptr) retired_.push_back(wanted_);
     wanted_ = scene;
@@ -249,7 +307,9 @@ void Service::WriteCommands(std::int64_t now_ns) {
                           .scene_generation = generation_,
                           .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
                           .haptic = haptic_,
-                          .applied = force_.Command(now_ns, beat_ns)};
+                          .applied = force_.Command(now_ns, beat_ns),
+                          .scene = {}};
+  if (scene != nullptr && app_scenes_.Stands(owner)) app_scenes_.FillControl(owner, generation_, commands.scene);
   const std::lock_guard lock(loop_mutex_);
   if (loop_ == nullptr) return;
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
@@ -292,6 +352,7 @@ void Service::ReleaseScenes() {
     if (scene == wanted_) continue;  // it came back
     sculpt_.Leave(*scene->scene);
     const bool kept =
+        app_scenes_.Holds(scene) ||
         std::any_of(clients_.begin(), clients_.end(), [&](const auto& client) { return client.second.scene == scene; });
     if (!kept) sculpt_.Remove(*scene->scene);
   }
@@ -315,15 +376,16 @@ std::string Service::StatusJson() {
                     .uptime_s = static_cast<double>(base::MonotonicNow_ns() - start_ns_) * 1e-9,
                     .problems = problems_};
   for (const auto& [id, client] : clients_) {
+    const std::shared_ptr<const BuiltScene> scene = SceneOf(id);
     input.clients.push_back({.id = id,
                              .pid = client.info.pid,
                              .application = client.info.application,
                              .monitor = client.info.role == protocol::ClientRole::kMonitor,
                              .session = owners_.session(id),
                              .owner = id == owners_.owner(),
-                             .scene = client.scene == nullptr ? "" : client.scene->file,
-                             .soft = builder_.Progress(id),
-                             .sculpted = client.scene == nullptr ? 0 : SculptedOf(*client.scene->scene)});
+                             .scene = scene == nullptr ? "" : scene->file,
+                             .soft = builder_.Progress(scene == nullptr ? id : scene->client),
+                             .sculpted = scene == nullptr ? 0 : SculptedOf(*scene->scene)});
   }
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {

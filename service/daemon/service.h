@@ -11,6 +11,7 @@
 
 #include "service/config/app_file.h"
 #include "service/config/calibration_file.h"
+#include "service/daemon/app_scenes.h"
 #include "service/daemon/force_clients.h"
 #include "service/daemon/owner.h"
 #include "service/daemon/scene_builder.h"
@@ -56,6 +57,12 @@ class Service : public ipc::ServerHandler {
   void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
   void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
   void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override;
+  void OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) override;
+  void OnHapticSceneEnd(ipc::ClientId id, const protocol::HapticSceneEnd& end) override;
+  void OnHapticScenePlace(ipc::ClientId id, const protocol::HapticScenePlace& place) override;
+  void OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) override;
+  void OnHapticNodes(ipc::ClientId id, const protocol::HapticNodes& nodes) override;
+  void OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial& material) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override;
 
@@ -66,6 +73,8 @@ class Service : public ipc::ServerHandler {
     std::shared_ptr<const BuiltScene> scene;
   };
   void TakeBuiltScenes();
+  void TakeAppScene(BuiltScene built);
+  std::shared_ptr<const BuiltScene> SceneOf(ipc::ClientId id) const;  // that is felt while this client owns the force
   void TakeSoftBodies();
   void TakeSculptNews();
   void ReleaseScenes();
@@ -87,6 +96,7 @@ class Service : public ipc::ServerHandler {
   std::shared_ptr<const BuiltScene> wanted_;                // of the owner; null: empty
   std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
   std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over
+  AppScenes app_scenes_;
   loop::HapticWaveform haptic_;
   ForceClients force_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems

@@ -35,6 +35,17 @@ struct ObjectPose {
   std::uint32_t object = kNoIndex;
   base::Quat rotation;       // unit, from where the scene has it
   base::Vec3 translation_m;  // base frame
+  bool leaps = false;        // put there since the last tick, not moved: another place, however near
+};
+
+// How a scene as a whole has moved since the last tick (placed.h). Its poses are in its own frame then.
+enum class SceneMotion : std::uint8_t { kStill = 0, kMoves = 1, kLeaps = 2 };
+
+// Where a whole scene stands: x_base = R x + t.
+struct Placement {
+  base::Quat rotation;  // unit
+  base::Vec3 translation_m;
+  friend bool operator==(const Placement&, const Placement&) = default;
 };
 
 struct Input {
@@ -48,8 +59,10 @@ struct Input {
   base::Vec3 axis_base;            // of the pen, unit; zero: noise is alike in all directions
   double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
   base::ForceLimit limit;
-  std::span<const ObjectPose> poses;  // at t_ns, at most kMaxMoved; what is not named stands where it stood
-  bool pushed = false;                // something else moves the hand now: contacts are not judged by its energy
+  std::span<const ObjectPose> poses;          // at t_ns, at most kMaxMoved; what is not named stands where it stood
+  std::span<const MaterialChange> materials;  // all that differ from the scene's, at most kMaxLiveMaterials
+  SceneMotion scene_motion = SceneMotion::kStill;
+  bool pushed = false;  // something else moves the hand now: contacts are not judged by its energy
 };
 
 // One touched object.
@@ -169,6 +182,12 @@ struct MovedObject {
   base::Vec3 translation_m, last_translation_m;
 };
 
+// A material that the application has changed, on its way to what is wanted.
+struct LiveMaterial {
+  std::uint32_t material = kNoIndex;  // kNoIndex: free
+  Material now;
+};
+
 // All that changes. Fixed size, trivially copyable, deterministic: equal inputs give equal bits.
 struct State {
   bool was_tracked = false;
@@ -180,6 +199,8 @@ struct State {
   std::array<std::uint8_t, kMaxObjects> is_soft{};  // 1: the object's soft body has been taken up
   std::array<SculptTouchState, kMaxSculpted> sculpted;
   std::array<MovedObject, kMaxMoved> moved;
+  std::array<LiveMaterial, kMaxLiveMaterials> materials;
+  Placement placement;  // at the last tick: forces and places here are in the frame of the scene
   VehicleState vehicle;
   OfferState offer;
   EnergyState energy;
@@ -202,7 +223,9 @@ struct Contact {
   double gap_m = 0;         // signed: < 0 penetrating
   double normal_force_N = 0;
   double tangential_force_N = 0;
-  double load = 0;  // its stiffness over what is offered along the normal
+  double load = 0;           // its stiffness over what is offered along the normal
+  base::Vec3 force_base_N;   // that it asks for on the tip, all in all
+  base::Vec3 slip_base_m_s;  // of the tip along the surface, relative to it
 };
 
 // The car, for people.

@@ -73,4 +73,27 @@ struct Material {
 };
 static_assert(std::is_trivially_copyable_v<Material>);
 
+// What of a material may change while it is felt: fields and ranges as above.
+struct MaterialFeel {
+  double stiffness_N_m = 0;
+  double damping_Ns_m = 0;
+  double static_friction = 0;
+  double dynamic_friction = 0;
+  double viscosity_Ns_m = 0;
+  double texture_amplitude_m = 0;
+  double texture_wavelength_m = 0.001;
+  double texture_gain = 0;
+  double vibration_amplitude_N = 0;
+  double vibration_frequency_Hz = 120;
+  double pop_through_N = 0;
+};
+static_assert(std::is_trivially_copyable_v<MaterialFeel>);
+
+// The feel of one of the scene's materials, as the application wants it.
+struct MaterialChange {
+  std::uint32_t material = 0xFFFFFFFF;  // index into the scene's; one that it has not: ignored
+  MaterialFeel feel;
+};
+inline constexpr std::uint32_t kMaxLiveMaterials = 16;  // that differ from the scene's at a time
+
 }  // namespace omni::haptics

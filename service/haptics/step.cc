@@ -13,6 +13,7 @@
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/geometry/topology.h"
 #include "service/haptics/haptics.h"
+#include "service/haptics/live_material.h"
 #include "service/haptics/stability.h"
 #include "service/haptics/vehicle/car.h"
 
@@ -202,11 +203,13 @@ Vec3 StepRegions(const Touchables& touchables, const Offer& offer, const Input& 
 Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State& state, Output& output) noexcept {
   const Vec3 tip = input.device_point_base_m;
   if (IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state))) return {};
+  const bool live_materials = !input.materials.empty() || state.materials[0].material != kNoIndex;
+  const bool felt_anew = live_materials && ChangeMaterials(scene, input, AnyContact(state), state);
   const Touchables touchables(scene, input, state);
   Touched touched;
   const Vec3 on_changed_N = touchables.anything_moves() ? ForceOnChanged(touchables, state) : Vec3{};
   if (touchables.anything_moves()) RebindContacts(touchables, state);
-  touched.moving = touchables.anything_moves() || !RegionsRest(scene, state);
+  touched.moving = touchables.anything_moves() || !RegionsRest(scene, state) || felt_anew;
   if (touched.moving) state.far_distance_m = 0;
   ContactForces forces;
   RegionTouches touches{};
@@ -221,7 +224,7 @@ Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State&
     }
   }
   touched.others_N = touched.others_N + StepRegions(touchables, offer, input, touches, state);
-  touched.moving = touched.moving || !RegionsRest(scene, state);
+  touched.moving = touched.moving || !RegionsRest(scene, state) || input.scene_motion != SceneMotion::kStill;
   if (state.left_fade_s > 0) touched.others_N = touched.others_N + FadeLeaving(input.dt_s, state);
   ForgetUntouched(state);
   return touched;
@@ -315,7 +318,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
 
 void Enter(const Scene& scene, State& state) noexcept {
   State entered;
-  entered.last_force_N = state.last_force_N;
+  entered.last_force_N = Rotated(state.placement.rotation, state.last_force_N);  // the new scene stands at the origin
   entered.offer = state.offer;
   state = entered;
   if (!scene.empty() && scene.header().has_vehicle != 0) StartCar(scene.header().vehicle, state.vehicle);

@@ -185,14 +185,21 @@ void ControlLoop::Admit(UniqueFd socket) {
 
 void ControlLoop::ReadFrom(Peer& peer) {
   for (int i = 0; i < kPacketsPerRound && !peer.doomed(); ++i) {
-    const protocol::Received received = protocol::ReceivePacket(peer.socket(), buffer_.data(), buffer_.size());
+    const protocol::Received received =
+        protocol::ReceivePacket(peer.socket(), buffer_.data(), buffer_.size(), &document_, 1);
     if (received.result == ReceiveResult::kNothing) return;
     if (received.result == ReceiveResult::kEnd) return peer.Doom({});
     if (received.result == ReceiveResult::kTooLong) {
       return Refuse(peer, "a packet over " + std::to_string(protocol::kMaxMessageBytes) +
                               " bytes, or with descriptors that no message has");
     }
-    if (!Handle(peer, protocol::Validate(buffer_.data(), received.size))) return;
+    const protocol::Message message = protocol::Validate(buffer_.data(), received.size);
+    if (received.fd_count > 0 && !std::holds_alternative<protocol::HapticSceneLoad>(message)) {
+      return Refuse(peer, "a packet with descriptors that its message does not have");
+    }
+    const bool goes_on = Handle(peer, message);
+    document_.Reset();
+    if (!goes_on) return;
   }
 }
 
@@ -251,6 +258,7 @@ bool ControlLoop::HandleApplication(Peer& peer, const protocol::Message& message
   const auto* session = std::get_if<protocol::Session>(&message);
   const auto* haptic = std::get_if<protocol::Haptic>(&message);
   const bool stop = std::holds_alternative<protocol::HapticStop>(message);
+  if (HandleHapticScene(peer, message)) return !peer.doomed();
   if (session == nullptr && haptic == nullptr && !stop) {
     Refuse(peer, "a message that only omnid sends");
   } else if (peer.info().role != protocol::ClientRole::kApplication) {
@@ -318,16 +326,7 @@ std::size_t ControlLoop::CountGreeted() const {
       std::count_if(peers_.begin(), peers_.end(), [](const auto& entry) { return entry.second.greeted(); }));
 }
 
-template <class Call>
-void ControlLoop::Guarded(const char* name, Peer* peer, Call&& call) {
-  std::string what;
-  try {
-    return call();
-  } catch (const std::exception& error) {
-    what = error.what();
-  } catch (...) {
-    what = "an unknown exception";
-  }
+void ControlLoop::TellOfThrow(const char* name, Peer* peer, const std::string& what) {
   log_.Write(std::string("internal error in ") + name + ": " + what, base::MonotonicNow_ns());
   if (peer != nullptr) peer->Doom("internal error in omnid; see its log");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <map>
 #include <memory>
 #include <string>
@@ -46,6 +47,8 @@ class ControlLoop {
   void ReadFrom(Peer& peer);
   // True: this peer may be read on in this round.
   bool Handle(Peer& peer, const protocol::Message& message);
+  // Messages about the application's own scene (haptic_scene_messages.cc). False: this is none.
+  bool HandleHapticScene(Peer& peer, const protocol::Message& message);
   void Greet(Peer& peer, const protocol::Hello& hello);
   bool HandleApplication(Peer& peer, const protocol::Message& message);
   bool HandleForce(Peer& peer, const protocol::ForceRequest& request);
@@ -57,7 +60,16 @@ class ControlLoop {
 
   // Runs a handler call; what it throws is logged, and dooms `peer` if there is one.
   template <class Call>
-  void Guarded(const char* name, Peer* peer, Call&& call);
+  void Guarded(const char* name, Peer* peer, Call&& call) {
+    try {
+      return call();
+    } catch (const std::exception& error) {
+      TellOfThrow(name, peer, error.what());
+    } catch (...) {
+      TellOfThrow(name, peer, "an unknown exception");
+    }
+  }
+  void TellOfThrow(const char* name, Peer* peer, const std::string& what);
 
   ServerOptions options_;
   ServerHandler& handler_;
@@ -71,6 +83,7 @@ class ControlLoop {
   std::map<ClientId, Peer> peers_;
   ClientId next_id_ = 1;
   std::vector<std::byte> buffer_;
+  protocol::UniqueFd document_;  // that came along with the packet being handled
 };
 
 }  // namespace omni::ipc

@@ -70,6 +70,10 @@ bool Server::SendForceProperties(ClientId id, const protocol::ForceProperties& p
   return impl_->loop->SendAgainLater(id, &properties, sizeof(properties));
 }
 
+bool Server::TrySend(ClientId id, const void* message, std::size_t bytes) {
+  return impl_->loop->SendAgainLater(id, message, bytes);
+}
+
 std::uint64_t Server::DroppedMessages(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);
   return peer != nullptr ? peer->dropped() : 0;

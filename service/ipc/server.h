@@ -11,6 +11,8 @@
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
+#include "service/protocol/haptic_scene.h"
+#include "service/protocol/unique_fd.h"
 
 namespace omni::ipc {
 
@@ -50,6 +52,15 @@ class ServerHandler {
   virtual void OnSceneCommand(ClientId id, const protocol::SceneCommand& command) = 0;
   // An application's claim on the pen, its force, its constraints. Not overridden: nothing is felt.
   virtual void OnForce(ClientId /*id*/, const protocol::ForceRequest& /*request*/) {}
+  // An application's own scene (protocol/haptic_scene.h). `document` is sealed memory of load.bytes bytes, checked. Not
+  // overridden: there are none, ever.
+  virtual void OnHapticSceneLoad(ClientId /*id*/, const protocol::HapticSceneLoad& /*load*/,
+                                 protocol::UniqueFd /*document*/) {}
+  virtual void OnHapticSceneEnd(ClientId /*id*/, const protocol::HapticSceneEnd& /*end*/) {}
+  virtual void OnHapticScenePlace(ClientId /*id*/, const protocol::HapticScenePlace& /*place*/) {}
+  virtual void OnHapticSceneEnable(ClientId /*id*/, const protocol::HapticSceneEnable& /*enable*/) {}
+  virtual void OnHapticNodes(ClientId /*id*/, const protocol::HapticNodes& /*nodes*/) {}
+  virtual void OnHapticMaterial(ClientId /*id*/, const protocol::HapticMaterial& /*material*/) {}
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -88,6 +99,8 @@ class Server {
   // False: as SendSurfaces.
   bool SendForceOwner(ClientId id, const protocol::ForceOwner& owner);
   bool SendForceProperties(ClientId id, const protocol::ForceProperties& properties);
+  // A whole message, header included, that is sent again later if it does not go out. False as for SendSurfaces.
+  bool TrySend(ClientId id, const void* message, std::size_t bytes);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 

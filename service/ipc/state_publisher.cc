@@ -34,4 +34,12 @@ void StatePublisher::Publish(const protocol::ToolSample& sample, const protocol:
   memory_->header.published.store(published_, std::memory_order_release);
 }
 
+void StatePublisher::PublishContacts(const protocol::ContactSnapshot& contacts) noexcept {
+  const bool as_before = contacts.count == 0 && contact_count_ == 0 && contact_generation_ == contacts.scene_generation;
+  if (as_before && contacts_published_ > 0) return;
+  contact_count_ = contacts.count;
+  contact_generation_ = contacts.scene_generation;
+  protocol::StoreCell(memory_->contacts, protocol::SequenceOf(contacts_published_++), protocol::Tamed(contacts));
+}
+
 }  // namespace omni::ipc

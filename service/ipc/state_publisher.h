@@ -23,6 +23,10 @@ class StatePublisher {
   // the one before. What is not a sane sample is published as "no pose" (protocol/sample_range.h).
   void Publish(const protocol::ToolSample& sample, const protocol::InputSnapshot& inputs) noexcept;
 
+  // Tick thread only, before Publish of the same scan. Writes only where something changes: contacts, their end, or the
+  // scene. Contacts that are out of range are left out.
+  void PublishContacts(const protocol::ContactSnapshot& contacts) noexcept;
+
   int fd() const { return memory_file_.fd.get(); }                 // to be passed to clients; stays ours
   std::uint64_t published() const noexcept { return published_; }  // tick thread only
 
@@ -33,6 +37,9 @@ class StatePublisher {
   protocol::StateMemory* memory_;
   std::uint64_t published_ = 0;
   std::int64_t newest_t_ns_ = 0;
+  std::uint64_t contacts_published_ = 0;
+  std::uint32_t contact_count_ = 0;
+  std::uint64_t contact_generation_ = 0;
 };
 
 }  // namespace omni::ipc

@@ -8,6 +8,7 @@
 #include "service/base/force_limit.h"
 #include "service/base/limits.h"
 #include "service/base/stamp.h"
+#include "service/haptics/placed.h"
 
 namespace omni::loop {
 namespace {
@@ -93,6 +94,21 @@ base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptic
   return output.applied.force_base_N;
 }
 
+// The scene's part of a tick: what the application says of it, if it is the one that is felt, and the renderer.
+void RenderScene(const TickConfig& config, const SceneControl& control, const haptics::Scene& scene,
+                 haptics::Input input, LoopState& state, TickOutput& output) noexcept {
+  output.scene_generation = state.scene_generation;
+  if (control.generation != state.scene_generation || control.generation == 0) {
+    return haptics::StepPlaced(config.haptics, scene, state.haptics.placement, false, input, state.haptics,
+                               output.haptics);
+  }
+  SceneNow now;
+  FollowScene(control, scene, state.t_ns, state.scene_motion, now);
+  input.poses = {now.objects.data(), now.object_count};
+  input.materials = {control.materials.data(), std::min<std::size_t>(control.material_count, control.materials.size())};
+  haptics::StepPlaced(config.haptics, scene, now.placement, now.leaps, input, state.haptics, output.haptics);
+}
+
 // A single scan that does not fit (a current step, a spike) holds the last pose instead of dropping the contact.
 base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, LoopState& state) noexcept {
   state.lost_scans = tool.status == base::TrackingStatus::kTracking ? 0 : state.lost_scans + 1;
@@ -155,6 +171,7 @@ void TellLimits(const TickConfig& config, const base::ForceLimit& limit, TickOut
 void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept {
   haptics::Enter(scene, state.haptics);
   state.scene_generation = generation;
+  state.scene_motion = {};
 }
 
 void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& commands, const haptics::Scene& scene,
@@ -177,7 +194,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   TellLimits(config, limit, output);
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
   const haptics::Input felt = MakeHapticInput(tool, limit, delay_s, dt_s, state);
-  haptics::Step(config.haptics, scene, felt, state.haptics, output.haptics);
+  RenderScene(config, commands.scene, scene, felt, state, output);
   const base::Vec3 pushed_N = Plus(output.haptics.force_base_N, Push(config, commands, felt, state, output));
   const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 

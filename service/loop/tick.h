@@ -17,6 +17,7 @@
 #include "service/haptics/applied/applied.h"
 #include "service/haptics/haptics.h"
 #include "service/loop/inputs.h"
+#include "service/loop/scene_motion.h"
 #include "service/tracker/tracker.h"
 
 namespace omni::loop {
@@ -65,6 +66,7 @@ struct Commands {
   double force_scale = 1;              // [0, 1], from apps.d
   HapticWaveform haptic;
   haptics::AppliedCommand applied;  // the owner's own forces and constraints
+  SceneControl scene;
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
 
@@ -84,6 +86,7 @@ struct LoopState {
   bool haptic_playing = false;
   bool haptic_counted = false;  // it has reached the coil command
   std::uint64_t haptic_pulses = 0;
+  SceneMotionState scene_motion;
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};  // tool frame, roll by minimal twist
 };
 static_assert(std::is_trivially_copyable_v<LoopState>);
@@ -98,9 +101,10 @@ struct TickOutput {
   base::Wrench wrench;          // after all gates; the torque is what the currents do besides
   base::CoilCurrents currents;  // the last word, finite, within limits
   base::InputState inputs;
-  bool wants_scene = false;         // ramped out: the caller may now swap to commands.scene_generation
-  std::uint64_t haptic_pulses = 0;  // waveforms that reached the coil command so far
-  std::uint32_t faults = 0;         // TickFault bits of this tick
+  std::uint64_t scene_generation = 0;  // that the contacts are of
+  bool wants_scene = false;            // ramped out: the caller may now swap to commands.scene_generation
+  std::uint64_t haptic_pulses = 0;     // waveforms that reached the coil command so far
+  std::uint32_t faults = 0;            // TickFault bits of this tick
   double gate = 0;
   bool near_singular = false;  // pen nearly perpendicular to the radius: one direction of force is faded out
   bool out_of_reach = false;   // no force can be made at this pose, or there is none

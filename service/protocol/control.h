@@ -37,7 +37,16 @@ enum class MessageType : std::uint16_t {
   kForceStop = 23,         // client -> server
   kForceOwner = 24,        // server -> client: who is felt
   kForceProperties = 25,   // server -> client: what the device can do
-  kAppSettings = 50        // server -> client: app_settings.h
+  kAppSettings = 50,       // server -> client: app_settings.h
+  // haptic_scene.h
+  kHapticSceneLoad = 30,    // client -> server, with one descriptor: a glTF document
+  kHapticSceneEnd = 31,     // client -> server
+  kHapticScenePlace = 32,   // client -> server
+  kHapticSceneEnable = 33,  // client -> server
+  kHapticNodes = 34,        // client -> server: where kinematic nodes are
+  kHapticMaterial = 35,     // client -> server
+  kHapticSceneState = 36,   // server -> client: text after it
+  kHapticSceneTable = 37    // server -> client: nodes and materials after it
 };
 
 struct MessageHeader {

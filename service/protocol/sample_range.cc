@@ -21,6 +21,14 @@ double Clamped(double value) noexcept {
   return std::isnan(value) ? kLargestValue : std::clamp(value, -kLargestValue, kLargestValue);
 }
 
+bool ContactInRange(const ContactSample& contact) noexcept {
+  const std::array<double, 3> scalars{contact.normal_force_N, contact.tangential_force_N, contact.penetration_m};
+  const auto& n = contact.normal_base;
+  return ValuesInRange(contact.point_base_m) && ValuesInRange(n) && ValuesInRange(contact.force_base_N) &&
+         ValuesInRange(contact.slip_base_m_s) && ValuesInRange(scalars) &&
+         std::abs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) <= kUnitTolerance;
+}
+
 }  // namespace
 
 bool InRange(const ToolSample& sample) noexcept {
@@ -40,6 +48,14 @@ bool InRange(const InputSnapshot& inputs) noexcept {
   if (!TimeInRange(inputs.t_ns)) return false;
   for (const InputValue& component : inputs.components) {
     if (!(std::abs(component.value) <= 1) || !TimeInRange(component.t_change_ns)) return false;
+  }
+  return true;
+}
+
+bool InRange(const ContactSnapshot& contacts) noexcept {
+  if (!TimeInRange(contacts.t_ns) || contacts.count > kMaxSampledContacts) return false;
+  for (std::uint32_t i = 0; i < contacts.count; ++i) {
+    if (!ContactInRange(contacts.contacts[i])) return false;
   }
   return true;
 }
@@ -67,6 +83,17 @@ InputSnapshot Tamed(const InputSnapshot& inputs) noexcept {
   for (InputValue& component : tamed.components) {
     component.value = std::isnan(component.value) ? 0.0f : std::clamp(component.value, -1.0f, 1.0f);
     component.t_change_ns = std::clamp<std::int64_t>(component.t_change_ns, 0, kLatestTime_ns);
+  }
+  return tamed;
+}
+
+ContactSnapshot Tamed(const ContactSnapshot& contacts) noexcept {
+  if (InRange(contacts)) return contacts;
+  ContactSnapshot tamed;
+  tamed.t_ns = std::clamp<std::int64_t>(contacts.t_ns, 0, kLatestTime_ns);
+  tamed.scene_generation = contacts.scene_generation;
+  for (std::uint32_t i = 0; i < std::min(contacts.count, kMaxSampledContacts); ++i) {
+    if (ContactInRange(contacts.contacts[i])) tamed.contacts[tamed.count++] = contacts.contacts[i];
   }
   return tamed;
 }

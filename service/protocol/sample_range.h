@@ -15,11 +15,14 @@ inline constexpr std::uint32_t kKnownToolFlags = kToolPoseValid | kToolTracked |
 
 bool InRange(const ToolSample& sample) noexcept;
 bool InRange(const InputSnapshot& inputs) noexcept;
+bool InRange(const ContactSnapshot& contacts) noexcept;
 
 // The sample itself if it is in range. Else: gap and sigma are clamped; if that does not help, there is no pose
 // (pose flags cleared, numbers at their defaults; time, joystick and alignment flags stay).
 ToolSample Tamed(const ToolSample& sample) noexcept;
 // Values are clamped to [-1, 1] (NaN to 0), times to [0, kLatestTime_ns].
 InputSnapshot Tamed(const InputSnapshot& inputs) noexcept;
+// Contacts that are out of range are left out.
+ContactSnapshot Tamed(const ContactSnapshot& contacts) noexcept;
 
 }  // namespace omni::protocol

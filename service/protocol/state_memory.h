@@ -1,6 +1,6 @@
 // The state memory: a memfd written by omnid's tick thread, mapped read-only by clients.
 //
-//   [StateHeader][InputBlock][RingSlot x kRingCapacity]
+//   [StateHeader][InputBlock][ContactBlock][RingSlot x kRingCapacity]
 //
 // Every shared word is a lock-free std::atomic<uint64_t>. A slot is a seqlock: `sequence` is odd while the writer
 // is inside, and 2 * (publication index + 1) when slot `index % kRingCapacity` holds publication `index`.
@@ -15,8 +15,8 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kStateMagic = 0x54534D4F;  // "OMST"
-inline constexpr std::uint32_t kStateVersion = 1;
-inline constexpr std::uint32_t kRingCapacity = 512;  // >= 250 ms at 1 kHz
+inline constexpr std::uint32_t kStateVersion = 2;         // 2: contacts
+inline constexpr std::uint32_t kRingCapacity = 512;       // >= 250 ms at 1 kHz
 inline constexpr int kMaxTornReads = 3;
 
 enum ToolFlag : std::uint32_t {
@@ -77,6 +77,27 @@ struct InputSnapshot {
 };
 static_assert(std::is_trivially_copyable_v<InputSnapshot> && sizeof(InputSnapshot) % 8 == 0);
 
+// What the tip touches, in the frame B. Objects and materials are numbered as in the scene.
+inline constexpr std::uint32_t kMaxSampledContacts = 4;
+struct ContactSample {
+  std::uint32_t object = 0;
+  std::uint32_t material = 0;
+  std::array<double, 3> point_base_m{};   // on the surface
+  std::array<double, 3> normal_base{};    // unit, towards the side the tip came from
+  std::array<double, 3> force_base_N{};   // that the contact asks for on the tip, before the device's limits
+  std::array<double, 3> slip_base_m_s{};  // of the tip along the surface, relative to it
+  double normal_force_N = 0, tangential_force_N = 0;
+  double penetration_m = 0;
+};
+struct ContactSnapshot {
+  std::int64_t t_ns = 0;               // CLOCK_MONOTONIC of the Hall sample
+  std::uint64_t scene_generation = 0;  // of the scene that is touched
+  std::uint32_t count = 0;
+  std::uint32_t reserved = 0;
+  std::array<ContactSample, kMaxSampledContacts> contacts{};
+};
+static_assert(std::is_trivially_copyable_v<ContactSnapshot> && sizeof(ContactSnapshot) % 8 == 0);
+
 using Word = std::atomic<std::uint64_t>;
 static_assert(Word::is_always_lock_free && sizeof(Word) == 8);
 
@@ -89,6 +110,7 @@ struct SeqlockCell {
 
 using RingSlot = SeqlockCell<ToolSample>;
 using InputBlock = SeqlockCell<InputSnapshot>;
+using ContactBlock = SeqlockCell<ContactSnapshot>;
 
 struct StateHeader {
   std::uint32_t magic = kStateMagic;
@@ -97,6 +119,8 @@ struct StateHeader {
   std::uint32_t ring_capacity = kRingCapacity;
   std::uint32_t slot_bytes = sizeof(RingSlot);
   std::uint32_t input_bytes = sizeof(InputBlock);
+  std::uint32_t contact_bytes = sizeof(ContactBlock);
+  std::uint32_t reserved = 0;
   std::uint64_t service_instance = 0;
   Word published{0};  // number of samples published so far; newest index = published - 1
 };
@@ -104,6 +128,7 @@ struct StateHeader {
 struct StateMemory {
   StateHeader header;
   alignas(64) InputBlock inputs;
+  alignas(64) ContactBlock contacts;
   alignas(64) std::array<RingSlot, kRingCapacity> ring;
 };
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "service/protocol/haptic_scene_range.h"
 #include "service/protocol/state_memory.h"
 #include "service/protocol/surface_memory.h"
 #include "service/protocol/text.h"
@@ -111,6 +112,37 @@ Message Take<SceneAnswer>(const char* name, const void* bytes, std::size_t size)
   return answer;
 }
 
+template <>
+Message Take<HapticSceneNews>(const char* name, const void* bytes, std::size_t size) noexcept {
+  HapticSceneNews news;
+  if (size < sizeof(news.state))
+    return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(news.state));
+  std::memcpy(static_cast<void*>(&news.state), bytes, sizeof(news.state));
+  if (const char* problem = Problem(news.state)) return Because("%s: %s", name, problem);
+  news.text = {static_cast<const char*>(bytes) + sizeof(news.state), size - sizeof(news.state)};
+  return news;
+}
+
+template <>
+Message Take<HapticSceneRows>(const char* name, const void* bytes, std::size_t size) noexcept {
+  HapticSceneRows rows;
+  if (size < sizeof(rows.table))
+    return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(rows.table));
+  std::memcpy(static_cast<void*>(&rows.table), bytes, sizeof(rows.table));
+  if (const char* problem = Problem(rows.table)) return Because("%s: %s", name, problem);
+  const std::size_t needed = sizeof(rows.table) + rows.table.node_count * sizeof(HapticNodeRow) +
+                             rows.table.material_count * sizeof(HapticFeel);
+  if (size != needed) return Because("%s of %zu bytes, must be %zu", name, size, needed);
+  rows.rows = static_cast<const std::byte*>(bytes) + sizeof(rows.table);
+  for (std::uint32_t i = 0; i < rows.table.node_count; ++i) {
+    if (const char* problem = Problem(rows.Node(i))) return Because("%s: node %u: %s", name, i, problem);
+  }
+  for (std::uint32_t i = 0; i < rows.table.material_count; ++i) {
+    if (const char* problem = Problem(rows.Material(i))) return Because("%s: material %u: %s", name, i, problem);
+  }
+  return rows;
+}
+
 struct TypeRow {
   MessageType type;
   const char* name;
@@ -137,6 +169,14 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kForceStop, "ForceStop", Take<ForceStop>},
     {MessageType::kForceOwner, "ForceOwner", Take<ForceOwner>},
     {MessageType::kForceProperties, "ForceProperties", Take<ForceProperties>},
+    {MessageType::kHapticSceneLoad, "HapticSceneLoad", Take<HapticSceneLoad>},
+    {MessageType::kHapticSceneEnd, "HapticSceneEnd", Take<HapticSceneEnd>},
+    {MessageType::kHapticScenePlace, "HapticScenePlace", Take<HapticScenePlace>},
+    {MessageType::kHapticSceneEnable, "HapticSceneEnable", Take<HapticSceneEnable>},
+    {MessageType::kHapticNodes, "HapticNodes", Take<HapticNodes>},
+    {MessageType::kHapticMaterial, "HapticMaterial", Take<HapticMaterial>},
+    {MessageType::kHapticSceneState, "HapticSceneState", Take<HapticSceneNews>},
+    {MessageType::kHapticSceneTable, "HapticSceneTable", Take<HapticSceneRows>},
 };
 
 const TypeRow* FindType(MessageType type) noexcept {
@@ -147,6 +187,19 @@ const TypeRow* FindType(MessageType type) noexcept {
 }
 
 }  // namespace
+
+HapticNodeRow HapticSceneRows::Node(std::uint32_t i) const noexcept {
+  HapticNodeRow row;
+  std::memcpy(static_cast<void*>(&row), rows + i * sizeof(row), sizeof(row));
+  return row;
+}
+
+HapticFeel HapticSceneRows::Material(std::uint32_t i) const noexcept {
+  HapticFeel feel;
+  std::memcpy(static_cast<void*>(&feel), rows + table.node_count * sizeof(HapticNodeRow) + i * sizeof(feel),
+              sizeof(feel));
+  return feel;
+}
 
 Message Validate(const void* bytes, std::size_t size) noexcept {
   if (size < sizeof(MessageHeader)) return Because("a packet of %zu bytes is shorter than a header", size);

@@ -10,6 +10,7 @@
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
+#include "service/protocol/haptic_scene.h"
 
 namespace omni::protocol {
 
@@ -33,9 +34,25 @@ struct SceneAnswer {
   std::string_view text;
 };
 
-using Message = std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply,
-                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, AppSettings, ForceClaim,
-                             ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties>;
+// A HapticSceneState with the text behind it, a view into the validated bytes.
+struct HapticSceneNews {
+  HapticSceneState state;
+  std::string_view text;
+};
+
+// A HapticSceneTable; rows are copied out of the validated bytes one by one (they need not be aligned there).
+struct HapticSceneRows {
+  HapticSceneTable table;
+  const std::byte* rows = nullptr;
+  HapticNodeRow Node(std::uint32_t i) const noexcept;   // i < table.node_count
+  HapticFeel Material(std::uint32_t i) const noexcept;  // i < table.material_count
+};
+
+using Message =
+    std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply, Notice,
+                 SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, HapticSceneLoad, HapticSceneEnd, HapticScenePlace,
+                 HapticSceneEnable, HapticNodes, HapticMaterial, HapticSceneNews, HapticSceneRows, AppSettings,
+                 ForceClaim, ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;

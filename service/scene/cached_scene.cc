@@ -16,7 +16,12 @@ namespace {
 Json ReportsJson(const LoadReport& load, const haptics::BuildReport& build) {
   Json rows = Json::array();
   for (const ExplainRow& row : load.rows) rows.push_back({row.pointer, row.name, row.loaded, row.why, row.bytes});
+  Json objects = Json::array();
+  for (const ObjectSource& from : load.objects) {
+    objects.push_back({from.node, from.rest_rotation_wxyz, from.rest_position_m});
+  }
   return {{"rows", rows},
+          {"objects", objects},
           {"warnings", load.warnings},
           {"bytes", {load.file_bytes, load.bytes_read}},
           {"fit_scale", load.fit_scale},
@@ -30,6 +35,7 @@ void ReadReports(const Json& json, LoadReport& load, haptics::BuildReport& build
   for (const Json& row : json.at("rows")) {
     load.rows.push_back({row.at(0), row.at(1), row.at(2), row.at(3), row.at(4)});
   }
+  for (const Json& from : json.at("objects")) load.objects.push_back({from.at(0), from.at(1), from.at(2)});
   load.warnings = json.at("warnings").get<std::vector<std::string>>();
   load.file_bytes = json.at("bytes").at(0);
   load.bytes_read = json.at("bytes").at(1);

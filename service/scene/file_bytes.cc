@@ -27,6 +27,16 @@ void FileBytes::Open(const std::string& path, std::uint64_t max_bytes, bool foll
   descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | (follow_links ? 0 : O_NOFOLLOW));
   if (descriptor_ < 0)
     throw LoadError("", "cannot be opened (" + ReasonOf(errno) + "); check the path and its permissions");
+  Examine(max_bytes);
+}
+
+void FileBytes::OpenDescriptor(int descriptor, std::uint64_t max_bytes) {
+  descriptor_ = fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
+  if (descriptor_ < 0) throw LoadError("", "cannot be opened (" + ReasonOf(errno) + ")");
+  Examine(max_bytes);
+}
+
+void FileBytes::Examine(std::uint64_t max_bytes) {
   struct stat status {};
   if (fstat(descriptor_, &status) != 0) throw LoadError("", "cannot be examined (" + ReasonOf(errno) + ")");
   if (!S_ISREG(status.st_mode)) throw LoadError("", "is not a regular file; name a .glb or .gltf file");

@@ -20,6 +20,9 @@ class FileBytes {
   // `follow_links` = false also refuses a symbolic link in the last component.
   void Open(const std::string& path, std::uint64_t max_bytes, bool follow_links);
 
+  // The same for an open descriptor, which stays the caller's.
+  void OpenDescriptor(int descriptor, std::uint64_t max_bytes);
+
   // Everything read from now on is added to `digest`, which outlives this.
   void AddTo(Sha256* digest) { digest_ = digest; }
 
@@ -30,6 +33,8 @@ class FileBytes {
   void Read(std::uint64_t offset, void* to, std::size_t count);
 
  private:
+  void Examine(std::uint64_t max_bytes);
+
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
   std::uint64_t bytes_read_ = 0;

@@ -24,10 +24,15 @@ std::uint32_t LittleEndian(const unsigned char* bytes) {
 
 }  // namespace
 
-void GltfFile::Open(const std::string& path, std::uint64_t max_file_bytes, LoadReport& report) {
+void GltfFile::Open(const std::string& path, const LoadOptions& options, LoadReport& report) {
   path_ = path;
-  max_file_bytes_ = max_file_bytes;
-  file_.Open(path, max_file_bytes, true);
+  max_file_bytes_ = options.max_file_bytes;
+  in_memory_ = options.memory >= 0;
+  if (in_memory_) {
+    file_.OpenDescriptor(options.memory, max_file_bytes_);
+  } else {
+    file_.Open(path, max_file_bytes_, true);
+  }
   file_.AddTo(&digest_);
   report.file_bytes = file_.size();
   root_ = ParseJson(ReadJsonText(report));
@@ -96,6 +101,11 @@ std::uint64_t GltfFile::bytes_read() const {
 }
 
 FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& pointer) {
+  if (in_memory_) {
+    throw LoadError(pointer,
+                    "names \"" + uri.substr(0, 60) +
+                        "\", but a document in memory has no files beside it: export as .glb, or with data URIs");
+  }
   const std::string name = LocalFileName(uri, pointer);
   const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
   FileBytes& bytes = external_.emplace_back();

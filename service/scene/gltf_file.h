@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kMaxJsonBytes = 64ull << 20;
 class GltfFile {
  public:
   // Throws LoadError. Appends warnings to `report`.
-  void Open(const std::string& path, std::uint64_t max_file_bytes, LoadReport& report);
+  void Open(const std::string& path, const LoadOptions& options, LoadReport& report);
 
   const Json& root() const { return root_; }
   std::uint64_t file_bytes() const { return file_.size(); }
@@ -46,6 +46,7 @@ class GltfFile {
   void OpenExternal(const std::string& uri, const std::string& pointer, Buffer& buffer);
 
   std::string path_;
+  bool in_memory_ = false;
   std::uint64_t max_file_bytes_ = 0;
   Sha256 digest_;
   FileBytes file_;

@@ -34,9 +34,8 @@ void JoinTo(haptics::InputObject part, haptics::InputObject& whole) {
 
 bool JoinBeyondLimit(std::vector<haptics::InputObject>& objects) {
   if (objects.size() <= haptics::kMaxObjects) return false;
-  constexpr std::size_t kKinds = 8;
   std::vector<haptics::InputObject> kept(std::make_move_iterator(objects.begin()),
-                                         std::make_move_iterator(objects.begin() + haptics::kMaxObjects - kKinds));
+                                         std::make_move_iterator(objects.begin() + kKeptApart));
   std::map<std::tuple<bool, bool, bool>, haptics::InputObject> joined;
   for (std::size_t i = kept.size(); i < objects.size(); ++i) {
     haptics::InputObject& from = objects[i];

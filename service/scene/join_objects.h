@@ -1,11 +1,16 @@
 // Joining objects where a scene has more than haptics holds. Set-up only.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
+#include "service/haptics/scene.h"
 #include "service/haptics/scene_input.h"
 
 namespace omni::scene {
+
+// The first so many objects are left as they are when there are more than haptics::kMaxObjects.
+inline constexpr std::size_t kKeptApart = haptics::kMaxObjects - 8;
 
 // Appends `part` to `whole`; texture coordinates that only one of them has are "not a number" for the other, which
 // means: no texture there.

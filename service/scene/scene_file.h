@@ -1,6 +1,7 @@
 // glTF file -> haptics::SceneInput. tinygltf is confined to one .cc; only what haptics needs is read.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@
 namespace omni::scene {
 
 struct LoadOptions {
+  bool all_kinematic = false;   // every node may be moved, whatever its tag says
+  int memory = -1;              // descriptor of the document, which nobody changes any more; stays the caller's. The
+                                // path is its name then, for messages, and nothing beside it is read. < 0: none
   bool touch_untagged = false;  // a file without any haptic tag is touched as a whole, with the default material
   bool fit = false;             // scale and move into reach: what is touched lies 5-30 mm above the hull
   base::Vec3 offset_base_m;
@@ -30,7 +34,15 @@ struct ExplainRow {
   std::string why;          // why it is on or off
   std::uint64_t bytes = 0;  // read from the file for it
 };
+
+// The node that an object comes from.
+struct ObjectSource {
+  std::int32_t node = -1;                                // index in the document; -1: several were joined
+  std::array<double, 4> rest_rotation_wxyz{1, 0, 0, 0};  // node in the document's frame (y up), unit, without its scale
+  std::array<double, 3> rest_position_m{};
+};
 struct LoadReport {
+  std::vector<ObjectSource> objects;  // one an object of the scene
   std::vector<ExplainRow> rows;
   std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;

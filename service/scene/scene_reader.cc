@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <map>
@@ -26,6 +27,24 @@ namespace {
 
 base::Vec3 ToBase(const glm::dvec4& p) { return {p.x, -p.z, p.y}; }
 
+// The node's place and orientation; of one that is mirrored or sheared, a rotation near to its axes.
+ObjectSource SourceOf(const NodeVisit& node) {
+  ObjectSource source;
+  source.node = static_cast<std::int32_t>(node.node);
+  for (int k = 0; k < 3; ++k) source.rest_position_m[static_cast<std::size_t>(k)] = node.world[3][k];
+  glm::dmat3 axes(node.world);
+  if (glm::determinant(axes) < 0) axes = -axes;
+  const double x = glm::length(axes[0]);
+  const glm::dvec3 u = x > 0 ? axes[0] / x : glm::dvec3(1, 0, 0);
+  const glm::dvec3 across = axes[1] - glm::dot(axes[1], u) * u;
+  const double y = glm::length(across);
+  if (!(x > 0 && y > 1e-9 * x)) return source;
+  const glm::dvec3 v = across / y;
+  const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(u, v, glm::cross(u, v))));
+  source.rest_rotation_wxyz = {q.w, q.x, q.y, q.z};
+  return source;
+}
+
 }  // namespace
 
 // Everything that is read once and used by the steps below.
@@ -35,7 +54,7 @@ class SceneReader::Loader {
       : path_(std::move(path)), options_(options), report_(report), warnings_(path_, report.warnings) {}
 
   bool ReadBytes() {
-    file_.Open(path_, options_.max_file_bytes, report_);
+    file_.Open(path_, options_, report_);
     input_.name = std::filesystem::path(path_).stem().string();
     nodes_ = WalkNodes(file_.root(), options_, warnings_);
     binding_.emplace(file_.root(), warnings_);
@@ -56,11 +75,14 @@ class SceneReader::Loader {
     }
     const std::size_t objects = input_.objects.size();
     if (JoinBeyondLimit(input_.objects)) {
+      sources_.resize(kKeptApart);
       report_.rows.push_back({"/nodes", "", true,
                               std::to_string(objects) + " objects, " + std::to_string(haptics::kMaxObjects) +
                                   " are kept apart; the others are joined into one of their kind",
                               0});
     }
+    sources_.resize(input_.objects.size());
+    report_.objects = std::move(sources_);
     input_.tip_radius_m = TipRadius();
     input_.materials = binding_->TakeMaterials();
     if (input_.materials.empty()) input_.materials.emplace_back();
@@ -233,6 +255,7 @@ class SceneReader::Loader {
     haptics::InputObject object;
     object.name = node.name;
     object.source = node.pointer;
+    object.kinematic = options_.all_kinematic;
     std::uint64_t bytes = 0;
     const std::vector<glm::dmat4> places = PlacesOf(node);
     for (auto& [primitive, decoded] : by_mesh_[*node.mesh]) {
@@ -253,6 +276,7 @@ class SceneReader::Loader {
     if (object.kinematic) why += ", kinematic";
     Explain(node, true, why + ", " + std::to_string(object.triangles.size()) + " triangles", bytes);
     input_.objects.push_back(std::move(object));
+    sources_.push_back(SourceOf(node));
   }
 
   // Where the node's mesh stands: once, or at each instance.
@@ -360,6 +384,7 @@ class SceneReader::Loader {
   std::map<std::uint32_t, std::vector<MeshPart>> by_mesh_;
   std::map<std::uint32_t, std::vector<Instance>> instances_;  // by node
   std::vector<haptics::Checkpoint> checkpoints_;
+  std::vector<ObjectSource> sources_;  // of input_.objects
   bool any_tag_ = false;
 };
 

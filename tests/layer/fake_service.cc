@@ -1,6 +1,7 @@
 #include "tests/layer/fake_service.h"
 
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -60,7 +61,8 @@ void FakeService::Fill() {
     sample.t_ns = last_t_ns_;
     sample.flags = flags_;
     trajectory_(sample);
-    inputs_.t_ns = last_t_ns_;
+    inputs_.t_ns = contacts_.t_ns = last_t_ns_;
+    publisher_->PublishContacts(contacts_);
     publisher_->Publish(sample, inputs_);
   }
 }
@@ -136,6 +138,47 @@ void FakeService::OnPeriod(std::int64_t) {
   settings_due_ = false;
   if (properties_ && server_->SendForceProperties(client_, *properties_)) properties_.reset();
   if (owner_ && server_->SendForceOwner(client_, *owner_)) owner_.reset();
+  while (!to_say_.empty() && server_->TrySend(client_, to_say_.front().data(), to_say_.front().size())) {
+    to_say_.erase(to_say_.begin());
+  }
+}
+
+void FakeService::Say(const std::string& message) {
+  const std::lock_guard lock(mutex_);
+  to_say_.push_back(message);
+}
+
+void FakeService::OnHapticSceneLoad(ipc::ClientId, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) {
+  std::string bytes(load.bytes, '\0');
+  if (::pread(document.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) bytes.clear();
+  const std::lock_guard lock(mutex_);
+  heard_.scene_loads.push_back(load);
+  heard_.scene_documents.push_back(bytes);
+}
+
+void FakeService::OnHapticSceneEnd(ipc::ClientId, const protocol::HapticSceneEnd& end) {
+  const std::lock_guard lock(mutex_);
+  heard_.scene_ends.push_back(end.number);
+}
+
+void FakeService::OnHapticScenePlace(ipc::ClientId, const protocol::HapticScenePlace& place) {
+  const std::lock_guard lock(mutex_);
+  heard_.scene_places.push_back(place);
+}
+
+void FakeService::OnHapticSceneEnable(ipc::ClientId, const protocol::HapticSceneEnable& enable) {
+  const std::lock_guard lock(mutex_);
+  heard_.scene_enables.push_back(enable);
+}
+
+void FakeService::OnHapticNodes(ipc::ClientId, const protocol::HapticNodes& nodes) {
+  const std::lock_guard lock(mutex_);
+  heard_.scene_nodes.push_back(nodes);
+}
+
+void FakeService::OnHapticMaterial(ipc::ClientId, const protocol::HapticMaterial& material) {
+  const std::lock_guard lock(mutex_);
+  heard_.scene_materials.push_back(material);
 }
 
 }  // namespace omni::test

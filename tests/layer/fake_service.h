@@ -25,6 +25,14 @@ struct Heard {
   int haptic_stops = 0;
   std::vector<protocol::ForceRequest> forces;
   int gone = 0;
+  // Of the scene that the application gave itself.
+  std::vector<protocol::HapticSceneLoad> scene_loads;
+  std::vector<std::string> scene_documents;  // as they came along
+  std::vector<std::uint32_t> scene_ends;
+  std::vector<protocol::HapticScenePlace> scene_places;
+  std::vector<protocol::HapticSceneEnable> scene_enables;
+  std::vector<protocol::HapticNodes> scene_nodes;
+  std::vector<protocol::HapticMaterial> scene_materials;
   // Empty: no session was ever reported.
   std::optional<protocol::SessionState> last_session() const {
     return sessions.empty() ? std::nullopt : std::optional(sessions.back());
@@ -52,6 +60,10 @@ class FakeService : private ipc::ServerHandler {
 
   // Tells the layer of the service's wishes: now, and to who connects later.
   void Wish(const protocol::AppSettings& settings);
+  // A whole message to the newest client, within a period.
+  void Say(const std::string& message);
+  // What is touched, from now on.
+  void SetContacts(const protocol::ContactSnapshot& contacts) { contacts_ = contacts; }
 
   Heard heard() const;
   std::int64_t last_beat_ns() const { return last_beat_ns_; }
@@ -64,12 +76,20 @@ class FakeService : private ipc::ServerHandler {
   void OnHapticStop(ipc::ClientId id) override;
   void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
   void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
+  void OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) override;
+  void OnHapticSceneEnd(ipc::ClientId id, const protocol::HapticSceneEnd& end) override;
+  void OnHapticScenePlace(ipc::ClientId id, const protocol::HapticScenePlace& place) override;
+  void OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) override;
+  void OnHapticNodes(ipc::ClientId id, const protocol::HapticNodes& nodes) override;
+  void OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial& material) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
 
   Trajectory trajectory_;
   std::uint32_t flags_ = protocol::kToolPoseValid | protocol::kToolTracked;
   protocol::InputSnapshot inputs_;
+  protocol::ContactSnapshot contacts_;
+  std::vector<std::string> to_say_;
   std::int64_t last_t_ns_ = 0;
   mutable std::mutex mutex_;
   Heard heard_;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -39,10 +40,41 @@ std::vector<Bytes> Seeds() {
   MessageHeader reply;
   reply.type = MessageType::kStatusReply;
   reply.size = sizeof(reply);
-  return {BytesOf(Hello{}),  BytesOf(welcome),        BytesOf(Reject{}),        BytesOf(Session{}),
-          BytesOf(Haptic{}), BytesOf(HapticStop{}),   BytesOf(StatusRequest{}), BytesOf(Notice{}),
-          BytesOf(reply),    BytesOf(SceneCommand{}), BytesOf(SceneReply{}),    BytesOf(SurfaceRequest{}),
-          BytesOf(surfaces), BytesOf(AppSettings{})};
+  HapticSceneLoad load;
+  load.number = 1;
+  load.bytes = 100;
+  HapticScenePlace place;
+  place.number = 1;
+  HapticNodes nodes;
+  nodes.number = nodes.count = 1;
+  HapticMaterial material;
+  material.number = 1;
+  HapticSceneState state;
+  state.number = 1;
+  HapticSceneTable table;
+  table.number = 1;
+  return {BytesOf(load),
+          BytesOf(place),
+          BytesOf(nodes),
+          BytesOf(material),
+          BytesOf(state),
+          BytesOf(table),
+          BytesOf(HapticSceneEnd{}),
+          BytesOf(HapticSceneEnable{}),
+          BytesOf(Hello{}),
+          BytesOf(welcome),
+          BytesOf(Reject{}),
+          BytesOf(Session{}),
+          BytesOf(Haptic{}),
+          BytesOf(HapticStop{}),
+          BytesOf(StatusRequest{}),
+          BytesOf(Notice{}),
+          BytesOf(reply),
+          BytesOf(SceneCommand{}),
+          BytesOf(SceneReply{}),
+          BytesOf(SurfaceRequest{}),
+          BytesOf(surfaces),
+          BytesOf(AppSettings{})};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {
@@ -91,6 +123,36 @@ struct Contract {
   void operator()(const SceneAnswer& answer) const {
     EXPECT_EQ(answer.text.size(), size - sizeof(SceneReply));
     EXPECT_TRUE(answer.reply.done == 1 || answer.reply.file_bytes == 0);
+  }
+  static bool Within(const std::array<double, 3>& v) {
+    return std::all_of(v.begin(), v.end(), [](double x) { return std::abs(x) <= 1e3; });
+  }
+  static void Check(const ScenePose& pose) {
+    const auto& q = pose.rotation_wxyz;
+    EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 0.02);
+    EXPECT_TRUE(Within(pose.position_m) && Within(pose.velocity_m_s) && Within(pose.angular_velocity_rad_s));
+  }
+  void operator()(const HapticSceneLoad& load) const {
+    EXPECT_TRUE(load.number != 0 && load.bytes >= 1 && load.bytes <= kMaxHapticSceneBytes);
+    EXPECT_TRUE(load.scale >= kLeastSceneScale && load.scale <= kMostSceneScale);
+  }
+  void operator()(const HapticScenePlace& place) const { Check(place.pose); }
+  void operator()(const HapticNodes& nodes) const {
+    ASSERT_TRUE(nodes.count >= 1 && nodes.count <= kMaxHapticNodesMoved);
+    for (std::uint32_t i = 0; i < nodes.count; ++i) {
+      EXPECT_LT(nodes.nodes[i].object, kMaxHapticNodes);
+      Check(nodes.nodes[i].pose);
+    }
+  }
+  void operator()(const HapticMaterial& material) const {
+    EXPECT_TRUE(material.feel.stiffness_N_m >= 0 && material.feel.stiffness_N_m <= 2000);
+    EXPECT_LT(material.material, kMaxHapticMaterials);
+  }
+  void operator()(const HapticSceneNews& news) const { EXPECT_EQ(news.text.size(), size - sizeof(HapticSceneState)); }
+  void operator()(const HapticSceneRows& rows) const {
+    EXPECT_EQ(size, sizeof(HapticSceneTable) + rows.table.node_count * sizeof(HapticNodeRow) +
+                        rows.table.material_count * sizeof(HapticFeel));
+    for (std::uint32_t i = 0; i < rows.table.node_count; ++i) EXPECT_TRUE(IsTerminated(rows.Node(i).name));
   }
   template <class T>
   void operator()(const T&) const {

@@ -58,10 +58,14 @@ Meeting Meet(const Touchables& touchables, const Input& input, const ContactStat
   return met;
 }
 
-const Material& MaterialOf(const Touchables& touchables, const ContactState& contact) noexcept {
-  return touchables.On(contact.object, [&](const auto& view) noexcept -> const Material& {
-    return touchables.scene().materials()[view.GetTriangle(contact.triangle).material];
+std::uint32_t MaterialIndex(const Touchables& touchables, const ContactState& contact) noexcept {
+  return touchables.On(contact.object, [&](const auto& view) noexcept -> std::uint32_t {
+    return view.GetTriangle(contact.triangle).material;
   });
+}
+
+const Material& MaterialOf(const Touchables& touchables, const ContactState& contact) noexcept {
+  return touchables.MaterialAt(MaterialIndex(touchables, contact));
 }
 
 // What images make of the material's factors at the proxy   (T.1).
@@ -79,6 +83,11 @@ Felt FeltAt(const Touchables& touchables, const Material& m, const ContactState&
     return static_cast<double>(SampleTexture(touchables.scene(), texture, contact.triangle, weights));
   };
   return {sample(m.stiffness_texture), sample(m.friction_texture), sample(m.vibrotactile_texture)};
+}
+
+// What of a velocity is along a surface.
+Vec3 SlipAlong(const Vec3& velocity_m_s, const Vec3& normal) noexcept {
+  return velocity_m_s - Dot(velocity_m_s, normal) * normal;
 }
 
 // One contact at a time, with what all share.
@@ -138,13 +147,15 @@ struct Law {
     result.force_N = met.frame.BaseDirection(result.force_N);
     contact.normal = met.normal;
     result.report = {.object = contact.object,
-                     .material = static_cast<std::uint32_t>(&m - touchables.scene().materials().data()),
+                     .material = MaterialIndex(touchables, contact),
                      .triangle = contact.triangle,
                      .point_base_m = {},
                      .normal_base = met.frame.BaseDirection(met.normal),
                      .gap_m = -met.depth_m,
                      .normal_force_N = normal_N,
-                     .tangential_force_N = Norm(friction)};
+                     .tangential_force_N = Norm(friction),
+                     .force_base_N = result.force_N,
+                     .slip_base_m_s = met.frame.BaseDirection(SlipAlong(met.velocity_m_s, met.normal))};
     return result;
   }
 

@@ -47,7 +47,10 @@ Touchables::Touchables(const Scene& scene, const Input& input, State& state) noe
     TakeSculpted(state);
     TakeSoft(state);
   }
+  while (live_materials_ < kMaxLiveMaterials && state.materials[live_materials_].material != kNoIndex)
+    ++live_materials_;
   TakePoses(input, state);
+  if (input.scene_motion == SceneMotion::kLeaps) changed_ = ~std::uint64_t{0};
 }
 
 void Touchables::TakeSculpted(State& state) noexcept {
@@ -89,7 +92,7 @@ void Touchables::TakePoses(const Input& input, State& state) noexcept {
     const Target target = TargetOf(pose.object);
     const Frame frame = FrameOf(pose.object);
     const Vec3 step = frame.ToRest(state.last_device_point_base_m) - target.from;
-    if (!(Norm(step) < kPoseLeap_m)) changed_ |= std::uint64_t{1} << pose.object;
+    if (pose.leaps || !(Norm(step) < kPoseLeap_m)) changed_ |= std::uint64_t{1} << pose.object;
   }
 }
 

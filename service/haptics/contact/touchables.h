@@ -42,6 +42,13 @@ class Touchables {
   const SoftBody* SoftOf(std::uint32_t object) const noexcept {
     return state_.is_soft[object] != 0 ? scene_.live()->soft_body(object) : nullptr;
   }
+  // As it is felt now; materials that the application has changed are in the state.
+  const Material& MaterialAt(std::uint32_t material) const noexcept {
+    for (std::uint32_t n = 0; n < live_materials_; ++n) {
+      if (state_.materials[n].material == material) return state_.materials[n].now;
+    }
+    return scene_.materials()[material];
+  }
   // The tip over the surface as the soft body carries it under this contact: x - u(s)   (deformable.md 8.1)
   Vec3 TipOver(const Target& target, const ContactState& contact) const noexcept;
 
@@ -82,6 +89,7 @@ class Touchables {
   double per_dt_ = 0;  // 1 / dt, 0 for no time
   std::array<Sculpted, kMaxSculpted> sculpted_{};
   std::uint32_t sculpted_count_ = 0;
+  std::uint32_t live_materials_ = 0;
   std::uint64_t changed_ = 0;  // a bit an object
   bool moving_ = false;
 };

@@ -1,0 +1,26 @@
+// What omnid says about the scene that an application gave it (protocol/haptic_scene.h).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/protocol/haptic_scene.h"
+
+namespace omni::client {
+
+struct HapticSceneTable {
+  std::uint32_t number = 0;
+  std::vector<protocol::HapticNodeRow> nodes;  // row i is object i
+  std::vector<protocol::HapticFeel> materials;
+};
+
+// Either a state with its text, or a table.
+struct HapticSceneUpdate {
+  bool is_table = false;
+  protocol::HapticSceneState state;
+  std::string text;
+  HapticSceneTable table;
+};
+
+}  // namespace omni::client

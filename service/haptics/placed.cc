@@ -1,0 +1,116 @@
+#include "service/haptics/placed.h"
+
+#include "service/haptics/contact/contact_slots.h"
+#include "service/haptics/contact/frame.h"
+
+namespace omni::haptics {
+namespace {
+
+bool IsPlacement(const Placement& placement) noexcept {
+  const base::Quat& q = placement.rotation;
+  const double norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  return std::abs(norm2 - 1) < 1e-6 && Within(placement.translation_m, kFarthestPlacement_m);
+}
+
+Frame PlacementFrame(const Placement& placement) noexcept {
+  return {false, placement.rotation, placement.translation_m};
+}
+
+// Rows r of a 3x3 (row-major) that act on vectors of the base frame, for those of the scene's: M' = M R.
+std::array<double, 9> ActingOnScene(const std::array<double, 9>& M, const Frame& frame) noexcept {
+  std::array<double, 9> turned{};
+  for (std::size_t r = 0; r < 3; ++r) {
+    const Vec3 row = frame.RestDirection({M[3 * r], M[3 * r + 1], M[3 * r + 2]});
+    turned[3 * r] = row.x;
+    turned[3 * r + 1] = row.y;
+    turned[3 * r + 2] = row.z;
+  }
+  return turned;
+}
+
+// The same device as the scene's frame sees it. Only what is asked for a force is turned; what currents do besides is
+// not asked in the renderer.
+base::ForceLimit InScene(const base::ForceLimit& limit, const Frame& frame) noexcept {
+  base::ForceLimit turned = limit;
+  turned.ampere_per_newton = ActingOnScene(limit.ampere_per_newton, frame);
+  return turned;
+}
+
+// Vectors that were in the scene's frame as it stood, in the frame as it stands: the base frame sees no change.
+struct Turn {
+  const Frame& before;
+  const Frame& now;
+  Vec3 operator()(const Vec3& v) const noexcept { return now.RestDirection(before.BaseDirection(v)); }
+};
+
+// The frame of an object within its scene.
+Frame FrameIn(const State& state, std::uint32_t object) noexcept {
+  for (const MovedObject& moved : state.moved) {
+    if (moved.object == object) return {false, moved.rotation, moved.translation_m};
+  }
+  return {};
+}
+
+// What is touched is left where it was, and its force fades out; what is around the tip in the new place is taken on by
+// Touchables.
+void Leap(const Frame& before, const Frame& now, bool drives, State& state) noexcept {
+  const Turn turn{before, now};
+  Vec3 left_N = (state.left_fade_s / kSwapFade_s) * state.left_N;
+  for (const ContactState& contact : state.contacts) {
+    if (!contact.active || contact.popped) continue;
+    left_N = left_N + FrameIn(state, contact.object).BaseDirection(contact.last_force_N);
+  }
+  state.contacts.fill({});
+  state.left_N = turn(left_N);
+  state.left_fade_s = SquaredNorm(left_N) > 1e-12 ? kSwapFade_s : 0;
+  state.last_device_point_base_m = now.ToRest(before.ToBase(state.last_device_point_base_m));
+  state.energy.has_tip = false;
+  state.far_distance_m = 0;
+  state.ramp = drives ? 0 : state.ramp;  // a stick's spring knows no other place: it fades in there
+}
+
+// What the tip does in the scene's frame.
+Input InScene(const Input& input, const Frame& before, const Frame& now, bool moves, bool leaps) noexcept {
+  Input seen = input;
+  seen.device_point_base_m = now.ToRest(input.device_point_base_m);
+  Vec3 velocity_m_s = input.velocity_base_m_s;
+  if (moves && !leaps && input.dt_s > 0) {
+    const Vec3 was_m = before.ToBase(seen.device_point_base_m);
+    velocity_m_s = velocity_m_s - (1 / input.dt_s) * (input.device_point_base_m - was_m);
+  }
+  seen.velocity_base_m_s = now.RestDirection(velocity_m_s);
+  seen.axis_base = now.RestDirection(input.axis_base);
+  seen.limit = InScene(input.limit, now);
+  seen.scene_motion = leaps ? SceneMotion::kLeaps : moves ? SceneMotion::kMoves : SceneMotion::kStill;
+  return seen;
+}
+
+void OutputToBase(const Frame& frame, Output& output) noexcept {
+  output.force_base_N = frame.BaseDirection(output.force_base_N);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(output.contact_count); ++k) {
+    Contact& contact = output.contacts[k];
+    contact.point_base_m = frame.ToBase(contact.point_base_m);
+    contact.normal_base = frame.BaseDirection(contact.normal_base);
+    contact.force_base_N = frame.BaseDirection(contact.force_base_N);
+    contact.slip_base_m_s = frame.BaseDirection(contact.slip_base_m_s);
+  }
+}
+
+}  // namespace
+
+void StepPlaced(const Config& config, const Scene& scene, const Placement& placement, bool leaps, const Input& input,
+                State& state, Output& output) noexcept {
+  const Placement there = IsPlacement(placement) ? placement : state.placement;
+  if (there == Placement{} && state.placement == Placement{} && !leaps) {
+    return Step(config, scene, input, state, output);
+  }
+  const Frame before = PlacementFrame(state.placement), now = PlacementFrame(there);
+  const bool moves = !(there == state.placement);
+  if (moves) state.last_force_N = Turn{before, now}(state.last_force_N);
+  if (leaps) Leap(before, now, !scene.empty() && scene.header().has_joystick != 0, state);
+  state.placement = there;
+  Step(config, scene, InScene(input, before, now, moves, leaps), state, output);
+  OutputToBase(now, output);
+}
+
+}  // namespace omni::haptics
