@@ -111,12 +111,14 @@ bool Differs(const Motion& a, const Motion& b) noexcept {
 
 Pose DocumentAxes() { return {glm::dvec3(0), glm::dquat(kHalfRoot, kHalfRoot, 0, 0)}; }
 
-bool IsFinite(const XrVector3f& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool IsFiniteVector(const XrVector3f& v) noexcept {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 bool IsUnitPose(const XrPosef& pose) noexcept {
   const XrQuaternionf& q = pose.orientation;
   const float norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  return std::abs(norm - 1) <= 0.01f && IsFinite(pose.position);
+  return std::abs(norm - 1) <= 0.01f && IsFiniteVector(pose.position);
 }
 
 XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) noexcept {
@@ -333,7 +335,8 @@ XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodes
     const XrHapticNodePoseOMNIX1& node = info->nodes[i];
     if (!IsUnitPose(node.pose)) return XR_ERROR_POSE_INVALID;
     const bool known = (node.flags & ~XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1) == 0;
-    if (!known || !IsFinite(node.linearVelocity) || !IsFinite(node.angularVelocity)) return XR_ERROR_VALIDATION_FAILURE;
+    if (!known || !IsFiniteVector(node.linearVelocity) || !IsFiniteVector(node.angularVelocity))
+      return XR_ERROR_VALIDATION_FAILURE;
   }
   Motion X_OB;
   if (info->baseSpace != XR_NULL_HANDLE) {
