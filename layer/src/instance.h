@@ -165,10 +165,6 @@ class Instance {
   XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                XrSpaceLocations* locations);
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
-  struct HapticRoute {
-    bool to_pen = false;
-    bool to_runtime = true;
-  };
   // force_feedback.cc, force_queries.cc
   void DestroyForcesOf(XrSession session);
   void ForgetForces(const Session& session);  // it has lost the focus
@@ -179,6 +175,10 @@ class Instance {
   void WatchForces();
   bool IsOfDestroyedForce(const XrEventDataBuffer& event) const;
 
+  struct HapticRoute {
+    bool to_pen = false;
+    bool to_runtime = true;
+  };
   HapticRoute RouteHaptic(XrSession session, const XrHapticActionInfo* info) const;
 
   const std::vector<std::string> enabled_;

@@ -107,10 +107,12 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
   });
   if (due == XR_NULL_HANDLE) {
-    while (events.Pop(*event))
-      if (!IsOfDestroyedForce(*event)) return XR_SUCCESS;
-    *event = {XR_TYPE_EVENT_DATA_BUFFER, nullptr, {}};
-    return result;
+    XrEventDataBuffer ours;
+    do {
+      if (!events.Pop(ours)) return result;
+    } while (IsOfDestroyedForce(ours));
+    *event = ours;
+    return XR_SUCCESS;
   }
   const XrEventDataInteractionProfileChanged changed{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr, due};
   std::memcpy(event, &changed, sizeof(changed));

@@ -152,6 +152,30 @@ TEST(Applied, ConstraintsComeBackAfterSilence) {
   EXPECT_NEAR(bench.output.force_base_N.x, before.x, 1e-9);
 }
 
+// From one set to another, and to none: a tenth of the difference each tick, although the slew limit would allow 0.85
+// N.
+TEST(Applied, ChangesOfConstraintsAreBlended) {
+  Bench bench;
+  bench.Set({Spring(400, {-0.002, 0, 0})});
+  for (int i = 0; i < 300; ++i) bench.Tick();
+  Vec3 last = bench.output.force_base_N;
+  ASSERT_NEAR(last.x, -0.8, 1e-9);
+  bench.Set({Spring(400, {0.001, 0, 0})});
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 now = bench.Tick();
+    EXPECT_LE(Norm(now - last), 0.13) << i;
+    last = now;
+  }
+  EXPECT_NEAR(last.x, 0.4, 1e-9);
+  bench.Set({});
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 now = bench.Tick();
+    EXPECT_LE(Norm(now - last), 0.13) << i;
+    last = now;
+  }
+  EXPECT_EQ(last, Vec3{});
+}
+
 // A pen that is not seen for a while gets the force back if its time is not up, and never one whose time is.
 TEST(Applied, LostSightNeitherKeepsNorRevivesAForce) {
   Bench bench;

@@ -129,13 +129,24 @@ TEST(Constraints, StayWithinTheirForceWhateverComes) {
   }
 }
 
+// The place on the shape that is nearest to x.
+Vec3 OnShape(const Constraint& c, const Vec3& x) {
+  Constraint held = c;
+  held.side = ConstraintSide::kOn;
+  if (c.kind == ConstraintKind::kLine) held.radius_m = 0;
+  const Stretch stretch = StretchOf(held, x);
+  const double beyond_m = c.kind == ConstraintKind::kLine ? stretch.length_m - c.radius_m : stretch.length_m;
+  return x - beyond_m * stretch.outward;
+}
+
 // |F(x + h) - F(x)| <= L |h| everywhere: also where a shape has no direction, and where it is just met.
 TEST(Constraints, NeverJump) {
   Dice dice(5);
   for (int run = 0; run < 20000; ++run) {
     const Constraint c = dice.Shape();
-    const bool close = run % 2 == 0;  // around the point, where spheres and tubes have no direction
-    const Vec3 x = close ? c.point_base_m + dice.Vector(1e-4) : dice.Vector(0.06);
+    Vec3 x = dice.Vector(0.06);
+    if (run % 3 == 0) x = c.point_base_m + dice.Vector(1e-4);  // where spheres and tubes have no direction
+    if (run % 3 == 1) x = OnShape(c, x) + dice.Vector(5e-7);   // where it is just met
     const Vec3 step = dice.Vector(1e-6);
     const Vec3 v = dice.Vector(0.3);
     const double radius_m = std::max(c.radius_m, 1e-3);
