@@ -159,6 +159,36 @@ TEST_F(SpacesHands, JointsInThePen) {
   }
 }
 
+// [XR_FB_hand_tracking_aim, _capsules] poses in the same answer. This runtime fills none: what stands there is as if it
+// had, in the anchor (LOCAL).
+TEST_F(SpacesHands, AimAndCapsulesMoveWithTheJoints) {
+  const auto ask = [&](XrHandTrackingAimStateFB& aim, XrHandTrackingCapsulesStateFB& capsules) {
+    std::array<XrHandJointLocationEXT, XR_HAND_JOINT_COUNT_EXT> joints{};
+    aim.next = &capsules;
+    XrHandJointLocationsEXT places{XR_TYPE_HAND_JOINT_LOCATIONS_EXT, &aim, XR_FALSE, XR_HAND_JOINT_COUNT_EXT,
+                                   joints.data()};
+    const XrHandJointsLocateInfoEXT info{XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT, nullptr, pen, ToXrTime(now)};
+    ASSERT_EQ(locate_(tracker, &info, &places), XR_SUCCESS);
+  };
+  XrHandTrackingAimStateFB aim{XR_TYPE_HAND_TRACKING_AIM_STATE_FB};
+  XrHandTrackingCapsulesStateFB capsules{XR_TYPE_HAND_TRACKING_CAPSULES_STATE_FB};
+  aim.status = XR_HAND_TRACKING_AIM_COMPUTED_BIT_FB | XR_HAND_TRACKING_AIM_VALID_BIT_FB;
+  aim.aimPose = {{0, 0, 0, 1}, {0.3f, -0.2f, -0.5f}};
+  capsules.capsules[7].points[1] = {0.1f, 0.2f, -0.3f};
+  ask(aim, capsules);
+  const layer::Pose X_SL = layer::Inverse(InLocal(Lissajous(1e-9 * static_cast<double>(now))).X);
+  EXPECT_LT(
+      glm::length(layer::FromXr(aim.aimPose.position) - layer::Compose(X_SL, {{0.3, -0.2, -0.5}, {1, 0, 0, 0}}).p),
+      1e-5);
+  EXPECT_LT(glm::length(layer::FromXr(capsules.capsules[7].points[1]) -
+                        layer::Compose(X_SL, {{0.1, 0.2, -0.3}, {1, 0, 0, 0}}).p),
+            1e-5);
+  ASSERT_EQ(app->SyncSets({{app->set, app->left}}), XR_SUCCESS);
+  ask(aim, capsules);
+  EXPECT_EQ(aim.status, XrHandTrackingAimFlagsFB{XR_HAND_TRACKING_AIM_COMPUTED_BIT_FB})
+      << "the base is not to be located";
+}
+
 TEST_F(SpacesHands, ErrorsAndUnlocatableBase) {
   EXPECT_EQ(LocateHand(pen, 0).result, XR_ERROR_TIME_INVALID);
   EXPECT_EQ(LocateHand(pen, ToXrTime(now), 3).result, XR_ERROR_VALIDATION_FAILURE);
