@@ -30,7 +30,6 @@ struct AppOptions {
   bool attach = true;                        // suggests and attaches
   const char* name = "layer test";
   bool timespec_extension = true;
-  std::vector<const char*> extensions = {};  // more of them
 };
 
 struct Bound {
