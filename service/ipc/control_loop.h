@@ -31,6 +31,8 @@ class ControlLoop {
   void SendSettings(ClientId id, const protocol::AppSettings& settings);
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
   void SendSceneReply(ClientId id, const SceneReplyParts& parts);
+  bool SendPlacement(ClientId id, const protocol::Placement& placement);
+  void SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text);
 
  private:
   ControlLoop(const ServerOptions& options, ServerHandler& handler, Listener listener);
@@ -46,6 +48,7 @@ class ControlLoop {
   bool Handle(Peer& peer, const protocol::Message& message);
   void Greet(Peer& peer, const protocol::Hello& hello);
   bool HandleApplication(Peer& peer, const protocol::Message& message);
+  bool HandlePlacement(Peer& peer, const protocol::Message& message);
   void AnswerStatus(Peer& peer);
   void OnTimer();
   void Refuse(Peer& peer, const std::string& reason);

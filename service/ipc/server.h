@@ -10,6 +10,7 @@
 #include "service/base/result.h"
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
+#include "service/protocol/placement.h"
 
 namespace omni::ipc {
 
@@ -47,6 +48,13 @@ class ServerHandler {
   virtual void OnSurfaceRequest(ClientId /*id*/, bool /*wanted*/) {}
   // To be answered by one SendSceneReply, now or later. Any client.
   virtual void OnSceneCommand(ClientId id, const protocol::SceneCommand& command) = 0;
+  // This application wants to know where the base stands in one of its spaces, now and whenever that changes; to be
+  // answered by SendPlacement. Not overridden, as the next two: nobody knows.
+  virtual void OnPlacementRequest(ClientId /*id*/, const protocol::PlacementRequest& /*request*/) {}
+  // Its runtime moves a space.
+  virtual void OnSpaceChange(ClientId /*id*/, const protocol::SpaceChange& /*change*/) {}
+  // To be answered by one SendPlacementReply. Any client.
+  virtual void OnPlacementCommand(ClientId /*id*/, const protocol::PlacementCommand& /*command*/) {}
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -82,6 +90,9 @@ class Server {
   // False: it does not read now and the message was not sent, or it is gone. `fd` < 0: none goes along.
   bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
   void SendSceneReply(ClientId id, const SceneReplyParts& parts);
+  // False: as above.
+  bool SendPlacement(ClientId id, const protocol::Placement& placement);
+  void SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 

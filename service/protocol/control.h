@@ -30,7 +30,13 @@ enum class MessageType : std::uint16_t {
   kSceneReply = 11,      // server -> client: text after it; with a file: one descriptor, sealed memory
   kSurfaceRequest = 12,  // client -> server: show me the surfaces that change, or no longer
   kSurfaces = 13,        // server -> client, with one descriptor (surface memory, read only) if there is one
-  kAppSettings = 50      // server -> client: app_settings.h
+  kAppSettings = 50,     // server -> client: app_settings.h
+  // placement.h
+  kPlacementRequest = 40,  // client -> server: where does the base stand in one of my spaces?
+  kPlacement = 41,         // server -> client: there, and again when it changes
+  kSpaceChange = 42,       // client -> server: the runtime moves a space
+  kPlacementCommand = 43,  // client -> server: store, forget, policy
+  kPlacementReply = 44     // server -> client
 };
 
 struct MessageHeader {

@@ -9,6 +9,7 @@
 
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
+#include "service/protocol/placement.h"
 
 namespace omni::protocol {
 
@@ -33,7 +34,8 @@ struct SceneAnswer {
 };
 
 using Message = std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply,
-                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, AppSettings>;
+                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, AppSettings, PlacementRequest,
+                             Placement, SpaceChange, PlacementCommand, PlacementReply>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;
