@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -12,6 +13,7 @@
 #include "service/config/app_file.h"
 #include "service/config/calibration_file.h"
 #include "service/daemon/owner.h"
+#include "service/daemon/placements.h"
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
 #include "service/daemon/surface_clients.h"
@@ -30,6 +32,8 @@ struct ServiceOptions {
   config::CalibrationChoice calibration;  // until SetCalibration
   std::uint32_t soft_tets = SceneBuilder::kSoftTets;
   std::string hand = "auto";  // "left", "right": of applications whose file names none
+  std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is kept
+  std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
 };
 
 class Service : public ipc::ServerHandler {
@@ -52,6 +56,9 @@ class Service : public ipc::ServerHandler {
   void OnHapticStop(ipc::ClientId id) override;
   void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
   void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override;
+  void OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) override;
+  void OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) override;
+  void OnPlacementCommand(ipc::ClientId id, const protocol::PlacementCommand& command) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override;
 
@@ -67,6 +74,8 @@ class Service : public ipc::ServerHandler {
   void ReleaseScenes();
   void WriteCommands(std::int64_t now_ns);
   void UpdateSurfaces();
+  void TellPlacements();
+  bool Aligned() const;
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   protocol::AppSettings SettingsFor(const config::AppEntry* app) const;
   void DropScene(Client& client);
@@ -83,6 +92,7 @@ class Service : public ipc::ServerHandler {
   std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
   std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over
   loop::HapticWaveform haptic_;
+  Placements placements_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   std::mutex loop_mutex_;
