@@ -112,6 +112,7 @@ class Instance {
   void Alive() {
     link.Beat();
     link.Poll(MonotonicNow_ns());
+    TakePlacement();
   }
 
   // The pen's hand and preferred profile: from the environment, else from the service.
@@ -138,6 +139,10 @@ class Instance {
   void OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change);
   XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                XrSpaceLocations* locations);
+  // alignment.cc
+  void AskPlacement(Session& session, XrSystemId system);
+  void TakePlacement();
+  bool ReportChange(const XrEventDataReferenceSpaceChangePending& change);
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
   struct HapticRoute {
     bool to_pen = false;
@@ -150,6 +155,9 @@ class Instance {
   const std::vector<std::string> enabled_below_;  // enabled_ without only_ours_
   const std::optional<Hand> fixed_hand_;          // by the environment
   const std::string fixed_profile_;
+
+  std::mutex placement_mutex_;
+  std::optional<protocol::Placement> placed_;  // what the service has told last
 
   std::mutex suggestions_mutex_;
   Suggestions suggestions_;

@@ -18,11 +18,16 @@ namespace omni::test {
 
 std::int64_t Now_ns();
 
+// The base as the layer guesses it: known, 0.45 m ahead of the origin of LOCAL and 0.35 m below it.
+protocol::Placement InFrontOfLocal();
+
 struct Heard {
   std::vector<std::string> applications;
   std::vector<protocol::SessionState> sessions;
   std::vector<protocol::Haptic> haptics;
   int haptic_stops = 0;
+  std::vector<protocol::PlacementRequest> placement_requests;
+  std::vector<protocol::SpaceChange> space_changes;
   int gone = 0;
   // Empty: no session was ever reported.
   std::optional<protocol::SessionState> last_session() const {
@@ -48,6 +53,9 @@ class FakeService : private ipc::ServerHandler {
 
   // Tells the layer of the service's wishes: now, and to who connects later.
   void Wish(const protocol::AppSettings& settings);
+  // What it answers when it is asked where the base stands, and tells who has asked before. At first: known, in front
+  // of the origin of LOCAL, where the layer also guesses it.
+  void SetPlacement(const protocol::Placement& placement);
 
   Heard heard() const;
   std::int64_t last_beat_ns() const { return last_beat_ns_; }
@@ -59,6 +67,8 @@ class FakeService : private ipc::ServerHandler {
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
   void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
+  void OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) override;
+  void OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
 
@@ -71,6 +81,9 @@ class FakeService : private ipc::ServerHandler {
   protocol::AppSettings settings_;
   bool settings_due_ = false;
   ipc::ClientId client_ = 0;
+  protocol::Placement placement_;
+  bool placement_changed_ = false;
+  std::vector<ipc::ClientId> placed_;
   std::atomic<std::int64_t> last_beat_ns_{0};
   std::unique_ptr<ipc::StatePublisher> publisher_;
   std::unique_ptr<ipc::Server> server_;
