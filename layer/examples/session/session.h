@@ -1,0 +1,65 @@
+// What an OpenXR application needs besides OpenXR to get a session, when it draws nothing: XR_MND_headless where the
+// runtime offers it; else a Vulkan device, with which it submits frames without layers.
+#pragma once
+
+#include <openxr/openxr.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace example {
+
+// Instance extensions of the runtime and of the layers that are loaded for every application.
+std::vector<std::string> OfferedExtensions();
+bool Contains(const std::vector<std::string>& names, const char* name);
+
+class Session {
+ public:
+  // Before xrCreateInstance: the extensions to enable for a session. Empty: there is no way to one; `problem` says why.
+  static std::vector<const char*> Extensions(const std::vector<std::string>& offered, std::string* problem);
+
+  // Creates the session with what Extensions() chose; on failure handle() is XR_NULL_HANDLE and problem() says why.
+  Session(XrInstance instance, const std::vector<const char*>& extensions);
+  ~Session();  // the instance must still be there
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  XrSession handle() const { return session_; }
+  const std::string& problem() const { return problem_; }
+  bool running() const { return running_; }  // between xrBeginSession and xrEndSession
+  bool over() const { return over_; }        // the runtime wants no more of it
+  bool focused() const { return focused_; }  // input and forces are ours
+
+  // Once per pass: takes the events of the runtime and begins or ends the session as they say. Events for which
+  // `other` is not null are handed on to it.
+  void PollEvents(void (*other)(const XrEventDataBuffer& event, void* user), void* user);
+
+  // Waits for the next frame, and submits an empty one where there are graphics. The time for which poses are wanted:
+  // now without graphics, else when the frame will be seen. 0: not running, or the runtime refused.
+  XrTime NextFrame();
+
+ private:
+  struct Vulkan;  // vulkan.cc, or vulkan_absent.cc where it is built without
+
+  void OnState(XrSessionState state);
+  XrTime Headless();
+  XrTime EmptyFrame();
+
+  XrInstance instance_ = XR_NULL_HANDLE;
+  XrSession session_ = XR_NULL_HANDLE;
+  std::string problem_;
+  bool running_ = false;
+  bool over_ = false;
+  bool focused_ = false;
+  bool headless_ = false;
+  XrResult(XRAPI_PTR* to_time_)(XrInstance, const struct timespec*, XrTime*) = nullptr;
+  std::shared_ptr<Vulkan> vulkan_;
+
+  // vulkan.cc
+  static const char* VulkanExtension();  // null: built without
+  // The graphics binding to chain to XrSessionCreateInfo; null: problem_ says why.
+  const void* CreateVulkan(XrSystemId system);
+};
+
+}  // namespace example
