@@ -79,7 +79,7 @@ base::Result<Pivot> SolvePivot(const std::vector<Rigid>& controller_space) {
   pivot.tip_sigma_m = std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
   if (!(pivot.rms_m <= kPivotRms_max_m)) {
     return base::Error{
-        PivotText("the tip moved by %.1f mm rms, allowed are 4 mm; press it into the dimple and swing "
+        PivotText("the tip moved by %.1f mm rms, allowed are 5 mm; press it into the dimple and swing "
                   "slowly, in the cameras' view",
                   pivot.rms_m)};
   }

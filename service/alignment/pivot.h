@@ -16,7 +16,7 @@ struct Pivot {
 };
 
 inline constexpr int kPivotPoses_min = 20;
-inline constexpr double kPivotRms_max_m = 4e-3;
+inline constexpr double kPivotRms_max_m = 5e-3;
 inline constexpr double kPivotSigma_max_m = 3e-3;
 
 // R_LC l + p_LC = c for all poses, linear in l and c. Refuses too few poses, too little turning, and a tip that moved;

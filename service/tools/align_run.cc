@@ -134,7 +134,7 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
     }
     if (line && line->says == ProbeSays::kPose && hand.Is(*line)) waiting.push_back(*line);
     Feed(connection, waiting, session);
-    if (line) display.Show(session);
+    if (line && line->says != ProbeSays::kRuntime && line->says != ProbeSays::kSystem) display.Show(session);
     if (session.step() == AlignStep::kRefused) return base::Error{session.problem()};
     if (session.step() == AlignStep::kDone) {
       aligned.outcome = session.outcome();

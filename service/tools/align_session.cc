@@ -12,9 +12,9 @@ namespace {
 using alignment::Rigid;
 using alignment::Sample;
 
-constexpr double kPivotWindow_s = 5;
+constexpr double kPivotWindow_s = 8;
 constexpr double kPivotLeast_s = 3;
-constexpr double kPivotGood_m = 1.5e-3;
+constexpr double kPivotGood_m = 2e-3;
 constexpr double kTryEvery_s = 0.5;
 constexpr double kStill_s = 0.5;
 constexpr double kSweepLeast_s = 8;

@@ -118,7 +118,7 @@ TEST(ProcessAlign, FromTheControllerToTheApplication) {
       OmniAlign(service, {"touch", "--hand", "left", "--probe", build + "/bin/omni_align_probe", "--patience", "60"});
   unsetenv("OMNI_TEST_RUNTIME_SCRIPT");
   ASSERT_EQ(aligned.status, 0) << aligned.out << aligned.err;
-  for (const char* part : {"Omni test system", "STAGE", "expected", "excellent", "stored"}) {
+  for (const char* part : {"Omni test system", "STAGE", "expected", "good", "stored"}) {
     EXPECT_NE(aligned.out.find(part), std::string::npos) << part << " not in: " << aligned.out;
   }
 
