@@ -48,10 +48,12 @@
   X(LocateHandJointsEXT)
 
 // Functions of the next layer or runtime that we only call.
-#define OMNI_LAYER_CALLED(X) \
-  X(StringToPath)            \
-  X(PathToString)            \
-  X(EnumerateReferenceSpaces)
+#define OMNI_LAYER_CALLED(X)  \
+  X(StringToPath)             \
+  X(PathToString)             \
+  X(EnumerateReferenceSpaces) \
+  X(GetInstanceProperties)    \
+  X(GetSystemProperties)
 
 namespace omni::layer {
 

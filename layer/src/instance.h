@@ -138,6 +138,7 @@ class Instance {
   void Alive() {
     link.Beat();
     link.Poll(MonotonicNow_ns());
+    TakePlacement();
   }
 
   // The pen's hand and preferred profile: from the environment, else from the service.
@@ -164,6 +165,10 @@ class Instance {
   void OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change);
   XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                XrSpaceLocations* locations);
+  // alignment.cc
+  void AskPlacement(Session& session, XrSystemId system);
+  void TakePlacement();
+  bool ReportChange(const XrEventDataReferenceSpaceChangePending& change);
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
   // force_feedback.cc, force_queries.cc
   void DestroyForcesOf(XrSession session);
@@ -188,6 +193,8 @@ class Instance {
   const std::string fixed_profile_;
 
   std::mutex forces_mutex_;  // there is one handle at a time
+  std::mutex placement_mutex_;
+  std::optional<protocol::Placement> placed_;  // what the service has told last
 
   std::mutex suggestions_mutex_;
   Suggestions suggestions_;

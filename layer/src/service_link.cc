@@ -4,12 +4,15 @@
 #include <utility>
 
 #include "layer/src/fault.h"
+#include "layer/src/clock.h"
 #include "layer/src/tool_motion.h"
 
 namespace omni::layer {
 namespace {
 constexpr std::int64_t kPollInterval_ns = 5'000'000;
-}
+// A service answers at once; one that knows no placements never does.
+constexpr std::int64_t kPlacementPatience_ns = 300'000'000;
+}  // namespace
 
 ServiceLink::ServiceLink(client::ConnectionInfo info, Log& log) : connection_(std::move(info)), log_(log) {}
 
@@ -25,6 +28,12 @@ void ServiceLink::Poll(std::int64_t now_ns) {
     settings_ = connection_.settings();
   }
   const bool connected = connection_.connected();
+  if (connected && !was_connected_ && placement_asked_) placement_patience_ns_ = now_ns + kPlacementPatience_ns;
+  if (const auto placement = connection_.TakePlacement()) {
+    placement_ = placement;
+    placement_patience_ns_ = 0;
+    placement_came_.store(true, std::memory_order_release);
+  }
   for (const protocol::Notice& notice : connection_.TakeNotices())
     log_.Line(std::string("service says: ") + notice.text);
   if (connected && !was_connected_) connection_number_.fetch_add(1, std::memory_order_relaxed);
@@ -90,6 +99,24 @@ protocol::ForceProperties ServiceLink::force_properties() const {
   return connection_.force_properties();
 }
 
+void ServiceLink::RequestPlacement(const protocol::PlacementRequest& request) {
+  const std::lock_guard lock(mutex_);
+  placement_asked_ = true;
+  if (connection_.RequestPlacement(request)) placement_patience_ns_ = MonotonicNow_ns() + kPlacementPatience_ns;
+}
+
+std::optional<protocol::Placement> ServiceLink::TakePlacement() {
+  if (!placement_came_.load(std::memory_order_acquire)) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  placement_came_.store(false, std::memory_order_relaxed);
+  return std::exchange(placement_, std::nullopt);
+}
+
+void ServiceLink::SendSpaceChange(const protocol::SpaceChange& change) {
+  const std::lock_guard lock(mutex_);
+  connection_.SendSpaceChange(change);
+}
+
 std::shared_ptr<const client::StateReader> ServiceLink::reader() const {
   if (test_ && test_->in_control()) return test_->reader();
   const std::shared_lock lock(reader_mutex_);
@@ -106,7 +133,9 @@ PenSnapshot ServiceLink::Read(std::int64_t now_ns) const {
   const std::shared_ptr<const client::StateReader> state = reader();
   if (!state || !state->Newest(pen.sample) || !state->Inputs(pen.inputs)) return pen;
   pen.service_instance = state->service_instance();
-  pen.present = now_ns - pen.sample.t_ns <= kPresenceTimeout_ns && (pen.sample.flags & protocol::kToolPoseValid) != 0;
+  const bool placed = now_ns >= placement_patience_ns_.load(std::memory_order_relaxed);
+  pen.present =
+      placed && now_ns - pen.sample.t_ns <= kPresenceTimeout_ns && (pen.sample.flags & protocol::kToolPoseValid) != 0;
   return pen;
 }
 

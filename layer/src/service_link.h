@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <shared_mutex>
+#include <string>
 
 #include "layer/src/log.h"
 #include "layer/src/test_device.h"
@@ -61,6 +63,11 @@ class ServiceLink {
     const std::lock_guard lock(mutex_);
     return use(connection_);
   }
+  // Where does the base stand? Asked again after a lost connection.
+  void RequestPlacement(const protocol::PlacementRequest& request);
+  // The newest answer since the last call. No lock where there is none.
+  std::optional<protocol::Placement> TakePlacement();
+  void SendSpaceChange(const protocol::SpaceChange& change);
 
   std::shared_ptr<const client::StateReader> reader() const;
   PenSnapshot Read(std::int64_t now_ns) const;
@@ -77,6 +84,11 @@ class ServiceLink {
   protocol::SessionState session_ = protocol::SessionState::kNone;
   bool was_connected_ = false;
   std::string last_error_;
+  bool placement_asked_ = false;
+  std::optional<protocol::Placement> placement_;
+  std::atomic<bool> placement_came_{false};
+  // Until then the pen is not there for a session that waits for its placement: it would jump. 0: nobody waits.
+  std::atomic<std::int64_t> placement_patience_ns_{0};
   std::atomic<std::int64_t> next_poll_ns_{0};
   std::atomic<std::uint64_t> connection_number_{0};
 

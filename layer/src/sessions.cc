@@ -12,6 +12,7 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<Session>(*session, profiles, Choice(), hand_paths);
   MakeAnchors(*record);
+  AskPlacement(*record, info->systemId);
   sessions.Insert(*session, std::move(record));
   return result;
 }

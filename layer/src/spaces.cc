@@ -37,7 +37,7 @@ void Instance::MakeAnchors(Session& session) {
 
 void Instance::OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change) {
   const auto session = sessions.Find(change.session);
-  if (!session || session->placement.OnChange(change)) return;
+  if (!session || !ReportChange(change) || session->placement.OnChange(change)) return;
   log.Line(
       "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
       "poses are no longer tracked; align the base again");

@@ -78,6 +78,7 @@ struct Connection::Impl {
   void SendPendingSession() noexcept;
   void SendSurfaceRequest() noexcept;
   void SendForceClaim() noexcept;
+  void OnPlacementReply(const protocol::PlacementReply& reply);
 
   template <class T>
   bool Send(const T& message) noexcept {
@@ -110,6 +111,11 @@ struct Connection::Impl {
   std::optional<SceneAnswer> scene_answer;
   std::vector<HapticSceneUpdate> haptic_scene;
   std::uint64_t welcomes = 0;
+  std::optional<protocol::PlacementRequest> placement_request;
+  bool placement_pending = false;  // the service does not know `placement_request` yet
+  std::optional<protocol::Placement> placement;
+  std::uint32_t placement_commands = 0;  // sent so far
+  std::optional<PlacementAnswer> placement_answer;
   std::string last_error;
   std::vector<std::byte> buffer;
 };
@@ -124,6 +130,7 @@ void Connection::Impl::Advance(std::int64_t now_ns) {
   if (phase == Phase::kConnected && session_pending) SendPendingSession();
   if (phase == Phase::kConnected && surfaces_pending) SendSurfaceRequest();
   if (phase == Phase::kConnected && force_pending) SendForceClaim();
+  if (phase == Phase::kConnected && placement_pending) placement_pending = !Send(*placement_request);
 }
 
 void Connection::Impl::Attempt(std::int64_t now_ns) {
@@ -179,6 +186,10 @@ void Connection::Impl::Read(std::int64_t now_ns) {
     } else if (const auto* rows = std::get_if<protocol::HapticSceneRows>(&message);
                rows && phase == Phase::kConnected) {
       OnHapticScene({.is_table = true, .state = {}, .text = {}, .table = TableOf(*rows)});
+    } else if (const auto* known = std::get_if<protocol::Placement>(&message); known && phase == Phase::kConnected) {
+      placement = *known;
+    } else if (const auto* said = std::get_if<protocol::PlacementReply>(&message); said && phase == Phase::kConnected) {
+      OnPlacementReply(*said);
     } else {
       OnOther(now_ns, message);
     }
@@ -205,6 +216,11 @@ void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& w
   session_pending = session != protocol::SessionState::kNone;
   surfaces_pending = surfaces_wanted;
   force_pending = force_wanted;
+  placement_pending = placement_request.has_value();
+}
+
+void Connection::Impl::OnPlacementReply(const protocol::PlacementReply& reply) {
+  placement_answer = {.number = reply.number, .done = reply.done == 1, .text = protocol::Printable(reply.text)};
 }
 
 void Connection::Impl::OnReject(std::int64_t now_ns, const protocol::Reject& reject) {
@@ -410,6 +426,29 @@ bool Connection::Send(const protocol::HapticMaterial& message) noexcept { return
 std::uint64_t Connection::welcomes() const noexcept { return impl_->welcomes; }
 
 std::vector<HapticSceneUpdate> Connection::TakeHapticSceneUpdates() { return std::exchange(impl_->haptic_scene, {}); }
+bool Connection::RequestPlacement(const protocol::PlacementRequest& request) noexcept {
+  if (impl_->info.role != protocol::ClientRole::kApplication) return false;
+  impl_->placement_request = request;
+  impl_->placement_pending = !impl_->Send(request);
+  return !impl_->placement_pending;
+}
+
+std::optional<protocol::Placement> Connection::TakePlacement() noexcept {
+  return std::exchange(impl_->placement, std::nullopt);
+}
+
+bool Connection::SendSpaceChange(const protocol::SpaceChange& change) noexcept {
+  return impl_->info.role == protocol::ClientRole::kApplication && impl_->Send(change);
+}
+
+std::uint32_t Connection::SendPlacementCommand(protocol::PlacementCommand command) noexcept {
+  command.number = impl_->placement_commands + 1;
+  return impl_->Send(command) ? ++impl_->placement_commands : 0;
+}
+
+std::optional<PlacementAnswer> Connection::TakePlacementAnswer() {
+  return std::exchange(impl_->placement_answer, std::nullopt);
+}
 
 std::string Connection::TakeStatus() { return std::exchange(impl_->status, {}); }
 

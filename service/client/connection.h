@@ -14,6 +14,7 @@
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
+#include "service/protocol/placement.h"
 
 namespace omni::client {
 
@@ -36,6 +37,13 @@ struct SceneAnswer {
   bool done = false;         // false: refused, `text` says why
   std::string text;          // kEdits: JSON; else a line for people
   std::string file;          // kSave: bytes of a .glb
+};
+
+// The answer to a placement command.
+struct PlacementAnswer {
+  std::uint32_t number = 0;  // that SendPlacementCommand returned
+  bool done = false;         // false: refused
+  std::string text;          // for people
 };
 
 class Connection {
@@ -99,6 +107,15 @@ class Connection {
   // What came since the last call, oldest first; at most kMaxHapticSceneUpdates wait, older ones are dropped.
   static constexpr std::size_t kMaxHapticSceneUpdates = 16;
   std::vector<HapticSceneUpdate> TakeHapticSceneUpdates();
+  // Asks where the base stands in one of these spaces; asked again on reconnection. The answer, and every later change,
+  // comes by TakePlacement. False: not connected yet, it is asked then.
+  bool RequestPlacement(const protocol::PlacementRequest& request) noexcept;
+  // The newest since the last call.
+  std::optional<protocol::Placement> TakePlacement() noexcept;
+  bool SendSpaceChange(const protocol::SpaceChange& change) noexcept;
+  // Number of the command, which its answer bears; 0: not sent. `command.number` is set here.
+  std::uint32_t SendPlacementCommand(protocol::PlacementCommand command) noexcept;
+  std::optional<PlacementAnswer> TakePlacementAnswer();
 
   // Newest answer to RequestStatus (JSON), empty if none yet; taking it clears it.
   std::string TakeStatus();

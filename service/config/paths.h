@@ -18,6 +18,9 @@ std::string UserAppFolder();
 // The user's calibration: $XDG_CONFIG_HOME/omni/calibration.toml, else below ~/.config; empty: no home.
 std::string UserCalibrationFile();
 
+// Where bases stand in headsets' spaces: $XDG_CONFIG_HOME/omni/alignments.toml, else below ~/.config; empty: no home.
+std::string UserAlignmentFile();
+
 // What can be computed again: $XDG_CACHE_HOME/omni, else ~/.cache/omni; empty: no home.
 std::string CacheFolder();
 

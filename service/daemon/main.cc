@@ -19,6 +19,8 @@ int ParseAndRun(int argc, char** argv) {
   app.add_option("--device-file", options.device_file, "geometry and limits (default: the built-in omni.toml)");
   app.add_option("--calibration", options.calibration_path,
                  "file of omni calibrate (default: $XDG_CONFIG_HOME/omni/calibration.toml, if it is there)");
+  app.add_option("--alignments", options.alignment_path,
+                 "file of omni align (default: $XDG_CONFIG_HOME/omni/alignments.toml)");
   app.add_option("--socket", options.socket_path,
                  "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
   app.add_option("--record", options.record_path, "CSV file with one line a tick");

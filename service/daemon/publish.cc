@@ -55,6 +55,7 @@ void PublishSink::Publish(const loop::TickOutput& output) noexcept {
   sample.t_ns = output.t_ns;
   sample.flags = Flags(output);
   sample.contact_count = static_cast<std::uint32_t>(std::max(0, output.haptics.contact_count));
+  if (aligned_.load(std::memory_order_relaxed)) sample.flags |= protocol::kToolAligned;
   sample.position_base_m = ToArray(tool.device_point_base_m);
   sample.orientation_base_wxyz = {q.w, q.x, q.y, q.z};
   sample.linear_velocity_base_m_s = ToArray(tool.device_point_velocity_base_m_s);

@@ -1,6 +1,8 @@
 // TickOutput -> state memory: the tick thread's only way out to clients.
 #pragma once
 
+#include <atomic>
+
 #include "service/ipc/state_publisher.h"
 #include "service/loop/telemetry.h"
 
@@ -10,9 +12,12 @@ class PublishSink : public loop::TickSink {
  public:
   explicit PublishSink(ipc::StatePublisher& publisher) : publisher_(publisher) {}
   void Publish(const loop::TickOutput& output) noexcept override;
+  // Any thread: whether the base's place in the headset's space is measured.
+  void SetAligned(bool aligned) noexcept { aligned_.store(aligned, std::memory_order_relaxed); }
 
  private:
   ipc::StatePublisher& publisher_;
+  std::atomic<bool> aligned_{false};
 };
 
 }  // namespace omni::daemon

@@ -74,12 +74,15 @@ int RunChecked(RunOptions options) {
     return 1;
   }
   PublishSink sink(**publisher);
-  Service service({.version = OMNI_VERSION,
-                   .instance = instance,
-                   .apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder()),
-                   .hull_radius_m = device.hull_radius_m,
-                   .cache_folder = config::CacheFolder(),
-                   .hand = options.hand});
+  Service service(
+      {.version = OMNI_VERSION,
+       .instance = instance,
+       .apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder()),
+       .hull_radius_m = device.hull_radius_m,
+       .cache_folder = config::CacheFolder(),
+       .hand = options.hand,
+       .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
+       .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); }});
   auto server = ipc::Server::Open(
       {.socket_path = options.socket_path, .service_instance = instance, .state_fd = (*publisher)->fd()}, service);
   if (!server.ok()) {

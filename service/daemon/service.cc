@@ -1,6 +1,7 @@
 #include "service/daemon/service.h"
 
 #include <algorithm>
+#include <ctime>
 #include <utility>
 #include <variant>
 
@@ -42,6 +43,7 @@ Service::Service(ServiceOptions options)
                   [this](ipc::ClientId id, const protocol::ForceProperties& properties) {
                     return server_->SendForceProperties(id, properties);
                   }}),
+      placements_(options_.alignment_path),
       calibration_(options_.calibration),
       surfaces_(
           options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
@@ -49,6 +51,7 @@ Service::Service(ServiceOptions options)
             return server_ != nullptr && server_->SendSurfaces(id, surfaces, fd);
           }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
+  if (!placements_.problem().empty()) spdlog::warn("{}", placements_.problem());
 }
 
 Service::~Service() = default;
@@ -113,6 +116,7 @@ void Service::OnGone(ipc::ClientId id) {
   owners_.Remove(id);
   surfaces_.Remove(id);
   force_.Remove(id);
+  placements_.Remove(id);
   if (application) WriteCommands(base::MonotonicNow_ns());  // a dead owner's force goes now, not at the next period
 }
 
@@ -196,6 +200,37 @@ void Service::OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial&
   if (app_scenes_.SetMaterial(id, material)) WriteCommands(base::MonotonicNow_ns());
 }
 
+void Service::OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) {
+  if (clients_.count(id) == 0) return;
+  placements_.Ask(id, request);
+  TellPlacements();
+}
+
+void Service::OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) {
+  placements_.Change(id, change, base::MonotonicNow_ns());
+  TellPlacements();
+}
+
+void Service::OnPlacementCommand(ipc::ClientId id, const protocol::PlacementCommand& command) {
+  const Placements::Done done = placements_.Do(command, static_cast<std::int64_t>(std::time(nullptr)));
+  if (server_ != nullptr) server_->SendPlacementReply(id, command.number, done.ok, done.text);
+  TellPlacements();
+}
+
+void Service::TellPlacements() {
+  placements_.Tell([this](ipc::ClientId id, const protocol::Placement& placement) {
+    return server_ != nullptr && server_->SendPlacement(id, placement);
+  });
+  if (options_.on_aligned) options_.on_aligned(Aligned());
+}
+
+// Of the owner; without one, of whoever is there.
+bool Service::Aligned() const {
+  if (owners_.owner() != 0) return placements_.Aligned(owners_.owner());
+  return std::any_of(clients_.begin(), clients_.end(),
+                     [this](const auto& client) { return placements_.Aligned(client.first); });
+}
+
 void Service::OnPeriod(std::int64_t now_ns) {
   TakeBuiltScenes();
   TakeSoftBodies();
@@ -203,6 +238,7 @@ void Service::OnPeriod(std::int64_t now_ns) {
   WriteCommands(now_ns);
   TellForce();
   UpdateSurfaces();
+  TellPlacements();
   ReleaseScenes();
   app_scenes_.Tell(owners_.owner(), generation_);
 }
@@ -385,8 +421,16 @@ std::string Service::StatusJson() {
                              .owner = id == owners_.owner(),
                              .scene = scene == nullptr ? "" : scene->file,
                              .soft = builder_.Progress(scene == nullptr ? id : scene->client),
-                             .sculpted = scene == nullptr ? 0 : SculptedOf(*scene->scene)});
+                             .sculpted = scene == nullptr ? 0 : SculptedOf(*scene->scene),
+                             .aligned = placements_.Aligned(id)});
+    if (const protocol::PlacementRequest* request = placements_.RequestOf(id)) {
+      input.clients.back().runtime = request->headset.runtime;
+      input.clients.back().system = request->headset.system;
+    }
   }
+  input.aligned = Aligned();
+  input.alignments = placements_.file();
+  if (!placements_.problem().empty()) input.problems.push_back("alignment: " + placements_.problem());
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {
     input.scene_file = wanted_->file;

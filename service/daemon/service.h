@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,6 +15,7 @@
 #include "service/daemon/app_scenes.h"
 #include "service/daemon/force_clients.h"
 #include "service/daemon/owner.h"
+#include "service/daemon/placements.h"
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
 #include "service/daemon/surface_clients.h"
@@ -32,6 +34,8 @@ struct ServiceOptions {
   config::CalibrationChoice calibration;  // until SetCalibration
   std::uint32_t soft_tets = SceneBuilder::kSoftTets;
   std::string hand = "auto";  // "left", "right": of applications whose file names none
+  std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is kept
+  std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
 };
 
 class Service : public ipc::ServerHandler {
@@ -63,6 +67,9 @@ class Service : public ipc::ServerHandler {
   void OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) override;
   void OnHapticNodes(ipc::ClientId id, const protocol::HapticNodes& nodes) override;
   void OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial& material) override;
+  void OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) override;
+  void OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) override;
+  void OnPlacementCommand(ipc::ClientId id, const protocol::PlacementCommand& command) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override;
 
@@ -81,6 +88,8 @@ class Service : public ipc::ServerHandler {
   void WriteCommands(std::int64_t now_ns);
   void UpdateSurfaces();
   void TellForce();
+  void TellPlacements();
+  bool Aligned() const;
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   protocol::AppSettings SettingsFor(const config::AppEntry* app) const;
   void DropScene(Client& client);
@@ -99,6 +108,7 @@ class Service : public ipc::ServerHandler {
   AppScenes app_scenes_;
   loop::HapticWaveform haptic_;
   ForceClients force_;
+  Placements placements_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   std::mutex loop_mutex_;

@@ -106,9 +106,34 @@ json Clients(const StatusInput& input) {
                     {"owner", row.owner},
                     {"scene", row.scene},
                     {"soft_bodies", SoftBodies(row.soft)},
-                    {"sculpted", row.sculpted}});
+                    {"sculpted", row.sculpted},
+                    {"aligned", row.aligned},
+                    {"runtime", row.runtime},
+                    {"system", row.system}});
   }
   return rows;
+}
+
+json Alignments(const config::AlignmentFile& file) {
+  json rows = json::array();
+  for (const config::AlignmentEntry& entry : file.entries) {
+    const base::Quat& q = entry.orientation_space;
+    const base::Vec3& p = entry.position_space_m;
+    rows.push_back({{"runtime", entry.runtime},
+                    {"system", entry.system},
+                    {"space", entry.space},
+                    {"method", entry.method},
+                    {"date", entry.date},
+                    {"samples", entry.samples},
+                    {"rms_mm", entry.rms_mm},
+                    {"expected_error_mm", entry.expected_error_mm},
+                    {"rotation_deg", entry.rotation_deg},
+                    {"recentred", entry.recentred},
+                    {"doubtful", entry.doubtful},
+                    {"position_space_m", {p.x, p.y, p.z}},
+                    {"orientation_space_wxyz", {q.w, q.x, q.y, q.z}}});
+  }
+  return {{"placement", config::PolicyName(file.uncalibrated)}, {"stored", rows}};
 }
 
 }  // namespace
@@ -126,7 +151,8 @@ std::string WriteStatus(const StatusInput& input) {
         {"triangles", input.scene_triangles},
         {"soft_bodies", SoftBodies(input.scene_soft)},
         {"sculpted", input.scene_sculpted}}},
-      {"aligned", false},  // alignment is not measured yet: the base is assumed in front of the user
+      {"aligned", input.aligned},
+      {"alignments", Alignments(input.alignments)},
       {"problems", input.problems}};
   if (input.loop != nullptr) status["tick"] = Ticks(*input.loop);
   status["race"] = input.loop == nullptr ? json() : Race(input.loop->statistics().vehicle);

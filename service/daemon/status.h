@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "service/config/alignment_file.h"
 #include "service/config/calibration_file.h"
 #include "service/daemon/scene_builder.h"
 #include "service/device/transport.h"
@@ -24,12 +25,16 @@ struct StatusInput {
     std::string scene;
     SoftProgress soft;
     std::uint32_t sculpted = 0;  // objects
+    bool aligned = false;
+    std::string runtime, system;  // its headset; empty: not told
   };
   std::string version;
   std::uint64_t instance = 0;
   double uptime_s = 0;
   std::vector<std::string> problems;
   config::CalibrationChoice calibration;
+  bool aligned = false;
+  config::AlignmentFile alignments;
   std::vector<ClientRow> clients;
   std::string scene_file;
   std::uint64_t scene_generation = 0;

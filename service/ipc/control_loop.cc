@@ -231,6 +231,10 @@ bool ControlLoop::Handle(Peer& peer, const protocol::Message& message) {
     return false;  // as above
   }
   if (const auto force = ForceRequestIn(message)) return HandleForce(peer, *force);
+  if (const auto* command = std::get_if<protocol::PlacementCommand>(&message)) {
+    Guarded("OnPlacementCommand", &peer, [&] { handler_.OnPlacementCommand(peer.id(), *command); });
+    return false;  // as above
+  }
   return HandleApplication(peer, message);
 }
 
@@ -259,6 +263,7 @@ bool ControlLoop::HandleApplication(Peer& peer, const protocol::Message& message
   const auto* haptic = std::get_if<protocol::Haptic>(&message);
   const bool stop = std::holds_alternative<protocol::HapticStop>(message);
   if (HandleHapticScene(peer, message)) return !peer.doomed();
+  if (HandlePlacement(peer, message)) return !peer.doomed();
   if (session == nullptr && haptic == nullptr && !stop) {
     Refuse(peer, "a message that only omnid sends");
   } else if (peer.info().role != protocol::ClientRole::kApplication) {
@@ -271,6 +276,21 @@ bool ControlLoop::HandleApplication(Peer& peer, const protocol::Message& message
     Guarded("OnHapticStop", &peer, [&] { handler_.OnHapticStop(id); });
   }
   return !peer.doomed();
+}
+
+// True: it was about the places of bases, and is done.
+bool ControlLoop::HandlePlacement(Peer& peer, const protocol::Message& message) {
+  const auto* request = std::get_if<protocol::PlacementRequest>(&message);
+  const auto* change = std::get_if<protocol::SpaceChange>(&message);
+  if (request == nullptr && change == nullptr) return false;
+  if (peer.info().role != protocol::ClientRole::kApplication) {
+    Refuse(peer, "a monitor has no spaces; say Hello as an application");
+  } else if (request != nullptr) {
+    Guarded("OnPlacementRequest", &peer, [&] { handler_.OnPlacementRequest(peer.id(), *request); });
+  } else {
+    Guarded("OnSpaceChange", &peer, [&] { handler_.OnSpaceChange(peer.id(), *change); });
+  }
+  return true;
 }
 
 void ControlLoop::AnswerStatus(Peer& peer) {
@@ -361,6 +381,22 @@ bool ControlLoop::SendAgainLater(ClientId id, const void* bytes, std::size_t siz
   const auto found = peers_.find(id);
   if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
   return found->second.TrySend(bytes, size, -1);
+}
+
+bool ControlLoop::SendPlacement(ClientId id, const protocol::Placement& placement) {
+  const auto found = peers_.find(id);
+  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
+  return found->second.TrySend(&placement, sizeof(placement), -1);
+}
+
+void ControlLoop::SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text) {
+  const auto found = peers_.find(id);
+  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
+  protocol::PlacementReply reply;
+  reply.number = number;
+  reply.done = done ? 1 : 0;
+  protocol::SetField(reply.text, text);
+  found->second.Send(&reply, sizeof(reply));
 }
 
 void ControlLoop::SendSceneReply(ClientId id, const SceneReplyParts& parts) {

@@ -34,6 +34,8 @@ class ControlLoop {
   void SendSceneReply(ClientId id, const SceneReplyParts& parts);
   // A message that its sender repeats until it goes out. False: not now.
   bool SendAgainLater(ClientId id, const void* bytes, std::size_t size);
+  bool SendPlacement(ClientId id, const protocol::Placement& placement);
+  void SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text);
 
  private:
   ControlLoop(const ServerOptions& options, ServerHandler& handler, Listener listener);
@@ -52,6 +54,7 @@ class ControlLoop {
   void Greet(Peer& peer, const protocol::Hello& hello);
   bool HandleApplication(Peer& peer, const protocol::Message& message);
   bool HandleForce(Peer& peer, const protocol::ForceRequest& request);
+  bool HandlePlacement(Peer& peer, const protocol::Message& message);
   void AnswerStatus(Peer& peer);
   void OnTimer();
   void Refuse(Peer& peer, const std::string& reason);

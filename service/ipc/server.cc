@@ -74,6 +74,14 @@ bool Server::TrySend(ClientId id, const void* message, std::size_t bytes) {
   return impl_->loop->SendAgainLater(id, message, bytes);
 }
 
+bool Server::SendPlacement(ClientId id, const protocol::Placement& placement) {
+  return impl_->loop->SendPlacement(id, placement);
+}
+
+void Server::SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text) {
+  impl_->loop->SendPlacementReply(id, number, done, text);
+}
+
 std::uint64_t Server::DroppedMessages(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);
   return peer != nullptr ? peer->dropped() : 0;

@@ -13,6 +13,7 @@
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/haptic_scene.h"
 #include "service/protocol/unique_fd.h"
+#include "service/protocol/placement.h"
 
 namespace omni::ipc {
 
@@ -61,6 +62,13 @@ class ServerHandler {
   virtual void OnHapticSceneEnable(ClientId /*id*/, const protocol::HapticSceneEnable& /*enable*/) {}
   virtual void OnHapticNodes(ClientId /*id*/, const protocol::HapticNodes& /*nodes*/) {}
   virtual void OnHapticMaterial(ClientId /*id*/, const protocol::HapticMaterial& /*material*/) {}
+  // This application wants to know where the base stands in one of its spaces, now and whenever that changes; to be
+  // answered by SendPlacement. Not overridden, as the next two: nobody knows.
+  virtual void OnPlacementRequest(ClientId /*id*/, const protocol::PlacementRequest& /*request*/) {}
+  // Its runtime moves a space.
+  virtual void OnSpaceChange(ClientId /*id*/, const protocol::SpaceChange& /*change*/) {}
+  // To be answered by one SendPlacementReply. Any client.
+  virtual void OnPlacementCommand(ClientId /*id*/, const protocol::PlacementCommand& /*command*/) {}
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -101,6 +109,9 @@ class Server {
   bool SendForceProperties(ClientId id, const protocol::ForceProperties& properties);
   // A whole message, header included, that is sent again later if it does not go out. False as for SendSurfaces.
   bool TrySend(ClientId id, const void* message, std::size_t bytes);
+  // False: as above.
+  bool SendPlacement(ClientId id, const protocol::Placement& placement);
+  void SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 

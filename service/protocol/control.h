@@ -37,7 +37,6 @@ enum class MessageType : std::uint16_t {
   kForceStop = 23,         // client -> server
   kForceOwner = 24,        // server -> client: who is felt
   kForceProperties = 25,   // server -> client: what the device can do
-  kAppSettings = 50,       // server -> client: app_settings.h
   // haptic_scene.h
   kHapticSceneLoad = 30,    // client -> server, with one descriptor: a glTF document
   kHapticSceneEnd = 31,     // client -> server
@@ -46,7 +45,14 @@ enum class MessageType : std::uint16_t {
   kHapticNodes = 34,        // client -> server: where kinematic nodes are
   kHapticMaterial = 35,     // client -> server
   kHapticSceneState = 36,   // server -> client: text after it
-  kHapticSceneTable = 37    // server -> client: nodes and materials after it
+  kHapticSceneTable = 37,   // server -> client: nodes and materials after it
+  // placement.h
+  kPlacementRequest = 40,  // client -> server: where does the base stand in one of my spaces?
+  kPlacement = 41,         // server -> client: there, and again when it changes
+  kSpaceChange = 42,       // client -> server: the runtime moves a space
+  kPlacementCommand = 43,  // client -> server: store, forget, policy
+  kPlacementReply = 44,    // server -> client
+  kAppSettings = 50        // server -> client: app_settings.h
 };
 
 struct MessageHeader {

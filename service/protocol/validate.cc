@@ -86,6 +86,50 @@ const char* Problem(const AppSettings& settings) noexcept {
   return IsTerminated(settings.profile) ? nullptr : "profile is not terminated";
 }
 
+const char* Problem(const HeadsetNames& headset) noexcept {
+  if (!IsTerminated(headset.runtime)) return "runtime is not terminated";
+  return IsTerminated(headset.system) ? nullptr : "system is not terminated";
+}
+
+const char* Problem(const PlacementRequest& request) noexcept {
+  if (!(request.space_count >= 1 && request.space_count <= kMaxSpaceTypes)) return "space_count is not in 1..8";
+  return Problem(request.headset);
+}
+
+const char* Problem(const Placement& placement) noexcept {
+  if (placement.known > 1 || placement.doubtful > 1) return "known or doubtful is neither 0 nor 1";
+  if (placement.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
+  if (!(placement.expected_error_m >= 0 && placement.expected_error_m <= 1)) return "expected_error_m is not in 0..1";
+  if (!(placement.rotation_sigma_rad >= 0 && placement.rotation_sigma_rad <= 4)) {
+    return "rotation_sigma_rad is not in 0..4";
+  }
+  return PoseProblem(placement.base_space);
+}
+
+const char* Problem(const SpaceChange& change) noexcept {
+  if (change.pose_valid > 1) return "pose_valid is neither 0 nor 1";
+  return change.pose_valid == 1 ? PoseProblem(change.new_in_previous) : nullptr;
+}
+
+const char* Problem(const PlacementCommand& command) noexcept {
+  if (command.action < PlacementAction::kStore || command.action > PlacementAction::kPolicy) {
+    return "action is not in 1..3";
+  }
+  if (command.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
+  if (!IsTerminated(command.method)) return "method is not terminated";
+  for (const double x : {command.rms_m, command.expected_error_m}) {
+    if (!(x >= 0 && x <= 1)) return "rms_m or expected_error_m is not in 0..1";
+  }
+  if (!(command.rotation_sigma_rad >= 0 && command.rotation_sigma_rad <= 4)) return "rotation_sigma_rad is not in 0..4";
+  if (const char* problem = Problem(command.headset)) return problem;
+  return PoseProblem(command.base_space);
+}
+
+const char* Problem(const PlacementReply& reply) noexcept {
+  if (reply.done > 1) return "done is neither 0 nor 1";
+  return IsTerminated(reply.text) ? nullptr : "text is not terminated";
+}
+
 template <class T>
 Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
   if (size != sizeof(T)) return Because("%s of %zu bytes, must be %zu", name, size, sizeof(T));
@@ -177,6 +221,11 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kHapticMaterial, "HapticMaterial", Take<HapticMaterial>},
     {MessageType::kHapticSceneState, "HapticSceneState", Take<HapticSceneNews>},
     {MessageType::kHapticSceneTable, "HapticSceneTable", Take<HapticSceneRows>},
+    {MessageType::kPlacementRequest, "PlacementRequest", Take<PlacementRequest>},
+    {MessageType::kPlacement, "Placement", Take<Placement>},
+    {MessageType::kSpaceChange, "SpaceChange", Take<SpaceChange>},
+    {MessageType::kPlacementCommand, "PlacementCommand", Take<PlacementCommand>},
+    {MessageType::kPlacementReply, "PlacementReply", Take<PlacementReply>},
 };
 
 const TypeRow* FindType(MessageType type) noexcept {

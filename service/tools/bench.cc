@@ -34,6 +34,7 @@ constexpr Bench kBenches[] = {
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
+    {"align", "where the base stands in a headset's space: error by method (a simulation)", BenchAlign},
     {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
     {"collision", "contact with rigid meshes beside four engines: time, correctness, memory", BenchCollision},
     {"latency", "from a sensor's sample to the current that answers it", BenchLatency},

@@ -57,6 +57,10 @@ base::Result<BenchRows> BenchThermal(const BenchOptions& options);
 // Side tables: the whole of `omni calibrate` with a moving pen; our bundle adjustment beside that of Ceres.
 base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
 
+// Simulated people align bases: method, n, noise_mm, error_mm_median, error_mm_p95, error_deg, predicted_mm, refused
+// ...
+base::Result<BenchRows> BenchAlign(const BenchOptions& options);
+
 // Where the time goes from a sample to the current that answers it: stage, mean_us, late_us, what; side table: what
 // stiffness that allows.
 base::Result<BenchRows> BenchLatency(const BenchOptions& options);

@@ -17,7 +17,8 @@ struct CommandEntry {
 };
 constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},  {AddDoctor}, {AddScene},    {AddTwin},
                                       {AddBench},  {AddReport}, {AddTrack},  {AddPaper},    {AddCalibrate},
-                                      {AddDevice}, {AddRecord}, {AddReplay}, {AddSurfaces}, {AddLayer}};
+                                      {AddDevice}, {AddRecord}, {AddReplay}, {AddSurfaces}, {AddLayer},
+                                      {AddAlign}};
 
 constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
 constexpr const char* kExitCodes =

@@ -21,6 +21,7 @@ void AddReport(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddPaper(CLI::App& app);
 void AddCalibrate(CLI::App& app);
+void AddAlign(CLI::App& app);
 void AddDevice(CLI::App& app);  // omni device list, info, selftest, flash-help, estop
 void AddRecord(CLI::App& app);
 void AddReplay(CLI::App& app);

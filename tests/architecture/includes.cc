@@ -66,8 +66,8 @@ bool Allowed(const std::string& module, const std::string& header) {
 std::set<std::string> AnyService() {
   std::set<std::string> all{"firmware/wire"};
   for (const char* name :
-       {"base", "protocol", "config", "magnetics", "tracker", "calibration", "peers", "haptics", "scene", "actuation",
-        "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
+       {"base", "protocol", "config", "alignment", "magnetics", "tracker", "calibration", "peers", "haptics", "scene",
+        "actuation", "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
     all.insert(std::string("service/") + name);
   }
   return all;
@@ -81,6 +81,7 @@ const std::vector<Rule>& Rules() {
       {"service/protocol", {}},
       {"firmware/wire", {}},
       {"service/config", {"service/base"}},
+      {"service/alignment", {"service/base"}},
       {"service/magnetics", {"service/base"}},
       {"service/haptics", {"service/base"}},
       {"service/tracker", {"service/base", "service/magnetics"}},
@@ -117,7 +118,7 @@ const std::vector<Confined>& ConfinedHeaders() {
       {"spdlog/", {"service/daemon/", "service/tools/"}},
       {"Eigen/",
        {"service/base/eigen.h", "service/magnetics/", "service/tracker/", "service/haptics/", "service/actuation/",
-        "service/sim/", "service/loop/", "service/calibration/", "service/peers/"}},
+        "service/sim/", "service/loop/", "service/calibration/", "service/peers/", "service/alignment/"}},
   };
   return kConfined;
 }

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace omni::test {
@@ -25,7 +26,15 @@ std::int64_t Now_ns() {
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-FakeService::FakeService() {
+protocol::Placement InFrontOfLocal() {
+  protocol::Placement placement;
+  const double h = std::sqrt(0.5);
+  placement.known = 1;
+  placement.base_space = {.position_m = {0, -0.35, -0.45}, .orientation_wxyz = {h, -h, 0, 0}};
+  return placement;
+}
+
+FakeService::FakeService() : placement_(InFrontOfLocal()) {
   trajectory_ = [](protocol::ToolSample& sample) { sample.position_base_m = {0, 0, 0.06}; };
   const std::uint64_t instance = NextServiceInstance();
   auto publisher = ipc::StatePublisher::Create(instance);
@@ -130,8 +139,30 @@ void FakeService::OnForce(ipc::ClientId, const protocol::ForceRequest& request) 
   heard_.forces.push_back(request);
 }
 
+void FakeService::SetPlacement(const protocol::Placement& placement) {
+  const std::lock_guard lock(mutex_);
+  placement_ = placement;
+  placement_changed_ = true;
+}
+
+void FakeService::OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) {
+  const std::lock_guard lock(mutex_);
+  heard_.placement_requests.push_back(request);
+  placed_.push_back(id);
+  server_->SendPlacement(id, placement_);
+}
+
+void FakeService::OnSpaceChange(ipc::ClientId, const protocol::SpaceChange& change) {
+  const std::lock_guard lock(mutex_);
+  heard_.space_changes.push_back(change);
+}
+
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
+  if (placement_changed_) {
+    for (const ipc::ClientId id : placed_) server_->SendPlacement(id, placement_);
+    placement_changed_ = false;
+  }
   if (client_ == 0) return;
   last_beat_ns_ = server_->LastBeat_ns(client_);
   if (settings_due_) server_->SendSettings(client_, settings_);

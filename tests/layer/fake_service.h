@@ -18,12 +18,17 @@ namespace omni::test {
 
 std::int64_t Now_ns();
 
+// The base as the layer guesses it: known, 0.45 m ahead of the origin of LOCAL and 0.35 m below it.
+protocol::Placement InFrontOfLocal();
+
 struct Heard {
   std::vector<std::string> applications;
   std::vector<protocol::SessionState> sessions;
   std::vector<protocol::Haptic> haptics;
   int haptic_stops = 0;
   std::vector<protocol::ForceRequest> forces;
+  std::vector<protocol::PlacementRequest> placement_requests;
+  std::vector<protocol::SpaceChange> space_changes;
   int gone = 0;
   // Of the scene that the application gave itself.
   std::vector<protocol::HapticSceneLoad> scene_loads;
@@ -64,6 +69,9 @@ class FakeService : private ipc::ServerHandler {
   void Say(const std::string& message);
   // What is touched, from now on.
   void SetContacts(const protocol::ContactSnapshot& contacts) { contacts_ = contacts; }
+  // What it answers when it is asked where the base stands, and tells who has asked before. At first: known, in front
+  // of the origin of LOCAL, where the layer also guesses it.
+  void SetPlacement(const protocol::Placement& placement);
 
   Heard heard() const;
   std::int64_t last_beat_ns() const { return last_beat_ns_; }
@@ -82,6 +90,8 @@ class FakeService : private ipc::ServerHandler {
   void OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) override;
   void OnHapticNodes(ipc::ClientId id, const protocol::HapticNodes& nodes) override;
   void OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial& material) override;
+  void OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) override;
+  void OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) override;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
 
@@ -98,6 +108,9 @@ class FakeService : private ipc::ServerHandler {
   ipc::ClientId client_ = 0;
   std::optional<protocol::ForceProperties> properties_;  // to be told; none: told
   std::optional<protocol::ForceOwner> owner_;
+  protocol::Placement placement_;
+  bool placement_changed_ = false;
+  std::vector<ipc::ClientId> placed_;
   std::atomic<std::int64_t> last_beat_ns_{0};
   std::unique_ptr<ipc::StatePublisher> publisher_;
   std::unique_ptr<ipc::Server> server_;

@@ -308,7 +308,8 @@ std::string StackStory::Run() {
   const XrSessionActionSetsAttachInfo attach{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 3, sets_.data()};
   EXPECT_EQ(xrAttachSessionActionSets(app_.session, &attach), XR_SUCCESS);
   service_.SetFlags(0);
-  for (int i = 0; i < 2000 && service_.heard().applications.empty(); ++i) {  // connected; no sync so far
+  // Connected, and asked where the base stands: until then the pen is not there. No sync so far.
+  for (int i = 0; i < 2000 && service_.heard().placement_requests.empty(); ++i) {
     service_.Fill();
     app_.Poll();
     const timespec pause{0, 2'000'000};
@@ -316,7 +317,7 @@ std::string StackStory::Run() {
   }
   ActionModel model(LayerProfiles(), actions_, suggestions_, {0, 1, 2});
   const auto profile_below = Below<PFN_xrGetCurrentInteractionProfile>(app_, "xrGetCurrentInteractionProfile");
-  const timespec pause{0, 12'000'000};  // the Welcome reaches the layer with one of its looks at the socket
+  const timespec pause{0, 12'000'000};  // the answer reaches the layer with one of its looks at the socket
   nanosleep(&pause, nullptr);
   app_.Poll();
   sync_.service = 1;

@@ -37,6 +37,8 @@ std::vector<Bytes> Seeds() {
   Surfaces surfaces;
   surfaces.total_bytes = 4096;
   surfaces.memory_generation = 3;
+  PlacementRequest placement_request;
+  placement_request.space_count = 2;
   MessageHeader reply;
   reply.type = MessageType::kStatusReply;
   reply.size = sizeof(reply);
@@ -74,7 +76,12 @@ std::vector<Bytes> Seeds() {
           BytesOf(SceneReply{}),
           BytesOf(SurfaceRequest{}),
           BytesOf(surfaces),
-          BytesOf(AppSettings{})};
+          BytesOf(AppSettings{}),
+          BytesOf(placement_request),
+          BytesOf(Placement{}),
+          BytesOf(SpaceChange{}),
+          BytesOf(PlacementCommand{}),
+          BytesOf(PlacementReply{})};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {
@@ -116,6 +123,31 @@ struct Contract {
     EXPECT_LE(surfaces.total_bytes, kMaxSurfaceBytes);
     EXPECT_EQ(surfaces.total_bytes == 0, surfaces.memory_generation == 0);
   }
+  static void ExpectPose(const PlacementPose& pose) {
+    double norm2 = 0;
+    for (const double x : pose.orientation_wxyz) norm2 += x * x;
+    EXPECT_NEAR(norm2, 1, 0.0101);
+    for (const double x : pose.position_m) EXPECT_LE(std::abs(x), kFarthestBase_m);
+  }
+  void operator()(const PlacementRequest& request) const {
+    EXPECT_TRUE(request.space_count >= 1 && request.space_count <= kMaxSpaceTypes);
+    EXPECT_TRUE(IsTerminated(request.headset.runtime) && IsTerminated(request.headset.system));
+  }
+  void operator()(const Placement& placement) const {
+    ExpectPose(placement.base_space);
+    EXPECT_TRUE(placement.expected_error_m >= 0 && placement.rotation_sigma_rad >= 0);
+    EXPECT_LE(placement.uncalibrated, Uncalibrated::kOff);
+  }
+  void operator()(const SpaceChange& change) const {
+    if (change.pose_valid == 1) ExpectPose(change.new_in_previous);
+    EXPECT_LE(change.pose_valid, 1u);
+  }
+  void operator()(const PlacementCommand& command) const {
+    ExpectPose(command.base_space);
+    EXPECT_TRUE(IsTerminated(command.method) && IsTerminated(command.headset.system));
+    EXPECT_TRUE(command.rms_m >= 0 && command.expected_error_m >= 0);
+  }
+  void operator()(const PlacementReply& reply) const { EXPECT_TRUE(IsTerminated(reply.text) && reply.done <= 1); }
   void operator()(const SceneCommand& command) const {
     EXPECT_TRUE(IsTerminated(command.object));
     EXPECT_TRUE(command.action >= SceneAction::kEdits && command.action <= SceneAction::kSave);

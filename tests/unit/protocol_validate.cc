@@ -52,6 +52,48 @@ TEST(Validate, LetsEveryDefaultMessageThrough) {
   EXPECT_TRUE(std::holds_alternative<SceneAnswer>(Check(SceneReply{})));
 }
 
+TEST(Validate, RefusesPlacementsOutsideTheirRange) {
+  const auto refused = [](auto message, auto change, const char* why) {
+    EXPECT_EQ(ReasonFor(message), "accepted");
+    change(message);
+    EXPECT_NE(ReasonFor(message).find(why), std::string::npos) << ReasonFor(message);
+  };
+  PlacementRequest request;
+  request.space_count = 1;
+  refused(
+      request, [](PlacementRequest& r) { r.space_count = 0; }, "space_count");
+  refused(
+      request, [](PlacementRequest& r) { r.space_count = 9; }, "space_count");
+  refused(
+      request, [](PlacementRequest& r) { std::memset(r.headset.system, 'x', sizeof(r.headset.system)); }, "system");
+  refused(
+      Placement{},
+      [](Placement& p) {
+        p.base_space.orientation_wxyz = {0, 0, 0, 0};
+      },
+      "unit quaternion");
+  refused(
+      Placement{}, [](Placement& p) { p.base_space.position_m[1] = std::nan(""); }, "within 100 m");
+  refused(
+      Placement{}, [](Placement& p) { p.expected_error_m = -1; }, "expected_error_m");
+  refused(
+      Placement{}, [](Placement& p) { p.doubtful = 2; }, "doubtful");
+  SpaceChange change;
+  change.pose_valid = 1;
+  refused(
+      change, [](SpaceChange& c) { c.pose_valid = 2; }, "pose_valid");
+  refused(
+      change, [](SpaceChange& c) { c.new_in_previous.position_m[0] = 101; }, "within 100 m");
+  refused(
+      PlacementCommand{}, [](PlacementCommand& c) { c.action = static_cast<PlacementAction>(4); }, "action");
+  refused(
+      PlacementCommand{}, [](PlacementCommand& c) { c.rms_m = std::nan(""); }, "rms_m");
+  refused(
+      PlacementCommand{}, [](PlacementCommand& c) { std::memset(c.method, 'x', sizeof(c.method)); }, "method");
+  refused(
+      PlacementReply{}, [](PlacementReply& r) { r.done = 2; }, "done");
+}
+
 TEST(Validate, SceneAnswerIsTheReplyAndTheTextBehindIt) {
   SceneReply reply;
   const std::string text = "clay: nothing to undo";

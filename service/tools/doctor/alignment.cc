@@ -1,13 +1,23 @@
 // Is the base's place in the headset's space known?
+#include <string>
+
+#include <nlohmann/json.hpp>
+
 #include "service/tools/doctor/diagnosis.h"
 #include "service/tools/json_text.h"
 
 namespace omni::tools {
 
 Finding LookAtAlignment(const Surroundings& surroundings) {
-  if (TrueAt(surroundings.service.status, "/aligned")) return {Verdict::kOk, "aligned with the headset", {}};
+  const auto& status = surroundings.service.status;
+  if (TrueAt(status, "/aligned")) return {Verdict::kOk, "aligned with the headset", {}};
+  if (const auto& stored = ArrayAt(status, "/alignments/stored"); !stored.empty()) {
+    return {
+        Verdict::kOk, std::to_string(stored.size()) + " stored (omni align --show); no application uses one now", {}};
+  }
   return {Verdict::kWarn, "not aligned: the base is assumed in front of you",
-          "put the base on the desk about 45 cm in front of you and 35 cm below your eyes, then recentre the headset"};
+          "measure it: omni align; until then put the base about 45 cm in front of you and 35 cm below your eyes, and "
+          "recentre the headset"};
 }
 
 }  // namespace omni::tools

@@ -1,0 +1,50 @@
+// Where the runtime's controllers and fingertips are, in one reference space.
+#pragma once
+
+#include <openxr/openxr.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace align {
+
+enum class Part { kLeft, kRight, kLeftFinger, kRightFinger };
+inline constexpr std::array kPartNames{"left", "right", "left_finger", "right_finger"};
+
+struct Seen {
+  Part part;
+  XrPosef pose;
+};
+
+class Hands {
+ public:
+  // Actions, bindings and spaces; with `fingers` hand trackers as well. `problem` empty: it worked.
+  Hands(XrInstance instance, XrSession session, XrReferenceSpaceType space, bool fingers, std::string* problem);
+  ~Hands();
+  Hands(const Hands&) = delete;
+  Hands& operator=(const Hands&) = delete;
+
+  // Those that the runtime tracks now: a guess is not taken.
+  std::vector<Seen> Look(XrTime time);
+
+ private:
+  bool MakeActions(std::string* problem);
+  void SuggestAll() const;
+  bool MakeFingers();
+  void AddFinger(int hand, XrTime time, std::vector<Seen>& seen) const;
+
+  XrInstance instance_;
+  XrSession session_;
+  XrSpace base_ = XR_NULL_HANDLE;
+  XrActionSet set_ = XR_NULL_HANDLE;
+  XrAction grip_ = XR_NULL_HANDLE;
+  std::array<XrPath, 2> hands_{};
+  std::array<XrSpace, 2> spaces_{};
+  std::array<XrHandTrackerEXT, 2> trackers_{};
+  PFN_xrCreateHandTrackerEXT create_tracker_ = nullptr;
+  PFN_xrDestroyHandTrackerEXT destroy_tracker_ = nullptr;
+  PFN_xrLocateHandJointsEXT locate_joints_ = nullptr;
+};
+
+}  // namespace align

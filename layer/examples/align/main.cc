@@ -1,0 +1,176 @@
+// omni_align_probe: says on standard output where the runtime's controllers are, a line a pose, until standard input
+// ends. `omni align` starts it and reads it; it is an ordinary OpenXR application and knows nothing of Omni.
+//
+//   runtime NAME                  as it names itself
+//   system NAME                   of the headset
+//   space N                       XrReferenceSpaceType of all poses below: STAGE, else LOCAL_FLOOR, else LOCAL
+//   pose T PART X Y Z QX QY QZ QW CLOCK_MONOTONIC ns; left, right, left_finger, right_finger; metres
+//   moved                         the runtime moves that space: what was said before is of another origin
+//   end REASON                    the session is over
+
+#include <openxr/openxr.h>
+#include <poll.h>
+#include <time.h>
+#include <unistd.h>
+
+#define XR_USE_TIMESPEC
+#include <openxr/openxr_platform.h>
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "layer/examples/align/hands.h"
+#include "layer/examples/session/session.h"
+
+namespace {
+
+// XR_REFERENCE_SPACE_TYPE_LOCAL_FLOOR of OpenXR 1.1, which older headers lack.
+constexpr auto kLocalFloor = static_cast<XrReferenceSpaceType>(1000426000);
+constexpr XrReferenceSpaceType kPreferred[] = {XR_REFERENCE_SPACE_TYPE_STAGE, kLocalFloor,
+                                               XR_REFERENCE_SPACE_TYPE_LOCAL};
+
+struct Runtime {
+  XrInstance instance = XR_NULL_HANDLE;
+  std::vector<const char*> session_extensions;
+  bool fingers = false;
+  PFN_xrConvertTimeToTimespecTimeKHR to_timespec = nullptr;
+};
+
+int Fail(const std::string& problem) {
+  std::printf("end %s\n", problem.c_str());
+  return 1;
+}
+
+// One line, whatever a runtime calls itself.
+std::string OneLine(const char* name, std::size_t capacity) {
+  std::string text(name, strnlen(name, capacity));
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text;
+}
+
+std::string MakeInstance(bool fingers, Runtime* runtime) {
+  const std::vector<std::string> offered = example::OfferedExtensions();
+  std::string problem;
+  runtime->session_extensions = example::Session::Extensions(offered, &problem);
+  if (!problem.empty()) return problem;
+  std::vector<const char*> enabled = runtime->session_extensions;
+  const auto add = [&](const char* name) {
+    const bool there = std::any_of(enabled.begin(), enabled.end(), [name](const char* e) { return !strcmp(e, name); });
+    if (!there && example::Contains(offered, name)) enabled.push_back(name);
+    return there || example::Contains(offered, name);
+  };
+  const bool timespec = add(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  if (fingers && !add(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) {
+    return "the runtime offers no XR_EXT_hand_tracking; use another method";
+  }
+  XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
+  std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "Omni align");
+  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
+  info.enabledExtensionCount = static_cast<uint32_t>(enabled.size());
+  info.enabledExtensionNames = enabled.data();
+  const XrResult result = xrCreateInstance(&info, &runtime->instance);
+  if (XR_FAILED(result)) return "xrCreateInstance: XrResult " + std::to_string(result) + ": is a runtime installed?";
+  runtime->fingers = fingers;
+  PFN_xrVoidFunction found = nullptr;
+  if (timespec && XR_SUCCEEDED(xrGetInstanceProcAddr(runtime->instance, "xrConvertTimeToTimespecTimeKHR", &found))) {
+    runtime->to_timespec = reinterpret_cast<PFN_xrConvertTimeToTimespecTimeKHR>(found);
+  }
+  return {};
+}
+
+// The space whose origin a person moves least.
+XrReferenceSpaceType Choose(XrSession session) {
+  uint32_t count = 0;
+  xrEnumerateReferenceSpaces(session, 0, &count, nullptr);
+  std::vector<XrReferenceSpaceType> offered(count);
+  if (XR_FAILED(xrEnumerateReferenceSpaces(session, count, &count, offered.data()))) offered.clear();
+  for (const XrReferenceSpaceType type : kPreferred) {
+    if (std::find(offered.begin(), offered.end(), type) != offered.end()) return type;
+  }
+  return XR_REFERENCE_SPACE_TYPE_LOCAL;
+}
+
+std::string SayWhoTheyAre(const Runtime& runtime) {
+  XrInstanceProperties instance{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
+  XrSystemGetInfo wanted{XR_TYPE_SYSTEM_GET_INFO, nullptr, XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
+  XrSystemId id = XR_NULL_SYSTEM_ID;
+  XrSystemProperties system{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
+  if (XR_FAILED(xrGetInstanceProperties(runtime.instance, &instance)) ||
+      XR_FAILED(xrGetSystem(runtime.instance, &wanted, &id)) ||
+      XR_FAILED(xrGetSystemProperties(runtime.instance, id, &system))) {
+    return "the runtime does not name itself and its headset";
+  }
+  std::printf("runtime %s\n", OneLine(instance.runtimeName, sizeof(instance.runtimeName)).c_str());
+  std::printf("system %s\n", OneLine(system.systemName, sizeof(system.systemName)).c_str());
+  return {};
+}
+
+// The time of poses on CLOCK_MONOTONIC. Without the extension it is taken as now: the sweep finds the difference.
+int64_t ToMonotonic_ns(const Runtime& runtime, XrTime time) {
+  timespec at{};
+  if (runtime.to_timespec == nullptr || XR_FAILED(runtime.to_timespec(runtime.instance, time, &at))) {
+    clock_gettime(CLOCK_MONOTONIC, &at);
+  }
+  return int64_t{at.tv_sec} * 1'000'000'000 + at.tv_nsec;
+}
+
+// Whoever started us has closed our standard input, or is gone.
+bool InputEnded() {
+  pollfd in{STDIN_FILENO, POLLIN, 0};
+  if (poll(&in, 1, 0) <= 0) return false;
+  char byte = 0;
+  return (in.revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0 && read(STDIN_FILENO, &byte, 1) <= 0;
+}
+
+struct Watch {
+  XrReferenceSpaceType space;
+  XrSession session;
+};
+
+void OnEvent(const XrEventDataBuffer& event, void* user) {
+  if (event.type != XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) return;
+  const auto& change = reinterpret_cast<const XrEventDataReferenceSpaceChangePending&>(event);
+  if (change.referenceSpaceType == static_cast<const Watch*>(user)->space) std::printf("moved\n");
+}
+
+int Run(const Runtime& runtime) {
+  if (const std::string problem = SayWhoTheyAre(runtime); !problem.empty()) return Fail(problem);
+  example::Session session(runtime.instance, runtime.session_extensions);
+  if (session.handle() == XR_NULL_HANDLE) return Fail(session.problem());
+  Watch watch{Choose(session.handle()), session.handle()};
+  std::printf("space %d\n", static_cast<int>(watch.space));
+  std::string problem;
+  align::Hands hands(runtime.instance, session.handle(), watch.space, runtime.fingers, &problem);
+  if (!problem.empty()) return Fail(problem);
+  while (!session.over() && !InputEnded()) {
+    session.PollEvents(OnEvent, &watch);
+    const XrTime time = session.NextFrame();
+    const int64_t t_ns = ToMonotonic_ns(runtime, time);
+    for (const align::Seen& seen : hands.Look(time)) {
+      const XrVector3f& p = seen.pose.position;
+      const XrQuaternionf& q = seen.pose.orientation;
+      std::printf("pose %" PRId64 " %s %.7g %.7g %.7g %.7g %.7g %.7g %.7g\n", t_ns,
+                  align::kPartNames[static_cast<std::size_t>(seen.part)], double{p.x}, double{p.y}, double{p.z},
+                  double{q.x}, double{q.y}, double{q.z}, double{q.w});
+    }
+    std::fflush(stdout);
+  }
+  return session.over() ? Fail("the runtime has ended the session") : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);
+  Runtime runtime;
+  const bool fingers = argc > 1 && std::strcmp(argv[1], "--fingers") == 0;
+  if (const std::string problem = MakeInstance(fingers, &runtime); !problem.empty()) return Fail(problem);
+  const int status = Run(runtime);
+  xrDestroyInstance(runtime.instance);
+  return status;
+}

@@ -1,0 +1,52 @@
+// alignments.toml: where the base stands in the reference spaces of headsets, one entry per runtime, system and space.
+// Written by omnid only (`omni align` asks it to). Errors name file, line, key, value and remedy.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/base/vec.h"
+
+namespace omni::config {
+
+inline constexpr int kAlignmentFormat = 1;
+inline constexpr std::size_t kMaxAlignments = 64;  // storing one more is refused
+
+enum class UncalibratedPolicy : std::uint8_t { kFrontOfUser, kCalibrated, kOff };
+
+struct AlignmentEntry {
+  std::string runtime;           // XrInstanceProperties::runtimeName
+  std::string system;            // XrSystemProperties::systemName
+  int space = 0;                 // XrReferenceSpaceType: 2 LOCAL, 3 STAGE, 1000426000 LOCAL_FLOOR, ...
+  base::Quat orientation_space;  // of the base (z up) in the space (y up)
+  base::Vec3 position_space_m;
+  std::string method;  // "touch", "sweep", "fingertip", "nudge"
+  std::string date;    // ISO 8601, UTC
+  int samples = 0;
+  double rms_mm = 0;
+  double expected_error_mm = 0;  // 1 sigma where the pen is used; 0: not stated
+  double rotation_deg = 0;       // 1 sigma
+  int recentred = 0;             // changes of the space that were followed since it was measured
+  bool doubtful = false;         // the space was moved, and its runtime could not say where to
+};
+
+struct AlignmentFile {
+  UncalibratedPolicy uncalibrated = UncalibratedPolicy::kFrontOfUser;
+  std::vector<AlignmentEntry> entries;
+};
+
+// "front-of-user", "calibrated", "off"
+const char* PolicyName(UncalibratedPolicy policy);
+
+// A file that is not there is an empty one.
+base::Result<AlignmentFile> LoadAlignmentFile(const std::string& path);
+// `name` stands for the file in messages.
+base::Result<AlignmentFile> ParseAlignments(const std::string& text, const std::string& name);
+
+std::string WriteAlignments(const AlignmentFile& file);
+// Replaces `path` in one step; makes its folder.
+base::Status SaveAlignmentFile(const std::string& path, const AlignmentFile& file);
+
+}  // namespace omni::config

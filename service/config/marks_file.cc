@@ -1,0 +1,56 @@
+#include "service/config/marks_file.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "service/config/built_in_device.h"
+#include "service/config/text_file.h"
+#include "service/config/toml_reader.h"
+
+namespace omni::config {
+namespace {
+
+constexpr Range kMarkPosition_m{-0.5, 0.5};
+constexpr std::size_t kMaxMarkNameBytes = 64;
+
+}  // namespace
+
+base::Result<std::vector<Mark>> ParseMarks(const std::string& text, const std::string& name) {
+  const base::Result<toml::table> parsed = ParseToml(text, name);
+  if (!parsed.ok()) return base::Error{parsed.error()};
+  FileProblem problem(name);
+  TableReader root(problem, *parsed, "");
+  std::vector<Mark> marks;
+  const auto tables = root.Tables("marks", kMinMarks, kMaxMarks);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    TableReader reader(problem, *tables[i], "marks[" + std::to_string(i) + "]");
+    Mark mark;
+    mark.name = reader.Text("name", kMaxMarkNameBytes);
+    mark.position_base_m = reader.Vector("position_base_m", kMarkPosition_m);
+    reader.Finish();
+    marks.push_back(std::move(mark));
+  }
+  root.Finish();
+  if (!problem.ok()) return base::Error{problem.message()};
+  return marks;
+}
+
+base::Result<std::vector<Mark>> LoadMarksFile(const std::string& path) {
+  const base::Result<std::string> text = ReadTextFile(path);
+  if (!text.ok()) return base::Error{text.error()};
+  return ParseMarks(*text, path);
+}
+
+const std::vector<Mark>& DefaultMarks() {
+  static const std::vector<Mark> marks = [] {
+    auto parsed = ParseMarks(kBuiltInMarksText, "built-in manifests/device/marks.toml");
+    if (!parsed.ok()) {  // a build that its own tests refuse
+      std::fprintf(stderr, "%s\n", parsed.error().c_str());
+      std::abort();
+    }
+    return *parsed;
+  }();
+  return marks;
+}
+
+}  // namespace omni::config

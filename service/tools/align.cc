@@ -1,0 +1,180 @@
+// omni align: measures where the base stands in a headset's space, and keeps it in omnid.
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "service/alignment/rigid.h"
+#include "service/base/clock.h"
+#include "service/protocol/text.h"
+#include "service/tools/align_nudge.h"
+#include "service/tools/align_run.h"
+#include "service/tools/align_service.h"
+#include "service/tools/align_text.h"
+#include "service/tools/command_line.h"
+#include "service/tools/commands.h"
+#include "service/tools/service_link.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr const char* kCommand = "omni align";
+constexpr const char* kMethods[] = {"touch", "sweep", "fingertip", "nudge"};
+constexpr const char* kPlacements[] = {"front-of-user", "calibrated", "off"};
+
+struct AlignArguments {
+  std::string method = "touch";
+  std::string socket, marks, placement;
+  bool show = false, forget = false, tilted = false;
+  int number = 0;
+  AlignRunOptions run;
+};
+
+// Keys arrive one by one, unseen, until this is gone.
+class RawKeys {
+ public:
+  RawKeys() : terminal_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
+    termios raw = before_;
+    raw.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
+    if (terminal_) ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
+  }
+  ~RawKeys() {
+    if (terminal_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  }
+  RawKeys(const RawKeys&) = delete;
+  RawKeys& operator=(const RawKeys&) = delete;
+
+ private:
+  termios before_{};
+  bool terminal_;
+};
+
+int NudgeStored(client::Connection& connection, const nlohmann::json& status, int number) {
+  const auto chosen = ChooseAlignment(status, number);
+  if (!chosen.ok()) return Fail(kCommand, chosen.error());
+  std::printf("headset      %s / %s, in its %s space\n", chosen->headset.runtime.c_str(),
+              chosen->headset.system.c_str(), SpaceName(chosen->headset.space).c_str());
+  std::printf("arrows: left, right, away, near; Page Up/Down: up, down; [ ]: turn; + -: step; u: undo all; q: done\n");
+  Nudge nudge(chosen->base_space);
+  const RawKeys keys;
+  for (char byte = 0; ::read(STDIN_FILENO, &byte, 1) == 1;) {
+    const Nudge::Does does = nudge.Key(byte);
+    if (does == Nudge::Does::kDone) break;
+    if (does == Nudge::Does::kNothing) continue;
+    alignment::Outcome outcome;
+    outcome.base_space = nudge.placement();
+    outcome.samples = chosen->samples;
+    outcome.rms_m = chosen->rms_m;
+    connection.Poll(base::MonotonicNow_ns());
+    const auto stored = AskPlacement(connection, StoreCommand(chosen->headset, outcome, "nudge"));
+    if (!stored.ok()) return Fail(kCommand, stored.error());
+    std::printf("moved        %.1f mm and %.1f deg from where it was\n",
+                1e3 * alignment::Distance_m(nudge.placement(), chosen->base_space, {}),
+                57.29577951308232 * alignment::Angle_rad(nudge.placement(), chosen->base_space));
+    std::fflush(stdout);
+  }
+  return kExitOk;
+}
+
+int ForgetStored(client::Connection& connection, const nlohmann::json& status, int number) {
+  protocol::PlacementCommand command;
+  command.action = protocol::PlacementAction::kForget;
+  if (number > 0) {
+    const auto chosen = ChooseAlignment(status, number);
+    if (!chosen.ok()) return Fail(kCommand, chosen.error());
+    command = StoreCommand(chosen->headset, {}, "");
+    command.action = protocol::PlacementAction::kForget;
+  }
+  const auto done = AskPlacement(connection, command);
+  if (!done.ok()) return Fail(kCommand, done.error());
+  std::printf("%s\n", done->c_str());
+  return kExitOk;
+}
+
+int SetPolicy(client::Connection& connection, const std::string& placement) {
+  protocol::PlacementCommand command;
+  command.action = protocol::PlacementAction::kPolicy;
+  for (std::size_t i = 0; i < std::size(kPlacements); ++i) {
+    if (placement == kPlacements[i]) command.uncalibrated = static_cast<protocol::Uncalibrated>(i);
+  }
+  const auto done = AskPlacement(connection, command);
+  if (!done.ok()) return Fail(kCommand, done.error());
+  std::printf("%s\n", done->c_str());
+  return kExitOk;
+}
+
+int Measure(client::Connection& connection, AlignArguments arguments) {
+  arguments.run.session.level = !arguments.tilted;
+  for (const AlignMethod method : {AlignMethod::kTouch, AlignMethod::kSweep, AlignMethod::kFingertip}) {
+    if (arguments.method == AlignMethodName(method)) arguments.run.session.method = method;
+  }
+  if (!arguments.marks.empty()) {
+    auto marks = config::LoadMarksFile(arguments.marks);
+    if (!marks.ok()) return Fail(kCommand, marks.error());
+    arguments.run.session.marks = std::move(*marks);
+  }
+  const auto aligned = RunAlignment(connection, arguments.run);
+  if (!aligned.ok()) return Fail(kCommand, aligned.error());
+  std::printf("%s", AlignOutcomeText(arguments.run.session, aligned->outcome).c_str());
+  const auto stored = AskPlacement(connection, StoreCommand(aligned->headset, aligned->outcome, arguments.method));
+  if (!stored.ok()) return Fail(kCommand, stored.error());
+  std::printf("stored       %s; applications that run have it already\n", stored->c_str());
+  return kExitOk;
+}
+
+int Align(const AlignArguments& arguments) {
+  auto connection = ConnectToService(arguments.socket);
+  if (!connection.ok()) {
+    Fail(kCommand, connection.error());
+    return kExitNoService;
+  }
+  if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
+  if (!arguments.show && !arguments.forget && arguments.method != "nudge") return Measure(**connection, arguments);
+  const auto status = AskStatus(**connection);
+  if (!status.ok()) return Fail(kCommand, status.error());
+  if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
+  if (!arguments.show) return NudgeStored(**connection, *status, arguments.number);
+  std::printf("%s", StoredAlignmentsText(*status).c_str());
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddAlign(CLI::App& app) {
+  auto arguments = std::make_shared<AlignArguments>();
+  CLI::App* align = app.add_subcommand("align", "measure where the base stands in a headset's space; kept by omnid");
+  align
+      ->add_option("method", arguments->method,
+                   "touch: marks of the base with a controller; sweep: pen and controller held together; fingertip: "
+                   "an index finger on the pen's tip; nudge: keys")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kMethods), std::end(kMethods))))
+      ->capture_default_str();
+  align->add_flag("--show", arguments->show, "list what is stored");
+  align->add_flag("--forget", arguments->forget, "forget it, or number N of it");
+  align
+      ->add_option("--placement", arguments->placement,
+                   "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kPlacements), std::end(kPlacements))));
+  align->add_option("--number", arguments->number, "of --show, for nudge and --forget")->check(CLI::Range(1, 64));
+  align->add_option("--hand", arguments->run.hand, "which controller")
+      ->check(CLI::IsMember({"auto", "left", "right"}))
+      ->capture_default_str();
+  align->add_flag("--tilted", arguments->tilted, "the base does not stand level");
+  align->add_option("--marks", arguments->marks, "file of marks (default: the built-in marks.toml)");
+  align->add_option("--places", arguments->run.session.fingertips, "fingertip: how many places to touch")
+      ->check(CLI::Range(4, 20))
+      ->capture_default_str();
+  align->add_option("--patience", arguments->run.patience_s, "seconds until it gives up")
+      ->check(CLI::Range(5.0, 3600.0))
+      ->capture_default_str();
+  align->add_option("--probe", arguments->run.probe, "the program that asks the runtime (default: omni_align_probe)");
+  align->add_option("--socket", arguments->socket, "omnid's socket (default: as omnid's)");
+  align->callback([arguments] { throw CLI::RuntimeError(Align(*arguments)); });
+}
+
+}  // namespace omni::tools

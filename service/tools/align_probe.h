@@ -1,0 +1,52 @@
+// The OpenXR half of `omni align`: omni_align_probe (layer/examples/align) as a child, line by line.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "service/alignment/types.h"
+#include "service/base/result.h"
+#include "service/protocol/unique_fd.h"
+
+namespace omni::tools {
+
+enum class ProbeSays { kRuntime, kSystem, kSpace, kPose, kMoved, kEnd };
+
+struct ProbeLine {
+  ProbeSays says = ProbeSays::kEnd;
+  std::string text;       // kRuntime, kSystem: the name; kEnd: why; kPose: "left", "right_finger", ...
+  int space = 0;          // kSpace: XrReferenceSpaceType
+  std::int64_t t_ns = 0;  // kPose: CLOCK_MONOTONIC
+  alignment::Rigid pose;  // kPose: X_LC
+};
+
+// Null: no line of the probe's (a runtime's library may print too).
+std::optional<ProbeLine> ParseProbeLine(const std::string& line);
+
+class AlignProbe {
+ public:
+  // Our own layer is kept out of the child: the controller is wanted, not the pen in its place.
+  static base::Result<std::unique_ptr<AlignProbe>> Start(const std::string& program, bool fingers);
+  ~AlignProbe();  // ends the child
+  AlignProbe(const AlignProbe&) = delete;
+  AlignProbe& operator=(const AlignProbe&) = delete;
+
+  // The next line, waited for `timeout_ms` at most. After the child's end: kEnd, again and again.
+  std::optional<ProbeLine> Next(int timeout_ms);
+
+ private:
+  AlignProbe() = default;
+  pid_t pid_ = -1;
+  protocol::UniqueFd in_, out_;  // its standard input (open: go on), its standard output
+  std::string buffer_;
+  bool ended_ = false;
+};
+
+// Beside this program.
+std::string DefaultProbe();
+
+}  // namespace omni::tools

@@ -1,0 +1,36 @@
+// What `omni align` asks of omnid.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "service/alignment/types.h"
+#include "service/base/result.h"
+#include "service/client/connection.h"
+
+namespace omni::tools {
+
+// Waits for the answer, 2.5 s at most. A refusal is an error with omnid's text; else the text.
+base::Result<std::string> AskPlacement(client::Connection& connection, const protocol::PlacementCommand& command);
+
+struct Headset {
+  std::string runtime, system;
+  int space = protocol::kSpaceLocal;
+};
+
+protocol::PlacementCommand StoreCommand(const Headset& headset, const alignment::Outcome& outcome,
+                                        const std::string& method);
+
+// One of the stored alignments by its number in `omni align --show`.
+struct StoredAlignment {
+  Headset headset;
+  alignment::Rigid base_space;
+  int samples = 0;
+  double rms_m = 0;
+};
+// `number` 0: the one of a connected application's headset, else the only one. Without any: the headset of a connected
+// application, its base where the layer guesses it.
+base::Result<StoredAlignment> ChooseAlignment(const nlohmann::json& status, int number);
+
+}  // namespace omni::tools
