@@ -100,10 +100,12 @@ base::Vec3 PlayWaveform(const TickConfig& config, const HapticWaveform& waveform
                 std::clamp(waveform.amplitude, 0.0, 1.0) * config.haptic_pulse_force_N * std::sin(phase));
 }
 
+base::Vec3 Sum(const base::Vec3& a, const base::Vec3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+
 // Adds contact and vibration under the gate; counts a waveform once when it reaches the command.
 base::Vec3 Mix(const base::Vec3& contact_N, const base::Vec3& vibration_N, const base::ForceLimit& limit,
                double force_scale, LoopState& state) noexcept {
-  const base::Vec3 wanted{contact_N.x + vibration_N.x, contact_N.y + vibration_N.y, contact_N.z + vibration_N.z};
+  const base::Vec3 wanted = Sum(contact_N, vibration_N);
   const double gain = state.gate * std::clamp(force_scale, 0.0, 1.0);
   const base::Vec3 force_N = Scaled(wanted, gain * base::FeasibleScale(limit, wanted));
   const bool vibrates = vibration_N != base::Vec3{};
@@ -112,6 +114,22 @@ base::Vec3 Mix(const base::Vec3& contact_N, const base::Vec3& vibration_N, const
     ++state.haptic_pulses;
   }
   return force_N;
+}
+
+// Inputs of this tick, and what is felt of them.
+base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, const base::ToolState& tool, double dt_s,
+                        LoopState& state, TickOutput& output) noexcept {
+  const bool tracked = tool.status == base::TrackingStatus::kTracking;
+  const InputSample sample{.t_ns = output.t_ns,
+                           .live = tracked && state.gate > 0,
+                           .owned = commands.gate != ForceGate::kClosed,
+                           .tracked = tracked,
+                           .tip_base_m = tool.device_point_base_m,
+                           .axis_base = tool.axis_base};
+  UpdateInputs(config.inputs, commands.inputs, sample, output.haptics, commands.keys, state.inputs);
+  output.inputs = state.inputs.inputs;
+  output.sources = state.inputs.on;
+  return DetentForce_N(commands.inputs, state.inputs, output.haptics, dt_s, state.detent);
 }
 
 }  // namespace
@@ -143,7 +161,9 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   haptics::Step(config.haptics, scene, MakeHapticInput(tool, limit, delay_s, dt_s), state.haptics, output.haptics);
   const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
 
-  base::Vec3 force_N = Mix(output.haptics.force_base_N, vibration_N, limit, commands.force_scale, state);
+  const base::Vec3 detent_N = FollowInputs(config, commands, tool, dt_s, state, output);
+
+  base::Vec3 force_N = Mix(Sum(output.haptics.force_base_N, detent_N), vibration_N, limit, commands.force_scale, state);
   if (!IsFinite(force_N)) {
     output.faults |= kFaultNotFinite;
     force_N = {};
@@ -153,9 +173,6 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
                    .torque_Nm = base::TorqueOf_Nm(limit, output.currents.current_A),
                    .point_base_m = output.tool.position_base_m};
 
-  const bool live = tool.status == base::TrackingStatus::kTracking && state.gate > 0;
-  UpdateInputs(config.inputs, output.haptics, live, scan.t_ns, state.inputs);
-  output.inputs = state.inputs.inputs;
   output.haptic_pulses = state.haptic_pulses;
 }
 

@@ -12,9 +12,11 @@
 
 #include "service/actuation/actuation.h"
 #include "service/base/hall_scan.h"
+#include "service/base/input_mapping.h"
 #include "service/base/input_state.h"
 #include "service/base/tool_state.h"
 #include "service/haptics/haptics.h"
+#include "service/loop/detent.h"
 #include "service/loop/inputs.h"
 #include "service/tracker/tracker.h"
 
@@ -60,6 +62,8 @@ struct Commands {
   std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
   double force_scale = 1;              // [0, 1], from apps.d
   HapticWaveform haptic;
+  base::InputMapping inputs = base::DefaultMapping();  // of the owner
+  const base::KeyStates* keys = nullptr;               // valid for this tick; null: no keyboard and no pedal is read
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
 
@@ -68,6 +72,7 @@ struct LoopState {
   haptics::State haptics;
   actuation::State actuation;
   InputTracker inputs;
+  DetentState detent;
   std::int64_t t_ns = 0;  // of the last scan
   std::uint64_t tick = 0;
   int lost_scans = 0;                  // in a row
@@ -91,6 +96,7 @@ struct TickOutput {
   base::Wrench wrench;          // after all gates; the torque is what the currents do besides
   base::CoilCurrents currents;  // the last word, finite, within limits
   base::InputState inputs;
+  base::SourceMask sources = 0;     // inputs' sources that are on
   bool wants_scene = false;         // ramped out: the caller may now swap to commands.scene_generation
   std::uint64_t haptic_pulses = 0;  // waveforms that reached the coil command so far
   std::uint32_t faults = 0;         // TickFault bits of this tick
