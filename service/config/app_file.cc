@@ -51,7 +51,11 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   AppEntry entry;
   entry.file = file;
   entry.application_glob = reader.Text("application", kMaxGlobBytes);
-  entry.scene = (fs::path(scenes_folder) / reader.Text("scene", kMaxPathBytes)).lexically_normal().string();
+  // A file that gives inputs need not give a scene.
+  const bool has_inputs = parsed->contains("inputs");
+  if (!has_inputs || parsed->contains("scene")) {
+    entry.scene = (fs::path(scenes_folder) / reader.Text("scene", kMaxPathBytes)).lexically_normal().string();
+  }
   entry.placement =
       reader.Choice("placement", kPlacements, "as_authored") == "fit" ? Placement::kFit : Placement::kAsAuthored;
   // Who asks for a model to be brought into reach means to feel it.
@@ -60,6 +64,11 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   entry.offset_base_m = reader.Vector("offset_base_m", kOffset_m, base::Vec3{});
   entry.scale = reader.Number("scale", kScale, 1.0);
   entry.force_scale = reader.Number("force_scale", kForceScale, 1.0);
+  if (const toml::table* inputs = has_inputs ? reader.Table("inputs") : nullptr) {
+    TableReader input_reader(problem, *inputs, "inputs");
+    entry.inputs = ReadInputs(input_reader, problem);
+  }
+  reader.Allow({"scene", "inputs"});
   reader.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
   return entry;

@@ -18,6 +18,9 @@ std::string UserAppFolder();
 // The user's calibration: $XDG_CONFIG_HOME/omni/calibration.toml, else below ~/.config; empty: no home.
 std::string UserCalibrationFile();
 
+// The user's inputs: $XDG_CONFIG_HOME/omni/inputs.toml, else below ~/.config; empty: no home.
+std::string UserInputsFile();
+
 // What can be computed again: $XDG_CACHE_HOME/omni, else ~/.cache/omni; empty: no home.
 std::string CacheFolder();
 
