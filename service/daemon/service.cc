@@ -32,6 +32,10 @@ Service::Service(ServiceOptions options)
             return server_ != nullptr && server_->SendSurfaces(id, surfaces, fd);
           }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
+  if (options_.inputs.devices.empty()) return;
+  keys_ =
+      std::make_unique<KeyThread>(KeyThreadOptions{.devices = options_.inputs.devices, .codes = options_.inputs.slots},
+                                  MakeEvdevPorts(), [this](const base::KeyStates& keys) { SetKeys(keys); });
 }
 
 Service::~Service() = default;
@@ -40,6 +44,13 @@ void Service::Attach(loop::TickThread& loop, const device::Transport& transport)
   const std::lock_guard lock(loop_mutex_);
   loop_ = &loop;
   transport_ = &transport;
+  loop.keys().Write(key_states_);
+}
+
+void Service::SetKeys(const base::KeyStates& keys) {
+  const std::lock_guard lock(loop_mutex_);
+  key_states_ = keys;
+  if (loop_ != nullptr) loop_->keys().Write(keys);
 }
 
 void Service::Detach(const std::string& why) {
@@ -87,7 +98,7 @@ void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
   const std::uint64_t owner_before = owners_.owner();
   owners_.SetSession(id, state);
   if (owners_.owner() != owner_before) haptic_.active = false;
-  if (began && client.app != nullptr) builder_.Request(id, *client.app);
+  if (began && client.app != nullptr && !client.app->scene.empty()) builder_.Request(id, *client.app);
   if (began && client.app == nullptr) {
     Problem(id, 0, "no scene for application \"" + client.info.application + "\": add a file to apps.d to give it one");
   }
@@ -191,6 +202,11 @@ void Service::DropScene(Client& client) {
   if (client.scene != nullptr) retired_.push_back(std::exchange(client.scene, nullptr));
 }
 
+const base::InputMapping& Service::MappingOf(const Client* client) const {
+  const bool own = client != nullptr && client->app != nullptr && client->app->inputs;
+  return own ? client->app->inputs->mapping : options_.inputs.fallback.mapping;
+}
+
 void Service::WriteCommands(std::int64_t now_ns) {
   const std::uint64_t owner = owners_.owner();
   const auto found = clients_.find(owner);
@@ -208,7 +224,8 @@ void Service::WriteCommands(std::int64_t now_ns) {
                           .idle = owners_.empty(),
                           .scene_generation = generation_,
                           .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
-                          .haptic = haptic_};
+                          .haptic = haptic_,
+                          .inputs = MappingOf(client)};
   const std::lock_guard lock(loop_mutex_);
   if (loop_ == nullptr) return;
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
@@ -281,6 +298,10 @@ std::string Service::StatusJson() {
     input.scene_soft = builder_.Progress(wanted_->client);
     input.scene_sculpted = SculptedOf(*wanted_->scene);
   }
+  const auto owner = clients_.find(owners_.owner());
+  input.mapping = &MappingOf(owner == clients_.end() ? nullptr : &owner->second);
+  input.key_slots = &options_.inputs.slots;
+  if (keys_ != nullptr) input.key_devices = keys_->Status();
   const std::lock_guard lock(loop_mutex_);
   input.calibration = calibration_;
   if (!calibration_.problem.empty()) input.problems.push_back("calibration: " + calibration_.problem);

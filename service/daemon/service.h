@@ -11,6 +11,8 @@
 
 #include "service/config/app_file.h"
 #include "service/config/calibration_file.h"
+#include "service/config/input_settings.h"
+#include "service/daemon/key_thread.h"
 #include "service/daemon/owner.h"
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
@@ -25,6 +27,7 @@ struct ServiceOptions {
   std::string version;
   std::uint64_t instance = 0;
   config::AppTable apps;
+  config::InputPlan inputs;  // of `apps`
   double hull_radius_m = 0;
   std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until SetCalibration
@@ -43,6 +46,8 @@ class Service : public ipc::ServerHandler {
   void Detach(const std::string& why);
   // Any thread: what the device that is being opened works with.
   void SetCalibration(config::CalibrationChoice choice);
+  // Any thread: keys have changed.
+  void SetKeys(const base::KeyStates& keys);
 
   void OnClient(const ipc::ClientInfo& client) override;
   void OnGone(ipc::ClientId id) override;
@@ -68,6 +73,7 @@ class Service : public ipc::ServerHandler {
   void UpdateSurfaces();
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   void DropScene(Client& client);
+  const base::InputMapping& MappingOf(const Client* client) const;
   void Problem(ipc::ClientId id, int level, const std::string& text);
 
   const ServiceOptions options_;
@@ -88,7 +94,9 @@ class Service : public ipc::ServerHandler {
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;
   std::string device_absent_why_ = "not opened yet";
-  SurfaceClients surfaces_;  // the last: its thread uses the loop
+  base::KeyStates key_states_;
+  std::unique_ptr<KeyThread> keys_;  // null: no device is to be read. Its thread uses the loop
+  SurfaceClients surfaces_;          // the last: its thread uses the loop
 };
 
 }  // namespace omni::daemon
