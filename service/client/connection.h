@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "service/client/state_reader.h"
 #include "service/client/surface_reader.h"
 #include "service/protocol/control.h"
+#include "service/protocol/waveform.h"
 
 namespace omni::client {
 
@@ -58,6 +60,9 @@ class Connection {
   bool SendSession(protocol::SessionState state) noexcept;
   bool SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept;
   bool SendHapticStop() noexcept;
+  // `waveform`: all but header and count, which follow from the samples, 1 to protocol::kMaxWaveformSamples of them.
+  // Samples are clamped to their range. False also: one is not a number, or a field is out of range.
+  bool SendWaveform(const protocol::Waveform& waveform, std::span<const float> samples) noexcept;
   bool RequestStatus() noexcept;
 
   // Asks for the surfaces that change shape or place, or no longer; asked again on reconnection. Nothing is computed

@@ -12,7 +12,7 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
-inline constexpr std::uint16_t kProtocolVersion = 2;        // 2: scene commands, surfaces
+inline constexpr std::uint16_t kProtocolVersion = 3;        // 2: scene commands, surfaces; 3: waveforms
 inline constexpr std::size_t kMaxMessageBytes = 65536;
 inline constexpr std::size_t kMaxSocketPathBytes = 107;
 
@@ -29,7 +29,8 @@ enum class MessageType : std::uint16_t {
   kSceneCommand = 10,    // client -> server: undo, redo, save what was sculpted
   kSceneReply = 11,      // server -> client: text after it; with a file: one descriptor, sealed memory
   kSurfaceRequest = 12,  // client -> server: show me the surfaces that change, or no longer
-  kSurfaces = 13         // server -> client, with one descriptor (surface memory, read only) if there is one
+  kSurfaces = 13,        // server -> client, with one descriptor (surface memory, read only) if there is one
+  kWaveform = 14         // client -> server: waveform.h
 };
 
 struct MessageHeader {

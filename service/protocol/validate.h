@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "service/protocol/control.h"
+#include "service/protocol/waveform.h"
 
 namespace omni::protocol {
 
@@ -32,7 +33,7 @@ struct SceneAnswer {
 };
 
 using Message = std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply,
-                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces>;
+                             Notice, SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, ShapedHaptic>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;

@@ -28,6 +28,17 @@ Bytes BytesOf(const T& message) {
   return bytes;
 }
 
+Bytes WaveformBytes() {
+  Waveform waveform;
+  waveform.kind = WaveformKind::kPcm;
+  waveform.sample_rate_Hz = 1000;
+  waveform.count = 5;
+  waveform.header.size = sizeof(waveform) + 5 * sizeof(float);
+  Bytes bytes = BytesOf(waveform);
+  bytes.resize(waveform.header.size);  // silence
+  return bytes;
+}
+
 std::vector<Bytes> Seeds() {
   Welcome welcome;
   welcome.client_id = 1;
@@ -42,7 +53,7 @@ std::vector<Bytes> Seeds() {
   return {BytesOf(Hello{}),  BytesOf(welcome),        BytesOf(Reject{}),        BytesOf(Session{}),
           BytesOf(Haptic{}), BytesOf(HapticStop{}),   BytesOf(StatusRequest{}), BytesOf(Notice{}),
           BytesOf(reply),    BytesOf(SceneCommand{}), BytesOf(SceneReply{}),    BytesOf(SurfaceRequest{}),
-          BytesOf(surfaces)};
+          BytesOf(surfaces), WaveformBytes()};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {
@@ -83,6 +94,10 @@ struct Contract {
   void operator()(const Surfaces& surfaces) const {
     EXPECT_LE(surfaces.total_bytes, kMaxSurfaceBytes);
     EXPECT_EQ(surfaces.total_bytes == 0, surfaces.memory_generation == 0);
+  }
+  void operator()(const ShapedHaptic& haptic) const {
+    EXPECT_EQ(size, sizeof(Waveform) + haptic.waveform.count * sizeof(float));
+    for (std::size_t i = 0; i < haptic.waveform.count; ++i) EXPECT_LE(std::abs(haptic.sample(i)), 1.0F);
   }
   void operator()(const SceneCommand& command) const {
     EXPECT_TRUE(IsTerminated(command.object));
