@@ -97,7 +97,7 @@ void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
   const bool began = owners_.session(id) == protocol::SessionState::kNone && state != protocol::SessionState::kNone;
   const std::uint64_t owner_before = owners_.owner();
   owners_.SetSession(id, state);
-  if (owners_.owner() != owner_before) haptic_.active = false;
+  if (owners_.owner() != owner_before) vibration_.Stop();
   if (began && client.app != nullptr && !client.app->scene.empty()) builder_.Request(id, *client.app);
   if (began && client.app == nullptr) {
     Problem(id, 0, "no scene for application \"" + client.info.application + "\": add a file to apps.d to give it one");
@@ -108,17 +108,20 @@ void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
 
 void Service::OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) {
   if (id != owners_.owner()) return;  // only the owner is felt
-  haptic_ = {.id = haptic_.id + 1,
-             .active = true,
-             .duration_s = haptic.duration_ns < 0 ? -1.0 : static_cast<double>(haptic.duration_ns) * 1e-9,
-             .amplitude = static_cast<double>(haptic.amplitude),
-             .frequency_Hz = static_cast<double>(haptic.frequency_Hz)};
+  vibration_.Tone(haptic);
   WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) {
+  if (id != owners_.owner()) return;
+  const std::int64_t now_ns = base::MonotonicNow_ns();
+  vibration_.Shape(haptic, now_ns);
+  WriteCommands(now_ns);
 }
 
 void Service::OnHapticStop(ipc::ClientId id) {
   if (id != owners_.owner()) return;
-  haptic_.active = false;
+  vibration_.Stop();
   WriteCommands(base::MonotonicNow_ns());
 }
 
@@ -224,11 +227,12 @@ void Service::WriteCommands(std::int64_t now_ns) {
                           .idle = owners_.empty(),
                           .scene_generation = generation_,
                           .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
-                          .haptic = haptic_,
+                          .haptic = vibration_.waveform(),
                           .inputs = MappingOf(client)};
   const std::lock_guard lock(loop_mutex_);
   if (loop_ == nullptr) return;
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
+  if (vibration_.TakeFresh()) loop_->vibration().Write(vibration_.samples());  // before what names them
   loop_->commands().Write(commands);
 }
 

@@ -17,6 +17,7 @@
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
 #include "service/daemon/surface_clients.h"
+#include "service/daemon/vibration.h"
 #include "service/device/transport.h"
 #include "service/ipc/server.h"
 #include "service/loop/tick_thread.h"
@@ -54,6 +55,7 @@ class Service : public ipc::ServerHandler {
   void OnSession(ipc::ClientId id, protocol::SessionState state) override;
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
+  void OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) override;
   void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
   void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override;
   void OnPeriod(std::int64_t now_ns) override;
@@ -86,7 +88,7 @@ class Service : public ipc::ServerHandler {
   std::shared_ptr<const BuiltScene> wanted_;                // of the owner; null: empty
   std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
   std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over
-  loop::HapticWaveform haptic_;
+  Vibration vibration_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   std::mutex loop_mutex_;

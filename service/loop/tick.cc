@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "service/base/eigen.h"
 #include "service/base/force_limit.h"
@@ -81,25 +80,6 @@ base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, L
   return bridged;
 }
 
-// Force of the application's vibration, along the pen's axis: A F sin(2 pi f t) while it lasts.
-base::Vec3 PlayWaveform(const TickConfig& config, const HapticWaveform& waveform, const base::ToolState& tool,
-                        double dt_s, LoopState& state) noexcept {
-  if (waveform.id != state.haptic_id) {
-    state.haptic_id = waveform.id;
-    state.haptic_time_s = 0;
-    state.haptic_playing = waveform.active;
-    state.haptic_counted = false;
-  }
-  const double duration_s = waveform.duration_s < 0 ? config.haptic_pulse_min_s : waveform.duration_s;
-  if (!waveform.active || !(state.haptic_time_s < duration_s)) state.haptic_playing = false;
-  if (!state.haptic_playing) return {};
-  const double frequency_Hz = waveform.frequency_Hz > 0 ? waveform.frequency_Hz : config.haptic_frequency_Hz;
-  state.haptic_time_s += dt_s;
-  const double phase = 2 * std::numbers::pi * frequency_Hz * state.haptic_time_s;
-  return Scaled(tool.axis_base,
-                std::clamp(waveform.amplitude, 0.0, 1.0) * config.haptic_pulse_force_N * std::sin(phase));
-}
-
 base::Vec3 Sum(const base::Vec3& a, const base::Vec3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
 // Adds contact and vibration under the gate; counts a waveform once when it reaches the command.
@@ -109,8 +89,8 @@ base::Vec3 Mix(const base::Vec3& contact_N, const base::Vec3& vibration_N, const
   const double gain = state.gate * std::clamp(force_scale, 0.0, 1.0);
   const base::Vec3 force_N = Scaled(wanted, gain * base::FeasibleScale(limit, wanted));
   const bool vibrates = vibration_N != base::Vec3{};
-  if (vibrates && !state.haptic_counted && force_N != base::Vec3{}) {
-    state.haptic_counted = true;
+  if (vibrates && !state.vibration.counted && force_N != base::Vec3{}) {
+    state.vibration.counted = true;
     ++state.haptic_pulses;
   }
   return force_N;
@@ -159,7 +139,8 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   output.near_singular = limit.near_singular;
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
   haptics::Step(config.haptics, scene, MakeHapticInput(tool, limit, delay_s, dt_s), state.haptics, output.haptics);
-  const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
+  const base::Vec3 vibration_N = Scaled(
+      tool.axis_base, VibrationForce_N(config.vibration, commands.haptic, commands.samples, dt_s, state.vibration));
 
   const base::Vec3 detent_N = FollowInputs(config, commands, tool, dt_s, state, output);
 

@@ -1,6 +1,7 @@
 // The service between clients and the loop: scenes are built, swapped in at a tick, dropped with their client.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -44,8 +45,9 @@ class HeldPen : public device::Transport {
   std::unique_ptr<device::Transport> twin_;
 };
 
-struct NoSink : loop::TickSink {
-  void Publish(const loop::TickOutput& /*output*/) noexcept override {}
+struct PulseSink : loop::TickSink {
+  void Publish(const loop::TickOutput& output) noexcept override { pulses = output.haptic_pulses; }
+  std::atomic<std::uint64_t> pulses{0};  // vibrations that reached the coils
 };
 
 class ServiceTest : public testing::Test {
@@ -102,7 +104,7 @@ class ServiceTest : public testing::Test {
 
   std::unique_ptr<device::Transport> device_;
   TransportTickSource source_;
-  NoSink sink_;
+  PulseSink sink_;
   Service service_;
   std::unique_ptr<loop::TickThread> loop_;
 };
@@ -230,6 +232,31 @@ class HeldPenTest : public ServiceTest {
  protected:
   HeldPenTest() : ServiceTest(std::make_unique<HeldPen>(config::DefaultDevice())) {}
 };
+
+// Of each kind, and only those of the owner.
+TEST_F(HeldPenTest, VibrationsOfTheOwnerReachTheCoils) {
+  Connect(1, "silent 1");
+  Focus(1);
+  ASSERT_TRUE(Until([&] { return loop_->statistics().ticks.load() > 300; })) << "the gate opens";
+  const std::vector<float> samples(200, 0.5F);
+  protocol::ShapedHaptic shaped;
+  shaped.waveform.count = 200;
+  shaped.waveform.duration_ns = 500'000'000;
+  shaped.bytes = {reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof(float)};
+  service_.OnWaveform(2, shaped);
+  service_.OnHaptic(2, {.duration_ns = 500'000'000, .amplitude = 1});
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(sink_.pulses.load(), 0U) << "nobody's, for it does not own the force";
+  service_.OnWaveform(1, shaped);
+  EXPECT_TRUE(Until([&] { return sink_.pulses.load() == 1; }));
+  shaped.waveform = {.kind = protocol::WaveformKind::kPcm, .count = 200, .sample_rate_Hz = 1000};
+  service_.OnWaveform(1, shaped);
+  EXPECT_TRUE(Until([&] { return sink_.pulses.load() == 2; }));
+  shaped.waveform.append = 1;
+  service_.OnWaveform(1, shaped);
+  service_.OnHaptic(1, {.duration_ns = 500'000'000, .amplitude = 1});
+  EXPECT_TRUE(Until([&] { return sink_.pulses.load() == 3; })) << "what is appended is no vibration of its own";
+}
 
 // Sanitizers watch: a scene must not be freed while the tick reads it or is about to take it.
 TEST_F(HeldPenTest, ScenesComeAndGoUnderATickInContact) {
