@@ -23,6 +23,8 @@ struct OurExtension {
 };
 constexpr std::array kOurExtensions{
     OurExtension{XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME, 1, true},
+    OurExtension{XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME, 1, true},
+    OurExtension{XR_FB_HAPTIC_PCM_EXTENSION_NAME, 1, true},
 };
 
 const OurExtension* FindOurs(const std::string& name) {

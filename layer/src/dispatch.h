@@ -35,7 +35,7 @@
 
 // Functions that not every runtime has (extensions, OpenXR 1.1): intercepted where what lies below has them. The
 // application gets the answer from below where it does not.
-#define OMNI_LAYER_OPTIONAL(X)
+#define OMNI_LAYER_OPTIONAL(X) X(GetDeviceSampleRateFB)
 
 // Functions of the next layer or runtime that we only call.
 #define OMNI_LAYER_CALLED(X) \

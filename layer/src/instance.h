@@ -11,6 +11,7 @@
 #include "layer/src/clock.h"
 #include "layer/src/dispatch.h"
 #include "layer/src/event_queue.h"
+#include "layer/src/haptics.h"
 #include "layer/src/log.h"
 #include "layer/src/records.h"
 #include "layer/src/service_link.h"
@@ -40,6 +41,7 @@ class Instance {
   const XrPath hand_path;
   RuntimeClock clock;
   ServiceLink link;
+  PcmBacklog pcm_backlog;
   EventQueue events;  // ours, delivered when nothing waits below
 
   HandleMap<XrSession, Session> sessions;
@@ -71,8 +73,11 @@ class Instance {
   XrResult GetFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state);
   XrResult GetVector2f(XrSession session, const XrActionStateGetInfo* info, XrActionStateVector2f* state);
   XrResult GetPose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state);
+
+  // haptics.cc
   XrResult ApplyHaptic(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
   XrResult StopHaptic(XrSession session, const XrHapticActionInfo* info);
+  XrResult DeviceSampleRate(XrSession session, const XrHapticActionInfo* info, XrDevicePcmSampleRateStateFB* rate);
 
   // bound_sources.cc
   XrResult BoundSources(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info, uint32_t capacity,
@@ -103,6 +108,7 @@ class Instance {
 
  private:
   bool OnlyOurs(const Profile& profile) const;
+  bool OnlyOurs(std::string_view extension) const;  // enabled, and unknown below
   XrResult CheckSuggestions(const Profile& profile, const XrInteractionProfileSuggestedBinding& suggested);
   bool ProfileHasPath(const Profile& profile, std::string_view full_path) const;
   void SetFocus(Session& session, bool focused);
@@ -114,6 +120,11 @@ class Instance {
     bool to_runtime = true;
   };
   HapticRoute RouteHaptic(XrSession session, const XrHapticActionInfo* info) const;
+  XrResult ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult ApplyEnvelope(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult AskBelow(const HapticRoute& route, const char* extension, XrSession session, const XrHapticActionInfo* info,
+                    const XrHapticBaseHeader* haptic);
 
   const std::vector<std::string> enabled_;
   const std::vector<std::string> only_ours_;

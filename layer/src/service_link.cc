@@ -53,6 +53,11 @@ void ServiceLink::HapticStop() {
   connection_.SendHapticStop();
 }
 
+bool ServiceLink::Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples) {
+  const std::lock_guard lock(mutex_);
+  return connection_.SendWaveform(waveform, samples);
+}
+
 std::shared_ptr<const client::StateReader> ServiceLink::reader() const {
   const std::shared_lock lock(reader_mutex_);
   return reader_;

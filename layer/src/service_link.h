@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
+#include <vector>
 
 #include "layer/src/log.h"
 #include "service/client/connection.h"
@@ -33,6 +34,8 @@ class ServiceLink {
   void SetSession(protocol::SessionState state);
   void Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz);
   void HapticStop();
+  // False: not sent.
+  bool Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples);
 
   std::shared_ptr<const client::StateReader> reader() const;
   PenSnapshot Read(std::int64_t now_ns) const;

@@ -58,7 +58,10 @@ XrResult Instance::EndSession(XrSession session) {
 // Leaving focus ends what vibrates and takes the force away.
 void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
-  if (!focused) link.HapticStop();
+  if (!focused) {
+    pcm_backlog.Clear();
+    link.HapticStop();
+  }
   ReportSessionState();
 }
 

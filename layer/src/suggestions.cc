@@ -7,8 +7,7 @@
 namespace omni::layer {
 
 bool Instance::OnlyOurs(const Profile& profile) const {
-  return !profile.extension.empty() &&
-         std::find(only_ours_.begin(), only_ours_.end(), profile.extension) != only_ours_.end();
+  return !profile.extension.empty() && OnlyOurs(std::string_view(profile.extension));
 }
 
 bool Instance::ProfileHasPath(const Profile& profile, std::string_view full_path) const {

@@ -49,6 +49,7 @@ void App::MakeInstance(const AppOptions& options) {
   std::vector<const char*> extensions{"XR_MND_headless"};
   if (options.timespec_extension) extensions.push_back("XR_KHR_convert_timespec_time");
   if (options.mx_ink_extension) extensions.push_back(XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME);
+  extensions.insert(extensions.end(), options.extensions.begin(), options.extensions.end());
   XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
   std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "%s", options.name);
   info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 20);

@@ -26,6 +26,7 @@ struct AppOptions {
   bool attach = true;  // suggests and attaches
   const char* name = "layer test";
   bool timespec_extension = true;
+  std::vector<const char*> extensions = {};  // further ones
 };
 
 struct Bound {

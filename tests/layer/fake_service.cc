@@ -96,6 +96,13 @@ void FakeService::OnHapticStop(ipc::ClientId) {
   ++heard_.haptic_stops;
 }
 
+void FakeService::OnWaveform(ipc::ClientId, const protocol::ShapedHaptic& haptic) {
+  Heard::Shaped shaped{haptic.waveform, {}};
+  for (std::uint32_t i = 0; i < haptic.waveform.count; ++i) shaped.samples.push_back(haptic.sample(i));
+  const std::lock_guard lock(mutex_);
+  heard_.waveforms.push_back(std::move(shaped));
+}
+
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
   if (client_ != 0) last_beat_ns_ = server_->LastBeat_ns(client_);

@@ -22,6 +22,11 @@ struct Heard {
   std::vector<std::string> applications;
   std::vector<protocol::SessionState> sessions;
   std::vector<protocol::Haptic> haptics;
+  struct Shaped {
+    protocol::Waveform waveform;
+    std::vector<float> samples;
+  };
+  std::vector<Shaped> waveforms;
   int haptic_stops = 0;
   int gone = 0;
   // Empty: no session was ever reported.
@@ -55,6 +60,7 @@ class FakeService : private ipc::ServerHandler {
   void OnSession(ipc::ClientId id, protocol::SessionState state) override;
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
+  void OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) override;
   void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
