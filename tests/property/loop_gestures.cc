@@ -43,8 +43,9 @@ class Hand {
       output.tip_normal_force_N = stiffness_N_m_ * depth_m;
     }
     const base::SourceMask before = tracker_.on;
-    UpdateInputs({}, mapping_, {.t_ns = t_ns_, .live = true, .tracked = true, .tip_base_m = tip, .axis_base = axis_},
-                 output, nullptr, tracker_);
+    UpdateInputs({}, mapping_,
+                 {.t_ns = t_ns_, .live = true, .tracked = true, .tip_base_m = tip, .axis_base = {0, 0, -1}}, output,
+                 nullptr, tracker_);
     for (base::SourceMask rose = tracker_.on & ~before; rose != 0; rose &= rose - 1) {
       ++times_[static_cast<std::size_t>(__builtin_ctzll(rose))];
     }
@@ -74,7 +75,7 @@ class Hand {
   }
 
   int Times(InputSource source) const { return times_[static_cast<std::size_t>(source)]; }
-  void SetAxis(const Vec3& axis) { axis_ = axis; }
+  double stiffness_N_m() const { return stiffness_N_m_; }
 
  private:
   struct Wave {
@@ -95,7 +96,6 @@ class Hand {
   std::normal_distribution<double> normal_;
   std::array<Wave, 9> waves_{};
   double stiffness_N_m_ = 400;
-  Vec3 axis_{0, 0, -1};
   std::int64_t t_ns_ = 1'000'000'000;
   const base::InputMapping mapping_ = base::DefaultMapping();
   InputTracker tracker_;
@@ -247,9 +247,11 @@ TEST(Gestures, DwellStartsWhenStillAndEndsWithMoving) {
 TEST(Gestures, DetentNeedsTheForceAndItsHysteresis) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Hand hand(7000 + seed);
+    const double deep_m = 1.2 / hand.stiffness_N_m(), at_threshold_m = 0.82 / hand.stiffness_N_m();
     for (int i = 0; i < 5; ++i) {
-      hand.Move(0.4, [](double t) { return Vec3{0, 0, 0.004 - 0.02 * t}; });  // at least 4 mm deep: 1.2 N
-      hand.Move(0.4, [](double t) { return Vec3{0, 0, -0.004 + 0.02 * t}; });
+      hand.Move(0.4, [&](double t) { return Vec3{0, 0, 0.004 - (0.004 + deep_m) * t / 0.4}; });
+      hand.Hold(0.5, {0, 0, -at_threshold_m});
+      hand.Move(0.4, [&](double t) { return Vec3{0, 0, -at_threshold_m + (0.004 + at_threshold_m) * t / 0.4}; });
     }
     EXPECT_EQ(hand.Times(InputSource::kDetent), 5) << "noise and tremor make no further clicks; seed " << seed;
   }
