@@ -45,7 +45,8 @@
   X(LocateSpacesKHR)           \
   X(CreateHandTrackerEXT)      \
   X(DestroyHandTrackerEXT)     \
-  X(LocateHandJointsEXT)
+  X(LocateHandJointsEXT)       \
+  X(GetDeviceSampleRateFB)
 
 // Functions of the next layer or runtime that we only call.
 #define OMNI_LAYER_CALLED(X)  \

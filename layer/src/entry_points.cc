@@ -5,6 +5,7 @@
 #include "layer/src/create_instance.h"
 #include "layer/src/fault.h"
 #include "layer/src/guarded.h"
+#include "layer/src/haptic_functions.h"
 #include "layer/src/own_functions.h"
 
 namespace omni::layer {

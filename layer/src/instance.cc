@@ -94,6 +94,10 @@ PenChoice Instance::Choice() const {
   return choice;
 }
 
+bool Instance::OnlyOurs(std::string_view extension) const {
+  return std::find(only_ours_.begin(), only_ours_.end(), extension) != only_ours_.end();
+}
+
 std::string Instance::PathText(XrPath path) {
   const std::lock_guard lock(path_mutex_);
   const auto known = path_texts_.find(path);

@@ -15,6 +15,7 @@
 #include "layer/src/event_queue.h"
 #include "layer/src/force_feedback.h"
 #include "layer/src/haptic_scene.h"
+#include "layer/src/haptics.h"
 #include "layer/src/locate.h"
 #include "layer/src/log.h"
 #include "layer/src/records.h"
@@ -44,6 +45,7 @@ class Instance {
   const std::array<XrPath, 2> hand_paths;  // by Hand
   RuntimeClock clock;
   ServiceLink link;
+  PcmBacklog pcm_backlog;
   EventQueue events;  // ours, delivered when nothing waits below
 
   HandleMap<XrSession, Session> sessions;
@@ -78,8 +80,11 @@ class Instance {
   XrResult GetFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state);
   XrResult GetVector2f(XrSession session, const XrActionStateGetInfo* info, XrActionStateVector2f* state);
   XrResult GetPose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state);
+
+  // haptics.cc
   XrResult ApplyHaptic(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
   XrResult StopHaptic(XrSession session, const XrHapticActionInfo* info);
+  XrResult DeviceSampleRate(XrSession session, const XrHapticActionInfo* info, XrDevicePcmSampleRateStateFB* rate);
 
   // bound_sources.cc
   XrResult BoundSources(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info, uint32_t capacity,
@@ -151,6 +156,7 @@ class Instance {
  private:
   bool OnlyOurs(const Profile& profile) const;
   bool OnlyOurs(const Profile& profile, std::string_view full_path) const;
+  bool OnlyOurs(std::string_view extension) const;  // enabled, and unknown below
   XrResult CheckSuggestions(const Profile& profile, const std::vector<XrActionSuggestedBinding>& suggested);
   XrResult Forward(const XrInteractionProfileSuggestedBinding& suggested, const Profile* known);
   void Record(const std::string& profile_path, const XrInteractionProfileSuggestedBinding& suggested,
@@ -185,6 +191,11 @@ class Instance {
     bool to_runtime = true;
   };
   HapticRoute RouteHaptic(XrSession session, const XrHapticActionInfo* info) const;
+  XrResult ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult ApplyEnvelope(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult AskBelow(const HapticRoute& route, const char* extension, XrSession session, const XrHapticActionInfo* info,
+                    const XrHapticBaseHeader* haptic);
 
   const std::vector<std::string> enabled_;
   const std::vector<std::string> only_ours_;

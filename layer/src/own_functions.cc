@@ -3,6 +3,7 @@
 #include <initializer_list>
 
 #include "layer/src/entry_automation.h"
+#include "layer/src/haptic_functions.h"
 
 namespace omni::layer {
 namespace {
@@ -20,6 +21,7 @@ const std::vector<OwnFunction>& OwnFunctions() {
   static const std::vector<OwnFunction> all = Joined({
       &AutomationFunctions(),
       &ForceFeedbackFunctions(),
+      &HapticFunctions(),
       &HapticSceneFunctions(),
   });
   return all;

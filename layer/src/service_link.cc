@@ -3,8 +3,8 @@
 #include <cstring>
 #include <utility>
 
-#include "layer/src/fault.h"
 #include "layer/src/clock.h"
+#include "layer/src/fault.h"
 #include "layer/src/tool_motion.h"
 
 namespace omni::layer {
@@ -115,6 +115,11 @@ std::optional<protocol::Placement> ServiceLink::TakePlacement() {
 void ServiceLink::SendSpaceChange(const protocol::SpaceChange& change) {
   const std::lock_guard lock(mutex_);
   connection_.SendSpaceChange(change);
+}
+
+bool ServiceLink::Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples) {
+  const std::lock_guard lock(mutex_);
+  return connection_.SendWaveform(waveform, samples);
 }
 
 std::shared_ptr<const client::StateReader> ServiceLink::reader() const {

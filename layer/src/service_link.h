@@ -11,6 +11,7 @@
 #include <optional>
 #include <shared_mutex>
 #include <string>
+#include <vector>
 
 #include "layer/src/log.h"
 #include "layer/src/test_device.h"
@@ -44,6 +45,8 @@ class ServiceLink {
   void SetSession(protocol::SessionState state);
   void Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz);
   void HapticStop();
+  // False: not sent.
+  bool Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples);
 
   // Before anybody else knows of this link: a pen that a conformance test may take over.
   void OfferTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }

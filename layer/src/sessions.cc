@@ -63,6 +63,7 @@ void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
   if (!focused) {
     session.focus_was_lost = true;
+    pcm_backlog.Clear();
     if (!OMNI_FAULT("haptic-outlives-focus")) link.HapticStop();
     ForgetForces(session);
   }

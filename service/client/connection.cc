@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -359,6 +360,25 @@ bool Connection::SendHaptic(std::int64_t duration_ns, float amplitude, float fre
 
 bool Connection::SendHapticStop() noexcept {
   return impl_->info.role == protocol::ClientRole::kApplication && impl_->Send(protocol::HapticStop{});
+}
+
+bool Connection::SendWaveform(const protocol::Waveform& waveform, std::span<const float> samples) noexcept {
+  if (impl_->info.role != protocol::ClientRole::kApplication || !connected()) return false;
+  if (samples.empty() || samples.size() > protocol::kMaxWaveformSamples) return false;
+  const float least = waveform.kind == protocol::WaveformKind::kPcm ? -1.0f : 0.0f;
+  protocol::Waveform head = waveform;
+  head.count = static_cast<std::uint32_t>(samples.size());
+  head.header.size = static_cast<std::uint32_t>(sizeof(head) + samples.size_bytes());
+  std::array<unsigned char, sizeof(head) + sizeof(float) * protocol::kMaxWaveformSamples> packet;
+  std::memcpy(packet.data(), &head, sizeof(head));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const float value = std::clamp(samples[i], least, 1.0f);
+    std::memcpy(packet.data() + sizeof(head) + i * sizeof(value), &value, sizeof(value));
+  }
+  // What omnid would drop this client for is not sent: a sample that is no number shows here, too.
+  const protocol::Message checked = protocol::Validate(packet.data(), head.header.size);
+  if (!std::holds_alternative<protocol::ShapedHaptic>(checked)) return false;
+  return protocol::SendPacket(impl_->socket.get(), packet.data(), head.header.size) == SendResult::kSent;
 }
 
 bool Connection::RequestStatus() noexcept { return impl_->Send(protocol::StatusRequest{}); }

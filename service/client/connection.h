@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/placement.h"
+#include "service/protocol/waveform.h"
 
 namespace omni::client {
 
@@ -69,6 +71,9 @@ class Connection {
   bool SendSession(protocol::SessionState state) noexcept;
   bool SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept;
   bool SendHapticStop() noexcept;
+  // `waveform`: all but header and count, which follow from the samples, 1 to protocol::kMaxWaveformSamples of them.
+  // Samples are clamped to their range. False also: one is not a number, or a field is out of range.
+  bool SendWaveform(const protocol::Waveform& waveform, std::span<const float> samples) noexcept;
   bool RequestStatus() noexcept;
 
   // Claims the pen for forces, or gives it up; claimed again on reconnection.

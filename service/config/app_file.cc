@@ -73,7 +73,11 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   AppEntry entry;
   entry.file = file;
   entry.application_glob = reader.Text("application", kMaxGlobBytes);
-  entry.scene = (fs::path(scenes_folder) / reader.Text("scene", kMaxPathBytes)).lexically_normal().string();
+  // A file that gives inputs need not give a scene.
+  const bool has_inputs = parsed->contains("inputs");
+  if (!has_inputs || parsed->contains("scene")) {
+    entry.scene = (fs::path(scenes_folder) / reader.Text("scene", kMaxPathBytes)).lexically_normal().string();
+  }
   entry.placement =
       reader.Choice("placement", kPlacements, "as_authored") == "fit" ? Placement::kFit : Placement::kAsAuthored;
   // Who asks for a model to be brought into reach means to feel it.
@@ -85,6 +89,11 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   entry.profile = ReadProfile(reader, problem);
   entry.hand = reader.Choice("hand", kHands, "auto");
   entry.rest_after_s = reader.Number("rest_after_s", kRestAfter_s, 0.0);
+  if (const toml::table* inputs = has_inputs ? reader.Table("inputs") : nullptr) {
+    TableReader input_reader(problem, *inputs, "inputs");
+    entry.inputs = ReadInputs(input_reader, problem);
+  }
+  reader.Allow({"scene", "inputs"});
   reader.Finish();
   if (!problem.ok()) return base::Error{problem.message()};
   return entry;

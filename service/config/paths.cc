@@ -49,6 +49,11 @@ std::string UserAlignmentFile() {
   return folder.empty() ? folder : folder + "/alignments.toml";
 }
 
+std::string UserInputsFile() {
+  const std::string folder = UserFolder();
+  return folder.empty() ? folder : folder + "/inputs.toml";
+}
+
 std::string CacheFolder() {
   if (const std::string folder = AbsoluteVariable("XDG_CACHE_HOME"); !folder.empty()) return folder + "/omni";
   if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.cache/omni";

@@ -21,6 +21,9 @@ std::string UserCalibrationFile();
 // Where bases stand in headsets' spaces: $XDG_CONFIG_HOME/omni/alignments.toml, else below ~/.config; empty: no home.
 std::string UserAlignmentFile();
 
+// The user's inputs: $XDG_CONFIG_HOME/omni/inputs.toml, else below ~/.config; empty: no home.
+std::string UserInputsFile();
+
 // What can be computed again: $XDG_CACHE_HOME/omni, else ~/.cache/omni; empty: no home.
 std::string CacheFolder();
 

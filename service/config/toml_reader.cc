@@ -156,6 +156,41 @@ base::Vec3 TableReader::Vector(const char* key, Range range, std::optional<base:
   return {values[0], values[1], values[2]};
 }
 
+bool TableReader::Boolean(const char* key, bool fallback) {
+  const toml::node* node = Find(key);
+  if (node == nullptr) return fallback;
+  if (!node->is_boolean()) {
+    problem_.Report(node, NameOf(key) + " is a " + KindOf(*node) + "; must be true or false");
+  }
+  return node->value_exact<bool>().value_or(fallback);
+}
+
+std::optional<std::vector<std::string>> TableReader::Texts(const char* key, std::size_t most, std::size_t max_bytes) {
+  const toml::node* node = Find(key);
+  if (node == nullptr) return std::nullopt;
+  const std::string expected =
+      "an array of at most " + std::to_string(most) + " texts of 1 to " + std::to_string(max_bytes) + " bytes";
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->size() > most) {
+    problem_.Report(node, NameOf(key) + " is a " + KindOf(*node) +
+                              (array != nullptr ? " of " + std::to_string(array->size()) : std::string()) +
+                              "; must be " + expected);
+    return std::nullopt;
+  }
+  std::vector<std::string> texts;
+  for (const toml::node& element : *array) {
+    auto text = element.value_exact<std::string>();
+    if (!text || text->empty() || text->size() > max_bytes) {
+      problem_.Report(&element, NameOf(key) + "[" + std::to_string(texts.size()) + "] is a " + KindOf(element) +
+                                    (text ? " of " + std::to_string(text->size()) + " bytes" : std::string()) +
+                                    "; must be " + expected);
+      return std::nullopt;
+    }
+    texts.push_back(std::move(*text));
+  }
+  return texts;
+}
+
 const toml::table* TableReader::Table(const char* key) {
   const toml::node* node = Require(key, std::string("a table [") + key + "]");
   if (node == nullptr) return nullptr;

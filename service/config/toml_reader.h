@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,11 +53,17 @@ class TableReader {
   void Numbers(const char* key, Range range, std::span<double> values);  // required
   base::Vec3 Vector(const char* key, Range range, std::optional<base::Vec3> fallback = {});
 
+  bool Boolean(const char* key, bool fallback);
+  // An array of texts, each of 1 to max_bytes bytes; empty when absent, and a problem when it is something else.
+  std::optional<std::vector<std::string>> Texts(const char* key, std::size_t most, std::size_t max_bytes);
+
   // Null, and a problem, when absent or no table.
   const toml::table* Table(const char* key);
   // [[key]] tables; empty, and a problem, unless there are between `least` and `most`.
   std::vector<const toml::table*> Tables(const char* key, std::size_t least, std::size_t most);
 
+  // Keys that may be absent and were not asked for.
+  void Allow(std::initializer_list<const char*> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
   // Complains about keys that nobody asked for: a misspelt optional key must not be ignored.
   void Finish();
 

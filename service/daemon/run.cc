@@ -6,12 +6,14 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
+#include "service/config/input_settings.h"
 #include "service/config/paths.h"
 #include "service/daemon/device_keeper.h"
 #include "service/daemon/open_device.h"
@@ -74,10 +76,13 @@ int RunChecked(RunOptions options) {
     return 1;
   }
   PublishSink sink(**publisher);
+  config::AppTable apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder());
+  config::InputPlan inputs = config::PlanInputs(config::UserInputsFile(), apps);
   Service service(
       {.version = OMNI_VERSION,
        .instance = instance,
-       .apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder()),
+       .apps = std::move(apps),
+       .inputs = std::move(inputs),
        .hull_radius_m = device.hull_radius_m,
        .cache_folder = config::CacheFolder(),
        .hand = options.hand,

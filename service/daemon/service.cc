@@ -52,6 +52,10 @@ Service::Service(ServiceOptions options)
           }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
   if (!placements_.problem().empty()) spdlog::warn("{}", placements_.problem());
+  if (options_.inputs.devices.empty()) return;
+  keys_ =
+      std::make_unique<KeyThread>(KeyThreadOptions{.devices = options_.inputs.devices, .codes = options_.inputs.slots},
+                                  MakeEvdevPorts(), [this](const base::KeyStates& keys) { SetKeys(keys); });
 }
 
 Service::~Service() = default;
@@ -60,6 +64,13 @@ void Service::Attach(loop::TickThread& loop, const device::Transport& transport)
   const std::lock_guard lock(loop_mutex_);
   loop_ = &loop;
   transport_ = &transport;
+  loop.keys().Write(key_states_);
+}
+
+void Service::SetKeys(const base::KeyStates& keys) {
+  const std::lock_guard lock(loop_mutex_);
+  key_states_ = keys;
+  if (loop_ != nullptr) loop_->keys().Write(keys);
 }
 
 void Service::Detach(const std::string& why) {
@@ -127,8 +138,8 @@ void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
   const bool began = owners_.session(id) == protocol::SessionState::kNone && state != protocol::SessionState::kNone;
   const std::uint64_t owner_before = owners_.owner();
   owners_.SetSession(id, state);
-  if (owners_.owner() != owner_before) haptic_.active = false;
-  if (began && client.app != nullptr) builder_.Request(id, *client.app);
+  if (owners_.owner() != owner_before) vibration_.Stop();
+  if (began && client.app != nullptr && !client.app->scene.empty()) builder_.Request(id, *client.app);
   if (began && client.app == nullptr) {
     Problem(id, 0, "no scene for application \"" + client.info.application + "\": add a file to apps.d to give it one");
   }
@@ -138,17 +149,20 @@ void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
 
 void Service::OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) {
   if (id != owners_.owner()) return;  // only the owner is felt
-  haptic_ = {.id = haptic_.id + 1,
-             .active = true,
-             .duration_s = haptic.duration_ns < 0 ? -1.0 : static_cast<double>(haptic.duration_ns) * 1e-9,
-             .amplitude = static_cast<double>(haptic.amplitude),
-             .frequency_Hz = static_cast<double>(haptic.frequency_Hz)};
+  vibration_.Tone(haptic);
   WriteCommands(base::MonotonicNow_ns());
+}
+
+void Service::OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) {
+  if (id != owners_.owner()) return;
+  const std::int64_t now_ns = base::MonotonicNow_ns();
+  vibration_.Shape(haptic, now_ns);
+  WriteCommands(now_ns);
 }
 
 void Service::OnHapticStop(ipc::ClientId id) {
   if (id != owners_.owner()) return;
-  haptic_.active = false;
+  vibration_.Stop();
   WriteCommands(base::MonotonicNow_ns());
 }
 
@@ -324,6 +338,11 @@ std::shared_ptr<const BuiltScene> Service::SceneOf(ipc::ClientId id) const {
   return found == clients_.end() ? nullptr : found->second.scene;
 }
 
+const base::InputMapping& Service::MappingOf(const Client* client) const {
+  const bool own = client != nullptr && client->app != nullptr && client->app->inputs;
+  return own ? client->app->inputs->mapping : options_.inputs.fallback.mapping;
+}
+
 void Service::WriteCommands(std::int64_t now_ns) {
   const std::uint64_t owner = owners_.owner();
   const auto found = clients_.find(owner);
@@ -342,13 +361,15 @@ void Service::WriteCommands(std::int64_t now_ns) {
                           .idle = owners_.empty(),
                           .scene_generation = generation_,
                           .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
-                          .haptic = haptic_,
+                          .haptic = vibration_.waveform(),
+                          .inputs = MappingOf(client),
                           .applied = force_.Command(now_ns, beat_ns),
                           .scene = {}};
   if (scene != nullptr && app_scenes_.Stands(owner)) app_scenes_.FillControl(owner, generation_, commands.scene);
   const std::lock_guard lock(loop_mutex_);
   if (loop_ == nullptr) return;
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
+  if (vibration_.TakeFresh()) loop_->vibration().Write(vibration_.samples());  // before what names them
   loop_->commands().Write(commands);
 }
 
@@ -438,6 +459,10 @@ std::string Service::StatusJson() {
     input.scene_soft = builder_.Progress(wanted_->client);
     input.scene_sculpted = SculptedOf(*wanted_->scene);
   }
+  const auto owner = clients_.find(owners_.owner());
+  input.mapping = &MappingOf(owner == clients_.end() ? nullptr : &owner->second);
+  input.key_slots = &options_.inputs.slots;
+  if (keys_ != nullptr) input.key_devices = keys_->Status();
   const std::lock_guard lock(loop_mutex_);
   input.calibration = calibration_;
   if (!calibration_.problem.empty()) input.problems.push_back("calibration: " + calibration_.problem);

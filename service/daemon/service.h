@@ -12,13 +12,16 @@
 
 #include "service/config/app_file.h"
 #include "service/config/calibration_file.h"
+#include "service/config/input_settings.h"
 #include "service/daemon/app_scenes.h"
 #include "service/daemon/force_clients.h"
+#include "service/daemon/key_thread.h"
 #include "service/daemon/owner.h"
 #include "service/daemon/placements.h"
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
 #include "service/daemon/surface_clients.h"
+#include "service/daemon/vibration.h"
 #include "service/device/transport.h"
 #include "service/ipc/server.h"
 #include "service/loop/tick_thread.h"
@@ -29,11 +32,12 @@ struct ServiceOptions {
   std::string version;
   std::uint64_t instance = 0;
   config::AppTable apps;
+  config::InputPlan inputs;  // of `apps`
   double hull_radius_m = 0;
   std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until SetCalibration
   std::uint32_t soft_tets = SceneBuilder::kSoftTets;
-  std::string hand = "auto";  // "left", "right": of applications whose file names none
+  std::string hand = "auto";               // "left", "right": of applications whose file names none
   std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is kept
   std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
 };
@@ -52,12 +56,15 @@ class Service : public ipc::ServerHandler {
   void SetCalibration(config::CalibrationChoice choice);
   // Any thread: what the device that is attached, or about to be, can push. Detach takes it back.
   void SetForceProperties(const protocol::ForceProperties& properties);
+  // Any thread: keys have changed.
+  void SetKeys(const base::KeyStates& keys);
 
   void OnClient(const ipc::ClientInfo& client) override;
   void OnGone(ipc::ClientId id) override;
   void OnSession(ipc::ClientId id, protocol::SessionState state) override;
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
+  void OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) override;
   void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
   void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
   void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override;
@@ -93,6 +100,7 @@ class Service : public ipc::ServerHandler {
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   protocol::AppSettings SettingsFor(const config::AppEntry* app) const;
   void DropScene(Client& client);
+  const base::InputMapping& MappingOf(const Client* client) const;
   void Problem(ipc::ClientId id, int level, const std::string& text);
 
   const ServiceOptions options_;
@@ -106,7 +114,7 @@ class Service : public ipc::ServerHandler {
   std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
   std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over
   AppScenes app_scenes_;
-  loop::HapticWaveform haptic_;
+  Vibration vibration_;
   ForceClients force_;
   Placements placements_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
@@ -117,7 +125,9 @@ class Service : public ipc::ServerHandler {
   config::CalibrationChoice calibration_;
   protocol::ForceProperties force_properties_;
   std::string device_absent_why_ = "not opened yet";
-  SurfaceClients surfaces_;  // the last: its thread uses the loop
+  base::KeyStates key_states_;
+  std::unique_ptr<KeyThread> keys_;  // null: no device is to be read. Its thread uses the loop
+  SurfaceClients surfaces_;          // the last: its thread uses the loop
 };
 
 }  // namespace omni::daemon

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
+#include "service/config/input_table.h"
 
 namespace omni::daemon {
 namespace {
@@ -95,6 +96,44 @@ json SoftBodies(const SoftProgress& soft) {
   return {{"objects", soft.objects}, {"ready", soft.ready}, {"failed", soft.failed}, {"done", soft.done}};
 }
 
+json SourceNames(base::SourceMask mask, const std::string& sign, const std::vector<std::uint16_t>& slots) {
+  json names = json::array();
+  for (; mask != 0; mask &= mask - 1) {
+    names.push_back(sign + config::SourceText(static_cast<base::InputSource>(__builtin_ctzll(mask)), slots));
+  }
+  return names;
+}
+
+// Which sources feed each component now; of the sources that one of them hears, and of gestures, what they do.
+json Inputs(const StatusInput& input) {
+  json mapping = json::object();
+  json sources = json::array();
+  json devices = json::array();
+  for (const KeyThread::DeviceStatus& device : input.key_devices) {
+    devices.push_back({{"rule", device.rule}, {"paths", device.paths}, {"problem", device.problem}});
+  }
+  if (input.mapping == nullptr || input.key_slots == nullptr) return nullptr;
+  for (int i = 0; i < base::kInputComponentCount; ++i) {
+    const auto component = static_cast<base::InputComponent>(i);
+    const base::ComponentSources& feeds = input.mapping->at(component);
+    json names = SourceNames(feeds.plus, "", *input.key_slots);
+    for (json& name : SourceNames(feeds.minus, "-", *input.key_slots)) names.push_back(std::move(name));
+    mapping[config::ComponentText(component)] = std::move(names);
+  }
+  if (input.loop != nullptr) {
+    const loop::SourceStatistics& state = input.loop->statistics().sources;
+    const base::SourceMask on = state.on.load(std::memory_order_relaxed);
+    const base::SourceMask gestures = Bit(base::InputSource::kThumbstickX) - Bit(base::InputSource::kPress);
+    for (base::SourceMask mask = input.mapping->used() | gestures; mask != 0; mask &= mask - 1) {
+      const auto index = static_cast<std::size_t>(__builtin_ctzll(mask));
+      sources.push_back({{"name", config::SourceText(static_cast<base::InputSource>(index), *input.key_slots)},
+                         {"on", ((on >> index) & 1) != 0},
+                         {"times", state.times[index].load(std::memory_order_relaxed)}});
+    }
+  }
+  return {{"mapping", mapping}, {"sources", sources}, {"devices", devices}};
+}
+
 json Clients(const StatusInput& input) {
   json rows = json::array();
   for (const StatusInput::ClientRow& row : input.clients) {
@@ -145,6 +184,7 @@ std::string WriteStatus(const StatusInput& input) {
       {"device", Device(input)},
       {"calibration", Calibration(input.calibration)},
       {"clients", Clients(input)},
+      {"inputs", Inputs(input)},
       {"scene",
        {{"name", input.scene_file},
         {"generation", input.scene_generation},

@@ -7,6 +7,7 @@
 
 #include "service/config/alignment_file.h"
 #include "service/config/calibration_file.h"
+#include "service/daemon/key_thread.h"
 #include "service/daemon/scene_builder.h"
 #include "service/device/transport.h"
 #include "service/loop/tick_thread.h"
@@ -41,6 +42,9 @@ struct StatusInput {
   std::uint32_t scene_triangles = 0;
   SoftProgress scene_soft;
   std::uint32_t scene_sculpted = 0;
+  const base::InputMapping* mapping = nullptr;  // in force
+  const std::vector<std::uint16_t>* key_slots = nullptr;
+  std::vector<KeyThread::DeviceStatus> key_devices;
   const loop::TickThread* loop = nullptr;  // null: no device
   const device::Transport* transport = nullptr;
   std::string device_absent_why;

@@ -261,10 +261,11 @@ bool ControlLoop::HandleApplication(Peer& peer, const protocol::Message& message
   const ClientId id = peer.id();
   const auto* session = std::get_if<protocol::Session>(&message);
   const auto* haptic = std::get_if<protocol::Haptic>(&message);
+  const auto* shaped = std::get_if<protocol::ShapedHaptic>(&message);
   const bool stop = std::holds_alternative<protocol::HapticStop>(message);
   if (HandleHapticScene(peer, message)) return !peer.doomed();
   if (HandlePlacement(peer, message)) return !peer.doomed();
-  if (session == nullptr && haptic == nullptr && !stop) {
+  if (session == nullptr && haptic == nullptr && shaped == nullptr && !stop) {
     Refuse(peer, "a message that only omnid sends");
   } else if (peer.info().role != protocol::ClientRole::kApplication) {
     Refuse(peer, "a monitor has neither session nor haptics; say Hello as an application");
@@ -272,6 +273,8 @@ bool ControlLoop::HandleApplication(Peer& peer, const protocol::Message& message
     Guarded("OnSession", &peer, [&] { handler_.OnSession(id, session->state); });
   } else if (haptic != nullptr) {
     Guarded("OnHaptic", &peer, [&] { handler_.OnHaptic(id, *haptic); });
+  } else if (shaped != nullptr) {
+    Guarded("OnWaveform", &peer, [&] { handler_.OnWaveform(id, *shaped); });
   } else {
     Guarded("OnHapticStop", &peer, [&] { handler_.OnHapticStop(id); });
   }

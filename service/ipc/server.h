@@ -12,8 +12,9 @@
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/haptic_scene.h"
-#include "service/protocol/unique_fd.h"
 #include "service/protocol/placement.h"
+#include "service/protocol/unique_fd.h"
+#include "service/protocol/waveform.h"
 
 namespace omni::ipc {
 
@@ -46,6 +47,8 @@ class ServerHandler {
   virtual void OnSession(ClientId id, protocol::SessionState state) = 0;
   virtual void OnHaptic(ClientId id, const protocol::Haptic& haptic) = 0;
   virtual void OnHapticStop(ClientId id) = 0;
+  // The samples are valid during the call.
+  virtual void OnWaveform(ClientId /*id*/, const protocol::ShapedHaptic& /*haptic*/) {}
   // This client wants to draw surfaces that change, or no longer; it waits for SendSurfaces. Not overridden: there are
   // none, ever.
   virtual void OnSurfaceRequest(ClientId /*id*/, bool /*wanted*/) {}

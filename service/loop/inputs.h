@@ -1,31 +1,58 @@
-// Inputs of the passive pen: tip force, select by hysteresis, thumbstick; edges counted.
+// Inputs of the passive pen. Sources (tip force, gestures, keys, the scene's joystick) are found out here and in
+// gestures.h; a base::InputMapping says which of them feed which component. Edges are counted, times are physical.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <type_traits>
 
+#include "service/base/input_mapping.h"
 #include "service/base/input_state.h"
+#include "service/base/tool_state.h"
 #include "service/haptics/haptics.h"
+#include "service/loop/gestures.h"
 
 namespace omni::loop {
 
 struct InputConfig {
-  double tip_force_full_N = 1.0;   // tip force 1.0
-  double select_press_N = 0.15;    // select goes down here ...
-  double select_release_N = 0.08;  // ... and up here
-  double force_filter_s = 0.010;   // time constant on the tip force: tracking noise times stiffness must not click
+  double force_filter_s = 0.010;  // time constant on the tip force: tracking noise times stiffness must not click
   double value_resolution = 1.0 / 1024;  // smaller changes of analogue values are not changes
+};
+
+// What one tick knows.
+struct InputSample {
+  std::int64_t t_ns = 0;  // of the Hall sample
+  bool live = false;      // tracked and the gate open; else everything of the pen but "away" goes to rest
+  bool owned = false;     // an application owns the force: only then do keys count
+  bool tracked = false;   // `tool` has a place
+  base::Vec3 tip_base_m;  // device point
+  base::Vec3 axis_base{0, 0, -1};
+};
+
+struct SourceState {
+  float value = 0;  // 0..1, thumbstick axes -1..1; digital ones 0 or 1
+  std::int64_t t_change_ns = 0;
+};
+
+struct KeyFollower {
+  bool on = false;
+  std::uint32_t seen_press = 0;  // presses that have been passed on
 };
 
 struct InputTracker {
   base::InputState inputs;
+  std::array<SourceState, base::kSourceCount> sources{};
+  base::SourceMask on = 0;  // sources over 0.5
+  GestureState gestures;
+  std::array<KeyFollower, base::kMaxKeys> keys{};
   double tip_force_N = 0;  // filtered
   std::int64_t t_ns = 0;   // of the last update
 };
 static_assert(std::is_trivially_copyable_v<InputTracker>);
 
-// t_ns: the Hall sample's time. `live` false (not tracked or gate closed): everything goes to rest.
-void UpdateInputs(const InputConfig& config, const haptics::Output& haptics, bool live, std::int64_t t_ns,
-                  InputTracker& tracker) noexcept;
+// `keys` null: there are none. A key that was down before an application owned the force is not pressed. At most one
+// edge of a key a tick: none is lost, the next tick takes the next.
+void UpdateInputs(const InputConfig& config, const base::InputMapping& mapping, const InputSample& sample,
+                  const haptics::Output& haptics, const base::KeyStates* keys, InputTracker& tracker) noexcept;
 
 }  // namespace omni::loop

@@ -1,6 +1,7 @@
 // What the tick thread tells others: the record of each tick (ring), and running statistics.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -50,6 +51,21 @@ struct VehicleStatistics {
   }
 };
 
+// The newest tick's sources of inputs, and how often each went on.
+struct SourceStatistics {
+  std::atomic<base::SourceMask> on{0};
+  std::array<std::atomic<std::uint32_t>, base::kSourceCount> times{};
+
+  void Store(base::SourceMask now) noexcept {
+    const base::SourceMask before = on.load(std::memory_order_relaxed);
+    if (now == before) return;
+    for (base::SourceMask rose = now & ~before; rose != 0; rose &= rose - 1) {
+      times[static_cast<std::size_t>(__builtin_ctzll(rose))].fetch_add(1, std::memory_order_relaxed);
+    }
+    on.store(now, std::memory_order_relaxed);
+  }
+};
+
 struct TickStatistics {
   Histogram tick_time;  // Tick alone
   Histogram latency;    // Hall sample -> currents sent
@@ -60,6 +76,7 @@ struct TickStatistics {
   std::atomic<std::int64_t> response_ns{0};  // of the newest scan: how late its base acts on answers; 0: not known
   std::atomic<std::uint64_t> scene_generation{0};  // acknowledged: the scene that ticks use now
   VehicleStatistics vehicle;
+  SourceStatistics sources;
 };
 
 // Receives every tick on the tick thread: must not block, allocate or call the system.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "service/base/eigen.h"
 #include "service/base/force_limit.h"
@@ -118,25 +117,6 @@ base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, L
   return bridged;
 }
 
-// Force of the application's vibration, along the pen's axis: A F sin(2 pi f t) while it lasts.
-base::Vec3 PlayWaveform(const TickConfig& config, const HapticWaveform& waveform, const base::ToolState& tool,
-                        double dt_s, LoopState& state) noexcept {
-  if (waveform.id != state.haptic_id) {
-    state.haptic_id = waveform.id;
-    state.haptic_time_s = 0;
-    state.haptic_playing = waveform.active;
-    state.haptic_counted = false;
-  }
-  const double duration_s = waveform.duration_s < 0 ? config.haptic_pulse_min_s : waveform.duration_s;
-  if (!waveform.active || !(state.haptic_time_s < duration_s)) state.haptic_playing = false;
-  if (!state.haptic_playing) return {};
-  const double frequency_Hz = waveform.frequency_Hz > 0 ? waveform.frequency_Hz : config.haptic_frequency_Hz;
-  state.haptic_time_s += dt_s;
-  const double phase = 2 * std::numbers::pi * frequency_Hz * state.haptic_time_s;
-  return Scaled(tool.axis_base,
-                std::clamp(waveform.amplitude, 0.0, 1.0) * config.haptic_pulse_force_N * std::sin(phase));
-}
-
 base::Vec3 Plus(const base::Vec3& a, const base::Vec3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
 // Adds vibration to the rest under the gate; counts a waveform once when it reaches the command.
@@ -148,8 +128,8 @@ base::Vec3 Mix(const base::Vec3& rest_N, const base::Vec3& vibration_N, const ba
   output.saturated = output.haptics.saturated || (gain > 0 && limit.valid && feasible < 1);
   const base::Vec3 force_N = Scaled(wanted, gain * feasible);
   const bool vibrates = vibration_N != base::Vec3{};
-  if (vibrates && !state.haptic_counted && force_N != base::Vec3{}) {
-    state.haptic_counted = true;
+  if (vibrates && !state.vibration.counted && force_N != base::Vec3{}) {
+    state.vibration.counted = true;
     ++state.haptic_pulses;
   }
   return force_N;
@@ -164,6 +144,22 @@ void TellLimits(const TickConfig& config, const base::ForceLimit& limit, TickOut
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     if (limit.valid && limit.current_max_A[k] < kWarmBelow * config.cold_current_A[k]) output.warm = true;
   }
+}
+
+// Inputs of this tick, and what is felt of them.
+base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, const base::ToolState& tool, double dt_s,
+                        LoopState& state, TickOutput& output) noexcept {
+  const bool tracked = tool.status == base::TrackingStatus::kTracking;
+  const InputSample sample{.t_ns = output.t_ns,
+                           .live = tracked && state.gate > 0,
+                           .owned = commands.gate != ForceGate::kClosed,
+                           .tracked = tracked,
+                           .tip_base_m = tool.device_point_base_m,
+                           .axis_base = tool.axis_base};
+  UpdateInputs(config.inputs, commands.inputs, sample, output.haptics, commands.keys, state.inputs);
+  output.inputs = state.inputs.inputs;
+  output.sources = state.inputs.on;
+  return DetentForce_N(commands.inputs, state.inputs, output.haptics, dt_s, state.detent);
 }
 
 }  // namespace
@@ -195,8 +191,11 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
   const haptics::Input felt = MakeHapticInput(tool, limit, delay_s, dt_s, state);
   RenderScene(config, commands.scene, scene, felt, state, output);
-  const base::Vec3 pushed_N = Plus(output.haptics.force_base_N, Push(config, commands, felt, state, output));
-  const base::Vec3 vibration_N = PlayWaveform(config, commands.haptic, tool, dt_s, state);
+  const base::Vec3 detent_N = FollowInputs(config, commands, tool, dt_s, state, output);
+  const base::Vec3 applied_N = Push(config, commands, felt, state, output);
+  const base::Vec3 pushed_N = Plus(Plus(output.haptics.force_base_N, applied_N), detent_N);
+  const base::Vec3 vibration_N = Scaled(
+      tool.axis_base, VibrationForce_N(config.vibration, commands.haptic, commands.samples, dt_s, state.vibration));
 
   base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
   if (!IsFinite(force_N)) {
@@ -208,9 +207,6 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
                    .torque_Nm = base::TorqueOf_Nm(limit, output.currents.current_A),
                    .point_base_m = output.tool.position_base_m};
 
-  const bool live = tool.status == base::TrackingStatus::kTracking && state.gate > 0;
-  UpdateInputs(config.inputs, output.haptics, live, scan.t_ns, state.inputs);
-  output.inputs = state.inputs.inputs;
   output.haptic_pulses = state.haptic_pulses;
 }
 

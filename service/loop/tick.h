@@ -12,12 +12,15 @@
 
 #include "service/actuation/actuation.h"
 #include "service/base/hall_scan.h"
+#include "service/base/input_mapping.h"
 #include "service/base/input_state.h"
 #include "service/base/tool_state.h"
 #include "service/haptics/applied/applied.h"
 #include "service/haptics/haptics.h"
+#include "service/loop/detent.h"
 #include "service/loop/inputs.h"
 #include "service/loop/scene_motion.h"
+#include "service/loop/vibration.h"
 #include "service/tracker/tracker.h"
 
 namespace omni::loop {
@@ -36,25 +39,14 @@ struct TickConfig {
   std::int64_t command_timeout_ns = 100'000'000;          // commands older than this: the control thread is stuck, fade
   std::int64_t applied_timeout_ns = 35'000'000;           // the same for an application's own forces and constraints
   std::array<double, base::kCoilCount> cold_current_A{};  // what a cold device offers; prepared by MakeTickConfig
-  int bridge_scans = 10;               // so many scans in a row without a fit do not end a contact: the pose is held
-  double haptic_pulse_force_N = 0.25;  // amplitude 1 of xrApplyHapticFeedback
-  double haptic_pulse_min_s = 0.020;   // XR_MIN_HAPTIC_DURATION
-  double haptic_frequency_Hz = 80;     // XR_FREQUENCY_UNSPECIFIED
+  int bridge_scans = 10;  // so many scans in a row without a fit do not end a contact: the pose is held
+  VibrationConfig vibration;
 };
 
 enum class ForceGate : std::uint8_t {
   kClosed = 0,  // no owner, or it is gone: zero within gate_ramp_s
   kSilent = 1,  // owner gives no sign of life: fade over silent_ramp_s
   kOpen = 2
-};
-
-// xrApplyHapticFeedback of the owner. A new id starts it; the same id goes on; active = false stops it.
-struct HapticWaveform {
-  std::uint64_t id = 0;
-  bool active = false;
-  double duration_s = 0;    // < 0: shortest
-  double amplitude = 0;     // 0..1
-  double frequency_Hz = 0;  // 0: best
 };
 
 // Fixed-size snapshot of what clients want, handed over by Latest<Commands>.
@@ -64,8 +56,11 @@ struct Commands {
   bool idle = true;                    // no client at all: once coils are at zero the thread tracks at a low rate
   std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
   double force_scale = 1;              // [0, 1], from apps.d
-  HapticWaveform haptic;
-  haptics::AppliedCommand applied;  // the owner's own forces and constraints
+  HapticWaveform haptic;               // of the owner
+  const VibrationSamples* samples = nullptr;           // of a waveform that has some; valid for this tick
+  base::InputMapping inputs = base::DefaultMapping();  // of the owner
+  const base::KeyStates* keys = nullptr;               // valid for this tick; null: no keyboard and no pedal is read
+  haptics::AppliedCommand applied;                     // the owner's own forces and constraints
   SceneControl scene;
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
@@ -76,15 +71,13 @@ struct LoopState {
   haptics::AppliedState applied;
   actuation::State actuation;
   InputTracker inputs;
+  DetentState detent;
   std::int64_t t_ns = 0;  // of the last scan
   std::uint64_t tick = 0;
   int lost_scans = 0;                  // in a row
   double gate = 0;                     // 0..1 gain on everything rendered
   std::uint64_t scene_generation = 0;  // of the scene passed to Tick
-  std::uint64_t haptic_id = 0;         // last waveform taken up
-  double haptic_time_s = 0;            // since it started
-  bool haptic_playing = false;
-  bool haptic_counted = false;  // it has reached the coil command
+  VibrationState vibration;
   std::uint64_t haptic_pulses = 0;
   SceneMotionState scene_motion;
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};  // tool frame, roll by minimal twist
@@ -101,6 +94,7 @@ struct TickOutput {
   base::Wrench wrench;          // after all gates; the torque is what the currents do besides
   base::CoilCurrents currents;  // the last word, finite, within limits
   base::InputState inputs;
+  base::SourceMask sources = 0;        // inputs' sources that are on
   std::uint64_t scene_generation = 0;  // that the contacts are of
   bool wants_scene = false;            // ramped out: the caller may now swap to commands.scene_generation
   std::uint64_t haptic_pulses = 0;     // waveforms that reached the coil command so far

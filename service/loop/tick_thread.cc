@@ -10,6 +10,7 @@ TickThread::TickThread(const TickConfig& config, const Options& options, TickSou
       options_(options),
       source_(source),
       sink_(sink),
+      vibration_(std::make_unique<base::Latest<VibrationSamples>>()),
       statistics_(std::make_unique<TickStatistics>()),
       telemetry_(std::make_unique<TelemetryRing>()),
       surfaces_(std::make_unique<base::Latest<SurfaceSnapshot>>()) {}
@@ -63,7 +64,9 @@ void TickThread::WriteSurfaces(std::int64_t t_ns) noexcept {
 }
 
 void TickThread::Once(const base::HallScan& scan) noexcept {
-  const Commands& commands = commands_.Read();
+  Commands commands = commands_.Read();
+  commands.keys = &keys_.Read();
+  commands.samples = &vibration_->Read();
   const bool at_zero = state_.gate == 0 && record_.output.currents.current_A == base::CoilCurrents{}.current_A;
   const bool rests = commands.idle && at_zero;
   if (rests && scan.sequence % static_cast<std::uint64_t>(options_.idle_divider) != 0) return;
@@ -80,6 +83,7 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
   statistics_->ticks.fetch_add(1, std::memory_order_relaxed);
   statistics_->response_ns.store(scan.response_ns, std::memory_order_relaxed);
   statistics_->vehicle.Store(record_.output.haptics.vehicle);
+  statistics_->sources.Store(record_.output.sources);
   if (record_.late) statistics_->late.fetch_add(1, std::memory_order_relaxed);
   if (options_.telemetry) {
     record_.scan = scan;

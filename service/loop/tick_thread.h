@@ -47,6 +47,9 @@ class TickThread {
 
   base::Latest<Commands>& commands() noexcept { return commands_; }
   base::Latest<SceneRef>& scenes() noexcept { return scenes_; }
+  // Keys of the keyboards and pedals that omnid may read; one writer at a time.
+  base::Latest<base::KeyStates>& keys() noexcept { return keys_; }
+  base::Latest<VibrationSamples>& vibration() noexcept { return *vibration_; }
   const TickStatistics& statistics() const noexcept { return *statistics_; }
   TelemetryRing& telemetry() noexcept { return *telemetry_; }
   const RealtimeStatus& realtime() const noexcept { return realtime_; }  // after Start
@@ -67,6 +70,8 @@ class TickThread {
   TickSink& sink_;
   base::Latest<Commands> commands_;
   base::Latest<SceneRef> scenes_;
+  base::Latest<base::KeyStates> keys_;
+  std::unique_ptr<base::Latest<VibrationSamples>> vibration_;
   std::unique_ptr<TickStatistics> statistics_;
   std::unique_ptr<TelemetryRing> telemetry_;
   std::unique_ptr<base::Latest<SurfaceSnapshot>> surfaces_;

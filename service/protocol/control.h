@@ -30,6 +30,7 @@ enum class MessageType : std::uint16_t {
   kSceneReply = 11,      // server -> client: text after it; with a file: one descriptor, sealed memory
   kSurfaceRequest = 12,  // client -> server: show me the surfaces that change, or no longer
   kSurfaces = 13,        // server -> client, with one descriptor (surface memory, read only) if there is one
+  kWaveform = 14,        // client -> server: waveform.h
   // Force feedback: force_feedback.h
   kForceClaim = 20,        // client -> server: it has a handle, or no longer
   kForceApply = 21,        // client -> server

@@ -130,6 +130,20 @@ const char* Problem(const PlacementReply& reply) noexcept {
   return IsTerminated(reply.text) ? nullptr : "text is not terminated";
 }
 
+const char* Problem(const Waveform& waveform) noexcept {
+  const bool envelope = waveform.kind == WaveformKind::kEnvelope;
+  if (!envelope && waveform.kind != WaveformKind::kPcm) return "kind is neither 1 nor 2";
+  if (!(waveform.count >= 1 && waveform.count <= kMaxWaveformSamples)) return "count is not in 1..4000";
+  if (waveform.append > 1) return "append is neither 0 nor 1";
+  if (envelope) {
+    if (!(waveform.duration_ns >= kShortestPulse_ns)) return "duration_ns is below -1";
+    return waveform.sample_rate_Hz == 0 && waveform.append == 0 ? nullptr : "an envelope with a sample rate or append";
+  }
+  if (waveform.duration_ns != 0) return "PCM with a duration_ns";
+  const bool rate_ok = waveform.sample_rate_Hz > 0 && waveform.sample_rate_Hz <= kHighestSampleRate_Hz;
+  return rate_ok ? nullptr : "sample_rate_Hz is not in 0..1e5, without 0";
+}
+
 template <class T>
 Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
   if (size != sizeof(T)) return Because("%s of %zu bytes, must be %zu", name, size, sizeof(T));
@@ -187,6 +201,24 @@ Message Take<HapticSceneRows>(const char* name, const void* bytes, std::size_t s
   return rows;
 }
 
+template <>
+Message Take<ShapedHaptic>(const char* name, const void* bytes, std::size_t size) noexcept {
+  ShapedHaptic haptic;
+  Waveform& waveform = haptic.waveform;
+  if (size < sizeof(waveform)) return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(waveform));
+  std::memcpy(&waveform, bytes, sizeof(waveform));
+  if (const char* problem = Problem(waveform)) return Because("%s: %s", name, problem);
+  const std::size_t expected = sizeof(waveform) + sizeof(float) * waveform.count;
+  if (size != expected) return Because("%s of %zu bytes, must be %zu", name, size, expected);
+  haptic.bytes = {static_cast<const char*>(bytes) + sizeof(waveform), size - sizeof(waveform)};
+  const float least = waveform.kind == WaveformKind::kPcm ? -1.0f : 0.0f;
+  for (std::uint32_t i = 0; i < waveform.count; ++i) {
+    const float value = haptic.sample(i);
+    if (!(value >= least && value <= 1.0f)) return Because("%s: sample %u is out of range", name, i);
+  }
+  return haptic;
+}
+
 struct TypeRow {
   MessageType type;
   const char* name;
@@ -206,6 +238,7 @@ constexpr TypeRow kTypes[] = {
     {MessageType::kSurfaces, "Surfaces", Take<Surfaces>},
     {MessageType::kSceneCommand, "SceneCommand", Take<SceneCommand>},
     {MessageType::kSceneReply, "SceneReply", Take<SceneAnswer>},
+    {MessageType::kWaveform, "Waveform", Take<ShapedHaptic>},
     {MessageType::kAppSettings, "AppSettings", Take<AppSettings>},
     {MessageType::kForceClaim, "ForceClaim", Take<ForceClaim>},
     {MessageType::kForceApply, "ForceApply", Take<ForceApply>},

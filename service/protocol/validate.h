@@ -12,6 +12,7 @@
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/haptic_scene.h"
 #include "service/protocol/placement.h"
+#include "service/protocol/waveform.h"
 
 namespace omni::protocol {
 
@@ -51,10 +52,10 @@ struct HapticSceneRows {
 
 using Message =
     std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply, Notice,
-                 SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, HapticSceneLoad, HapticSceneEnd, HapticScenePlace,
-                 HapticSceneEnable, HapticNodes, HapticMaterial, HapticSceneNews, HapticSceneRows, AppSettings,
-                 ForceClaim, ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties, PlacementRequest, Placement, SpaceChange,
-                 PlacementCommand, PlacementReply>;
+                 SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, ShapedHaptic, HapticSceneLoad, HapticSceneEnd,
+                 HapticScenePlace, HapticSceneEnable, HapticNodes, HapticMaterial, HapticSceneNews, HapticSceneRows,
+                 AppSettings, ForceClaim, ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties,
+                 PlacementRequest, Placement, SpaceChange, PlacementCommand, PlacementReply>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;

@@ -112,6 +112,39 @@ std::string CalibrationLine(const json& status) {
          TextAt(status, "/calibration/expected_error_mm", 2) + " mm";
 }
 
+// "select: press, key:KEY_SPACE; menu: flick; ..."
+std::string MappingLine(const json& status) {
+  std::string text;
+  const json::json_pointer where("/inputs/mapping");
+  if (!status.contains(where) || !status[where].is_object()) return text;
+  for (const auto& [component, names] : status[where].items()) {
+    if (!names.is_array() || names.empty()) continue;
+    text += (text.empty() ? "" : "; ") + component + ":";
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      text += (i == 0 ? " " : ", ") + (names[i].is_string() ? names[i].get<std::string>() : names[i].dump());
+    }
+  }
+  return protocol::Printable(text);
+}
+
+// Those that are on or have been.
+std::string SourcesLine(const json& status) {
+  std::string text;
+  for (const json& source : ArrayAt(status, "/inputs/sources")) {
+    if (!TrueAt(source, "/on") && !(NumberAt(source, "/times") > 0)) continue;
+    text += (text.empty() ? "" : ", ") + TextAt(source, "/name") + " " + TextAt(source, "/times") +
+            (TrueAt(source, "/on") ? " (on)" : "");
+  }
+  return text;
+}
+
+std::string KeyDeviceLine(const json& device) {
+  const std::string paths = TextAt(device, "/paths");
+  const std::string problem = TextAt(device, "/problem");
+  if (!paths.empty() && paths != "-") return TextAt(device, "/rule") + ": " + paths;
+  return TextAt(device, "/rule") + ": " + (problem.empty() || problem == "-" ? "not there" : problem);
+}
+
 std::string ClientLine(const json& client) {
   if (TrueAt(client, "/monitor"))
     return "monitor \"" + TextAt(client, "/application") + "\" (pid " + TextAt(client, "/pid") + ")";
@@ -141,6 +174,9 @@ std::string StatusText(const json& status) {
   }
   const std::string race = RaceText(status);
   if (!race.empty()) text += Line("race", race);
+  if (const std::string mapping = MappingLine(status); !mapping.empty()) text += Line("inputs", mapping);
+  if (const std::string sources = SourcesLine(status); !sources.empty()) text += Line("pressed", sources);
+  for (const json& device : ArrayAt(status, "/inputs/devices")) text += Line("keys", KeyDeviceLine(device));
   text += Line("alignment", TrueAt(status, "/aligned") ? "aligned with the headset"
                                                        : "not aligned: the base is assumed in front of you");
   const json& clients = ArrayAt(status, "/clients");

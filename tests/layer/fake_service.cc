@@ -157,6 +157,13 @@ void FakeService::OnSpaceChange(ipc::ClientId, const protocol::SpaceChange& chan
   heard_.space_changes.push_back(change);
 }
 
+void FakeService::OnWaveform(ipc::ClientId, const protocol::ShapedHaptic& haptic) {
+  Heard::Shaped shaped{haptic.waveform, {}};
+  for (std::uint32_t i = 0; i < haptic.waveform.count; ++i) shaped.samples.push_back(haptic.sample(i));
+  const std::lock_guard lock(mutex_);
+  heard_.waveforms.push_back(std::move(shaped));
+}
+
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
   if (placement_changed_) {

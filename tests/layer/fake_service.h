@@ -25,6 +25,11 @@ struct Heard {
   std::vector<std::string> applications;
   std::vector<protocol::SessionState> sessions;
   std::vector<protocol::Haptic> haptics;
+  struct Shaped {
+    protocol::Waveform waveform;
+    std::vector<float> samples;
+  };
+  std::vector<Shaped> waveforms;
   int haptic_stops = 0;
   std::vector<protocol::ForceRequest> forces;
   std::vector<protocol::PlacementRequest> placement_requests;
@@ -82,6 +87,7 @@ class FakeService : private ipc::ServerHandler {
   void OnSession(ipc::ClientId id, protocol::SessionState state) override;
   void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
   void OnHapticStop(ipc::ClientId id) override;
+  void OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) override;
   void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
   void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
   void OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) override;

@@ -163,7 +163,7 @@ TEST(Packaging, LoaderFindsLayerAndExtension) {
   ASSERT_EQ(count, 1u);
   EXPECT_STREQ(layers[0].layerName, kLayer);
   ASSERT_EQ(xrEnumerateInstanceExtensionProperties(kLayer, 0, &count, nullptr), XR_SUCCESS);
-  EXPECT_EQ(count, Manifest("explicit.d")["api_layer"]["instance_extensions"].size());
+  EXPECT_EQ(count, Manifest("explicit.d")["api_layer"]["instance_extensions"].size()) << "the manifest names all";
 }
 
 TEST(Packaging, EmbeddedProfilesLoadInOrderOfPriority) {

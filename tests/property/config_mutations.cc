@@ -119,8 +119,9 @@ TEST(ConfigMutations, DeviceFilesAreSaneOrRefused) {
 }
 
 TEST(ConfigMutations, AppFilesAreSaneOrRefused) {
-  const std::string file = ReadFile(OMNI_SOURCE_DIR "/manifests/apps.d/10-extrusion.toml") +
-                           "offset_base_m = [0.01, 0.0, 0.0]\nscale = 1.5\nforce_scale = 0.5\n";
+  const std::string file = "offset_base_m = [0.01, 0.0, 0.0]\nscale = 1.5\nforce_scale = 0.5\n" +
+                           ReadFile(OMNI_SOURCE_DIR "/manifests/apps.d/10-extrusion.toml") +
+                           "secondary = [\"double_tap\", \"key:KEY_B\"]\npress_N = 0.3\nrelease_N = 0.1\ndwell_s = 2\n";
   int accepted = 0;
   int refused = 0;
   for (unsigned seed = 0; seed < 1500; ++seed) {
@@ -129,7 +130,13 @@ TEST(ConfigMutations, AppFilesAreSaneOrRefused) {
     entry.ok() ? ++accepted : ++refused;
     if (!entry.ok()) continue;
     EXPECT_TRUE(!entry->application_glob.empty() && entry->application_glob.size() <= 127);
-    EXPECT_EQ(entry->scene.front(), '/');
+    EXPECT_TRUE(entry->scene.empty() ? entry->inputs.has_value() : entry->scene.front() == '/');
+    if (entry->inputs) {
+      const base::InputThresholds& t = entry->inputs->mapping.thresholds;
+      EXPECT_TRUE(Within(t.press_N, 0.02, 5) && Within(t.release_N, 0.01, 5) && t.release_N < t.press_N);
+      EXPECT_TRUE(Within(t.dwell_s, 0.1, 10));
+      EXPECT_LE(entry->inputs->keys.size(), static_cast<std::size_t>(base::kMaxKeys));
+    }
     EXPECT_TRUE(Within(entry->scale, 1e-4, 1e4) && Within(entry->force_scale, 0, 1));
     EXPECT_TRUE(Within(entry->offset_base_m.x, -0.2, 0.2) && Within(entry->offset_base_m.y, -0.2, 0.2));
     EXPECT_TRUE(Within(entry->offset_base_m.z, -0.2, 0.2));

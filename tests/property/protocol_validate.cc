@@ -29,6 +29,17 @@ Bytes BytesOf(const T& message) {
   return bytes;
 }
 
+Bytes WaveformBytes() {
+  Waveform waveform;
+  waveform.kind = WaveformKind::kPcm;
+  waveform.sample_rate_Hz = 1000;
+  waveform.count = 5;
+  waveform.header.size = sizeof(waveform) + 5 * sizeof(float);
+  Bytes bytes = BytesOf(waveform);
+  bytes.resize(waveform.header.size);  // silence
+  return bytes;
+}
+
 std::vector<Bytes> Seeds() {
   Welcome welcome;
   welcome.client_id = 1;
@@ -81,7 +92,8 @@ std::vector<Bytes> Seeds() {
           BytesOf(Placement{}),
           BytesOf(SpaceChange{}),
           BytesOf(PlacementCommand{}),
-          BytesOf(PlacementReply{})};
+          BytesOf(PlacementReply{}),
+          WaveformBytes()};
 }
 
 Bytes Mutated(Bytes bytes, std::mt19937_64& random) {
@@ -148,6 +160,10 @@ struct Contract {
     EXPECT_TRUE(command.rms_m >= 0 && command.expected_error_m >= 0);
   }
   void operator()(const PlacementReply& reply) const { EXPECT_TRUE(IsTerminated(reply.text) && reply.done <= 1); }
+  void operator()(const ShapedHaptic& haptic) const {
+    EXPECT_EQ(size, sizeof(Waveform) + haptic.waveform.count * sizeof(float));
+    for (std::size_t i = 0; i < haptic.waveform.count; ++i) EXPECT_LE(std::abs(haptic.sample(i)), 1.0F);
+  }
   void operator()(const SceneCommand& command) const {
     EXPECT_TRUE(IsTerminated(command.object));
     EXPECT_TRUE(command.action >= SceneAction::kEdits && command.action <= SceneAction::kSave);

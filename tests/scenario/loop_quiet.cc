@@ -75,7 +75,7 @@ TEST(Quiet, ATickNeverTouchesTheHeap) {
     }
     if (story.output.wants_scene) situations.insert("scene swap");
     if (tool.status == base::TrackingStatus::kAbsent && tool.ever_tracked) situations.insert("tracking loss");
-    if (story.state.haptic_playing) situations.insert("vibration");
+    if (story.state.vibration.playing) situations.insert("vibration");
   }
   EXPECT_EQ(situations, (std::set<std::string>{"cold start", "idle", "contact", "friction", "scene swap",
                                                "tracking loss", "vibration"}));

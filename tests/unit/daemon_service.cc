@@ -53,7 +53,7 @@ class ServiceTest : public testing::Test {
   explicit ServiceTest(std::unique_ptr<device::Transport> device = std::make_unique<support::QuietDevice>())
       : device_(std::move(device)),
         source_(*device_),
-        service_({.version = "test", .instance = 1, .apps = Apps(), .hull_radius_m = 0.0375}) {
+        service_({.version = "test", .instance = 1, .apps = Apps(), .inputs = Plan(), .hull_radius_m = 0.0375}) {
     loop_ = std::make_unique<loop::TickThread>(loop::MakeTickConfig(config::DefaultDevice()),
                                                loop::TickThread::Options{.realtime = false}, source_, sink_);
     loop_->Start();
@@ -67,8 +67,13 @@ class ServiceTest : public testing::Test {
     table.entries.push_back({.application_glob = "block*", .scene = scenes + "extrusion.glb"});
     table.entries.push_back({.application_glob = "track*", .scene = scenes + "racetrack.glb"});
     table.entries.push_back({.application_glob = "broken*", .scene = scenes + "not_there.glb"});
+    config::InputTable keys;
+    keys.mapping.at(base::InputComponent::kMenu).plus = base::KeyBit(0);
+    keys.keys = {48};  // KEY_B
+    table.entries.push_back({.application_glob = "keys*", .inputs = keys});
     return table;
   }
+  static config::InputPlan Plan() { return {.devices = {}, .fallback = {}, .slots = {48}, .file = {}}; }
 
   void Connect(std::uint64_t id, const std::string& application) {
     service_.OnClient({.id = id, .role = protocol::ClientRole::kApplication, .pid = 1, .application = application});
@@ -111,6 +116,70 @@ TEST_F(ServiceTest, SceneIsBuiltSwappedInAndDroppedWithTheSession) {
   service_.OnSession(1, SessionState::kNone);
   EXPECT_TRUE(Until([&] { return InTheTick().empty(); }));
   EXPECT_EQ(Status()["scene"]["triangles"], 0);
+}
+
+// The owner's mapping is in force, and the keys of whoever reads them reach the tick.
+TEST_F(ServiceTest, InputsAreThoseOfTheOwner) {
+  EXPECT_EQ(Status()["inputs"]["mapping"]["menu"], nlohmann::json({"flick"}));
+  Connect(1, "keys 1");
+  Focus(1);
+  service_.OnPeriod(base::MonotonicNow_ns());
+  EXPECT_EQ(Status()["inputs"]["mapping"]["menu"], nlohmann::json({"key:KEY_B"}));
+  EXPECT_TRUE(Status()["scene"]["name"].get<std::string>().empty()) << "a file about inputs only";
+  const auto times = [&](const std::string& name) {
+    const nlohmann::json status = Status();
+    for (const auto& source : status["inputs"]["sources"]) {
+      if (source["name"] == name) return source["times"].get<int>();
+    }
+    return -1;
+  };
+  ASSERT_TRUE(Until([&] { return loop_->statistics().ticks.load() > 5; }));
+  EXPECT_EQ(times("key:KEY_B"), 0);
+  EXPECT_EQ(times("tap"), 0);
+  base::KeyStates keys;
+  keys.slots[0] = {.press_count = 1, .release_count = 0, .t_press_ns = base::MonotonicNow_ns(), .t_release_ns = 0};
+  service_.SetKeys(keys);
+  EXPECT_TRUE(Until([&] { return times("key:KEY_B") == 1; }));
+  service_.OnSession(1, SessionState::kBegun);
+  EXPECT_EQ(Status()["inputs"]["mapping"]["menu"], nlohmann::json({"flick"}));
+  EXPECT_TRUE(Status()["inputs"]["devices"].empty());
+}
+
+// Of each kind, and only those of the owner.
+TEST_F(ServiceTest, VibrationsOfTheOwnerAreHandedToTheTick) {
+  Connect(1, "silent 1");
+  Connect(2, "silent 2");
+  Focus(1);
+  loop_->Stop();  // from here on the test reads what the tick would
+  const auto haptic = [&] { return loop_->commands().Read().haptic; };
+  const std::vector<float> samples(200, 0.5F);
+  protocol::ShapedHaptic shaped;
+  shaped.waveform.count = 200;
+  shaped.waveform.duration_ns = 500'000'000;
+  shaped.bytes = {reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof(float)};
+  service_.OnWaveform(2, shaped);
+  EXPECT_FALSE(haptic().active) << "it does not own the force";
+  service_.OnWaveform(1, shaped);
+  EXPECT_TRUE(haptic().active);
+  EXPECT_EQ(haptic().kind, loop::VibrationKind::kEnvelope);
+  EXPECT_EQ(loop_->vibration().Read().id, haptic().id);
+  EXPECT_EQ(loop_->vibration().Read().count, 200U);
+  EXPECT_EQ(loop_->vibration().Read().values[199], 0.5F);
+  shaped.waveform.kind = protocol::WaveformKind::kPcm;
+  shaped.waveform.duration_ns = 0;
+  shaped.waveform.sample_rate_Hz = 1000;
+  service_.OnWaveform(1, shaped);
+  const std::uint64_t id = haptic().id;
+  EXPECT_EQ(loop_->vibration().Read().id, id);
+  shaped.waveform.append = 1;
+  service_.OnWaveform(1, shaped);
+  EXPECT_EQ(haptic().id, id) << "what is appended is no vibration of its own";
+  EXPECT_EQ(loop_->vibration().Read().count, 400U);
+  service_.OnHaptic(1, {.duration_ns = 500'000'000, .amplitude = 1});
+  EXPECT_EQ(haptic().kind, loop::VibrationKind::kTone);
+  EXPECT_EQ(haptic().id, id + 1) << "the later replaces the earlier";
+  service_.OnSession(1, SessionState::kBegun);
+  EXPECT_FALSE(haptic().active) << "without focus nothing vibrates";
 }
 
 TEST_F(ServiceTest, EachClientKeepsItsSceneAndTheOwnersIsInTheTick) {

@@ -94,6 +94,76 @@ TEST(Validate, RefusesPlacementsOutsideTheirRange) {
       PlacementReply{}, [](PlacementReply& r) { r.done = 2; }, "done");
 }
 
+// A waveform with these samples behind it.
+std::string WaveformPacket(Waveform waveform, const std::vector<float>& samples) {
+  waveform.count = static_cast<std::uint32_t>(samples.size());
+  waveform.header.size = static_cast<std::uint32_t>(sizeof(waveform) + samples.size() * sizeof(float));
+  std::string packet(reinterpret_cast<const char*>(&waveform), sizeof(waveform));
+  packet.append(reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof(float));
+  return packet;
+}
+
+std::string WaveformProblem(const Waveform& waveform, const std::vector<float>& samples) {
+  const std::string packet = WaveformPacket(waveform, samples);
+  const Message message = Validate(packet.data(), packet.size());
+  const auto* invalid = std::get_if<Invalid>(&message);
+  return invalid == nullptr ? "accepted" : invalid->reason;
+}
+
+Waveform Pcm() {
+  Waveform waveform;
+  waveform.kind = WaveformKind::kPcm;
+  waveform.sample_rate_Hz = 8000;
+  return waveform;
+}
+
+TEST(Validate, WaveformsWithTheirSamples) {
+  const std::vector<float> samples{0, 0.25F, 1};
+  const std::string packet = WaveformPacket(Waveform{}, samples);
+  const Message message = Validate(packet.data(), packet.size());
+  const auto* shaped = std::get_if<ShapedHaptic>(&message);
+  ASSERT_NE(shaped, nullptr);
+  ASSERT_EQ(shaped->waveform.count, 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(shaped->sample(i), samples[i]);
+  EXPECT_EQ(WaveformProblem(Pcm(), {-1, 1}), "accepted");
+  EXPECT_EQ(WaveformProblem(Waveform{}, std::vector<float>(kMaxWaveformSamples, 1)), "accepted");
+}
+
+TEST(Validate, WaveformsThatAreRefused) {
+  const auto expect = [](const Waveform& waveform, const std::vector<float>& samples, const char* words) {
+    EXPECT_NE(WaveformProblem(waveform, samples).find(words), std::string::npos) << WaveformProblem(waveform, samples);
+  };
+  expect(Waveform{}, {}, "count");
+  expect(Waveform{}, std::vector<float>(kMaxWaveformSamples + 1, 1), "count");
+  expect(Waveform{}, {0, std::numeric_limits<float>::quiet_NaN()}, "sample 1");
+  expect(Waveform{}, {-0.5F}, "sample 0");
+  expect(Pcm(), {0, -1.5F}, "sample 1");
+  expect(Pcm(), {std::numeric_limits<float>::infinity()}, "sample 0");
+  for (const float rate_Hz : {0.0F, -1.0F, 2e5F, std::numeric_limits<float>::quiet_NaN()}) {
+    Waveform waveform = Pcm();
+    waveform.sample_rate_Hz = rate_Hz;
+    expect(waveform, {0}, "sample_rate_Hz");
+  }
+  Waveform waveform;
+  waveform.duration_ns = -2;
+  expect(waveform, {0}, "duration_ns");
+  waveform = Pcm();
+  waveform.append = 2;
+  expect(waveform, {0}, "append");
+  waveform = Waveform{};
+  waveform.append = 1;
+  expect(waveform, {0}, "append");
+  waveform.kind = static_cast<WaveformKind>(3);
+  expect(waveform, {0}, "kind");
+  const std::string whole = WaveformPacket(Waveform{}, {0, 1});
+  std::string cut = whole;
+  cut.resize(cut.size() - 4);
+  const auto size = static_cast<std::uint32_t>(cut.size());
+  std::memcpy(cut.data() + offsetof(MessageHeader, size), &size, sizeof(size));
+  const Message message = Validate(cut.data(), cut.size());
+  EXPECT_TRUE(std::holds_alternative<Invalid>(message)) << "two samples announced, one there";
+}
+
 TEST(Validate, SceneAnswerIsTheReplyAndTheTextBehindIt) {
   SceneReply reply;
   const std::string text = "clay: nothing to undo";
