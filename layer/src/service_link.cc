@@ -3,8 +3,8 @@
 #include <cstring>
 #include <utility>
 
-#include "layer/src/fault.h"
 #include "layer/src/clock.h"
+#include "layer/src/fault.h"
 #include "layer/src/tool_motion.h"
 
 namespace omni::layer {

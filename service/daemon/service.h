@@ -33,7 +33,7 @@ struct ServiceOptions {
   std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until SetCalibration
   std::uint32_t soft_tets = SceneBuilder::kSoftTets;
-  std::string hand = "auto";  // "left", "right": of applications whose file names none
+  std::string hand = "auto";               // "left", "right": of applications whose file names none
   std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is kept
   std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
 };

@@ -12,8 +12,8 @@
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/haptic_scene.h"
-#include "service/protocol/unique_fd.h"
 #include "service/protocol/placement.h"
+#include "service/protocol/unique_fd.h"
 
 namespace omni::ipc {
 

@@ -53,8 +53,8 @@ using Message =
     std::variant<Invalid, Hello, Welcome, Reject, Session, Haptic, HapticStop, StatusRequest, StatusReply, Notice,
                  SceneCommand, SceneAnswer, SurfaceRequest, Surfaces, HapticSceneLoad, HapticSceneEnd, HapticScenePlace,
                  HapticSceneEnable, HapticNodes, HapticMaterial, HapticSceneNews, HapticSceneRows, AppSettings,
-                 ForceClaim, ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties, PlacementRequest, Placement, SpaceChange,
-                 PlacementCommand, PlacementReply>;
+                 ForceClaim, ForceApply, ForceConstraints, ForceStop, ForceOwner, ForceProperties, PlacementRequest,
+                 Placement, SpaceChange, PlacementCommand, PlacementReply>;
 
 // MessageHeader and Reject keep their layout in every version, so that either side can say "other version".
 Message Validate(const void* bytes, std::size_t size) noexcept;
