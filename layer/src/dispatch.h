@@ -53,8 +53,7 @@
   X(StringToPath)             \
   X(PathToString)             \
   X(EnumerateReferenceSpaces) \
-  X(GetInstanceProperties)    \
-  X(GetSystemProperties)
+  X(GetInstanceProperties)
 
 namespace omni::layer {
 

@@ -12,7 +12,7 @@ namespace {
 
 bool Has(XrSpaceLocationFlags flags, XrSpaceLocationFlags bits) { return (flags & bits) == bits; }
 
-bool IsFinite(const Motion& m) {
+bool IsFiniteMotion(const Motion& m) {
   double sum = 0;
   for (int i = 0; i < 3; ++i) sum += m.X.p[i] + m.v[i] + m.w[i];
   return std::isfinite(sum + m.X.q.w + m.X.q.x + m.X.q.y + m.X.q.z);
@@ -59,7 +59,7 @@ XrResult PlaceConstraints(Places& places, const std::vector<LocalConstraint>& co
   for (const LocalConstraint& constraint : constraints) {
     Located place;
     if (const XrResult result = places.Find(constraint.space, place); XR_FAILED(result)) return result;
-    if (Has(place.flags, kValid) && IsFinite(place.motion)) {
+    if (Has(place.flags, kValid) && IsFiniteMotion(place.motion)) {
       out.constraints[out.count++] = InBase(constraint.shape, KnownMotion(place));
     } else {
       all_placed = false;
@@ -137,7 +137,7 @@ XrResult Instance::ApplyForce(XrForceFeedbackOMNIX1 handle_in, const XrForceAppl
   Alive();
   const auto force = forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
-  const bool valid = info && info->type == XR_TYPE_FORCE_APPLY_INFO_OMNIX1 && layer::IsFinite(info->force) &&
+  const bool valid = info && info->type == XR_TYPE_FORCE_APPLY_INFO_OMNIX1 && IsFinite(info->force) &&
                      info->duration > 0 && info->rampDuration >= 0;
   if (!valid) return XR_ERROR_VALIDATION_FAILURE;
   if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
@@ -146,7 +146,7 @@ XrResult Instance::ApplyForce(XrForceFeedbackOMNIX1 handle_in, const XrForceAppl
   Places places(*this, *force->session);
   Located place;
   if (const XrResult result = places.Find(info->baseSpace, place); XR_FAILED(result)) return result;
-  if (!Has(place.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) || !IsFinite(place.motion))
+  if (!Has(place.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) || !IsFiniteMotion(place.motion))
     return XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1;
   protocol::ForceApply apply;
   apply.t_ns = places.now_ns();

@@ -169,6 +169,7 @@ void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
 }
 
 StatePart SessionActions::Scalar(const LiveBinding& b, int index, const RuntimeClock& clock) const {
+  if (static_cast<std::size_t>(index) >= inputs_.size()) return {};  // nothing was heard of the pen yet
   const ComponentInput& input = inputs_[static_cast<std::size_t>(index)];
   const bool digital = b.binding.kind == BindingKind::kBoolean ||
                        chosen_->components[static_cast<std::size_t>(index)].type == ComponentType::kBoolean;

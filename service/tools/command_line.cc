@@ -15,10 +15,9 @@ namespace {
 struct CommandEntry {
   void (*add)(CLI::App& app);
 };
-constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},  {AddDoctor}, {AddScene},    {AddTwin},
-                                      {AddBench},  {AddReport}, {AddTrack},  {AddPaper},    {AddCalibrate},
-                                      {AddDevice}, {AddRecord}, {AddReplay}, {AddSurfaces}, {AddLayer},
-                                      {AddAlign}};
+constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},    {AddDoctor}, {AddScene},     {AddTwin},   {AddBench},
+                                      {AddReport}, {AddTrack},    {AddPaper},  {AddCalibrate}, {AddDevice}, {AddRecord},
+                                      {AddReplay}, {AddSurfaces}, {AddLayer},  {AddAlign}};
 
 constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
 constexpr const char* kExitCodes =

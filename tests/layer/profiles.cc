@@ -169,8 +169,12 @@ TEST_F(Profiles, NotCurrentInAnUnfocusedSync) {
     nanosleep(&pause, nullptr);
   }
   ASSERT_FALSE(service.heard().sessions.empty()) << "connected";
-  service.Fill();
-  ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
+  for (int i = 0; i < 100; ++i) {  // long enough for a pen that waits for its placement
+    service.Fill();
+    ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
+    const timespec pause{0, 5'000'000};
+    nanosleep(&pause, nullptr);
+  }
   EXPECT_EQ(app.Profile(app.right), "");
 }
 

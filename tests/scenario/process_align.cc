@@ -33,7 +33,7 @@ std::string TouchScript() {
   const Vector3d tip(0.02, -0.01, -0.11);
   const auto& marks = config::DefaultMarks();
   const auto at = [&](std::size_t i) { return base::ToEigen(alignment::Apply(TrueBase(), marks[i].position_base_m)); };
-  constexpr double kStart_s = 0.5, kSwing_s = 7, kMove_s = 0.8, kRest_s = 1.2, kStep_s = 0.02;
+  constexpr double kStart_s = 0.5, kSwing_s = 12, kMove_s = 0.8, kRest_s = 1.2, kStep_s = 0.02;
   std::string script;
   const double end_s = kSwing_s + static_cast<double>(marks.size() - 1) * (kMove_s + kRest_s);
   for (double t = 0; t < end_s; t += kStep_s) {

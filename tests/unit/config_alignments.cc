@@ -71,7 +71,7 @@ TEST(ConfigAlignments, MutationsAreRefusedOrSound) {
   int refused = 0;
   for (int i = 0; i < 3000; ++i) {
     std::string text = good;
-    for (unsigned n = 1 + random() % 3; n > 0; --n) {
+    for (auto n = 1 + random() % 3; n > 0; --n) {
       const std::size_t at = random() % text.size();
       if (random() % 3 == 0) {
         text.erase(at, 1 + random() % 12);

@@ -200,7 +200,10 @@ TEST(StateReader, RefusesOtherLayouts) {
     return ErrorOf(MakeFile(kAllSeals, kStateBytes, header));
   };
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.magic = 1; }).find("magic"), std::string::npos);
-  EXPECT_NE(refused([](protocol::StateHeader& h) { h.version = 2; }).find("version 2"), std::string::npos);
+  EXPECT_NE(refused([](protocol::StateHeader& h) {
+              h.version = protocol::kStateVersion + 1;
+            }).find("version " + std::to_string(protocol::kStateVersion + 1)),
+            std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.ring_capacity = 1 << 20; }).find("layout"), std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.slot_bytes = 8; }).find("layout"), std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.total_bytes = 1; }).find("layout"), std::string::npos);
