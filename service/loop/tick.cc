@@ -147,8 +147,8 @@ void TellLimits(const TickConfig& config, const base::ForceLimit& limit, TickOut
 }
 
 // Inputs of this tick, and what is felt of them.
-base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, const base::ToolState& tool, double dt_s,
-                        LoopState& state, TickOutput& output) noexcept {
+base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, const base::KeyStates* keys,
+                        const base::ToolState& tool, double dt_s, LoopState& state, TickOutput& output) noexcept {
   const bool tracked = tool.status == base::TrackingStatus::kTracking;
   const InputSample sample{.t_ns = output.t_ns,
                            .live = tracked && state.gate > 0,
@@ -156,7 +156,7 @@ base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, cons
                            .tracked = tracked,
                            .tip_base_m = tool.device_point_base_m,
                            .axis_base = tool.axis_base};
-  UpdateInputs(config.inputs, commands.inputs, sample, output.haptics, commands.keys, state.inputs);
+  UpdateInputs(config.inputs, commands.inputs, sample, output.haptics, keys, state.inputs);
   output.inputs = state.inputs.inputs;
   output.sources = state.inputs.on;
   return DetentForce_N(commands.inputs, state.inputs, output.haptics, dt_s, state.detent);
@@ -171,7 +171,7 @@ void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState
 }
 
 void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& commands, const haptics::Scene& scene,
-          LoopState& state, TickOutput& output) noexcept {
+          LoopState& state, TickOutput& output, const TickFeeds& feeds) noexcept {
   output = TickOutput{};
   output.tick = state.tick;
   output.t_ns = scan.t_ns;
@@ -191,11 +191,11 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
   const haptics::Input felt = MakeHapticInput(tool, limit, delay_s, dt_s, state);
   RenderScene(config, commands.scene, scene, felt, state, output);
-  const base::Vec3 detent_N = FollowInputs(config, commands, tool, dt_s, state, output);
+  const base::Vec3 detent_N = FollowInputs(config, commands, feeds.keys, tool, dt_s, state, output);
   const base::Vec3 applied_N = Push(config, commands, felt, state, output);
   const base::Vec3 pushed_N = Plus(Plus(output.haptics.force_base_N, applied_N), detent_N);
-  const base::Vec3 vibration_N = Scaled(
-      tool.axis_base, VibrationForce_N(config.vibration, commands.haptic, commands.samples, dt_s, state.vibration));
+  const base::Vec3 vibration_N =
+      Scaled(tool.axis_base, VibrationForce_N(config.vibration, commands.haptic, feeds.samples, dt_s, state.vibration));
 
   base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
   if (!IsFinite(force_N)) {

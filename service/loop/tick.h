@@ -57,13 +57,17 @@ struct Commands {
   std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
   double force_scale = 1;              // [0, 1], from apps.d
   HapticWaveform haptic;               // of the owner
-  const VibrationSamples* samples = nullptr;           // of a waveform that has some; valid for this tick
   base::InputMapping inputs = base::DefaultMapping();  // of the owner
-  const base::KeyStates* keys = nullptr;               // valid for this tick; null: no keyboard and no pedal is read
   haptics::AppliedCommand applied;                     // the owner's own forces and constraints
   SceneControl scene;
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
+
+// What other threads hand over beside the commands; valid for one tick.
+struct TickFeeds {
+  const VibrationSamples* samples = nullptr;  // of a waveform that has some
+  const base::KeyStates* keys = nullptr;      // null: no keyboard and no pedal is read
+};
 
 struct LoopState {
   tracker::State tracker;
@@ -117,7 +121,7 @@ enum TickFault : std::uint32_t {
 
 // `state.scene_generation` names `scene`. When a caller swaps the scene it calls EnterScene first.
 void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& commands, const haptics::Scene& scene,
-          LoopState& state, TickOutput& output) noexcept;
+          LoopState& state, TickOutput& output, const TickFeeds& feeds = {}) noexcept;
 
 // Call between two ticks, when the last output said wants_scene (or before the first tick).
 void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept;

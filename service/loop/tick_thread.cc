@@ -64,14 +64,13 @@ void TickThread::WriteSurfaces(std::int64_t t_ns) noexcept {
 }
 
 void TickThread::Once(const base::HallScan& scan) noexcept {
-  Commands commands = commands_.Read();
-  commands.keys = &keys_.Read();
-  commands.samples = &vibration_->Read();
+  const Commands& commands = commands_.Read();
   const bool at_zero = state_.gate == 0 && record_.output.currents.current_A == base::CoilCurrents{}.current_A;
   const bool rests = commands.idle && at_zero;
   if (rests && scan.sequence % static_cast<std::uint64_t>(options_.idle_divider) != 0) return;
+  const TickFeeds feeds{.samples = &vibration_->Read(), .keys = &keys_.Read()};
   const std::int64_t begin_ns = base::MonotonicNow_ns();
-  Tick(config_, scan, commands, *scene_, state_, record_.output);
+  Tick(config_, scan, commands, *scene_, state_, record_.output, feeds);
   const std::int64_t end_ns = base::MonotonicNow_ns();
   source_.Apply(record_.output.currents);
   record_.done_ns = base::MonotonicNow_ns();

@@ -176,11 +176,11 @@ TEST(VibrationStory, PcmIsAddedToContactUnderTheSameLimits) {
     values[i] = static_cast<float>(std::sin(2 * std::numbers::pi * 120 * 1e-3 * static_cast<double>(i)));
   }
   const auto samples = Samples(5, values);
+  story.feeds.samples = samples.get();
   int alone = 0, with_contact = 0;
   while (story.Step(table, [&](const base::HallScan& scan) {
     Commands commands = test::Story::Open(scan);
     commands.haptic = {.id = 5, .active = true, .kind = VibrationKind::kPcm};
-    commands.samples = samples.get();
     return commands;
   })) {
     const TickOutput& o = story.output;

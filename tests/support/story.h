@@ -91,7 +91,7 @@ class Story {
   bool Step(const haptics::Scene& scene, const std::function<loop::Commands(const base::HallScan&)>& commands = Open) {
     if (twin->Read(scan, 0) != device::ReadStatus::kScan) return false;
     if (state.tick == 0) loop::EnterScene(scene, 1, state);
-    loop::Tick(config, scan, commands(scan), scene, state, output);
+    loop::Tick(config, scan, commands(scan), scene, state, output, feeds);
     twin->Write(output.currents);
     return true;
   }
@@ -110,6 +110,7 @@ class Story {
   std::unique_ptr<device::Transport> twin;
   base::HallScan scan;
   loop::LoopState state;
+  loop::TickFeeds feeds;
   loop::TickOutput output;
 };
 
