@@ -208,7 +208,7 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   const Profile* before[] = {state.ProfileAt(hand_paths[0]), state.ProfileAt(hand_paths[1])};
   state.Sync(input, NextStates(next, session), clock, clock.ToXr(now));
   UpdateSpaces(*record);
-  for (const Pulse& pulse : state.TakePulses()) link.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
+  for (const Pulse& pulse : state.TakePulses()) Play(pulse);
   for (std::size_t hand = 0; hand < hand_paths.size(); ++hand) {
     const Profile* after = state.ProfileAt(hand_paths[hand]);
     if (before[hand] == after) continue;

@@ -10,8 +10,7 @@ std::optional<Pulse> ReadPulse(const XrHapticBaseHeader* haptic) {
   if (!haptic || haptic->type != XR_TYPE_HAPTIC_VIBRATION) return std::nullopt;
   XrHapticVibration v;
   std::memcpy(&v, haptic, sizeof(v));
-  return Pulse{std::max<XrDuration>(v.duration, XR_MIN_HAPTIC_DURATION), v.frequency >= 0 ? v.frequency : 0.0f,
-               v.amplitude >= 0 ? std::min(v.amplitude, 1.0f) : 0.0f};
+  return ToPulse(v);
 }
 
 template <class Header>
@@ -23,6 +22,13 @@ void ReadThreshold(const Header* header, std::vector<BindingThreshold>& out) {
 }
 
 }  // namespace
+
+// NaN fails the comparisons.
+Pulse ToPulse(const XrHapticVibration& vibration) {
+  return {std::max<XrDuration>(vibration.duration, XR_MIN_HAPTIC_DURATION),
+          vibration.frequency >= 0 ? vibration.frequency : 0.0f,
+          vibration.amplitude >= 0 ? std::min(vibration.amplitude, 1.0f) : 0.0f};
+}
 
 std::vector<BindingThreshold> ReadThresholds(const XrInteractionProfileSuggestedBinding& suggested,
                                              const ModificationExtensions& enabled) {

@@ -20,6 +20,9 @@ struct Pulse {
   float amplitude = 0;     // 0..1
 };
 
+// Within their ranges: XR_MIN_HAPTIC_DURATION is -1, as in the protocol; what is no number is rest.
+Pulse ToPulse(const XrHapticVibration& vibration);
+
 // An analog source read as a boolean: true from `on`, false again below `off`.
 struct AnalogThreshold {
   float on = 0;

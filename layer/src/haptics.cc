@@ -64,6 +64,21 @@ std::optional<ShapedVibration> ReadPcm(const XrHapticPcmVibrationFB& pcm) {
   return out;
 }
 
+XrHapticVibration WithoutShape(const ShapedVibration& shaped) {
+  const bool envelope = shaped.waveform.kind == protocol::WaveformKind::kEnvelope;
+  double sum = 0;
+  for (const float sample : shaped.samples) {
+    const double x = std::clamp(static_cast<double>(sample), envelope ? 0.0 : -1.0, 1.0);
+    sum += envelope ? x : x * x;
+  }
+  const auto count = static_cast<double>(shaped.samples.size());
+  const double amplitude = envelope ? sum / count : std::min(1.0, std::sqrt(2 * sum / count));
+  const double length_ns = envelope ? 0 : 1e9 * count / static_cast<double>(shaped.waveform.sample_rate_Hz);
+  return {XR_TYPE_HAPTIC_VIBRATION, nullptr,
+          envelope ? shaped.waveform.duration_ns : std::max<XrDuration>(1, static_cast<XrDuration>(length_ns)),
+          XR_FREQUENCY_UNSPECIFIED, static_cast<float>(amplitude)};
+}
+
 std::uint32_t PcmBacklog::Book(XrAction action, const ShapedVibration& pcm, std::int64_t now_ns, bool& continues) {
   const std::lock_guard lock(mutex_);
   continues = pcm.waveform.append == 1 && action == action_ && end_ns_ > now_ns;
@@ -112,28 +127,31 @@ XrResult Instance::ApplyTone(XrSession session, const XrHapticActionInfo* info, 
   const HapticRoute route = RouteHaptic(session, info);
   const XrResult result = route.to_runtime ? next.ApplyHapticFeedback(session, info, haptic) : XR_SUCCESS;
   if (!route.to_pen || result != XR_SUCCESS) return result;
-  const auto v = ReadAs<XrHapticVibration>(haptic);
-  // XR_MIN_HAPTIC_DURATION is -1, as in the protocol. NaN fails the comparison and becomes rest.
-  const float amplitude = v.amplitude >= 0 ? std::min(v.amplitude, 1.0f) : 0.0f;
-  const float frequency_Hz = v.frequency >= 0 ? v.frequency : 0.0f;
-  pcm_backlog.Clear();
-  link.Haptic(std::max<XrDuration>(v.duration, XR_MIN_HAPTIC_DURATION), amplitude, frequency_Hz);
+  Play(ToPulse(ReadAs<XrHapticVibration>(haptic)));
   return result;
 }
 
-// Of a vibration that a runtime without the extension cannot play: it is asked where the pen has no part, and its
-// answer stands; with the pen among several devices, only the pen vibrates.
-XrResult Instance::AskBelow(const HapticRoute& route, const char* extension, XrSession session,
-                            const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
-  const bool can = !OnlyOurs(extension) || !route.to_pen;
-  return route.to_runtime && can ? next.ApplyHapticFeedback(session, info, haptic) : XR_SUCCESS;
+void Instance::Play(const Pulse& pulse) {
+  pcm_backlog.Clear();
+  link.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
+}
+
+// A runtime that does not know the shape gets its nearest relative: its devices vibrate, and it checks handles and
+// paths.
+XrResult Instance::ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
+                              const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const {
+  if (!only_ours) return next.ApplyHapticFeedback(session, info, haptic);
+  const XrHapticVibration plain = WithoutShape(*shaped);
+  return next.ApplyHapticFeedback(session, info,
+                                  static_cast<const XrHapticBaseHeader*>(static_cast<const void*>(&plain)));
 }
 
 XrResult Instance::ApplyEnvelope(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
   const HapticRoute route = RouteHaptic(session, info);
+  const bool only_ours = OnlyOurs(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME);
   const auto shaped = ReadEnvelope(ReadAs<XrHapticAmplitudeEnvelopeVibrationFB>(haptic));
-  if (route.to_pen && !shaped) return XR_ERROR_VALIDATION_FAILURE;
-  const XrResult result = AskBelow(route, XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME, session, info, haptic);
+  if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
+  const XrResult result = route.to_runtime ? ShapeBelow(only_ours, session, info, haptic, shaped) : XR_SUCCESS;
   if (!route.to_pen || result != XR_SUCCESS) return result;
   pcm_backlog.Clear();
   link.Waveform(shaped->waveform, shaped->samples);
@@ -142,26 +160,31 @@ XrResult Instance::ApplyEnvelope(XrSession session, const XrHapticActionInfo* in
 
 XrResult Instance::ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
   const HapticRoute route = RouteHaptic(session, info);
+  const bool only_ours = OnlyOurs(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
   const auto pcm = ReadAs<XrHapticPcmVibrationFB>(haptic);
   auto shaped = ReadPcm(pcm);
-  if (route.to_pen && !shaped) return XR_ERROR_VALIDATION_FAILURE;
+  if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
   if (pcm.samplesConsumed) *pcm.samplesConsumed = 0;
-  const XrResult result = AskBelow(route, XR_FB_HAPTIC_PCM_EXTENSION_NAME, session, info, haptic);
-  if (!route.to_pen || result != XR_SUCCESS) return result;
+  const XrResult result = route.to_runtime ? ShapeBelow(only_ours, session, info, haptic, shaped) : XR_SUCCESS;
+  if (result != XR_SUCCESS) return result;
+  if (only_ours && !route.to_pen) *pcm.samplesConsumed = static_cast<std::uint32_t>(shaped->samples.size());
+  if (!route.to_pen) return result;
   // Two devices: what the other has not taken will be sent again.
-  const bool both = route.to_runtime && !OnlyOurs(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
-  if (both) shaped->samples.resize(std::min<std::size_t>(shaped->samples.size(), *pcm.samplesConsumed));
-  *pcm.samplesConsumed = 0;
-  bool continues = false;
-  shaped->samples.resize(pcm_backlog.Book(info->action, *shaped, MonotonicNow_ns(), continues));
-  shaped->waveform.append = continues ? 1 : 0;
-  if (shaped->samples.empty()) return result;
-  if (link.Waveform(shaped->waveform, shaped->samples)) {
-    *pcm.samplesConsumed = static_cast<std::uint32_t>(shaped->samples.size());
-  } else {
-    pcm_backlog.Clear();  // nothing plays: the application tries again
-  }
+  if (route.to_runtime && !only_ours)
+    shaped->samples.resize(std::min<std::size_t>(shaped->samples.size(), *pcm.samplesConsumed));
+  *pcm.samplesConsumed = PlayPcm(info->action, *shaped);
   return result;
+}
+
+// How many samples the service has taken.
+std::uint32_t Instance::PlayPcm(XrAction action, ShapedVibration& pcm) {
+  bool continues = false;
+  pcm.samples.resize(pcm_backlog.Book(action, pcm, MonotonicNow_ns(), continues));
+  pcm.waveform.append = continues ? 1 : 0;
+  if (pcm.samples.empty()) return 0;
+  if (link.Waveform(pcm.waveform, pcm.samples)) return static_cast<std::uint32_t>(pcm.samples.size());
+  pcm_backlog.Clear();  // nothing plays: the application tries again
+  return 0;
 }
 
 XrResult Instance::StopHaptic(XrSession session, const XrHapticActionInfo* info) {

@@ -24,6 +24,10 @@ std::optional<ShapedVibration> ReadEnvelope(const XrHapticAmplitudeEnvelopeVibra
 // [XR_FB_haptic_pcm] At most as many samples as fit into one message. Empty: the structure is invalid.
 std::optional<ShapedVibration> ReadPcm(const XrHapticPcmVibrationFB& pcm);
 
+// The vibration without a shape that is most like it, for devices that know no other: of the same length; an envelope's
+// mean amplitude, or the amplitude of a sine with the power of the PCM.
+XrHapticVibration WithoutShape(const ShapedVibration& shaped);
+
 // How much PCM the service has been given and has not played yet: it keeps protocol::kWaveformBuffer_s of it. Any
 // thread.
 class PcmBacklog {

@@ -194,8 +194,10 @@ class Instance {
   XrResult ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
   XrResult ApplyEnvelope(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
   XrResult ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
-  XrResult AskBelow(const HapticRoute& route, const char* extension, XrSession session, const XrHapticActionInfo* info,
-                    const XrHapticBaseHeader* haptic);
+  XrResult ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
+                      const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const;
+  void Play(const Pulse& pulse);
+  std::uint32_t PlayPcm(XrAction action, ShapedVibration& pcm);
 
   const std::vector<std::string> enabled_;
   const std::vector<std::string> only_ours_;

@@ -1,4 +1,5 @@
-// Vibrations with shape: XR_FB_haptic_amplitude_envelope and XR_FB_haptic_pcm over a runtime that has neither.
+// Vibrations with shape: XR_FB_haptic_amplitude_envelope and XR_FB_haptic_pcm over a runtime that has neither, and one
+// that has both.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,6 +64,11 @@ class Vibrations : public testing::Test {
     XrDevicePcmSampleRateStateFB rate{XR_TYPE_DEVICE_PCM_SAMPLE_RATE_STATE_FB, nullptr, -1};
     EXPECT_EQ(reinterpret_cast<PFN_xrGetDeviceSampleRateFB>(function)(app.session, &info, &rate), XR_SUCCESS);
     return rate.sampleRate;
+  }
+  static OmniTestHaptics Device(const char* hand) {
+    OmniTestHaptics haptics{};
+    EXPECT_EQ(omni_test_haptics(hand, &haptics), 0);
+    return haptics;
   }
   std::uint32_t consumed_ = 0;
 };
@@ -151,21 +157,63 @@ TEST_F(Vibrations, WhatIsInvalidIsRefusedAndNeverSent) {
   EXPECT_EQ(service.heard().waveforms[0].samples, (std::vector<float>{1, 0}));
 }
 
-// The other hand belongs to a runtime without the extension: its answer stands. With the pen among the devices, the pen
-// vibrates.
-TEST_F(Vibrations, TheOtherHandGetsTheRuntimesAnswer) {
+// The other hand belongs to a runtime without the extension: its device gets a plain vibration of the same length and
+// strength, also where the pen is among the devices.
+TEST_F(Vibrations, ARuntimeWithoutThemVibratesPlainly) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
   const std::vector<float> values{0.5f, 1.0f};
-  EXPECT_EQ(Apply(app, app.left, Envelope(values, 1'000'000)), XR_ERROR_VALIDATION_FAILURE);
-  EXPECT_EQ(Apply(app, app.left, Pcm(values, 1000, false)), XR_ERROR_VALIDATION_FAILURE);
-  EXPECT_EQ(consumed_, 0u);
-  EXPECT_EQ(Apply(app, XR_NULL_PATH, Envelope(values, 1'000'000)), XR_SUCCESS);
+  ASSERT_EQ(Apply(app, app.left, Envelope(values, 3'000'000)), XR_SUCCESS);
+  EXPECT_EQ(Device("left").count, 1u);
+  EXPECT_EQ(Device("left").last_duration_ns, 3'000'000);
+  EXPECT_FLOAT_EQ(Device("left").last_amplitude, 0.75f);
+  const std::vector<float> square(200, -0.4f);
+  ASSERT_EQ(Apply(app, app.left, Pcm(square, 1000, false)), XR_SUCCESS);
+  EXPECT_EQ(consumed_, 200u);
+  EXPECT_EQ(Device("left").last_duration_ns, 200'000'000);
+  EXPECT_FLOAT_EQ(Device("left").last_amplitude, 0.4f * std::sqrt(2.0f));
+  EXPECT_TRUE(service.heard().waveforms.empty());
+
+  ASSERT_EQ(Apply(app, XR_NULL_PATH, Envelope(values, 1'000'000)), XR_SUCCESS);
   ASSERT_TRUE(HasWaveforms(service, 1));
+  EXPECT_EQ(Device("left").count, 3u);
+  EXPECT_EQ(Device("right").count, 0u);
   EXPECT_EQ(Rate(app, app.right), 1000);
   EXPECT_EQ(Rate(app, XR_NULL_PATH), 1000);
   EXPECT_EQ(Rate(app, app.left), 0);
+
+  const std::vector<float> none;
+  EXPECT_EQ(Apply(app, app.left, Envelope(none, 1'000'000)), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(Apply(app, app.left, Pcm(none, 1000, false)), XR_ERROR_VALIDATION_FAILURE);
+}
+
+// A runtime that has them plays them itself on its own devices; of PCM for both, as much counts as both have taken.
+TEST_F(Vibrations, ARuntimeThatHasThemPlaysThem) {
+  omni_test_offer_shapes(1);
+  FakeService service;
+  App app(WithShapes());
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  const std::vector<float> values(1500, 0.5f);
+  ASSERT_EQ(Apply(app, app.left, Envelope(values, 3'000'000)), XR_SUCCESS);
+  EXPECT_EQ(Device("left").envelopes, 1u);
+  EXPECT_EQ(Device("left").last_samples, 1500u);
+  ASSERT_EQ(Apply(app, app.left, Pcm(values, 1000, false)), XR_SUCCESS);
+  EXPECT_EQ(Device("left").pcms, 1u);
+  EXPECT_EQ(consumed_, 1000u) << "as the runtime says";
+  EXPECT_TRUE(service.heard().waveforms.empty());
+  EXPECT_EQ(Rate(app, app.left), 3000);
+  EXPECT_EQ(Rate(app, app.right), 1000);
+
+  ASSERT_EQ(Apply(app, app.right, Pcm(values, 1000, false)), XR_SUCCESS);
+  EXPECT_EQ(consumed_, 1500u);
+  ASSERT_EQ(Apply(app, XR_NULL_PATH, Pcm(values, 1000, false)), XR_SUCCESS);
+  EXPECT_EQ(consumed_, 1000u);
+  ASSERT_TRUE(HasWaveforms(service, 2));
+  EXPECT_EQ(service.heard().waveforms[1].samples.size(), 1000u);
+  EXPECT_EQ(Device("left").pcms, 2u);
+  EXPECT_EQ(Device("right").pcms, 0u);
+  EXPECT_EQ(Device("left").count, 0u);
 }
 
 TEST_F(Vibrations, SampleRateErrors) {
@@ -198,11 +246,14 @@ TEST_F(Vibrations, FocusRules) {
   omni_test_set_focus(0);
   app.Poll();
   ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
-  EXPECT_NE(Apply(app, app.right, Pcm(Noise(100, -1, 4), 1000, true)), XR_SUCCESS);
-  EXPECT_EQ(consumed_, 0u);
-  const XrHapticAmplitudeEnvelopeVibrationFB envelope{XR_TYPE_HAPTIC_AMPLITUDE_ENVELOPE_VIBRATION_FB, nullptr, 1000000,
-                                                      0, nullptr};
-  EXPECT_NE(Apply(app, app.right, envelope), XR_SUCCESS);
+  const std::vector<float> values = Noise(100, -1, 4);
+  for (const XrPath hand : {app.right, app.left, XrPath{XR_NULL_PATH}}) {
+    EXPECT_EQ(Apply(app, hand, Pcm(values, 1000, true)), XR_SESSION_NOT_FOCUSED);
+    EXPECT_EQ(consumed_, 0u);
+    EXPECT_EQ(Apply(app, hand, Envelope(values, 1'000'000)), XR_SESSION_NOT_FOCUSED);
+  }
+  EXPECT_EQ(Apply(app, app.Path("/user/gamepad"), Pcm(values, 1000, true)), XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(Apply(app, app.right, Envelope({}, 1'000'000)), XR_ERROR_VALIDATION_FAILURE);
   for (int i = 0; i < 500 && service.heard().haptic_stops == 0; ++i) {
     const timespec pause{0, 2'000'000};
     nanosleep(&pause, nullptr);

@@ -59,6 +59,7 @@ bool NeedsNoInstance(std::string_view name) {
 bool Offers(const Instance& instance, std::string_view name) {
   if (name == "xrLocateSpaces") return instance.version_1_1;
   if (name == "xrLocateSpacesKHR") return instance.Enabled(XR_KHR_LOCATE_SPACES_EXTENSION_NAME);
+  if (name == "xrGetDeviceSampleRateFB") return instance.Enabled(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
   if (name.find("Hand") != std::string_view::npos) return instance.Enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
   if (name.find("Timespec") != std::string_view::npos)
     return instance.Enabled(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);

@@ -70,6 +70,7 @@
   X(GetInputSourceLocalizedName)          \
   X(ApplyHapticFeedback)                  \
   X(StopHapticFeedback)                   \
+  X(GetDeviceSampleRateFB)                \
   X(ConvertTimespecTimeToTimeKHR)         \
   X(ConvertTimeToTimespecTimeKHR)
 

@@ -109,6 +109,13 @@ int omni_test_offer_timespec(int offered) {
   });
 }
 
+int omni_test_offer_shapes(int offered) {
+  return Alone([&](auto& state) {
+    state.world.has_shapes = offered != 0;
+    return true;
+  });
+}
+
 int omni_test_tell_velocities(int told) {
   return Alone([&](auto& state) {
     state.world.tells_velocities = told != 0;
@@ -142,7 +149,8 @@ int omni_test_haptics(const char* hand, OmniTestHaptics* haptics) {
   if (index < 0 || haptics == nullptr) return -1;
   return Alone([&](auto& state) {
     const omni::runtime::HapticRecord& record = state.world.devices[index].haptics;
-    *haptics = {record.count, record.stops, record.amplitude, record.frequency_Hz, record.duration_ns};
+    *haptics = {record.count,       record.stops,     record.amplitude, record.frequency_Hz,
+                record.duration_ns, record.envelopes, record.pcms,      record.samples};
     return true;
   });
 }

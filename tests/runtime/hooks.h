@@ -20,6 +20,9 @@ struct OmniTestHaptics {
   float last_amplitude;
   float last_frequency_Hz;
   int64_t last_duration_ns;
+  uint32_t envelopes;  // vibrations with a shape, where they are offered
+  uint32_t pcms;
+  uint32_t last_samples;  // amplitudes of the last envelope, or samples that were taken of the last PCM
 };
 
 #define OMNI_TEST_MAX_LAYERS 16
@@ -65,6 +68,8 @@ int omni_test_move_space(const char* space, const float pose[7], int64_t delay_n
 int omni_test_offer_stage(int offered);
 // 0: new instances are refused XR_KHR_convert_timespec_time.
 int omni_test_offer_timespec(int offered);
+// 1: new instances may have XR_FB_haptic_amplitude_envelope and XR_FB_haptic_pcm (of one call 1000 samples are taken).
+int omni_test_offer_shapes(int offered);
 // 0: no velocity is ever valid, as with runtimes that do not know them.
 int omni_test_tell_velocities(int told);
 // The hand that XR_EXT_hand_tracking sees; `pose` of the palm in STAGE, null to keep it.

@@ -38,11 +38,16 @@ const Extension kExtensions[] = {
     {XR_KHR_COMPOSITION_LAYER_EQUIRECT2_EXTENSION_NAME, XR_KHR_composition_layer_equirect2_SPEC_VERSION},
 };
 
-// Those of the table that OMNI_TEST_RUNTIME_WITHOUT does not name, Vulkan where it was built in, and names that a test
-// adds by OMNI_TEST_RUNTIME_EXTENSIONS (separated by spaces): accepted, without any effect.
+// Those of the table that OMNI_TEST_RUNTIME_WITHOUT does not name, Vulkan where it was built in, vibrations with a
+// shape where a test wants them, and names that a test adds by OMNI_TEST_RUNTIME_EXTENSIONS (separated by spaces):
+// accepted, without any effect.
 std::vector<Extension> Extensions() {
   std::vector<Extension> all(std::begin(kExtensions), std::end(kExtensions));
   if (VulkanExtension() != nullptr) all.push_back({VulkanExtension(), 2});
+  if (TheState().world.has_shapes) {
+    all.push_back({XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME, 1});
+    all.push_back({XR_FB_HAPTIC_PCM_EXTENSION_NAME, 1});
+  }
   if (const char* without = std::getenv("OMNI_TEST_RUNTIME_WITHOUT"))
     std::erase_if(all, [without](const Extension& known) { return known.name == without; });
   const char* const more = std::getenv("OMNI_TEST_RUNTIME_EXTENSIONS");

@@ -26,6 +26,9 @@ struct HapticRecord {
   float amplitude = 0;
   float frequency_Hz = 0;
   XrDuration duration_ns = 0;
+  uint32_t envelopes = 0;
+  uint32_t pcms = 0;
+  uint32_t samples = 0;  // of the last of these
 };
 
 struct Device {
@@ -69,6 +72,7 @@ struct World {
   Origins local_origins;
   Origins stage_origins;
   bool has_stage = true;         // false: STAGE is not offered
+  bool has_shapes = false;       // vibrations with a shape: XR_FB_haptic_amplitude_envelope, XR_FB_haptic_pcm
   bool has_timespec = true;      // false: new instances cannot convert times
   bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid
   bool focus = true;
