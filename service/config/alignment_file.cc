@@ -1,7 +1,6 @@
 #include "service/config/alignment_file.h"
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "service/config/text_file.h"
@@ -16,14 +15,6 @@ constexpr std::size_t kMaxRuntimeBytes = 127, kMaxSystemBytes = 255, kMaxMethodB
 constexpr Range kAnySpace{1, 2'147'483'647};
 constexpr Range kSpacePosition_m{-100, 100};
 constexpr Range kUnit{-1, 1};
-
-std::string Float(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  std::string number(text);
-  if (number.find_first_of(".en") == std::string::npos) number += ".0";  // TOML: a float, whatever its value
-  return number;
-}
 
 // A basic string of TOML: names come from other programs.
 std::string Quoted(const std::string& text) {
@@ -56,7 +47,7 @@ AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const s
   reader.Finish();
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (problem.ok() && !(std::abs(norm - 1) < 1e-3)) {
-    problem.Report(table.get("orientation_space_wxyz"), name + ".orientation_space_wxyz has length " + Float(norm) +
+    problem.Report(table.get("orientation_space_wxyz"), name + ".orientation_space_wxyz has length " + TomlFloat(norm) +
                                                             "; must be a unit quaternion; align anew: omni align");
   }
   return entry;
@@ -111,33 +102,21 @@ std::string WriteAlignments(const AlignmentFile& file) {
     const base::Vec3& p = entry.position_space_m;
     text += "\n[[alignments]]\nruntime = " + Quoted(entry.runtime) + "\nsystem = " + Quoted(entry.system) + "\n";
     text += "space = " + std::to_string(entry.space) + "\n";
-    text += "position_space_m = [" + Float(p.x) + ", " + Float(p.y) + ", " + Float(p.z) + "]\n";
-    text +=
-        "orientation_space_wxyz = [" + Float(q.w) + ", " + Float(q.x) + ", " + Float(q.y) + ", " + Float(q.z) + "]\n";
+    text += "position_space_m = [" + TomlFloat(p.x) + ", " + TomlFloat(p.y) + ", " + TomlFloat(p.z) + "]\n";
+    text += "orientation_space_wxyz = [" + TomlFloat(q.w) + ", " + TomlFloat(q.x) + ", " + TomlFloat(q.y) + ", " +
+            TomlFloat(q.z) + "]\n";
     text += "method = " + Quoted(entry.method) + "\ndate = " + Quoted(entry.date) + "\n";
-    text += "samples = " + std::to_string(entry.samples) + "\nrms_mm = " + Float(entry.rms_mm) + "\n";
-    text += "expected_error_mm = " + Float(entry.expected_error_mm) + "\n";
-    text += "rotation_deg = " + Float(entry.rotation_deg) + "\nrecentred = " + std::to_string(entry.recentred) + "\n";
+    text += "samples = " + std::to_string(entry.samples) + "\nrms_mm = " + TomlFloat(entry.rms_mm) + "\n";
+    text += "expected_error_mm = " + TomlFloat(entry.expected_error_mm) + "\n";
+    text +=
+        "rotation_deg = " + TomlFloat(entry.rotation_deg) + "\nrecentred = " + std::to_string(entry.recentred) + "\n";
     if (entry.doubtful) text += "doubtful = \"yes\"\n";
   }
   return text;
 }
 
 base::Status SaveAlignmentFile(const std::string& path, const AlignmentFile& file) {
-  namespace fs = std::filesystem;
-  const base::Error failed{path + ": cannot be written; check the folder and its permissions"};
-  std::error_code error;
-  if (const fs::path folder = fs::path(path).parent_path(); !folder.empty()) fs::create_directories(folder, error);
-  const std::string fresh = path + ".new";
-  std::FILE* out = std::fopen(fresh.c_str(), "w");
-  if (out == nullptr) return failed;
-  const std::string text = WriteAlignments(file);
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  if (std::fclose(out) != 0 || !written || std::rename(fresh.c_str(), path.c_str()) != 0) {
-    std::remove(fresh.c_str());
-    return failed;
-  }
-  return base::Ok{};
+  return WriteTextFile(path, WriteAlignments(file));
 }
 
 }  // namespace omni::config

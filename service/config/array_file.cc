@@ -1,7 +1,6 @@
 #include "service/config/array_file.h"
 
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 #include "service/config/array_sensor.h"
@@ -168,19 +167,8 @@ std::string Contradiction(const ArrayFile& file) {
 
 std::string List(std::span<const double> values) {
   std::string text;
-  for (const double value : values) {
-    char number[32];
-    std::snprintf(number, sizeof(number), "%.17g", value);
-    std::string digits = number;
-    if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
-    text += (text.empty() ? "[" : ", ") + digits;
-  }
+  for (const double value : values) text += (text.empty() ? "[" : ", ") + TomlFloat(value);
   return text + "]";
-}
-
-std::string Single(double value) {
-  const std::string list = List({&value, 1});
-  return list.substr(1, list.size() - 2);
 }
 
 std::string List(const base::Vec3& v) { return List(std::array{v.x, v.y, v.z}); }
@@ -219,17 +207,17 @@ std::string WriteArray(const Calibration& array) {
   const bool sphere = array.magnet.shape == MagnetShape::kSphere;
   std::string text = "format = \"omni-array 1\"\nname = \"" + array.device + "\"\n\n[magnet]\nshape = \"";
   text += sphere ? "sphere\"\n" : "cylinder\"\n";
-  text += "radius_m = " + Single(array.magnet.radius_m) + "\n";
-  if (!sphere) text += "half_height_m = " + Single(array.magnet.half_height_m) + "\n";
-  text += "moment_Am2 = " + Single(array.moment_Am2) + "\n";
-  text += "tip_offset_m = " + Single(array.magnet.tip_offset_m) + "\n";
+  text += "radius_m = " + TomlFloat(array.magnet.radius_m) + "\n";
+  if (!sphere) text += "half_height_m = " + TomlFloat(array.magnet.half_height_m) + "\n";
+  text += "moment_Am2 = " + TomlFloat(array.moment_Am2) + "\n";
+  text += "tip_offset_m = " + TomlFloat(array.magnet.tip_offset_m) + "\n";
   text += "\n[sensor]\nsensor_noise_T = " + List(array.sensor_noise_T) + "\n";
-  if (array.sensor_range_T > 0) text += "sensor_range_T = " + Single(array.sensor_range_T) + "\n";
+  if (array.sensor_range_T > 0) text += "sensor_range_T = " + TomlFloat(array.sensor_range_T) + "\n";
   if (array.core_radius_m > 0) {
-    text += "\n[core]\ncore_radius_m = " + Single(array.core_radius_m) + "\n";
-    text += "core_kappa = " + Single(array.core_kappa) + "\n";
+    text += "\n[core]\ncore_radius_m = " + TomlFloat(array.core_radius_m) + "\n";
+    text += "core_kappa = " + TomlFloat(array.core_kappa) + "\n";
   }
-  if (array.hull_radius_m > 0) text += "\n[hull]\nhull_radius_m = " + Single(array.hull_radius_m) + "\n";
+  if (array.hull_radius_m > 0) text += "\n[hull]\nhull_radius_m = " + TomlFloat(array.hull_radius_m) + "\n";
   if (array.volume_min_base_m != array.volume_max_base_m) {
     text += "\n[volume]\nmin_base_m = " + List(array.volume_min_base_m) + "\n";
     text += "max_base_m = " + List(array.volume_max_base_m) + "\n";

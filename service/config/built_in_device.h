@@ -1,10 +1,29 @@
 // The texts of manifests/device/omni.toml, twin.toml and marks.toml, put into the binary by CMake.
 #pragma once
 
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "service/base/result.h"
+
 namespace omni::config {
 
 extern const char* const kBuiltInDeviceText;
 extern const char* const kBuiltInTwinText;
 extern const char* const kBuiltInMarksText;
+
+// What `parse` makes of one of them. A text that it refuses ends the program: a build that its own tests refuse.
+template <class T>
+T ParsedBuiltIn(base::Result<T> (*parse)(const std::string& text, const std::string& name), const char* text,
+                const char* file) {
+  base::Result<T> parsed = parse(text, std::string("built-in ") + file);
+  if (!parsed.ok()) {
+    std::fprintf(stderr, "%s\n", parsed.error().c_str());
+    std::abort();
+  }
+  return std::move(*parsed);
+}
 
 }  // namespace omni::config

@@ -36,14 +36,6 @@ std::string Hex(std::uint64_t value) {
   return text;
 }
 
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  std::string number(text);
-  if (number.find_first_of(".en") == std::string::npos) number += ".0";  // TOML: a float, whatever its value
-  return number;
-}
-
 // FNV-1a, 64 bit, over the values written to nine digits: a file that says 0.06 and one that says 60e-3 are the same.
 class GeometryDigest {
  public:
@@ -120,7 +112,7 @@ void ReadMagnet(FileProblem& problem, TableReader& root, const DeviceGeometry& d
   reader.Finish();
   const double ratio = calibration.moment_Am2 / NominalMoment(device.magnet);
   if (problem.ok() && !(ratio <= kMomentRatioMax && ratio >= 1 / kMomentRatioMax)) {
-    problem.Report(table->get("moment_Am2"), "magnet.moment_Am2 = " + Number(calibration.moment_Am2) +
+    problem.Report(table->get("moment_Am2"), "magnet.moment_Am2 = " + TomlFloat(calibration.moment_Am2) +
                                                  " is not the device's magnet; calibrate anew: omni calibrate");
   }
 }
@@ -151,7 +143,7 @@ void ReadSensors(FileProblem& problem, TableReader& root, const DeviceGeometry& 
 template <std::size_t N>
 std::string List(const std::array<double, N>& values) {
   std::string text = "[";
-  for (std::size_t i = 0; i < N; ++i) text += (i == 0 ? "" : ", ") + Number(values[i]);
+  for (std::size_t i = 0; i < N; ++i) text += (i == 0 ? "" : ", ") + TomlFloat(values[i]);
   return text + "]";
 }
 
@@ -221,15 +213,15 @@ std::string WriteCalibration(const CalibrationFile& file, const DeviceGeometry& 
   text += "device_hash = \"" + Hex(GeometryHash(device)) + "\"\n";
   text += "serial = \"" + file.serial + "\"\n";
   text += "date = \"" + file.date + "\"\n\n[quality]\n";
-  text += "expected_error_mm = " + Number(quality.expected_error_mm) + "\n";
-  text += "frame_rotation_deg = " + Number(quality.frame_rotation_deg) + "\n";
-  text += "chi2_per_dof = " + Number(quality.chi2_per_dof) + "\n";
-  text += "coverage = " + Number(quality.coverage) + "\n";
+  text += "expected_error_mm = " + TomlFloat(quality.expected_error_mm) + "\n";
+  text += "frame_rotation_deg = " + TomlFloat(quality.frame_rotation_deg) + "\n";
+  text += "chi2_per_dof = " + TomlFloat(quality.chi2_per_dof) + "\n";
+  text += "coverage = " + TomlFloat(quality.coverage) + "\n";
   text += "samples = " + std::to_string(quality.samples) + "\n";
   text += "touches = " + std::to_string(quality.touches) + "\n";
   text += "unfixed = " + std::to_string(quality.unfixed) + "\n\n[magnet]\n";
-  text += "moment_Am2 = " + Number(file.calibration.moment_Am2) + "\n";
-  text += "core_kappa = " + Number(file.calibration.core_kappa) + "\n";
+  text += "moment_Am2 = " + TomlFloat(file.calibration.moment_Am2) + "\n";
+  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n";
   for (const SensorCalibration& sensor : file.calibration.sensors) {
     text += "\n[[sensors]]\nposition_base_m = " + List(sensor.position_base_m) + "\n";
     text += "gain_sensor_base = " + List(sensor.gain_sensor_base) + "\n";
@@ -240,20 +232,9 @@ std::string WriteCalibration(const CalibrationFile& file, const DeviceGeometry& 
 }
 
 base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const DeviceGeometry& device) {
-  namespace fs = std::filesystem;
-  const base::Error failed{path + ": cannot be written; check the folder and its permissions, or name another file"};
-  std::error_code error;
-  if (const fs::path folder = fs::path(path).parent_path(); !folder.empty()) fs::create_directories(folder, error);
-  const std::string fresh = path + ".new";
-  std::FILE* out = std::fopen(fresh.c_str(), "w");
-  if (out == nullptr) return failed;
-  const std::string text = WriteCalibration(file, device);
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  if (std::fclose(out) != 0 || !written || std::rename(fresh.c_str(), path.c_str()) != 0) {
-    std::remove(fresh.c_str());
-    return failed;
-  }
-  return base::Ok{};
+  const base::Status saved = WriteTextFile(path, WriteCalibration(file, device));
+  if (!saved.ok()) return base::Error{saved.error() + ", or name another file"};
+  return saved;
 }
 
 CalibrationChoice ChooseCalibration(const std::string& path, const DeviceGeometry& device, const std::string& serial) {

@@ -1,8 +1,6 @@
 #include "service/config/device_file.h"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "service/config/built_in_device.h"
 #include "service/config/geometry_check.h"
@@ -189,14 +187,7 @@ base::Result<DeviceGeometry> LoadDeviceFile(const std::string& path) {
 }
 
 const DeviceGeometry& DefaultDevice() {
-  static const DeviceGeometry device = [] {
-    auto parsed = ParseDevice(kBuiltInDeviceText, "built-in manifests/device/omni.toml");
-    if (!parsed.ok()) {  // a build that its own tests refuse
-      std::fprintf(stderr, "%s\n", parsed.error().c_str());
-      std::abort();
-    }
-    return *parsed;
-  }();
+  static const DeviceGeometry device = ParsedBuiltIn(ParseDevice, kBuiltInDeviceText, "manifests/device/omni.toml");
   return device;
 }
 

@@ -1,8 +1,5 @@
 #include "service/config/marks_file.h"
 
-#include <cstdio>
-#include <cstdlib>
-
 #include "service/config/built_in_device.h"
 #include "service/config/text_file.h"
 #include "service/config/toml_reader.h"
@@ -42,14 +39,7 @@ base::Result<std::vector<Mark>> LoadMarksFile(const std::string& path) {
 }
 
 const std::vector<Mark>& DefaultMarks() {
-  static const std::vector<Mark> marks = [] {
-    auto parsed = ParseMarks(kBuiltInMarksText, "built-in manifests/device/marks.toml");
-    if (!parsed.ok()) {  // a build that its own tests refuse
-      std::fprintf(stderr, "%s\n", parsed.error().c_str());
-      std::abort();
-    }
-    return *parsed;
-  }();
+  static const std::vector<Mark> marks = ParsedBuiltIn(ParseMarks, kBuiltInMarksText, "manifests/device/marks.toml");
   return marks;
 }
 

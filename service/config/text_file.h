@@ -1,4 +1,4 @@
-// Reads a settings file: regular, of sane size, never blocking.
+// Reads and writes settings files.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,10 @@ namespace omni::config {
 
 inline constexpr std::size_t kMaxSettingsBytes = 1 << 20;  // a longer file is refused
 
+// A regular file of sane size; never blocks.
 base::Result<std::string> ReadTextFile(const std::string& path);
+
+// In place of the old file or not at all; makes the folders that `path` lacks. The error names the path.
+base::Status WriteTextFile(const std::string& path, const std::string& text);
 
 }  // namespace omni::config

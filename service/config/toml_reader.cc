@@ -44,6 +44,14 @@ std::string Listed(std::span<const std::string_view> words) {
 
 }  // namespace
 
+std::string TomlFloat(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  std::string number(text);
+  if (number.find_first_of(".en") == std::string::npos) number += ".0";
+  return number;
+}
+
 base::Result<toml::table> ParseToml(const std::string& text, const std::string& file) {
   try {
     return toml::parse(text, file);

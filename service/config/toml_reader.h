@@ -20,6 +20,9 @@ namespace omni::config {
 
 base::Result<toml::table> ParseToml(const std::string& text, const std::string& file);
 
+// The way back: read again, it is the same number, and a float even where it is whole.
+std::string TomlFloat(double value);
+
 struct Range {
   double low;
   double high;

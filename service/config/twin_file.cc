@@ -1,8 +1,5 @@
 #include "service/config/twin_file.h"
 
-#include <cstdio>
-#include <cstdlib>
-
 #include "service/config/built_in_device.h"
 #include "service/config/text_file.h"
 #include "service/config/toml_reader.h"
@@ -122,14 +119,7 @@ base::Result<base::TruthParameters> LoadTwinFile(const std::string& path) {
 }
 
 const base::TruthParameters& DefaultTwin() {
-  static const base::TruthParameters twin = [] {
-    auto parsed = ParseTwin(kBuiltInTwinText, "built-in manifests/device/twin.toml");
-    if (!parsed.ok()) {  // a build that its own tests refuse
-      std::fprintf(stderr, "%s\n", parsed.error().c_str());
-      std::abort();
-    }
-    return *parsed;
-  }();
+  static const base::TruthParameters twin = ParsedBuiltIn(ParseTwin, kBuiltInTwinText, "manifests/device/twin.toml");
   return twin;
 }
 
