@@ -16,6 +16,7 @@
 
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/whole_file.h"
 
 namespace omni::tools {
 namespace {
@@ -124,19 +125,6 @@ base::Result<BenchDocuments> ReadDocuments(const std::vector<std::string>& paths
   return documents;
 }
 
-// Empty: written. The old page stays if the new one cannot be written whole.
-std::string ReplaceFile(const std::string& path, const std::string& text) {
-  const std::string fresh = path + ".new";
-  std::ofstream file(fresh);
-  file << text;
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(fresh, path, error);
-  if (file && !error) return {};
-  std::filesystem::remove(fresh, error);
-  return path + ": cannot be written (" + std::strerror(errno) + "); check the folder and the disk";
-}
-
 std::string RunPage(const std::string& page, const std::vector<std::string>& files) {
   const auto documents = ReadDocuments(files);
   if (!documents.ok()) return documents.error();
@@ -144,7 +132,8 @@ std::string RunPage(const std::string& page, const std::vector<std::string>& fil
   if (!text.ok()) return text.error();
   const auto filled = FillPage(*text, *documents);
   if (!filled.ok()) return page + ": " + filled.error();
-  return ReplaceFile(page, *filled);
+  const base::Status saved = WriteWholeFile(page, *filled, true);
+  return saved.ok() ? std::string() : saved.error();
 }
 
 }  // namespace

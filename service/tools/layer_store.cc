@@ -1,18 +1,15 @@
 #include "service/tools/layer_store.h"
 
-#include <fcntl.h>
-#include <stdlib.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include <nlohmann/json.hpp>
 
 #include "service/tools/doctor/library_check.h"
+#include "service/tools/whole_file.h"
 
 namespace omni::tools {
 namespace {
@@ -22,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr const char* kExplicitBelow = "openxr/1/api_layers/explicit.d";
 constexpr const char* kImplicitBelow = "openxr/1/api_layers/implicit.d";
 constexpr const char* kImplicitName = "XrApiLayer_omni.json";
+constexpr mode_t kReadByAll = S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH;
 
 const char* OptionFor(LayerScope scope) { return scope == LayerScope::kUser ? "--user" : "--system"; }
 
@@ -43,20 +41,6 @@ std::vector<LayerManifest> ManifestsIn(const fs::path& folder, bool implicit) {
 }
 
 bool SoundAndOurs(const LayerManifest& manifest) { return manifest.problem.empty() && manifest.name == kLayerName; }
-
-// A new file in place of the old one, or nothing: never half of it. errno, 0: done.
-int WriteAtomically(const fs::path& file, const std::string& text) {
-  std::string temporary = file.string() + ".XXXXXX";
-  const int fd = ::mkostemp(temporary.data(), O_CLOEXEC);
-  if (fd < 0) return errno;
-  const bool written = ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                       ::fchmod(fd, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH) == 0 && ::fsync(fd) == 0;
-  int reason = written ? 0 : errno;
-  if (::close(fd) != 0 && reason == 0) reason = errno;
-  if (reason == 0 && ::rename(temporary.c_str(), file.c_str()) != 0) reason = errno;
-  if (reason != 0) ::unlink(temporary.c_str());
-  return reason;
-}
 
 // Of another store than `folder`: with both, the loader would take either.
 const LayerManifest* EnabledElsewhere(const std::vector<LayerManifest>& manifests, const fs::path& folder) {
@@ -140,7 +124,7 @@ base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerSc
   if (!text.ok()) return base::Error{text.error()};
   fs::create_directories(*folder, error);
   if (error) return CannotWrite(*folder, scope, error.value());
-  if (const int reason = WriteAtomically(enabled.file, *text); reason != 0)
+  if (const int reason = ReplaceWholeFile(enabled.file, *text, kReadByAll); reason != 0)
     return CannotWrite(enabled.file, scope, reason);
   return enabled;
 }

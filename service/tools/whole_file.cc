@@ -45,22 +45,43 @@ bool PutInPlace(const std::string& from, const std::string& to, bool overwrite) 
   return true;
 }
 
+// All of `content` in a new file beside `path`, synced. 0, or the errno; without `name` it could not even be made.
+int WriteBeside(const std::string& path, std::string_view content, mode_t mode, std::string& name) {
+  std::string unfinished = path + ".XXXXXX";
+  const protocol::UniqueFd file(::mkostemp(unfinished.data(), O_CLOEXEC));
+  if (!file) return errno;
+  name = unfinished;
+  if (WriteAllOf(file.get(), content) && ::fchmod(file.get(), mode) == 0 && ::fsync(file.get()) == 0) return 0;
+  const int error = errno;
+  ::unlink(unfinished.c_str());
+  return error;
+}
+
 }  // namespace
+
+int ReplaceWholeFile(const std::string& path, std::string_view content, mode_t mode) {
+  std::string fresh;
+  if (const int error = WriteBeside(path, content, mode, fresh); error != 0) return error;
+  if (PutInPlace(fresh, path, true)) return 0;
+  const int error = errno;
+  ::unlink(fresh.c_str());
+  return error;
+}
 
 base::Status WriteWholeFile(const std::string& path, std::string_view content, bool overwrite) {
   std::error_code ignored;
   const base::Error exists{path + ": is there already; take another name, or --force to replace it"};
   if (std::filesystem::is_directory(path, ignored)) return base::Error{path + ": is a folder; give a file's name"};
   if (!overwrite && std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) return exists;
-  std::string unfinished = path + ".XXXXXX";
-  const protocol::UniqueFd file(::mkostemp(unfinished.data(), O_CLOEXEC));
-  if (!file) return base::Error{path + ": cannot be made here: " + ReasonOf(errno) + "; choose another folder"};
-  const bool written =
-      WriteAllOf(file.get(), content) && ::fchmod(file.get(), NewFileMode()) == 0 && ::fsync(file.get()) == 0;
-  if (written && PutInPlace(unfinished, path, overwrite)) return base::Ok{};
-  const int error = errno;
-  ::unlink(unfinished.c_str());
-  if (written && error == EEXIST) return exists;
+  std::string fresh;
+  int error = WriteBeside(path, content, NewFileMode(), fresh);
+  if (error == 0) {
+    if (PutInPlace(fresh, path, overwrite)) return base::Ok{};
+    error = errno;
+    ::unlink(fresh.c_str());
+    if (error == EEXIST) return exists;
+  }
+  if (fresh.empty()) return base::Error{path + ": cannot be made here: " + ReasonOf(error) + "; choose another folder"};
   return base::Error{path + ": cannot be written: " + ReasonOf(error) + "; is there space?"};
 }
 
