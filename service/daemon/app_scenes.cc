@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "service/base/clock.h"
+#include "service/daemon/feel_row.h"
 
 namespace omni::daemon {
 namespace {
@@ -24,20 +25,6 @@ loop::PoseSample SampleOf(const protocol::ScenePose& pose, std::int64_t t_ns, st
           .position_m = Scaled(pose.position_m, 1),
           .velocity_m_s = Scaled(pose.velocity_m_s, 1),
           .angular_velocity_rad_s = Scaled(pose.angular_velocity_rad_s, 1)};
-}
-
-haptics::MaterialFeel FeelOf(const protocol::HapticFeel& feel) {
-  return {.stiffness_N_m = feel.stiffness_N_m,
-          .damping_Ns_m = feel.damping_Ns_m,
-          .static_friction = feel.static_friction,
-          .dynamic_friction = feel.dynamic_friction,
-          .viscosity_Ns_m = feel.viscosity_Ns_m,
-          .texture_amplitude_m = feel.texture_amplitude_m,
-          .texture_wavelength_m = feel.texture_wavelength_m,
-          .texture_gain = feel.texture_gain,
-          .vibration_amplitude_N = feel.vibration_amplitude_N,
-          .vibration_frequency_Hz = feel.vibration_frequency_Hz,
-          .pop_through_N = feel.pop_through_N};
 }
 
 // A fixed-size list in which something has a place once it was named; full: null.

@@ -2,9 +2,8 @@
 #include <algorithm>
 
 #include "service/daemon/app_scenes.h"
+#include "service/daemon/feel_row.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/live_material.h"
-#include "service/protocol/haptic_scene_range.h"
 #include "service/protocol/text.h"
 
 namespace omni::daemon {
@@ -27,21 +26,6 @@ std::uint32_t NodeFlagsOf(const haptics::Scene& scene, const haptics::LivePlan& 
          ((flags & haptics::kDoubleSided) != 0 ? protocol::kNodeDoubleSided : 0U) |
          (Names(plan.soft, object) ? protocol::kNodeSoft : 0U) |
          (Names(plan.sculpted, object) ? protocol::kNodeSculptable : 0U) | (extrudes ? protocol::kNodeExtrudable : 0U);
-}
-
-protocol::HapticFeel FeelRow(const haptics::Material& material) {
-  const haptics::MaterialFeel feel = haptics::FeelIn(material);
-  return protocol::Tamed({.stiffness_N_m = feel.stiffness_N_m,
-                          .damping_Ns_m = feel.damping_Ns_m,
-                          .static_friction = feel.static_friction,
-                          .dynamic_friction = feel.dynamic_friction,
-                          .viscosity_Ns_m = feel.viscosity_Ns_m,
-                          .texture_amplitude_m = feel.texture_amplitude_m,
-                          .texture_wavelength_m = feel.texture_wavelength_m,
-                          .texture_gain = feel.texture_gain,
-                          .vibration_amplitude_N = feel.vibration_amplitude_N,
-                          .vibration_frequency_Hz = feel.vibration_frequency_Hz,
-                          .pop_through_N = feel.pop_through_N});
 }
 
 protocol::HapticNodeRow NodeRowOf(const BuiltScene& built, const haptics::LivePlan& plan, std::uint32_t object) {
