@@ -4,7 +4,9 @@
 
 #include <time.h>
 
+#ifndef XR_USE_TIMESPEC
 #define XR_USE_TIMESPEC
+#endif
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 

@@ -10,7 +10,7 @@
 
 #include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
-#include "tests/runtime/priorities.h"
+#include "tests/runtime/newer_openxr.h"
 #include "tests/runtime/state.h"
 
 namespace omni::runtime {
