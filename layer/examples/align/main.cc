@@ -68,13 +68,8 @@ std::string MakeInstance(bool fingers, Runtime* runtime) {
   if (fingers && !add(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) {
     return "the runtime offers no XR_EXT_hand_tracking; use another method";
   }
-  XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
-  std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "Omni align");
-  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
-  info.enabledExtensionCount = static_cast<uint32_t>(enabled.size());
-  info.enabledExtensionNames = enabled.data();
-  const XrResult result = xrCreateInstance(&info, &runtime->instance);
-  if (XR_FAILED(result)) return "xrCreateInstance: XrResult " + std::to_string(result) + ": is a runtime installed?";
+  runtime->instance = example::CreateInstance("Omni align", enabled, &problem);
+  if (runtime->instance == XR_NULL_HANDLE) return problem;
   runtime->fingers = fingers;
   PFN_xrVoidFunction found = nullptr;
   if (timespec && XR_SUCCEEDED(xrGetInstanceProcAddr(runtime->instance, "xrConvertTimeToTimespecTimeKHR", &found))) {

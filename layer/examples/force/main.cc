@@ -11,39 +11,18 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "layer/examples/session/arguments.h"
 #include "layer/examples/session/session.h"
 
 namespace {
 
+using example::Options;
 using example::Session;
 
 constexpr XrDuration kSecond_ns = 1'000'000'000;
-
-struct Options {
-  std::string hand = "right";
-  std::string name = "omni_force";
-  double seconds = 9;
-};
-
-bool ParseArguments(int argc, char** argv, Options& options) {
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string key = argv[i];
-    if (key == "--hand") {
-      options.hand = argv[i + 1];
-    } else if (key == "--name") {
-      options.name = argv[i + 1];
-    } else if (key == "--seconds") {
-      options.seconds = std::atof(argv[i + 1]);
-    } else {
-      return false;
-    }
-  }
-  return argc % 2 == 1 && options.seconds > 0 && (options.hand == "right" || options.hand == "left");
-}
 
 bool Ok(XrResult result, const char* call) {
   if (XR_SUCCEEDED(result)) return true;
@@ -52,19 +31,10 @@ bool Ok(XrResult result, const char* call) {
 }
 
 // 1. The extension is enabled like any other; only the layer knows it, so without the layer it is not offered.
-XrInstance CreateInstance(const Options& options, const std::vector<const char*>& for_session) {
+XrInstance CreateInstance(const Options& options, const std::vector<const char*>& for_session, std::string* problem) {
   std::vector<const char*> names = for_session;
   names.push_back(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME);
-  XrInstanceCreateInfo info{};
-  info.type = XR_TYPE_INSTANCE_CREATE_INFO;
-  std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "%s",
-                options.name.c_str());
-  info.applicationInfo.applicationVersion = 1;
-  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
-  info.enabledExtensionCount = static_cast<std::uint32_t>(names.size());
-  info.enabledExtensionNames = names.data();
-  XrInstance instance = XR_NULL_HANDLE;
-  return Ok(xrCreateInstance(&info, &instance), "xrCreateInstance") ? instance : XR_NULL_HANDLE;
+  return example::CreateInstance(options.name, names, problem);
 }
 
 // 2. Its functions come from xrGetInstanceProcAddr.
@@ -238,9 +208,10 @@ int Run(const Options& options) {
   if (for_session.empty()) return Fail(problem);
   if (!example::Contains(offered, XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
     return Fail("no layer offers XR_OMNIX1_force_feedback: is XR_APILAYER_OMNI_stylus enabled? (omni doctor)");
-  const example::Instance instance{CreateInstance(options, for_session)};
+  const example::Instance instance{CreateInstance(options, for_session, &problem)};
   Force force;
-  if (instance.handle == XR_NULL_HANDLE || !LoadFunctions(instance.handle, force.xr)) return 1;
+  if (instance.handle == XR_NULL_HANDLE) return Fail(problem);
+  if (!LoadFunctions(instance.handle, force.xr)) return 1;
   Session session(instance.handle, for_session);
   if (session.handle() == XR_NULL_HANDLE) return Fail(session.problem());
   const XrReferenceSpaceCreateInfo local{
@@ -254,10 +225,9 @@ int Run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  if (!ParseArguments(argc, argv, options)) {
-    std::fprintf(stderr, "usage: omni_force [--seconds S] [--hand right|left] [--name NAME]\n");
-    return 2;
-  }
+  options.name = "omni_force";
+  options.seconds = 9;  // three parts
+  if (!example::ParseArguments(argc, argv, options)) return 2;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   return Run(options);
 }

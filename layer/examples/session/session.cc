@@ -6,6 +6,7 @@
 #include <openxr/openxr_platform.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 
 namespace example {
@@ -32,6 +33,21 @@ std::vector<std::string> OfferedExtensions() {
 
 bool Contains(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+XrInstance CreateInstance(const std::string& name, const std::vector<const char*>& extensions, std::string* problem) {
+  XrInstanceCreateInfo info{};
+  info.type = XR_TYPE_INSTANCE_CREATE_INFO;
+  std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "%s", name.c_str());
+  info.applicationInfo.applicationVersion = 1;
+  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.enabledExtensionNames = extensions.data();
+  XrInstance instance = XR_NULL_HANDLE;
+  const XrResult result = xrCreateInstance(&info, &instance);
+  if (XR_SUCCEEDED(result)) return instance;
+  *problem = "xrCreateInstance: XrResult " + std::to_string(result) + ": is a runtime installed?";
+  return XR_NULL_HANDLE;
 }
 
 std::vector<const char*> Session::Extensions(const std::vector<std::string>& offered, std::string* problem) {

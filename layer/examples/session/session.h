@@ -14,6 +14,10 @@ namespace example {
 std::vector<std::string> OfferedExtensions();
 bool Contains(const std::vector<std::string>& names, const char* name);
 
+// An instance of OpenXR 1.0 with these extensions; `name` is what the runtime, and omnid's files in apps.d, see.
+// XR_NULL_HANDLE: `problem` says why.
+XrInstance CreateInstance(const std::string& name, const std::vector<const char*>& extensions, std::string* problem);
+
 // Destroyed with everything below it.
 struct Instance {
   XrInstance handle = XR_NULL_HANDLE;

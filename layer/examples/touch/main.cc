@@ -9,39 +9,17 @@
 #include <openxr/openxr.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "layer/examples/session/arguments.h"
 #include "layer/examples/session/session.h"
 
 namespace {
 
+using example::Options;
 using example::Session;
-
-struct Options {
-  std::string hand = "right";
-  std::string name = "omni_touch";  // what the runtime, and omnid's files in apps.d, see
-  double seconds = 10;
-};
-
-bool ParseArguments(int argc, char** argv, Options& options) {
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string key = argv[i];
-    const char* value = argv[i + 1];
-    if (key == "--hand") {
-      options.hand = value;
-    } else if (key == "--name") {
-      options.name = value;
-    } else if (key == "--seconds") {
-      options.seconds = std::atof(value);
-    } else {
-      return false;
-    }
-  }
-  return argc % 2 == 1 && options.seconds > 0 && (options.hand == "right" || options.hand == "left");
-}
 
 bool Ok(XrResult result, const char* call) {
   if (XR_SUCCEEDED(result)) return true;
@@ -58,19 +36,10 @@ XrPath PathOf(XrInstance instance, const std::string& text) {
 constexpr const char* kStylusExtension = "XR_LOGITECH_mx_ink_stylus_interaction";
 
 XrInstance CreateInstance(const Options& options, const std::vector<std::string>& offered,
-                          const std::vector<const char*>& for_session) {
+                          const std::vector<const char*>& for_session, std::string* problem) {
   std::vector<const char*> names = for_session;
   if (example::Contains(offered, kStylusExtension)) names.push_back(kStylusExtension);
-  XrInstanceCreateInfo info{};
-  info.type = XR_TYPE_INSTANCE_CREATE_INFO;
-  std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "%s",
-                options.name.c_str());
-  info.applicationInfo.applicationVersion = 1;
-  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
-  info.enabledExtensionCount = static_cast<std::uint32_t>(names.size());
-  info.enabledExtensionNames = names.data();
-  XrInstance instance = XR_NULL_HANDLE;
-  return Ok(xrCreateInstance(&info, &instance), "xrCreateInstance") ? instance : XR_NULL_HANDLE;
+  return example::CreateInstance(options.name, names, problem);
 }
 
 // 2. Actions: what the user can do, in words of the application, not of a device.
@@ -259,8 +228,8 @@ int Run(const Options& options) {
   std::string problem;
   const std::vector<const char*> for_session = Session::Extensions(offered, &problem);
   if (for_session.empty()) return Fail(problem);
-  const example::Instance instance{CreateInstance(options, offered, for_session)};
-  if (instance.handle == XR_NULL_HANDLE) return 1;
+  const example::Instance instance{CreateInstance(options, offered, for_session, &problem)};
+  if (instance.handle == XR_NULL_HANDLE) return Fail(problem);
   Session session(instance.handle, for_session);
   if (session.handle() == XR_NULL_HANDLE) return Fail(session.problem());
   Actions actions;
@@ -275,10 +244,8 @@ int Run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  if (!ParseArguments(argc, argv, options)) {
-    std::fprintf(stderr, "usage: omni_touch [--hand right|left] [--seconds S] [--name NAME]\n");
-    return 2;
-  }
+  options.name = "omni_touch";
+  if (!example::ParseArguments(argc, argv, options)) return 2;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   return Run(options);
 }
