@@ -172,8 +172,9 @@ bool Instance::PutDown(Session& session, const PenSnapshot& pen) {
 }
 
 // The runtime tells of its own changes; we tell of what the pen changes for the application, if it changes anything.
+// `before` and `after` differ.
 void Instance::TellProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after) {
-  if (before == after || !session.running) return;
+  if (!session.running) return;
   const XrPath below = before && after ? XR_NULL_PATH : ProfileBelow(session.handle, user_path);
   const auto shown = [&](const Profile* profile) { return profile ? PathOf(profile->path) : below; };
   if (shown(before) != shown(after) || OMNI_FAULT("event-without-change")) session.profile_event_due = true;

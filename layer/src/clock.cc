@@ -1,8 +1,8 @@
 #include "layer/src/clock.h"
 
-#include "layer/src/fault.h"
-
 #include <algorithm>
+
+#include "layer/src/fault.h"
 
 namespace omni::layer {
 namespace {

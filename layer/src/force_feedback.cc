@@ -2,7 +2,6 @@
 #include "layer/src/force_feedback.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "layer/src/instance.h"
 #include "layer/src/locate.h"
@@ -11,20 +10,6 @@ namespace omni::layer {
 namespace {
 
 bool Has(XrSpaceLocationFlags flags, XrSpaceLocationFlags bits) { return (flags & bits) == bits; }
-
-bool IsFiniteMotion(const Motion& m) {
-  double sum = 0;
-  for (int i = 0; i < 3; ++i) sum += m.X.p[i] + m.v[i] + m.w[i];
-  return std::isfinite(sum + m.X.q.w + m.X.q.x + m.X.q.y + m.X.q.z);
-}
-
-// Where and how fast a space is in the base frame, as far as it is known.
-Motion KnownMotion(const Located& X_OS) {
-  Motion m = X_OS.motion;
-  if (!(X_OS.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT)) m.v = {};
-  if (!(X_OS.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT)) m.w = {};
-  return m;
-}
 
 // Finds the place of each space once.
 class Places {
@@ -59,7 +44,7 @@ XrResult PlaceConstraints(Places& places, const std::vector<LocalConstraint>& co
   for (const LocalConstraint& constraint : constraints) {
     Located place;
     if (const XrResult result = places.Find(constraint.space, place); XR_FAILED(result)) return result;
-    if (Has(place.flags, kValid) && IsFiniteMotion(place.motion)) {
+    if (Has(place.flags, kValid) && IsFinite(place.motion)) {
       out.constraints[out.count++] = InBase(constraint.shape, KnownMotion(place));
     } else {
       all_placed = false;
@@ -146,7 +131,7 @@ XrResult Instance::ApplyForce(XrForceFeedbackOMNIX1 handle_in, const XrForceAppl
   Places places(*this, *force->session);
   Located place;
   if (const XrResult result = places.Find(info->baseSpace, place); XR_FAILED(result)) return result;
-  if (!Has(place.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) || !IsFiniteMotion(place.motion))
+  if (!Has(place.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) || !IsFinite(place.motion))
     return XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1;
   protocol::ForceApply apply;
   apply.t_ns = places.now_ns();

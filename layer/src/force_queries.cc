@@ -43,6 +43,14 @@ XrResult FillReach(const protocol::ForceProperties& can, XrForceFeedbackProperti
   return XR_SUCCESS;
 }
 
+// What both queries refuse: structures of other types, no space, no time.
+template <class GetInfo, class Out>
+XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* out, XrStructureType out_type) {
+  if (!info || info->type != info_type || !out || out->type != out_type) return XR_ERROR_VALIDATION_FAILURE;
+  if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
+  return info->time > 0 ? XR_SUCCESS : XR_ERROR_TIME_INVALID;
+}
+
 }  // namespace
 
 // What lies below never sees a structure of ours.
@@ -68,11 +76,10 @@ XrResult Instance::ForceProperties(XrForceFeedbackOMNIX1 handle_in, const XrForc
   Alive();
   const auto force = forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
-  if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1 || !properties ||
-      properties->type != XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1)
-    return XR_ERROR_VALIDATION_FAILURE;
-  if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
-  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
+  if (const XrResult result = CheckQuery(info, XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1, properties,
+                                         XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1);
+      XR_FAILED(result))
+    return result;
   const protocol::ForceProperties can = link.force_properties();
   if (can.available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
   Located X_OS;
@@ -92,11 +99,10 @@ XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeed
   Alive();
   const auto force = forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
-  if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1 || !state ||
-      state->type != XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1)
-    return XR_ERROR_VALIDATION_FAILURE;
-  if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
-  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
+  if (const XrResult result =
+          CheckQuery(info, XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, state, XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1);
+      XR_FAILED(result))
+    return result;
   Located X_OS;
   if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
     return result;

@@ -15,7 +15,6 @@ using protocol::ForceSide;
 constexpr double kSamePlace_m = 1e-6;  // and as direction, m/s, rad/s
 
 glm::dvec3 VecOf(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
-std::array<double, 3> ArrayOf(const glm::dvec3& v) noexcept { return {v.x, v.y, v.z}; }
 
 bool NotNegative(float value) noexcept { return std::isfinite(value) && value >= 0; }
 
@@ -28,7 +27,7 @@ bool ReadDirection(const XrVector3f& direction, ForceConstraint& shape) noexcept
   const glm::dvec3 d = FromXr(direction);
   const double length = glm::length(d);
   if (!(IsFinite(direction) && length > 1e-20)) return false;
-  shape.direction_base = ArrayOf(d / length);
+  shape.direction_base = ToArray(d / length);
   return true;
 }
 
@@ -38,7 +37,7 @@ bool ReadSide(XrForceFeedbackSideOMNIX1 side, ForceConstraint& shape) noexcept {
 }
 
 bool ReadPoint(const XrVector3f& point, ForceConstraint& shape) noexcept {
-  shape.point_base_m = ArrayOf(FromXr(point));
+  shape.point_base_m = ToArray(FromXr(point));
   return IsFinite(point);
 }
 
@@ -93,8 +92,6 @@ bool SameAndStill(const ForceConstraint& a, const ForceConstraint& b) noexcept {
 
 }  // namespace
 
-bool IsFinite(const XrVector3f& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 XrResult ReadConstraints(const XrForceFeedbackConstraintsSetInfoOMNIX1& info, std::vector<LocalConstraint>& out) {
   out.clear();
   if (info.constraintCount > 0 && !info.constraints) return XR_ERROR_VALIDATION_FAILURE;
@@ -116,7 +113,7 @@ XrResult ReadConstraints(const XrForceFeedbackConstraintsSetInfoOMNIX1& info, st
 }
 
 std::array<double, 3> Clamped(const glm::dvec3& v, double limit) noexcept {
-  std::array<double, 3> out = ArrayOf(v);
+  std::array<double, 3> out = ToArray(v);
   for (double& x : out) x = std::isfinite(x) ? std::clamp(x, -limit, limit) : 0;
   return out;
 }
@@ -128,7 +125,7 @@ protocol::ForceConstraint InBase(const protocol::ForceConstraint& shape, const M
   glm::dvec3 p = X_BS.X.p + X_BS.X.q * VecOf(shape.point_base_m);
   if (shape.shape == ForceShape::kPlane) p = glm::dot(p, d) * d;
   if (shape.shape == ForceShape::kLine) p -= glm::dot(p, d) * d;
-  out.direction_base = ArrayOf(d);
+  out.direction_base = ToArray(d);
   out.point_base_m = Clamped(p, protocol::kFarthestConstraint_m);
   out.velocity_base_m_s = Clamped(X_BS.v + glm::cross(X_BS.w, p - X_BS.X.p), protocol::kFastestConstraint_m_s);
   out.angular_velocity_base_rad_s = Clamped(X_BS.w, protocol::kFastestConstraint_m_s);

@@ -17,8 +17,6 @@ struct LocalConstraint {
   protocol::ForceConstraint shape;
 };
 
-bool IsFinite(const XrVector3f& v) noexcept;
-
 // XR_ERROR_VALIDATION_FAILURE: a structure that is not in the extension's range. Values over what the service takes are
 // clamped.
 XrResult ReadConstraints(const XrForceFeedbackConstraintsSetInfoOMNIX1& info, std::vector<LocalConstraint>& out);

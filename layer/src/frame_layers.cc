@@ -1,10 +1,10 @@
 #include "layer/src/frame_layers.h"
 
-#include "layer/src/fault.h"
-
 #include <cmath>
 #include <cstring>
 #include <type_traits>
+
+#include "layer/src/fault.h"
 
 namespace omni::layer {
 namespace {

@@ -17,8 +17,6 @@ namespace {
 
 constexpr double kHalfRoot = 0.70710678118654752;
 
-std::array<double, 3> ToArray(const glm::dvec3& v) noexcept { return {v.x, v.y, v.z}; }
-
 glm::dvec3 Capped(const glm::dvec3& v, double most) noexcept {
   const double size = glm::length(v);
   return size > most ? (most / size) * v : v;
@@ -91,14 +89,6 @@ std::uint32_t ToFlags(XrHapticSceneCreateFlagsOMNIX1 flags) noexcept {
          ((flags & XR_HAPTIC_SCENE_CREATE_ALL_KINEMATIC_BIT_OMNIX1) != 0 ? protocol::kSceneAllKinematic : 0U);
 }
 
-// Without velocity where the runtime gives none.
-Motion MotionOf(const Located& located) noexcept {
-  Motion motion = located.motion;
-  if ((located.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) == 0) motion.v = glm::dvec3(0);
-  if ((located.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) == 0) motion.w = glm::dvec3(0);
-  return motion;
-}
-
 bool IsThere(const Located& located) noexcept { return (located.flags & kValid) == kValid; }
 
 // Farther than numbers tremble, or it moves.
@@ -111,14 +101,10 @@ bool Differs(const Motion& a, const Motion& b) noexcept {
 
 Pose DocumentAxes() { return {glm::dvec3(0), glm::dquat(kHalfRoot, kHalfRoot, 0, 0)}; }
 
-bool IsFiniteVector(const XrVector3f& v) noexcept {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 bool IsUnitPose(const XrPosef& pose) noexcept {
   const XrQuaternionf& q = pose.orientation;
   const float norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  return std::abs(norm - 1) <= 0.01f && IsFiniteVector(pose.position);
+  return std::abs(norm - 1) <= 0.01f && IsFinite(pose.position);
 }
 
 XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) noexcept {
@@ -257,7 +243,7 @@ XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlac
   if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
   Motion X_SG, X_OG = scene->X_OG;
   X_SG.X = FromXr(placement->pose);
-  if (IsThere(X_OS)) X_OG = Compose(MotionOf(X_OS), X_SG);
+  if (IsThere(X_OS)) X_OG = Compose(KnownMotion(X_OS), X_SG);
   const protocol::ScenePose pose = ToScenePose(AxesTurned(X_OG));
   if (!InReach(pose)) return XR_ERROR_POSE_INVALID;
   if (scene->placement && scene->placement->scale != scale) SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
@@ -285,7 +271,7 @@ void HapticScenes::FollowSpace(XrSession session_handle, XrTime time) {
   if (!IsThere(X_OS)) return;  // it stays where it was
   Motion X_SG;
   X_SG.X = placement.X_SG;
-  const Motion X_OG = Compose(MotionOf(X_OS), X_SG);
+  const Motion X_OG = Compose(KnownMotion(X_OS), X_SG);
   const std::lock_guard lock(mutex_);
   if (scene_ == nullptr || !scene_->placement || scene_->placement->base != placement.base) return;
   if (!Differs(X_OG, scene_->X_OG) && glm::length(X_OG.v) + glm::length(X_OG.w) < 1e-9) return;
@@ -335,8 +321,7 @@ XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodes
     const XrHapticNodePoseOMNIX1& node = info->nodes[i];
     if (!IsUnitPose(node.pose)) return XR_ERROR_POSE_INVALID;
     const bool known = (node.flags & ~XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1) == 0;
-    if (!known || !IsFiniteVector(node.linearVelocity) || !IsFiniteVector(node.angularVelocity))
-      return XR_ERROR_VALIDATION_FAILURE;
+    if (!known || !IsFinite(node.linearVelocity) || !IsFinite(node.angularVelocity)) return XR_ERROR_VALIDATION_FAILURE;
   }
   Motion X_OB;
   if (info->baseSpace != XR_NULL_HANDLE) {
@@ -352,7 +337,7 @@ XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodes
     const XrResult found = instance_.LocateInBase(*session, info->baseSpace, info->time, located);
     if (XR_FAILED(found)) return found;
     if (!IsThere(located)) return XR_SUCCESS;  // nobody knows where that is: the nodes stay where they were
-    X_OB = MotionOf(located);
+    X_OB = KnownMotion(located);
   }
   const std::lock_guard lock(mutex_);
   HapticScene* scene = Find(handle);

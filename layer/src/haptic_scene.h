@@ -108,7 +108,6 @@ XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) no
 // The object of a node of this scene; none: nothing.
 std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOMNIX1 node) noexcept;
 
-bool IsFiniteVector(const XrVector3f& v) noexcept;
 bool IsUnitPose(const XrPosef& pose) noexcept;
 
 }  // namespace omni::layer

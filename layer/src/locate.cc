@@ -50,6 +50,13 @@ Located Invert(const Located& X_AB) noexcept {
   return out;
 }
 
+Motion KnownMotion(const Located& X_AB) noexcept {
+  Motion m = X_AB.motion;
+  if (!(X_AB.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT)) m.v = glm::dvec3(0.0);
+  if (!(X_AB.velocity_flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT)) m.w = glm::dvec3(0.0);
+  return m;
+}
+
 Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept {
   Located out;
   if (!tool.valid) return out;

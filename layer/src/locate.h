@@ -22,6 +22,9 @@ inline constexpr XrSpaceVelocityFlags kVelocityValid =
 Located Chain(const Located& X_AB, const Located& X_BC) noexcept;
 Located Invert(const Located& X_AB) noexcept;
 
+// Where and how fast it is, as far as that is known: no velocity where there is none.
+Motion KnownMotion(const Located& X_AB) noexcept;
+
 // A space fixed to the pen, in L.
 Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept;
 

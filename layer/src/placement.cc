@@ -1,10 +1,10 @@
 #include "layer/src/placement.h"
 
-#include "layer/src/fault.h"
-
 #include <cmath>
 #include <limits>
 #include <mutex>
+
+#include "layer/src/fault.h"
 
 namespace omni::layer {
 namespace {

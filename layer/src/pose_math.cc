@@ -42,6 +42,16 @@ XrVector3f ToXr(const glm::dvec3& v) noexcept {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
+std::array<double, 3> ToArray(const glm::dvec3& v) noexcept { return {v.x, v.y, v.z}; }
+
+bool IsFinite(const XrVector3f& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+bool IsFinite(const Motion& m) noexcept {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) sum += m.X.p[i] + m.v[i] + m.w[i];
+  return std::isfinite(sum + m.X.q.w + m.X.q.x + m.X.q.y + m.X.q.z);
+}
+
 Pose FromXr(const XrPosef& pose) noexcept {
   const XrQuaternionf& o = pose.orientation;
   const glm::dquat q(o.w, o.x, o.y, o.z);

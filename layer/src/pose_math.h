@@ -3,6 +3,8 @@
 // origin and B's angular velocity, both relative to A and expressed in A.
 #pragma once
 
+#include <array>
+
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
@@ -32,6 +34,11 @@ Pose FromXr(const XrPosef& pose) noexcept;
 XrPosef ToXr(const Pose& pose) noexcept;  // unit quaternion in single precision
 glm::dvec3 FromXr(const XrVector3f& v) noexcept;
 XrVector3f ToXr(const glm::dvec3& v) noexcept;
+std::array<double, 3> ToArray(const glm::dvec3& v) noexcept;  // as in the service's messages
+
+// Numbers, all of them: neither NaN nor infinite.
+bool IsFinite(const XrVector3f& v) noexcept;
+bool IsFinite(const Motion& m) noexcept;
 
 // Rotation by the vector w (axis times angle, rad).
 glm::dquat ExpRotation(const glm::dvec3& w) noexcept;
