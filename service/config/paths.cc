@@ -21,6 +21,11 @@ std::string UserFolder() {
   return {};
 }
 
+std::string InUserFolder(const std::string& name) {
+  const std::string folder = UserFolder();
+  return folder.empty() ? folder : folder + "/" + name;
+}
+
 }  // namespace
 
 std::string DataFolder() {
@@ -34,25 +39,13 @@ std::string DataFolder() {
 
 std::string ScenesFolder() { return DataFolder() + "/scenes"; }
 
-std::string UserAppFolder() {
-  const std::string folder = UserFolder();
-  return folder.empty() ? folder : folder + "/apps.d";
-}
+std::string UserAppFolder() { return InUserFolder("apps.d"); }
 
-std::string UserCalibrationFile() {
-  const std::string folder = UserFolder();
-  return folder.empty() ? folder : folder + "/calibration.toml";
-}
+std::string UserCalibrationFile() { return InUserFolder("calibration.toml"); }
 
-std::string UserAlignmentFile() {
-  const std::string folder = UserFolder();
-  return folder.empty() ? folder : folder + "/alignments.toml";
-}
+std::string UserAlignmentFile() { return InUserFolder("alignments.toml"); }
 
-std::string UserInputsFile() {
-  const std::string folder = UserFolder();
-  return folder.empty() ? folder : folder + "/inputs.toml";
-}
+std::string UserInputsFile() { return InUserFolder("inputs.toml"); }
 
 std::string CacheFolder() {
   if (const std::string folder = AbsoluteVariable("XDG_CACHE_HOME"); !folder.empty()) return folder + "/omni";
