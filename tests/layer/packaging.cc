@@ -17,6 +17,7 @@
 #include "layer/src/own_functions.h"
 #include "layer/src/profile.h"
 #include "tests/layer/app.h"
+#include "tests/support/scoped_variable.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::test {
@@ -114,22 +115,6 @@ TEST(Packaging, ManifestEnumerationAndFunctionsAgreeOnExtensions) {
   EXPECT_EQ(functions, own);
 }
 
-// Restores a variable of the environment.
-class Setting {
- public:
-  Setting(const char* name, const std::string& value)
-      : name_(name), before_(std::getenv(name) ? std::getenv(name) : "") {
-    setenv(name, value.c_str(), 1);
-  }
-  ~Setting() { setenv(name_, before_.c_str(), 1); }
-  Setting(const Setting&) = delete;
-  Setting& operator=(const Setting&) = delete;
-
- private:
-  const char* name_;
-  std::string before_;
-};
-
 // As Debian does it: the library in lib/<triplet>/openxr/1/api_layers, one manifest per architecture.
 TEST(Packaging, InstalledLayerIsFoundByTheLoader) {
   namespace fs = std::filesystem;
@@ -148,7 +133,7 @@ TEST(Packaging, InstalledLayerIsFoundByTheLoader) {
   const std::string library = manifest["api_layer"]["library_path"];
   EXPECT_EQ(library.rfind(prefix + "/", 0), 0u) << library;
   EXPECT_EQ(manifest["api_layer"]["instance_extensions"], Manifest("explicit.d")["api_layer"]["instance_extensions"]);
-  const Setting path("XR_API_LAYER_PATH", manifests.string());
+  const ScopedVariable path("XR_API_LAYER_PATH", manifests.string());
   std::uint32_t count = 0;
   ASSERT_EQ(xrEnumerateApiLayerProperties(0, &count, nullptr), XR_SUCCESS);
   ASSERT_EQ(count, 1u);

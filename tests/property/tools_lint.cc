@@ -13,6 +13,7 @@
 #include "service/tools/doctor/diagnosis.h"
 #include "service/tools/doctor/openxr_loader.h"
 #include "service/tools/doctor/openxr_manifests.h"
+#include "tests/support/scoped_variable.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
@@ -265,21 +266,6 @@ TEST(LayerRules, ALayerOfTwoArchitecturesIsNoDuplicate) {
   EXPECT_EQ(LintExplicitLayerArchitectures(tree.there).verdict, Verdict::kOk);
 }
 
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    ::setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { before_.empty() ? ::unsetenv(name_) : ::setenv(name_, before_.c_str(), 1); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  std::string before_;
-};
-
 // What we say the loader takes is what the loader of this machine lists, on sound trees and on spoilt ones.
 TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
   if (!AskLoader().asked) GTEST_SKIP() << "no libopenxr_loader.so.1 here";
@@ -292,12 +278,12 @@ TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
     if (std::strcmp(defect.name, "version is no number") == 0) continue;
     if (defect.rule != LintSkippedByLoader) defect.seed(tree, random);
     const std::string root = tree.folder().Path("root");
-    const Variable data("XDG_DATA_DIRS", root + "/usr/local/share:" + root + "/usr/share");
-    const Variable config("XDG_CONFIG_DIRS", root + "/etc/xdg:" + root + "/etc");
-    const Variable home("XDG_DATA_HOME", tree.folder().Path("home/.local/share"));
-    std::vector<std::unique_ptr<Variable>> off;
+    const test::ScopedVariable data("XDG_DATA_DIRS", root + "/usr/local/share:" + root + "/usr/share");
+    const test::ScopedVariable config("XDG_CONFIG_DIRS", root + "/etc/xdg:" + root + "/etc");
+    const test::ScopedVariable home("XDG_DATA_HOME", tree.folder().Path("home/.local/share"));
+    std::vector<std::unique_ptr<test::ScopedVariable>> off;
     for (const auto& [name, value] : tree.there.environment)
-      if (name.rfind("DISABLE_", 0) == 0) off.push_back(std::make_unique<Variable>(name.c_str(), value));
+      if (name.rfind("DISABLE_", 0) == 0) off.push_back(std::make_unique<test::ScopedVariable>(name.c_str(), value));
     std::set<std::string> expected;
     for (const LayerManifest& manifest : FindLayerManifests(tree.there))
       if (IsUsable(manifest, tree.there)) expected.insert(manifest.name);

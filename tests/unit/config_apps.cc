@@ -7,6 +7,7 @@
 
 #include "service/config/app_file.h"
 #include "service/config/paths.h"
+#include "tests/support/scoped_variable.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::config {
@@ -152,49 +153,30 @@ TEST(ConfigApps, TooManyFilesAreSaidSo) {
   ExpectMentions(table.problems[0], {"257", "256", "1256.toml"});
 }
 
-// Sets a variable for one test.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    const char* old = ::getenv(name);
-    had_ = old != nullptr;
-    if (had_) old_ = old;
-    value.empty() ? ::unsetenv(name) : ::setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { had_ ? ::setenv(name_, old_.c_str(), 1) : ::unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  bool had_ = false;
-  std::string old_;
-};
-
 TEST(ConfigPaths, DataFolderIsChosenOrBesideTheProgram) {
   {
-    const Variable chosen("OMNI_DATA_DIR", "/some/where");
+    const test::ScopedVariable chosen("OMNI_DATA_DIR", "/some/where");
     EXPECT_EQ(DataFolder(), "/some/where");
     EXPECT_EQ(ScenesFolder(), "/some/where/scenes");
   }
-  const Variable none("OMNI_DATA_DIR", "");
+  const test::ScopedVariable none("OMNI_DATA_DIR", std::nullopt);
   EXPECT_EQ(DataFolder(), OMNI_BINARY_DIR "/share/omni");
   EXPECT_TRUE(std::filesystem::exists(DataFolder() + "/apps.d/20-dragon.toml"));
 }
 
 TEST(ConfigPaths, UserFolderComesFirst) {
-  const Variable data("OMNI_DATA_DIR", "/data");
-  const Variable home("HOME", "/home/me");
+  const test::ScopedVariable data("OMNI_DATA_DIR", "/data");
+  const test::ScopedVariable home("HOME", "/home/me");
   {
-    const Variable config("XDG_CONFIG_HOME", "/cfg");
+    const test::ScopedVariable config("XDG_CONFIG_HOME", "/cfg");
     EXPECT_EQ(AppFolders(), (std::vector<std::string>{"/cfg/omni/apps.d", "/data/apps.d"}));
   }
   {
-    const Variable relative("XDG_CONFIG_HOME", "cfg");  // the XDG rules ignore it
+    const test::ScopedVariable relative("XDG_CONFIG_HOME", "cfg");  // the XDG rules ignore it
     EXPECT_EQ(UserAppFolder(), "/home/me/.config/omni/apps.d");
   }
-  const Variable config("XDG_CONFIG_HOME", "");
-  const Variable nobody("HOME", "");
+  const test::ScopedVariable config("XDG_CONFIG_HOME", std::nullopt);
+  const test::ScopedVariable nobody("HOME", std::nullopt);
   EXPECT_EQ(AppFolders(), (std::vector<std::string>{"/data/apps.d"}));
 }
 

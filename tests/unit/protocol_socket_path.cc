@@ -10,37 +10,23 @@
 #include <string>
 
 #include "service/protocol/control.h"
+#include "tests/support/scoped_variable.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::protocol {
 namespace {
 
-class ScopedVariable {
- public:
-  ScopedVariable(const char* name, const char* value) : name_(name) {
-    if (const char* old = ::getenv(name)) old_ = old;
-    had_ = ::getenv(name) != nullptr;
-    value == nullptr ? ::unsetenv(name) : ::setenv(name, value, 1);
-  }
-  ~ScopedVariable() { had_ ? ::setenv(name_, old_.c_str(), 1) : ::unsetenv(name_); }
-
- private:
-  const char* name_;
-  std::string old_;
-  bool had_ = false;
-};
-
 TEST(SocketPath, FollowsTheEnvironment) {
-  const ScopedVariable runtime("XDG_RUNTIME_DIR", "/run/user/7");
+  const test::ScopedVariable runtime("XDG_RUNTIME_DIR", "/run/user/7");
   {
-    const ScopedVariable own("OMNI_SOCKET", "/x/y.sock");
+    const test::ScopedVariable own("OMNI_SOCKET", "/x/y.sock");
     EXPECT_EQ(DefaultSocketPath(), "/x/y.sock");
   }
-  const ScopedVariable none("OMNI_SOCKET", nullptr);
+  const test::ScopedVariable none("OMNI_SOCKET", std::nullopt);
   EXPECT_EQ(DefaultSocketPath(), "/run/user/7/omni/omnid.sock");
-  const ScopedVariable relative("XDG_RUNTIME_DIR", "run");
+  const test::ScopedVariable relative("XDG_RUNTIME_DIR", "run");
   EXPECT_EQ(DefaultSocketPath(), "/tmp/omni-" + std::to_string(::geteuid()) + "/omnid.sock");
-  const ScopedVariable empty("XDG_RUNTIME_DIR", "");
+  const test::ScopedVariable empty("XDG_RUNTIME_DIR", "");
   EXPECT_EQ(DefaultSocketPath(), "/tmp/omni-" + std::to_string(::geteuid()) + "/omnid.sock");
 }
 
