@@ -15,8 +15,8 @@
 #include "service/config/alignment_file.h"
 #include "service/config/marks_file.h"
 #include "service/protocol/text.h"
-#include "service/tools/command_line.h"
 #include "service/tools/printed.h"
+#include "tests/support/omni_command.h"
 #include "tests/support/service_process.h"
 
 namespace omni::test {
@@ -54,24 +54,10 @@ std::string TouchScript() {
   return script;
 }
 
-struct Told {
-  int status = -1;
-  std::string out, err;
-};
-
-Told OmniAlign(const ServiceProcess& service, std::vector<std::string> words) {
-  const std::string socket = service.socket_path();
-  std::vector<const char*> argv{"omni", "align"};
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  argv.push_back("--socket");
-  argv.push_back(socket.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Told told;
-  told.status = tools::RunCommandLine(static_cast<int>(argv.size()), argv.data());
-  told.out = testing::internal::GetCapturedStdout();
-  told.err = testing::internal::GetCapturedStderr();
-  return told;
+Outcome OmniAlign(const ServiceProcess& service, std::vector<std::string> words) {
+  words.insert(words.begin(), "align");
+  words.insert(words.end(), {"--socket", service.socket_path()});
+  return RunOmni(words);
 }
 
 // An application on that headset: what it is told of its base.
@@ -114,7 +100,7 @@ TEST(ProcessAlign, FromTheControllerToTheApplication) {
     ASSERT_TRUE(placement);
     EXPECT_EQ(placement->known, 0U);
   }
-  const Told aligned =
+  const Outcome aligned =
       OmniAlign(service, {"touch", "--hand", "left", "--probe", build + "/bin/omni_align_probe", "--patience", "60"});
   unsetenv("OMNI_TEST_RUNTIME_SCRIPT");
   ASSERT_EQ(aligned.status, 0) << aligned.out << aligned.err;
@@ -148,7 +134,7 @@ TEST(ProcessAlign, FromTheControllerToTheApplication) {
   }
   TestApplication other(service);
   ASSERT_TRUE(other.Focus());
-  const Told shown = OmniAlign(service, {"--show"});
+  const Outcome shown = OmniAlign(service, {"--show"});
   EXPECT_NE(shown.out.find("1  Omni test runtime / Omni test system in STAGE: touch"), std::string::npos) << shown.out;
   EXPECT_EQ(OmniAlign(service, {"--forget", "--number", "1"}).status, 0);
   EXPECT_NE(OmniAlign(service, {"--show"}).out.find("no alignment is stored"), std::string::npos);
@@ -166,12 +152,12 @@ TEST(ProcessAlign, GivesUpAndSaysWhatIsMissing) {
     ASSERT_TRUE(wait.Focus());
   }
   const std::string probe = build + "/bin/omni_align_probe";
-  const Told still = OmniAlign(service, {"touch", "--hand", "left", "--probe", probe, "--patience", "6"});
+  const Outcome still = OmniAlign(service, {"touch", "--hand", "left", "--probe", probe, "--patience", "6"});
   EXPECT_EQ(still.status, 1);
   EXPECT_NE(still.err.find("turned too little"), std::string::npos) << still.err;
-  const Told nobody = OmniAlign(service, {"touch", "--hand", "right", "--probe", probe, "--patience", "5"});
+  const Outcome nobody = OmniAlign(service, {"touch", "--hand", "right", "--probe", probe, "--patience", "5"});
   EXPECT_NE(nobody.err.find("switched on"), std::string::npos) << nobody.err;
-  const Told fingers = OmniAlign(service, {"fingertip", "--probe", probe, "--patience", "5"});
+  const Outcome fingers = OmniAlign(service, {"fingertip", "--probe", probe, "--patience", "5"});
   EXPECT_EQ(fingers.status, 1) << "this runtime has no hand tracking, or nobody's hands";
   EXPECT_NE(OmniAlign(service, {"--show"}).out.find("no alignment is stored"), std::string::npos);
 }

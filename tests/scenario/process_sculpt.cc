@@ -3,13 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <initializer_list>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "service/scene/glb_save.h"
 #include "service/scene/scene_file.h"
 #include "service/tools/command_line.h"
+#include "tests/support/omni_command.h"
 #include "tests/support/service_process.h"
 #include "tests/unit/haptics_story.h"
 
@@ -44,24 +46,10 @@ std::string ClayFile(const TempFolder& folder) {
   return path;
 }
 
-struct Said {
-  int status = -1;
-  std::string out, err;
-};
-
-Said Omni(const ServiceProcess& service, std::initializer_list<std::string> words) {
-  const std::string socket = service.socket_path();
-  std::vector<const char*> argv{"omni", "scene"};
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  argv.push_back("--socket");
-  argv.push_back(socket.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Said said;
-  said.status = tools::RunCommandLine(static_cast<int>(argv.size()), argv.data());
-  said.out = testing::internal::GetCapturedStdout();
-  said.err = testing::internal::GetCapturedStderr();
-  return said;
+Outcome OmniScene(const ServiceProcess& service, std::vector<std::string> words) {
+  words.insert(words.begin(), "scene");
+  words.insert(words.end(), {"--socket", service.socket_path()});
+  return RunOmni(words);
 }
 
 double TopOf(const std::string& glb) {
@@ -81,23 +69,23 @@ TEST(ProcessSculpt, FromTheStrokeToTheFile) {
   ASSERT_TRUE(app.Focus()) << app.connection().last_error();
   nlohmann::json edits;
   const auto look = [&] {
-    const Said said = Omni(service, {"edits", "--json"});
+    const Outcome said = OmniScene(service, {"edits", "--json"});
     if (said.status == tools::kExitOk) edits = nlohmann::json::parse(said.out)["objects"][0];
     return said.status == tools::kExitOk;
   };
   ASSERT_TRUE(app.Run(15000, 100, [&] { return look() && edits["strokes"] > 0; })) << edits;
   EXPECT_EQ(edits["name"], "pad");
-  EXPECT_NE(Omni(service, {"edits"}).out.find("pad: "), std::string::npos);
+  EXPECT_NE(OmniScene(service, {"edits"}).out.find("pad: "), std::string::npos);
   // As the strokes go on, each of these may meet an open one, and is asked again.
-  Said said;
-  const auto until_done = [&](std::initializer_list<std::string> words) {
-    return app.Run(15000, 50, [&] { return (said = Omni(service, words)).status == tools::kExitOk; });
+  Outcome said;
+  const auto until_done = [&](const std::vector<std::string>& words) {
+    return app.Run(15000, 50, [&] { return (said = OmniScene(service, words)).status == tools::kExitOk; });
   };
   const std::string file = folder.Path("saved.glb"), undone = folder.Path("undone.glb");
   ASSERT_TRUE(until_done({"save", file})) << said.err;
   EXPECT_NE(said.out.find("1 object, "), std::string::npos) << said.out;
   EXPECT_GT(std::abs(TopOf(file) - kTop_m), 1e-4) << "it was formed";
-  said = Omni(service, {"save", file});
+  said = OmniScene(service, {"save", file});
   EXPECT_EQ(said.status, tools::kExitFailed);
   EXPECT_NE(said.err.find("saved.glb"), std::string::npos) << said.err;
   ASSERT_TRUE(until_done({"save", file, "--force"})) << said.err;
@@ -106,19 +94,19 @@ TEST(ProcessSculpt, FromTheStrokeToTheFile) {
   app.Run(300, 10);
   ASSERT_TRUE(look());
   EXPECT_EQ(edits["stroke_open"], false);
-  for (int strokes = edits["strokes"]; strokes > 0; --strokes) EXPECT_EQ(Omni(service, {"undo"}).status, 0);
-  said = Omni(service, {"undo"});
+  for (int strokes = edits["strokes"]; strokes > 0; --strokes) EXPECT_EQ(OmniScene(service, {"undo"}).status, 0);
+  said = OmniScene(service, {"undo"});
   EXPECT_EQ(said.status, tools::kExitFailed);
   EXPECT_EQ(said.err, "omni scene undo: pad: nothing to undo\n");
-  ASSERT_EQ(Omni(service, {"save", undone}).status, 0);
+  ASSERT_EQ(OmniScene(service, {"save", undone}).status, 0);
   EXPECT_NEAR(TopOf(undone), kTop_m, 1e-6) << "as it was";
-  EXPECT_EQ(Omni(service, {"redo", "--object", "pad"}).status, 0);
-  said = Omni(service, {"redo", "--object", "vase"});
+  EXPECT_EQ(OmniScene(service, {"redo", "--object", "pad"}).status, 0);
+  said = OmniScene(service, {"redo", "--object", "vase"});
   EXPECT_NE(said.err.find("no object \"vase\""), std::string::npos) << said.err;
   // Its end takes the scene along.
   ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kNone));
   EXPECT_TRUE(app.Run(3000, 20, [&] {
-    return Omni(service, {"edits"}).err.find("no application has a scene with a sculptable object") !=
+    return OmniScene(service, {"edits"}).err.find("no application has a scene with a sculptable object") !=
            std::string::npos;
   }));
 }

@@ -10,31 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/command_line.h"
+#include "tests/support/omni_command.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
 namespace {
 
-struct Outcome {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-Outcome Omni(std::initializer_list<std::string> arguments) {
-  std::vector<std::string> words{"omni"};
-  words.insert(words.end(), arguments);
-  std::vector<const char*> argv;
-  argv.reserve(words.size());
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.status = RunCommandLine(static_cast<int>(argv.size()), argv.data());
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
-  return outcome;
-}
+using test::Outcome;
+using test::RunOmni;
 
 void ExpectOneLine(const std::string& text, std::initializer_list<std::string> parts) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
@@ -69,39 +52,39 @@ std::string Pyramid(const std::string& extras) {
 }
 
 TEST(ToolsCommandLine, HelpNamesEverySubcommandAndTheExitStatuses) {
-  const Outcome help = Omni({"--help"});
+  const Outcome help = RunOmni({"--help"});
   EXPECT_EQ(help.status, 0);
   for (const char* word : {"status", "watch", "doctor", "scene", "twin", "bench", "Exit status"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
-  const Outcome below = Omni({"scene", "explain", "--help"});
+  const Outcome below = RunOmni({"scene", "explain", "--help"});
   EXPECT_EQ(below.status, 0);
   EXPECT_NE(below.out.find("--fit"), std::string::npos);
   EXPECT_NE(below.out.find("Exit status"), std::string::npos);
 }
 
 TEST(ToolsCommandLine, VersionIsPrinted) {
-  const Outcome version = Omni({"--version"});
+  const Outcome version = RunOmni({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_EQ(version.out, "omni " OMNI_VERSION "\n");
 }
 
 TEST(ToolsCommandLine, WrongArgumentsAreTwo) {
-  EXPECT_EQ(Omni({}).status, kExitUsage);
-  EXPECT_EQ(Omni({"dance"}).status, kExitUsage);
-  EXPECT_EQ(Omni({"status", "--jsn"}).status, kExitUsage);
-  EXPECT_EQ(Omni({"scene"}).status, kExitUsage);
-  EXPECT_EQ(Omni({"scene", "explain"}).status, kExitUsage);
-  EXPECT_EQ(Omni({"twin", "serve"}).status, kExitUsage);
-  EXPECT_EQ(Omni({"twin", "serve", "--fd", "x"}).status, kExitUsage);
-  EXPECT_EQ(Omni({"watch", "--seconds", "-1"}).status, kExitUsage);
-  EXPECT_NE(Omni({"dance"}).err, "");
+  EXPECT_EQ(RunOmni({}).status, kExitUsage);
+  EXPECT_EQ(RunOmni({"dance"}).status, kExitUsage);
+  EXPECT_EQ(RunOmni({"status", "--jsn"}).status, kExitUsage);
+  EXPECT_EQ(RunOmni({"scene"}).status, kExitUsage);
+  EXPECT_EQ(RunOmni({"scene", "explain"}).status, kExitUsage);
+  EXPECT_EQ(RunOmni({"twin", "serve"}).status, kExitUsage);
+  EXPECT_EQ(RunOmni({"twin", "serve", "--fd", "x"}).status, kExitUsage);
+  EXPECT_EQ(RunOmni({"watch", "--seconds", "-1"}).status, kExitUsage);
+  EXPECT_NE(RunOmni({"dance"}).err, "");
 }
 
 TEST(ToolsCommandLine, StatusWithoutServiceSaysHowToStartIt) {
   const test::TempFolder folder;
   const std::string socket = folder.Path("run/omnid.sock");
-  const Outcome status = Omni({"status", "--socket", socket});
+  const Outcome status = RunOmni({"status", "--socket", socket});
   EXPECT_EQ(status.status, kExitNoService);
   EXPECT_EQ(status.out, "");
   ExpectOneLine(status.err, {"omni status:", socket, "omnid --device twin"});
@@ -110,7 +93,7 @@ TEST(ToolsCommandLine, StatusWithoutServiceSaysHowToStartIt) {
 TEST(ToolsCommandLine, WatchWithoutServiceEndsAndSaysSo) {
   const test::TempFolder folder;
   const std::string socket = folder.Path("run/omnid.sock");
-  const Outcome watch = Omni({"watch", "--seconds", "0.2", "--socket", socket});
+  const Outcome watch = RunOmni({"watch", "--seconds", "0.2", "--socket", socket});
   EXPECT_EQ(watch.status, kExitNoService);
   ExpectOneLine(watch.err, {"omni watch:", socket, "omnid --device twin"});
   EXPECT_EQ(watch.out.find('\033'), std::string::npos) << "no drawing into a pipe";
@@ -118,7 +101,7 @@ TEST(ToolsCommandLine, WatchWithoutServiceEndsAndSaysSo) {
 
 TEST(ToolsCommandLine, DoctorFailsWithoutServiceAndListsFixes) {
   const test::TempFolder folder;
-  const Outcome doctor = Omni({"doctor", "--json", "--socket", folder.Path("run/omnid.sock")});
+  const Outcome doctor = RunOmni({"doctor", "--json", "--socket", folder.Path("run/omnid.sock")});
   EXPECT_EQ(doctor.status, kExitFailed);
   const nlohmann::json json = nlohmann::json::parse(doctor.out, nullptr, false);
   ASSERT_TRUE(json.is_object()) << doctor.out;
@@ -132,13 +115,13 @@ TEST(ToolsCommandLine, ExplainShowsWhatIsLoadedAndTheMaterials) {
   const test::TempFolder folder;
   const std::string file = folder.Write(
       "pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600, "staticFriction": 0.8, "colour": 1}})"));
-  const Outcome text = Omni({"scene", "explain", file});
+  const Outcome text = RunOmni({"scene", "explain", file});
   ASSERT_EQ(text.status, 0) << text.err;
   for (const std::string part : {file.c_str(), "pyramid", "6 triangles", "600 N/m", "static friction 0.8", "warning",
                                  "colour", "built in", "joystick   off"}) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in:\n" << text.out;
   }
-  const Outcome machine = Omni({"scene", "explain", "--json", file});
+  const Outcome machine = RunOmni({"scene", "explain", "--json", file});
   const nlohmann::json json = nlohmann::json::parse(machine.out, nullptr, false);
   ASSERT_TRUE(json.is_object()) << machine.out;
   EXPECT_EQ(json["triangles"], 6);
@@ -154,18 +137,18 @@ TEST(ToolsCommandLine, ExplainShowsWhatIsLoadedAndTheMaterials) {
 TEST(ToolsCommandLine, ExplainSaysWhatAnUntaggedFileCosts) {
   const test::TempFolder folder;
   const std::string file = folder.Write("plain.gltf", Pyramid(""));
-  const Outcome text = Omni({"scene", "explain", file});
+  const Outcome text = RunOmni({"scene", "explain", file});
   ASSERT_EQ(text.status, 0) << text.err;
   for (const std::string part :
        {"no haptic tag", "collision  off", "images     0 decoded", "threads    off: none", "0 B of memory"}) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in:\n" << text.out;
   }
   const nlohmann::json all =
-      nlohmann::json::parse(Omni({"scene", "explain", "--touch-all", "--json", file}).out, nullptr, false);
+      nlohmann::json::parse(RunOmni({"scene", "explain", "--touch-all", "--json", file}).out, nullptr, false);
   EXPECT_EQ(all["triangles"], 6);
   EXPECT_EQ(all["features"]["collision"]["on"], true);
   EXPECT_EQ(all["features"]["vehicle"]["on"], false);
-  const nlohmann::json cost = nlohmann::json::parse(Omni({"scene", "cost", file}).out, nullptr, false);
+  const nlohmann::json cost = nlohmann::json::parse(RunOmni({"scene", "cost", file}).out, nullptr, false);
   EXPECT_EQ(cost["skipped"], true);
   EXPECT_EQ(cost["threads"], 0);
   EXPECT_EQ(cost["images_decoded"], 0);
@@ -173,7 +156,7 @@ TEST(ToolsCommandLine, ExplainSaysWhatAnUntaggedFileCosts) {
 
 TEST(ToolsCommandLine, ExplainWithFitBringsAnythingIntoReach) {
   const test::TempFolder folder;
-  const Outcome fitted = Omni({"scene", "explain", "--fit", "--json", folder.Write("p.gltf", Pyramid(""))});
+  const Outcome fitted = RunOmni({"scene", "explain", "--fit", "--json", folder.Write("p.gltf", Pyramid(""))});
   ASSERT_EQ(fitted.status, 0) << fitted.err;
   const nlohmann::json json = nlohmann::json::parse(fitted.out, nullptr, false);
   EXPECT_GT(json["fit_scale"].get<double>(), 1.0);
@@ -183,23 +166,23 @@ TEST(ToolsCommandLine, ExplainWithFitBringsAnythingIntoReach) {
 
 TEST(ToolsCommandLine, ExplainRefusesWithOneLine) {
   const test::TempFolder folder;
-  const Outcome gone = Omni({"scene", "explain", folder.Path("gone.glb")});
+  const Outcome gone = RunOmni({"scene", "explain", folder.Path("gone.glb")});
   EXPECT_EQ(gone.status, kExitFailed);
   ExpectOneLine(gone.err, {"omni scene explain:", "gone.glb"});
-  const Outcome broken = Omni({"scene", "explain", folder.Write("b.gltf", "{\"asset\": ")});
+  const Outcome broken = RunOmni({"scene", "explain", folder.Write("b.gltf", "{\"asset\": ")});
   EXPECT_EQ(broken.status, kExitFailed);
   ExpectOneLine(broken.err, {"b.gltf"});
   EXPECT_EQ(broken.out, "");
 }
 
 TEST(ToolsCommandLine, TwinServeNeedsAnInheritedSocket) {
-  const Outcome serve = Omni({"twin", "serve", "--fd", "987"});
+  const Outcome serve = RunOmni({"twin", "serve", "--fd", "987"});
   EXPECT_EQ(serve.status, kExitFailed);
   ExpectOneLine(serve.err, {"omni twin serve:", "987", "omnid --device twin"});
-  const Outcome script = Omni({"twin", "serve", "--fd", "2", "--script", "/no/such/script.json"});
+  const Outcome script = RunOmni({"twin", "serve", "--fd", "2", "--script", "/no/such/script.json"});
   EXPECT_EQ(script.status, kExitFailed);
   ExpectOneLine(script.err, {"/no/such/script.json"});
-  const Outcome device = Omni({"twin", "serve", "--fd", "2", "--device", "/no/such/device.toml"});
+  const Outcome device = RunOmni({"twin", "serve", "--fd", "2", "--device", "/no/such/device.toml"});
   EXPECT_EQ(device.status, kExitFailed);
   ExpectOneLine(device.err, {"/no/such/device.toml"});
 }
