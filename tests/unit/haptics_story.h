@@ -9,6 +9,7 @@
 
 #include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/haptics.h"
+#include "service/tools/usual_limit.h"
 
 namespace omni::haptics {
 
@@ -94,15 +95,6 @@ inline Scene Built(const SceneInput& input) {
   return scene.ok() ? scene.value() : Scene();
 }
 
-inline base::ForceLimit TwoNewtons() {
-  base::ForceLimit limit;
-  limit.valid = true;
-  limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
-  limit.current_max_A = {15, 15, 15};
-  limit.force_max_N = 2;
-  return limit;
-}
-
 // splitmix64: the same numbers everywhere.
 class Random {
  public:
@@ -128,7 +120,7 @@ class Pen {
     config.coil_lag_s = 0;
     config.predict_max_s = 0;
     config.ramp_s = 0;
-    input.limit = TwoNewtons();
+    input.limit = tools::UsualLimit();
     input.tracked = true;
     Enter(scene_, state);
   }

@@ -130,7 +130,7 @@ Config PlainConfig() {
 Input PlainInput() {
   Input input;
   input.tracked = true;
-  input.limit = TwoNewtons();
+  input.limit = tools::UsualLimit();
   return input;
 }
 
