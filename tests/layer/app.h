@@ -92,6 +92,14 @@ class App {
   void MakeActions();
 };
 
+// A function of an extension, as every application gets it; null: there is none.
+template <class Function>
+Function FunctionOf(XrInstance instance, const char* name) {
+  PFN_xrVoidFunction function = nullptr;
+  if (XR_FAILED(xrGetInstanceProcAddr(instance, name, &function))) return nullptr;
+  return reinterpret_cast<Function>(function);
+}
+
 // Result text, for messages.
 std::string Name(XrResult result);
 

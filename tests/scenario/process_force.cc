@@ -2,15 +2,12 @@
 // of its coils.
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <functional>
-
+#include "tests/support/forked.h"
 #include "tests/support/service_process.h"
 
 namespace omni::test {
 namespace {
 
-constexpr double kWholeRecording_ms = 1e6;
 constexpr double kPush_N = 0.6;
 
 // A pen held still over the base, nothing to touch.
@@ -70,17 +67,6 @@ class ForceApplication : public TestApplication {
   std::int64_t last_push_ns_ = 0;
 };
 
-// Ends the service; milliseconds from t_ns until the coils were at zero for good. It must have pushed until then.
-double TimeToZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns, double horizon_ms) {
-  EXPECT_EQ(service.Stop(), 0);
-  const auto truth = service.Truth();
-  if (!truth.has_value()) return -1;
-  EXPECT_GT(MillisecondsToZero(*truth, t_ns - 20'000'000, 20), 0) << what << ": it was pushing before";
-  const double ms = MillisecondsToZero(*truth, t_ns, horizon_ms);
-  std::printf("[ figure   ] coils at zero %.1f ms after %s\n", ms, what);
-  return ms;
-}
-
 TEST(ProcessForce, DeadmanEndsTheForce) {
   ForceProcess service;
   ForceApplication app(service);
@@ -89,7 +75,7 @@ TEST(ProcessForce, DeadmanEndsTheForce) {
   app.Push(40'000'000);
   const std::int64_t end_ns = app.last_push_ns() + 40'000'000;
   app.Run(500, 5);  // it lives, but asks for nothing more
-  const double ms = TimeToZero_ms(service, "the deadman's end", end_ns, kWholeRecording_ms);
+  const double ms = StopAndTellTimeToZero_ms(service, "the deadman's end", end_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -103,79 +89,58 @@ TEST(ProcessForce, LosingFocusEndsForceAndConstraint) {
   const std::int64_t lost_ns = base::MonotonicNow_ns();
   ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kBegun));
   app.Run(500, 5);
-  const double ms = TimeToZero_ms(service, "focus loss", lost_ns, kWholeRecording_ms);
+  const double ms = StopAndTellTimeToZero_ms(service, "focus loss", lost_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
 
-// Forks an application that holds a constraint, or pushes for ever; its pid once that is felt.
-pid_t ForkPusher(const ServiceProcess& service, bool pushes) {
-  int ready[2];
-  if (pipe(ready) != 0) return -1;
-  const pid_t pid = fork();
-  if (pid == 0) {
-    ForceApplication app(service);
-    bool felt = app.Claim();
-    felt = felt && (pushes ? app.PushUntilFelt() : app.Hold() && app.WaitForForce(0.5));
-    const char ok = felt ? 'y' : 'n';
-    if (write(ready[1], &ok, 1) != 1) _exit(1);
-    app.Run(30'000, 5, [&] {
-      if (pushes) app.Push(100'000'000);
-      return false;
-    });
-    _exit(0);
-  }
-  char answer = 'n';
-  close(ready[1]);
-  if (read(ready[0], &answer, 1) != 1) answer = 'n';
-  close(ready[0]);
-  if (answer == 'y') return pid;
-  kill(pid, SIGKILL);
-  waitpid(pid, nullptr, 0);
-  return -1;
+// Holds a constraint, or pushes for ever, in a process of its own; told 1: that is felt.
+class ForkedPusher : public Forked {
+ public:
+  ForkedPusher(const ServiceProcess& service, bool pushes)
+      : Forked([&](const Tell& tell) {
+          ForceApplication app(service);
+          const bool felt = app.Claim() && (pushes ? app.PushUntilFelt() : app.Hold() && app.WaitForForce(0.5));
+          tell(felt ? 1 : 0);
+          app.Run(30'000, 5, [&] {
+            if (pushes) app.Push(100'000'000);
+            return false;
+          });
+        }) {}
+};
+
+void ExpectKillEndsTheForce(bool pushes, const char* what) {
+  ForceProcess service;
+  ForkedPusher app(service, pushes);
+  ASSERT_EQ(app.told(), 1);
+  SleepMs(100);
+  const std::int64_t killed_ns = base::MonotonicNow_ns();
+  app.Kill();
+  SleepMs(500);
+  const double ms = StopAndTellTimeToZero_ms(service, what, killed_ns);
+  EXPECT_GE(ms, 0);
+  EXPECT_LE(ms, 50);
 }
 
 TEST(ProcessForce, KilledApplicationEndsTheForce) {
-  ForceProcess service;
-  const pid_t app = ForkPusher(service, true);
-  ASSERT_GT(app, 0);
-  SleepMs(100);
-  const std::int64_t killed_ns = base::MonotonicNow_ns();
-  kill(app, SIGKILL);
-  waitpid(app, nullptr, 0);
-  SleepMs(500);
-  const double ms = TimeToZero_ms(service, "kill -9 of an application that pushes", killed_ns, kWholeRecording_ms);
-  EXPECT_GE(ms, 0);
-  EXPECT_LE(ms, 50);
+  ExpectKillEndsTheForce(true, "kill -9 of an application that pushes");
 }
 
 TEST(ProcessForce, KilledApplicationEndsTheConstraint) {
-  ForceProcess service;
-  const pid_t app = ForkPusher(service, false);
-  ASSERT_GT(app, 0);
-  SleepMs(100);
-  const std::int64_t killed_ns = base::MonotonicNow_ns();
-  kill(app, SIGKILL);
-  waitpid(app, nullptr, 0);
-  SleepMs(500);
-  const double ms =
-      TimeToZero_ms(service, "kill -9 of an application that holds a constraint", killed_ns, kWholeRecording_ms);
-  EXPECT_GE(ms, 0);
-  EXPECT_LE(ms, 50);
+  ExpectKillEndsTheForce(false, "kill -9 of an application that holds a constraint");
 }
 
 // Signs of life are looked at every 10 ms; 50 ms without one close, and that takes at most 50 ms more.
 TEST(ProcessForce, SilentApplicationEndsTheConstraint) {
   ForceProcess service;
-  const pid_t app = ForkPusher(service, false);
-  ASSERT_GT(app, 0);
+  ForkedPusher app(service, false);
+  ASSERT_EQ(app.told(), 1);
   SleepMs(100);
   const std::int64_t stopped_ns = base::MonotonicNow_ns();
-  kill(app, SIGSTOP);
+  app.Stop();
   SleepMs(600);
-  kill(app, SIGKILL);
-  waitpid(app, nullptr, 0);
-  const double ms = TimeToZero_ms(service, "the last sign of life", stopped_ns, 550);
+  app.Kill();
+  const double ms = StopAndTellTimeToZero_ms(service, "the last sign of life", stopped_ns, 550);
   EXPECT_GE(ms, 40) << "it must bear a hitch of the application";
   EXPECT_LE(ms, 100);
 }

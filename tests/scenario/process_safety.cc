@@ -6,21 +6,13 @@
 #include <vector>
 
 #include "service/tools/statistics.h"
+#include "tests/support/forked.h"
 #include "tests/support/service_process.h"
 
 namespace omni::test {
 namespace {
 
 constexpr double kPushing_N = 0.2;
-constexpr double kToTheEnd_ms = 1e6;
-
-// Ends the service and reads the twin's own recording: milliseconds from t_ns until the coils were at zero for the rest
-// of `horizon_ms`. < 0: no recording of that time.
-double StopAndTimeToZero_ms(ServiceProcess& service, std::int64_t t_ns, double horizon_ms = kToTheEnd_ms) {
-  EXPECT_EQ(service.Stop(), 0);
-  const auto truth = service.Truth();
-  return truth.has_value() ? MillisecondsToZero(*truth, t_ns, horizon_ms) : -1;
-}
 
 TEST(ProcessSafety, KilledServiceMeansZeroWithin50Milliseconds) {
   ServiceProcess service;
@@ -34,7 +26,7 @@ TEST(ProcessSafety, KilledServiceMeansZeroWithin50Milliseconds) {
   const auto truth = service.Truth();
   ASSERT_TRUE(truth.has_value());
   EXPECT_GT(MillisecondsToZero(*truth, killed_ns - 20'000'000, 100), 0) << "it was pushing";
-  const double ms = MillisecondsToZero(*truth, killed_ns, kToTheEnd_ms);
+  const double ms = MillisecondsToZero(*truth, killed_ns, kWholeRecording_ms);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -52,36 +44,24 @@ TEST(ProcessSafety, ServiceComesBackAndTheAppGetsThePenAgain) {
   EXPECT_TRUE(app.WaitForForce(kPushing_N)) << "the session state was not sent again";
 }
 
-// Forks an application that focuses and beats; returns its pid once it is pushed back.
-pid_t ForkApplication(const ServiceProcess& service) {
-  int ready[2];
-  if (pipe(ready) != 0) return -1;
-  const pid_t pid = fork();
-  if (pid == 0) {
-    TestApplication app(service);
-    const char ok = app.Focus() && app.WaitForForce(kPushing_N) ? 'y' : 'n';
-    if (write(ready[1], &ok, 1) != 1) _exit(1);
-    app.Run(30'000, 5);
-    _exit(0);
-  }
-  char answer = 'n';
-  close(ready[1]);
-  if (read(ready[0], &answer, 1) != 1) answer = 'n';
-  close(ready[0]);
-  if (answer == 'y') return pid;
-  kill(pid, SIGKILL);
-  waitpid(pid, nullptr, 0);
-  return -1;
-}
+// Focuses and beats in a process of its own; told 1: it is pushed back.
+class ForkedApplication : public Forked {
+ public:
+  explicit ForkedApplication(const ServiceProcess& service)
+      : Forked([&](const Tell& tell) {
+          TestApplication app(service);
+          tell(app.Focus() && app.WaitForForce(kPushing_N) ? 1 : 0);
+          app.Run(30'000, 5);
+        }) {}
+};
 
 TEST(ProcessSafety, KilledApplicationMeansZeroWithin50Milliseconds) {
   ServiceProcess service;
   service.Start();
-  const pid_t app = ForkApplication(service);
-  ASSERT_GT(app, 0);
+  ForkedApplication app(service);
+  ASSERT_EQ(app.told(), 1);
   const std::int64_t killed_ns = base::MonotonicNow_ns();
-  kill(app, SIGKILL);
-  waitpid(app, nullptr, 0);
+  app.Kill();
   SleepMs(500);
   const double ms = StopAndTimeToZero_ms(service, killed_ns);
   EXPECT_GE(ms, 0);
@@ -91,13 +71,12 @@ TEST(ProcessSafety, KilledApplicationMeansZeroWithin50Milliseconds) {
 TEST(ProcessSafety, StoppedApplicationFadesAfter250Milliseconds) {
   ServiceProcess service;
   service.Start();
-  const pid_t app = ForkApplication(service);
-  ASSERT_GT(app, 0);
+  ForkedApplication app(service);
+  ASSERT_EQ(app.told(), 1);
   const std::int64_t stopped_ns = base::MonotonicNow_ns();
-  kill(app, SIGSTOP);
+  app.Stop();
   SleepMs(900);
-  kill(app, SIGKILL);
-  waitpid(app, nullptr, 0);
+  app.Kill();
   const double ms = StopAndTimeToZero_ms(service, stopped_ns, 850);
   EXPECT_GE(ms, 240) << "it must bear a hitch of the application";
   EXPECT_LE(ms, 450);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -162,6 +163,28 @@ inline double MillisecondsToZero(const tools::CsvTable& truth, std::int64_t t_ns
     if (Current_A(truth, i) > 0.02) last_ms = ms;
   }
   return any ? last_ms : -1;
+}
+
+inline constexpr double kWholeRecording_ms = 1e6;
+
+// Ends the service: milliseconds from t_ns until the coils were at zero for the rest of `horizon_ms`. < 0: no recording
+// of that time.
+inline double StopAndTimeToZero_ms(ServiceProcess& service, std::int64_t t_ns, double horizon_ms = kWholeRecording_ms) {
+  EXPECT_EQ(service.Stop(), 0);
+  const auto truth = service.Truth();
+  return truth.has_value() ? MillisecondsToZero(*truth, t_ns, horizon_ms) : -1;
+}
+
+// The same of a figure for people, named `what`; the coils must have been pushing until then.
+inline double StopAndTellTimeToZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns,
+                                       double horizon_ms = kWholeRecording_ms) {
+  EXPECT_EQ(service.Stop(), 0);
+  const auto truth = service.Truth();
+  if (!truth.has_value()) return -1;
+  EXPECT_GT(MillisecondsToZero(*truth, t_ns - 20'000'000, 20), 0) << what << ": it was pushing before";
+  const double ms = MillisecondsToZero(*truth, t_ns, horizon_ms);
+  std::printf("[ figure   ] coils at zero %.1f ms after %s\n", ms, what);
+  return ms;
 }
 
 }  // namespace omni::test

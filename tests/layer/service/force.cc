@@ -4,18 +4,17 @@
 #include <stdlib.h>
 
 #include <cmath>
-#include <cstdio>
 #include <functional>
 
 #include "layer/include/openxr/omni_force_feedback.h"
 #include "tests/layer/app.h"
+#include "tests/support/forked.h"
 #include "tests/support/service_process.h"
 
 namespace omni::test {
 namespace {
 
 constexpr XrDuration kLong_ns = XR_MAX_FORCE_DURATION_OMNIX1;
-constexpr double kWholeRecording_ms = 1e6;
 
 constexpr const char* kHoldStill = R"({"name": "hold", "repeat": false, "waypoints": [
     {"s": 0, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}]})";
@@ -32,10 +31,11 @@ class StackService : public ServiceProcess {
 class ForceApp {
  public:
   ForceApp() : app_(Options()) {
-    Get("xrCreateForceFeedbackOMNIX1", create_);
-    Get("xrApplyForceOMNIX1", apply_);
-    Get("xrSetForceFeedbackConstraintsOMNIX1", constrain_);
-    Get("xrGetForceFeedbackStateOMNIX1", state_);
+    create_ = FunctionOf<PFN_xrCreateForceFeedbackOMNIX1>(app_.instance, "xrCreateForceFeedbackOMNIX1");
+    apply_ = FunctionOf<PFN_xrApplyForceOMNIX1>(app_.instance, "xrApplyForceOMNIX1");
+    constrain_ =
+        FunctionOf<PFN_xrSetForceFeedbackConstraintsOMNIX1>(app_.instance, "xrSetForceFeedbackConstraintsOMNIX1");
+    state_ = FunctionOf<PFN_xrGetForceFeedbackStateOMNIX1>(app_.instance, "xrGetForceFeedbackStateOMNIX1");
     local_ = app_.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   }
 
@@ -95,11 +95,6 @@ class ForceApp {
     options.extensions = {XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME};
     return options;
   }
-  template <class Function>
-  void Get(const char* name, Function& function) {
-    PFN_xrVoidFunction found = nullptr;
-    if (xrGetInstanceProcAddr(app_.instance, name, &found) == XR_SUCCESS) function = reinterpret_cast<Function>(found);
-  }
 
   App app_;
   PFN_xrCreateForceFeedbackOMNIX1 create_ = nullptr;
@@ -111,50 +106,35 @@ class ForceApp {
   int held_ = 0;
 };
 
-// Runs `body` in a process of its own; it returns the time of what it did, 0 if it did not get so far.
-struct Child {
-  pid_t pid = -1;
-  std::int64_t t_ns = 0;
+// Runs `body` in a process of its own, which tells the time of what it did, 0 if it did not get so far; then
+// `afterwards`.
+class ForkedForceApp : public Forked {
+ public:
+  ForkedForceApp(const std::function<std::int64_t(ForceApp&)>& body, const std::function<void(ForceApp&)>& afterwards)
+      : Forked([&](const Tell& tell) {
+          ForceApp app;
+          tell(app.Create() ? body(app) : 0);
+          afterwards(app);
+        }) {}
 };
-Child Fork(const std::function<std::int64_t(ForceApp&)>& body, const std::function<void(ForceApp&)>& afterwards) {
-  int pipes[2];
-  if (pipe(pipes) != 0) return {};
-  Child child{.pid = fork()};
-  if (child.pid == 0) {
-    ForceApp app;
-    const std::int64_t t_ns = app.Create() ? body(app) : 0;
-    if (write(pipes[1], &t_ns, sizeof(t_ns)) != sizeof(t_ns)) _exit(1);
-    afterwards(app);
-    _exit(0);
-  }
-  close(pipes[1]);
-  if (read(pipes[0], &child.t_ns, sizeof(child.t_ns)) != sizeof(child.t_ns)) child.t_ns = 0;
-  close(pipes[0]);
-  return child;
-}
-
-void End(const Child& child) {
-  kill(child.pid, SIGKILL);
-  waitpid(child.pid, nullptr, 0);
-}
-
-double CoilsAtZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns) {
-  EXPECT_EQ(service.Stop(), 0);
-  const auto truth = service.Truth();
-  if (!truth.has_value()) return -1;
-  EXPECT_GT(MillisecondsToZero(*truth, t_ns - 20'000'000, 20), 0) << what << ": it was pushing before";
-  const double ms = MillisecondsToZero(*truth, t_ns, kWholeRecording_ms);
-  std::printf("[ figure   ] OpenXR application: coils at zero %.1f ms after %s\n", ms, what);
-  return ms;
-}
 
 void LiveOn(ForceApp& app) {
   app.Until([] { return false; }, 600);
 }
 
+// What `app` told of must have set the coils to zero within 50 ms.
+void ExpectZeroSoonAfter(StackService& service, ForkedForceApp& app, const char* what) {
+  SleepMs(500);
+  app.Kill();
+  ASSERT_NE(app.told(), 0);
+  const double ms = StopAndTellTimeToZero_ms(service, what, app.told());
+  EXPECT_GE(ms, 0);
+  EXPECT_LE(ms, 50);
+}
+
 TEST(ForceStack, DeadmanEndsTheForce) {
   StackService service;
-  const Child app = Fork(
+  ForkedForceApp app(
       [](ForceApp& a) -> std::int64_t {
         if (!a.PushUntilFelt()) return 0;
         a.Until(
@@ -167,17 +147,12 @@ TEST(ForceStack, DeadmanEndsTheForce) {
         return Now_ns() + 40'000'000;
       },
       LiveOn);
-  SleepMs(500);
-  End(app);
-  ASSERT_NE(app.t_ns, 0);
-  const double ms = CoilsAtZero_ms(service, "the deadman's end", app.t_ns);
-  EXPECT_GE(ms, 0);
-  EXPECT_LE(ms, 50);
+  ExpectZeroSoonAfter(service, app, "the deadman's end for an OpenXR application");
 }
 
 TEST(ForceStack, LosingFocusEndsForceAndConstraint) {
   StackService service;
-  const Child app = Fork(
+  ForkedForceApp app(
       [](ForceApp& a) -> std::int64_t {
         if (!a.HoldUntilFelt() || !a.PushUntilFelt()) return 0;
         const std::int64_t t_ns = Now_ns();
@@ -185,30 +160,24 @@ TEST(ForceStack, LosingFocusEndsForceAndConstraint) {
         return t_ns;
       },
       LiveOn);
-  SleepMs(500);
-  End(app);
-  ASSERT_NE(app.t_ns, 0);
-  const double ms = CoilsAtZero_ms(service, "focus loss", app.t_ns);
-  EXPECT_GE(ms, 0);
-  EXPECT_LE(ms, 50);
+  ExpectZeroSoonAfter(service, app, "an OpenXR application's loss of focus");
 }
 
 TEST(ForceStack, KilledApplicationEndsForceAndConstraint) {
   StackService service;
-  const Child app =
-      Fork([](ForceApp& a) -> std::int64_t { return a.HoldUntilFelt() && a.PushUntilFelt() ? Now_ns() : 0; },
-           [](ForceApp& a) {
-             a.Until([&] {
-               a.Push(kLong_ns);
-               return false;
-             });
-           });
+  ForkedForceApp app([](ForceApp& a) -> std::int64_t { return a.HoldUntilFelt() && a.PushUntilFelt() ? Now_ns() : 0; },
+                     [](ForceApp& a) {
+                       a.Until([&] {
+                         a.Push(kLong_ns);
+                         return false;
+                       });
+                     });
   SleepMs(200);
   const std::int64_t killed_ns = Now_ns();
-  End(app);
-  ASSERT_NE(app.t_ns, 0);
+  app.Kill();
+  ASSERT_NE(app.told(), 0);
   SleepMs(500);
-  const double ms = CoilsAtZero_ms(service, "kill -9 of the application", killed_ns);
+  const double ms = StopAndTellTimeToZero_ms(service, "kill -9 of an OpenXR application", killed_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }

@@ -1,0 +1,53 @@
+// An application in a process of its own, which a test stops and kills.
+#pragma once
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <functional>
+
+namespace omni::test {
+
+class Forked {
+ public:
+  // Tells the test that it may go on, with a number of the application's; to be called once.
+  using Tell = std::function<void(std::int64_t number)>;
+
+  // Runs `body` until it returns or is killed. Waits until it has told something, or has ended without.
+  explicit Forked(const std::function<void(const Tell& tell)>& body) {
+    int ends[2];
+    if (pipe(ends) != 0) return;
+    pid_ = fork();
+    if (pid_ == 0) {
+      body([&](std::int64_t number) {
+        if (write(ends[1], &number, sizeof(number)) != sizeof(number)) _exit(1);
+      });
+      _exit(0);
+    }
+    close(ends[1]);
+    if (read(ends[0], &told_, sizeof(told_)) != sizeof(told_)) told_ = 0;
+    close(ends[0]);
+  }
+  ~Forked() { Kill(); }
+  Forked(const Forked&) = delete;
+  Forked& operator=(const Forked&) = delete;
+
+  std::int64_t told() const { return told_; }  // 0: nothing
+  void Stop() const {
+    if (pid_ > 0) kill(pid_, SIGSTOP);
+  }
+  void Kill() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::int64_t told_ = 0;
+};
+
+}  // namespace omni::test
