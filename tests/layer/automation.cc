@@ -40,9 +40,9 @@ class Automation : public testing::Test {
 
 template <class Function>
 Function Get(const App& app, const char* name) {
-  PFN_xrVoidFunction function = nullptr;
-  EXPECT_EQ(xrGetInstanceProcAddr(app.instance, name, &function), XR_SUCCESS) << name;
-  return reinterpret_cast<Function>(function);
+  const auto function = FunctionOf<Function>(app.instance, name);
+  EXPECT_NE(function, nullptr) << name;
+  return function;
 }
 
 struct Functions {
@@ -99,17 +99,23 @@ TEST_F(Automation, StatesOfEveryType) {
   EXPECT_FLOAT_EQ(app.Vector(app.stick, app.right).currentState.y, 0.25f);
 }
 
+// Where the aim pose is in STAGE after a test has said where `path` is there.
+XrSpaceLocation AimAfter(const App& app, const Functions& f, const char* path, const XrPosef& wanted) {
+  EXPECT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
+  EXPECT_EQ(app.Sync(), XR_SUCCESS);
+  const XrSpace stage = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
+  const XrSpace aim = app.ActionSpace(app.pose, app.right);
+  EXPECT_EQ(f.location(app.session, app.right, app.Path(path), stage, wanted), XR_SUCCESS);
+  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+  EXPECT_EQ(xrLocateSpace(aim, stage, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
+  return location;
+}
+
 TEST_F(Automation, LocationOfAnyPose) {
   App app(WithAutomation());
   const Functions f(app);
-  ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
-  ASSERT_EQ(app.Sync(), XR_SUCCESS);
-  const XrSpace stage = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
-  const XrSpace aim = app.ActionSpace(app.pose, app.right);
   const XrPosef wanted{{0.5f, 0.5f, 0.5f, 0.5f}, {0.3f, 1.1f, -0.2f}};
-  ASSERT_EQ(f.location(app.session, app.right, app.Path("/user/hand/right/input/aim/pose"), stage, wanted), XR_SUCCESS);
-  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
-  ASSERT_EQ(xrLocateSpace(aim, stage, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
+  const XrSpaceLocation location = AimAfter(app, f, "/user/hand/right/input/aim/pose", wanted);
   ASSERT_TRUE(location.locationFlags & XR_SPACE_LOCATION_POSITION_TRACKED_BIT);
   EXPECT_NEAR(location.pose.position.x, wanted.position.x, 1e-4f);
   EXPECT_NEAR(location.pose.position.y, wanted.position.y, 1e-4f);
@@ -122,15 +128,8 @@ TEST_F(Automation, LocationOfAnyPose) {
 TEST_F(Automation, LocationOfTheGripMovesTheTip) {
   App app(WithAutomation());
   const Functions f(app);
-  ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
-  ASSERT_EQ(app.Sync(), XR_SUCCESS);
-  const XrSpace stage = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
-  const XrSpace aim = app.ActionSpace(app.pose, app.right);
   const XrPosef wanted{{0, 0, 0, 1}, {0.3f, 1.1f, -0.2f}};
-  ASSERT_EQ(f.location(app.session, app.right, app.Path("/user/hand/right/input/grip/pose"), stage, wanted),
-            XR_SUCCESS);
-  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
-  ASSERT_EQ(xrLocateSpace(aim, stage, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
+  const XrSpaceLocation location = AimAfter(app, f, "/user/hand/right/input/grip/pose", wanted);
   EXPECT_NEAR(location.pose.position.x, 0.3f, 1e-4f);
   EXPECT_NEAR(location.pose.position.y, 1.1f, 1e-4f);
   EXPECT_NEAR(location.pose.position.z, -0.25f, 1e-4f);

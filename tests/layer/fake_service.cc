@@ -99,15 +99,9 @@ void FakeService::OnGone(ipc::ClientId) {
   ++heard_.gone;
 }
 
-void FakeService::OnSession(ipc::ClientId, protocol::SessionState state) {
-  const std::lock_guard lock(mutex_);
-  heard_.sessions.push_back(state);
-}
+void FakeService::OnSession(ipc::ClientId, protocol::SessionState state) { Hear(heard_.sessions, state); }
 
-void FakeService::OnHaptic(ipc::ClientId, const protocol::Haptic& haptic) {
-  const std::lock_guard lock(mutex_);
-  heard_.haptics.push_back(haptic);
-}
+void FakeService::OnHaptic(ipc::ClientId, const protocol::Haptic& haptic) { Hear(heard_.haptics, haptic); }
 
 void FakeService::OnHapticStop(ipc::ClientId) {
   const std::lock_guard lock(mutex_);
@@ -134,10 +128,7 @@ void FakeService::SetForce(bool available, protocol::ForceStanding standing) {
   owner_->standing = standing;
 }
 
-void FakeService::OnForce(ipc::ClientId, const protocol::ForceRequest& request) {
-  const std::lock_guard lock(mutex_);
-  heard_.forces.push_back(request);
-}
+void FakeService::OnForce(ipc::ClientId, const protocol::ForceRequest& request) { Hear(heard_.forces, request); }
 
 void FakeService::SetPlacement(const protocol::Placement& placement) {
   const std::lock_guard lock(mutex_);
@@ -153,15 +144,13 @@ void FakeService::OnPlacementRequest(ipc::ClientId id, const protocol::Placement
 }
 
 void FakeService::OnSpaceChange(ipc::ClientId, const protocol::SpaceChange& change) {
-  const std::lock_guard lock(mutex_);
-  heard_.space_changes.push_back(change);
+  Hear(heard_.space_changes, change);
 }
 
 void FakeService::OnWaveform(ipc::ClientId, const protocol::ShapedHaptic& haptic) {
   Heard::Shaped shaped{haptic.waveform, {}};
   for (std::uint32_t i = 0; i < haptic.waveform.count; ++i) shaped.samples.push_back(haptic.sample(i));
-  const std::lock_guard lock(mutex_);
-  heard_.waveforms.push_back(std::move(shaped));
+  Hear(heard_.waveforms, std::move(shaped));
 }
 
 void FakeService::OnPeriod(std::int64_t) {
@@ -195,28 +184,21 @@ void FakeService::OnHapticSceneLoad(ipc::ClientId, const protocol::HapticSceneLo
 }
 
 void FakeService::OnHapticSceneEnd(ipc::ClientId, const protocol::HapticSceneEnd& end) {
-  const std::lock_guard lock(mutex_);
-  heard_.scene_ends.push_back(end.number);
+  Hear(heard_.scene_ends, end.number);
 }
 
 void FakeService::OnHapticScenePlace(ipc::ClientId, const protocol::HapticScenePlace& place) {
-  const std::lock_guard lock(mutex_);
-  heard_.scene_places.push_back(place);
+  Hear(heard_.scene_places, place);
 }
 
 void FakeService::OnHapticSceneEnable(ipc::ClientId, const protocol::HapticSceneEnable& enable) {
-  const std::lock_guard lock(mutex_);
-  heard_.scene_enables.push_back(enable);
+  Hear(heard_.scene_enables, enable);
 }
 
-void FakeService::OnHapticNodes(ipc::ClientId, const protocol::HapticNodes& nodes) {
-  const std::lock_guard lock(mutex_);
-  heard_.scene_nodes.push_back(nodes);
-}
+void FakeService::OnHapticNodes(ipc::ClientId, const protocol::HapticNodes& nodes) { Hear(heard_.scene_nodes, nodes); }
 
 void FakeService::OnHapticMaterial(ipc::ClientId, const protocol::HapticMaterial& material) {
-  const std::lock_guard lock(mutex_);
-  heard_.scene_materials.push_back(material);
+  Hear(heard_.scene_materials, material);
 }
 
 }  // namespace omni::test

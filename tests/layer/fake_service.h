@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "service/ipc/server.h"
@@ -82,6 +83,12 @@ class FakeService : private ipc::ServerHandler {
   std::int64_t last_beat_ns() const { return last_beat_ns_; }
 
  private:
+  template <class T>
+  void Hear(std::vector<T>& heard, T what) {
+    const std::lock_guard lock(mutex_);
+    heard.push_back(std::move(what));
+  }
+
   void OnClient(const ipc::ClientInfo& client) override;
   void OnGone(ipc::ClientId id) override;
   void OnSession(ipc::ClientId id, protocol::SessionState state) override;

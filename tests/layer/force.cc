@@ -34,9 +34,8 @@ struct Functions {
 
   explicit Functions(XrInstance instance) {
     const auto get = [&](const char* name, auto& function) {
-      PFN_xrVoidFunction found = nullptr;
-      EXPECT_EQ(xrGetInstanceProcAddr(instance, name, &found), XR_SUCCESS) << name;
-      function = reinterpret_cast<std::decay_t<decltype(function)>>(found);
+      function = FunctionOf<std::decay_t<decltype(function)>>(instance, name);
+      EXPECT_NE(function, nullptr) << name;
     };
     get("xrCreateForceFeedbackOMNIX1", create);
     get("xrDestroyForceFeedbackOMNIX1", destroy);

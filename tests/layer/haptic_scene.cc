@@ -16,27 +16,20 @@ namespace {
 constexpr const char* kForceFeedback = "XR_OMNIX1_force_feedback";
 const AppOptions kWithScene{.extensions = {kForceFeedback, XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME}};
 
-template <class Function>
-Function Get(XrInstance instance, const char* name) {
-  PFN_xrVoidFunction function = nullptr;
-  return XR_SUCCEEDED(xrGetInstanceProcAddr(instance, name, &function)) ? reinterpret_cast<Function>(function)
-                                                                        : nullptr;
-}
-
 struct Functions {
   explicit Functions(XrInstance i)
-      : create(Get<PFN_xrCreateHapticSceneOMNIX1>(i, "xrCreateHapticSceneOMNIX1")),
-        destroy(Get<PFN_xrDestroyHapticSceneOMNIX1>(i, "xrDestroyHapticSceneOMNIX1")),
-        state(Get<PFN_xrGetHapticSceneStateOMNIX1>(i, "xrGetHapticSceneStateOMNIX1")),
-        diagnostics(Get<PFN_xrGetHapticSceneDiagnosticsOMNIX1>(i, "xrGetHapticSceneDiagnosticsOMNIX1")),
-        nodes(Get<PFN_xrEnumerateHapticSceneNodesOMNIX1>(i, "xrEnumerateHapticSceneNodesOMNIX1")),
-        place(Get<PFN_xrSetHapticScenePlacementOMNIX1>(i, "xrSetHapticScenePlacementOMNIX1")),
-        enable(Get<PFN_xrSetHapticSceneEnabledOMNIX1>(i, "xrSetHapticSceneEnabledOMNIX1")),
-        move(Get<PFN_xrUpdateHapticNodesOMNIX1>(i, "xrUpdateHapticNodesOMNIX1")),
-        get_material(Get<PFN_xrGetHapticMaterialOMNIX1>(i, "xrGetHapticMaterialOMNIX1")),
-        set_material(Get<PFN_xrSetHapticMaterialOMNIX1>(i, "xrSetHapticMaterialOMNIX1")),
-        contacts(Get<PFN_xrEnumerateHapticContactsOMNIX1>(i, "xrEnumerateHapticContactsOMNIX1")),
-        mesh(Get<PFN_xrGetHapticNodeMeshOMNIX1>(i, "xrGetHapticNodeMeshOMNIX1")) {}
+      : create(FunctionOf<PFN_xrCreateHapticSceneOMNIX1>(i, "xrCreateHapticSceneOMNIX1")),
+        destroy(FunctionOf<PFN_xrDestroyHapticSceneOMNIX1>(i, "xrDestroyHapticSceneOMNIX1")),
+        state(FunctionOf<PFN_xrGetHapticSceneStateOMNIX1>(i, "xrGetHapticSceneStateOMNIX1")),
+        diagnostics(FunctionOf<PFN_xrGetHapticSceneDiagnosticsOMNIX1>(i, "xrGetHapticSceneDiagnosticsOMNIX1")),
+        nodes(FunctionOf<PFN_xrEnumerateHapticSceneNodesOMNIX1>(i, "xrEnumerateHapticSceneNodesOMNIX1")),
+        place(FunctionOf<PFN_xrSetHapticScenePlacementOMNIX1>(i, "xrSetHapticScenePlacementOMNIX1")),
+        enable(FunctionOf<PFN_xrSetHapticSceneEnabledOMNIX1>(i, "xrSetHapticSceneEnabledOMNIX1")),
+        move(FunctionOf<PFN_xrUpdateHapticNodesOMNIX1>(i, "xrUpdateHapticNodesOMNIX1")),
+        get_material(FunctionOf<PFN_xrGetHapticMaterialOMNIX1>(i, "xrGetHapticMaterialOMNIX1")),
+        set_material(FunctionOf<PFN_xrSetHapticMaterialOMNIX1>(i, "xrSetHapticMaterialOMNIX1")),
+        contacts(FunctionOf<PFN_xrEnumerateHapticContactsOMNIX1>(i, "xrEnumerateHapticContactsOMNIX1")),
+        mesh(FunctionOf<PFN_xrGetHapticNodeMeshOMNIX1>(i, "xrGetHapticNodeMeshOMNIX1")) {}
   PFN_xrCreateHapticSceneOMNIX1 create;
   PFN_xrDestroyHapticSceneOMNIX1 destroy;
   PFN_xrGetHapticSceneStateOMNIX1 state;

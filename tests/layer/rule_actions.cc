@@ -3,6 +3,7 @@
 
 #include "tests/layer/app.h"
 #include "tests/layer/mini_loader/chain_app.h"
+#include "tests/layer/states_fixture.h"
 
 namespace omni::test {
 namespace {
@@ -15,38 +16,10 @@ class RuleActions : public testing::Test {
 };
 using RuleEvents = RuleActions;
 
-// Two sets that bind one source.
-struct TwoSets {
-  TwoSets(App& app, std::uint32_t second_priority) {
-    second = app.MakeSet("second", second_priority);
-    grab = app.MakeAction(second, "grab", XR_ACTION_TYPE_BOOLEAN_INPUT);
-    EXPECT_EQ(app.Suggest(kTouch, {{app.select, "/user/hand/right/input/trigger/value"},
-                                   {grab, "/user/hand/right/input/trigger/value"}}),
-              XR_SUCCESS);
-    const XrActionSet sets[] = {app.set, second};
-    const XrSessionActionSetsAttachInfo attach{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 2, sets};
-    EXPECT_EQ(xrAttachSessionActionSets(app.session, &attach), XR_SUCCESS);
-  }
-  XrActionSet second = XR_NULL_HANDLE;
-  XrAction grab = XR_NULL_HANDLE;
-};
-
 AppOptions Unattached() {
   AppOptions options;
   options.attach = false;
   return options;
-}
-
-TEST_F(RuleActions, EqualPrioritiesAreBothFed) {
-  FakeService service;
-  App app(Unattached());
-  const TwoSets two(app, 0);
-  ASSERT_TRUE(app.WaitProfile(service, kTouch));
-  service.Set(InputIndex::kSelect, 1);
-  service.Fill();
-  ASSERT_EQ(app.SyncSets({{app.set, XR_NULL_PATH}, {two.second, XR_NULL_PATH}}), XR_SUCCESS);
-  EXPECT_TRUE(app.Bool(app.select, app.right).currentState);
-  EXPECT_TRUE(app.Bool(two.grab, app.right).currentState);
 }
 
 TEST_F(RuleActions, PriorityOverrideHoldsForOneSync) {

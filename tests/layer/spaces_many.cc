@@ -20,9 +20,8 @@ class SpacesMany : public SpacesTest {
     SpacesTest::SetUp();
     app = std::make_unique<App>(ManyOptions());
     Start(*app, RandomPath(3));
-    PFN_xrVoidFunction found = nullptr;
-    ASSERT_EQ(xrGetInstanceProcAddr(app->instance, "xrLocateSpacesKHR", &found), XR_SUCCESS);
-    locate_ = reinterpret_cast<PFN_xrLocateSpacesKHR>(found);
+    locate_ = FunctionOf<PFN_xrLocateSpacesKHR>(app->instance, "xrLocateSpacesKHR");
+    ASSERT_NE(locate_, nullptr);
     const float head[7] = {0.1f, 1.6f, 0.2f, 0, 0, 0, 1};
     const float moving[6] = {0.2f, 0, -0.1f, 0.1f, 0.7f, 0};
     ASSERT_EQ(omni_test_set_head(head, moving), 0);

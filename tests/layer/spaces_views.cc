@@ -114,9 +114,9 @@ class SpacesHands : public SpacesViews {
 
   template <class Pointer>
   Pointer Function(const char* name) const {
-    PFN_xrVoidFunction found = nullptr;
-    EXPECT_EQ(xrGetInstanceProcAddr(app->instance, name, &found), XR_SUCCESS);
-    return reinterpret_cast<Pointer>(found);
+    const auto found = FunctionOf<Pointer>(app->instance, name);
+    EXPECT_NE(found, nullptr) << name;
+    return found;
   }
 
   struct Joints {

@@ -32,7 +32,7 @@ const std::string kValidApplications =
     "Spaces.PastIsInterpolatedWithin100um:Spaces.VelocityOfAnOffsetSpaceHasItsLeverArm:Spaces.VelocityInAMovingBase:"
     "Spaces.PenAsBase:Spaces.PenInPenIsRigid:Spaces.LocatableOnlyWhileItsSetIsActive:Spaces.SpaceOutlivesItsAction:"
     "Spaces.NullPathSpaceSticksToItsFirstDevice:Lifecycle.ServiceHearsTheApplicationAndItsSession:"
-    "Lifecycle.HapticsReachTheService:RuleActions.EqualPrioritiesAreBothFed";
+    "Lifecycle.HapticsReachTheService:StatesRules.EqualPrioritySetsShareTheSource";
 const int kValidCount = 27;
 // One of an extension that only we know.
 const std::string kOwnExtension = "Profiles.BestSuggestedProfileIsTaken";

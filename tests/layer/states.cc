@@ -1,22 +1,14 @@
 // Action states: what the pen, the runtime and both together make of them, and when.
 #include <gtest/gtest.h>
 
-#include "tests/layer/app.h"
+#include "tests/layer/states_fixture.h"
 
 namespace omni::test {
 namespace {
 
 using protocol::InputIndex;
 
-class States : public testing::Test {
- protected:
-  void SetUp() override { omni_test_reset(); }
-  // One more sync with a pen that is there.
-  static void Step(App& app, FakeService& service) {
-    service.Fill();
-    ASSERT_EQ(app.Sync(), XR_SUCCESS);
-  }
-};
+using States = StatesTest;
 
 TEST_F(States, SelectFromTipForceClick) {
   FakeService service;

@@ -1,30 +1,20 @@
 // Rules of action states that need two devices, two sets, or a moment to go wrong.
 #include <gtest/gtest.h>
 
-#include "tests/layer/app.h"
+#include "tests/layer/states_fixture.h"
 
 namespace omni::test {
 namespace {
 
 using protocol::InputIndex;
 
-class StatesRules : public testing::Test {
+class StatesRules : public StatesTest {
  protected:
-  void SetUp() override { omni_test_reset(); }
-  static void Step(App& app, FakeService& service) {
-    service.Fill();
-    ASSERT_EQ(app.Sync(), XR_SUCCESS);
-  }
   static AppOptions Unattached(std::vector<const char*> extensions = {}) {
     AppOptions options;
     options.attach = false;
     options.extensions = std::move(extensions);
     return options;
-  }
-  static XrResult AttachSets(const App& app, const std::vector<XrActionSet>& sets) {
-    const XrSessionActionSetsAttachInfo info{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr,
-                                             static_cast<std::uint32_t>(sets.size()), sets.data()};
-    return xrAttachSessionActionSets(app.session, &info);
   }
 };
 
@@ -47,18 +37,13 @@ XrInteractionProfileAnalogThresholdVALVE Threshold(const App& app, XrAction acti
 TEST_F(StatesRules, EqualPrioritySetsShareTheSource) {
   FakeService service;
   App app(Unattached());
-  const XrActionSet other = app.MakeSet("other", 0);
-  const XrAction grab = app.MakeAction(other, "grab", XR_ACTION_TYPE_BOOLEAN_INPUT);
-  ASSERT_EQ(app.Suggest(kTouch, {{app.select, "/user/hand/right/input/trigger/value"},
-                                 {grab, "/user/hand/right/input/trigger/value"}}),
-            XR_SUCCESS);
-  ASSERT_EQ(AttachSets(app, {app.set, other}), XR_SUCCESS);
+  const TwoSets sets(app, 0);
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
   service.Set(InputIndex::kSelect, 1);
   service.Fill();
-  ASSERT_EQ(app.SyncSets({{app.set, XR_NULL_PATH}, {other, XR_NULL_PATH}}), XR_SUCCESS);
+  ASSERT_EQ(app.SyncSets({{app.set, XR_NULL_PATH}, {sets.second, XR_NULL_PATH}}), XR_SUCCESS);
   EXPECT_TRUE(app.Bool(app.select, app.right).currentState);
-  EXPECT_TRUE(app.Bool(grab, app.right).currentState);
+  EXPECT_TRUE(app.Bool(sets.grab, app.right).currentState);
 }
 
 // [XrActionSetCreateInfo] a set that is active for the other hand only takes nothing of the pen's, although its action
@@ -222,16 +207,11 @@ TEST_F(StatesRules, PressesWithoutFocusAreNotReported) {
 TEST_F(StatesRules, DestroyedActionStillTakesItsSource) {
   FakeService service;
   App app(Unattached());
-  const XrActionSet high = app.MakeSet("high", 5);
-  const XrAction grab = app.MakeAction(high, "grab", XR_ACTION_TYPE_BOOLEAN_INPUT);
-  ASSERT_EQ(app.Suggest(kTouch, {{app.select, "/user/hand/right/input/trigger/value"},
-                                 {grab, "/user/hand/right/input/trigger/value"}}),
-            XR_SUCCESS);
-  ASSERT_EQ(AttachSets(app, {app.set, high}), XR_SUCCESS);
+  const TwoSets sets(app, 5);
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
-  ASSERT_EQ(xrDestroyAction(grab), XR_SUCCESS);
+  ASSERT_EQ(xrDestroyAction(sets.grab), XR_SUCCESS);
   service.Fill();
-  ASSERT_EQ(app.SyncSets({{app.set, XR_NULL_PATH}, {high, XR_NULL_PATH}}), XR_SUCCESS);
+  ASSERT_EQ(app.SyncSets({{app.set, XR_NULL_PATH}, {sets.second, XR_NULL_PATH}}), XR_SUCCESS);
   EXPECT_FALSE(app.Bool(app.select, app.right).isActive) << "the higher set's action takes the trigger";
   Step(app, service);
   EXPECT_TRUE(app.Bool(app.select, app.right).isActive);

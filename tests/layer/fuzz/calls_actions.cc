@@ -75,23 +75,9 @@ void Sequence::MakeAction(XrActionType type) {
   if (XR_SUCCEEDED(result)) actions_.live.push_back(action);
 }
 
-void Sequence::DropSet() {
-  const XrActionSet set = Pick(sets_);
-  const XrResult result = f_.DestroyActionSet(set);
-  Say("destroy set", result);
-  if (XR_FAILED(result)) return;
-  std::erase(sets_.live, set);
-  sets_.dead.push_back(set);
-}
+void Sequence::DropSet() { Drop(sets_, f_.DestroyActionSet, "destroy set"); }
 
-void Sequence::DropAction() {
-  const XrAction action = Pick(actions_);
-  const XrResult result = f_.DestroyAction(action);
-  Say("destroy action", result);
-  if (XR_FAILED(result)) return;
-  std::erase(actions_.live, action);
-  actions_.dead.push_back(action);
-}
+void Sequence::DropAction() { Drop(actions_, f_.DestroyAction, "destroy action"); }
 
 void Sequence::Suggest(bool sane) {
   struct Usual {

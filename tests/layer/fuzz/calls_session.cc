@@ -40,13 +40,7 @@ void Sequence::MakeSession() {
 }
 
 void Sequence::DropSession() {
-  const XrSession session = Pick(sessions_);
-  const XrResult result = f_.DestroySession(session);
-  Say("destroy session", result);
-  if (XR_FAILED(result)) return;
-  std::erase(sessions_.live, session);
-  sessions_.dead.push_back(session);
-  waited_.erase(session);
+  if (const auto session = Drop(sessions_, f_.DestroySession, "destroy session")) waited_.erase(*session);
 }
 
 void Sequence::Begin() {
@@ -144,14 +138,7 @@ void Sequence::ReferenceSpace() {
   if (XR_SUCCEEDED(result)) spaces_.live.push_back(space);
 }
 
-void Sequence::DropSpace() {
-  const XrSpace space = Pick(spaces_);
-  const XrResult result = f_.DestroySpace(space);
-  Say("destroy space", result);
-  if (XR_FAILED(result)) return;
-  std::erase(spaces_.live, space);
-  spaces_.dead.push_back(space);
-}
+void Sequence::DropSpace() { Drop(spaces_, f_.DestroySpace, "destroy space"); }
 
 void Sequence::CheckLocation(const XrSpaceLocation& location, const XrSpaceVelocity* velocity) {
   const XrSpaceLocationFlags flags = location.locationFlags;

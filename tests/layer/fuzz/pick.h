@@ -22,4 +22,15 @@ T* Sequence::OrNull(T* pointer) {
   return random_.Percent(3) ? nullptr : pointer;
 }
 
+template <class Handle>
+std::optional<Handle> Sequence::Drop(Pool<Handle>& pool, XrResult(XRAPI_PTR* destroy)(Handle), const char* what) {
+  const Handle handle = Pick(pool);
+  const XrResult result = destroy(handle);
+  Say(what, result);
+  if (XR_FAILED(result)) return std::nullopt;
+  std::erase(pool.live, handle);
+  pool.dead.push_back(handle);
+  return handle;
+}
+
 }  // namespace omni::test

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -48,6 +49,9 @@ class Sequence {
   void Violation(const std::string& text);
   template <class Handle>
   Handle Pick(const Pool<Handle>& pool);
+  // Destroys one of them, or what is none; none: it was refused.
+  template <class Handle>
+  std::optional<Handle> Drop(Pool<Handle>& pool, XrResult(XRAPI_PTR* destroy)(Handle), const char* what);
   template <class T>
   T* OrNull(T* pointer);
   XrStructureType Type(XrStructureType right);
