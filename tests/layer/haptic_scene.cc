@@ -6,50 +6,14 @@
 #include <string>
 #include <thread>
 
-#include "layer/include/openxr/omni_haptic_scene.h"
 #include "layer/src/locate.h"
 #include "tests/layer/app.h"
+#include "tests/layer/scene_functions.h"
 
 namespace omni::test {
 namespace {
 
-constexpr const char* kForceFeedback = "XR_OMNIX1_force_feedback";
-const AppOptions kWithScene{.extensions = {kForceFeedback, XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME}};
-
-template <class Function>
-Function Get(XrInstance instance, const char* name) {
-  PFN_xrVoidFunction function = nullptr;
-  return XR_SUCCEEDED(xrGetInstanceProcAddr(instance, name, &function)) ? reinterpret_cast<Function>(function)
-                                                                        : nullptr;
-}
-
-struct Functions {
-  explicit Functions(XrInstance i)
-      : create(Get<PFN_xrCreateHapticSceneOMNIX1>(i, "xrCreateHapticSceneOMNIX1")),
-        destroy(Get<PFN_xrDestroyHapticSceneOMNIX1>(i, "xrDestroyHapticSceneOMNIX1")),
-        state(Get<PFN_xrGetHapticSceneStateOMNIX1>(i, "xrGetHapticSceneStateOMNIX1")),
-        diagnostics(Get<PFN_xrGetHapticSceneDiagnosticsOMNIX1>(i, "xrGetHapticSceneDiagnosticsOMNIX1")),
-        nodes(Get<PFN_xrEnumerateHapticSceneNodesOMNIX1>(i, "xrEnumerateHapticSceneNodesOMNIX1")),
-        place(Get<PFN_xrSetHapticScenePlacementOMNIX1>(i, "xrSetHapticScenePlacementOMNIX1")),
-        enable(Get<PFN_xrSetHapticSceneEnabledOMNIX1>(i, "xrSetHapticSceneEnabledOMNIX1")),
-        move(Get<PFN_xrUpdateHapticNodesOMNIX1>(i, "xrUpdateHapticNodesOMNIX1")),
-        get_material(Get<PFN_xrGetHapticMaterialOMNIX1>(i, "xrGetHapticMaterialOMNIX1")),
-        set_material(Get<PFN_xrSetHapticMaterialOMNIX1>(i, "xrSetHapticMaterialOMNIX1")),
-        contacts(Get<PFN_xrEnumerateHapticContactsOMNIX1>(i, "xrEnumerateHapticContactsOMNIX1")),
-        mesh(Get<PFN_xrGetHapticNodeMeshOMNIX1>(i, "xrGetHapticNodeMeshOMNIX1")) {}
-  PFN_xrCreateHapticSceneOMNIX1 create;
-  PFN_xrDestroyHapticSceneOMNIX1 destroy;
-  PFN_xrGetHapticSceneStateOMNIX1 state;
-  PFN_xrGetHapticSceneDiagnosticsOMNIX1 diagnostics;
-  PFN_xrEnumerateHapticSceneNodesOMNIX1 nodes;
-  PFN_xrSetHapticScenePlacementOMNIX1 place;
-  PFN_xrSetHapticSceneEnabledOMNIX1 enable;
-  PFN_xrUpdateHapticNodesOMNIX1 move;
-  PFN_xrGetHapticMaterialOMNIX1 get_material;
-  PFN_xrSetHapticMaterialOMNIX1 set_material;
-  PFN_xrEnumerateHapticContactsOMNIX1 contacts;
-  PFN_xrGetHapticNodeMeshOMNIX1 mesh;
-};
+const AppOptions kWithScene{.extensions = kSceneExtensions};
 
 constexpr const char* kDocument = "a document, as far as this service cares";
 
@@ -59,7 +23,7 @@ class SceneStory {
   explicit SceneStory(bool with_service = true) {
     if (with_service) service = std::make_unique<FakeService>();
     app = std::make_unique<App>(kWithScene);
-    f = std::make_unique<Functions>(app->instance);
+    f = std::make_unique<SceneFunctions>(app->instance);
   }
 
   XrResult Create(const std::string& document = kDocument) {
@@ -142,7 +106,7 @@ class SceneStory {
 
   std::unique_ptr<FakeService> service;
   std::unique_ptr<App> app;
-  std::unique_ptr<Functions> f;
+  std::unique_ptr<SceneFunctions> f;
   XrHapticSceneOMNIX1 scene = XR_NULL_HANDLE;
 };
 
@@ -150,10 +114,10 @@ TEST(HapticScene, FunctionsAreThereOnlyWhereBothExtensionsAre) {
   for (const bool force : {false, true}) {
     for (const bool scene : {false, true}) {
       AppOptions options;
-      if (force) options.extensions.push_back(kForceFeedback);
+      if (force) options.extensions.push_back(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME);
       if (scene) options.extensions.push_back(XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME);
       const App app(options);
-      const Functions f(app.instance);
+      const SceneFunctions f(app.instance);
       EXPECT_EQ(f.create != nullptr, force && scene);
       EXPECT_EQ(f.mesh != nullptr, force && scene);
     }
@@ -240,6 +204,51 @@ TEST(HapticScene, APlacementIsToldInTheBase) {
   EXPECT_NEAR(told_L.y, p_L.y, 1e-6);
   EXPECT_NEAR(told_L.z, p_L.z, 1e-6);
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1) << "another scale is another scene";
+}
+
+// In a space that is still it is told once; in one that moves, frame by frame with how it moves.
+TEST(HapticScene, APlacementFollowsItsSpace) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  const auto frame = [&] {
+    story.service->Fill();
+    XrFrameState state{XR_TYPE_FRAME_STATE};
+    EXPECT_EQ(xrWaitFrame(story.app->session, nullptr, &state), XR_SUCCESS);
+    xrBeginFrame(story.app->session, nullptr);
+    const XrFrameEndInfo end{XR_TYPE_FRAME_END_INFO,           nullptr, state.predictedDisplayTime,
+                             XR_ENVIRONMENT_BLEND_MODE_OPAQUE, 0,       nullptr};
+    xrEndFrame(story.app->session, &end);
+  };
+  XrHapticScenePlacementOMNIX1 placement{XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1,
+                                         nullptr,
+                                         story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
+                                         {{0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}},
+                                         1};
+  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() == 1; }));
+  for (int i = 0; i < 20; ++i) frame();
+  Pause_ms(50);
+  EXPECT_EQ(story.service->heard().scene_places.size(), 1u) << "nothing new was to be told";
+
+  // A head that rises at 0.1 m/s carries the scene with it.
+  const float head[7] = {0, 1.6f, 0, 0, 0, 0, 1}, rising[6] = {0, 0.1f, 0, 0, 0, 0};
+  ASSERT_EQ(omni_test_set_head(head, rising), 0);
+  placement.baseSpace = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
+  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  ASSERT_TRUE(story.Until([&] {
+    frame();
+    return story.service->heard().scene_places.size() >= 6;
+  }));
+  const auto places = story.service->heard().scene_places;
+  for (std::size_t i = 2; i < places.size(); ++i) {
+    const protocol::HapticScenePlace &before = places[i - 1], &place = places[i];
+    EXPECT_NEAR(place.pose.velocity_m_s[2], 0.1, 1e-4);
+    EXPECT_EQ(place.flags, 0u) << "it is moved, not put";
+    const double s = 1e-9 * static_cast<double>(place.t_ns - before.t_ns);
+    EXPECT_GT(s, 0);
+    EXPECT_NEAR(place.pose.position_m[2] - before.pose.position_m[2], 0.1 * s, 1e-5);
+  }
+  EXPECT_EQ(omni_test_reset(), 0);
 }
 
 // A node at its rest is told as no motion; a move, a turn and a velocity as what they do to the document's points.

@@ -1,31 +1,22 @@
 // The whole way of a force: an OpenXR application, the loader, the layer, omnid, the twin. What the coils did is read
 // from the twin's own recording.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
-#include <cmath>
-#include <cstdio>
 #include <functional>
 
 #include "layer/include/openxr/omni_force_feedback.h"
-#include "tests/layer/app.h"
-#include "tests/support/service_process.h"
+#include "tests/layer/service/child_app.h"
 
 namespace omni::test {
 namespace {
 
 constexpr XrDuration kLong_ns = XR_MAX_FORCE_DURATION_OMNIX1;
-constexpr double kWholeRecording_ms = 1e6;
 
 constexpr const char* kHoldStill = R"({"name": "hold", "repeat": false, "waypoints": [
     {"s": 0, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}]})";
 
-class StackService : public ServiceProcess {
- public:
-  StackService() : ServiceProcess(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kHoldStill) {
-    setenv("OMNI_SOCKET", socket_path().c_str(), 1);
-    Start();
-  }
+struct StillService : StackService {
+  StillService() : StackService(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kHoldStill) {}
 };
 
 // An OpenXR application with one force feedback handle. Lives in a process of its own.
@@ -111,52 +102,15 @@ class ForceApp {
   int held_ = 0;
 };
 
-// Runs `body` in a process of its own; it returns the time of what it did, 0 if it did not get so far.
-struct Child {
-  pid_t pid = -1;
-  std::int64_t t_ns = 0;
-};
-Child Fork(const std::function<std::int64_t(ForceApp&)>& body, const std::function<void(ForceApp&)>& afterwards) {
-  int pipes[2];
-  if (pipe(pipes) != 0) return {};
-  Child child{.pid = fork()};
-  if (child.pid == 0) {
-    ForceApp app;
-    const std::int64_t t_ns = app.Create() ? body(app) : 0;
-    if (write(pipes[1], &t_ns, sizeof(t_ns)) != sizeof(t_ns)) _exit(1);
-    afterwards(app);
-    _exit(0);
-  }
-  close(pipes[1]);
-  if (read(pipes[0], &child.t_ns, sizeof(child.t_ns)) != sizeof(child.t_ns)) child.t_ns = 0;
-  close(pipes[0]);
-  return child;
-}
-
-void End(const Child& child) {
-  kill(child.pid, SIGKILL);
-  waitpid(child.pid, nullptr, 0);
-}
-
-double CoilsAtZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns) {
-  EXPECT_EQ(service.Stop(), 0);
-  const auto truth = service.Truth();
-  if (!truth.has_value()) return -1;
-  EXPECT_GT(MillisecondsToZero(*truth, t_ns - 20'000'000, 20), 0) << what << ": it was pushing before";
-  const double ms = MillisecondsToZero(*truth, t_ns, kWholeRecording_ms);
-  std::printf("[ figure   ] OpenXR application: coils at zero %.1f ms after %s\n", ms, what);
-  return ms;
-}
-
 void LiveOn(ForceApp& app) {
   app.Until([] { return false; }, 600);
 }
 
 TEST(ForceStack, DeadmanEndsTheForce) {
-  StackService service;
-  const Child app = Fork(
+  StillService service;
+  const Child app = Fork<ForceApp>(
       [](ForceApp& a) -> std::int64_t {
-        if (!a.PushUntilFelt()) return 0;
+        if (!a.Create() || !a.PushUntilFelt()) return 0;
         a.Until(
             [&] {
               a.Push(kLong_ns);
@@ -176,10 +130,10 @@ TEST(ForceStack, DeadmanEndsTheForce) {
 }
 
 TEST(ForceStack, LosingFocusEndsForceAndConstraint) {
-  StackService service;
-  const Child app = Fork(
+  StillService service;
+  const Child app = Fork<ForceApp>(
       [](ForceApp& a) -> std::int64_t {
-        if (!a.HoldUntilFelt() || !a.PushUntilFelt()) return 0;
+        if (!a.Create() || !a.HoldUntilFelt() || !a.PushUntilFelt()) return 0;
         const std::int64_t t_ns = Now_ns();
         omni_test_set_focus(0);
         return t_ns;
@@ -194,15 +148,15 @@ TEST(ForceStack, LosingFocusEndsForceAndConstraint) {
 }
 
 TEST(ForceStack, KilledApplicationEndsForceAndConstraint) {
-  StackService service;
-  const Child app =
-      Fork([](ForceApp& a) -> std::int64_t { return a.HoldUntilFelt() && a.PushUntilFelt() ? Now_ns() : 0; },
-           [](ForceApp& a) {
-             a.Until([&] {
-               a.Push(kLong_ns);
-               return false;
-             });
-           });
+  StillService service;
+  const Child app = Fork<ForceApp>(
+      [](ForceApp& a) -> std::int64_t { return a.Create() && a.HoldUntilFelt() && a.PushUntilFelt() ? Now_ns() : 0; },
+      [](ForceApp& a) {
+        a.Until([&] {
+          a.Push(kLong_ns);
+          return false;
+        });
+      });
   SleepMs(200);
   const std::int64_t killed_ns = Now_ns();
   End(app);
