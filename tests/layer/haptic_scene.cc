@@ -4,111 +4,12 @@
 #include <cmath>
 #include <cstring>
 #include <string>
-#include <thread>
 
 #include "layer/src/locate.h"
-#include "tests/layer/app.h"
-#include "tests/layer/scene_functions.h"
+#include "tests/layer/scene_story.h"
 
 namespace omni::test {
 namespace {
-
-const AppOptions kWithScene{.extensions = kSceneExtensions};
-
-constexpr const char* kDocument = "a document, as far as this service cares";
-
-// An application with a scene, a service that answers for it.
-class SceneStory {
- public:
-  explicit SceneStory(bool with_service = true) {
-    if (with_service) service = std::make_unique<FakeService>();
-    app = std::make_unique<App>(kWithScene);
-    f = std::make_unique<SceneFunctions>(app->instance);
-  }
-
-  XrResult Create(const std::string& document = kDocument) {
-    XrHapticSceneCreateInfoOMNIX1 info{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1};
-    info.bufferByteCount = static_cast<std::uint32_t>(document.size());
-    info.buffer = reinterpret_cast<const std::uint8_t*>(document.data());
-    return f->create(app->session, &info, &scene);
-  }
-
-  XrHapticSceneStateOMNIX1 State() const {
-    XrHapticSceneStateOMNIX1 state{XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1};
-    EXPECT_EQ(f->state(scene, &state), XR_SUCCESS);
-    return state;
-  }
-
-  std::string Diagnostics() const {
-    std::uint32_t count = 0;
-    EXPECT_EQ(f->diagnostics(scene, 0, &count, nullptr), XR_SUCCESS);
-    std::string text(count, '\0');
-    EXPECT_EQ(f->diagnostics(scene, count, &count, text.data()), XR_SUCCESS);
-    text.resize(std::strlen(text.c_str()));
-    return text;
-  }
-
-  // Until `done`, at most two seconds: the service answers within its period of 10 ms.
-  template <class Done>
-  bool Until(Done done) {
-    for (int i = 0; i < 400; ++i) {
-      if (service) service->Fill();
-      app->Poll();
-      if (done()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
-  }
-
-  // Two nodes: 0 stays where it is, 1 can be moved and is 0.1 m to the right and 0.3 m up in the document.
-  void SayTable(std::uint32_t number) {
-    protocol::HapticSceneTable table;
-    table.number = number;
-    table.node_count = 2;
-    table.material_count = 1;
-    protocol::HapticNodeRow rows[2];
-    std::strcpy(rows[0].name, "still");
-    rows[0].gltf_node = 4;
-    rows[0].flags = protocol::kNodeSoft;
-    std::strcpy(rows[1].name, "moved");
-    rows[1].gltf_node = 2;
-    rows[1].flags = protocol::kNodeKinematic;
-    rows[1].rest_position_m = {0.1, 0.3, 0};
-    protocol::HapticFeel feel;
-    feel.stiffness_N_m = 444;
-    table.header.size = sizeof(table) + sizeof(rows) + sizeof(feel);
-    std::string message(reinterpret_cast<const char*>(&table), sizeof(table));
-    message.append(reinterpret_cast<const char*>(rows), sizeof(rows));
-    message.append(reinterpret_cast<const char*>(&feel), sizeof(feel));
-    service->Say(message);
-  }
-  void SayState(std::uint32_t number, protocol::HapticSceneStatus status, std::uint64_t generation,
-                const std::string& text) {
-    protocol::HapticSceneState state;
-    state.number = number;
-    state.status = status;
-    state.generation = generation;
-    state.load_ns = 5'000'000;
-    state.triangle_count = 12;
-    state.material_count = 1;
-    state.header.size = static_cast<std::uint32_t>(sizeof(state) + text.size());
-    std::string message(reinterpret_cast<const char*>(&state), sizeof(state));
-    service->Say(message + text);
-  }
-  bool GetReady() {
-    if (Create() != XR_SUCCESS) return false;
-    if (!Until([&] { return !service->heard().scene_loads.empty(); })) return false;
-    const std::uint32_t number = service->heard().scene_loads.back().number;
-    SayTable(number);
-    SayState(number, protocol::HapticSceneStatus::kReady, 9, "a warning");
-    return Until([&] { return State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; });
-  }
-
-  std::unique_ptr<FakeService> service;
-  std::unique_ptr<App> app;
-  std::unique_ptr<SceneFunctions> f;
-  XrHapticSceneOMNIX1 scene = XR_NULL_HANDLE;
-};
 
 TEST(HapticScene, FunctionsAreThereOnlyWhereBothExtensionsAre) {
   for (const bool force : {false, true}) {
@@ -204,51 +105,6 @@ TEST(HapticScene, APlacementIsToldInTheBase) {
   EXPECT_NEAR(told_L.y, p_L.y, 1e-6);
   EXPECT_NEAR(told_L.z, p_L.z, 1e-6);
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1) << "another scale is another scene";
-}
-
-// In a space that is still it is told once; in one that moves, frame by frame with how it moves.
-TEST(HapticScene, APlacementFollowsItsSpace) {
-  SceneStory story;
-  ASSERT_TRUE(story.GetReady());
-  const auto frame = [&] {
-    story.service->Fill();
-    XrFrameState state{XR_TYPE_FRAME_STATE};
-    EXPECT_EQ(xrWaitFrame(story.app->session, nullptr, &state), XR_SUCCESS);
-    xrBeginFrame(story.app->session, nullptr);
-    const XrFrameEndInfo end{XR_TYPE_FRAME_END_INFO,           nullptr, state.predictedDisplayTime,
-                             XR_ENVIRONMENT_BLEND_MODE_OPAQUE, 0,       nullptr};
-    xrEndFrame(story.app->session, &end);
-  };
-  XrHapticScenePlacementOMNIX1 placement{XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1,
-                                         nullptr,
-                                         story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
-                                         {{0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}},
-                                         1};
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() == 1; }));
-  for (int i = 0; i < 20; ++i) frame();
-  Pause_ms(50);
-  EXPECT_EQ(story.service->heard().scene_places.size(), 1u) << "nothing new was to be told";
-
-  // A head that rises at 0.1 m/s carries the scene with it.
-  const float head[7] = {0, 1.6f, 0, 0, 0, 0, 1}, rising[6] = {0, 0.1f, 0, 0, 0, 0};
-  ASSERT_EQ(omni_test_set_head(head, rising), 0);
-  placement.baseSpace = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] {
-    frame();
-    return story.service->heard().scene_places.size() >= 6;
-  }));
-  const auto places = story.service->heard().scene_places;
-  for (std::size_t i = 2; i < places.size(); ++i) {
-    const protocol::HapticScenePlace &before = places[i - 1], &place = places[i];
-    EXPECT_NEAR(place.pose.velocity_m_s[2], 0.1, 1e-4);
-    EXPECT_EQ(place.flags, 0u) << "it is moved, not put";
-    const double s = 1e-9 * static_cast<double>(place.t_ns - before.t_ns);
-    EXPECT_GT(s, 0);
-    EXPECT_NEAR(place.pose.position_m[2] - before.pose.position_m[2], 0.1 * s, 1e-5);
-  }
-  EXPECT_EQ(omni_test_reset(), 0);
 }
 
 // A node at its rest is told as no motion; a move, a turn and a velocity as what they do to the document's points.
