@@ -3,11 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstring>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "tests/layer/app.h"
 #include "tests/layer/scene_functions.h"
@@ -48,16 +46,14 @@ class SceneStory {
     return text;
   }
 
-  // Until `done`, at most two seconds: the service answers within its period of 10 ms.
+  // Until `done`; the service answers within its period of 10 ms. False: it never was.
   template <class Done>
   bool Until(Done done) {
-    for (int i = 0; i < 400; ++i) {
+    return Eventually([&] {
       if (service) service->Fill();
       app->Poll();
-      if (done()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
+      return done();
+    });
   }
 
   // Two nodes: 0 stays where it is, 1 can be moved and is 0.1 m to the right and 0.3 m up in the document.
