@@ -171,7 +171,7 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
   if (!found) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
   const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
   const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
-  const double scale = scene->placement ? scene->placement->scale : 1;
+  const double scale = scene->state.scale;
   mesh->time = copy.frame.t_ns > 0 ? instance_.clock.ToXr(copy.frame.t_ns) : 0;
   mesh->vertexChange = copy.frame.vertex_change;
   mesh->indexChange = copy.frame.triangle_change;

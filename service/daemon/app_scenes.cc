@@ -202,6 +202,7 @@ protocol::HapticSceneState AppScenes::StateOf(const AppScene& scene, std::uint64
   state.number = scene.number;
   state.status = scene.failed ? Status::kFailed : scene.loading ? Status::kLoading : Status::kReady;
   state.generation = generation;
+  state.scale = scene.felt_scale;
   state.load_ns = std::max<std::int64_t>(0, scene.load_ns);
   if (scene.built != nullptr && !scene.built->scene->empty()) {
     state.triangle_count = scene.built->scene->header().triangle_count;
@@ -219,7 +220,8 @@ void AppScenes::Tell(ipc::ClientId felt, std::uint64_t generation) {
     protocol::HapticSceneState state =
         StateOf(scene, id == felt && scene.enabled && scene.built != nullptr ? generation : 0);
     const bool known = scene.told && scene.told->status == state.status && scene.told->generation == state.generation &&
-                       scene.told->load_ns == state.load_ns && scene.told->triangle_count == state.triangle_count;
+                       scene.told->scale == state.scale && scene.told->load_ns == state.load_ns &&
+                       scene.told->triangle_count == state.triangle_count;
     if (known) continue;
     state.header.size = static_cast<std::uint32_t>(sizeof(state) + scene.text.size());
     std::string message(reinterpret_cast<const char*>(&state), sizeof(state));

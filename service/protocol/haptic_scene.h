@@ -108,6 +108,7 @@ struct HapticSceneState {
   std::uint32_t number = 0;
   HapticSceneStatus status = HapticSceneStatus::kLoading;
   std::uint64_t generation = 0;  // of the scene in the state memory's contacts and in surfaces; 0: it is not felt
+  double scale = 1;              // of what is felt: the one that was asked for once it is ready
   std::int64_t load_ns = 0;      // from the document's arrival to ready or failed
   std::uint32_t triangle_count = 0;
   std::uint32_t material_count = 0;  // of the scene; the table names the first kMaxHapticMaterials
@@ -143,7 +144,7 @@ struct HapticSceneTable {
 };
 
 static_assert(std::is_trivially_copyable_v<HapticNodes> && sizeof(HapticNodePose) == 112 && sizeof(HapticFeel) == 88);
-static_assert(sizeof(HapticSceneLoad) == 40 && sizeof(HapticScenePlace) == 144 && sizeof(HapticSceneState) == 48);
+static_assert(sizeof(HapticSceneLoad) == 40 && sizeof(HapticScenePlace) == 144 && sizeof(HapticSceneState) == 56);
 static_assert(sizeof(HapticNodeRow) == 120 && sizeof(HapticSceneTable) == 32);
 static_assert(sizeof(HapticSceneTable) + kMaxHapticNodes * sizeof(HapticNodeRow) +
                   kMaxHapticMaterials * sizeof(HapticFeel) <=

@@ -97,6 +97,7 @@ const char* Problem(const HapticMaterial& material) noexcept {
 const char* Problem(const HapticSceneState& state) noexcept {
   if (state.number == 0) return kNoNumber;
   if (!(state.status <= HapticSceneStatus::kFailed)) return "status is not 0, 1 or 2";
+  if (!IsScale(state.scale)) return "scale is not in 1e-4..1e4";
   return state.load_ns >= 0 ? nullptr : "load_ns is negative";
 }
 

@@ -153,6 +153,17 @@ void FakeService::OnWaveform(ipc::ClientId, const protocol::ShapedHaptic& haptic
   Hear(heard_.waveforms, std::move(shaped));
 }
 
+void FakeService::SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfaces) {
+  const std::lock_guard lock(mutex_);
+  surfaces_ = std::move(surfaces);
+  surfaces_due_ = true;
+}
+
+void FakeService::OnSurfaceRequest(ipc::ClientId, bool wanted) {
+  const std::lock_guard lock(mutex_);
+  surfaces_wanted_ = surfaces_due_ = wanted;
+}
+
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
   if (placement_changed_) {
@@ -165,6 +176,12 @@ void FakeService::OnPeriod(std::int64_t) {
   settings_due_ = false;
   if (properties_ && server_->SendForceProperties(client_, *properties_)) properties_.reset();
   if (owner_ && server_->SendForceOwner(client_, *owner_)) owner_.reset();
+  if (surfaces_ && surfaces_wanted_ && surfaces_due_) {
+    protocol::Surfaces announced;
+    announced.total_bytes = surfaces_->bytes();
+    announced.memory_generation = surfaces_->id().memory_generation;
+    surfaces_due_ = !server_->SendSurfaces(client_, announced, surfaces_->fd());
+  }
   while (!to_say_.empty() && server_->TrySend(client_, to_say_.front().data(), to_say_.front().size())) {
     to_say_.erase(to_say_.begin());
   }

@@ -14,6 +14,7 @@
 
 #include "service/ipc/server.h"
 #include "service/ipc/state_publisher.h"
+#include "service/ipc/surface_publisher.h"
 
 namespace omni::test {
 
@@ -75,6 +76,8 @@ class FakeService : private ipc::ServerHandler {
   void Say(const std::string& message);
   // What is touched, from now on.
   void SetContacts(const protocol::ContactSnapshot& contacts) { contacts_ = contacts; }
+  // What who asks for surfaces gets, and has got so far.
+  void SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfaces);
   // What it answers when it is asked where the base stands, and tells who has asked before. At first: known, in front
   // of the origin of LOCAL, where the layer also guesses it.
   void SetPlacement(const protocol::Placement& placement);
@@ -96,6 +99,7 @@ class FakeService : private ipc::ServerHandler {
   void OnHapticStop(ipc::ClientId id) override;
   void OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) override;
   void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
+  void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
   void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
   void OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) override;
   void OnHapticSceneEnd(ipc::ClientId id, const protocol::HapticSceneEnd& end) override;
@@ -113,6 +117,9 @@ class FakeService : private ipc::ServerHandler {
   protocol::InputSnapshot inputs_;
   protocol::ContactSnapshot contacts_;
   std::vector<std::string> to_say_;
+  std::shared_ptr<const ipc::SurfacePublisher> surfaces_;
+  bool surfaces_wanted_ = false;
+  bool surfaces_due_ = false;
   std::int64_t last_t_ns_ = 0;
   mutable std::mutex mutex_;
   Heard heard_;

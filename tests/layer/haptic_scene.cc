@@ -4,149 +4,21 @@
 #include <cmath>
 #include <cstring>
 #include <string>
-#include <thread>
 
-#include "layer/include/openxr/omni_haptic_scene.h"
 #include "layer/src/locate.h"
-#include "tests/layer/app.h"
+#include "tests/layer/scene_story.h"
 
 namespace omni::test {
 namespace {
-
-constexpr const char* kForceFeedback = "XR_OMNIX1_force_feedback";
-const AppOptions kWithScene{.extensions = {kForceFeedback, XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME}};
-
-struct Functions {
-  explicit Functions(XrInstance i)
-      : create(FunctionOf<PFN_xrCreateHapticSceneOMNIX1>(i, "xrCreateHapticSceneOMNIX1")),
-        destroy(FunctionOf<PFN_xrDestroyHapticSceneOMNIX1>(i, "xrDestroyHapticSceneOMNIX1")),
-        state(FunctionOf<PFN_xrGetHapticSceneStateOMNIX1>(i, "xrGetHapticSceneStateOMNIX1")),
-        diagnostics(FunctionOf<PFN_xrGetHapticSceneDiagnosticsOMNIX1>(i, "xrGetHapticSceneDiagnosticsOMNIX1")),
-        nodes(FunctionOf<PFN_xrEnumerateHapticSceneNodesOMNIX1>(i, "xrEnumerateHapticSceneNodesOMNIX1")),
-        place(FunctionOf<PFN_xrSetHapticScenePlacementOMNIX1>(i, "xrSetHapticScenePlacementOMNIX1")),
-        enable(FunctionOf<PFN_xrSetHapticSceneEnabledOMNIX1>(i, "xrSetHapticSceneEnabledOMNIX1")),
-        move(FunctionOf<PFN_xrUpdateHapticNodesOMNIX1>(i, "xrUpdateHapticNodesOMNIX1")),
-        get_material(FunctionOf<PFN_xrGetHapticMaterialOMNIX1>(i, "xrGetHapticMaterialOMNIX1")),
-        set_material(FunctionOf<PFN_xrSetHapticMaterialOMNIX1>(i, "xrSetHapticMaterialOMNIX1")),
-        contacts(FunctionOf<PFN_xrEnumerateHapticContactsOMNIX1>(i, "xrEnumerateHapticContactsOMNIX1")),
-        mesh(FunctionOf<PFN_xrGetHapticNodeMeshOMNIX1>(i, "xrGetHapticNodeMeshOMNIX1")) {}
-  PFN_xrCreateHapticSceneOMNIX1 create;
-  PFN_xrDestroyHapticSceneOMNIX1 destroy;
-  PFN_xrGetHapticSceneStateOMNIX1 state;
-  PFN_xrGetHapticSceneDiagnosticsOMNIX1 diagnostics;
-  PFN_xrEnumerateHapticSceneNodesOMNIX1 nodes;
-  PFN_xrSetHapticScenePlacementOMNIX1 place;
-  PFN_xrSetHapticSceneEnabledOMNIX1 enable;
-  PFN_xrUpdateHapticNodesOMNIX1 move;
-  PFN_xrGetHapticMaterialOMNIX1 get_material;
-  PFN_xrSetHapticMaterialOMNIX1 set_material;
-  PFN_xrEnumerateHapticContactsOMNIX1 contacts;
-  PFN_xrGetHapticNodeMeshOMNIX1 mesh;
-};
-
-constexpr const char* kDocument = "a document, as far as this service cares";
-
-// An application with a scene, a service that answers for it.
-class SceneStory {
- public:
-  explicit SceneStory(bool with_service = true) {
-    if (with_service) service = std::make_unique<FakeService>();
-    app = std::make_unique<App>(kWithScene);
-    f = std::make_unique<Functions>(app->instance);
-  }
-
-  XrResult Create(const std::string& document = kDocument) {
-    XrHapticSceneCreateInfoOMNIX1 info{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1};
-    info.bufferByteCount = static_cast<std::uint32_t>(document.size());
-    info.buffer = reinterpret_cast<const std::uint8_t*>(document.data());
-    return f->create(app->session, &info, &scene);
-  }
-
-  XrHapticSceneStateOMNIX1 State() const {
-    XrHapticSceneStateOMNIX1 state{XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1};
-    EXPECT_EQ(f->state(scene, &state), XR_SUCCESS);
-    return state;
-  }
-
-  std::string Diagnostics() const {
-    std::uint32_t count = 0;
-    EXPECT_EQ(f->diagnostics(scene, 0, &count, nullptr), XR_SUCCESS);
-    std::string text(count, '\0');
-    EXPECT_EQ(f->diagnostics(scene, count, &count, text.data()), XR_SUCCESS);
-    text.resize(std::strlen(text.c_str()));
-    return text;
-  }
-
-  // Until `done`, at most two seconds: the service answers within its period of 10 ms.
-  template <class Done>
-  bool Until(Done done) {
-    for (int i = 0; i < 400; ++i) {
-      if (service) service->Fill();
-      app->Poll();
-      if (done()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
-  }
-
-  // Two nodes: 0 stays where it is, 1 can be moved and is 0.1 m to the right and 0.3 m up in the document.
-  void SayTable(std::uint32_t number) {
-    protocol::HapticSceneTable table;
-    table.number = number;
-    table.node_count = 2;
-    table.material_count = 1;
-    protocol::HapticNodeRow rows[2];
-    std::strcpy(rows[0].name, "still");
-    rows[0].gltf_node = 4;
-    rows[0].flags = protocol::kNodeSoft;
-    std::strcpy(rows[1].name, "moved");
-    rows[1].gltf_node = 2;
-    rows[1].flags = protocol::kNodeKinematic;
-    rows[1].rest_position_m = {0.1, 0.3, 0};
-    protocol::HapticFeel feel;
-    feel.stiffness_N_m = 444;
-    table.header.size = sizeof(table) + sizeof(rows) + sizeof(feel);
-    std::string message(reinterpret_cast<const char*>(&table), sizeof(table));
-    message.append(reinterpret_cast<const char*>(rows), sizeof(rows));
-    message.append(reinterpret_cast<const char*>(&feel), sizeof(feel));
-    service->Say(message);
-  }
-  void SayState(std::uint32_t number, protocol::HapticSceneStatus status, std::uint64_t generation,
-                const std::string& text) {
-    protocol::HapticSceneState state;
-    state.number = number;
-    state.status = status;
-    state.generation = generation;
-    state.load_ns = 5'000'000;
-    state.triangle_count = 12;
-    state.material_count = 1;
-    state.header.size = static_cast<std::uint32_t>(sizeof(state) + text.size());
-    std::string message(reinterpret_cast<const char*>(&state), sizeof(state));
-    service->Say(message + text);
-  }
-  bool GetReady() {
-    if (Create() != XR_SUCCESS) return false;
-    if (!Until([&] { return !service->heard().scene_loads.empty(); })) return false;
-    const std::uint32_t number = service->heard().scene_loads.back().number;
-    SayTable(number);
-    SayState(number, protocol::HapticSceneStatus::kReady, 9, "a warning");
-    return Until([&] { return State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; });
-  }
-
-  std::unique_ptr<FakeService> service;
-  std::unique_ptr<App> app;
-  std::unique_ptr<Functions> f;
-  XrHapticSceneOMNIX1 scene = XR_NULL_HANDLE;
-};
 
 TEST(HapticScene, FunctionsAreThereOnlyWhereBothExtensionsAre) {
   for (const bool force : {false, true}) {
     for (const bool scene : {false, true}) {
       AppOptions options;
-      if (force) options.extensions.push_back(kForceFeedback);
+      if (force) options.extensions.push_back(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME);
       if (scene) options.extensions.push_back(XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME);
       const App app(options);
-      const Functions f(app.instance);
+      const SceneFunctions f(app.instance);
       EXPECT_EQ(f.create != nullptr, force && scene);
       EXPECT_EQ(f.mesh != nullptr, force && scene);
     }

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstdio>
+#include <exception>
 #include <functional>
 
 namespace omni::test {
@@ -21,9 +23,14 @@ class Forked {
     if (pipe(ends) != 0) return;
     pid_ = fork();
     if (pid_ == 0) {
-      body([&](std::int64_t number) {
-        if (write(ends[1], &number, sizeof(number)) != sizeof(number)) _exit(1);
-      });
+      try {
+        body([&](std::int64_t number) {
+          if (write(ends[1], &number, sizeof(number)) != sizeof(number)) _exit(1);
+        });
+      } catch (const std::exception& problem) {  // must not become a second run of the tests
+        std::fprintf(stderr, "application in a child: %s\n", problem.what());
+        _exit(1);
+      }
       _exit(0);
     }
     close(ends[1]);

@@ -27,6 +27,13 @@ namespace omni::test {
 
 inline void SleepMs(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
+// Every 4 s over the base's centre: down to 47 mm, a rest, on to 42 mm, a rest, up. A face at 50 mm is taken hold of by
+// the first press and goes in with the second one; a hand that only rests on it moves nothing.
+inline constexpr const char* kPressThenDeeper = R"({"name": "press then deeper", "repeat": true, "waypoints": [
+  {"s": 0.5, "tip_m": [0, 0, 0.062], "axis": [0, 0, -1]}, {"s": 0.5, "tip_m": [0, 0, 0.047], "axis": [0, 0, -1]},
+  {"s": 1.0, "tip_m": [0, 0, 0.047], "axis": [0, 0, -1]}, {"s": 0.5, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]},
+  {"s": 1.5, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]}]})";
+
 class ServiceProcess {
  public:
   ServiceProcess() : ServiceProcess(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kPressOnTheBlock) {}

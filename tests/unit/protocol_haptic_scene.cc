@@ -166,6 +166,11 @@ TEST(HapticSceneMessages, AStateIsItsText) {
   const auto* news = std::get_if<HapticSceneNews>(&taken);
   ASSERT_NE(news, nullptr);
   EXPECT_EQ(news->text, text);
+  state = Numbered<HapticSceneState>();
+  for (const double scale : {0.0, -1.0, 2e4, std::nan("")}) {
+    state.scale = scale;
+    EXPECT_NE(ReasonOf(state), "") << scale;
+  }
 }
 
 }  // namespace

@@ -1,15 +1,11 @@
 // The whole way of a force: an OpenXR application, the loader, the layer, omnid, the twin. What the coils did is read
 // from the twin's own recording.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
-#include <cmath>
 #include <functional>
 
 #include "layer/include/openxr/omni_force_feedback.h"
-#include "tests/layer/app.h"
-#include "tests/support/forked.h"
-#include "tests/support/service_process.h"
+#include "tests/layer/service/child_app.h"
 
 namespace omni::test {
 namespace {
@@ -19,12 +15,8 @@ constexpr XrDuration kLong_ns = XR_MAX_FORCE_DURATION_OMNIX1;
 constexpr const char* kHoldStill = R"({"name": "hold", "repeat": false, "waypoints": [
     {"s": 0, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.055], "axis": [0, 0, -1]}]})";
 
-class StackService : public ServiceProcess {
- public:
-  StackService() : ServiceProcess(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kHoldStill) {
-    setenv("OMNI_SOCKET", socket_path().c_str(), 1);
-    Start();
-  }
+struct StillService : StackService {
+  StillService() : StackService(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kHoldStill) {}
 };
 
 // An OpenXR application with one force feedback handle. Lives in a process of its own.
@@ -106,24 +98,14 @@ class ForceApp {
   int held_ = 0;
 };
 
-// Runs `body` in a process of its own, which tells the time of what it did, 0 if it did not get so far; then
-// `afterwards`.
-class ForkedForceApp : public Forked {
- public:
-  ForkedForceApp(const std::function<std::int64_t(ForceApp&)>& body, const std::function<void(ForceApp&)>& afterwards)
-      : Forked([&](const Tell& tell) {
-          ForceApp app;
-          tell(app.Create() ? body(app) : 0);
-          afterwards(app);
-        }) {}
-};
+using ForkedForceApp = ForkedApp<ForceApp>;
 
 void LiveOn(ForceApp& app) {
   app.Until([] { return false; }, 600);
 }
 
 // What `app` told of must have set the coils to zero within 50 ms.
-void ExpectZeroSoonAfter(StackService& service, ForkedForceApp& app, const char* what) {
+void ExpectZeroSoonAfter(ServiceProcess& service, ForkedForceApp& app, const char* what) {
   SleepMs(500);
   app.Kill();
   ASSERT_NE(app.told(), 0);
@@ -133,10 +115,10 @@ void ExpectZeroSoonAfter(StackService& service, ForkedForceApp& app, const char*
 }
 
 TEST(ForceStack, DeadmanEndsTheForce) {
-  StackService service;
+  StillService service;
   ForkedForceApp app(
       [](ForceApp& a) -> std::int64_t {
-        if (!a.PushUntilFelt()) return 0;
+        if (!a.Create() || !a.PushUntilFelt()) return 0;
         a.Until(
             [&] {
               a.Push(kLong_ns);
@@ -151,10 +133,10 @@ TEST(ForceStack, DeadmanEndsTheForce) {
 }
 
 TEST(ForceStack, LosingFocusEndsForceAndConstraint) {
-  StackService service;
+  StillService service;
   ForkedForceApp app(
       [](ForceApp& a) -> std::int64_t {
-        if (!a.HoldUntilFelt() || !a.PushUntilFelt()) return 0;
+        if (!a.Create() || !a.HoldUntilFelt() || !a.PushUntilFelt()) return 0;
         const std::int64_t t_ns = Now_ns();
         omni_test_set_focus(0);
         return t_ns;
@@ -164,14 +146,15 @@ TEST(ForceStack, LosingFocusEndsForceAndConstraint) {
 }
 
 TEST(ForceStack, KilledApplicationEndsForceAndConstraint) {
-  StackService service;
-  ForkedForceApp app([](ForceApp& a) -> std::int64_t { return a.HoldUntilFelt() && a.PushUntilFelt() ? Now_ns() : 0; },
-                     [](ForceApp& a) {
-                       a.Until([&] {
-                         a.Push(kLong_ns);
-                         return false;
-                       });
-                     });
+  StillService service;
+  ForkedForceApp app(
+      [](ForceApp& a) -> std::int64_t { return a.Create() && a.HoldUntilFelt() && a.PushUntilFelt() ? Now_ns() : 0; },
+      [](ForceApp& a) {
+        a.Until([&] {
+          a.Push(kLong_ns);
+          return false;
+        });
+      });
   SleepMs(200);
   const std::int64_t killed_ns = Now_ns();
   app.Kill();

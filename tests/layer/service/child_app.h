@@ -1,0 +1,39 @@
+// An OpenXR application in a process of its own, over a real omnid and its twin.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "tests/layer/app.h"
+#include "tests/support/forked.h"
+#include "tests/support/service_process.h"
+
+namespace omni::test {
+
+// omnid and its twin, where the layers of this process and its children look for them.
+class StackService : public ServiceProcess {
+ public:
+  StackService(const std::string& scene, const std::string& hand) : ServiceProcess(scene, hand) {
+    setenv("OMNI_SOCKET", socket_path().c_str(), 1);
+    Start();
+  }
+};
+
+// Runs `body` with an Application in a process of its own, which tells the time of what it did, 0 if it did not get so
+// far; then `afterwards`.
+template <class Application>
+class ForkedApp : public Forked {
+ public:
+  ForkedApp(const std::function<std::int64_t(Application&)>& body, const std::function<void(Application&)>& afterwards)
+      : Forked([&](const Tell& tell) {
+          Application app;
+          tell(body(app));
+          afterwards(app);
+        }) {}
+};
+
+}  // namespace omni::test
