@@ -105,6 +105,7 @@ void SceneBuilder::RunJob(std::unique_lock<std::mutex>& lock) {
   lock.lock();
   if (running_client_ != job.client) return;  // cancelled or asked for again
   running_client_ = 0;
+  built.build = ++builds_;
   if (!soft_objects.empty()) {
     progress_[job.client] = {.objects = static_cast<std::uint32_t>(soft_objects.size())};
     soft_jobs_.push_back({job.client, built.file, built.scene, std::move(soft_objects)});

@@ -24,6 +24,7 @@ namespace omni::daemon {
 
 struct BuiltScene {
   std::uint64_t client = 0;
+  std::uint64_t build = 0;  // a number that never comes again
   std::string file;
   // Null: failed, see error. Carries its live parts, if it has any: workshops at once, soft bodies as they get ready.
   std::shared_ptr<const haptics::Scene> scene;
@@ -109,6 +110,7 @@ class SceneBuilder {
   std::condition_variable wake_;
   std::deque<SceneJob> jobs_;
   std::deque<BuiltScene> results_;
+  std::uint64_t builds_ = 0;
   std::uint64_t running_client_ = 0;  // 0: none, or its result is not wanted any more
   std::deque<SoftJob> soft_jobs_;     // the first one is worked on
   std::uint64_t soft_client_ = 0;     // as running_client_

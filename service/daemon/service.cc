@@ -368,7 +368,9 @@ void Service::WriteCommands(std::int64_t now_ns) {
   if (scene != nullptr && app_scenes_.Stands(owner)) app_scenes_.FillControl(owner, generation_, commands.scene);
   const std::lock_guard lock(loop_mutex_);
   if (loop_ == nullptr) return;
-  loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(), .generation = generation_});
+  loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(),
+                         .generation = generation_,
+                         .build = scene == nullptr ? 0 : scene->build});
   if (vibration_.TakeFresh()) loop_->vibration().Write(vibration_.samples());  // before what names them
   loop_->commands().Write(commands);
 }

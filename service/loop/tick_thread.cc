@@ -52,8 +52,11 @@ void TickThread::Run() {
 void TickThread::TakeScene(const Commands& commands) noexcept {
   const SceneRef& next = scenes_.Read();
   if (next.generation != commands.scene_generation) return;  // not handed over yet: stay at zero force
+  memory_->Keep(build_, state_.haptics);
   scene_ = next.scene != nullptr ? next.scene : &empty_;
+  build_ = next.build;
   EnterScene(*scene_, next.generation, state_);
+  memory_->Recall(build_, state_.haptics);
   statistics_->scene_generation.store(next.generation, std::memory_order_release);
 }
 

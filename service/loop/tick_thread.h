@@ -9,6 +9,7 @@
 
 #include "service/base/latest.h"
 #include "service/loop/realtime.h"
+#include "service/loop/scene_memory.h"
 #include "service/loop/surface_snapshot.h"
 #include "service/loop/telemetry.h"
 #include "service/loop/tick.h"
@@ -21,6 +22,7 @@ namespace omni::loop {
 struct SceneRef {
   const haptics::Scene* scene = nullptr;  // null: empty
   std::uint64_t generation = 0;
+  std::uint64_t build = 0;  // the same each time this very scene comes: it is found as it was left; 0: as built
 };
 
 class TickThread {
@@ -87,6 +89,8 @@ class TickThread {
   TickRecord record_;
   const haptics::Scene empty_;
   const haptics::Scene* scene_ = &empty_;
+  std::uint64_t build_ = 0;  // of scene_
+  const std::unique_ptr<SceneMemory> memory_ = std::make_unique<SceneMemory>();
   std::int64_t surfaces_written_ns_ = 0;
 };
 
