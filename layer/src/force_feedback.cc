@@ -101,6 +101,7 @@ void Instance::ForgetForces(const Session& session) {
     {
       const std::lock_guard lock(force->mutex);
       force->constraints.clear();
+      ++force->constraint_changes;
     }
     link.StopForce();
   }
@@ -113,6 +114,7 @@ void Instance::ForgetSpace(XrSpace space) {
     const auto gone = std::remove_if(all.begin(), all.end(), [space](const auto& c) { return c.space == space; });
     if (gone == all.end()) continue;
     all.erase(gone, all.end());
+    ++force->constraint_changes;
     force->told_connection = 0;  // told anew at the next sync, or here if none is left
     if (all.empty()) link.SendConstraints(protocol::ForceConstraints{});
   }
@@ -160,7 +162,9 @@ XrResult Instance::SetConstraints(XrForceFeedbackOMNIX1 handle_in,
   if (const XrResult result = PlaceConstraints(places, read, message, all_placed); XR_FAILED(result)) return result;
   if (!all_placed) return XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1;
   const std::lock_guard lock(force->mutex);
+  if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;  // lost meanwhile
   force->constraints = std::move(read);
+  ++force->constraint_changes;
   TellConstraints(*force, message);
   return XR_SUCCESS;
 }
@@ -175,9 +179,11 @@ void Instance::TellConstraints(ForceFeedback& force, const protocol::ForceConstr
 void Instance::FollowConstraints() {
   for (const auto& force : forces.Values()) {
     std::vector<LocalConstraint> constraints;
+    std::uint64_t changes = 0;
     {
       const std::lock_guard lock(force->mutex);
       constraints = force->constraints;
+      changes = force->constraint_changes;
     }
     if (constraints.empty() || !force->session->focused) continue;
     Places places(*this, *force->session);
@@ -185,7 +191,7 @@ void Instance::FollowConstraints() {
     bool all_placed = false;
     if (XR_FAILED(PlaceConstraints(places, constraints, now, all_placed))) continue;
     const std::lock_guard lock(force->mutex);
-    const bool other_ones = force->constraints.size() != constraints.size();  // set, or gone, meanwhile
+    const bool other_ones = force->constraint_changes != changes;  // set, or gone, meanwhile
     const bool known = force->told_connection == link.connection_number() && SameConstraints(force->told, now);
     if (!other_ones && !known) TellConstraints(*force, now);
   }
@@ -197,6 +203,7 @@ XrResult Instance::StopForce(XrForceFeedbackOMNIX1 handle_in) {
   if (!force) return XR_ERROR_HANDLE_INVALID;
   const std::lock_guard lock(force->mutex);
   force->constraints.clear();
+  ++force->constraint_changes;
   link.StopForce();
   return XR_SUCCESS;
 }
