@@ -115,15 +115,16 @@ XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime ti
   X_OS = {};
   const Side s = SideOf(*this, space);
   const PenAt pen = PenAtTime(*this, session, time);
-  if (s.pen()) {
+  if (s.pen() && s.session() == &session) {
     X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
     return XR_SUCCESS;
   }
-  if (pen.anchor == XR_NULL_HANDLE || !pen.placement.valid) return XR_SUCCESS;
+  // Also where nobody knows the base's place: the runtime finds what is wrong with the space and the time.
+  if (pen.anchor == XR_NULL_HANDLE) return XR_SUCCESS;
   XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrResult result = next.LocateSpace(space, pen.anchor, time, &location);
-  if (XR_FAILED(result) || s.served_by == kServedByNobody) return result;
+  if (XR_FAILED(result) || s.served_by == kServedByNobody || !pen.placement.valid) return result;
   Side anchor;
   anchor.served_by = 0;  // stands for L, as a space of the pen does
   const Located X_LS = FromBelow({&location.locationFlags, &location.pose}, FieldsOf(&velocity), s, anchor);
