@@ -32,15 +32,12 @@ void FillSystem(const protocol::ForceProperties& can, XrSystemForceFeedbackPrope
   out.maxConstraintCount = there ? protocol::kMaxForceConstraints : 0;
 }
 
-XrResult FillReach(const protocol::ForceProperties& can, XrForceFeedbackPropertiesOMNIX1& out) {
+void FillReach(const protocol::ForceProperties& can, XrForceFeedbackPropertiesOMNIX1& out) {
   out.reachCountOutput = can.reach_count;
-  if (out.reachCapacityInput == 0) return XR_SUCCESS;
-  if (!out.reach) return XR_ERROR_VALIDATION_FAILURE;
-  if (out.reachCapacityInput < can.reach_count) return XR_ERROR_SIZE_INSUFFICIENT;
+  if (out.reachCapacityInput == 0) return;
   for (std::uint32_t i = 0; i < can.reach_count; ++i) {
     out.reach[i] = {static_cast<float>(can.reach[i].distance_m), static_cast<float>(can.reach[i].force_N)};
   }
-  return XR_SUCCESS;
 }
 
 // What both queries refuse: structures of other types, no space, no time.
@@ -80,18 +77,24 @@ XrResult Instance::ForceProperties(XrForceFeedbackOMNIX1 handle_in, const XrForc
                                          XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1);
       XR_FAILED(result))
     return result;
+  if (properties->reachCapacityInput > 0 && !properties->reach) return XR_ERROR_VALIDATION_FAILURE;
   const protocol::ForceProperties can = link.force_properties();
   if (can.available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
   Located X_OS;
   if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
     return result;
+  if (properties->reachCapacityInput > 0 && properties->reachCapacityInput < can.reach_count) {
+    properties->reachCountOutput = can.reach_count;
+    return XR_ERROR_SIZE_INSUFFICIENT;
+  }
   Located workspace;
   workspace.motion.X = WorkspaceInBase();
   workspace.flags = kValid | kTracked;
   Write(Chain(Invert(X_OS), workspace), {&properties->workspaceLocationFlags, &properties->workspacePose}, {});
   properties->innerRadius = static_cast<float>(can.inner_radius_m);
   properties->outerRadius = static_cast<float>(can.outer_radius_m);
-  return FillReach(can, *properties);
+  FillReach(can, *properties);
+  return XR_SUCCESS;
 }
 
 XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,

@@ -172,14 +172,14 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
   const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
   const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
   const double scale = scene->state.scale;
-  mesh->time = copy.frame.t_ns > 0 ? instance_.clock.ToXr(copy.frame.t_ns) : 0;
-  mesh->vertexChange = copy.frame.vertex_change;
-  mesh->indexChange = copy.frame.triangle_change;
-  mesh->maxDisplacement = static_cast<float>(copy.frame.largest_displacement_m / scale);
   mesh->vertexCountOutput = vertex_count;
   mesh->indexCountOutput = index_count;
   if (!Fits(mesh->vertexCapacityInput, vertex_count) || !Fits(mesh->indexCapacityInput, index_count))
     return XR_ERROR_SIZE_INSUFFICIENT;
+  mesh->time = copy.frame.t_ns > 0 ? instance_.clock.ToXr(copy.frame.t_ns) : 0;
+  mesh->vertexChange = copy.frame.vertex_change;
+  mesh->indexChange = copy.frame.triangle_change;
+  mesh->maxDisplacement = static_cast<float>(copy.frame.largest_displacement_m / scale);
   const auto per_scale = static_cast<float>(1 / scale);
   if (mesh->vertexCapacityInput > 0) {
     // (x, y, z) of the service's frame of the scene, z up, is (x, z, -y) of the document's.
