@@ -240,7 +240,7 @@ XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlac
   const double scale = std::clamp(double{placement->scale}, protocol::kLeastSceneScale, protocol::kMostSceneScale);
   const std::lock_guard lock(mutex_);
   HapticScene* scene = Find(handle);
-  if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
+  if (const XrResult usable = Usable(scene); usable != XR_SUCCESS) return usable;
   Motion X_SG, X_OG = scene->X_OG;
   X_SG.X = FromXr(placement->pose);
   if (IsThere(X_OS)) X_OG = Compose(KnownMotion(X_OS), X_SG);

@@ -1,4 +1,5 @@
 // What goes between the scene's record and the service: told anew after a reconnection, heard at every look.
+#include <cstring>
 #include <utility>
 
 #include "layer/src/instance.h"
@@ -39,6 +40,13 @@ void HapticScenes::SetStatus(XrHapticSceneStatusOMNIX1 status) {
   instance_.events.Push(changed);
 }
 
+bool HapticScenes::IsOfDestroyed(const XrEventDataBuffer& event) const {
+  if (event.type != XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1) return false;
+  XrEventDataHapticSceneStateChangedOMNIX1 changed;
+  std::memcpy(&changed, &event, sizeof(changed));
+  return !Contains(changed.scene);
+}
+
 void HapticScenes::TakeNews() {
   struct News {
     bool connected = false;
@@ -60,7 +68,7 @@ void HapticScenes::TakeNews() {
       if (update.table.number == scene_->number) scene_->table = std::move(update.table);
       continue;
     }
-    if (update.state.number != scene_->number || scene_->told != news.welcomes) continue;
+    if (failed || update.state.number != scene_->number || scene_->told != news.welcomes) continue;
     if (update.state.generation != scene_->state.generation) scene_->surfaces.clear();
     scene_->state = update.state;
     scene_->text = std::move(update.text);
