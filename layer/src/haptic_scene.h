@@ -86,6 +86,7 @@ class HapticScenes {
   void Look();
   // The placement of a scene follows its space: once a frame.
   void FollowSpace(XrSession session, XrTime time);
+  void ForgetSpace(XrSpace space);
   void EndOf(XrSession session);
   // A status event whose scene is no more.
   bool IsOfDestroyed(const XrEventDataBuffer& event) const;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -49,7 +50,7 @@ XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint
   if (ready != XR_SUCCESS) return ready;
   *count = static_cast<uint32_t>(scene->table.nodes.size());
   if (capacity == 0) return XR_SUCCESS;
-  if (capacity < *count) return XR_ERROR_SIZE_INSUFFICIENT;
+  if (capacity < *count) return OMNI_FAULT("too-few-nodes-accepted") ? XR_SUCCESS : XR_ERROR_SIZE_INSUFFICIENT;
   for (uint32_t i = 0; i < *count; ++i)
     if (nodes[i].type != XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
   for (uint32_t i = 0; i < *count; ++i) {
@@ -113,7 +114,7 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
   protocol::ContactSnapshot snapshot;
   const auto reader = instance_.link.reader();
   const bool known = generation != 0 && (X_OS.flags & kValid) == kValid && reader && reader->Contacts(snapshot) &&
-                     snapshot.scene_generation == generation;
+                     (snapshot.scene_generation == generation || OMNI_FAULT("contacts-of-another-scene"));
   const std::lock_guard lock(mutex_);
   const HapticScene* scene = Find(handle);
   if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
@@ -123,7 +124,7 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
   if (capacity < snapshot.count) return XR_ERROR_SIZE_INSUFFICIENT;
   for (uint32_t i = 0; i < snapshot.count; ++i)
     if (contacts[i].type != XR_TYPE_HAPTIC_CONTACT_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
-  const Pose X_SO = Inverse(X_OS.motion.X);
+  const Pose X_SO = OMNI_FAULT("contacts-in-the-base") ? Pose{} : Inverse(X_OS.motion.X);
   for (uint32_t i = 0; i < snapshot.count; ++i) {
     const protocol::ContactSample& from = snapshot.contacts[i];
     contacts[i].node =
@@ -154,7 +155,8 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
   const XrResult ready = Ready(scene);
   if (ready != XR_SUCCESS) return ready;
   const std::optional<std::uint32_t> object = ObjectOf(*scene, info->node);
-  if (!object || (scene->table.nodes[*object].flags & kChangesShape) == 0) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
+  const auto changes = [&] { return (scene->table.nodes[*object].flags & kChangesShape) != 0; };
+  if (!object || (!changes() && !OMNI_FAULT("mesh-of-any-node"))) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
   const bool ask = !std::exchange(scene->surfaces_asked, true);
   const auto reader = instance_.link.With([ask](client::Connection& connection) {
     if (ask) connection.RequestSurfaces(true);
