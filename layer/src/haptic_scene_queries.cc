@@ -162,8 +162,8 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
     if (ask) connection.RequestSurfaces(true);
     return connection.surfaces();
   });
-  if (reader == nullptr || reader->scene_generation() != scene->state.generation)
-    return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
+  const bool of_this = reader && reader->scene_generation() == scene->state.generation;
+  if (!of_this && !(reader && OMNI_FAULT("mesh-of-a-former-scene"))) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
   client::SurfaceCopy& copy = scene->surfaces[*object];
   bool found = false;
   for (std::size_t i = 0; i < reader->object_count() && !found; ++i) {
@@ -173,15 +173,16 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
   if (!found) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
   const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
   const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
-  const double scale = scene->state.scale;
+  const double scale = OMNI_FAULT("mesh-as-scaled") ? 1 : scene->state.scale;
   mesh->vertexCountOutput = vertex_count;
   mesh->indexCountOutput = index_count;
-  if (!Fits(mesh->vertexCapacityInput, vertex_count) || !Fits(mesh->indexCapacityInput, index_count))
-    return XR_ERROR_SIZE_INSUFFICIENT;
+  const bool fits = Fits(mesh->vertexCapacityInput, vertex_count) && Fits(mesh->indexCapacityInput, index_count);
+  if (!fits && !OMNI_FAULT("mesh-sizes-last")) return XR_ERROR_SIZE_INSUFFICIENT;
   mesh->time = copy.frame.t_ns > 0 ? instance_.clock.ToXr(copy.frame.t_ns) : 0;
   mesh->vertexChange = copy.frame.vertex_change;
   mesh->indexChange = copy.frame.triangle_change;
   mesh->maxDisplacement = static_cast<float>(copy.frame.largest_displacement_m / scale);
+  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
   const auto per_scale = static_cast<float>(1 / scale);
   if (mesh->vertexCapacityInput > 0) {
     // (x, y, z) of the service's frame of the scene, z up, is (x, z, -y) of the document's.
