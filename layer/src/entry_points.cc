@@ -207,7 +207,8 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
     if (!record) return XR_ERROR_HANDLE_INVALID;
     for (const OwnFunction& own : OwnFunctions()) {
       if (std::strcmp(name, own.name) != 0) continue;
-      if (!record->Enabled(own.extension) || (own.also && !record->Enabled(own.also)))
+      const bool enabled = record->Enabled(own.extension) || OMNI_FAULT("own-functions-always-there");
+      if (!enabled || (own.also && !record->Enabled(own.also) && !OMNI_FAULT("scene-without-force")))
         return XR_ERROR_FUNCTION_UNSUPPORTED;
       *function = own.function;
       return XR_SUCCESS;

@@ -23,6 +23,7 @@ struct ForceFeedback {
 
   std::mutex mutex;                          // of what follows; never held over a call to what lies below
   std::vector<LocalConstraint> constraints;  // as set
+  std::uint64_t constraint_changes = 0;      // of that list
   protocol::ForceConstraints told;           // what the service has of them ...
   std::uint64_t told_connection = 0;         // ... over which connection
   ForceStatusWatch watch;

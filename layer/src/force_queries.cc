@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "layer/src/fault.h"
 #include "layer/src/force_feedback.h"
 #include "layer/src/instance.h"
 #include "layer/src/locate.h"
@@ -17,11 +18,12 @@ constexpr XrForceFeedbackCapabilityFlagsOMNIX1 kCapabilities = XR_FORCE_FEEDBACK
 // X_OW: base z up -> workspace y up, base y (away from the user) -> workspace -z.
 Pose WorkspaceInBase() {
   const double h = std::sqrt(0.5);
+  if (OMNI_FAULT("workspace-axes-of-the-base")) return {};
   return {{0.0, 0.0, 0.0}, glm::dquat(h, h, 0.0, 0.0)};
 }
 
 void FillSystem(const protocol::ForceProperties& can, XrSystemForceFeedbackPropertiesOMNIX1& out) {
-  const bool there = can.available != 0;
+  const bool there = can.available != 0 || OMNI_FAULT("force-always-supported");
   out.supportsForceFeedback = there ? XR_TRUE : XR_FALSE;
   out.capabilityFlags = there ? kCapabilities : 0;
   out.maxForce = static_cast<float>(can.max_force_N);
@@ -32,15 +34,12 @@ void FillSystem(const protocol::ForceProperties& can, XrSystemForceFeedbackPrope
   out.maxConstraintCount = there ? protocol::kMaxForceConstraints : 0;
 }
 
-XrResult FillReach(const protocol::ForceProperties& can, XrForceFeedbackPropertiesOMNIX1& out) {
+void FillReach(const protocol::ForceProperties& can, XrForceFeedbackPropertiesOMNIX1& out) {
   out.reachCountOutput = can.reach_count;
-  if (out.reachCapacityInput == 0) return XR_SUCCESS;
-  if (!out.reach) return XR_ERROR_VALIDATION_FAILURE;
-  if (out.reachCapacityInput < can.reach_count) return XR_ERROR_SIZE_INSUFFICIENT;
+  if (out.reachCapacityInput == 0) return;
   for (std::uint32_t i = 0; i < can.reach_count; ++i) {
     out.reach[i] = {static_cast<float>(can.reach[i].distance_m), static_cast<float>(can.reach[i].force_N)};
   }
-  return XR_SUCCESS;
 }
 
 // What both queries refuse: structures of other types, no space, no time.
@@ -48,7 +47,7 @@ template <class GetInfo, class Out>
 XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* out, XrStructureType out_type) {
   if (!info || info->type != info_type || !out || out->type != out_type) return XR_ERROR_VALIDATION_FAILURE;
   if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
-  return info->time > 0 ? XR_SUCCESS : XR_ERROR_TIME_INVALID;
+  return info->time > 0 || OMNI_FAULT("force-time-unchecked") ? XR_SUCCESS : XR_ERROR_TIME_INVALID;
 }
 
 }  // namespace
@@ -65,7 +64,7 @@ XrResult Instance::SystemProperties(XrSystemId system, XrSystemProperties* prope
   link.PollNow(MonotonicNow_ns());  // often asked right after xrCreateInstance: the service may just have answered
   before->next = ours->next;
   const XrResult result = next.GetSystemProperties(handle, system, properties);
-  before->next = ours;
+  if (!OMNI_FAULT("system-chain-cut")) before->next = ours;
   if (XR_SUCCEEDED(result))
     FillSystem(link.force_properties(), *reinterpret_cast<XrSystemForceFeedbackPropertiesOMNIX1*>(ours));
   return result;
@@ -80,18 +79,26 @@ XrResult Instance::ForceProperties(XrForceFeedbackOMNIX1 handle_in, const XrForc
                                          XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1);
       XR_FAILED(result))
     return result;
+  if (properties->reachCapacityInput > 0 && !properties->reach) return XR_ERROR_VALIDATION_FAILURE;
   const protocol::ForceProperties can = link.force_properties();
   if (can.available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
   Located X_OS;
   if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
     return result;
+  const bool fits = properties->reachCapacityInput == 0 || properties->reachCapacityInput >= can.reach_count;
+  if (!fits && !OMNI_FAULT("sizes-after-the-rest")) {
+    properties->reachCountOutput = can.reach_count;
+    return XR_ERROR_SIZE_INSUFFICIENT;
+  }
   Located workspace;
   workspace.motion.X = WorkspaceInBase();
   workspace.flags = kValid | kTracked;
   Write(Chain(Invert(X_OS), workspace), {&properties->workspaceLocationFlags, &properties->workspacePose}, {});
   properties->innerRadius = static_cast<float>(can.inner_radius_m);
   properties->outerRadius = static_cast<float>(can.outer_radius_m);
-  return FillReach(can, *properties);
+  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
+  FillReach(can, *properties);
+  return XR_SUCCESS;
 }
 
 XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,
@@ -110,7 +117,8 @@ XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeed
   protocol::ToolSample then;
   protocol::ToolSample after;
   const auto reader = link.reader();
-  const bool any = reader && reader->Newest(newest) && reader->Around(clock.ToMonotonic(info->time), then, after);
+  const std::int64_t time_ns = OMNI_FAULT("force-state-of-now") ? MonotonicNow_ns() : clock.ToMonotonic(info->time);
+  const bool any = reader && reader->Newest(newest) && reader->Around(time_ns, then, after);
   const ForceStatus status = StatusOf({.focused = force->session->focused,
                                        .standing = link.force_standing(),
                                        .fresh = any && MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
@@ -123,7 +131,7 @@ XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeed
   state->appliedForce = {0, 0, 0};
   if (state->isForceValid) {
     const glm::dvec3 f_O(then.force_base_N[0], then.force_base_N[1], then.force_base_N[2]);
-    state->appliedForce = ToXr(glm::conjugate(X_OS.motion.X.q) * f_O);
+    state->appliedForce = ToXr(OMNI_FAULT("applied-force-in-the-base") ? f_O : glm::conjugate(X_OS.motion.X.q) * f_O);
   }
   return XR_SUCCESS;
 }
@@ -145,7 +153,7 @@ void Instance::WatchForces() {
     ForceStatus told;
     {
       const std::lock_guard lock(force->mutex);
-      if (!force->watch.Step(now, now_ns, told)) continue;
+      if (!force->watch.Step(now, now_ns, told) || OMNI_FAULT("force-event-missing")) continue;
     }
     events.Push(XrEventDataForceFeedbackStateChangedOMNIX1{
         XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1, nullptr, force->session->handle, force->handle(),
@@ -157,7 +165,7 @@ bool Instance::IsOfDestroyedForce(const XrEventDataBuffer& event) const {
   if (event.type != XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1) return false;
   XrEventDataForceFeedbackStateChangedOMNIX1 changed;
   std::memcpy(&changed, &event, sizeof(changed));
-  return !forces.Contains(changed.forceFeedback);
+  return !forces.Contains(changed.forceFeedback) && !OMNI_FAULT("event-of-a-destroyed-handle");
 }
 
 }  // namespace omni::layer

@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "layer/src/fault.h"
+
 namespace omni::layer {
 namespace {
 
@@ -16,7 +18,9 @@ constexpr double kSamePlace_m = 1e-6;  // and as direction, m/s, rad/s
 
 glm::dvec3 VecOf(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 
-bool NotNegative(float value) noexcept { return std::isfinite(value) && value >= 0; }
+bool NotNegative(float value) noexcept {
+  return std::isfinite(value) && (value >= 0 || OMNI_FAULT("negative-stiffness-accepted"));
+}
 
 template <class T>
 const T& As(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header) noexcept {
@@ -95,8 +99,9 @@ bool SameAndStill(const ForceConstraint& a, const ForceConstraint& b) noexcept {
 XrResult ReadConstraints(const XrForceFeedbackConstraintsSetInfoOMNIX1& info, std::vector<LocalConstraint>& out) {
   out.clear();
   if (info.constraintCount > 0 && !info.constraints) return XR_ERROR_VALIDATION_FAILURE;
-  if (info.constraintCount > XR_MAX_FORCE_FEEDBACK_CONSTRAINTS_OMNIX1) return XR_ERROR_LIMIT_REACHED;
-  for (std::uint32_t i = 0; i < info.constraintCount; ++i) {
+  const std::uint32_t count = std::min<std::uint32_t>(info.constraintCount, XR_MAX_FORCE_FEEDBACK_CONSTRAINTS_OMNIX1);
+  if (info.constraintCount > count && !OMNI_FAULT("ninth-constraint-dropped")) return XR_ERROR_LIMIT_REACHED;
+  for (std::uint32_t i = 0; i < count; ++i) {
     const auto* header = info.constraints[i];
     if (!header || !NotNegative(header->stiffness) || !NotNegative(header->damping) || !NotNegative(header->maxForce))
       return XR_ERROR_VALIDATION_FAILURE;

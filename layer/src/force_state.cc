@@ -1,9 +1,11 @@
 #include "layer/src/force_state.h"
 
+#include "layer/src/fault.h"
+
 namespace omni::layer {
 namespace {
 
-constexpr std::int64_t kGoneAfter_ns = 500'000'000;
+std::int64_t GoneAfter_ns() noexcept { return OMNI_FAULT("every-flicker-told") ? 0 : 500'000'000; }
 
 struct SampleBit {
   std::uint32_t sample;
@@ -32,7 +34,8 @@ ForceStatus StatusOf(const ForceSituation& situation) noexcept {
   if (situation.sample)
     for (const SampleBit& bit : kSampleBits)
       if (situation.sample->flags & bit.sample) status.flags |= bit.state;
-  status.active = situation.focused && fresh && situation.standing == protocol::ForceStanding::kYours &&
+  status.active = (situation.focused || OMNI_FAULT("active-without-focus")) && fresh &&
+                  situation.standing == protocol::ForceStanding::kYours &&
                   !(status.flags & XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1);
   return status;
 }
@@ -41,7 +44,7 @@ bool ForceStatusWatch::Step(const ForceStatus& now, std::int64_t now_ns, ForceSt
   ForceStatus status = now;
   for (std::size_t i = 0; i < kFleeting.size(); ++i) {
     if (now.flags & kFleeting[i]) seen_ns_[i] = now_ns;
-    if (now_ns - seen_ns_[i] < kGoneAfter_ns) status.flags |= told_.flags & kFleeting[i];
+    if (now_ns - seen_ns_[i] < GoneAfter_ns()) status.flags |= told_.flags & kFleeting[i];
   }
   if (status == told_) return false;
   told = told_ = status;

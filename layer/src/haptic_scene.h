@@ -86,7 +86,10 @@ class HapticScenes {
   void Look();
   // The placement of a scene follows its space: once a frame.
   void FollowSpace(XrSession session, XrTime time);
+  void ForgetSpace(XrSpace space);
   void EndOf(XrSession session);
+  // A status event whose scene is no more.
+  bool IsOfDestroyed(const XrEventDataBuffer& event) const;
 
  private:
   // All with the mutex held. Null: no such scene.

@@ -3,6 +3,8 @@
 #include <cstddef>
 
 #include "layer/include/openxr/omni_force_feedback.h"
+#include "layer/include/openxr/omni_haptic_scene.h"
+#include "layer/src/fault.h"
 
 namespace omni::layer {
 namespace {
@@ -17,8 +19,9 @@ struct Named {
 #define OMNI_NAMED(enumerant) \
   { enumerant, #enumerant }
 constexpr Named<XrResult> kResults[] = {
-    OMNI_NAMED(XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1),
-    OMNI_NAMED(XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1),
+    OMNI_NAMED(XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1),  OMNI_NAMED(XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1),
+    OMNI_NAMED(XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1), OMNI_NAMED(XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1),
+    OMNI_NAMED(XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1),
 };
 constexpr Named<XrStructureType> kTypes[] = {
     OMNI_NAMED(XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1),
@@ -35,13 +38,24 @@ constexpr Named<XrStructureType> kTypes[] = {
     OMNI_NAMED(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_PLANE_OMNIX1),
     OMNI_NAMED(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_SPHERE_OMNIX1),
     OMNI_NAMED(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_VISCOUS_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1),
+    OMNI_NAMED(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_MATERIAL_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_CONTACT_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1),
+    OMNI_NAMED(XR_TYPE_HAPTIC_NODE_MESH_OMNIX1),
 };
 #undef OMNI_NAMED
 
 template <class T, std::size_t N>
 const char* NameIn(const Named<T> (&names)[N], T value) noexcept {
   for (const Named<T>& row : names)
-    if (row.value == value) return row.name;
+    if (row.value == value && !OMNI_FAULT("own-names-missing")) return row.name;
   return nullptr;
 }
 

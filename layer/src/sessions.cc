@@ -112,7 +112,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     XrEventDataBuffer ours;
     do {
       if (!events.Pop(ours)) return result;
-    } while (IsOfDestroyedForce(ours));
+    } while (IsOfDestroyedForce(ours) || haptic_scenes.IsOfDestroyed(ours));
     *event = ours;
     return XR_SUCCESS;
   }

@@ -37,7 +37,9 @@ void Instance::MakeAnchors(Session& session) {
 
 void Instance::OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change) {
   const auto session = sessions.Find(change.session);
-  if (!session || !ReportChange(change) || session->placement.OnChange(change)) return;
+  if (!session) return;
+  const bool news = ReportChange(change) || OMNI_FAULT("change-made-twice");
+  if (!news || session->placement.OnChange(change)) return;
   log.Line(
       "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
       "poses are no longer tracked; align the base again");
@@ -79,6 +81,7 @@ XrResult Instance::DestroySpace(XrSpace space) {
   link.Beat();
   if (XR_SUCCEEDED(result)) {
     ForgetSpace(space);
+    haptic_scenes.ForgetSpace(space);
     spaces.Erase(space);
   }
   return result;
@@ -115,15 +118,16 @@ XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime ti
   X_OS = {};
   const Side s = SideOf(*this, space);
   const PenAt pen = PenAtTime(*this, session, time);
-  if (s.pen()) {
+  if (s.pen() && (s.session() == &session || OMNI_FAULT("space-of-another-session"))) {
     X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
     return XR_SUCCESS;
   }
-  if (pen.anchor == XR_NULL_HANDLE || !pen.placement.valid) return XR_SUCCESS;
+  // Also where nobody knows the base's place: the runtime finds what is wrong with the space and the time.
+  if (pen.anchor == XR_NULL_HANDLE) return XR_SUCCESS;
   XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrResult result = next.LocateSpace(space, pen.anchor, time, &location);
-  if (XR_FAILED(result) || s.served_by == kServedByNobody) return result;
+  if (XR_FAILED(result) || s.served_by == kServedByNobody || !pen.placement.valid) return result;
   Side anchor;
   anchor.served_by = 0;  // stands for L, as a space of the pen does
   const Located X_LS = FromBelow({&location.locationFlags, &location.pose}, FieldsOf(&velocity), s, anchor);

@@ -192,12 +192,19 @@ void FakeService::Say(const std::string& message) {
   to_say_.push_back(message);
 }
 
+void FakeService::AnswerScenes(SceneAnswer answer) {
+  const std::lock_guard lock(mutex_);
+  scene_answer_ = std::move(answer);
+}
+
 void FakeService::OnHapticSceneLoad(ipc::ClientId, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) {
   std::string bytes(load.bytes, '\0');
   if (::pread(document.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) bytes.clear();
   const std::lock_guard lock(mutex_);
   heard_.scene_loads.push_back(load);
   heard_.scene_documents.push_back(bytes);
+  if (!scene_answer_) return;
+  for (std::string& message : scene_answer_(load)) to_say_.push_back(std::move(message));
 }
 
 void FakeService::OnHapticSceneEnd(ipc::ClientId, const protocol::HapticSceneEnd& end) {

@@ -72,6 +72,9 @@ class FakeService : private ipc::ServerHandler {
 
   // Tells the layer of the service's wishes: now, and to who connects later.
   void Wish(const protocol::AppSettings& settings);
+  // What it says of each document that it is given from now on, as whole messages; at first nothing.
+  using SceneAnswer = std::function<std::vector<std::string>(const protocol::HapticSceneLoad&)>;
+  void AnswerScenes(SceneAnswer answer);
   // A whole message to the newest client, within a period.
   void Say(const std::string& message);
   // What is touched, from now on.
@@ -120,6 +123,7 @@ class FakeService : private ipc::ServerHandler {
   std::shared_ptr<const ipc::SurfacePublisher> surfaces_;
   bool surfaces_wanted_ = false;
   bool surfaces_due_ = false;
+  SceneAnswer scene_answer_;
   std::int64_t last_t_ns_ = 0;
   mutable std::mutex mutex_;
   Heard heard_;

@@ -1,13 +1,9 @@
 // XR_OMNIX1_force_feedback as an application meets it, with a scripted service.
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <optional>
+#include <memory>
 
-#include "layer/include/openxr/omni_force_feedback.h"
-#include "tests/layer/app.h"
+#include "tests/layer/force_fixture.h"
 
 namespace omni::test {
 namespace {
@@ -15,121 +11,9 @@ namespace {
 using protocol::ForceStanding;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr XrDuration kFrame_ns = 30'000'000;
+constexpr XrDuration kFrame_ns = kForceFrame_ns;
 
-AppOptions WithForce() {
-  AppOptions options;
-  options.extensions = {XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME};
-  return options;
-}
-
-struct Functions {
-  PFN_xrCreateForceFeedbackOMNIX1 create = nullptr;
-  PFN_xrDestroyForceFeedbackOMNIX1 destroy = nullptr;
-  PFN_xrGetForceFeedbackPropertiesOMNIX1 properties = nullptr;
-  PFN_xrApplyForceOMNIX1 apply = nullptr;
-  PFN_xrSetForceFeedbackConstraintsOMNIX1 constraints = nullptr;
-  PFN_xrStopForceFeedbackOMNIX1 stop = nullptr;
-  PFN_xrGetForceFeedbackStateOMNIX1 state = nullptr;
-
-  explicit Functions(XrInstance instance) {
-    const auto get = [&](const char* name, auto& function) {
-      function = FunctionOf<std::decay_t<decltype(function)>>(instance, name);
-      EXPECT_NE(function, nullptr) << name;
-    };
-    get("xrCreateForceFeedbackOMNIX1", create);
-    get("xrDestroyForceFeedbackOMNIX1", destroy);
-    get("xrGetForceFeedbackPropertiesOMNIX1", properties);
-    get("xrApplyForceOMNIX1", apply);
-    get("xrSetForceFeedbackConstraintsOMNIX1", constraints);
-    get("xrStopForceFeedbackOMNIX1", stop);
-    get("xrGetForceFeedbackStateOMNIX1", state);
-  }
-};
-
-class Force : public testing::Test {
- protected:
-  void SetUp() override {
-    omni_test_reset();
-    service_.SetForce(true, ForceStanding::kYours);
-  }
-  void TearDown() override { omni_test_reset(); }
-
-  // An application that is focused, and a service that has said what it can do.
-  void Start() {
-    app_.emplace(WithForce());
-    xr_.emplace(app_->instance);
-    local_ = app_->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
-    ASSERT_TRUE(app_->WaitProfile(service_, kTouch));
-    ASSERT_TRUE(app_->SyncUntil(service_, [&] { return SystemSays().supportsForceFeedback == XR_TRUE; }));
-  }
-  void StartWithHandle() {
-    Start();
-    ASSERT_EQ(Create(force_), XR_SUCCESS);
-  }
-
-  XrResult Create(XrForceFeedbackOMNIX1& force, const char* path = "/user/hand/right") {
-    const XrForceFeedbackCreateInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_CREATE_INFO_OMNIX1, nullptr, app_->Path(path)};
-    return xr_->create(app_->session, &info, &force);
-  }
-  XrResult Push(const XrVector3f& force_N, XrSpace space, XrDuration duration = kFrame_ns, XrDuration ramp = 0) {
-    const XrForceApplyInfoOMNIX1 info{XR_TYPE_FORCE_APPLY_INFO_OMNIX1, nullptr, space, force_N, duration, ramp};
-    return xr_->apply(force_, &info);
-  }
-  XrResult Set(const std::vector<const void*>& constraints) {
-    std::vector<const XrForceFeedbackConstraintBaseHeaderOMNIX1*> list;
-    for (const void* c : constraints) list.push_back(static_cast<const XrForceFeedbackConstraintBaseHeaderOMNIX1*>(c));
-    const XrForceFeedbackConstraintsSetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_CONSTRAINTS_SET_INFO_OMNIX1, nullptr,
-                                                       static_cast<std::uint32_t>(list.size()), list.data()};
-    return xr_->constraints(force_, &info);
-  }
-  XrForceFeedbackConstraintPointOMNIX1 Point(XrSpace space, const XrVector3f& at = {0, 0, 0}) const {
-    return {XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_POINT_OMNIX1, nullptr, space, 200, 0.5f, 1, at};
-  }
-  XrSystemForceFeedbackPropertiesOMNIX1 SystemSays() {
-    XrSystemForceFeedbackPropertiesOMNIX1 ours{XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1};
-    XrSystemProperties properties{XR_TYPE_SYSTEM_PROPERTIES, &ours};
-    EXPECT_EQ(xrGetSystemProperties(app_->instance, app_->system, &properties), XR_SUCCESS);
-    EXPECT_EQ(properties.next, &ours) << "the application's chain is as it was";
-    EXPECT_STREQ(properties.systemName, "Omni test system");
-    return ours;
-  }
-  XrForceFeedbackStateOMNIX1 State() {
-    const XrForceFeedbackStateGetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, nullptr, local_,
-                                                 Now_ns() + kRuntimeOffset_ns};
-    XrForceFeedbackStateOMNIX1 state{XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1};
-    EXPECT_EQ(xr_->state(force_, &info, &state), XR_SUCCESS);
-    return state;
-  }
-
-  // The newest message of a type; waits for it to be the `n`-th one.
-  template <class T>
-  std::optional<T> Heard(std::size_t n) {
-    std::optional<T> found;
-    app_->SyncUntil(service_, [&] {
-      std::size_t count = 0;
-      for (const protocol::ForceRequest& request : service_.heard().forces) {
-        if (!std::holds_alternative<T>(request)) continue;
-        found = std::get<T>(request);
-        ++count;
-      }
-      return count >= n;
-    });
-    return found;
-  }
-  template <class T>
-  std::size_t Count() const {
-    std::size_t count = 0;
-    for (const protocol::ForceRequest& request : service_.heard().forces) count += std::holds_alternative<T>(request);
-    return count;
-  }
-
-  FakeService service_;
-  std::optional<App> app_;
-  std::optional<Functions> xr_;
-  XrSpace local_ = XR_NULL_HANDLE;
-  XrForceFeedbackOMNIX1 force_ = XR_NULL_HANDLE;
-};
+class Force : public ForceTest {};
 
 TEST_F(Force, FunctionsAreThereOnlyForWhoEnabledThem) {
   App without;
@@ -403,17 +287,6 @@ TEST_F(Force, PropertiesGiveTheWorkspaceAndTheReach) {
   EXPECT_FLOAT_EQ(reach[1].distance, 0.15f);
 }
 
-TEST_F(Force, OurEnumerantsHaveNames) {
-  Start();
-  char text[XR_MAX_RESULT_STRING_SIZE];
-  ASSERT_EQ(xrResultToString(app_->instance, XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1, text), XR_SUCCESS);
-  EXPECT_STREQ(text, "XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1");
-  ASSERT_EQ(xrStructureTypeToString(app_->instance, XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1, text), XR_SUCCESS);
-  EXPECT_STREQ(text, "XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1");
-  ASSERT_EQ(xrResultToString(app_->instance, XR_ERROR_HANDLE_INVALID, text), XR_SUCCESS);
-  EXPECT_STREQ(text, "XR_ERROR_HANDLE_INVALID");
-}
-
 TEST_F(Force, EventsTellWhatChanged) {
   StartWithHandle();
   ASSERT_TRUE(app_->SyncUntil(service_, [&] {
@@ -442,7 +315,7 @@ TEST(ForceReconnect, ClaimAndConstraintsAreToldAgain) {
   auto service = std::make_unique<FakeService>();
   service->SetForce(true, ForceStanding::kYours);
   App app(WithForce());
-  const Functions xr(app.instance);
+  const ForceFunctions xr(app.instance);
   const XrSpace local = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   const XrForceFeedbackCreateInfoOMNIX1 create{XR_TYPE_FORCE_FEEDBACK_CREATE_INFO_OMNIX1, nullptr, app.right};
   XrForceFeedbackOMNIX1 force = XR_NULL_HANDLE;

@@ -1,8 +1,5 @@
 // XR_OMNIX1_haptic_scene through the real loader: what the service hears, and what the application gets back.
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <cstring>
 #include <string>
 
 #include "layer/src/locate.h"
@@ -38,7 +35,7 @@ TEST(HapticScene, TheDocumentArrivesAndItsStateComesBack) {
   std::uint32_t count = 0;
   EXPECT_EQ(story.f->nodes(story.scene, 0, &count, nullptr), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
   const std::uint32_t number = story.service->heard().scene_loads[0].number;
-  story.SayTable(number);
+  story.service->Say(SceneTableMessage(number, TwoNodes()));
   story.SayState(number, protocol::HapticSceneStatus::kReady, 9, "a warning");
   ASSERT_TRUE(
       story.Until([&] { return story.app->CountEvents(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1) > 0; }));

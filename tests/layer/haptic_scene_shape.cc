@@ -120,6 +120,30 @@ TEST_F(SceneShape, OnlyOfTheSceneThatIsFelt) {
   EXPECT_EQ(Read(), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1) << "its shape does not change";
 }
 
+// [Results] "a capacity is neither 0 nor enough; nothing was written but the counts"
+TEST_F(SceneShape, SizesAreLookedAtFirst) {
+  story.service->SetSurfaces(OneTriangle(9, 1));
+  ASSERT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));
+  const XrHapticNodeMeshGetInfoOMNIX1 info{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
+  for (const bool vertices_fit : {false, true}) {
+    vertices.assign(3, {7, 7, 7});
+    mesh = {XR_TYPE_HAPTIC_NODE_MESH_OMNIX1};
+    mesh.maxDisplacement = 7;
+    mesh.vertexCapacityInput = vertices_fit ? 3 : 2;
+    mesh.vertices = vertices.data();
+    mesh.indexCapacityInput = vertices_fit ? 2 : 0;
+    mesh.indices = indices.data();
+    EXPECT_EQ(story.f->mesh(story.scene, &info, &mesh), XR_ERROR_SIZE_INSUFFICIENT);
+    EXPECT_EQ(mesh.vertexCountOutput, 3u);
+    EXPECT_EQ(mesh.indexCountOutput, 3u);
+    EXPECT_EQ(mesh.maxDisplacement, 7);
+    EXPECT_EQ(vertices[0].x, 7);
+  }
+  mesh.indexCapacityInput = 0;
+  EXPECT_EQ(story.f->mesh(story.scene, &info, &mesh), XR_SUCCESS) << "the vertices alone";
+  EXPECT_EQ(vertices[0].x, 0);
+}
+
 // Until a scene of another scale is ready, the former one is felt and read.
 TEST_F(SceneShape, InTheDocumentsMetresAtEveryScale) {
   story.service->SetSurfaces(OneTriangle(9, 1));

@@ -70,7 +70,7 @@ TEST(Rules, EachHasATestThatExists) {
       EXPECT_EQ(programs[program].count(test.substr(program.size() + 1)), 1u) << id << ": there is no " << test;
     }
   });
-  EXPECT_GT(rules, 70);
+  EXPECT_GT(rules, 150);
 }
 
 TEST(Rules, IdsAreUniqueAndEachGroupHasAFault) {

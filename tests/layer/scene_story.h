@@ -9,6 +9,7 @@
 
 #include "tests/layer/app.h"
 #include "tests/layer/scene_functions.h"
+#include "tests/layer/scene_messages.h"
 
 namespace omni::test {
 
@@ -19,10 +20,13 @@ inline constexpr const char* kDocument = "a document, as far as this service car
 class SceneStory {
  public:
   explicit SceneStory(bool with_service = true) {
+    omni_test_reset();
     if (with_service) service = std::make_unique<FakeService>();
     app = std::make_unique<App>(kWithScene);
     f = std::make_unique<SceneFunctions>(app->instance);
   }
+
+  ~SceneStory() { omni_test_reset(); }
 
   XrResult Create(const std::string& document = kDocument) {
     XrHapticSceneCreateInfoOMNIX1 info{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1};
@@ -56,47 +60,21 @@ class SceneStory {
     });
   }
 
-  // Two nodes: 0 stays where it is, 1 can be moved and is 0.1 m to the right and 0.3 m up in the document.
-  void SayTable(std::uint32_t number) {
-    protocol::HapticSceneTable table;
-    table.number = number;
-    table.node_count = 2;
-    table.material_count = 1;
-    protocol::HapticNodeRow rows[2];
-    std::strcpy(rows[0].name, "still");
-    rows[0].gltf_node = 4;
-    rows[0].flags = protocol::kNodeSoft;
-    std::strcpy(rows[1].name, "moved");
-    rows[1].gltf_node = 2;
-    rows[1].flags = protocol::kNodeKinematic;
-    rows[1].rest_position_m = {0.1, 0.3, 0};
-    protocol::HapticFeel feel;
-    feel.stiffness_N_m = 444;
-    table.header.size = sizeof(table) + sizeof(rows) + sizeof(feel);
-    std::string message(reinterpret_cast<const char*>(&table), sizeof(table));
-    message.append(reinterpret_cast<const char*>(rows), sizeof(rows));
-    message.append(reinterpret_cast<const char*>(&feel), sizeof(feel));
-    service->Say(message);
-  }
+  void SayTable(std::uint32_t number) { service->Say(SceneTableMessage(number, TwoNodes())); }
   void SayState(std::uint32_t number, protocol::HapticSceneStatus status, std::uint64_t generation,
                 const std::string& text, double scale = 1) {
-    protocol::HapticSceneState state;
-    state.number = number;
-    state.status = status;
-    state.generation = generation;
-    state.scale = scale;
-    state.load_ns = 5'000'000;
-    state.triangle_count = 12;
-    state.material_count = 1;
-    state.header.size = static_cast<std::uint32_t>(sizeof(state) + text.size());
-    std::string message(reinterpret_cast<const char*>(&state), sizeof(state));
-    service->Say(message + text);
+    service->Say(SceneStateMessage(number, status, generation, text, scale));
   }
-  bool GetReady() {
+  // The number by which the service knows the newest scene; waits for it. 0: it never came.
+  std::uint32_t Number(std::size_t loads = 1) {
+    if (!Until([&] { return service->heard().scene_loads.size() >= loads; })) return 0;
+    return service->heard().scene_loads.back().number;
+  }
+  bool GetReady(const SceneTable& table = TwoNodes()) {
     if (Create() != XR_SUCCESS) return false;
-    if (!Until([&] { return !service->heard().scene_loads.empty(); })) return false;
-    const std::uint32_t number = service->heard().scene_loads.back().number;
-    SayTable(number);
+    const std::uint32_t number = Number();
+    if (number == 0) return false;
+    service->Say(SceneTableMessage(number, table));
     SayState(number, protocol::HapticSceneStatus::kReady, 9, "a warning");
     return Until([&] { return State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; });
   }

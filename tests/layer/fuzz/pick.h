@@ -17,6 +17,19 @@ Handle Sequence::Pick(const Pool<Handle>& pool) {
   return pool.live.empty() ? Handle(XR_NULL_HANDLE) : random_.Of(pool.live);
 }
 
+template <class Handle>
+void Sequence::Keep(Pool<Handle>& pool, Handle handle, XrSession session) {
+  pool.live.push_back(handle);
+  session_of_[handle] = session;
+}
+
+template <class Handle>
+void Sequence::Bury(Pool<Handle>& pool, XrSession session) {
+  for (const Handle handle : pool.live)
+    if (session_of_[handle] == session) pool.dead.push_back(handle);
+  std::erase_if(pool.live, [&](Handle handle) { return session_of_[handle] == session; });
+}
+
 template <class T>
 T* Sequence::OrNull(T* pointer) {
   return random_.Percent(3) ? nullptr : pointer;

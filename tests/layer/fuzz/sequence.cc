@@ -1,5 +1,6 @@
 #include "tests/layer/fuzz/sequence.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
@@ -39,12 +40,33 @@ const std::vector<std::string> kPaths = {
 
 constexpr XrStructureType kUnknownType = static_cast<XrStructureType>(1999999999);
 
+constexpr const char* kOwnExtensions[] = {XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME,
+                                          XR_FB_HAPTIC_PCM_EXTENSION_NAME, XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME,
+                                          XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME};
+
 }  // namespace
+
+OwnCalls LoadOwn(const MiniLoader& loader, XrInstance instance) {
+  OwnCalls calls;
+#define OMNI_LOAD(name) calls.name = reinterpret_cast<PFN_xr##name>(loader.Get(instance, "xr" #name));
+  OMNI_FORCE_CALLS(OMNI_LOAD)
+  OMNI_SCENE_CALLS(OMNI_LOAD)
+  OMNI_LOAD(GetDeviceSampleRateFB)
+#undef OMNI_LOAD
+  return calls;
+}
 
 Sequence::Sequence(const MiniLoader& loader, const SequenceOptions& options)
     : options_(options), random_(options.seed) {
-  if (XR_FAILED(loader.CreateInstance(InstanceInfo({}), &instance_))) throw std::runtime_error("xrCreateInstance");
+  ChainOptions chain;
+  if (random_.Percent(50)) chain.api_version = XR_MAKE_VERSION(1, 1, 0);
+  chain.extensions.push_back(XR_KHR_LOCATE_SPACES_EXTENSION_NAME);
+  chain.extensions.push_back(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+  for (const char* own : kOwnExtensions)
+    if (options_.ours && random_.Percent(85)) chain.extensions.push_back(own);
+  if (XR_FAILED(loader.CreateInstance(InstanceInfo(chain), &instance_))) throw std::runtime_error("xrCreateInstance");
   f_ = loader.Load(instance_);
+  own_ = LoadOwn(loader, instance_);
   const XrSystemGetInfo info{XR_TYPE_SYSTEM_GET_INFO, nullptr, XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
   f_.GetSystem(instance_, &info, &system_);
   for (const std::string& text : kPaths) paths_.push_back(Interned(text));
@@ -64,6 +86,7 @@ void Sequence::Prepare() {
   for (const XrActionType type : {XR_ACTION_TYPE_POSE_INPUT, XR_ACTION_TYPE_BOOLEAN_INPUT, XR_ACTION_TYPE_FLOAT_INPUT,
                                   XR_ACTION_TYPE_VECTOR2F_INPUT, XR_ACTION_TYPE_VIBRATION_OUTPUT})
     MakeAction(type);
+  if (actions_.live.size() == 5) vibration_ = actions_.live.back();
   if (random_.Percent(30)) {
     MakeSet();
     MakeAction(XR_ACTION_TYPE_BOOLEAN_INPUT);
@@ -80,6 +103,19 @@ void Sequence::Prepare() {
     f_.GetCurrentInteractionProfile(session, Interned("/user/hand/right"), &profile);
     return Text(profile.interactionProfile);
   });
+  PrepareOurs();
+}
+
+// A scene that is loaded and a device that is held, if the service is quick enough.
+void Sequence::PrepareOurs() {
+  const std::int64_t end = Now_ns() + options_.patience_ns;
+  while (Now_ns() < end && (nodes_.empty() || forces_.live.empty())) {
+    SyncOnce(true);
+    if (forces_.live.empty()) MakeForce();
+    if (scenes_.live.empty()) MakeScene();
+    SceneNodes();
+    Pause_ms(2);
+  }
 }
 
 void Sequence::Step() {
@@ -118,8 +154,31 @@ void Sequence::Step() {
       {3, [](Sequence& s) { s.ReferenceSpace(); }},
       {1, [](Sequence& s) { s.DropSpace(); }},
       {14, [](Sequence& s) { s.Locate(); }},
+      {6, [](Sequence& s) { s.LocateMany(); }},
+      {1, [](Sequence& s) { s.MakeHand(); }},
+      {1, [](Sequence& s) { s.DropHand(); }},
+      {3, [](Sequence& s) { s.Joints(); }},
       {4, [](Sequence& s) { s.Vibrate(); }},
       {2, [](Sequence& s) { s.Stop(); }},
+      {6, [](Sequence& s) { s.Shape(); }},
+      {2, [](Sequence& s) { s.SampleRate(); }},
+      {3, [](Sequence& s) { s.MakeForce(); }},
+      {1, [](Sequence& s) { s.DropForce(); }},
+      {4, [](Sequence& s) { s.Push(); }},
+      {4, [](Sequence& s) { s.Constrain(); }},
+      {1, [](Sequence& s) { s.StopForce(); }},
+      {3, [](Sequence& s) { s.ForceState(); }},
+      {2, [](Sequence& s) { s.ForceProperties(); }},
+      {1, [](Sequence& s) { s.SystemSays(); }},
+      {3, [](Sequence& s) { s.MakeScene(); }},
+      {1, [](Sequence& s) { s.DropScene(); }},
+      {3, [](Sequence& s) { s.SceneState(); }},
+      {3, [](Sequence& s) { s.SceneNodes(); }},
+      {3, [](Sequence& s) { s.PlaceScene(); }},
+      {4, [](Sequence& s) { s.MoveNodes(); }},
+      {2, [](Sequence& s) { s.SceneMaterial(); }},
+      {3, [](Sequence& s) { s.Contacts(); }},
+      {1, [](Sequence& s) { s.SceneMesh(); }},
   };
   int total = 0;
   for (const Weighted& w : kCalls) total += w.weight;
@@ -140,6 +199,19 @@ void Sequence::Say(const char* call, XrResult result, const std::string& rest) {
 void Sequence::Violation(const std::string& text) {
   violations_.push_back("seed " + std::to_string(options_.seed) + ", call " + std::to_string(lines_.size()) + ": " +
                         text);
+}
+
+void Sequence::Expect(const char* call, XrResult result, std::initializer_list<XrResult> known) {
+  if (result == XR_SUCCESS || std::find(known.begin(), known.end(), result) != known.end()) return;
+  Violation(std::string(call) + " does not know " + Name(result));
+}
+
+XrSpace Sequence::SpaceFor(const void* handle) {
+  const auto session = session_of_.find(handle);
+  std::vector<XrSpace> spaces;
+  for (const XrSpace space : spaces_.live)
+    if (session != session_of_.end() && session_of_[space] == session->second) spaces.push_back(space);
+  return spaces.empty() || random_.Percent(8) ? Pick(spaces_) : random_.Of(spaces);
 }
 
 XrStructureType Sequence::Type(XrStructureType right) { return random_.Percent(3) ? kUnknownType : right; }

@@ -1,15 +1,19 @@
-// One fuzzed application: a seeded sequence of all calls that the layer intercepts, with valid and destroyed handles,
-// handles of other types, null pointers, wrong structure types, wrong counts and times, chains of unknown structures.
-// Every call and what came back is one line of the transcript, free of handles, path atoms and times, so that the same
-// seed over two chains gives the same text where both answer alike. What the spec never allows is a violation.
+// One fuzzed application: a seeded sequence of all calls that the layer intercepts or brings, with valid and destroyed
+// handles, handles of other types, null pointers, wrong structure types, wrong counts and times, chains of unknown
+// structures. Every call and what came back is one line of the transcript, free of handles, path atoms and times, so
+// that the same seed over two chains gives the same text where both answer alike. What the spec never allows is a
+// violation.
 #pragma once
 
 #include <functional>
+#include <initializer_list>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "tests/layer/fuzz/own_calls.h"
 #include "tests/layer/fuzz/random.h"
 #include "tests/layer/mini_loader/mini_loader.h"
 
@@ -25,6 +29,10 @@ struct Pool {
 struct SequenceOptions {
   std::uint64_t seed = 0;
   int steps = 60;
+  // The layer's own extensions are enabled, most of the time each.
+  bool ours = false;
+  // How long the service is waited for, before the first step: for the device, and for a scene.
+  std::int64_t patience_ns = 0;
   // Called between two steps: what happens outside of the application.
   std::function<void(Random&)> world = {};
   // Called once the session is focused and attached: waits for the pen. The function syncs.
@@ -44,16 +52,31 @@ class Sequence {
  private:
   // sequence.cc
   void Prepare();
+  void PrepareOurs();
   void Step();
   void Say(const char* call, XrResult result, const std::string& rest = {});
   void Violation(const std::string& text);
+  // What the specification of the call knows, besides XR_SUCCESS.
+  void Expect(const char* call, XrResult result, std::initializer_list<XrResult> known);
   template <class Handle>
   Handle Pick(const Pool<Handle>& pool);
   // Destroys one of them, or what is none; none: it was refused.
   template <class Handle>
   std::optional<Handle> Drop(Pool<Handle>& pool, XrResult(XRAPI_PTR* destroy)(Handle), const char* what);
+  // There is none; most calls would only say so.
+  template <class Handle>
+  bool Lacks(const Pool<Handle>& pool) {
+    return pool.live.empty() && random_.Percent(80);
+  }
   template <class T>
   T* OrNull(T* pointer);
+  // The handle is a child of the session: both end together.
+  template <class Handle>
+  void Keep(Pool<Handle>& pool, Handle handle, XrSession session);
+  template <class Handle>
+  void Bury(Pool<Handle>& pool, XrSession session);
+  // Mostly a space of the session that this handle is, or is a child of.
+  XrSpace SpaceFor(const void* handle);
   XrStructureType Type(XrStructureType right);
   const void* Chain();
   XrPath AnyPath();
@@ -93,20 +116,68 @@ class Sequence {
   void ReferenceSpace();
   void DropSpace();
   void Locate();
+  XrPosef AnyPose();
+  void CheckPlace(XrSpaceLocationFlags flags, const XrPosef& pose);
+  void CheckSpeed(XrSpaceLocationFlags place, XrSpaceVelocityFlags flags, const XrVector3f& linear,
+                  const XrVector3f& angular);
+  static std::string PoseText(const XrPosef& pose);
+
+  // calls_locate.cc
+  void LocateMany();
+  void MakeHand();
+  void DropHand();
+  void Joints();
+  XrTime AnyTime();
+
+  // calls_haptics.cc
   void Vibrate();
   void Stop();
-  XrPosef AnyPose();
-  void CheckLocation(const XrSpaceLocation& location, const XrSpaceVelocity* velocity);
+  void Shape();
+  void SampleRate();
+  XrAction HapticAction();
+  XrSession MainSession();
+  void CheckHaptic(const char* call, XrResult result);
+  float AnyNumber();
+  XrDuration AnyDuration();
+
+  // calls_force.cc
+  void MakeForce();
+  void DropForce();
+  void Push();
+  void Constrain();
+  void StopForce();
+  void ForceState();
+  void ForceProperties();
+  void SystemSays();
+
+  // calls_scene.cc
+  void MakeScene();
+  void DropScene();
+  void SceneState();
+  void SceneNodes();
+  void PlaceScene();
+  void MoveNodes();
+  void SceneMaterial();
+  void Contacts();
+  void SceneMesh();
+  XrHapticNodeIdOMNIX1 AnyNode();
 
   SequenceOptions options_;
   Random random_;
   Functions f_;
+  OwnCalls own_;
   XrInstance instance_ = XR_NULL_HANDLE;
   XrSystemId system_ = XR_NULL_SYSTEM_ID;
   Pool<XrSession> sessions_;
   Pool<XrActionSet> sets_;
   Pool<XrAction> actions_;
   Pool<XrSpace> spaces_;
+  Pool<XrHandTrackerEXT> hands_;
+  Pool<XrForceFeedbackOMNIX1> forces_;
+  Pool<XrHapticSceneOMNIX1> scenes_;
+  std::vector<XrHapticNodeIdOMNIX1> nodes_;
+  std::map<const void*, XrSession> session_of_;
+  XrAction vibration_ = XR_NULL_HANDLE;
   std::vector<XrPath> paths_;
   std::set<XrSession> waited_;  // a frame was waited for and not begun: another wait would block
   std::vector<std::string> lines_;
