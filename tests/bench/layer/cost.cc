@@ -78,7 +78,7 @@ constexpr const char* kLocatePast = "xrLocateSpace (pen, 10 ms ago)";
 constexpr const char* kLocateOther = "xrLocateSpace (other hand)";
 constexpr const char* kPassThrough = "xrGetInstanceProperties (pass-through)";
 constexpr const char* kPoseState = "xrGetActionStatePose";
-constexpr const char* kLocateBoth = "xrLocateSpaces (pen and other hand)";
+constexpr const char* kLocateBoth = "xrLocateSpacesKHR (pen and other hand)";
 constexpr const char* kSync = "xrSyncActions";
 
 // How often the runtime below was called; -1: it does not say.
