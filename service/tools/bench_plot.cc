@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +13,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "service/tools/bench_chart.h"
+#include "service/tools/bench_plot_layer.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/json_text.h"
@@ -24,30 +25,6 @@ namespace omni::tools {
 namespace {
 
 using nlohmann::json;
-
-// Empty: not there. A row may be anything: the file may be another's.
-std::string Word(const json& row, const char* key) {
-  const std::string word = row.is_object() ? TextAt(row, (std::string("/") + key).c_str()) : "-";
-  return word == "-" ? std::string() : word;
-}
-
-double Value(const json& row, const char* key) {
-  return row.is_object() ? NumberAt(row, (std::string("/") + key).c_str()) : std::nan("");
-}
-
-std::string Origin(const json& document) {
-  return "commit " + Word(document, "commit") + "; " + Word(document, "machine");
-}
-
-// One box with its legend, under the bench's name and over the document's origin.
-std::string Chart(const json& document, const std::string& title, const PlotAxis& x, const PlotAxis& y,
-                  const std::vector<PlotSeries>& series, double width_px) {
-  Svg svg(960, 560);
-  DrawPlot(svg, {.top_px = 60, .width_px = width_px, .height_px = 430, .title = title, .x = x, .y = y}, series);
-  svg.Text(70, 24, "omni bench " + Word(document, "name"), "font-size=\"16\" fill=\"#222\"");
-  svg.Text(70, 548, Origin(document), "font-size=\"10\" fill=\"#777\"");
-  return svg.Finish();
-}
 
 // Of dots with the same label only the rightmost keeps it.
 void LabelOnce(PlotSeries& series) {
@@ -67,8 +44,8 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
   std::vector<double> times_us, errors_mm;
   std::vector<std::string> methods;
   for (const json& row : ArrayAt(document, "/rows")) {
-    const double us = Value(row, "us_median"), mm = Value(row, "rms_mm");
-    const std::string method = Word(row, "method"), start = Word(row, "start");
+    const double us = RowValue(row, "us_median"), mm = RowValue(row, "rms_mm");
+    const std::string method = RowWord(row, "method"), start = RowWord(row, "start");
     if (!(us > 0 && mm > 0) || method.empty()) continue;
     if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
     const auto colour = static_cast<std::size_t>(std::find(methods.begin(), methods.end(), method) - methods.begin());
@@ -80,7 +57,7 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
     series.mark = start == "cold" ? PlotSeries::Mark::kRings : PlotSeries::Mark::kDots;
     series.points.push_back({us, mm});
     // The product's own model goes without saying: most dots are of it, and lie close.
-    const std::string model = Word(row, "model");
+    const std::string model = RowWord(row, "model");
     series.labels.push_back(model == "default" || model == "full" ? "" : model);
     times_us.push_back(us);
     errors_mm.push_back(mm);
@@ -93,8 +70,9 @@ base::Result<std::string> DrawSolver(const json& document, const std::string& fi
     LabelOnce(one);
     series.push_back(std::move(one));
   }
-  return Chart(document, "One solve: run time against error", AxisFor("median time of a solve, us", times_us, true),
-               AxisFor("position error, mm rms", errors_mm, true), series, 640);
+  return BenchChart(document, "One solve: run time against error",
+                    AxisFor("median time of a solve, us", times_us, true),
+                    AxisFor("position error, mm rms", errors_mm, true), series, 640);
 }
 
 // Time of a tick over the number of triangles, a line an engine: what the renderer does in full, peers in dashes.
@@ -103,10 +81,10 @@ base::Result<std::string> DrawCollision(const json& document, const std::string&
   std::map<std::string, PlotSeries> by_engine;
   std::vector<double> counts, times_us;
   for (const json& row : ArrayAt(document, "/rows")) {
-    const double n = Value(row, "triangles"), us = Value(row, "us_median");
-    const std::string engine = Word(row, "engine");
+    const double n = RowValue(row, "triangles"), us = RowValue(row, "us_median");
+    const std::string engine = RowWord(row, "engine");
     // One family of meshes: others are not on the same line.
-    if (!(n > 0 && us > 0) || engine.empty() || Word(row, "mesh") != "lump") continue;
+    if (!(n > 0 && us > 0) || engine.empty() || RowWord(row, "mesh") != "lump") continue;
     if (std::find(engines.begin(), engines.end(), engine) == engines.end()) engines.push_back(engine);
     PlotSeries& series = by_engine[engine];
     series.name = engine;
@@ -127,20 +105,20 @@ base::Result<std::string> DrawCollision(const json& document, const std::string&
     series.push_back(line);
     series.push_back(dots);
   }
-  return Chart(document, "A tick on meshes from 1k to 1M triangles", AxisFor("triangles", counts, true),
-               AxisFor("median time, us", times_us, true), series, 640);
+  return BenchChart(document, "A tick on meshes from 1k to 1M triangles", AxisFor("triangles", counts, true),
+                    AxisFor("median time, us", times_us, true), series, 640);
 }
 
 std::string Condition(const json& row) {
-  std::string text = Word(row, "model") + ", " + Word(row, "noise");
-  const double amplitude_A = Value(row, "actuation_A");
+  std::string text = RowWord(row, "model") + ", " + RowWord(row, "noise");
+  const double amplitude_A = RowValue(row, "actuation_A");
   if (amplitude_A > 0) {
     char current[32];
     std::snprintf(current, sizeof(current), ", +-%g A", amplitude_A);
     text += current;
-    if (Word(row, "currents") == "hidden") text += " hidden";
+    if (RowWord(row, "currents") == "hidden") text += " hidden";
   }
-  const std::string calibrated = Word(row, "calibrated");
+  const std::string calibrated = RowWord(row, "calibrated");
   if (!calibrated.empty()) text += ", calibrated: " + calibrated;
   if (TrueAt(row, "/moving")) text += ", moving";
   return text;
@@ -151,9 +129,9 @@ base::Result<std::string> DrawTracking(const json& document, const std::string& 
   std::vector<const json*> rows;
   std::vector<double> errors_mm;
   for (const json& row : ArrayAt(document, "/rows")) {
-    if (!(Value(row, "mean_mm") > 0 && Value(row, "p95_mm") > 0)) continue;
+    if (!(RowValue(row, "mean_mm") > 0 && RowValue(row, "p95_mm") > 0)) continue;
     rows.push_back(&row);
-    for (const char* key : {"mean_mm", "p95_mm", "max_mm"}) errors_mm.push_back(Value(row, key));
+    for (const char* key : {"mean_mm", "p95_mm", "max_mm"}) errors_mm.push_back(RowValue(row, key));
   }
   if (rows.empty()) return base::Error{file + ": no row has mean_mm and p95_mm; make it with omni bench tracking"};
   const double line_px = 24, height_px = line_px * static_cast<double>(rows.size());
@@ -174,13 +152,14 @@ base::Result<std::string> DrawTracking(const json& document, const std::string& 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const json& row = *rows[i];
     const double y = static_cast<double>(rows.size() - i) - 0.5;
-    series.push_back({.colour = "#bbbbbb",
-                      .points = {{Value(row, "mean_mm"), y}, {Value(row, "p95_mm"), y}, {Value(row, "max_mm"), y}}});
-    mean.points.push_back({Value(row, "mean_mm"), y});
-    p95.points.push_back({Value(row, "p95_mm"), y});
-    worst.points.push_back({Value(row, "max_mm"), y});
+    series.push_back(
+        {.colour = "#bbbbbb",
+         .points = {{RowValue(row, "mean_mm"), y}, {RowValue(row, "p95_mm"), y}, {RowValue(row, "max_mm"), y}}});
+    mean.points.push_back({RowValue(row, "mean_mm"), y});
+    p95.points.push_back({RowValue(row, "p95_mm"), y});
+    worst.points.push_back({RowValue(row, "max_mm"), y});
     std::string label = Condition(row);
-    if (const double us = Value(row, "us_median"); us > 0) {
+    if (const double us = RowValue(row, "us_median"); us > 0) {
       char time[32];
       std::snprintf(time, sizeof(time), ", %.2f us", us);
       label += time;
@@ -189,7 +168,7 @@ base::Result<std::string> DrawTracking(const json& document, const std::string& 
   }
   series.insert(series.end(), {mean, p95, worst});
   DrawPlot(svg, box, series);
-  svg.Text(20, height_px + 150, Origin(document), "font-size=\"10\" fill=\"#777\"");
+  svg.Text(20, height_px + 150, BenchOrigin(document), "font-size=\"10\" fill=\"#777\"");
   return svg.Finish();
 }
 
@@ -198,8 +177,8 @@ base::Result<std::string> DrawDeformable(const json& document, const std::string
   std::vector<PlotSeries> series;
   std::vector<double> times_us, errors_pct;
   for (const json& row : ArrayAt(document, "/rows")) {
-    const double us = Value(row, "us_median"), pct = Value(row, "error_pct");
-    const std::string method = Word(row, "method");
+    const double us = RowValue(row, "us_median"), pct = RowValue(row, "error_pct");
+    const std::string method = RowWord(row, "method");
     if (!(us > 0 && pct > 0) || method.empty()) continue;
     const auto same = [&](const PlotSeries& one) { return one.name == method; };
     auto found = std::find_if(series.begin(), series.end(), same);
@@ -209,7 +188,7 @@ base::Result<std::string> DrawDeformable(const json& document, const std::string
     }
     found->points.push_back({us, pct});
     char tets[32];
-    std::snprintf(tets, sizeof(tets), "%.0f", Value(row, "tets"));
+    std::snprintf(tets, sizeof(tets), "%.0f", RowValue(row, "tets"));
     found->labels.emplace_back(tets);
     times_us.push_back(us);
     errors_pct.push_back(pct);
@@ -217,9 +196,9 @@ base::Result<std::string> DrawDeformable(const json& document, const std::string
   if (times_us.empty()) {
     return base::Error{file + ": no row has us_median and error_pct; make it with omni bench deformable"};
   }
-  return Chart(document, "One tick with one ball: run time against error of the force, by number of tetrahedra",
-               AxisFor("median time of a tick, us", times_us, true),
-               AxisFor("error against neo-Hookean, %", errors_pct, true), series, 640);
+  return BenchChart(document, "One tick with one ball: run time against error of the force, by number of tetrahedra",
+                    AxisFor("median time of a tick, us", times_us, true),
+                    AxisFor("error against neo-Hookean, %", errors_pct, true), series, 640);
 }
 
 // What is offered over the loop's whole lag, by noise, beside the simple rule and the stiffest wall that every hand
@@ -229,12 +208,12 @@ base::Result<std::string> DrawStability(const json& document, const std::string&
   std::map<double, std::array<PlotSeries, 3>> by_noise;
   std::vector<double> lags_ms, stiffness_N_m;
   for (const json& row : ArrayAt(document, "/tables/offered")) {
-    const double noise_mm = Value(row, "noise_mm"), lag_ms = Value(row, "delay_ms") + kRest_ms;
+    const double noise_mm = RowValue(row, "noise_mm"), lag_ms = RowValue(row, "delay_ms") + kRest_ms;
     constexpr const char* kKeys[] = {"offered_N_m", "start_N_m", "fixed_good_N_m"};
     if (!(noise_mm >= 0 && lag_ms > 0)) continue;
     lags_ms.push_back(lag_ms);
     for (std::size_t k = 0; k < 3; ++k) {
-      const double value = Value(row, kKeys[k]);
+      const double value = RowValue(row, kKeys[k]);
       if (!(value > 0)) continue;
       by_noise[noise_mm][k].points.push_back({lag_ms, value});
       stiffness_N_m.push_back(value);
@@ -256,9 +235,9 @@ base::Result<std::string> DrawStability(const json& document, const std::string&
     }
     ++colour;
   }
-  return Chart(document, "Stiffness that a simulated hand can hold still against, by noise of the position",
-               AxisFor("whole lag: delay, half a tick and coil, ms", lags_ms, true),
-               AxisFor("N/m", stiffness_N_m, true), series, 600);
+  return BenchChart(document, "Stiffness that a simulated hand can hold still against, by noise of the position",
+                    AxisFor("whole lag: delay, half a tick and coil, ms", lags_ms, true),
+                    AxisFor("N/m", stiffness_N_m, true), series, 600);
 }
 
 // Empty: drawn.
@@ -283,12 +262,14 @@ base::Result<std::string> DrawBench(const json& document, const std::string& fil
     return base::Error{file +
                        ": no benchmark document ({name, commit, machine, rows}); make it with omni bench NAME --json"};
   }
-  const std::string name = Word(document, "name");
+  const std::string name = RowWord(document, "name");
   if (name == "solver") return DrawSolver(document, file);
   if (name == "tracking") return DrawTracking(document, file);
   if (name == "stability") return DrawStability(document, file);
   if (name == "collision") return DrawCollision(document, file);
   if (name == "deformable") return DrawDeformable(document, file);
+  if (name == "layer") return DrawLayer(document, file);
+  if (name == "align") return DrawAlign(document, file);
   return base::Error{file + ": is of omni bench " + name + "; there is no picture of it"};
 }
 
@@ -297,7 +278,8 @@ void AddBenchPlot(CLI::App& bench) {
       bench.add_subcommand("plot", "pictures (SVG) of run time against error from JSON files of omni bench");
   auto files = std::make_shared<std::vector<std::string>>();
   auto folder = std::make_shared<std::string>(".");
-  plot->add_option("files", *files, "JSON files of omni bench solver, tracking, stability, collision and deformable")
+  plot->add_option("files", *files,
+                   "JSON files of omni bench solver, tracking, stability, collision, deformable, layer and align")
       ->required();
   plot->add_option("-o,--output", *folder, "folder to write NAME.svg into")->capture_default_str();
   plot->callback([files, folder] {

@@ -9,8 +9,9 @@
 
 namespace omni::tools {
 
-// `document`: {"name", "commit", "machine", "rows"} of `omni bench solver`, `tracking` or `deformable`; `file` names it
-// in messages. Rows that lack the keys of the picture are left out; a document without any usable row is an error.
+// `document`: {"name", "commit", "machine", "rows"} of `omni bench solver`, `tracking`, `stability`, `collision`,
+// `deformable`, `layer` or `align`; `file` names it in messages. Rows that lack the keys of the picture are left out; a
+// document without any usable row is an error.
 base::Result<std::string> DrawBench(const nlohmann::json& document, const std::string& file);
 
 }  // namespace omni::tools

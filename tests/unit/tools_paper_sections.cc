@@ -119,7 +119,34 @@ TEST(BenchPlot, DrawsSolversAndTracking) {
   EXPECT_NE(bars->find("default, UHP, +-4 A hidden, moving"), std::string::npos);
 }
 
+TEST(BenchPlot, DrawsTheLayerAndAlignment) {
+  nlohmann::json motions = nlohmann::json::array({3});
+  for (const char* motion : {"extrusion", "free strokes, seed 1", "free strokes, seed 2"}) {
+    for (const char* method : {"layer", "hold last"}) {
+      for (const double ms : {10, 20, 40}) {
+        motions.push_back({{"motion", motion}, {"method", method}, {"horizon_ms", ms}, {"error_mm_p95", 0.05 * ms}});
+      }
+    }
+  }
+  const auto lines =
+      DrawBench({{"name", "layer"}, {"rows", nlohmann::json::array()}, {"tables", {{"motions", motions}}}}, "l.json");
+  ASSERT_TRUE(lines.ok()) << lines.error();
+  ExpectPicture(*lines);
+  const std::size_t named = lines->find("free strokes, layer");
+  EXPECT_NE(named, std::string::npos);
+  EXPECT_EQ(lines->find("free strokes, layer", named + 1), std::string::npos) << "once in the legend";
+  const nlohmann::json row = {
+      {"method", "touch, 6 DoF"}, {"predicted_mm", 2.4}, {"error_mm_median", 2.2}, {"error_mm_p95", 4.1}};
+  const auto marks = DrawBench({{"name", "align"}, {"rows", {row, {{"method", "refused"}}}}}, "a.json");
+  ASSERT_TRUE(marks.ok()) << marks.error();
+  ExpectPicture(*marks);
+  EXPECT_NE(marks->find("touch, median"), std::string::npos);
+  EXPECT_EQ(marks->find("refused"), std::string::npos);
+}
+
 TEST(BenchPlot, RefusesWhatItCannotDraw) {
+  EXPECT_FALSE(DrawBench({{"name", "layer"}, {"rows", nlohmann::json::array()}}, "x").ok());
+  EXPECT_FALSE(DrawBench({{"name", "align"}, {"rows", nlohmann::json::array()}}, "x").ok());
   EXPECT_FALSE(DrawBench(nlohmann::json::parse("[", nullptr, false), "x").ok());
   EXPECT_FALSE(DrawBench({{"name", "solver"}, {"rows", nlohmann::json::array()}}, "x").ok());
   const auto loop = DrawBench({{"name", "loop"}, {"rows", nlohmann::json::array()}}, "x.json");
