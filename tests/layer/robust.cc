@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <thread>
 
@@ -120,9 +121,11 @@ TEST_F(Robust, ManyThreadsCallEverything) {
       ++failed;
     }
   });
-  for (int i = 0; i < 100; ++i) {
+  const char* asked = std::getenv("OMNI_FUZZ");  // scripts/fuzz-layer: for longer
+  const int rounds = asked ? 5 * std::atoi(asked) : 100;
+  for (int i = 0; i < rounds; ++i) {
     service.SetFlags(i % 10 == 9 ? 0 : protocol::kToolPoseValid | protocol::kToolTracked);
-    service.Set(protocol::InputIndex::kTipForce, 0.01f * static_cast<float>(i));
+    service.Set(protocol::InputIndex::kTipForce, 0.01f * static_cast<float>(i % 100));
     service.Fill();
     Pause_ms(3);
   }

@@ -1,5 +1,6 @@
 // Random sequences of calls against the bare runtime, without and with the pen, and with garbage in the service's
-// memory. OMNI_FUZZ: so many sequences of each kind instead of what ctest has time for (scripts/fuzz).
+// memory. OMNI_FUZZ: so many sequences of each kind instead of what ctest has time for, from OMNI_FUZZ_FIRST on
+// (scripts/fuzz-layer).
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -17,6 +18,12 @@ namespace {
 int Sequences(int usual) {
   const char* asked = std::getenv("OMNI_FUZZ");
   return asked ? std::atoi(asked) : usual;
+}
+
+// Of each kind its own: the n-th sequence of this run.
+std::uint64_t SeedOf(std::uint64_t kind, int n) {
+  const char* first = std::getenv("OMNI_FUZZ_FIRST");
+  return 1'000'000 * kind + static_cast<std::uint64_t>(first ? std::atoi(first) : 0) + static_cast<std::uint64_t>(n);
 }
 
 // What a user does meanwhile, from the sequence's own random numbers.
@@ -74,9 +81,9 @@ TEST_F(LayerFuzz, WithoutThePenEveryResultIsTheRuntimes) {
   std::size_t calls = 0;
   for (int seed = 0; seed < sequences && !testing::Test::HasFailure(); ++seed) {
     omni_test_reset();
-    const Sequence alone(bare, Options(static_cast<std::uint64_t>(seed)));
+    const Sequence alone(bare, Options(SeedOf(0, seed)));
     omni_test_reset();
-    const Sequence through(layered, Options(static_cast<std::uint64_t>(seed)));
+    const Sequence through(layered, Options(SeedOf(0, seed)));
     const auto& a = alone.transcript();
     const auto& b = through.transcript();
     calls += b.size();
@@ -176,7 +183,7 @@ TEST_F(LayerFuzz, InvariantsHoldWithThePen) {
     omni_test_reset();
     omni_test_offer_shapes(seed % 2);
     service.Revive();
-    SequenceOptions options = Options(1'000'000 + static_cast<std::uint64_t>(seed));
+    SequenceOptions options = Options(SeedOf(1, seed));
     options.steps = 400;
     options.ours = true;
     options.patience_ns = 100'000'000;
@@ -204,7 +211,7 @@ TEST_F(LayerFuzz, GarbageInTheStateMemory) {
   int met = 0;
   for (int seed = 0; seed < sequences && !testing::Test::HasFailure(); ++seed) {
     omni_test_reset();
-    SequenceOptions options = Options(2'000'000 + static_cast<std::uint64_t>(seed));
+    SequenceOptions options = Options(SeedOf(2, seed));
     options.steps = 400;
     options.ours = true;
     options.world = [&](Random& random) {
