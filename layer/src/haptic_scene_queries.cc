@@ -170,7 +170,7 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
     if (reader->object(i).object != *object) continue;
     found = reader->Read(i, copy) != client::SurfaceRead::kNothing;
   }
-  if (!found) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
+  if (!found || copy.frame.t_ns <= 0) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;  // not of the tick yet
   const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
   const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
   const double scale = OMNI_FAULT("mesh-as-scaled") ? 1 : scene->state.scale;
@@ -178,7 +178,7 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
   mesh->indexCountOutput = index_count;
   const bool fits = Fits(mesh->vertexCapacityInput, vertex_count) && Fits(mesh->indexCapacityInput, index_count);
   if (!fits && !OMNI_FAULT("mesh-sizes-last")) return XR_ERROR_SIZE_INSUFFICIENT;
-  mesh->time = copy.frame.t_ns > 0 ? instance_.clock.ToXr(copy.frame.t_ns) : 0;
+  mesh->time = instance_.clock.ToXr(copy.frame.t_ns);
   mesh->vertexChange = copy.frame.vertex_change;
   mesh->indexChange = copy.frame.triangle_change;
   mesh->maxDisplacement = static_cast<float>(copy.frame.largest_displacement_m / scale);
