@@ -28,13 +28,21 @@ std::string InUserFolder(const std::string& name) {
 
 }  // namespace
 
+std::string ProgramFolder() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path().string();
+}
+
+std::string ShareFolder() {
+  const fs::path programs = ProgramFolder();
+  return programs.empty() ? std::string() : (programs.parent_path() / "share").string();
+}
+
 std::string DataFolder() {
   if (const char* value = ::secure_getenv("OMNI_DATA_DIR"); value != nullptr && value[0] != '\0') return value;
+  const std::string share = ShareFolder();
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path beside = (program.parent_path().parent_path() / "share/omni").lexically_normal();
-  if (!error && fs::is_directory(beside, error)) return beside.string();
-  return "/usr/share/omni";
+  return !share.empty() && fs::is_directory(share + "/omni", error) ? share + "/omni" : "/usr/share/omni";
 }
 
 std::string ScenesFolder() { return DataFolder() + "/scenes"; }

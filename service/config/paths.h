@@ -6,7 +6,13 @@
 
 namespace omni::config {
 
-// $OMNI_DATA_DIR, else <folder of this program>/../share/omni if it exists, else /usr/share/omni.
+// The folder of this program, without links: omni, omnid and what they start stand side by side. Empty: unknown.
+std::string ProgramFolder();
+
+// ProgramFolder()/../share, of a build tree or of a prefix, wherever that has been moved to. Empty: unknown.
+std::string ShareFolder();
+
+// $OMNI_DATA_DIR, else ShareFolder()/omni if it exists, else /usr/share/omni.
 std::string DataFolder();
 
 // DataFolder()/scenes: what relative scene names in apps.d are relative to.

@@ -1,9 +1,9 @@
 #include "service/daemon/open_device.h"
 
-#include <filesystem>
 #include <utility>
 #include <vector>
 
+#include "service/config/paths.h"
 #include "service/device/usb_transport.h"
 #include "service/sim/twin.h"
 
@@ -14,9 +14,7 @@ constexpr const char* kAuto = "auto";
 constexpr const char* kReplay = "replay";
 
 base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string& /*argument*/) {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string program = (self.parent_path() / "omni").string();
+  const std::string program = config::ProgramFolder() + "/omni";
   std::vector<std::string> arguments{"--seed", std::to_string(options.twin_seed)};
   const auto add = [&](const char* name, const std::string& value) {
     if (!value.empty()) arguments.insert(arguments.end(), {name, value});

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "service/base/clock.h"
+#include "service/config/paths.h"
 #include "service/protocol/text.h"
 
 extern char** environ;
@@ -157,10 +158,6 @@ std::optional<ProbeLine> AlignProbe::Next(int timeout_ms) {
   }
 }
 
-std::string DefaultProbe() {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (self.parent_path() / "omni_align_probe").string();
-}
+std::string DefaultProbe() { return config::ProgramFolder() + "/omni_align_probe"; }
 
 }  // namespace omni::tools

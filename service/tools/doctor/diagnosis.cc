@@ -52,9 +52,7 @@ Surroundings SurroundingsOfThisProcess(const std::string& socket_path) {
   surroundings.socket_path = socket_path.empty() ? client::DefaultSocketPath() : socket_path;
   surroundings.app_folders = config::AppFolders();
   surroundings.scenes_folder = config::ScenesFolder();
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (!error) surroundings.share = program.parent_path().parent_path() / "share";
+  surroundings.share = config::ShareFolder();
   surroundings.loader = AskLoader();
   base::Result<nlohmann::json> status = FetchStatus(socket_path);
   if (status.ok()) {
