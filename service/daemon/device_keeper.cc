@@ -48,12 +48,14 @@ bool DeviceKeeper::Open() {
   auto opened = OpenDevice(options_);
   if (!opened.ok()) {
     service_.Detach(opened.error());
-    if (opened.error() != told_) spdlog::error("device: {}; trying again every second", opened.error());
+    const char* next = IsReplay(options_.device) ? "" : "; omnid waits for it and looks every second";
+    if (opened.error() != told_) spdlog::error("device: {}{}", opened.error(), next);
     told_ = opened.error();
     return false;
   }
   told_.clear();
   ++opened_;
+  if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   const loop::TickConfig config = Calibrated(opened->serial);
   Record(*opened);
   session_ = std::make_unique<Session>(std::move(*opened), config, options_, sink_);
@@ -70,9 +72,7 @@ bool DeviceKeeper::Open() {
   service_.Attach(session_->loop, *session_->opened.transport);
   const std::string& refused = session_->loop.realtime().reason;
   if (session_->WantsRealtime(options_) && !refused.empty()) spdlog::warn("real-time: {}", refused);
-  const device::TransportInfo& info = session_->opened.transport->info();
-  spdlog::info("device: {} {}", info.name,
-               info.simulation ? "(simulation)" : "(serial " + session_->opened.serial + ")");
+  spdlog::info("device: {} (serial {})", session_->opened.transport->info().name, session_->opened.serial);
   return true;
 }
 
@@ -124,7 +124,7 @@ bool DeviceKeeper::Watch() {
       Close("the recording is over");
       return false;
     }
-    spdlog::error("device: lost; trying again every second");
+    spdlog::error("device: lost; omnid waits for it and looks every second");
     Close("lost");
     polls_ = 0;
   }

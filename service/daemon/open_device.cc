@@ -10,7 +10,6 @@
 namespace omni::daemon {
 namespace {
 
-constexpr const char* kAuto = "auto";
 constexpr const char* kReplay = "replay";
 
 base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string& /*argument*/) {
@@ -55,8 +54,8 @@ struct DeviceEntry {
 };
 
 constexpr DeviceEntry kDevices[] = {
+    {"usb", "SERIAL", false, "a base on USB, waited for until it is there; SERIAL when there are several", OpenUsb},
     {"twin", "", false, "the digital twin (a simulation)", OpenTwin},
-    {"usb", "SERIAL", false, "a base on USB; SERIAL when there are several", OpenUsb},
     {kReplay, "FILE", true, "a recording of --record-device", OpenRecording},
 };
 
@@ -87,29 +86,26 @@ std::string Words(const DeviceEntry& entry) {
 
 std::string DeviceHelp() {
   std::string text;
-  for (const DeviceEntry& entry : kDevices) text += Words(entry) + ": " + entry.about + "; ";
-  return text + kAuto + ": usb if a base is connected, else the twin";
+  for (const DeviceEntry& entry : kDevices) text += (text.empty() ? "" : "; ") + Words(entry) + ": " + entry.about;
+  return text;
 }
 
 std::string DeviceProblem(const std::string& device) {
-  if (device == kAuto || Parse(device).entry != nullptr) return {};
+  if (Parse(device).entry != nullptr) return {};
   std::string known;
-  for (const DeviceEntry& entry : kDevices) known += Words(entry) + ", ";
-  return "\"" + device + "\" is no device; there is " + known + kAuto;
-}
-
-std::string SettleDevice(const std::string& device) {
-  if (device != kAuto) return device;
-  base::Result<std::unique_ptr<device::UsbBus>> bus = device::MakeUsbBus(false);
-  if (!bus.ok()) return "twin";
-  const base::Result<std::vector<device::UsbBase>> bases = (*bus)->List();
-  return bases.ok() && !bases->empty() ? "usb" : "twin";
+  for (const DeviceEntry& entry : kDevices) known += (known.empty() ? "" : ", ") + Words(entry);
+  return "\"" + device + "\" is no device; there is " + known;
 }
 
 base::Result<OpenedDevice> OpenDevice(const RunOptions& options) {
   const Wanted wanted = Parse(options.device);
   if (wanted.entry == nullptr) return base::Error{DeviceProblem(options.device)};
   return wanted.entry->open(options, wanted.argument);
+}
+
+bool IsTwin(const std::string& device) {
+  const DeviceEntry* entry = Parse(device).entry;
+  return entry != nullptr && entry->open == OpenTwin;
 }
 
 bool IsReplay(const std::string& device) {

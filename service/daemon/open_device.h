@@ -25,14 +25,14 @@ std::string DeviceHelp();
 // Why `device` is no word for one; empty: it is.
 std::string DeviceProblem(const std::string& device);
 
-// "auto" becomes "usb" if a base is connected now, else "twin"; anything else stays. A service that has once begun with
-// a base never goes on with a simulation, or the other way round.
-std::string SettleDevice(const std::string& device);
-
-// Precondition: DeviceProblem(options.device) is empty and the device is settled.
+// Precondition: DeviceProblem(options.device) is empty.
 base::Result<OpenedDevice> OpenDevice(const RunOptions& options);
 
+bool IsTwin(const std::string& device);
 bool IsReplay(const std::string& device);
+
+// What log and status say first while a simulation runs.
+inline constexpr const char* kSimulationText = "there is no real base; pen, forces and all figures are simulated";
 
 // Has `opened` written to options.record_device_path, from its next scan on. The n-th device that omnid opens (after
 // the one before was lost) gets ".n" behind the path, so that no recording is overwritten by the next one. Empty, or

@@ -54,10 +54,11 @@ std::uint64_t RandomInstance() {
   return (static_cast<std::uint64_t>(random()) << 32) | random();
 }
 
-int RunChecked(RunOptions options) {
+int RunChecked(const RunOptions& options) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("omnid"));
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   const sigset_t end_signals = BlockEndSignals();
+  if (IsTwin(options.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   std::optional<base::DeviceGeometry> from_file;
   if (!options.device_file.empty()) {
     auto loaded = config::LoadDeviceFile(options.device_file);
@@ -68,7 +69,6 @@ int RunChecked(RunOptions options) {
     from_file = *loaded;
   }
   const base::DeviceGeometry& device = from_file ? *from_file : config::DefaultDevice();
-  options.device = SettleDevice(options.device);
   const std::uint64_t instance = RandomInstance();
   auto publisher = ipc::StatePublisher::Create(instance);
   if (!publisher.ok()) {

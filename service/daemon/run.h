@@ -7,7 +7,7 @@
 namespace omni::daemon {
 
 struct RunOptions {
-  std::string device = "twin";  // DeviceProblem (open_device.h) says which there are
+  std::string device = "usb";  // DeviceProblem (open_device.h) says which there are; a simulation only when asked for
   std::string device_file;
   std::string calibration_path;  // empty: the user's own, if it is there
   std::string alignment_path;    // empty: the user's own

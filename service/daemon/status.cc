@@ -6,6 +6,7 @@
 
 #include "firmware/wire/names.h"
 #include "service/config/input_table.h"
+#include "service/daemon/open_device.h"
 
 namespace omni::daemon {
 namespace {
@@ -196,6 +197,8 @@ std::string WriteStatus(const StatusInput& input) {
       {"problems", input.problems}};
   if (input.loop != nullptr) status["tick"] = Ticks(*input.loop);
   status["race"] = input.loop == nullptr ? json() : Race(input.loop->statistics().vehicle);
+  // In capitals, which come first in the sorted text that people read.
+  if (input.transport != nullptr && input.transport->info().simulation) status["SIMULATION"] = kSimulationText;
   // Names come from other programs: invalid UTF-8 is replaced, never thrown on.
   return status.dump(-1, ' ', false, json::error_handler_t::replace);
 }

@@ -19,11 +19,13 @@ struct DoctorArguments {
 };
 
 int Doctor(const DoctorArguments& arguments) {
-  const std::vector<Diagnosed> findings = Diagnose(SurroundingsOfThisProcess(arguments.socket));
+  const Surroundings surroundings = SurroundingsOfThisProcess(arguments.socket);
+  const std::vector<Diagnosed> findings = Diagnose(surroundings);
+  const nlohmann::json& status = surroundings.service.status;
   if (arguments.as_json) {
-    std::cout << DoctorJson(findings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    std::cout << DoctorJson(findings, status).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
-    std::cout << DoctorText(findings);
+    std::cout << DoctorText(findings, status);
   }
   if (!AnyFailed(findings)) return kExitOk;
   std::cerr << "omni doctor: something fails; apply the fixes above from top to bottom\n";

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "service/tools/json_text.h"
+
 namespace omni::tools {
 namespace {
 
@@ -23,8 +25,8 @@ std::vector<Diagnosed> Diagnose(const Surroundings& surroundings) {
   return findings;
 }
 
-std::string DoctorText(const std::vector<Diagnosed>& findings) {
-  std::string text;
+std::string DoctorText(const std::vector<Diagnosed>& findings, const nlohmann::json& status) {
+  std::string text = SimulationLine(status);
   for (const Diagnosed& row : findings) {
     text += Padded(WordFor(row.finding.verdict), 6) + Padded(row.name, 16) + row.finding.what + "\n";
     if (!row.finding.fix.empty()) text += Padded("", 22) + "fix: " + row.finding.fix + "\n";
@@ -32,7 +34,7 @@ std::string DoctorText(const std::vector<Diagnosed>& findings) {
   return text;
 }
 
-nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings) {
+nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings, const nlohmann::json& status) {
   nlohmann::json rows = nlohmann::json::array();
   for (const Diagnosed& row : findings) {
     rows.push_back({{"name", row.name},
@@ -40,7 +42,9 @@ nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings) {
                     {"what", row.finding.what},
                     {"fix", row.finding.fix}});
   }
-  return {{"ok", !AnyFailed(findings)}, {"diagnoses", rows}};
+  nlohmann::json document = {{"ok", !AnyFailed(findings)}, {"diagnoses", rows}};
+  if (status.contains("SIMULATION")) document["SIMULATION"] = status["SIMULATION"];
+  return document;
 }
 
 bool AnyFailed(const std::vector<Diagnosed>& findings) {

@@ -16,8 +16,9 @@ struct Diagnosed {
 // Every diagnosis once, in the table's order.
 std::vector<Diagnosed> Diagnose(const Surroundings& surroundings);
 
-std::string DoctorText(const std::vector<Diagnosed>& findings);
-nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings);
+// `status` is omnid's, null where it does not run: a simulation is said first.
+std::string DoctorText(const std::vector<Diagnosed>& findings, const nlohmann::json& status);
+nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings, const nlohmann::json& status);
 
 bool AnyFailed(const std::vector<Diagnosed>& findings);
 

@@ -32,6 +32,10 @@ std::string TextAt(const json& document, const char* pointer, int digits) {
   return text;
 }
 
+std::string SimulationLine(const json& status) {
+  return status.contains("SIMULATION") ? "SIMULATION: " + TextAt(status, "/SIMULATION") + "\n" : std::string();
+}
+
 std::string DeviceName(const json& status) {
   const std::string name = TextAt(status, "/device/name");
   const bool said = name == "-" || name.find("simulation") != std::string::npos;

@@ -10,6 +10,9 @@ namespace omni::tools {
 // The value at a JSON pointer ("/tick/count") as text for people; numbers with `digits` after the point.
 std::string TextAt(const nlohmann::json& document, const char* pointer, int digits = 0);
 
+// The line that people see first while omnid runs a simulation, with its end; empty: it does not.
+std::string SimulationLine(const nlohmann::json& status);
+
 // "name", or "name (a simulation)" if the device is one and its name does not say so; "-" if there is none.
 std::string DeviceName(const nlohmann::json& status);
 

@@ -44,7 +44,6 @@ int RecordBase(RecordRequest request) {
     return FailRecord("--device: " + problem);
   }
   if (daemon::IsReplay(request.run.device)) return FailRecord("--device " + request.run.device + " is a recording");
-  request.run.device = daemon::SettleDevice(request.run.device);
   base::Result<daemon::OpenedDevice> opened = daemon::OpenDevice(request.run);
   if (!opened.ok()) return FailRecord(opened.error());
   const std::string refused = daemon::RecordDevice(request.run, config::DefaultDevice().current_max_A, 1, *opened);
@@ -63,7 +62,6 @@ int RecordBase(RecordRequest request) {
 
 void AddRecord(CLI::App& app) {
   auto request = std::make_shared<RecordRequest>();
-  request->run.device = "auto";
   CLI::App* record = app.add_subcommand(
       "record", "what a base measures, with its coils at rest, into a file; omnid --record-device does it at work");
   record->add_option("file", request->run.record_device_path, "the recording; replaced if it is there")->required();

@@ -156,8 +156,9 @@ std::string ClientLine(const json& client) {
 }  // namespace
 
 std::string StatusText(const json& status) {
-  std::string text = Line("omnid", TextAt(status, "/service/version") + ", pid " + TextAt(status, "/service/pid") +
-                                       ", up " + Duration(NumberAt(status, "/service/uptime_s")));
+  std::string text = SimulationLine(status);
+  text += Line("omnid", TextAt(status, "/service/version") + ", pid " + TextAt(status, "/service/pid") + ", up " +
+                            Duration(NumberAt(status, "/service/uptime_s")));
   text += Line("device", DeviceLine(status));
   text += Line("calibrated", CalibrationLine(status));
   text += Line("tick", TickLine(status));

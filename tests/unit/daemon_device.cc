@@ -9,31 +9,31 @@ namespace omni::daemon {
 namespace {
 
 TEST(DeviceWords, KnownOnes) {
-  for (const char* device : {"twin", "usb", "usb:A17", "usb:with:colon", "auto"}) {
+  for (const char* device : {"twin", "usb", "usb:A17", "usb:with:colon"}) {
     EXPECT_EQ(DeviceProblem(device), "") << device;
   }
 }
 
 TEST(DeviceWords, OthersAreRefusedWithTheList) {
-  for (const char* device : {"", "usb:", "twin:7", "auto:A17", "serial", ":A17"}) {
+  for (const char* device : {"", "usb:", "twin:7", "auto", "serial", ":A17"}) {
     const std::string problem = DeviceProblem(device);
-    for (const char* part : {"is no device", "twin", "usb[:SERIAL]", "auto"}) {
+    for (const char* part : {"is no device", "twin", "usb[:SERIAL]"}) {
       EXPECT_NE(problem.find(part), std::string::npos) << device << ": " << problem;
     }
   }
 }
 
 TEST(DeviceWords, HelpSaysWhatEachIs) {
-  for (const char* part : {"twin: ", "usb[:SERIAL]: ", "auto: ", "simulation"}) {
+  for (const char* part : {"twin: ", "usb[:SERIAL]: ", "waited for", "simulation"}) {
     EXPECT_NE(DeviceHelp().find(part), std::string::npos) << part;
   }
 }
 
-TEST(DeviceWords, OnlyAutoIsSettled) {
-  EXPECT_EQ(SettleDevice("twin"), "twin");
-  EXPECT_EQ(SettleDevice("usb:A17"), "usb:A17");
-  const std::string settled = SettleDevice("auto");
-  EXPECT_TRUE(settled == "twin" || settled == "usb") << settled;
+TEST(DeviceWords, SimulationRunsOnlyWhenAskedFor) {
+  EXPECT_FALSE(IsTwin(RunOptions{}.device));
+  EXPECT_EQ(DeviceProblem(RunOptions{}.device), "");
+  EXPECT_TRUE(IsTwin("twin"));
+  EXPECT_FALSE(IsTwin("usb:twin"));
 }
 
 TEST(DeviceWords, OpeningAnUnknownOneIsAnError) {

@@ -259,12 +259,18 @@ TEST_F(Doctor, ReportHasEveryDiagnosisOnce) {
   const std::vector<Diagnosed> findings = Diagnose(there_);
   EXPECT_EQ(findings.size(), Diagnoses().size());
   EXPECT_TRUE(AnyFailed(findings));
-  const nlohmann::json json = DoctorJson(findings);
+  const nlohmann::json json = DoctorJson(findings, {});
   EXPECT_EQ(json["ok"], false);
   EXPECT_EQ(json["diagnoses"].size(), findings.size());
-  const std::string text = DoctorText(findings);
+  const std::string text = DoctorText(findings, {});
   for (const Diagnosed& row : findings) EXPECT_NE(text.find(row.name), std::string::npos) << row.name;
   EXPECT_FALSE(AnyFailed({{"a", {Verdict::kWarn, "w", "f"}}, {"b", {Verdict::kOk, "o", ""}}}));
+}
+
+TEST_F(Doctor, SimulationIsSaidFirst) {
+  const nlohmann::json status = {{"SIMULATION", "no base"}};
+  EXPECT_EQ(DoctorText({{"a", {Verdict::kOk, "o", ""}}}, status).rfind("SIMULATION: no base\n", 0), 0U);
+  EXPECT_EQ(DoctorJson({}, status).dump().rfind(R"({"SIMULATION":"no base")", 0), 0U);
 }
 
 }  // namespace

@@ -36,6 +36,11 @@ TEST(ToolsStatus, ShowsWhatTheServiceSays) {
                                  "focused", "owns the force", "12000 triangles", "not aligned", "20-x.toml:3: bad"});
 }
 
+TEST(ToolsStatus, SimulationIsSaidFirst) {
+  EXPECT_EQ(StatusText({{"SIMULATION", "no base"}}).rfind("SIMULATION: no base\n", 0), 0U);
+  EXPECT_EQ(StatusText(json::object()).find("SIMULATION"), std::string::npos);
+}
+
 TEST(ToolsStatus, ShowsARaceWhereThereIsOne) {
   json status = json::parse(R"({"race": {"laps": 2, "hits": 1, "speed_m_s": 0.0524, "sliding": true,
                                          "lap_s": 3.2, "last_lap_s": 9.841, "best_lap_s": 9.6}})");
