@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "service/config/calibration_file.h"
@@ -16,6 +15,7 @@
 #include "service/config/input_settings.h"
 #include "service/config/paths.h"
 #include "service/daemon/device_keeper.h"
+#include "service/daemon/log_queue.h"
 #include "service/daemon/open_device.h"
 #include "service/daemon/publish.h"
 #include "service/daemon/service.h"
@@ -33,7 +33,6 @@ sigset_t BlockEndSignals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  signal(SIGPIPE, SIG_IGN);
   return set;
 }
 
@@ -55,8 +54,6 @@ std::uint64_t RandomInstance() {
 }
 
 int RunChecked(const RunOptions& options) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("omnid"));
-  spdlog::set_level(spdlog::level::from_str(options.log_level));
   const sigset_t end_signals = BlockEndSignals();
   if (IsTwin(options.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   std::optional<base::DeviceGeometry> from_file;
@@ -88,8 +85,11 @@ int RunChecked(const RunOptions& options) {
        .hand = options.hand,
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
        .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); }});
-  auto server = ipc::Server::Open(
-      {.socket_path = options.socket_path, .service_instance = instance, .state_fd = (*publisher)->fd()}, service);
+  auto server = ipc::Server::Open({.socket_path = options.socket_path,
+                                   .service_instance = instance,
+                                   .state_fd = (*publisher)->fd(),
+                                   .log = [](const std::string& line) { spdlog::warn("{}", line); }},
+                                  service);
   if (!server.ok()) {
     spdlog::error("{}", server.error());
     return 1;
@@ -105,6 +105,8 @@ int RunChecked(const RunOptions& options) {
 }  // namespace
 
 int Run(const RunOptions& options) {
+  std::signal(SIGPIPE, SIG_IGN);
+  const LogQueue log(options.log_level);
   try {
     return RunChecked(options);
   } catch (const std::exception& caught) {

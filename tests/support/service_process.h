@@ -49,15 +49,32 @@ class ServiceProcess {
       EXPECT_EQ(Stop(), 0);
     }
   }
+  std::string Path(const std::string& below) const { return folder_.Path(below); }
   ServiceProcess(const ServiceProcess&) = delete;
   ServiceProcess& operator=(const ServiceProcess&) = delete;
 
-  void Start() {
-    auto started =
-        tools::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script",
-                                    hand_path(), "--twin-record", truth_path(), "--log-level", "warn"},
-                                   {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
-                                    "XDG_CACHE_HOME=" + folder_.Path("cache")});
+  void Start() { Start({"--log-level", "warn"}, {}); }
+  // With these words more. Its log goes to `log_path`, a file or a pipe, if there is one.
+  void Start(const std::vector<std::string>& more, const std::string& log_path) {
+    std::vector<std::string> words{std::string(OMNI_BINARY_DIR) + "/bin/omnid",
+                                   "--device",
+                                   "twin",
+                                   "--twin-script",
+                                   hand_path(),
+                                   "--twin-record",
+                                   truth_path()};
+    words.insert(words.end(), more.begin(), more.end());
+    StartProgram(words, log_path);
+  }
+  // Another device, or none.
+  void StartProgram(std::vector<std::string> words, const std::string& log_path, tools::Environment more = {}) {
+    if (!log_path.empty()) {
+      words.insert(words.begin(), {"/bin/sh", "-c", "exec \"$@\" 2>\"$0\"", log_path});
+    }
+    tools::Environment environment{"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
+                                   "XDG_CACHE_HOME=" + folder_.Path("cache")};
+    environment.insert(environment.end(), more.begin(), more.end());
+    auto started = tools::ChildProcess::Start(words, environment);
     if (started.ok()) process_ = std::make_unique<tools::ChildProcess>(std::move(*started));
   }
 
