@@ -39,8 +39,8 @@ struct DeviceKeeper::Session {
 };
 
 DeviceKeeper::DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
-                           Service& service)
-    : options_(options), device_(device), sink_(sink), service_(service) {}
+                           Service& service, EndWatch& end)
+    : options_(options), device_(device), sink_(sink), service_(service), end_(end) {}
 
 DeviceKeeper::~DeviceKeeper() { Close("the service is ending"); }
 
@@ -63,6 +63,7 @@ bool DeviceKeeper::Open() {
     auto recorder = Recorder::Open(options_.record_path, session_->loop.telemetry());
     if (recorder.ok()) {
       session_->recorder = std::move(*recorder);
+      end_.SetRecording(true);
     } else {
       spdlog::error("{}", recorder.error());
     }
@@ -106,6 +107,7 @@ void DeviceKeeper::Record(OpenedDevice& opened) {
   if (options_.record_device_path.empty()) return;
   const std::string problem = RecordDevice(options_, device_.current_max_A, opened_, opened);
   if (!problem.empty()) spdlog::error("{}", problem);
+  end_.SetRecording(problem.empty());
 }
 
 void DeviceKeeper::WatchRecording() {
@@ -147,6 +149,8 @@ void DeviceKeeper::Close(const std::string& why) {
     WatchRecording();
     spdlog::info("recorded: {}: {} scans and commands, {} lost", recorder.path(), recorder.written(), recorder.lost());
   }
+  session_->recorder.reset();
+  end_.SetRecording(false);
   session_.reset();
 }
 

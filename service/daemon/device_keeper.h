@@ -5,6 +5,7 @@
 #include <string>
 
 #include "service/base/device_geometry.h"
+#include "service/daemon/end_watch.h"
 #include "service/daemon/open_device.h"
 #include "service/daemon/run.h"
 #include "service/daemon/service.h"
@@ -16,7 +17,8 @@ namespace omni::daemon {
 // Main thread. Everything handed over outlives it.
 class DeviceKeeper {
  public:
-  DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink, Service& service);
+  DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink, Service& service,
+               EndWatch& end);
   ~DeviceKeeper();
   DeviceKeeper(const DeviceKeeper&) = delete;
   DeviceKeeper& operator=(const DeviceKeeper&) = delete;
@@ -38,6 +40,7 @@ class DeviceKeeper {
   const base::DeviceGeometry& device_;
   loop::TickSink& sink_;
   Service& service_;
+  EndWatch& end_;
   std::unique_ptr<Session> session_;
   std::string told_;  // the last error, which is not told again every second
   int opened_ = 0;

@@ -1,7 +1,6 @@
 #include "service/daemon/run.h"
 
 #include <csignal>
-#include <ctime>
 #include <exception>
 #include <optional>
 #include <random>
@@ -15,6 +14,7 @@
 #include "service/config/input_settings.h"
 #include "service/config/paths.h"
 #include "service/daemon/device_keeper.h"
+#include "service/daemon/end_watch.h"
 #include "service/daemon/log_queue.h"
 #include "service/daemon/open_device.h"
 #include "service/daemon/publish.h"
@@ -24,26 +24,15 @@
 namespace omni::daemon {
 namespace {
 
-constexpr timespec kPoll{.tv_sec = 0, .tv_nsec = 100'000'000};
-
-// Blocks the signals that end the service; every thread started later inherits this.
-sigset_t BlockEndSignals() {
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  return set;
-}
-
-bool EndAsked(const sigset_t& set) { return sigtimedwait(&set, nullptr, &kPoll) > 0; }
+constexpr int kPoll_ms = 100;
 
 // Until a signal comes or a replay is over. False: there is nothing to replay.
 bool ServeDevice(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink, Service& service,
-                 const sigset_t& end_signals) {
-  DeviceKeeper keeper(options, device, sink, service);
+                 EndWatch& end) {
+  const EndWatch::CoilsToZero zero(end, [&service] { service.CoilsToZero(); });
+  DeviceKeeper keeper(options, device, sink, service, end);
   if (!keeper.Open() && IsReplay(options.device)) return false;
-  while (!EndAsked(end_signals) && keeper.Watch()) {
+  while (!end.Wait(kPoll_ms) && keeper.Watch()) {
   }
   return true;
 }
@@ -54,7 +43,7 @@ std::uint64_t RandomInstance() {
 }
 
 int RunChecked(const RunOptions& options) {
-  const sigset_t end_signals = BlockEndSignals();
+  EndWatch end;  // before any other thread starts, which inherits the blocked signals
   if (IsTwin(options.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   std::optional<base::DeviceGeometry> from_file;
   if (!options.device_file.empty()) {
@@ -97,7 +86,7 @@ int RunChecked(const RunOptions& options) {
   service.SetServer(server->get());
   (*server)->Start();
   spdlog::info("omnid {} listens on {}", OMNI_VERSION, (*server)->socket_path());
-  const bool served = ServeDevice(options, device, sink, service, end_signals);
+  const bool served = ServeDevice(options, device, sink, service, end);
   (*server)->Stop();
   return served ? 0 : 1;
 }

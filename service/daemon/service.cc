@@ -1,7 +1,9 @@
 #include "service/daemon/service.h"
 
 #include <algorithm>
+#include <chrono>
 #include <ctime>
+#include <thread>
 #include <utility>
 #include <variant>
 
@@ -15,6 +17,7 @@ namespace omni::daemon {
 namespace {
 
 constexpr std::size_t kMaxProblems = 20;  // the oldest goes when full
+constexpr int kZeroWait_ms = 30;          // for the loop; a base is at zero 20 ms after the last command anyway
 
 std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 0 : scene.header().triangle_count; }
 
@@ -85,6 +88,15 @@ void Service::Detach(const std::string& why) {
   transport_ = nullptr;
   force_properties_ = {};
   device_absent_why_ = why;
+}
+
+void Service::CoilsToZero() noexcept {
+  const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); };
+  std::unique_lock lock(loop_mutex_, std::defer_lock);
+  for (int ms = 0; ms < kZeroWait_ms && !lock.try_lock(); ++ms) nap();
+  if (!lock.owns_lock() || loop_ == nullptr) return;
+  loop_->RequestStop();
+  for (int ms = 0; ms < kZeroWait_ms && !loop_->finished(); ++ms) nap();
 }
 
 void Service::SetCalibration(config::CalibrationChoice choice) {

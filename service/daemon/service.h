@@ -52,6 +52,8 @@ class Service : public ipc::ServerHandler {
   // Any thread. Both outlive the attachment. Detach stops the loop and returns when nobody here uses the two any more.
   void Attach(loop::TickThread& loop, const device::Transport& transport);
   void Detach(const std::string& why);
+  // Any thread: takes the coils to zero while the process ends. Waits for the loop, but not for long.
+  void CoilsToZero() noexcept;
   // Any thread: what the device that is being opened works with.
   void SetCalibration(config::CalibrationChoice choice);
   // Any thread: what the device that is attached, or about to be, can push. Detach takes it back.

@@ -23,7 +23,7 @@ void TickThread::Start() {
 }
 
 void TickThread::Stop() {
-  stop_.store(true, std::memory_order_release);
+  RequestStop();
   if (thread_.joinable()) thread_.join();
 }
 

@@ -42,6 +42,8 @@ class TickThread {
   // Returns when the thread runs and real-time has been asked for.
   void Start();
   void Stop();
+  // Any thread: the coils go to zero and finished() becomes true as soon as the tick is through.
+  void RequestStop() noexcept { stop_.store(true, std::memory_order_release); }
 
   // True when the source is gone or at its end: the thread has left its loop.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }

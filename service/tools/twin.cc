@@ -22,7 +22,7 @@ struct ServeArguments {
   std::string record;
   std::string device;
   std::string twin;
-  double linger_s = 0.5;
+  double linger_s = 0.2;  // coils are at zero 50 ms after the host is gone; omnid waits for the end
 };
 
 // Without a script the pen comes down over the base and circles there, for as long as the twin runs.

@@ -1,0 +1,59 @@
+// Waits for SIGINT and SIGTERM on a thread of its own, so that they end omnid in time whatever main and the other
+// threads are doing. The first one asks main to end. When main has not ended kPatience_ns later, or a second one comes,
+// the coils are taken to zero and the process ends at once: a scene that was being built, a disk or a base that does
+// not answer are left behind.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "service/protocol/unique_fd.h"
+
+namespace omni::daemon {
+
+class EndWatch {
+ public:
+  static constexpr std::int64_t kPatience_ns = 750'000'000;
+  static constexpr int kLogWait_ms = 100;  // for the last lines, when the process ends at once
+
+  // Blocks both signals for the calling thread and for those that it starts later. Throws std::system_error.
+  EndWatch();
+  ~EndWatch();  // main has ended by itself
+  EndWatch(const EndWatch&) = delete;
+  EndWatch& operator=(const EndWatch&) = delete;
+
+  // Waits at most `most_ms`. True: the service is to end.
+  bool Wait(int most_ms) const;
+
+  // Whether a recording lacks its end as long as main has not closed it. Then ending at once has status 1, else 0.
+  void SetRecording(bool recording) { recording_.store(recording); }
+
+  // While it lives, `zero` is what takes the coils to zero; it must return soon, from any thread.
+  class CoilsToZero {
+   public:
+    CoilsToZero(EndWatch& watch, std::function<void()> zero) : watch_(watch) { watch_.SetZero(std::move(zero)); }
+    ~CoilsToZero() { watch_.SetZero({}); }
+    CoilsToZero(const CoilsToZero&) = delete;
+    CoilsToZero& operator=(const CoilsToZero&) = delete;
+
+   private:
+    EndWatch& watch_;
+  };
+
+ private:
+  void Run();
+  void SetZero(std::function<void()> zero);
+  [[noreturn]] void EndAtOnce(const char* why);
+
+  protocol::UniqueFd signals_, asked_, stop_;
+  std::atomic<bool> recording_{false};
+  std::mutex zero_mutex_;
+  std::function<void()> zero_;
+  std::thread thread_;
+};
+
+}  // namespace omni::daemon
