@@ -52,20 +52,22 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
   return nlohmann::json::parse(in, nullptr, false);
 }
 
-void ExpectSound(const nlohmann::json& root) {
+// `folder` is the manifest's: a relative path of the library begins there.
+void ExpectSound(const nlohmann::json& root, const std::filesystem::path& folder) {
   EXPECT_EQ(root["file_format_version"], "1.0.0");
   const nlohmann::json& layer = root["api_layer"];
   EXPECT_EQ(layer["name"], kLayer);
   EXPECT_EQ(layer["api_version"], "1.0");
   EXPECT_EQ(layer["implementation_version"], "1") << "a decimal string, else the loader skips the layer";
-  EXPECT_TRUE(std::filesystem::path(layer["library_path"].get<std::string>()).is_absolute());
-  EXPECT_TRUE(std::filesystem::exists(layer["library_path"].get<std::string>()));
+  EXPECT_TRUE(std::filesystem::exists(folder / layer["library_path"].get<std::string>()));
   EXPECT_FALSE(layer.contains("enable_environment"));
   EXPECT_FALSE(layer.contains("disable_environment"));
 }
 
 TEST(Packaging, TheBuildTreeHasAnExplicitManifestOnly) {
-  ExpectSound(Manifest("explicit.d"));
+  const nlohmann::json manifest = Manifest("explicit.d");
+  ExpectSound(manifest, {});
+  EXPECT_TRUE(std::filesystem::path(manifest["api_layer"]["library_path"].get<std::string>()).is_absolute());
   EXPECT_FALSE(std::filesystem::exists(kBuild + "/share/openxr/1/api_layers/implicit.d"));
 }
 
@@ -115,7 +117,8 @@ TEST(Packaging, ManifestEnumerationAndFunctionsAgreeOnExtensions) {
   EXPECT_EQ(functions, own);
 }
 
-// As Debian does it: the library in lib/<triplet>/openxr/1/api_layers, one manifest per architecture.
+// The library in lib/<triplet>/openxr/1/api_layers and one manifest per architecture, as Debian does it; the manifest
+// names the library relative to itself, so that the prefix may be moved.
 TEST(Packaging, InstalledLayerIsFoundByTheLoader) {
   namespace fs = std::filesystem;
   const TempFolder folder;
@@ -129,9 +132,10 @@ TEST(Packaging, InstalledLayerIsFoundByTheLoader) {
   ASSERT_EQ(files.size(), 1u);
   EXPECT_EQ(files[0].filename().string().rfind("XrApiLayer_omni", 0), 0u) << files[0];
   const nlohmann::json manifest = ReadJson(files[0]);
-  ExpectSound(manifest);
-  const std::string library = manifest["api_layer"]["library_path"];
-  EXPECT_EQ(library.rfind(prefix + "/", 0), 0u) << library;
+  ExpectSound(manifest, manifests);
+  const fs::path library = manifest["api_layer"]["library_path"].get<std::string>();
+  EXPECT_TRUE(library.is_relative()) << library;
+  EXPECT_EQ((manifests / library).lexically_normal().string().rfind(prefix + "/", 0), 0u) << library;
   EXPECT_EQ(manifest["api_layer"]["instance_extensions"], Manifest("explicit.d")["api_layer"]["instance_extensions"]);
   const ScopedVariable path("XR_API_LAYER_PATH", manifests.string());
   std::uint32_t count = 0;

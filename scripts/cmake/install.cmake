@@ -1,0 +1,19 @@
+# What `cmake --install` puts beside the programs, which their own folders install. share/omni is found from the programs
+# (service/config/paths.h) and the layer's library from its manifest, so that a prefix may be moved; only the unit names
+# its place, since systemd wants it so.
+include(GNUInstallDirs)
+
+# The prefix is known when it is installed; "%" has a meaning in units.
+set(OMNI_SYSTEMD_USER_DIR lib/systemd/user CACHE STRING "Folder for omnid.service, below the prefix unless absolute")
+install(CODE "
+  set(unit_folder \"${OMNI_SYSTEMD_USER_DIR}\")
+  get_filename_component(prefix \"\${CMAKE_INSTALL_PREFIX}\" ABSOLUTE)
+  cmake_path(ABSOLUTE_PATH unit_folder BASE_DIRECTORY \"\${prefix}\")
+  string(REPLACE \"%\" \"%%\" OMNI_PROGRAMS \"\${prefix}/bin\")
+  configure_file(\"${CMAKE_SOURCE_DIR}/manifests/systemd/omnid.service.in\" \"${CMAKE_BINARY_DIR}/omnid.service\" @ONLY)
+  file(INSTALL DESTINATION \"\${unit_folder}\" TYPE FILE FILES \"${CMAKE_BINARY_DIR}/omnid.service\")
+")
+
+install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY manifests/limits DESTINATION ${CMAKE_INSTALL_DOCDIR}/manifests)
