@@ -4,6 +4,9 @@
 // exist), so we ask for what we want and, where that fails, again for less. Where it fails for whatever reason:
 // LunarG's core_validation 1.0.20 makes XR_ERROR_INITIALIZATION_FAILED of a runtime's XR_ERROR_EXTENSION_NOT_PRESENT.
 // The last attempt asks for no more than the application did, and its result stands.
+//
+// What is wrong with the application's XrInstanceCreateInfo is for what lies below to find: its result is the same with
+// this layer as without.
 #include "layer/src/create_instance.h"
 
 #include <algorithm>
@@ -90,9 +93,21 @@ XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
   return result;
 }
 
-bool Readable(const XrInstanceCreateInfo* info, const XrApiLayerCreateInfo* layer_info, const XrInstance* instance) {
-  return info && info->type == XR_TYPE_INSTANCE_CREATE_INFO && instance && layer_info &&
-         layer_info->structType == XR_LOADER_INTERFACE_STRUCT_API_LAYER_CREATE_INFO &&
+// The application's structure as it came: its extensions cannot be read.
+XrResult TryUnchanged(const Creation& creation, XrInstance* instance) {
+  return creation.next->nextCreateApiLayerInstance(creation.info, &creation.below, instance);
+}
+
+bool ExtensionsAreReadable(const XrInstanceCreateInfo& info) {
+  if (info.type != XR_TYPE_INSTANCE_CREATE_INFO) return false;
+  if (info.enabledExtensionCount == 0) return true;
+  const char* const* const names = info.enabledExtensionNames;
+  return names && std::all_of(names, names + info.enabledExtensionCount, [](const char* name) { return name; });
+}
+
+// The loader's part of the call.
+bool IsFromLoader(const XrApiLayerCreateInfo* layer_info) {
+  return layer_info && layer_info->structType == XR_LOADER_INTERFACE_STRUCT_API_LAYER_CREATE_INFO &&
          layer_info->structVersion == kApiLayerCreateInfoVersion &&
          layer_info->structSize >= sizeof(XrApiLayerCreateInfo) && layer_info->nextInfo &&
          layer_info->nextInfo->structType == XR_LOADER_INTERFACE_STRUCT_API_LAYER_NEXT_INFO &&
@@ -116,12 +131,16 @@ client::ConnectionInfo ConnectionFor(const XrApplicationInfo& application) {
 
 XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLayerCreateInfo* layer_info,
                                 XrInstance* instance) {
-  if (!Readable(info, layer_info, instance)) return XR_ERROR_INITIALIZATION_FAILED;
+  if (!IsFromLoader(layer_info)) return XR_ERROR_INITIALIZATION_FAILED;
+  if (!info || !instance) return XR_ERROR_VALIDATION_FAILURE;
+  const bool readable = ExtensionsAreReadable(*info);
+  if (!readable && OMNI_FAULT("create-info-judged-here")) return XR_ERROR_INITIALIZATION_FAILED;
   Creation creation{info, layer_info->nextInfo, *layer_info, {}};
   creation.below.nextInfo = layer_info->nextInfo->next;
-  creation.asked.assign(info->enabledExtensionNames, info->enabledExtensionNames + info->enabledExtensionCount);
+  if (readable)
+    creation.asked.assign(info->enabledExtensionNames, info->enabledExtensionNames + info->enabledExtensionCount);
   Attempt done;
-  const XrResult result = TryAll(creation, done, instance);
+  const XrResult result = readable ? TryAll(creation, done, instance) : TryUnchanged(creation, instance);
   if (XR_FAILED(result)) return result;
 
   InstanceSetup setup;
