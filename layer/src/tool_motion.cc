@@ -44,9 +44,12 @@ Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSampl
   Motion m;
   m.X.p =
       (2 * s3 - 3 * s2 + 1) * m0.X.p + (s3 - 2 * s2 + s) * h * m0.v + (3 * s2 - 2 * s3) * m1.X.p + (s3 - s2) * h * m1.v;
-  m.v = ((6 * s2 - 6 * s) / h) * (m0.X.p - m1.X.p) + (3 * s2 - 4 * s + 1) * m0.v + (3 * s2 - 2 * s) * m1.v;
   m.X.q = glm::slerp(m0.X.q, m1.X.q, s);
+  // The tracker's own velocities, which it filters. The derivative of p(s) would have the positions' noise over h.
+  m.v = (1 - s) * m0.v + s * m1.v;
   m.w = (1 - s) * m0.w + s * m1.w;
+  if (OMNI_FAULT("velocity-of-the-positions"))
+    m.v = ((6 * s2 - 6 * s) / h) * (m0.X.p - m1.X.p) + (3 * s2 - 4 * s + 1) * m0.v + (3 * s2 - 2 * s) * m1.v;
   return m;
 }
 

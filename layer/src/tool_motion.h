@@ -37,7 +37,8 @@ struct ToolMotion {
   Motion X_BT;           // tool in the base
 };
 
-// Between two samples: cubic Hermite through positions and velocities, slerp between orientations.
+// Between two samples: cubic Hermite through positions and velocities, slerp between orientations; the samples' own
+// velocities, linearly.
 Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSample& after, std::int64_t t_ns) noexcept;
 
 // How a pose is carried on past the newest sample. All but kTrusted are there to be compared with.
