@@ -61,12 +61,12 @@ XrResult Instance::SystemProperties(XrSystemId system, XrSystemProperties* prope
   while (before->next && before->next->type != XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1) before = before->next;
   XrBaseOutStructure* ours = before->next;
   if (!ours) return next.GetSystemProperties(handle, system, properties);
-  link.PollNow(MonotonicNow_ns());  // often asked right after xrCreateInstance: the service may just have answered
   before->next = ours->next;
   const XrResult result = next.GetSystemProperties(handle, system, properties);
   if (!OMNI_FAULT("system-chain-cut")) before->next = ours;
-  if (XR_SUCCEEDED(result))
-    FillSystem(link.force_properties(), *reinterpret_cast<XrSystemForceFeedbackPropertiesOMNIX1*>(ours));
+  if (XR_FAILED(result)) return result;
+  link.AwaitForceProperties();  // often asked right after xrCreateInstance, before the service has answered
+  FillSystem(link.force_properties(), *reinterpret_cast<XrSystemForceFeedbackPropertiesOMNIX1*>(ours));
   return result;
 }
 

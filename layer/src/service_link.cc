@@ -1,6 +1,7 @@
 #include "layer/src/service_link.h"
 
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include "layer/src/clock.h"
@@ -97,6 +98,25 @@ protocol::ForceStanding ServiceLink::force_standing() const {
 protocol::ForceProperties ServiceLink::force_properties() const {
   const std::lock_guard lock(mutex_);
   return connection_.force_properties();
+}
+
+bool ServiceLink::AwaitsForceProperties() const {
+  const std::lock_guard lock(mutex_);
+  return connection_.awaits_force_properties();
+}
+
+void ServiceLink::AwaitForceProperties() {
+  std::int64_t now_ns = MonotonicNow_ns();
+  const std::int64_t end_ns = now_ns + kDevicePatience_ns;
+  PollNow(now_ns);
+  if (OMNI_FAULT("first-answer-not-awaited") || !AwaitsForceProperties() || force_properties_awaited_.exchange(true))
+    return;
+  while (now_ns < end_ns && AwaitsForceProperties()) {
+    constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
+    nanosleep(&kPause, nullptr);
+    now_ns = MonotonicNow_ns();
+    PollNow(now_ns);
+  }
 }
 
 void ServiceLink::RequestPlacement(const protocol::PlacementRequest& request) {

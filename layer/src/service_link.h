@@ -1,7 +1,8 @@
 // The one connection to omnid of an XrInstance: who may call what, and when.
 //
-// Poll and the sends take a mutex; Beat and reader() may be called from any thread at any time. Nothing blocks: every
-// socket call below is non-blocking, and Poll gives way when another thread is already polling.
+// Poll and the sends take a mutex; Beat and reader() may be called from any thread at any time. Nothing blocks but
+// AwaitForceProperties: every socket call below is non-blocking, and Poll gives way when another thread is already
+// polling.
 #pragma once
 
 #include <atomic>
@@ -58,6 +59,10 @@ class ServiceLink {
   void StopForce();
   protocol::ForceStanding force_standing() const;
   protocol::ForceProperties force_properties() const;
+  // Looks at the socket. Where the service was reached and has not said yet what its device can do, the first call
+  // waits for that, at most kDevicePatience_ns; no other call waits, and none where there is no service.
+  void AwaitForceProperties();
+  static constexpr std::int64_t kDevicePatience_ns = 100'000'000;
   // Counts connections from 1: what an earlier one was told, this one does not know.
   std::uint64_t connection_number() const { return connection_number_.load(std::memory_order_relaxed); }
   // use(connection) while nobody else does; short, and nothing of the runtime in it.
@@ -79,6 +84,7 @@ class ServiceLink {
 
  private:
   void PublishReader();
+  bool AwaitsForceProperties() const;
 
   client::Connection connection_;
   std::unique_ptr<TestDevice> test_;
@@ -94,6 +100,7 @@ class ServiceLink {
   std::atomic<std::int64_t> placement_patience_ns_{0};
   std::atomic<std::int64_t> next_poll_ns_{0};
   std::atomic<std::uint64_t> connection_number_{0};
+  std::atomic<bool> force_properties_awaited_{false};
 
   mutable std::shared_mutex reader_mutex_;
   std::shared_ptr<const client::StateReader> reader_;

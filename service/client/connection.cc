@@ -105,6 +105,7 @@ struct Connection::Impl {
   bool force_pending = false;  // the service does not know `force_wanted` yet
   protocol::ForceStanding force_standing = protocol::ForceStanding::kFree;
   protocol::ForceProperties force_properties;
+  bool force_properties_said = false;
   std::string status;
   std::vector<protocol::Notice> notices;
   protocol::AppSettings settings;
@@ -178,6 +179,7 @@ void Connection::Impl::Read(std::int64_t now_ns) {
       force_standing = owner->standing;
     } else if (const auto* can = std::get_if<protocol::ForceProperties>(&message); can && phase == Phase::kConnected) {
       force_properties = *can;
+      force_properties_said = true;
     } else if (const auto* answer = std::get_if<protocol::SceneAnswer>(&message);
                answer && phase == Phase::kConnected) {
       OnSceneAnswer(now_ns, *answer, fds, received.fd_count);
@@ -295,6 +297,7 @@ void Connection::Impl::Disconnect(std::int64_t now_ns) noexcept {
   surfaces_answered = false;
   force_standing = protocol::ForceStanding::kFree;
   force_properties = {};
+  force_properties_said = false;
   haptic_scene.clear();
   life.Detach();
   next_attempt_ns = now_ns + info.retry_interval_ns;
@@ -408,6 +411,11 @@ bool Connection::SendForceStop() noexcept {
 protocol::ForceStanding Connection::force_standing() const noexcept { return impl_->force_standing; }
 
 const protocol::ForceProperties& Connection::force_properties() const noexcept { return impl_->force_properties; }
+
+bool Connection::awaits_force_properties() const noexcept {
+  return impl_->phase != Impl::Phase::kIdle && impl_->info.role == protocol::ClientRole::kApplication &&
+         !impl_->force_properties_said;
+}
 
 bool Connection::RequestSurfaces(bool wanted) noexcept {
   impl_->surfaces_wanted = wanted;

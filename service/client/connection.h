@@ -85,6 +85,8 @@ class Connection {
   // Newest word of the service; while not connected: free, and nothing is available.
   protocol::ForceStanding force_standing() const noexcept;
   const protocol::ForceProperties& force_properties() const noexcept;
+  // The service was reached, and has not said yet what its device can do. False where there is no service.
+  bool awaits_force_properties() const noexcept;
 
   // Asks for the surfaces that change shape or place, or no longer; asked again on reconnection. Nothing is computed
   // while nobody asks.

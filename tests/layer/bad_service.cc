@@ -12,7 +12,7 @@
 #include "service/protocol/control.h"
 #include "service/protocol/socket_path.h"
 #include "service/protocol/text.h"
-#include "tests/layer/app.h"
+#include "tests/layer/force_fixture.h"
 
 namespace omni::test {
 namespace {
@@ -134,6 +134,21 @@ TEST_F(BadService, SilentServiceBlocksNobody) {
   }));
   EXPECT_GT(syncs, 100);
   EXPECT_EQ(LinesWith("does not answer"), 1);
+}
+
+// Only the first question of an instance waits for a service that was reached and says nothing.
+TEST_F(BadService, SilentServiceDelaysOneQueryOnly) {
+  const OddService service(OddService::Manner::kSilent);
+  const App app(WithForceAndNoMore());
+  const auto query_ns = [&] {
+    const std::int64_t before_ns = Now_ns();
+    EXPECT_EQ(ForceSystemProperties(app).supportsForceFeedback, XR_FALSE);
+    return Now_ns() - before_ns;
+  };
+  const std::int64_t first_ns = query_ns();
+  std::int64_t next_ns = 0;
+  for (int i = 0; i < 5; ++i) next_ns += query_ns();
+  EXPECT_LT(next_ns, first_ns);
 }
 
 }  // namespace

@@ -20,6 +20,22 @@ inline AppOptions WithForce() {
   return options;
 }
 
+// An application that asks what the device can do before it does anything else.
+inline AppOptions WithForceAndNoMore() {
+  AppOptions options = WithForce();
+  options.attach = options.begin = false;
+  return options;
+}
+
+inline XrSystemForceFeedbackPropertiesOMNIX1 ForceSystemProperties(const App& app) {
+  XrSystemForceFeedbackPropertiesOMNIX1 ours{XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1};
+  XrSystemProperties properties{XR_TYPE_SYSTEM_PROPERTIES, &ours};
+  EXPECT_EQ(xrGetSystemProperties(app.instance, app.system, &properties), XR_SUCCESS);
+  EXPECT_EQ(properties.next, &ours) << "the application's chain is as it was";
+  EXPECT_STREQ(properties.systemName, "Omni test system");
+  return ours;
+}
+
 struct ForceFunctions {
   PFN_xrCreateForceFeedbackOMNIX1 create = nullptr;
   PFN_xrDestroyForceFeedbackOMNIX1 destroy = nullptr;
@@ -83,14 +99,7 @@ class ForceTest : public testing::Test {
   XrForceFeedbackConstraintPointOMNIX1 Point(XrSpace space, const XrVector3f& at = {0, 0, 0}) const {
     return {XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_POINT_OMNIX1, nullptr, space, 200, 0.5f, 1, at};
   }
-  XrSystemForceFeedbackPropertiesOMNIX1 SystemSays() {
-    XrSystemForceFeedbackPropertiesOMNIX1 ours{XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1};
-    XrSystemProperties properties{XR_TYPE_SYSTEM_PROPERTIES, &ours};
-    EXPECT_EQ(xrGetSystemProperties(app_->instance, app_->system, &properties), XR_SUCCESS);
-    EXPECT_EQ(properties.next, &ours) << "the application's chain is as it was";
-    EXPECT_STREQ(properties.systemName, "Omni test system");
-    return ours;
-  }
+  XrSystemForceFeedbackPropertiesOMNIX1 SystemSays() { return ForceSystemProperties(*app_); }
   XrForceFeedbackStateOMNIX1 State() {
     const XrForceFeedbackStateGetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, nullptr, local_,
                                                  Now_ns() + kRuntimeOffset_ns};

@@ -34,6 +34,17 @@ class ForceRules : public ForceTest {
   }
 };
 
+// [System support] the service answers within milliseconds, but seldom before an application's first question.
+TEST_F(ForceRules, FirstQueryWaitsForTheService) {
+  int unsupported = 0;
+  for (int i = 0; i < 20; ++i) {
+    service_.SetForce(true, protocol::ForceStanding::kFree);
+    app_.emplace(WithForceAndNoMore());
+    unsupported += SystemSays().supportsForceFeedback == XR_FALSE;
+  }
+  EXPECT_EQ(unsupported, 0) << "of 20";
+}
+
 // [New Object Types] a handle is its session's: spaces of another one are as wrong as they are for xrLocateSpace.
 TEST_F(ForceRules, SpacesOfAnotherSessionAreRefused) {
   StartWithHandle();

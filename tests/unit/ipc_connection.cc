@@ -242,6 +242,31 @@ TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
   EXPECT_TRUE(connection.connected());
 }
 
+// Who may wait for a service's word on its device, and until when.
+TEST(Connection, ForcePropertiesAreAwaitedOnlyFromAServiceThatWasReached) {
+  const TempFolder temp;
+  client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
+  EXPECT_FALSE(connection.awaits_force_properties());
+  connection.Poll(0);
+  EXPECT_FALSE(connection.awaits_force_properties()) << "there is no service";
+  FakeServer server(temp.Path("omnid.sock"));
+  connection.Poll(5'000'000);
+  EXPECT_TRUE(connection.awaits_force_properties()) << "reached, not welcomed";
+  server.Accept();
+  const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
+  const protocol::UniqueFd life = LifeFile(kLifeSeals);
+  server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
+  connection.Poll(5'000'001);
+  ASSERT_TRUE(connection.connected()) << connection.last_error();
+  EXPECT_TRUE(connection.awaits_force_properties()) << "welcomed, nothing said of a device";
+  server.Send(protocol::ForceProperties{});
+  connection.Poll(5'000'002);
+  EXPECT_FALSE(connection.awaits_force_properties()) << "it has no device, and has said so";
+  server.Close();
+  connection.Poll(5'000'003);
+  EXPECT_FALSE(connection.awaits_force_properties());
+}
+
 // A connection that has asked for surfaces, and what it makes of an answer.
 struct AskingForSurfaces {
   AskingForSurfaces() : server(temp.Path("omnid.sock")), connection(InfoFor(temp.Path("omnid.sock"), "touch")) {
