@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "service/alignment/rigid.h"
+#include "service/config/runtime_identity.h"
 #include "service/protocol/text.h"
 
 namespace omni::daemon {
@@ -55,6 +56,11 @@ bool InReach(const alignment::Rigid& pose) {
   return within(pose.position_m.x) && within(pose.position_m.y) && within(pose.position_m.z);
 }
 
+bool SameHeadset(const config::AlignmentEntry& a, const config::AlignmentEntry& b) {
+  return a.space == b.space && a.system == b.system &&
+         config::RuntimeIdentity(a.runtime) == config::RuntimeIdentity(b.runtime);
+}
+
 }  // namespace
 
 Placements::Placements(std::string path) : path_(std::move(path)) {
@@ -66,16 +72,31 @@ Placements::Placements(std::string path) : path_(std::move(path)) {
     readable_ = false;
     problem_ = loaded.error() + " (not used, and not written over)";
   }
+  KeepNewestOfEach();
   live_.resize(file_.entries.size());
 }
 
-int Placements::Find(const protocol::HeadsetNames& headset, std::int32_t space) const {
-  const std::string runtime = NameOrUnnamed(headset.runtime), system = NameOrUnnamed(headset.system);
-  for (std::size_t i = 0; i < file_.entries.size(); ++i) {
-    const config::AlignmentEntry& entry = file_.entries[i];
-    if (entry.space == space && entry.runtime == runtime && entry.system == system) return static_cast<int>(i);
+// Older files may have an entry for every build of a runtime.
+void Placements::KeepNewestOfEach() {
+  std::vector<config::AlignmentEntry> kept;
+  for (config::AlignmentEntry& entry : file_.entries) {
+    const auto same =
+        std::find_if(kept.begin(), kept.end(), [&](const auto& other) { return SameHeadset(entry, other); });
+    if (same == kept.end()) {
+      kept.push_back(std::move(entry));
+    } else if (entry.date >= same->date) {  // ISO 8601
+      *same = std::move(entry);
+    }
   }
-  return -1;
+  file_.entries = std::move(kept);
+}
+
+int Placements::Find(const protocol::HeadsetNames& headset, std::int32_t space) const {
+  const config::AlignmentEntry wanted{
+      .runtime = NameOrUnnamed(headset.runtime), .system = NameOrUnnamed(headset.system), .space = space};
+  const auto found = std::find_if(file_.entries.begin(), file_.entries.end(),
+                                  [&](const auto& entry) { return SameHeadset(entry, wanted); });
+  return found == file_.entries.end() ? -1 : static_cast<int>(found - file_.entries.begin());
 }
 
 int Placements::FindFor(const protocol::PlacementRequest& request) const {

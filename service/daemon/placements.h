@@ -1,5 +1,5 @@
 // Where the base stands in the spaces of connected applications: the file, who asked, who must hear of a change.
-// Control thread only.
+// Builds of one runtime share an alignment (config/runtime_identity.h). Control thread only.
 #pragma once
 
 #include <cstdint>
@@ -52,6 +52,7 @@ class Placements {
     bool told = false;
   };
   int Find(const protocol::HeadsetNames& headset, std::int32_t space) const;  // index; -1: none
+  void KeepNewestOfEach();
   int FindFor(const protocol::PlacementRequest& request) const;
   void Changed(std::size_t index);
   base::Status Save();

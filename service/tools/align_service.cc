@@ -8,6 +8,7 @@
 
 #include "service/alignment/kabsch.h"
 #include "service/base/clock.h"
+#include "service/config/runtime_identity.h"
 #include "service/protocol/text.h"
 #include "service/tools/json_text.h"
 
@@ -29,6 +30,11 @@ StoredAlignment ReadStored(const nlohmann::json& row) {
   stored.samples = static_cast<int>(NumberAt(row, "/samples"));
   stored.rms_m = 1e-3 * NumberAt(row, "/rms_mm");
   return stored;
+}
+
+bool SameHeadset(const nlohmann::json& row, const nlohmann::json& client) {
+  return TextAt(row, "/system") == TextAt(client, "/system") &&
+         config::RuntimeIdentity(TextAt(row, "/runtime")) == config::RuntimeIdentity(TextAt(client, "/runtime"));
 }
 
 // The client whose headset is known, if any.
@@ -85,10 +91,7 @@ base::Result<StoredAlignment> ChooseAlignment(const nlohmann::json& status, int 
   if (number > 0) return ReadStored(rows[static_cast<std::size_t>(number - 1)]);
   const nlohmann::json* client = PlacedClient(status);
   for (const nlohmann::json& row : rows) {
-    if (client != nullptr && TextAt(row, "/runtime") == TextAt(*client, "/runtime") &&
-        TextAt(row, "/system") == TextAt(*client, "/system")) {
-      return ReadStored(row);
-    }
+    if (client != nullptr && SameHeadset(row, *client)) return ReadStored(row);
   }
   if (client == nullptr && rows.size() == 1) return ReadStored(rows[0]);
   if (client == nullptr) {

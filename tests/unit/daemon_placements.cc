@@ -10,6 +10,7 @@
 #include <map>
 #include <random>
 #include <sstream>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -168,6 +169,63 @@ TEST(DaemonPlacements, RecentringIsFollowedOnceHoweverManyTell) {
     placements.Change(2, change, kNow_ns);
     EXPECT_EQ(placements.file().entries[0].recentred, 2) << "a second one, later";
   }
+}
+
+// An update of the runtime is no other runtime: Monado puts its git tag into its name.
+TEST(DaemonPlacements, AnAlignmentSurvivesAnUpdateOfTheRuntime) {
+  const test::TempFolder temp;
+  const std::string path = temp.Path("a.toml");
+  const auto known_to = [&](const std::string& runtime) {
+    Placements placements(path);
+    protocol::PlacementRequest request = Request({kSpaceStage});
+    request.headset = Headset(runtime);
+    placements.Ask(1, request);
+    Listener listener;
+    listener.Listen(placements);
+    return listener.told[1].back().known == 1;
+  };
+  protocol::PlacementCommand store = Store(kSpaceStage);
+  store.headset = Headset("Monado(XRT) by Collabora et al '21.0.0-123-gabcdef'");
+  {
+    Placements placements(path);
+    ASSERT_TRUE(placements.Do(store, kDate_s).ok);
+  }
+  EXPECT_TRUE(known_to("Monado(XRT) by Collabora et al '21.0.0-123-gabcdef'"));
+  EXPECT_TRUE(known_to("Monado(XRT) by Collabora et al 'v25.1.0-7-g1234567'"));
+  EXPECT_TRUE(known_to("Monado(XRT) by Collabora et al 'GIT-NOTFOUND'"));
+  EXPECT_TRUE(known_to("Monado(XRT)")) << "as in docs/howto/align.md";
+  EXPECT_FALSE(known_to("Pico(XRT) by Pico et al 'de86b93'"));
+  EXPECT_FALSE(known_to("SteamVR/OpenXR"));
+  Placements placements(path);
+  store.headset = Headset("Monado(XRT) by Collabora et al 'v25.1.0-7-g1234567'");
+  ASSERT_TRUE(placements.Do(store, kDate_s).ok);
+  EXPECT_EQ(placements.file().entries.size(), 1U) << "measured again with the new build: it takes the old one's place";
+}
+
+// An older file, with an entry for every build that was ever aligned: the newest is the one that holds.
+TEST(DaemonPlacements, OfSeveralBuildsOfARuntimeTheNewestAlignmentHolds) {
+  const test::TempFolder temp;
+  config::AlignmentFile file;
+  for (const auto& [build, date, x] :
+       {std::tuple{"'v24.0.0'", "2026-03-01T10:00:00Z", 1.0}, std::tuple{"'v25.0.0'", "2026-09-01T10:00:00Z", 3.0},
+        std::tuple{"'v24.1.0'", "2026-06-01T10:00:00Z", 2.0}}) {
+    file.entries.push_back({.runtime = std::string("Monado(XRT) by Collabora et al ") + build,
+                            .system = "A \"quoted\" \\ HMD",
+                            .space = kSpaceStage,
+                            .orientation_space = {1, 0, 0, 0},
+                            .position_space_m = {x, 0, 0},
+                            .method = "touch",
+                            .date = date});
+  }
+  const std::string path = temp.Write("a.toml", config::WriteAlignments(file));
+  Placements placements(path);
+  protocol::PlacementRequest request = Request({kSpaceStage});
+  request.headset = Headset("Monado(XRT) by Collabora et al 'v24.1.0'");
+  placements.Ask(1, request);
+  Listener listener;
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 3.0);
+  EXPECT_EQ(placements.file().entries.size(), 1U);
 }
 
 TEST(DaemonPlacements, AChangeToNobodyKnowsWhereLeavesItDoubtful) {

@@ -105,6 +105,9 @@ TEST(ToolsAlignService, ChoosesTheAlignmentThatIsMeant) {
   EXPECT_EQ(guess->headset.runtime, "c");
   EXPECT_EQ(guess->base_space.position_m.z, -0.45) << "where the layer guesses it";
   ExpectSays(StoredAlignmentsText(status), {"1  a / s in STAGE", "2  b / s"});
+  status["alignments"]["stored"][1]["runtime"] = "c 'v1.0-5-g1234567'";
+  status["clients"][0]["runtime"] = "c 'v1.1'";
+  EXPECT_EQ(ChooseAlignment(status, 0)->base_space.position_m.x, 2) << "another build of the same runtime";
 }
 
 AlignOptions With(AlignMethod method) {
