@@ -76,6 +76,19 @@ void Instance::TakePlacement() {
   if (told->known == 0) log.Line("this headset is not aligned with the base: run `omni align`");
 }
 
+void Instance::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
+  const auto session = sessions.Find(change.session);
+  if (!session) return;
+  // Out of range, or not a number: it is not known where to.
+  const bool in_range = protocol::PoseProblem(ToWire(change.poseInPreviousSpace)) == nullptr;
+  if (!in_range && !OMNI_FAULT("broken-recentre-followed")) change.poseValid = XR_FALSE;
+  const bool news = ReportChange(change) || OMNI_FAULT("change-made-twice");
+  if (!news || session->placement.OnChange(change)) return;
+  log.Line(
+      "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
+      "poses are no longer tracked; align the base again");
+}
+
 // Tells the service, whose file follows. False: another application was faster, and our placement has it already.
 bool Instance::ReportChange(const XrEventDataReferenceSpaceChangePending& change) {
   protocol::SpaceChange told;

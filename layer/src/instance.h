@@ -168,12 +168,12 @@ class Instance {
   void ReportSessionState();
   void UpdateSpaces(const Session& session);
   void MakeAnchors(Session& session);
-  void OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change);
   XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                XrSpaceLocations* locations);
   // alignment.cc
   void AskPlacement(Session& session, XrSystemId system);
   void TakePlacement();
+  void OnSpaceChange(XrEventDataReferenceSpaceChangePending change);
   bool ReportChange(const XrEventDataReferenceSpaceChangePending& change);
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
   // force_feedback.cc, force_queries.cc

@@ -35,16 +35,6 @@ void Instance::MakeAnchors(Session& session) {
     log.Line("the runtime gives no LOCAL space: until the base is aligned the pen has no pose in this session");
 }
 
-void Instance::OnSpaceChange(const XrEventDataReferenceSpaceChangePending& change) {
-  const auto session = sessions.Find(change.session);
-  if (!session) return;
-  const bool news = ReportChange(change) || OMNI_FAULT("change-made-twice");
-  if (!news || session->placement.OnChange(change)) return;
-  log.Line(
-      "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
-      "poses are no longer tracked; align the base again");
-}
-
 XrResult Instance::CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
   const XrResult result = next.CreateActionSpace(session, info, space);
   link.Beat();

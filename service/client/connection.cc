@@ -470,6 +470,7 @@ bool Connection::SendSpaceChange(const protocol::SpaceChange& change) noexcept {
 }
 
 std::uint32_t Connection::SendPlacementCommand(protocol::PlacementCommand command) noexcept {
+  if (impl_->info.role != protocol::ClientRole::kTool) return 0;
   command.number = impl_->placement_commands + 1;
   return impl_->Send(command) ? ++impl_->placement_commands : 0;
 }

@@ -120,7 +120,8 @@ class Connection {
   // The newest since the last call.
   std::optional<protocol::Placement> TakePlacement() noexcept;
   bool SendSpaceChange(const protocol::SpaceChange& change) noexcept;
-  // Number of the command, which its answer bears; 0: not sent. `command.number` is set here.
+  // Number of the command, which its answer bears; 0: not sent, or this client is no tool. `command.number` is set
+  // here.
   std::uint32_t SendPlacementCommand(protocol::PlacementCommand command) noexcept;
   std::optional<PlacementAnswer> TakePlacementAnswer();
 

@@ -26,6 +26,37 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
+std::string VectorText(const base::Vec3& p) {
+  return "[" + TomlFloat(p.x) + ", " + TomlFloat(p.y) + ", " + TomlFloat(p.z) + "]\n";
+}
+
+std::string QuatText(const base::Quat& q) {
+  return "[" + TomlFloat(q.w) + ", " + TomlFloat(q.x) + ", " + TomlFloat(q.y) + ", " + TomlFloat(q.z) + "]\n";
+}
+
+base::Quat ReadQuat(TableReader& reader, const char* key) {
+  double q[4];
+  reader.Numbers(key, kUnit, q);
+  return {q[0], q[1], q[2], q[3]};
+}
+
+void CheckUnit(FileProblem& problem, const toml::table& table, const std::string& name, const std::string& key,
+               const base::Quat& q) {
+  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  if (!problem.ok() || std::abs(norm - 1) < 1e-3) return;
+  problem.Report(table.get(key), name + "." + key + " has length " + TomlFloat(norm) +
+                                     "; must be a unit quaternion; measure it again: omni align");
+}
+
+// Older files do not have it, nor do entries whose space stayed where it was.
+void ReadMeasured(TableReader& reader, const toml::table& table, AlignmentEntry& entry) {
+  entry.measured_position_space_m = entry.position_space_m;
+  entry.measured_orientation_space = entry.orientation_space;
+  if (!table.contains("measured_position_space_m") && !table.contains("measured_orientation_space_wxyz")) return;
+  entry.measured_position_space_m = reader.Vector("measured_position_space_m", kSpacePosition_m);
+  entry.measured_orientation_space = ReadQuat(reader, "measured_orientation_space_wxyz");
+}
+
 AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const std::string& name) {
   TableReader reader(problem, table, name);
   AlignmentEntry entry;
@@ -33,9 +64,7 @@ AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const s
   entry.system = reader.Text("system", kMaxSystemBytes);
   entry.space = reader.Integer("space", kAnySpace);
   entry.position_space_m = reader.Vector("position_space_m", kSpacePosition_m);
-  double q[4];
-  reader.Numbers("orientation_space_wxyz", kUnit, q);
-  entry.orientation_space = {q[0], q[1], q[2], q[3]};
+  entry.orientation_space = ReadQuat(reader, "orientation_space_wxyz");
   entry.method = reader.Text("method", kMaxMethodBytes);
   entry.date = reader.Text("date", kMaxDateBytes);
   entry.samples = reader.Integer("samples", {0, 1e6});
@@ -43,12 +72,12 @@ AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const s
   entry.expected_error_mm = reader.Number("expected_error_mm", {0, 1000});
   entry.rotation_deg = reader.Number("rotation_deg", {0, 180});
   entry.recentred = reader.Integer("recentred", {0, 1e9});
+  ReadMeasured(reader, table, entry);
   entry.doubtful = reader.Choice("doubtful", kYesNo, "no") == "yes";
   reader.Finish();
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (problem.ok() && !(std::abs(norm - 1) < 1e-3)) {
-    problem.Report(table.get("orientation_space_wxyz"), name + ".orientation_space_wxyz has length " + TomlFloat(norm) +
-                                                            "; must be a unit quaternion; align anew: omni align");
+  CheckUnit(problem, table, name, "orientation_space_wxyz", entry.orientation_space);
+  if (entry.measured_orientation_space != entry.orientation_space) {
+    CheckUnit(problem, table, name, "measured_orientation_space_wxyz", entry.measured_orientation_space);
   }
   return entry;
 }
@@ -98,19 +127,19 @@ std::string WriteAlignments(const AlignmentFile& file) {
   text += "format = " + std::to_string(kAlignmentFormat) + "\n";
   text += std::string("placement = \"") + PolicyName(file.uncalibrated) + "\"\n";
   for (const AlignmentEntry& entry : file.entries) {
-    const base::Quat& q = entry.orientation_space;
-    const base::Vec3& p = entry.position_space_m;
     text += "\n[[alignments]]\nruntime = " + Quoted(entry.runtime) + "\nsystem = " + Quoted(entry.system) + "\n";
     text += "space = " + std::to_string(entry.space) + "\n";
-    text += "position_space_m = [" + TomlFloat(p.x) + ", " + TomlFloat(p.y) + ", " + TomlFloat(p.z) + "]\n";
-    text += "orientation_space_wxyz = [" + TomlFloat(q.w) + ", " + TomlFloat(q.x) + ", " + TomlFloat(q.y) + ", " +
-            TomlFloat(q.z) + "]\n";
+    text += "position_space_m = " + VectorText(entry.position_space_m);
+    text += "orientation_space_wxyz = " + QuatText(entry.orientation_space);
     text += "method = " + Quoted(entry.method) + "\ndate = " + Quoted(entry.date) + "\n";
     text += "samples = " + std::to_string(entry.samples) + "\nrms_mm = " + TomlFloat(entry.rms_mm) + "\n";
     text += "expected_error_mm = " + TomlFloat(entry.expected_error_mm) + "\n";
     text +=
         "rotation_deg = " + TomlFloat(entry.rotation_deg) + "\nrecentred = " + std::to_string(entry.recentred) + "\n";
     if (entry.doubtful) text += "doubtful = \"yes\"\n";
+    if (entry.recentred == 0) continue;
+    text += "measured_position_space_m = " + VectorText(entry.measured_position_space_m);
+    text += "measured_orientation_space_wxyz = " + QuatText(entry.measured_orientation_space);
   }
   return text;
 }

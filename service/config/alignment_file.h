@@ -20,8 +20,10 @@ struct AlignmentEntry {
   std::string runtime;           // XrInstanceProperties::runtimeName
   std::string system;            // XrSystemProperties::systemName
   int space = 0;                 // XrReferenceSpaceType: 2 LOCAL, 3 STAGE, 1000426000 LOCAL_FLOOR, ...
-  base::Quat orientation_space;  // of the base (z up) in the space (y up)
+  base::Quat orientation_space;  // of the base (z up) in the space (y up), moved along with every recentring
   base::Vec3 position_space_m;
+  base::Quat measured_orientation_space;  // the same when it was measured
+  base::Vec3 measured_position_space_m;
   std::string method;  // "touch", "sweep", "fingertip", "nudge"
   std::string date;    // ISO 8601, UTC
   int samples = 0;
@@ -29,7 +31,7 @@ struct AlignmentEntry {
   double expected_error_mm = 0;  // 1 sigma where the pen is used; 0: not stated
   double rotation_deg = 0;       // 1 sigma
   int recentred = 0;             // changes of the space that were followed since it was measured
-  bool doubtful = false;         // the space was moved, and its runtime could not say where to
+  bool doubtful = false;         // the space was moved, and it is not known where to
 };
 
 struct AlignmentFile {

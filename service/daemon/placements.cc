@@ -1,6 +1,7 @@
 #include "service/daemon/placements.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <ctime>
 #include <utility>
@@ -40,6 +41,10 @@ alignment::Rigid PoseOf(const config::AlignmentEntry& entry) {
   return {.orientation = entry.orientation_space, .position_m = entry.position_space_m};
 }
 
+alignment::Rigid MeasuredPoseOf(const config::AlignmentEntry& entry) {
+  return {.orientation = entry.measured_orientation_space, .position_m = entry.measured_position_space_m};
+}
+
 void SetPose(const alignment::Rigid& pose, config::AlignmentEntry& entry) {
   entry.orientation_space = pose.orientation;
   entry.position_space_m = pose.position_m;
@@ -54,6 +59,19 @@ std::string NameOrUnnamed(const char* name) {
 bool InReach(const alignment::Rigid& pose) {
   const auto within = [](double x) { return x >= -protocol::kFarthestBase_m && x <= protocol::kFarthestBase_m; };
   return within(pose.position_m.x) && within(pose.position_m.y) && within(pose.position_m.z);
+}
+
+// The space's "up", seen from the base: turning about it changes nothing.
+base::Vec3 UpInBase(const alignment::Rigid& X_LB) {
+  return alignment::Apply({.orientation = alignment::Inverse(X_LB).orientation, .position_m = {}}, {0, 1, 0});
+}
+
+// Against the pose as measured, so that many small steps lead no further than one.
+bool IsRecentring(const alignment::Rigid& measured, const alignment::Rigid& moved) {
+  const base::Vec3 a = UpInBase(measured), b = UpInBase(moved);
+  const double cosine = a.x * b.x + a.y * b.y + a.z * b.z;
+  return InReach(moved) && alignment::Distance_m(measured, moved, {}) <= protocol::kFarthestRecentring_m &&
+         cosine >= std::cos(protocol::kMostRecentringTilt_rad);
 }
 
 bool SameHeadset(const config::AlignmentEntry& a, const config::AlignmentEntry& b) {
@@ -99,6 +117,13 @@ int Placements::Find(const protocol::HeadsetNames& headset, std::int32_t space) 
   return found == file_.entries.end() ? -1 : static_cast<int>(found - file_.entries.begin());
 }
 
+int Placements::FindToMove(ipc::ClientId id, std::int32_t space) const {
+  const protocol::PlacementRequest* request = RequestOf(id);
+  if (request == nullptr) return -1;
+  const auto end = request->spaces.begin() + request->space_count;
+  return std::find(request->spaces.begin(), end, space) == end ? -1 : Find(request->headset, space);
+}
+
 int Placements::FindFor(const protocol::PlacementRequest& request) const {
   for (std::uint32_t i = 0; i < request.space_count; ++i) {
     if (const int found = Find(request.headset, request.spaces[i]); found >= 0) return found;
@@ -121,9 +146,7 @@ void Placements::Changed(std::size_t index) {
 
 // X_newB = (X_prev_new)^-1 X_prevB
 void Placements::Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns) {
-  const auto client = clients_.find(id);
-  if (client == clients_.end()) return;
-  const int found = Find(client->second.request.headset, change.space);
+  const int found = FindToMove(id, change.space);
   if (found < 0) return;
   const auto index = static_cast<std::size_t>(found);
   // A time in the far future is a broken clock's; believed, it would hide all changes until then.
@@ -131,10 +154,11 @@ void Placements::Change(ipc::ClientId id, const protocol::SpaceChange& change, s
   if (changes_at_ns <= live_[index].changes_until_ns + protocol::kSameChange_ns && live_[index].changes_until_ns != 0) {
     return;
   }
-  live_[index].changes_until_ns = changes_at_ns;
   config::AlignmentEntry& entry = file_.entries[index];
   const alignment::Rigid moved = alignment::Compose(alignment::Inverse(ToRigid(change.new_in_previous)), PoseOf(entry));
-  if (change.pose_valid == 1 && InReach(moved)) {
+  if (change.pose_valid == 1 && !IsRecentring(MeasuredPoseOf(entry), moved)) return Doubt(index);
+  live_[index].changes_until_ns = changes_at_ns;
+  if (change.pose_valid == 1) {
     SetPose(moved, entry);
   } else {
     entry.doubtful = true;
@@ -142,6 +166,14 @@ void Placements::Change(ipc::ClientId id, const protocol::SpaceChange& change, s
   ++entry.recentred;
   live_[index].revision = ++revisions_;
   (void)Save();  // connected applications have heard of the change themselves; a failure is in problem()
+}
+
+// Connected applications have moved the base by what their runtime says: they are told to take that back.
+void Placements::Doubt(std::size_t index) {
+  if (file_.entries[index].doubtful) return;
+  file_.entries[index].doubtful = true;
+  Changed(index);
+  (void)Save();
 }
 
 base::Status Placements::Save() {
@@ -176,6 +208,8 @@ Placements::Done Placements::Store(const protocol::PlacementCommand& command, st
            .expected_error_mm = 1e3 * command.expected_error_m,
            .rotation_deg = std::min(180.0, 57.29577951308232 * command.rotation_sigma_rad)};
   SetPose(alignment::Compose(ToRigid(command.base_space), {}), entry);  // the quaternion to unit length
+  entry.measured_orientation_space = entry.orientation_space;
+  entry.measured_position_space_m = entry.position_space_m;
   Changed(static_cast<std::size_t>(found));
   if (auto saved = Save(); !saved.ok()) {
     file_ = before;
@@ -206,15 +240,39 @@ Placements::Done Placements::Forget(const protocol::PlacementCommand& command) {
   return {true, std::to_string(count) + (count == 1 ? " alignment forgotten" : " alignments forgotten")};
 }
 
+Placements::Done Placements::Restore(const protocol::PlacementCommand& command) {
+  if (!readable_) return {false, Save().error()};
+  const int found = Find(command.headset, command.space);
+  if (found < 0) return {false, "no such alignment is stored; see omni align --show"};
+  config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
+  if (entry.recentred == 0 && !entry.doubtful) return {false, "its space has not moved since it was measured"};
+  const config::AlignmentEntry before = entry;
+  SetPose(MeasuredPoseOf(entry), entry);
+  entry.recentred = 0;
+  entry.doubtful = false;
+  Changed(static_cast<std::size_t>(found));
+  if (auto saved = Save(); !saved.ok()) {
+    entry = before;
+    return {false, saved.error()};
+  }
+  return {true, "as it was measured on " + entry.date};
+}
+
 Placements::Done Placements::Do(const protocol::PlacementCommand& command, std::int64_t now_unix_s) {
   switch (command.action) {
     case protocol::PlacementAction::kStore:
       return Store(command, now_unix_s);
     case protocol::PlacementAction::kForget:
       return Forget(command);
+    case protocol::PlacementAction::kRestore:
+      return Restore(command);
     case protocol::PlacementAction::kPolicy:
-      break;
+      return SetPolicy(command);
   }
+  return {false, "an unknown action"};
+}
+
+Placements::Done Placements::SetPolicy(const protocol::PlacementCommand& command) {
   const config::UncalibratedPolicy before = file_.uncalibrated;
   file_.uncalibrated = static_cast<config::UncalibratedPolicy>(command.uncalibrated);
   TellAll();

@@ -21,7 +21,8 @@ class Placements {
 
   void Ask(ipc::ClientId id, const protocol::PlacementRequest& request);
   void Remove(ipc::ClientId id) { clients_.erase(id); }
-  // The same change told by several applications counts once. `now_ns`: CLOCK_MONOTONIC.
+  // Of a space that this client has asked about. The same change told by several applications counts once. What no
+  // recentring does leaves the alignment where it is, and doubtful. `now_ns`: CLOCK_MONOTONIC.
   void Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns);
 
   struct Done {
@@ -52,12 +53,16 @@ class Placements {
     bool told = false;
   };
   int Find(const protocol::HeadsetNames& headset, std::int32_t space) const;  // index; -1: none
+  int FindToMove(ipc::ClientId id, std::int32_t space) const;
+  void Doubt(std::size_t index);
   void KeepNewestOfEach();
   int FindFor(const protocol::PlacementRequest& request) const;
   void Changed(std::size_t index);
   base::Status Save();
   Done Store(const protocol::PlacementCommand& command, std::int64_t now_unix_s);
   Done Forget(const protocol::PlacementCommand& command);
+  Done Restore(const protocol::PlacementCommand& command);
+  Done SetPolicy(const protocol::PlacementCommand& command);
   void TellAll();
 
   std::string path_;

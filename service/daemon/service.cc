@@ -150,6 +150,7 @@ void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
   const bool began = owners_.session(id) == protocol::SessionState::kNone && state != protocol::SessionState::kNone;
   const std::uint64_t owner_before = owners_.owner();
   owners_.SetSession(id, state);
+  client.session_seen = client.session_seen || state != protocol::SessionState::kNone;
   if (owners_.owner() != owner_before) vibration_.Stop();
   if (began && client.app != nullptr && !client.app->scene.empty()) builder_.Request(id, *client.app);
   if (began && client.app == nullptr) {
@@ -233,6 +234,8 @@ void Service::OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequ
 }
 
 void Service::OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end() || !found->second.session_seen) return;
   placements_.Change(id, change, base::MonotonicNow_ns());
   TellPlacements();
 }
@@ -451,7 +454,7 @@ std::string Service::StatusJson() {
     input.clients.push_back({.id = id,
                              .pid = client.info.pid,
                              .application = client.info.application,
-                             .monitor = client.info.role == protocol::ClientRole::kMonitor,
+                             .monitor = client.info.role != protocol::ClientRole::kApplication,
                              .session = owners_.session(id),
                              .owner = id == owners_.owner(),
                              .scene = scene == nullptr ? "" : scene->file,

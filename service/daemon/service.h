@@ -87,6 +87,7 @@ class Service : public ipc::ServerHandler {
     ipc::ClientInfo info;
     const config::AppEntry* app = nullptr;  // null: no entry matches
     std::shared_ptr<const BuiltScene> scene;
+    bool session_seen = false;  // one has begun since it connected
   };
   void TakeBuiltScenes();
   void TakeAppScene(BuiltScene built);

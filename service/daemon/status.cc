@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
@@ -154,6 +156,12 @@ json Clients(const StatusInput& input) {
   return rows;
 }
 
+double MovedSinceMeasured_m(const config::AlignmentEntry& entry) {
+  const base::Vec3& a = entry.position_space_m;
+  const base::Vec3& b = entry.measured_position_space_m;
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
 json Alignments(const config::AlignmentFile& file) {
   json rows = json::array();
   for (const config::AlignmentEntry& entry : file.entries) {
@@ -170,6 +178,7 @@ json Alignments(const config::AlignmentFile& file) {
                     {"rotation_deg", entry.rotation_deg},
                     {"recentred", entry.recentred},
                     {"doubtful", entry.doubtful},
+                    {"moved_m", MovedSinceMeasured_m(entry)},
                     {"position_space_m", {p.x, p.y, p.z}},
                     {"orientation_space_wxyz", {q.w, q.x, q.y, q.z}}});
   }

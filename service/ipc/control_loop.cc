@@ -232,6 +232,10 @@ bool ControlLoop::Handle(Peer& peer, const protocol::Message& message) {
   }
   if (const auto force = ForceRequestIn(message)) return HandleForce(peer, *force);
   if (const auto* command = std::get_if<protocol::PlacementCommand>(&message)) {
+    if (peer.info().role != protocol::ClientRole::kTool) {
+      Refuse(peer, "only a tool such as omni align changes alignments; say Hello as a tool");
+      return false;
+    }
     Guarded("OnPlacementCommand", &peer, [&] { handler_.OnPlacementCommand(peer.id(), *command); });
     return false;  // as above
   }

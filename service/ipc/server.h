@@ -70,7 +70,7 @@ class ServerHandler {
   virtual void OnPlacementRequest(ClientId /*id*/, const protocol::PlacementRequest& /*request*/) {}
   // Its runtime moves a space.
   virtual void OnSpaceChange(ClientId /*id*/, const protocol::SpaceChange& /*change*/) {}
-  // To be answered by one SendPlacementReply. Any client.
+  // To be answered by one SendPlacementReply. Tools only.
   virtual void OnPlacementCommand(ClientId /*id*/, const protocol::PlacementCommand& /*command*/) {}
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;

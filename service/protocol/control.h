@@ -64,8 +64,8 @@ struct MessageHeader {
   std::uint32_t reserved = 0;
 };
 
-// What kind of client: only kApplication can own the force.
-enum class ClientRole : std::uint32_t { kApplication = 1, kMonitor = 2 };
+// What kind of client: only kApplication can own the force and has spaces, only kTool may change alignments.
+enum class ClientRole : std::uint32_t { kApplication = 1, kMonitor = 2, kTool = 3 };
 
 struct Hello {
   MessageHeader header{.type = MessageType::kHello, .size = sizeof(Hello)};

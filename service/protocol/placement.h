@@ -12,6 +12,10 @@ namespace omni::protocol {
 
 inline constexpr std::uint32_t kMaxSpaceTypes = 8;
 inline constexpr double kFarthestBase_m = 100;  // from a reference space's origin
+// What recentring can do to a base, against where it was measured: its place within a room, and no tilt to speak of,
+// since all these spaces have gravity along -y.
+inline constexpr double kFarthestRecentring_m = 10;
+inline constexpr double kMostRecentringTilt_rad = 0.175;
 // Sightings of one and the same change of a reference space, by several applications, differ by less; a person does not
 // recentre twice within it.
 inline constexpr std::int64_t kSameChange_ns = 150'000'000;
@@ -56,7 +60,7 @@ struct Placement {
   std::uint32_t known = 0;  // 1: measured; 0: the rest but `uncalibrated` says nothing
   Uncalibrated uncalibrated = Uncalibrated::kFrontOfUser;
   std::int32_t space = kSpaceLocal;
-  std::uint32_t doubtful = 0;   // 1: the space was moved since, and its runtime could not say where to
+  std::uint32_t doubtful = 0;   // 1: the space was moved since, and it is not known, or not plausible, where to
   PlacementPose base_space;     // X_LB
   double expected_error_m = 0;  // 1 sigma where the pen is used; 0: not stated
   double rotation_sigma_rad = 0;
@@ -65,7 +69,8 @@ struct Placement {
   std::uint64_t revision = 0;         // counts changes of this record since omnid's start
 };
 
-// application -> omnid: XrEventDataReferenceSpaceChangePending.
+// application -> omnid: XrEventDataReferenceSpaceChangePending, for a space that it named in its PlacementRequest. Not
+// believed before its session has begun for the first time.
 struct SpaceChange {
   MessageHeader header{.type = MessageType::kSpaceChange, .size = sizeof(SpaceChange)};
   std::int32_t space = kSpaceLocal;
@@ -77,10 +82,11 @@ struct SpaceChange {
 enum class PlacementAction : std::uint32_t {
   kStore = 1,   // X_LB and what is known of it
   kForget = 2,  // of this headset and space; empty runtime: all
-  kPolicy = 3   // `uncalibrated` for all headsets
+  kPolicy = 3,  // `uncalibrated` for all headsets
+  kRestore = 4  // of this headset and space: as it was measured, before any recentring
 };
 
-// omni align -> omnid; answered by one PlacementReply. Any client.
+// omni align -> omnid; answered by one PlacementReply. Tools only.
 struct PlacementCommand {
   MessageHeader header{.type = MessageType::kPlacementCommand, .size = sizeof(PlacementCommand)};
   PlacementAction action = PlacementAction::kStore;

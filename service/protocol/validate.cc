@@ -25,7 +25,7 @@ namespace {
 
 // What is wrong with the fields of a message of the right size; null: nothing.
 const char* Problem(const Hello& hello) noexcept {
-  if (hello.role != ClientRole::kApplication && hello.role != ClientRole::kMonitor) return "role is neither 1 nor 2";
+  if (hello.role < ClientRole::kApplication || hello.role > ClientRole::kTool) return "role is not in 1..3";
   if (!IsTerminated(hello.application)) return "application is not terminated";
   return IsTerminated(hello.engine) ? nullptr : "engine is not terminated";
 }
@@ -112,8 +112,8 @@ const char* Problem(const SpaceChange& change) noexcept {
 }
 
 const char* Problem(const PlacementCommand& command) noexcept {
-  if (command.action < PlacementAction::kStore || command.action > PlacementAction::kPolicy) {
-    return "action is not in 1..3";
+  if (command.action < PlacementAction::kStore || command.action > PlacementAction::kRestore) {
+    return "action is not in 1..4";
   }
   if (command.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
   if (!IsTerminated(command.method)) return "method is not terminated";

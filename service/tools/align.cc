@@ -30,7 +30,7 @@ constexpr const char* kPlacements[] = {"front-of-user", "calibrated", "off"};
 struct AlignArguments {
   std::string method = "touch";
   std::string socket, marks, placement;
-  bool show = false, forget = false, tilted = false;
+  bool show = false, forget = false, restore = false, tilted = false;
   int number = 0;
   AlignRunOptions run;
 };
@@ -96,6 +96,17 @@ int ForgetStored(client::Connection& connection, const nlohmann::json& status, i
   return kExitOk;
 }
 
+int RestoreStored(client::Connection& connection, const nlohmann::json& status, int number) {
+  const auto chosen = ChooseAlignment(status, number);
+  if (!chosen.ok()) return Fail(kCommand, chosen.error());
+  protocol::PlacementCommand command = StoreCommand(chosen->headset, {}, "");
+  command.action = protocol::PlacementAction::kRestore;
+  const auto done = AskPlacement(connection, command);
+  if (!done.ok()) return Fail(kCommand, done.error());
+  std::printf("%s\n", done->c_str());
+  return kExitOk;
+}
+
 int SetPolicy(client::Connection& connection, const std::string& placement) {
   protocol::PlacementCommand command;
   command.action = protocol::PlacementAction::kPolicy;
@@ -128,16 +139,18 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
 }
 
 int Align(const AlignArguments& arguments) {
-  auto connection = ConnectToService(arguments.socket);
+  auto connection = ConnectToService(arguments.socket, protocol::ClientRole::kTool);
   if (!connection.ok()) {
     Fail(kCommand, connection.error());
     return kExitNoService;
   }
   if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
-  if (!arguments.show && !arguments.forget && arguments.method != "nudge") return Measure(**connection, arguments);
+  const bool stored = arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
+  if (!stored) return Measure(**connection, arguments);
   const auto status = AskStatus(**connection);
   if (!status.ok()) return Fail(kCommand, status.error());
   if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
+  if (arguments.restore) return RestoreStored(**connection, *status, arguments.number);
   if (!arguments.show) return NudgeStored(**connection, *status, arguments.number);
   std::printf("%s", StoredAlignmentsText(*status).c_str());
   return kExitOk;
@@ -156,11 +169,13 @@ void AddAlign(CLI::App& app) {
       ->capture_default_str();
   align->add_flag("--show", arguments->show, "list what is stored");
   align->add_flag("--forget", arguments->forget, "forget it, or number N of it");
+  align->add_flag("--restore", arguments->restore, "take it as it was measured, before any recentring");
   align
       ->add_option("--placement", arguments->placement,
                    "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kPlacements), std::end(kPlacements))));
-  align->add_option("--number", arguments->number, "of --show, for nudge and --forget")->check(CLI::Range(1, 64));
+  align->add_option("--number", arguments->number, "of --show, for nudge, --forget and --restore")
+      ->check(CLI::Range(1, 64));
   align->add_option("--hand", arguments->run.hand, "which controller")
       ->check(CLI::IsMember({"auto", "left", "right"}))
       ->capture_default_str();

@@ -90,15 +90,20 @@ std::string StoredAlignmentsText(const nlohmann::json& status) {
   int number = 0;
   for (const nlohmann::json& row : ArrayAt(status, "/alignments/stored")) {
     const double expected_mm = NumberAt(row, "/expected_error_mm");
-    text += Printed("%d  ", ++number) + TextAt(row, "/runtime") + " / " + TextAt(row, "/system") + " in " +
-            SpaceName(static_cast<int>(NumberAt(row, "/space"))) + ": " + TextAt(row, "/method") + " of " +
-            TextAt(row, "/date") + ", " +
-            (expected_mm > 0
-                 ? Printed("expected error %.1f mm (%s)", expected_mm, AlignQualityWord(1e-3 * expected_mm).c_str())
-                 : std::string("error not stated")) +
-            (NumberAt(row, "/recentred") > 0 ? ", followed " + TextAt(row, "/recentred") + " recentrings" : "") +
-            (TrueAt(row, "/doubtful") ? ", DOUBTFUL: the space was moved to where its runtime could not say" : "") +
-            "\n";
+    text +=
+        Printed("%d  ", ++number) + TextAt(row, "/runtime") + " / " + TextAt(row, "/system") + " in " +
+        SpaceName(static_cast<int>(NumberAt(row, "/space"))) + ": " + TextAt(row, "/method") + " of " +
+        TextAt(row, "/date") + ", " +
+        (expected_mm > 0
+             ? Printed("expected error %.1f mm (%s)", expected_mm, AlignQualityWord(1e-3 * expected_mm).c_str())
+             : std::string("error not stated")) +
+        (NumberAt(row, "/recentred") > 0 ? ", followed " + TextAt(row, "/recentred") + " recentrings" +
+                                               Printed(", %.2f m from where it was measured", NumberAt(row, "/moved_m"))
+                                         : std::string()) +
+        (TrueAt(row, "/doubtful") ? ", DOUBTFUL: its space was moved and it is not known where to; measure it again, "
+                                    "or take it as it was: omni align --restore"
+                                  : "") +
+        "\n";
   }
   if (number == 0) text = "no alignment is stored; measure one: omni align\n";
   return text + "without one    placement = " + TextAt(status, "/alignments/placement") + "\n";

@@ -23,10 +23,11 @@ base::Error NotRunning(const std::string& path, const std::string& why) {
 
 }  // namespace
 
-base::Result<std::unique_ptr<client::Connection>> ConnectToService(const std::string& socket_path) {
+base::Result<std::unique_ptr<client::Connection>> ConnectToService(const std::string& socket_path,
+                                                                   protocol::ClientRole role) {
   const std::string path = socket_path.empty() ? client::DefaultSocketPath() : socket_path;
-  auto connection = std::make_unique<client::Connection>(client::ConnectionInfo{
-      .role = protocol::ClientRole::kMonitor, .application = "omni", .engine = "", .socket_path = path});
+  auto connection = std::make_unique<client::Connection>(
+      client::ConnectionInfo{.role = role, .application = "omni", .engine = "", .socket_path = path});
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kPatience_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection->Poll(base::MonotonicNow_ns());

@@ -11,8 +11,9 @@
 
 namespace omni::tools {
 
-// A connection of role monitor, welcomed. The error names the socket, why, and how to start omnid.
-base::Result<std::unique_ptr<client::Connection>> ConnectToService(const std::string& socket_path);
+// A connection, welcomed. The error names the socket, why, and how to start omnid.
+base::Result<std::unique_ptr<client::Connection>> ConnectToService(
+    const std::string& socket_path, protocol::ClientRole role = protocol::ClientRole::kMonitor);
 
 // Waits for the answer, 2 s at most. An answer that is no JSON object is an error.
 base::Result<nlohmann::json> AskStatus(client::Connection& connection);

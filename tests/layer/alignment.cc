@@ -179,6 +179,25 @@ TEST_F(Alignment, RecentringIsFollowedAndReported) {
   }
 }
 
+// A runtime that moves an origin by 250 m: it is not known where to, for the service too.
+TEST_F(Alignment, ARecentringOutOfRangeClearsTracked) {
+  service->SetPlacement(KnownIn(protocol::kSpaceLocal, kPlaced));
+  App app;
+  Start(app);
+  ASSERT_LT(DistanceFrom(kPlaced.p + kPlaced.q * kPen_B, local), 1e-5);
+  const float recentred[7] = {250, 0, 0, 0, 0, 0, 1};
+  ASSERT_EQ(omni_test_recenter(recentred, 0), 0);
+  app.Poll();
+  EXPECT_EQ(At(local).locationFlags, layer::kValid);
+  EXPECT_LT(DistanceFrom(kPlaced.p + kPlaced.q * kPen_B, local), 1e-5);
+  ASSERT_TRUE(
+      app.SyncUntil(*service, [&] { return service->heard().gone > 0 || !service->heard().space_changes.empty(); }));
+  const Heard heard = service->heard();
+  EXPECT_EQ(heard.gone, 0) << "a message out of range costs the connection";
+  ASSERT_EQ(heard.space_changes.size(), 1U);
+  EXPECT_EQ(heard.space_changes.front().pose_valid, 0U);
+}
+
 // Another application was faster: the placement that we get has the change already, our own event comes later.
 TEST_F(Alignment, AChangeThatIsInThePlacementIsNotMadeTwice) {
   App app;

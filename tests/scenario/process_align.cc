@@ -15,7 +15,9 @@
 #include "service/config/alignment_file.h"
 #include "service/config/marks_file.h"
 #include "service/protocol/text.h"
+#include "service/tools/align_service.h"
 #include "service/tools/printed.h"
+#include "service/tools/service_link.h"
 #include "tests/support/omni_command.h"
 #include "tests/support/service_process.h"
 
@@ -138,6 +140,54 @@ TEST(ProcessAlign, FromTheControllerToTheApplication) {
   EXPECT_NE(shown.out.find("1  Omni test runtime / Omni test system in STAGE: touch"), std::string::npos) << shown.out;
   EXPECT_EQ(OmniAlign(service, {"--forget", "--number", "1"}).status, 0);
   EXPECT_NE(OmniAlign(service, {"--show"}).out.find("no alignment is stored"), std::string::npos);
+}
+
+// As `omni align` does at its end.
+void StoreInStage(const ServiceProcess& service) {
+  auto connection = tools::ConnectToService(service.socket_path(), protocol::ClientRole::kTool);
+  ASSERT_TRUE(connection.ok()) << connection.error();
+  alignment::Outcome outcome;
+  outcome.base_space = TrueBase();
+  const tools::Headset headset{
+      .runtime = "Omni test runtime '1.0-5-gabcdef1'", .system = "Omni test system", .space = protocol::kSpaceStage};
+  const auto stored = tools::AskPlacement(**connection, tools::StoreCommand(headset, outcome, "touch"));
+  ASSERT_TRUE(stored.ok()) << stored.error();
+}
+
+// What a faulty application says of recentrings costs TRACKED, no more, and a person brings the alignment back. The
+// runtime has been updated meanwhile.
+TEST(ProcessAlign, AFaultyApplicationDoesNotSpoilAnAlignment) {
+  ServiceProcess service;
+  service.Start();
+  ASSERT_GT(service.pid(), 0);
+  TestApplication application(service);
+  ASSERT_TRUE(application.Focus());
+  ASSERT_NO_FATAL_FAILURE(StoreInStage(service));
+  auto placement = PlacementOf(service, application);
+  ASSERT_TRUE(placement);
+  EXPECT_EQ(placement->known, 1U) << "of another build of the runtime";
+  const auto taken = [&](std::uint32_t doubtful) {
+    return application.Run(5000, 5, [&] {
+      if (const auto newer = application.connection().TakePlacement()) placement = newer;
+      return placement->doubtful == doubtful;
+    });
+  };
+  for (int i = 0; i < 5; ++i) {
+    protocol::SpaceChange change;
+    change.space = protocol::kSpaceStage;
+    change.pose_valid = 1;
+    change.changes_at_ns = base::MonotonicNow_ns() + i * 2 * protocol::kSameChange_ns;
+    change.new_in_previous.position_m = {20, 0, 0};
+    ASSERT_TRUE(application.connection().SendSpaceChange(change));
+  }
+  EXPECT_TRUE(taken(1)) << "it hears that the alignment is in doubt";
+  EXPECT_EQ(placement->base_space.position_m[0], TrueBase().position_m.x);
+  const Outcome shown = OmniAlign(service, {"--show"});
+  EXPECT_NE(shown.out.find("DOUBTFUL"), std::string::npos) << shown.out;
+  const Outcome restored = OmniAlign(service, {"--restore"});
+  EXPECT_EQ(restored.status, 0) << restored.err;
+  EXPECT_TRUE(taken(0)) << "and that it is not any more";
+  EXPECT_EQ(OmniAlign(service, {"--show"}).out.find("DOUBTFUL"), std::string::npos);
 }
 
 // The person does nothing: given up in time, with what is missing; nothing is stored.

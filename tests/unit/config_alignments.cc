@@ -19,6 +19,8 @@ AlignmentFile Example() {
                             .space = 2 + i,
                             .orientation_space = {0.5, -0.5, 0.5, 0.5},
                             .position_space_m = {1.0 / 3, -2, 1e-9 * i},
+                            .measured_orientation_space = {0.5, -0.5, 0.5, 0.5},
+                            .measured_position_space_m = {1.0 / 3, -2 - 0.1 * i, 1e-9 * i},
                             .method = "touch",
                             .date = "2026-11-22T10:00:00Z",
                             .samples = 5,
@@ -45,6 +47,8 @@ TEST(ConfigAlignments, ComeBackToTheLastBit) {
     EXPECT_EQ(a.space, b.space);
     EXPECT_EQ(a.orientation_space, b.orientation_space);
     EXPECT_EQ(a.position_space_m, b.position_space_m);
+    EXPECT_EQ(a.measured_orientation_space, b.measured_orientation_space);
+    EXPECT_EQ(a.measured_position_space_m, b.measured_position_space_m);
     EXPECT_EQ(a.method, b.method);
     EXPECT_EQ(a.date, b.date);
     EXPECT_EQ(a.samples, b.samples);
@@ -54,6 +58,28 @@ TEST(ConfigAlignments, ComeBackToTheLastBit) {
     EXPECT_EQ(a.recentred, b.recentred);
     EXPECT_EQ(a.doubtful, b.doubtful);
   }
+}
+
+// Files from before the measured pose was kept: what they hold is the best that is known of it.
+TEST(ConfigAlignments, WithoutAMeasuredPoseThePresentOneStandsForIt) {
+  std::string text = WriteAlignments(Example());
+  for (std::size_t at = text.find("\nmeasured_"); at != std::string::npos; at = text.find("\nmeasured_")) {
+    text.erase(at, text.find('\n', at + 1) - at);
+  }
+  const auto read = ParseAlignments(text, "test.toml");
+  ASSERT_TRUE(read.ok()) << read.error();
+  for (const AlignmentEntry& entry : read->entries) {
+    EXPECT_EQ(entry.measured_position_space_m, entry.position_space_m);
+    EXPECT_EQ(entry.measured_orientation_space, entry.orientation_space);
+  }
+}
+
+TEST(ConfigAlignments, HalfAMeasuredPoseIsRefused) {
+  std::string text = WriteAlignments(Example());
+  const std::size_t at = text.find("\nmeasured_orientation_space_wxyz");
+  text.erase(at, text.find('\n', at + 1) - at);
+  EXPECT_NE(ParseAlignments(text, "test.toml").error().find("measured_orientation_space_wxyz is missing"),
+            std::string::npos);
 }
 
 TEST(ConfigAlignments, AnEmptyFileIsNone) {
@@ -94,6 +120,8 @@ TEST(ConfigAlignments, MutationsAreRefusedOrSound) {
       for (const double p : {entry.position_space_m.x, entry.position_space_m.y, entry.position_space_m.z}) {
         ASSERT_LE(std::abs(p), 100);
       }
+      const base::Quat& m = entry.measured_orientation_space;
+      ASSERT_NEAR(m.w * m.w + m.x * m.x + m.y * m.y + m.z * m.z, 1, 3e-3);
       ASSERT_FALSE(entry.runtime.empty() || entry.system.empty());
     }
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -15,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/alignment/rigid.h"
+#include "service/base/clock.h"
 #include "service/daemon/service.h"
 #include "service/protocol/text.h"
 #include "tests/support/temp_folder.h"
@@ -148,10 +150,9 @@ TEST(DaemonPlacements, RecentringIsFollowedOnceHoweverManyTell) {
     protocol::SpaceChange change;
     change.pose_valid = 1;
     change.changes_at_ns = 5'000'000'000;
-    const double w = any(random), x = any(random), y = any(random), z = any(random);
-    const double norm = std::sqrt(w * w + x * x + y * y + z * z);
+    const double half_yaw = 3 * any(random);  // these spaces have gravity along -y: they are turned about y only
     change.new_in_previous = {.position_m = {any(random), any(random), any(random)},
-                              .orientation_wxyz = {w / norm, x / norm, y / norm, z / norm}};
+                              .orientation_wxyz = {std::cos(half_yaw), 0, std::sin(half_yaw), 0}};
     placements.Change(1, change, kNow_ns);
     change.changes_at_ns += 3'000'000;  // another application's idea of the same time
     placements.Change(2, change, kNow_ns);
@@ -226,6 +227,98 @@ TEST(DaemonPlacements, OfSeveralBuildsOfARuntimeTheNewestAlignmentHolds) {
   listener.Listen(placements);
   EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 3.0);
   EXPECT_EQ(placements.file().entries.size(), 1U);
+}
+
+protocol::SpaceChange Moved(double x, std::int64_t changes_at_ns) {
+  protocol::SpaceChange change;
+  change.pose_valid = 1;
+  change.changes_at_ns = changes_at_ns;
+  change.new_in_previous.position_m = {x, 0, 0};
+  return change;
+}
+
+// Nobody recentres a headset by 20 m: what an application says of that costs TRACKED, and moves nothing.
+TEST(DaemonPlacements, WhatNoRecentringDoesMovesNothing) {
+  const test::TempFolder temp;
+  Placements placements(temp.Path("a.toml"));
+  ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+  placements.Ask(1, Request({kSpaceLocal}));
+  Listener listener;
+  listener.Listen(placements);
+  for (int i = 1; i <= 5; ++i) {
+    const std::int64_t now_ns = kNow_ns + i * std::int64_t{1'000'000'000};
+    placements.Change(1, Moved(20, now_ns), now_ns);
+  }
+  const double moved_m = std::abs(Placements(temp.Path("a.toml")).file().entries[0].position_space_m.x - 0.1);
+  std::printf("[ figure   ] five changes of 20 m have moved the alignment by %.1f m\n", moved_m);
+  EXPECT_EQ(moved_m, 0);
+  EXPECT_FALSE(placements.Aligned(1));
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().doubtful, 1U) << "who is connected hears of it";
+  placements.Change(1, Moved(1, kNow_ns + 5'000'000'000), kNow_ns + 5'000'000'000);
+  EXPECT_EQ(placements.file().entries[0].recentred, 1) << "it hides no real recentring at the same time";
+}
+
+// The bound holds against the pose as measured: many steps lead no further than one.
+TEST(DaemonPlacements, ManyStepsLeadNoFurtherThanOne) {
+  const test::TempFolder temp;
+  Placements placements(temp.Path("a.toml"));
+  ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+  placements.Ask(1, Request({kSpaceLocal}));
+  std::int64_t now_ns = kNow_ns;
+  for (int i = 0; i < 40; ++i) {
+    now_ns += 1'000'000'000;
+    placements.Change(1, Moved(-0.9, now_ns), now_ns);
+  }
+  const config::AlignmentEntry& entry = placements.file().entries[0];
+  EXPECT_LE(entry.position_space_m.x - entry.measured_position_space_m.x, protocol::kFarthestRecentring_m);
+  EXPECT_TRUE(entry.doubtful);
+}
+
+// A space that tips over is none that OpenXR has.
+TEST(DaemonPlacements, ATiltIsNoRecentring) {
+  const auto doubtful_after = [](double angle_rad) {
+    const test::TempFolder temp;
+    Placements placements(temp.Path("a.toml"));
+    EXPECT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+    placements.Ask(1, Request({kSpaceLocal}));
+    protocol::SpaceChange change = Moved(0, kNow_ns);
+    change.new_in_previous.orientation_wxyz = {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)};
+    placements.Change(1, change, kNow_ns);
+    return placements.file().entries[0].doubtful;
+  };
+  EXPECT_FALSE(doubtful_after(0.9 * protocol::kMostRecentringTilt_rad));
+  EXPECT_TRUE(doubtful_after(1.1 * protocol::kMostRecentringTilt_rad));
+}
+
+TEST(DaemonPlacements, TheMeasuredPoseComesBack) {
+  const test::TempFolder temp;
+  const std::string path = temp.Path("a.toml");
+  protocol::PlacementCommand restore = Store(kSpaceLocal);
+  restore.action = protocol::PlacementAction::kRestore;
+  {
+    Placements placements(path);
+    EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "there is none";
+    ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+    EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "it has not moved";
+    placements.Ask(1, Request({kSpaceLocal}));
+    placements.Change(1, Moved(3, kNow_ns), kNow_ns);
+    placements.Change(1, Moved(50, kNow_ns + 1'000'000'000), kNow_ns + 1'000'000'000);
+    EXPECT_NEAR(placements.file().entries[0].position_space_m.x, -2.9, 1e-12);
+    EXPECT_FALSE(placements.Aligned(1));
+  }
+  Placements placements(path);
+  placements.Ask(1, Request({kSpaceLocal}));
+  Listener listener;
+  listener.Listen(placements);
+  ASSERT_TRUE(placements.Do(restore, kDate_s).ok);
+  EXPECT_TRUE(placements.Aligned(1));
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.1) << "who is connected hears of it";
+  const config::AlignmentEntry entry = Placements(path).file().entries[0];
+  EXPECT_EQ(entry.position_space_m.x, 0.1);
+  EXPECT_EQ(entry.recentred, 0);
+  EXPECT_FALSE(entry.doubtful);
 }
 
 TEST(DaemonPlacements, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
@@ -400,6 +493,31 @@ TEST(DaemonPlacements, TheServiceSaysWhetherTheOwnerIsAligned) {
   service.OnGone(1);
   service.OnPeriod(2);
   EXPECT_FALSE(aligned) << "nobody is there whose headset could be";
+}
+
+// A change of a space is believed of an application whose session has begun, and of its own spaces only.
+TEST(DaemonPlacements, TheServiceBelievesOnlyASessionThatHasBegun) {
+  const test::TempFolder temp;
+  const std::string path = temp.Path("a.toml");
+  Service service({.version = "test", .instance = 1, .hull_radius_m = 0.0375, .alignment_path = path});
+  service.OnPlacementCommand(9, Store(kSpaceLocal));
+  const auto recentred = [&path] { return config::LoadAlignmentFile(path).value().entries[0].recentred; };
+  const auto now_ns = [] { return base::MonotonicNow_ns(); };
+  service.OnClient({.id = 1, .role = protocol::ClientRole::kApplication, .pid = 1, .application = "a", .engine = ""});
+  service.OnPlacementRequest(1, Request({kSpaceLocal}));
+  service.OnSpaceChange(1, Moved(0.5, now_ns()));
+  EXPECT_EQ(recentred(), 0) << "no session has begun";
+  service.OnSession(1, protocol::SessionState::kBegun);
+  service.OnSpaceChange(1, Moved(0.5, now_ns() + 1'000'000'000));
+  EXPECT_EQ(recentred(), 1);
+  service.OnSession(1, protocol::SessionState::kNone);
+  service.OnSpaceChange(1, Moved(0.5, now_ns() + 2'000'000'000));
+  EXPECT_EQ(recentred(), 2) << "the headset was taken off: the runtime still tells this application";
+  service.OnClient({.id = 2, .role = protocol::ClientRole::kApplication, .pid = 1, .application = "b", .engine = ""});
+  service.OnSession(2, protocol::SessionState::kFocused);
+  service.OnPlacementRequest(2, Request({kSpaceStage}));
+  service.OnSpaceChange(2, Moved(0.5, now_ns() + 3'000'000'000));
+  EXPECT_EQ(recentred(), 2) << "it has no LOCAL";
 }
 
 }  // namespace

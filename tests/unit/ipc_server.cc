@@ -152,6 +152,11 @@ TEST(Server, GarbageCostsOnlyItsSender) {
   const std::string monitor = reason_after(
       [](RawClient& raw) { raw.Greet("x", protocol::ClientRole::kMonitor) && raw.Send(protocol::Session{}); });
   EXPECT_NE(monitor.find("monitor"), std::string::npos) << monitor;
+  for (const auto role : {protocol::ClientRole::kMonitor, protocol::ClientRole::kApplication}) {
+    const std::string forgets =
+        reason_after([role](RawClient& raw) { raw.Greet("x", role) && raw.Send(protocol::PlacementCommand{}); });
+    EXPECT_NE(forgets.find("only a tool"), std::string::npos) << forgets;
+  }
   const std::string with_fd = reason_after([](RawClient& raw) {
     const int fd = 0;
     const protocol::HapticStop stop;

@@ -85,7 +85,7 @@ TEST(Validate, RefusesPlacementsOutsideTheirRange) {
   refused(
       change, [](SpaceChange& c) { c.new_in_previous.position_m[0] = 101; }, "within 100 m");
   refused(
-      PlacementCommand{}, [](PlacementCommand& c) { c.action = static_cast<PlacementAction>(4); }, "action");
+      PlacementCommand{}, [](PlacementCommand& c) { c.action = static_cast<PlacementAction>(5); }, "action");
   refused(
       PlacementCommand{}, [](PlacementCommand& c) { c.rms_m = std::nan(""); }, "rms_m");
   refused(
@@ -264,7 +264,7 @@ TEST(Validate, RefusesEnumsOutsideTheirRange) {
   Hello hello;
   hello.role = static_cast<ClientRole>(0);
   EXPECT_NE(ReasonFor(hello).find("role"), std::string::npos);
-  hello.role = static_cast<ClientRole>(3);
+  hello.role = static_cast<ClientRole>(4);
   EXPECT_NE(ReasonFor(hello).find("role"), std::string::npos);
   Session session;
   session.state = static_cast<SessionState>(3);

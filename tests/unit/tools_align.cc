@@ -108,6 +108,8 @@ TEST(ToolsAlignService, ChoosesTheAlignmentThatIsMeant) {
   status["alignments"]["stored"][1]["runtime"] = "c 'v1.0-5-g1234567'";
   status["clients"][0]["runtime"] = "c 'v1.1'";
   EXPECT_EQ(ChooseAlignment(status, 0)->base_space.position_m.x, 2) << "another build of the same runtime";
+  status["alignments"]["stored"][1].update({{"recentred", 2}, {"moved_m", 1.25}, {"doubtful", true}});
+  ExpectSays(StoredAlignmentsText(status), {"followed 2 recentrings, 1.25 m from where it was measured", "--restore"});
 }
 
 AlignOptions With(AlignMethod method) {

@@ -70,7 +70,7 @@ class Viewer {
 // As `omni align` does at its end.
 void StoreInLocal(const std::string& socket_path) {
   client::Connection connection(
-      {.role = protocol::ClientRole::kMonitor, .application = "", .engine = "", .socket_path = socket_path});
+      {.role = protocol::ClientRole::kTool, .application = "", .engine = "", .socket_path = socket_path});
   ASSERT_TRUE(Eventually([&] {
     connection.Poll(base::MonotonicNow_ns());
     return connection.connected();
