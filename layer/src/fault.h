@@ -13,7 +13,7 @@
 namespace omni::layer {
 
 inline bool FaultIs(const char* name) noexcept {
-  static const char* const seeded = std::getenv("OMNI_LAYER_FAULT");
+  static const char* const seeded = ::secure_getenv("OMNI_LAYER_FAULT");
   return seeded && std::strcmp(seeded, name) == 0;
 }
 

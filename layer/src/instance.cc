@@ -2,30 +2,29 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <utility>
 
 #include "layer/src/own_names.h"
+#include "service/protocol/environment.h"
 
 namespace omni::layer {
 namespace {
 
 std::optional<Hand> FixedHand(Log& log) {
-  const char* hand = std::getenv("OMNI_HAND");
-  if (!hand || !*hand) return std::nullopt;
-  if (std::strcmp(hand, "right") == 0) return Hand::kRight;
-  if (std::strcmp(hand, "left") == 0) return Hand::kLeft;
-  log.Line(std::string("OMNI_HAND=") + hand + " is neither left nor right: ignored");
+  const std::string hand = protocol::Environment("OMNI_HAND");
+  if (hand.empty()) return std::nullopt;
+  if (hand == "right") return Hand::kRight;
+  if (hand == "left") return Hand::kLeft;
+  log.Line("OMNI_HAND=" + hand + " is neither left nor right: ignored");
   return std::nullopt;
 }
 
 std::string FixedProfile(const std::vector<Profile>& profiles, Log& log) {
-  const char* name = std::getenv("OMNI_PROFILE");
-  if (!name || !*name) return {};
+  const std::string name = protocol::Environment("OMNI_PROFILE");
+  if (name.empty()) return {};
   std::string path = FullProfilePath(name);
   const bool known = std::any_of(profiles.begin(), profiles.end(), [&](const Profile& p) { return p.path == path; });
-  if (!known) log.Line("OMNI_PROFILE=" + std::string(name) + " is no profile that the pen knows: ignored");
+  if (!known) log.Line("OMNI_PROFILE=" + name + " is no profile that the pen knows: ignored");
   return known ? path : std::string();
 }
 

@@ -1,17 +1,20 @@
 // A few lines about rare events, only where OMNI_LAYER_LOG asks for them: "1" for stderr, else a file to append to.
+// The text is made printable: names from applications and runtimes end up in it.
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <mutex>
 #include <string>
+
+#include "service/protocol/environment.h"
+#include "service/protocol/unique_fd.h"
 
 namespace omni::layer {
 
 class Log {
  public:
-  Log();
-  ~Log();
+  // A file is made for this user alone. What is no regular file (a link, a FIFO, a device) is not written to.
+  explicit Log(const std::string& where = protocol::Environment("OMNI_LAYER_LOG"));
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
 
@@ -19,7 +22,10 @@ class Log {
   void Line(const std::string& text);
 
  private:
-  std::FILE* file_ = nullptr;
+  void Write(const std::string& text) const;
+
+  protocol::UniqueFd file_;
+  int fd_ = -1;  // < 0: nothing is written
   std::mutex mutex_;
   std::int64_t period_start_ns_ = 0;
   int lines_ = 0;

@@ -5,12 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <stdexcept>
 
 #include "layer/src/clock.h"
+#include "service/protocol/environment.h"
 #include "service/protocol/seqlock.h"
 #include "service/protocol/unique_fd.h"
 
@@ -27,10 +27,7 @@ constexpr std::uint64_t kTestInstance = 1;  // no service's: those are random
 
 }  // namespace
 
-bool TestDevice::Wanted() {
-  const char* mode = std::getenv("OMNI_TEST_MODE");
-  return mode && std::strcmp(mode, "1") == 0;
-}
+bool TestDevice::Wanted() { return protocol::Environment("OMNI_TEST_MODE") == "1"; }
 
 TestDevice::TestDevice() {
   protocol::UniqueFd fd(::memfd_create("omni-test-pen", MFD_CLOEXEC | MFD_ALLOW_SEALING));

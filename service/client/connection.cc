@@ -59,7 +59,7 @@ struct Connection::Impl {
 
   explicit Impl(ConnectionInfo connection_info)
       : info(std::move(connection_info)),
-        path(info.socket_path.empty() ? DefaultSocketPath() : info.socket_path),
+        path(info.socket_path.empty() && !info.privileged ? DefaultSocketPath() : info.socket_path),
         buffer(protocol::kMaxMessageBytes) {}
 
   void Advance(std::int64_t now_ns);
@@ -136,6 +136,10 @@ void Connection::Impl::Advance(std::int64_t now_ns) {
 }
 
 void Connection::Impl::Attempt(std::int64_t now_ns) {
+  if (path.empty()) {
+    return Fail(now_ns,
+                "this process has more rights than its user (set-uid, set-gid or capabilities): no omnid is used");
+  }
   Dialled dialled = Dial(path);
   if (!dialled.socket) return Fail(now_ns, dialled.problem);
   protocol::Hello hello;

@@ -14,6 +14,7 @@
 #include "service/client/surface_reader.h"
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
+#include "service/protocol/environment.h"
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/placement.h"
 #include "service/protocol/waveform.h"
@@ -28,6 +29,9 @@ struct ConnectionInfo {
   std::uint32_t api_version_minor = 0;
   std::string socket_path;                       // empty: DefaultSocketPath()
   std::int64_t retry_interval_ns = 500'000'000;  // between attempts to connect
+  // Without a socket_path a privileged process connects to nothing: it finds no service but by its caller's
+  // environment.
+  bool privileged = protocol::IsPrivileged();
 };
 
 // $OMNI_SOCKET, else $XDG_RUNTIME_DIR/omni/omnid.sock, else /tmp/omni-<uid>/omnid.sock.

@@ -6,19 +6,13 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
 #include "service/protocol/control.h"
+#include "service/protocol/environment.h"
 
 namespace omni::protocol {
 namespace {
-
-// secure_getenv: a set-uid program must not be led astray by its caller's environment.
-std::string Environment(const char* name) {
-  const char* value = ::secure_getenv(name);
-  return value == nullptr ? std::string() : std::string(value);
-}
 
 FolderCheck Refused(std::string problem) { return {FolderState::kRefused, std::move(problem)}; }
 

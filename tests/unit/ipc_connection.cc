@@ -11,6 +11,7 @@
 
 #include "service/ipc/surface_publisher.h"
 #include "tests/scenario/ipc_fixture.h"
+#include "tests/support/scoped_variable.h"
 
 namespace omni {
 namespace {
@@ -265,6 +266,27 @@ TEST(Connection, ForcePropertiesAreAwaitedOnlyFromAServiceThatWasReached) {
   server.Close();
   connection.Poll(5'000'003);
   EXPECT_FALSE(connection.awaits_force_properties());
+}
+
+// Whoever starts a set-uid program chooses its environment, and must not choose its service.
+TEST(Connection, APrivilegedProcessTakesNoPathFromTheEnvironment) {
+  const TempFolder temp;
+  Service service(temp.Path("omnid.sock"));
+  const ScopedVariable socket("OMNI_SOCKET", temp.Path("omnid.sock"));
+  auto info = InfoFor({}, "touch");
+  info.privileged = true;
+  client::Connection privileged(info);
+  privileged.Poll(0);
+  EXPECT_FALSE(privileged.awaits_force_properties());
+  EXPECT_NE(privileged.last_error().find("set-uid"), std::string::npos) << privileged.last_error();
+  info.socket_path = temp.Path("omnid.sock");
+  client::Connection by_program(info);
+  EXPECT_TRUE(PollUntilConnected(by_program)) << "a path of the program's own";
+  info.socket_path.clear();
+  info.privileged = false;
+  client::Connection usual(info);
+  EXPECT_TRUE(PollUntilConnected(usual));
+  EXPECT_FALSE(service.handler.ClientCount() > 2);
 }
 
 // A connection that has asked for surfaces, and what it makes of an answer.

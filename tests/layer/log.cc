@@ -1,0 +1,79 @@
+// The layer's log: where it may be written, and what a line may be made of.
+#include "layer/src/log.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <string>
+
+#include "tests/support/temp_folder.h"
+
+namespace omni::test {
+namespace {
+
+std::string Content(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class LayerLog : public testing::Test {
+ protected:
+  const TempFolder temp;
+  const std::string file = temp.Path("log");
+};
+
+TEST_F(LayerLog, LinesAreAppended) {
+  temp.Write("log", "before\n");
+  layer::Log(file).Line("one");
+  layer::Log(file).Line("two");
+  EXPECT_EQ(Content(file), "before\nomni layer: one\nomni layer: two\n");
+}
+
+TEST_F(LayerLog, WithoutAPlaceNothingIsWritten) {
+  for (const char* where : {"", "0"}) layer::Log(where).Line("one");
+  EXPECT_NE(::access(file.c_str(), F_OK), 0);
+}
+
+// What an application or a runtime calls itself must not look like a line of somebody else's.
+TEST_F(LayerLog, TextCannotForgeALine) {
+  layer::Log(file).Line("one\nomni layer: two\x1b[31m\r\x80\xC2\x9B end");
+  EXPECT_EQ(Content(file),
+            "omni layer: one?omni layer: two?[31m???"
+            "? end\n");
+}
+
+TEST_F(LayerLog, NewFileIsForThisUserOnly) {
+  const mode_t before = ::umask(0);
+  layer::Log(file).Line("one");
+  ::umask(before);
+  struct stat info {};
+  ASSERT_EQ(::stat(file.c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 07777u, 0600u);
+}
+
+TEST_F(LayerLog, LinksAreNotFollowed) {
+  const std::string target = temp.Write("target", "before\n");
+  ASSERT_EQ(::symlink(target.c_str(), file.c_str()), 0);
+  layer::Log(file).Line("one");
+  EXPECT_EQ(Content(target), "before\n");
+}
+
+// Neither waits for a reader nor writes to one.
+TEST_F(LayerLog, FifosAndFoldersAreRefused) {
+  ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+  layer::Log(file).Line("one");
+  const int reader = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  layer::Log(file).Line("two");
+  char byte = 0;
+  EXPECT_EQ(::read(reader, &byte, 1), 0) << "nothing came";
+  ::close(reader);
+  layer::Log(temp.Path()).Line("three");
+  layer::Log("/dev/full").Line("four");
+}
+
+}  // namespace
+}  // namespace omni::test
