@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
+
+#include "service/base/whole_file.h"
 
 namespace omni::config {
 namespace {
@@ -49,19 +49,7 @@ base::Result<std::string> ReadTextFile(const std::string& path) {
 }
 
 base::Status WriteTextFile(const std::string& path, const std::string& text) {
-  namespace fs = std::filesystem;
-  const base::Error failed{path + ": cannot be written; check the folder and its permissions"};
-  std::error_code error;
-  if (const fs::path folder = fs::path(path).parent_path(); !folder.empty()) fs::create_directories(folder, error);
-  const std::string fresh = path + ".new";
-  std::FILE* out = std::fopen(fresh.c_str(), "w");
-  if (out == nullptr) return failed;
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  if (std::fclose(out) != 0 || !written || std::rename(fresh.c_str(), path.c_str()) != 0) {
-    std::remove(fresh.c_str());
-    return failed;
-  }
-  return base::Ok{};
+  return base::WriteWholeFile(path, text, {.make_folder = true});
 }
 
 }  // namespace omni::config

@@ -11,7 +11,10 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <system_error>
+
+#include "service/base/whole_file.h"
 
 namespace omni::scene {
 namespace {
@@ -19,7 +22,6 @@ namespace {
 constexpr std::uint32_t kCacheMagic = 0x43494D4F;  // "OMIC"
 constexpr std::uint32_t kCacheFormat = 1;
 constexpr const char* kSuffix = ".omnicache";
-constexpr const char* kUnfinished = ".tmp-";
 constexpr std::time_t kUnfinishedAge_s = 3600;  // what a killed process left behind
 
 struct FileHeader {
@@ -79,18 +81,6 @@ bool ReadAll(int descriptor, void* to, std::size_t count) {
   return true;
 }
 
-bool WriteAll(int descriptor, const void* from, std::size_t count) {
-  const auto* in = static_cast<const char*>(from);
-  while (count > 0) {
-    const ssize_t done = write(descriptor, in, count);
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return false;
-    in += done;
-    count -= static_cast<std::size_t>(done);
-  }
-  return true;
-}
-
 std::string CacheReason(int error) { return std::error_code(error, std::generic_category()).message(); }
 
 struct Entry {
@@ -99,6 +89,10 @@ struct Entry {
   timespec used;  // last read or written: Get touches the file
 };
 
+bool IsUnfinished(const std::string& name) {
+  return name.find(kSuffix + std::string(base::kUnfinishedMark)) != std::string::npos;
+}
+
 std::vector<Entry> EntriesOf(const std::string& folder) {
   std::vector<Entry> entries;
   const std::unique_ptr<DIR, int (*)(DIR*)> directory(opendir(folder.c_str()), closedir);
@@ -106,7 +100,7 @@ std::vector<Entry> EntriesOf(const std::string& folder) {
   while (const dirent* item = readdir(directory.get())) {
     const std::string name = item->d_name;
     struct stat status {};
-    if (!(name.ends_with(kSuffix) || name.starts_with(kUnfinished))) continue;
+    if (!(name.ends_with(kSuffix) || IsUnfinished(name))) continue;
     if (lstat((folder + "/" + name).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     entries.push_back({name, static_cast<std::uint64_t>(status.st_size), status.st_mtim});
   }
@@ -184,20 +178,12 @@ bool CacheStore::Put(const CacheKey& key, const std::vector<std::byte>& block) {
 }
 
 bool CacheStore::Write(const std::string& path, const CacheKey& key, const std::vector<std::byte>& block) {
-  std::string unfinished = folder_ + "/" + kUnfinished + "XXXXXX";
-  const File file(mkostemp(unfinished.data(), O_CLOEXEC));  // mode 0600
   const FileHeader header = HeaderOf(key, block);
-  const bool written = file.open() && WriteAll(file.get(), &header, sizeof header) &&
-                       WriteAll(file.get(), block.data(), block.size()) && fsync(file.get()) == 0 &&
-                       rename(unfinished.c_str(), path.c_str()) == 0;
-  if (!written) {
-    problem_ = folder_ + ": cannot be written (" + CacheReason(errno) + "); scenes are built anew each time";
-    if (file.open()) unlink(unfinished.c_str());
-    return false;
-  }
-  const File directory(open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (directory.open()) fsync(directory.get());  // so that the new name survives a power cut too
-  return true;
+  const std::string_view head(reinterpret_cast<const char*>(&header), sizeof header);
+  const std::string_view body(reinterpret_cast<const char*>(block.data()), block.size());
+  const int error = base::PutWholeFile(path, {head, body}, {.mode = 0600});
+  if (error != 0) problem_ = base::WriteProblem(path, error) + "; scenes are built each time until then";
+  return error == 0;
 }
 
 void CacheStore::Evict(const std::string& keep) {
@@ -208,7 +194,7 @@ void CacheStore::Evict(const std::string& keep) {
   const std::time_t now = std::time(nullptr);
   for (const Entry& entry : entries) {
     const std::string path = folder_ + "/" + entry.name;
-    const bool unfinished = entry.name.starts_with(kUnfinished);
+    const bool unfinished = IsUnfinished(entry.name);
     const bool goes = unfinished ? now - entry.used.tv_sec > kUnfinishedAge_s : sum > max_bytes_ && path != keep;
     if (goes && unlink(path.c_str()) == 0) sum -= entry.bytes;
   }

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/whole_file.h"
 #include "service/scene/haptic_keys.h"
 
 namespace omni::scene {
@@ -207,18 +204,7 @@ base::Result<std::string> GlbBytes(const haptics::SceneInput& scene) {
 base::Status SaveGlb(const std::string& path, const haptics::SceneInput& scene) {
   const base::Result<std::string> bytes = GlbBytes(scene);
   if (!bytes.ok()) return Error{path + ": " + bytes.error()};
-  const std::string part = path + ".part";
-  std::ofstream file(part, std::ios::binary | std::ios::trunc);
-  file.write(bytes->data(), static_cast<std::streamsize>(bytes->size()));
-  file.close();
-  std::error_code error;
-  if (file.fail()) {
-    std::filesystem::remove(part, error);
-    return Error{path + ": cannot be written; is there space, and may the folder be written to?"};
-  }
-  std::filesystem::rename(part, path, error);
-  if (error) return Error{path + ": " + error.message()};
-  return base::Ok{};
+  return base::WriteWholeFile(path, *bytes);
 }
 
 }  // namespace omni::scene

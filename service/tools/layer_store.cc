@@ -3,13 +3,14 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/whole_file.h"
 #include "service/tools/doctor/library_check.h"
-#include "service/tools/whole_file.h"
 
 namespace omni::tools {
 namespace {
@@ -24,6 +25,7 @@ constexpr mode_t kReadByAll = S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH;
 const char* OptionFor(LayerScope scope) { return scope == LayerScope::kUser ? "--user" : "--system"; }
 
 base::Error CannotWrite(const fs::path& path, LayerScope scope, int reason) {
+  if (reason == ENOSPC || reason == EDQUOT) return base::Error{base::WriteProblem(path.string(), reason)};
   const std::string remedy = scope == LayerScope::kSystem
                                  ? "run it as root, or for yourself alone: omni layer enable --user"
                                  : "give yourself that folder, or set XDG_DATA_HOME to one that you may write";
@@ -124,7 +126,7 @@ base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerSc
   if (!text.ok()) return base::Error{text.error()};
   fs::create_directories(*folder, error);
   if (error) return CannotWrite(*folder, scope, error.value());
-  if (const int reason = ReplaceWholeFile(enabled.file, *text, kReadByAll); reason != 0)
+  if (const int reason = base::PutWholeFile(enabled.file, {*text}, {.mode = kReadByAll}); reason != 0)
     return CannotWrite(enabled.file, scope, reason);
   return enabled;
 }
