@@ -16,16 +16,6 @@ constexpr Range kAnySpace{1, 2'147'483'647};
 constexpr Range kSpacePosition_m{-100, 100};
 constexpr Range kUnit{-1, 1};
 
-// A basic string of TOML: names come from other programs.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
-
 std::string VectorText(const base::Vec3& p) {
   return "[" + TomlFloat(p.x) + ", " + TomlFloat(p.y) + ", " + TomlFloat(p.z) + "]\n";
 }
@@ -127,11 +117,11 @@ std::string WriteAlignments(const AlignmentFile& file) {
   text += "format = " + std::to_string(kAlignmentFormat) + "\n";
   text += std::string("placement = \"") + PolicyName(file.uncalibrated) + "\"\n";
   for (const AlignmentEntry& entry : file.entries) {
-    text += "\n[[alignments]]\nruntime = " + Quoted(entry.runtime) + "\nsystem = " + Quoted(entry.system) + "\n";
+    text += "\n[[alignments]]\nruntime = " + TomlText(entry.runtime) + "\nsystem = " + TomlText(entry.system) + "\n";
     text += "space = " + std::to_string(entry.space) + "\n";
     text += "position_space_m = " + VectorText(entry.position_space_m);
     text += "orientation_space_wxyz = " + QuatText(entry.orientation_space);
-    text += "method = " + Quoted(entry.method) + "\ndate = " + Quoted(entry.date) + "\n";
+    text += "method = " + TomlText(entry.method) + "\ndate = " + TomlText(entry.date) + "\n";
     text += "samples = " + std::to_string(entry.samples) + "\nrms_mm = " + TomlFloat(entry.rms_mm) + "\n";
     text += "expected_error_mm = " + TomlFloat(entry.expected_error_mm) + "\n";
     text +=
@@ -142,10 +132,6 @@ std::string WriteAlignments(const AlignmentFile& file) {
     text += "measured_orientation_space_wxyz = " + QuatText(entry.measured_orientation_space);
   }
   return text;
-}
-
-base::Status SaveAlignmentFile(const std::string& path, const AlignmentFile& file) {
-  return WriteTextFile(path, WriteAlignments(file));
 }
 
 }  // namespace omni::config

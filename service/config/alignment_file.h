@@ -48,7 +48,5 @@ base::Result<AlignmentFile> LoadAlignmentFile(const std::string& path);
 base::Result<AlignmentFile> ParseAlignments(const std::string& text, const std::string& name);
 
 std::string WriteAlignments(const AlignmentFile& file);
-// Replaces `path` in one step; makes its folder.
-base::Status SaveAlignmentFile(const std::string& path, const AlignmentFile& file);
 
 }  // namespace omni::config

@@ -52,6 +52,15 @@ std::string TomlFloat(double value) {
   return number;
 }
 
+std::string TomlText(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
 base::Result<toml::table> ParseToml(const std::string& text, const std::string& file) {
   try {
     return toml::parse(text, file);

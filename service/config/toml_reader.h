@@ -22,6 +22,8 @@ base::Result<toml::table> ParseToml(const std::string& text, const std::string& 
 
 // The way back: read again, it is the same number, and a float even where it is whole.
 std::string TomlFloat(double value);
+// A basic string, quoted. Precondition: no control characters.
+std::string TomlText(const std::string& text);
 
 struct Range {
   double low;

@@ -81,7 +81,7 @@ bool SameHeadset(const config::AlignmentEntry& a, const config::AlignmentEntry& 
 
 }  // namespace
 
-Placements::Placements(std::string path) : path_(std::move(path)) {
+Placements::Placements(std::string path, Write write) : path_(std::move(path)), write_(std::move(write)) {
   if (path_.empty()) return;
   auto loaded = config::LoadAlignmentFile(path_);
   if (loaded.ok()) {
@@ -179,8 +179,8 @@ void Placements::Doubt(std::size_t index) {
 base::Status Placements::Save() {
   if (!readable_) return base::Error{problem_ + "; correct the file or move it away, then restart omnid"};
   if (path_.empty()) return base::Error{"omnid has no home folder to keep alignments in; set XDG_CONFIG_HOME"};
-  base::Status saved = config::SaveAlignmentFile(path_, file_);
-  problem_ = saved.ok() ? std::string() : saved.error();
+  base::Status saved = write_(path_, config::WriteAlignments(file_));
+  if (!saved.ok()) problem_ = saved.error();
   return saved;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "service/config/alignment_file.h"
+#include "service/config/text_file.h"
 #include "service/ipc/server.h"
 #include "service/protocol/placement.h"
 
@@ -16,8 +17,10 @@ namespace omni::daemon {
 
 class Placements {
  public:
+  // How the file is written. Ok: it is, or will be; then Written says how that went.
+  using Write = std::function<base::Status(const std::string& path, const std::string& text)>;
   // Reads the file; an empty path: nothing is kept. A file that cannot be read is never written over.
-  explicit Placements(std::string path);
+  explicit Placements(std::string path, Write write = config::WriteTextFile);
 
   void Ask(ipc::ClientId id, const protocol::PlacementRequest& request);
   void Remove(ipc::ClientId id) { clients_.erase(id); }
@@ -30,6 +33,9 @@ class Placements {
     std::string text;  // for people
   };
   Done Do(const protocol::PlacementCommand& command, std::int64_t now_unix_s);
+
+  // A write that was put off is done, or failed: what it was to keep is then used until omnid ends.
+  void Written(const base::Status& status) { problem_ = status.ok() ? std::string() : status.error(); }
 
   // Tells every client what it has not heard yet. `send` false: later.
   void Tell(const std::function<bool(ipc::ClientId, const protocol::Placement&)>& send);
@@ -66,6 +72,7 @@ class Placements {
   void TellAll();
 
   std::string path_;
+  Write write_;
   std::string problem_;
   bool readable_ = true;
   config::AlignmentFile file_;

@@ -46,7 +46,10 @@ Service::Service(ServiceOptions options)
                   [this](ipc::ClientId id, const protocol::ForceProperties& properties) {
                     return server_->SendForceProperties(id, properties);
                   }}),
-      placements_(options_.alignment_path),
+      placement_writer_([this](ipc::ClientId id, std::uint32_t number, bool done, const std::string& text) {
+        if (server_ != nullptr) server_->SendPlacementReply(id, number, done, text);
+      }),
+      placements_(options_.alignment_path, placement_writer_.write()),
       calibration_(options_.calibration),
       surfaces_(
           options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
@@ -241,8 +244,7 @@ void Service::OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& chang
 }
 
 void Service::OnPlacementCommand(ipc::ClientId id, const protocol::PlacementCommand& command) {
-  const Placements::Done done = placements_.Do(command, static_cast<std::int64_t>(std::time(nullptr)));
-  if (server_ != nullptr) server_->SendPlacementReply(id, command.number, done.ok, done.text);
+  placement_writer_.Answer(id, command.number, placements_.Do(command, static_cast<std::int64_t>(std::time(nullptr))));
   TellPlacements();
 }
 
@@ -267,6 +269,7 @@ void Service::OnPeriod(std::int64_t now_ns) {
   WriteCommands(now_ns);
   TellForce();
   UpdateSurfaces();
+  placement_writer_.TakeWritten(placements_);
   TellPlacements();
   ReleaseScenes();
   app_scenes_.Tell(owners_.owner(), generation_);

@@ -17,6 +17,7 @@
 #include "service/daemon/force_clients.h"
 #include "service/daemon/key_thread.h"
 #include "service/daemon/owner.h"
+#include "service/daemon/placement_writer.h"
 #include "service/daemon/placements.h"
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
@@ -119,6 +120,7 @@ class Service : public ipc::ServerHandler {
   AppScenes app_scenes_;
   Vibration vibration_;
   ForceClients force_;
+  PlacementWriter placement_writer_;
   Placements placements_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 

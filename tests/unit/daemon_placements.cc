@@ -17,6 +17,7 @@
 
 #include "service/alignment/rigid.h"
 #include "service/base/clock.h"
+#include "service/daemon/placement_writer.h"
 #include "service/daemon/service.h"
 #include "service/protocol/text.h"
 #include "tests/support/temp_folder.h"
@@ -457,6 +458,53 @@ TEST(DaemonPlacements, SixtyFourHeadsetsAndNoMore) {
   command.headset = Headset("one more");
   EXPECT_NE(placements.Do(command, kDate_s).text.find("the limit"), std::string::npos);
   EXPECT_EQ(Placements(temp.Path("a.toml")).file().entries.size(), config::kMaxAlignments);
+}
+
+// An answer says what has become of the file; only a refusal comes at once.
+TEST(DaemonPlacements, AnAnswerComesWhenTheFileIsWritten) {
+  const test::TempFolder temp;
+  const std::string path = temp.Path("a.toml");
+  struct Answer {
+    std::uint32_t number;
+    bool done;
+    std::string text;
+  };
+  std::vector<Answer> answers;
+  PlacementWriter writer([&](ipc::ClientId, std::uint32_t number, bool done, const std::string& text) {
+    answers.push_back({number, done, text});
+  });
+  Placements placements(path, writer.write());
+  const auto execute = [&](std::uint32_t number, const protocol::PlacementCommand& command) {
+    writer.Answer(1, number, placements.Do(command, kDate_s));
+  };
+  const auto take = [&](std::size_t count) {
+    while (answers.size() < count) writer.TakeWritten(placements);
+  };
+  execute(1, Store(kSpaceLocal));
+  EXPECT_TRUE(answers.empty());
+  EXPECT_EQ(placements.file().entries.size(), 1U) << "in use at once";
+  protocol::PlacementCommand forget = Store(kSpaceStage);
+  forget.action = protocol::PlacementAction::kForget;
+  execute(2, forget);
+  ASSERT_EQ(answers.size(), 1U) << "nothing to wait for: no such alignment is stored";
+  EXPECT_FALSE(answers[0].done);
+  take(2);
+  EXPECT_TRUE(answers[1].done && answers[1].number == 1);
+  EXPECT_EQ(Placements(path).file().entries.size(), 1U);
+
+  std::filesystem::remove(path);
+  std::filesystem::create_directory(path);
+  execute(3, Store(kSpaceStage));
+  take(3);
+  EXPECT_FALSE(answers[2].done);
+  EXPECT_NE(answers[2].text.find("a.toml: cannot be written: it is a folder"), std::string::npos) << answers[2].text;
+  EXPECT_NE(placements.problem().find("it is a folder"), std::string::npos);
+  std::filesystem::remove(path);
+  execute(4, Store(kSpaceStage));
+  take(4);
+  EXPECT_TRUE(answers[3].done);
+  EXPECT_EQ(placements.problem(), "");
+  EXPECT_EQ(Placements(path).file().entries.size(), 2U);
 }
 
 // The flag of every sample and the status are about the headset of whoever owns the force.

@@ -1,0 +1,116 @@
+// Files are written beside the control thread: it never waits, the newest text counts, the end waits a little.
+#include "service/daemon/file_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace omni::daemon {
+namespace {
+
+// A disk that a test holds up. Shared with the writer's thread, which may outlive the writer.
+struct Disk {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool open = true;
+  bool full = false;
+  int begun = 0, left = 0;
+  std::vector<std::pair<std::string, std::string>> files;
+
+  base::Status Write(const std::string& path, const std::string& text) {
+    std::unique_lock lock(mutex);
+    ++begun;
+    changed.notify_all();
+    changed.wait(lock, [this] { return open; });
+    files.emplace_back(path, text);
+    ++left;
+    changed.notify_all();
+    if (full) return base::Error{path + ": cannot be written: no space left"};
+    return base::Ok{};
+  }
+  void Set(bool now_open) {
+    const std::lock_guard lock(mutex);
+    open = now_open;
+    changed.notify_all();
+  }
+  void WaitUntilBegun(int count) {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return begun >= count; });
+  }
+  void WaitUntilLeft(int count) {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return left >= count; });
+  }
+};
+
+FileWriter::Write On(const std::shared_ptr<Disk>& disk) {
+  return [disk](const std::string& path, const std::string& text) { return disk->Write(path, text); };
+}
+
+FileWriter::Written Next(FileWriter& writer) {
+  while (true) {
+    if (auto written = writer.TakeWritten()) return *written;
+    std::this_thread::yield();
+  }
+}
+
+TEST(DaemonFileWriter, OfTextsThatWaitOnlyTheNewestIsWritten) {
+  const auto disk = std::make_shared<Disk>();
+  FileWriter writer(On(disk));
+  disk->Set(false);
+  EXPECT_EQ(writer.Request("a", "1"), 1U);
+  disk->WaitUntilBegun(1);
+  for (int i = 2; i <= 50; ++i) EXPECT_EQ(writer.Request("a", std::to_string(i)), static_cast<std::uint64_t>(i));
+  EXPECT_EQ(writer.Request("b", "other"), 51U);
+  EXPECT_FALSE(writer.TakeWritten()) << "the disk has not answered, and nobody has waited for it";
+  disk->Set(true);
+  EXPECT_EQ(Next(writer).number, 1U);
+  EXPECT_EQ(Next(writer).number, 50U) << "and with it all before";
+  EXPECT_EQ(Next(writer).path, "b");
+  EXPECT_EQ(disk->files, (std::vector<std::pair<std::string, std::string>>{{"a", "1"}, {"a", "50"}, {"b", "other"}}));
+}
+
+TEST(DaemonFileWriter, AFailedWriteIsReportedAndTheNextIsTried) {
+  const auto disk = std::make_shared<Disk>();
+  disk->full = true;
+  FileWriter writer(On(disk));
+  writer.Request("a", "1");
+  const FileWriter::Written failed = Next(writer);
+  ASSERT_FALSE(failed.status.ok());
+  EXPECT_NE(failed.status.error().find("no space left"), std::string::npos);
+  disk->full = false;
+  writer.Request("a", "2");
+  EXPECT_TRUE(Next(writer).status.ok());
+}
+
+TEST(DaemonFileWriter, WhatWaitsIsWrittenAtTheEnd) {
+  const auto disk = std::make_shared<Disk>();
+  {
+    FileWriter writer(On(disk));
+    for (int i = 0; i < 20; ++i) writer.Request("file " + std::to_string(i), "x");
+  }
+  EXPECT_EQ(disk->files.size(), 20U);
+  const FileWriter idle(On(disk));  // no request: no thread to end
+}
+
+TEST(DaemonFileWriter, ADiskThatHangsDoesNotKeepTheServiceFromEnding) {
+  const auto disk = std::make_shared<Disk>();
+  disk->Set(false);
+  {
+    FileWriter writer(On(disk));
+    writer.Request("a", "1");
+    disk->WaitUntilBegun(1);
+  }
+  EXPECT_EQ(disk->left, 0) << "given up";
+  disk->Set(true);
+  disk->WaitUntilLeft(1);
+}
+
+}  // namespace
+}  // namespace omni::daemon
