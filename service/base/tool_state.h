@@ -17,12 +17,14 @@ enum class TrackingStatus : std::uint8_t {
 
 // What limits this state, as bits. docs/theory/tracking.md, Limits
 enum ToolLimit : std::uint32_t {
-  kToolTilted = 1,         // within 15 degrees of perpendicular to the radius: one direction of force is out of reach
-  kToolCoarse = 2,         // far from the sensors: this scan alone knows the position to no better than 1 mm
-  kToolFewReadings = 4,    // half of the readings are unusable: another pose could fit as well
-  kToolSaturated = 8,      // a sensor axis is at its limit and left out
-  kToolContradicted = 16,  // a magnet is there, but no pose fits: a second magnet, a stuck, swapped or broken sensor
-  kToolRepeated = 32       // the scan's stamp did not move: the state is that of the scan before
+  kToolTilted = 1,       // within 15 degrees of perpendicular to the radius: one direction of force is out of reach
+  kToolCoarse = 2,       // far from the sensors: this scan alone knows the position to no better than 1 mm
+  kToolFewReadings = 4,  // half of the readings are unusable: another pose could fit as well
+  kToolSaturated = 8,    // a sensor axis is at its limit and left out
+  // A magnet is there, but no pose fits, be it out of reach: a second magnet, a stuck, swapped or broken sensor, the
+  // calibration of another base.
+  kToolContradicted = 16,
+  kToolRepeated = 32  // the scan's stamp did not move: the state is that of the scan before
 };
 
 // How uncertain a point of the tool is along one direction: variances of position and velocity, and their covariance.
@@ -54,6 +56,7 @@ struct ToolState {
   double chi2 = 0;                      // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;
+  double field_rms_T = 0;  // |B| of the tool over this scan's usable readings, root mean square
 };
 static_assert(std::is_trivially_copyable_v<ToolState>);
 

@@ -66,6 +66,18 @@ struct SourceStatistics {
   }
 };
 
+// Ticks with a magnet near the base: how many had a pose that explains the readings, and how many had none.
+struct FitStatistics {
+  static constexpr double kNear_T = 1e-4;  // twice the earth's field, and what a pen 10 cm above the hull makes
+  std::atomic<std::uint64_t> explained{0}, contradicted{0};
+
+  void Count(const base::ToolState& tool) noexcept {
+    if (!(tool.field_rms_T >= kNear_T)) return;
+    const bool contradicted_now = (tool.limits & base::kToolContradicted) != 0;
+    (contradicted_now ? contradicted : explained).fetch_add(1, std::memory_order_relaxed);
+  }
+};
+
 struct TickStatistics {
   Histogram tick_time;  // Tick alone
   Histogram latency;    // Hall sample -> currents sent
@@ -77,6 +89,7 @@ struct TickStatistics {
   std::atomic<std::uint64_t> scene_generation{0};  // acknowledged: the scene that ticks use now
   VehicleStatistics vehicle;
   SourceStatistics sources;
+  FitStatistics fit;
 };
 
 // Receives every tick on the tick thread: must not block, allocate or call the system.

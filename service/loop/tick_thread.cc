@@ -86,6 +86,7 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
   statistics_->response_ns.store(scan.response_ns, std::memory_order_relaxed);
   statistics_->vehicle.Store(record_.output.haptics.vehicle);
   statistics_->sources.Store(record_.output.sources);
+  statistics_->fit.Count(record_.output.tool);
   if (record_.late) statistics_->late.fetch_add(1, std::memory_order_relaxed);
   if (options_.telemetry) {
     record_.scan = scan;

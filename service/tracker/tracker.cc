@@ -36,7 +36,8 @@ bool IsInReach(const Config& config, const Pose& pose) noexcept {
 }
 
 struct Outcome {
-  bool good = false;
+  bool good = false;       // fits, in reach
+  bool explained = false;  // some pose fits, in reach or not
   bool cold = false;
   int parameters = kParameters;
   Fit fit;
@@ -61,7 +62,8 @@ Outcome TryWarm(const Config& config, const FilterState& predicted, int paramete
                            .iterations_max = config.iterations_max,
                            .sums = sums});
   outcome.parameters = parameters;
-  outcome.good = FitsReadings(config, measurement, outcome.fit) && IsInReach(config, outcome.fit.pose);
+  outcome.explained = FitsReadings(config, measurement, outcome.fit);
+  outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose);
   return outcome;
 }
 
@@ -79,6 +81,7 @@ Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
         {.precision = PrecisionOf(config), .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
     outcome.fit.iterations += spent;
     const bool fits = FitsReadings(config, measurement, outcome.fit);
+    outcome.explained = outcome.explained || fits;
     outcome.good = fits && IsInReach(config, outcome.fit.pose);
     // Far below or beyond the base the readings say little: only a fit well outside decides.
     if (outcome.good || (fits && outcome.fit.pose.position_base_m.norm() > config.reach_max_m)) break;
@@ -154,7 +157,7 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
 }
 
 std::uint32_t LimitsOf(const Config& config, const base::HallScan& scan, const Measurement& measurement,
-                       const Outcome& outcome, const base::ToolState& tool) noexcept {
+                       const Outcome& outcome, bool explained, const base::ToolState& tool) noexcept {
   std::uint32_t limits = 0;
   const Vector3d p = base::ToEigen(tool.position_base_m);
   const bool saturated = (scan.saturated_mask & ((1u << kReadings) - 1)) != 0;
@@ -165,16 +168,17 @@ std::uint32_t LimitsOf(const Config& config, const base::HallScan& scan, const M
   }
   if (measurement.axes <= kReadings / 2) limits |= base::kToolFewReadings;
   if (saturated) limits |= base::kToolSaturated;
-  if (!outcome.good && magnet) limits |= base::kToolContradicted;
+  if (!explained && magnet) limits |= base::kToolContradicted;
   return limits;
 }
 
 void Describe(const Config& config, const base::HallScan& scan, const Measurement& measurement, const Outcome& outcome,
-              base::ToolState& tool) noexcept {
+              bool explained, base::ToolState& tool) noexcept {
   tool.chi2 = std::isfinite(outcome.fit.chi2) ? outcome.fit.chi2 : std::numeric_limits<double>::max();
   tool.dof = std::max(0, measurement.axes - measurement.fixed - outcome.parameters);
   tool.iterations = outcome.fit.iterations;
-  tool.limits = LimitsOf(config, scan, measurement, outcome, tool);
+  tool.field_rms_T = measurement.field_rms_T;
+  tool.limits = LimitsOf(config, scan, measurement, outcome, explained, tool);
 }
 
 base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
@@ -306,17 +310,22 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
       outcome = TryWarm(config, predicted, ParametersOf(config, state, wide), wide ? &sums : nullptr, measurement);
     }
     const bool warm = outcome.good;
+    bool tried = state.warm;
     if (!warm && --state.cold_pause < 0) {
+      const bool explained = outcome.explained;
       outcome = TryCold(config, measurement);
+      outcome.explained = outcome.explained || explained;
       state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
+      tried = true;
     }
+    if (tried) state.explained = outcome.explained;
     if (continues && IsEarlyJump(config, state, predicted, outcome)) outcome.good = false;
     if (outcome.good && warm && outcome.fit.has_sums) {
       state.evidence = GatherEvidence(config.drift, measurement, sums, state.drift.step_s);
     }
   }
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
-  Describe(config, scan, measurement, outcome, state.published);
+  Describe(config, scan, measurement, outcome, state.explained, state.published);
   tool = state.published;
 }
 

@@ -52,10 +52,11 @@ struct Config {
 
 struct State {
   bool ever_tracked = false;
-  bool warm = false;   // `filter` belongs to filter_t_ns and may start the next fit
-  int bad_scans = 0;   // in a row
-  int old_scans = 0;   // in a row: whose stamp is that of the scan before
-  int cold_pause = 0;  // scans to wait before the next cold start
+  bool warm = false;       // `filter` belongs to filter_t_ns and may start the next fit
+  int bad_scans = 0;       // in a row
+  bool explained = false;  // some pose fitted the last scan that was tried, in reach or not
+  int old_scans = 0;       // in a row: whose stamp is that of the scan before
+  int cold_pause = 0;      // scans to wait before the next cold start
   std::int64_t filter_t_ns = 0;
   std::uint32_t scans = 0;
   FilterState filter;

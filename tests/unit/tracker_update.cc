@@ -455,5 +455,40 @@ TEST(TrackerPredict, MovesTurnsAndStopsAtTwentyMilliseconds) {
   EXPECT_EQ(Predict(tool, std::numeric_limits<std::int64_t>::min(), 0.005).t_ns, tool.t_ns - 20'000'000);
 }
 
+// A pen that somebody carries past is no sign of a wrong calibration.
+TEST_F(TrackerUpdate, APenOutOfReachContradictsNothing) {
+  for (const Pose& away : {Pose{{0, 0, 0.30}, Vector3d(0, 0, -1)}, Pose{{0.28, 0, 0.02}, Vector3d(-1, 0, 0)},
+                           Pose{{0.13, 0, -0.10}, Vector3d(-1, 0, 0)}, Pose{{0, 0, 0.5}, Vector3d(0, 0, -1)}}) {
+    state = {};
+    pose = away;
+    int contradicted = 0;
+    for (int i = 0; i < 200; ++i) {
+      Feed(NextScan());
+      ASSERT_NE(tool.status, TrackingStatus::kTracking);
+      contradicted += (tool.limits & base::kToolContradicted) != 0 ? 1 : 0;
+    }
+    EXPECT_LE(contradicted, 10) << away.position_base_m.transpose();
+  }
+}
+
+TEST_F(TrackerUpdate, SaysHowStrongTheMagnetIsAndThatNoPoseExplainsIt) {
+  Run(20);
+  EXPECT_GT(tool.field_rms_T, 1.5e-4) << "a pen near the hull";
+  base::DeviceGeometry other = support::NominalDevice();
+  int side = 1;
+  for (base::SensorGeometry& sensor : other.sensors) {  // the sensors of another base: 3 mm off
+    sensor.position_base_m.z += 3e-3 * side;
+    side = -side;
+  }
+  Config wrong = MakeConfig(other);
+  state = {};
+  for (int i = 0; i < 200; ++i) {
+    Update(wrong, NextScan(), state, tool);
+    ASSERT_EQ(tool.status, TrackingStatus::kAbsent);
+    EXPECT_EQ(tool.limits & base::kToolContradicted, base::kToolContradicted) << "also while no start is tried";
+  }
+  EXPECT_GT(tool.field_rms_T, 1.5e-4);
+}
+
 }  // namespace
 }  // namespace omni::tracker
