@@ -1,11 +1,11 @@
 #include "service/config/calibration_file.h"
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 
+#include "service/base/whole_file.h"
+#include "service/config/calibration_check.h"
 #include "service/config/paths.h"
 #include "service/config/text_file.h"
 #include "service/config/toml_reader.h"
@@ -18,9 +18,7 @@ using base::DeviceGeometry;
 using base::SensorCalibration;
 using base::Vec3;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kMovedMax_m = 0.02;   // a sensor farther from its drawing is another device
-constexpr double kMomentRatioMax = 2;  // or its inverse: another magnet
+constexpr const char* kMeasureAgain = "; measure this base: omni calibrate --replace";
 constexpr std::size_t kMaxNameBytes = 64;
 constexpr Range kFormat{1, 1000};
 constexpr Range kPosition_m{-0.5, 0.5};
@@ -36,8 +34,8 @@ std::string Hex(std::uint64_t value) {
   return text;
 }
 
-// FNV-1a, 64 bit, over the values written to nine digits: a file that says 0.06 and one that says 60e-3 are the same.
-class GeometryDigest {
+// FNV-1a, 64 bit; numbers as written to nine digits: a file that says 0.06 and one that says 60e-3 are the same.
+class TextDigest {
  public:
   void Add(const std::string& text) {
     for (const char c : text + "\n") hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
@@ -58,34 +56,27 @@ class GeometryDigest {
   std::uint64_t hash_ = 14695981039346656037ULL;
 };
 
-// Moment and shape as magnetics has them would be another module's; a cylinder's and a sphere's volume are short.
-double NominalMoment(const base::MagnetGeometry& magnet) {
-  const double R = magnet.radius_m;
-  const double volume =
-      magnet.shape == base::MagnetShape::kSphere ? 4 * kPi / 3 * R * R * R : 2 * kPi * R * R * magnet.half_height_m;
-  return magnet.remanence_T * volume / (4e-7 * kPi);
-}
-
-void CheckHeader(FileProblem& problem, TableReader& root, const DeviceGeometry& device, const std::string& serial,
-                 CalibrationFile& file) {
+void CheckHeader(FileProblem& problem, TableReader& root, const ExpectedBase& expected, CalibrationFile& file) {
   const int format = root.Integer("format", kFormat);
   if (problem.ok() && format != kCalibrationFormat) {
-    problem.Report(root.table().get("format"),
-                   "format = " + std::to_string(format) + " is not known, this version reads " +
-                       std::to_string(kCalibrationFormat) + "; calibrate anew: omni calibrate");
+    problem.Report(root.table().get("format"), "format = " + std::to_string(format) +
+                                                   " is not known, this version reads " +
+                                                   std::to_string(kCalibrationFormat) + kMeasureAgain);
   }
   file.calibration.device = root.Text("device", kMaxNameBytes);
   file.serial = root.Text("serial", kMaxNameBytes);
   file.date = root.Text("date", kMaxNameBytes);
   const std::string hash = root.Text("device_hash", kMaxNameBytes);
   if (!problem.ok()) return;
-  if (hash != Hex(GeometryHash(device))) {
+  const std::string expected_hash = Hex(GeometryHash(expected.device));
+  if (hash != expected_hash || file.calibration.device != expected.device.name) {
     problem.Report(root.table().get("device_hash"),
-                   "device_hash = " + hash + " belongs to another geometry than that of device \"" + device.name +
-                       "\" (" + Hex(GeometryHash(device)) + "); calibrate this device: omni calibrate");
-  } else if (!serial.empty() && file.serial != serial) {
-    problem.Report(root.table().get("serial"), "serial = \"" + file.serial + "\" is another base than \"" + serial +
-                                                   "\"; calibrate this one: omni calibrate");
+                   "device = \"" + file.calibration.device + "\" with device_hash = " + hash +
+                       " belongs to another geometry than that of device \"" + expected.device.name + "\" (" +
+                       expected_hash + ")" + kMeasureAgain);
+  } else if (!expected.serial.empty() && file.serial != expected.serial) {
+    problem.Report(root.table().get("serial"),
+                   "serial = \"" + file.serial + "\" is another base than \"" + expected.serial + "\"" + kMeasureAgain);
   }
 }
 
@@ -103,39 +94,26 @@ void ReadQuality(FileProblem& problem, TableReader& root, CalibrationQuality& qu
   reader.Finish();
 }
 
-void ReadMagnet(FileProblem& problem, TableReader& root, const DeviceGeometry& device, Calibration& calibration) {
+void ReadMagnet(FileProblem& problem, TableReader& root, Calibration& calibration) {
   const toml::table* table = root.Table("magnet");
   if (table == nullptr) return;
   TableReader reader(problem, *table, "magnet");
   calibration.moment_Am2 = reader.Number("moment_Am2", kMoment_Am2);
   calibration.core_kappa = reader.Number("core_kappa", kKappa);
   reader.Finish();
-  const double ratio = calibration.moment_Am2 / NominalMoment(device.magnet);
-  if (problem.ok() && !(ratio <= kMomentRatioMax && ratio >= 1 / kMomentRatioMax)) {
-    problem.Report(table->get("moment_Am2"), "magnet.moment_Am2 = " + TomlFloat(calibration.moment_Am2) +
-                                                 " is not the device's magnet; calibrate anew: omni calibrate");
-  }
 }
 
-void ReadSensors(FileProblem& problem, TableReader& root, const DeviceGeometry& device, Calibration& calibration) {
-  const auto tables = root.Tables("sensors", device.sensors.size(), device.sensors.size());
-  for (std::size_t i = 0; i < tables.size(); ++i) {
-    const std::string name = "sensors[" + std::to_string(i) + "]";
-    TableReader reader(problem, *tables[i], name);
+std::string SensorName(std::size_t i) { return "sensors[" + std::to_string(i) + "]"; }
+
+void ReadSensors(FileProblem& problem, TableReader& root, std::size_t count, Calibration& calibration) {
+  for (const toml::table* table : root.Tables("sensors", count, count)) {
+    TableReader reader(problem, *table, SensorName(calibration.sensors.size()));
     SensorCalibration sensor;
     sensor.position_base_m = reader.Vector("position_base_m", kPosition_m);
     reader.Numbers("gain_sensor_base", kGain, sensor.gain_sensor_base);
     reader.Numbers("current_map_T_A", kMap_T_A, sensor.current_map_T_A);
     sensor.background_sensor_T = reader.Vector("background_sensor_T", kBackground_T);
     reader.Finish();
-    const Vec3& drawn = device.sensors[i].position_base_m;
-    const Vec3& found = sensor.position_base_m;
-    const double moved_m = std::hypot(found.x - drawn.x, found.y - drawn.y, found.z - drawn.z);
-    if (problem.ok() && !(moved_m <= kMovedMax_m)) {
-      problem.Report(tables[i]->get("position_base_m"),
-                     name + ".position_base_m is " + std::to_string(1e3 * moved_m) +
-                         " mm from the drawing, allowed are 20 mm; calibrate anew: omni calibrate");
-    }
     calibration.sensors.push_back(sensor);
   }
 }
@@ -149,10 +127,67 @@ std::string List(const std::array<double, N>& values) {
 
 std::string List(const Vec3& v) { return List(std::array<double, 3>{v.x, v.y, v.z}); }
 
+// What a file says, apart from its layout and its checksum.
+std::string Content(const CalibrationFile& file, const DeviceGeometry& device) {
+  const CalibrationQuality& quality = file.quality;
+  std::string text = "format = " + std::to_string(kCalibrationFormat) + "\n";
+  text += "device = " + TomlText(device.name) + "\n";
+  text += "device_hash = \"" + Hex(GeometryHash(device)) + "\"\n";
+  text += "serial = " + TomlText(file.serial) + "\n";
+  text += "date = " + TomlText(file.date) + "\n\n[quality]\n";
+  text += "expected_error_mm = " + TomlFloat(quality.expected_error_mm) + "\n";
+  text += "frame_rotation_deg = " + TomlFloat(quality.frame_rotation_deg) + "\n";
+  text += "chi2_per_dof = " + TomlFloat(quality.chi2_per_dof) + "\n";
+  text += "coverage = " + TomlFloat(quality.coverage) + "\n";
+  text += "samples = " + std::to_string(quality.samples) + "\n";
+  text += "touches = " + std::to_string(quality.touches) + "\n";
+  text += "unfixed = " + std::to_string(quality.unfixed) + "\n\n[magnet]\n";
+  text += "moment_Am2 = " + TomlFloat(file.calibration.moment_Am2) + "\n";
+  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n";
+  for (const SensorCalibration& sensor : file.calibration.sensors) {
+    text += "\n[[sensors]]\nposition_base_m = " + List(sensor.position_base_m) + "\n";
+    text += "gain_sensor_base = " + List(sensor.gain_sensor_base) + "\n";
+    text += "current_map_T_A = " + List(sensor.current_map_T_A) + "\n";
+    text += "background_sensor_T = " + List(sensor.background_sensor_T) + "\n";
+  }
+  return text;
+}
+
+std::string ChecksumOf(const std::string& content) {
+  TextDigest digest;
+  digest.Add(content);
+  return Hex(digest.value());
+}
+
+void CheckChecksum(FileProblem& problem, TableReader& root, const DeviceGeometry& device, CalibrationFile& file) {
+  file.has_checksum = root.table().contains("checksum");
+  if (!file.has_checksum) return;
+  const std::string said = root.Text("checksum", kMaxNameBytes);
+  if (!problem.ok() || said == ChecksumOf(Content(file, device))) return;
+  problem.Report(
+      root.table().get("checksum"),
+      "checksum = " + said +
+          " is not that of what the file says: it was damaged, or edited; if it was edited on purpose, "
+          "delete this line; else take the one before (omni calibrate --restore), or measure this base again "
+          "(omni calibrate --replace)");
+}
+
+void CheckSense(FileProblem& problem, const toml::table& root, const Calibration& drawing, const Calibration& found) {
+  if (!problem.ok()) return;
+  const std::optional<ImplausibleValue> implausible = FindImplausible(drawing, found);
+  if (!implausible) return;
+  const bool magnet = implausible->sensor < 0;
+  const auto index = static_cast<std::size_t>(magnet ? 0 : implausible->sensor);
+  const auto table = magnet ? root["magnet"] : root["sensors"][index];
+  problem.Report(table[implausible->key].node(), (magnet ? "magnet" : SensorName(index)) + "." + implausible->key +
+                                                     " " + implausible->what +
+                                                     ": no base of this drawing is like that" + kMeasureAgain);
+}
+
 }  // namespace
 
 std::uint64_t GeometryHash(const DeviceGeometry& device) {
-  GeometryDigest digest;
+  TextDigest digest;
   digest.Add(device.name);
   for (const base::SensorGeometry& sensor : device.sensors) {
     const base::Quat& q = sensor.orientation_base_sensor;
@@ -176,68 +211,75 @@ std::uint64_t GeometryHash(const DeviceGeometry& device) {
 }
 
 base::Result<CalibrationFile> ParseCalibration(const std::string& text, const std::string& name,
-                                               const DeviceGeometry& device, const std::string& serial) {
+                                               const ExpectedBase& expected) {
   const base::Result<toml::table> parsed = ParseToml(text, name);
   if (!parsed.ok()) return base::Error{parsed.error()};
   FileProblem problem(name);
   TableReader root(problem, *parsed, "");
   CalibrationFile file;
-  CheckHeader(problem, root, device, serial, file);
+  CheckHeader(problem, root, expected, file);
   if (!problem.ok()) return base::Error{problem.message()};  // of another device or version the rest says nothing
   ReadQuality(problem, root, file.quality);
-  ReadMagnet(problem, root, device, file.calibration);
-  ReadSensors(problem, root, device, file.calibration);
+  ReadMagnet(problem, root, file.calibration);
+  ReadSensors(problem, root, expected.device.sensors.size(), file.calibration);
+  CheckChecksum(problem, root, expected.device, file);
   root.Finish();
+  CheckSense(problem, *parsed, expected.drawing, file.calibration);
   if (!problem.ok()) return base::Error{problem.message()};
   file.calibration.expected_error_m = 1e-3 * file.quality.expected_error_mm;
-  file.calibration.sensor_noise_T = device.sensor_noise_T;
-  file.calibration.sensor_range_T = device.sensor_range_T;
-  file.calibration.magnet = device.magnet;
-  file.calibration.core_radius_m = device.core_radius_m;
-  file.calibration.hull_radius_m = device.hull_radius_m;
+  file.calibration.sensor_noise_T = expected.device.sensor_noise_T;
+  file.calibration.sensor_range_T = expected.device.sensor_range_T;
+  file.calibration.magnet = expected.device.magnet;
+  file.calibration.core_radius_m = expected.device.core_radius_m;
+  file.calibration.hull_radius_m = expected.device.hull_radius_m;
   return file;
 }
 
-base::Result<CalibrationFile> LoadCalibrationFile(const std::string& path, const DeviceGeometry& device,
-                                                  const std::string& serial) {
+base::Result<CalibrationFile> LoadCalibrationFile(const std::string& path, const ExpectedBase& expected) {
   const base::Result<std::string> text = ReadTextFile(path);
   if (!text.ok()) return base::Error{text.error()};
-  return ParseCalibration(*text, path, device, serial);
+  return ParseCalibration(*text, path, expected);
 }
 
 std::string WriteCalibration(const CalibrationFile& file, const DeviceGeometry& device) {
-  const CalibrationQuality& quality = file.quality;
-  std::string text = "# Self-calibration of one base, written by omni calibrate. SI units, frame B.\n";
-  text += "format = " + std::to_string(kCalibrationFormat) + "\n";
-  text += "device = \"" + device.name + "\"\n";
-  text += "device_hash = \"" + Hex(GeometryHash(device)) + "\"\n";
-  text += "serial = \"" + file.serial + "\"\n";
-  text += "date = \"" + file.date + "\"\n\n[quality]\n";
-  text += "expected_error_mm = " + TomlFloat(quality.expected_error_mm) + "\n";
-  text += "frame_rotation_deg = " + TomlFloat(quality.frame_rotation_deg) + "\n";
-  text += "chi2_per_dof = " + TomlFloat(quality.chi2_per_dof) + "\n";
-  text += "coverage = " + TomlFloat(quality.coverage) + "\n";
-  text += "samples = " + std::to_string(quality.samples) + "\n";
-  text += "touches = " + std::to_string(quality.touches) + "\n";
-  text += "unfixed = " + std::to_string(quality.unfixed) + "\n\n[magnet]\n";
-  text += "moment_Am2 = " + TomlFloat(file.calibration.moment_Am2) + "\n";
-  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n";
-  for (const SensorCalibration& sensor : file.calibration.sensors) {
-    text += "\n[[sensors]]\nposition_base_m = " + List(sensor.position_base_m) + "\n";
-    text += "gain_sensor_base = " + List(sensor.gain_sensor_base) + "\n";
-    text += "current_map_T_A = " + List(sensor.current_map_T_A) + "\n";
-    text += "background_sensor_T = " + List(sensor.background_sensor_T) + "\n";
+  const std::string content = Content(file, device);
+  return "# Self-calibration of one base, written by omni calibrate. SI units, frame B.\nchecksum = \"" +
+         ChecksumOf(content) + "\"  # of what follows; to use a file that you have edited, delete this line\n" +
+         content;
+}
+
+std::string PreviousCalibration(const std::string& path) {
+  const std::filesystem::path file(path);
+  return (file.parent_path() / (file.stem().string() + ".previous" + file.extension().string())).string();
+}
+
+base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const ExpectedBase& expected,
+                                 bool replace) {
+  const std::string text = WriteCalibration(file, expected.device);
+  if (auto checked = ParseCalibration(text, path, expected); !checked.ok()) return base::Error{checked.error()};
+  std::error_code error;
+  if (replace && std::filesystem::exists(path, error)) {
+    const base::Result<std::string> old = ReadTextFile(path);
+    if (!old.ok()) return base::Error{old.error()};
+    if (auto kept = base::WriteWholeFile(PreviousCalibration(path), *old); !kept.ok()) return kept;
   }
-  return text;
+  return base::WriteWholeFile(path, text, {.replace = replace, .make_folder = true});
 }
 
-base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const DeviceGeometry& device) {
-  const base::Status saved = WriteTextFile(path, WriteCalibration(file, device));
-  if (!saved.ok()) return base::Error{saved.error() + ", or name another file"};
-  return saved;
+base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected) {
+  const std::string previous = PreviousCalibration(path);
+  const base::Result<std::string> back = ReadTextFile(previous);
+  if (!back.ok()) return base::Error{back.error()};
+  if (auto checked = ParseCalibration(*back, previous, expected); !checked.ok()) return base::Error{checked.error()};
+  std::error_code error;
+  const bool there = std::filesystem::exists(path, error);
+  const base::Result<std::string> current = there ? ReadTextFile(path) : std::string();
+  if (!current.ok()) return base::Error{current.error()};
+  if (auto put = base::WriteWholeFile(path, *back); !put.ok()) return put;
+  return there ? base::WriteWholeFile(previous, *current) : base::Status(base::Ok{});
 }
 
-CalibrationChoice ChooseCalibration(const std::string& path, const DeviceGeometry& device, const std::string& serial) {
+CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected) {
   CalibrationChoice choice;
   choice.path = path.empty() ? UserCalibrationFile() : path;
   std::error_code error;
@@ -245,8 +287,9 @@ CalibrationChoice ChooseCalibration(const std::string& path, const DeviceGeometr
     choice.path.clear();
     return choice;
   }
-  base::Result<CalibrationFile> loaded = LoadCalibrationFile(choice.path, device, serial);
+  base::Result<CalibrationFile> loaded = LoadCalibrationFile(choice.path, expected);
   if (loaded.ok()) {
+    if (!loaded->has_checksum) choice.note = "without a checksum: of an older version, or edited by hand";
     choice.file = std::move(*loaded);
   } else {
     choice.problem = loaded.error() + " (not used: the base works as drawn, less precisely)";

@@ -1,5 +1,8 @@
 // calibration.toml: what self-calibration found of one particular base. Errors name file, key, value and remedy.
 // Sizes that calibration does not measure (magnet, core, hull, noise) come from the device's geometry.
+//
+// A file carries a checksum of what it says (not of its layout and comments). With a wrong one it is refused; without
+// one, as older versions wrote it or as a person leaves it who has edited it on purpose, it is used and that is said.
 #pragma once
 
 #include <cstdint>
@@ -30,30 +33,42 @@ struct CalibrationFile {
   std::string serial;  // of the base
   std::string date;    // ISO 8601, UTC
   CalibrationQuality quality;
+  bool has_checksum = false;  // as read
+};
+
+// The base that a calibration must be of.
+struct ExpectedBase {
+  base::DeviceGeometry device;
+  base::Calibration drawing;  // of `device` (magnetics::NominalCalibration): a file that is far from it is refused
+  std::string serial;         // empty: any
 };
 
 // Over everything of the geometry that calibration starts from, to 9 digits; electrical limits are left out.
 std::uint64_t GeometryHash(const base::DeviceGeometry& device);
 
-// `serial` empty: any.
-base::Result<CalibrationFile> LoadCalibrationFile(const std::string& path, const base::DeviceGeometry& device,
-                                                  const std::string& serial);
+base::Result<CalibrationFile> LoadCalibrationFile(const std::string& path, const ExpectedBase& expected);
 // `name` stands for the file in messages.
 base::Result<CalibrationFile> ParseCalibration(const std::string& text, const std::string& name,
-                                               const base::DeviceGeometry& device, const std::string& serial);
+                                               const ExpectedBase& expected);
 
 std::string WriteCalibration(const CalibrationFile& file, const base::DeviceGeometry& device);
-// Replaces `path` in one step; makes its folder.
-base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file,
-                                 const base::DeviceGeometry& device);
+
+// Where the file lies that `path` replaced: "calibration.toml" -> "calibration.previous.toml".
+std::string PreviousCalibration(const std::string& path);
+// Writes no file that LoadCalibrationFile would refuse. With `replace` the file that is there becomes the previous one;
+// without, it is left and this fails. Makes the folder.
+base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const ExpectedBase& expected,
+                                 bool replace);
+// The previous file takes the place of `path`, which becomes the previous one: once more is the way back again.
+base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected);
 
 // Which calibration a program works with: `path` if given, else the user's own file if there is one.
 struct CalibrationChoice {
   std::optional<CalibrationFile> file;  // none: the drawing
   std::string path;                     // of the file, or of what was refused; empty: there is none
   std::string problem;                  // why a file that is there is not used
+  std::string note;                     // what a person should know of a file that is used; mostly empty
 };
-CalibrationChoice ChooseCalibration(const std::string& path, const base::DeviceGeometry& device,
-                                    const std::string& serial);
+CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected);
 
 }  // namespace omni::config

@@ -10,6 +10,7 @@
 #include "service/daemon/force_properties.h"
 #include "service/daemon/recorder.h"
 #include "service/daemon/transport_tick_source.h"
+#include "service/magnetics/nominal.h"
 
 namespace omni::daemon {
 namespace {
@@ -79,8 +80,11 @@ bool DeviceKeeper::Open() {
 
 // A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
 loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
-  const config::CalibrationChoice choice = config::ChooseCalibration(options_.calibration_path, device_, serial);
+  const config::CalibrationChoice choice = config::ChooseCalibration(
+      options_.calibration_path,
+      {.device = device_, .drawing = magnetics::NominalCalibration(device_), .serial = serial});
   if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
+  if (!choice.note.empty()) spdlog::warn("calibration: {}: {}", choice.path, choice.note);
   if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
   if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
   service_.SetCalibration(choice);

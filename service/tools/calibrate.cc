@@ -1,5 +1,6 @@
 // omni calibrate: guides a person through a self-calibration and writes calibration.toml. With the twin a scripted hand
 // of the simulation does what the person would.
+#include <cerrno>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -7,10 +8,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "service/base/whole_file.h"
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/paths.h"
 #include "service/config/twin_file.h"
+#include "service/magnetics/nominal.h"
 #include "service/tools/calibrate_session.h"
 #include "service/tools/calibrate_text.h"
 #include "service/tools/calibrate_twin.h"
@@ -22,11 +25,14 @@ namespace omni::tools {
 namespace {
 
 constexpr int kBarWidth = 30;
+constexpr const char* kCommand = "omni calibrate";
 
 struct Arguments {
   std::string device = "twin";
   std::string device_file;
   std::string output;
+  bool replace = false;
+  bool restore = false;
   std::uint64_t seed = 1;
   SessionOptions session;
 };
@@ -92,30 +98,54 @@ config::CalibrationFile ToFile(const calibration::Outcome& outcome, const std::s
                       .unfixed = static_cast<int>(report.unfixed.size())}};
 }
 
+// Asked before anybody waves a pen for two minutes; empty: the result can be kept.
+std::string PlaceProblem(const std::string& output, bool replace) {
+  const int error = base::TryWholeFile(output, {.replace = replace, .make_folder = true});
+  if (error == EEXIST) {
+    return output + ": is there already; --replace measures this base again and keeps that file as " +
+           config::PreviousCalibration(output) + ", or name another file: -o FILE";
+  }
+  return error == 0 ? std::string() : base::WriteProblem(output, error);
+}
+
+int Restore(const std::string& output, const config::ExpectedBase& of) {
+  const base::Status restored = config::RestoreCalibrationFile(output, of);
+  if (!restored.ok()) return Fail(kCommand, restored.error());
+  std::printf("restored     %s from %s; omnid uses it from its next start\n", output.c_str(),
+              config::PreviousCalibration(output).c_str());
+  return kExitOk;
+}
+
+int Measure(const Arguments& arguments, const std::string& output, config::ExpectedBase of) {
+  if (const std::string problem = PlaceProblem(output, arguments.replace); !problem.empty()) {
+    return Fail(kCommand, problem);
+  }
+  of.serial = "twin-" + std::to_string(arguments.seed);
+  std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
+              static_cast<unsigned long long>(arguments.seed));
+  Display display(arguments.session);
+  const auto done = CalibrateTwin(of.device, arguments.seed, config::DefaultTwin(), arguments.session,
+                                  [&](const CalibrationSession& session) { display.Show(session); });
+  if (!done.ok()) return Fail(kCommand, done.error());
+  const calibration::Outcome& outcome = done->outcome;
+  std::printf("%s", ReportText(outcome.report).c_str());
+  const base::Status saved = config::SaveCalibrationFile(output, ToFile(outcome, of.serial), of, arguments.replace);
+  if (!saved.ok()) return Fail(kCommand, saved.error());
+  std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
+  return kExitOk;
+}
+
 int Calibrate(const Arguments& arguments) {
   base::DeviceGeometry device = config::DefaultDevice();
   if (!arguments.device_file.empty()) {
     auto loaded = config::LoadDeviceFile(arguments.device_file);
-    if (!loaded.ok()) return Fail("omni calibrate", loaded.error());
+    if (!loaded.ok()) return Fail(kCommand, loaded.error());
     device = *loaded;
   }
   const std::string output = arguments.output.empty() ? config::UserCalibrationFile() : arguments.output;
-  if (output.empty())
-    return Fail("omni calibrate", "no home folder to write calibration.toml to; name a file with -o FILE");
-
-  std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
-              static_cast<unsigned long long>(arguments.seed));
-  Display display(arguments.session);
-  const auto done = CalibrateTwin(device, arguments.seed, config::DefaultTwin(), arguments.session,
-                                  [&](const CalibrationSession& session) { display.Show(session); });
-  if (!done.ok()) return Fail("omni calibrate", done.error());
-  const calibration::Outcome& outcome = done->outcome;
-  std::printf("%s", ReportText(outcome.report).c_str());
-  const base::Status saved =
-      config::SaveCalibrationFile(output, ToFile(outcome, "twin-" + std::to_string(arguments.seed)), device);
-  if (!saved.ok()) return Fail("omni calibrate", saved.error());
-  std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
-  return kExitOk;
+  if (output.empty()) return Fail(kCommand, "no home folder to write calibration.toml to; name a file with -o FILE");
+  const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}};
+  return arguments.restore ? Restore(output, of) : Measure(arguments, output, of);
 }
 
 }  // namespace
@@ -131,6 +161,11 @@ void AddCalibrate(CLI::App& app) {
   calibrate->add_option("--seed", arguments->seed, "of the twin: the same base as `omnid --twin-seed`")
       ->capture_default_str();
   calibrate->add_option("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
+  CLI::Option* replace = calibrate->add_flag(
+      "--replace", arguments->replace, "measure again; the file that is there is kept as calibration.previous.toml");
+  calibrate
+      ->add_flag("--restore", arguments->restore, "take the previous file back; it and the present one change places")
+      ->excludes(replace);
   calibrate->add_option("--wave-seconds", arguments->session.wave_s, "how long to wave the pen")
       ->check(CLI::Range(3.0, 60.0))
       ->capture_default_str();

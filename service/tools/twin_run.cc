@@ -18,6 +18,7 @@
 #include "service/config/twin_file.h"
 #include "service/daemon/virtual_run.h"
 #include "service/loop/tick_config.h"
+#include "service/magnetics/nominal.h"
 #include "service/sim/twin.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
@@ -73,7 +74,8 @@ class TruthFile {
 
 base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const base::DeviceGeometry& device) {
   if (arguments.calibration.empty()) return loop::MakeTickConfig(device);
-  auto file = config::LoadCalibrationFile(arguments.calibration, device, "");
+  auto file = config::LoadCalibrationFile(
+      arguments.calibration, {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}});
   if (!file.ok()) return base::Error{file.error()};
   return loop::MakeTickConfig(device, file->calibration);
 }

@@ -8,6 +8,7 @@
 
 #include "service/config/app_file.h"
 #include "service/config/device_file.h"
+#include "tests/support/example_calibration.h"
 
 namespace omni::config {
 namespace {
@@ -143,6 +144,37 @@ TEST(ConfigMutations, AppFilesAreSaneOrRefused) {
   }
   EXPECT_GT(accepted, 150);
   EXPECT_GT(refused, 150);
+}
+
+// A damaged calibration would push the pen the wrong way: whatever is damaged, it is refused or says what it said.
+TEST(ConfigMutations, CalibrationFilesAreTheOriginalOrRefused) {
+  const config::ExpectedBase of = support::NominalBase();
+  const std::string file = WriteCalibration(support::ExampleCalibration(), of.device);
+  int same = 0;
+  int refused = 0;
+  const auto check = [&](const std::string& text) {
+    const auto read = ParseCalibration(text, "seed", of);
+    read.ok() ? ++same : ++refused;
+    if (read.ok()) {
+      EXPECT_EQ(WriteCalibration(*read, of.device), file);
+    }
+  };
+  std::mt19937 random(5);
+  const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+  for (unsigned seed = 0; seed < 1500; ++seed) {
+    SCOPED_TRACE(seed);
+    check(Mutator(seed).Mutate(file));
+    std::string flipped = file;
+    for (std::size_t n = 1 + below(4); n > 0; --n) flipped[below(file.size())] ^= static_cast<char>(1 + below(255));
+    check(flipped);
+    std::string bit = file;
+    bit[below(file.size())] ^= static_cast<char>(1 << below(8));
+    check(bit);
+  }
+  EXPECT_GT(same, 50);
+  EXPECT_GT(refused, 3000);
+  std::printf("[ figure   ] 4500 damaged calibrations: %d refused, %d that say what the original says\n", refused,
+              same);
 }
 
 }  // namespace

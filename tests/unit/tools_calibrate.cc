@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
@@ -9,6 +12,8 @@
 #include "service/tools/calibrate_text.h"
 #include "service/tools/calibrate_twin.h"
 #include "service/tools/calibration_error.h"
+#include "tests/support/omni_command.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::tools {
 namespace {
@@ -83,6 +88,59 @@ TEST(ToolsCalibrate, ShowsProgressCoverageAndResult) {
   EXPECT_EQ(QualityWord(0.15e-3), "good");
   EXPECT_EQ(QualityWord(0.4e-3), "fair");
   EXPECT_EQ(QualityWord(std::nan("")), "poor");
+}
+
+std::string ContentOf(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+test::Outcome CalibrateTo(const std::string& path, std::vector<std::string> more) {
+  more.insert(more.begin(), {"calibrate", "--wave-seconds", "6", "--touches", "20", "-o", path});
+  return test::RunOmni(more);
+}
+
+void ExpectMentions(const std::string& text, std::initializer_list<std::string> words) {
+  for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " not in: " << text;
+}
+
+// The person has waved and touched for two minutes: that the result cannot be kept is said before.
+TEST(ToolsCalibrate, SaysBeforeMeasuringThatTheResultCannotBeKept) {
+  const test::TempFolder folder;
+  const std::string there = folder.Write("calibration.toml", "precious");
+  const test::Outcome refused = CalibrateTo(there, {});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_EQ(refused.out, "") << "not one step of it";
+  ExpectMentions(refused.err, {there + ": is there already", "--replace", "calibration.previous.toml", "-o FILE"});
+  EXPECT_EQ(ContentOf(there), "precious");
+  const test::Outcome nowhere = CalibrateTo(there + "/calibration.toml", {"--replace"});
+  EXPECT_EQ(nowhere.status, 1);
+  EXPECT_EQ(nowhere.out, "");
+  ExpectMentions(nowhere.err, {"cannot be written", "there is no folder"});
+}
+
+TEST(ToolsCalibrate, ReplacesWhenAskedAndGoesBack) {
+  const test::TempFolder folder;
+  const std::string path = folder.Path("below/calibration.toml"),
+                    previous = folder.Path("below/calibration.previous.toml");
+  const test::Outcome none = CalibrateTo(path, {"--restore"});
+  EXPECT_EQ(none.status, 1);
+  ExpectMentions(none.err, {"calibration.previous.toml", "cannot be read"});
+  const test::Outcome first = CalibrateTo(path, {});
+  ASSERT_EQ(first.status, 0) << first.err;
+  const std::string first_text = ContentOf(path);
+  ExpectMentions(first_text, {"checksum = ", "serial = \"twin-1\""});
+  const test::Outcome second = CalibrateTo(path, {"--replace", "--seed", "2"});
+  ASSERT_EQ(second.status, 0) << second.err;
+  const std::string second_text = ContentOf(path);
+  ExpectMentions(second_text, {"serial = \"twin-2\""});
+  EXPECT_EQ(ContentOf(previous), first_text);
+  const test::Outcome back = CalibrateTo(path, {"--restore"});
+  ASSERT_EQ(back.status, 0) << back.err;
+  ExpectMentions(back.out, {"restored", path, previous});
+  EXPECT_EQ(ContentOf(path), first_text);
+  EXPECT_EQ(ContentOf(previous), second_text);
+  EXPECT_EQ(CalibrateTo(path, {"--restore", "--replace"}).status, 2) << "one or the other";
 }
 
 }  // namespace
