@@ -1,5 +1,6 @@
 #include "service/daemon/device_keeper.h"
 
+#include <cmath>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -7,6 +8,7 @@
 #include "service/base/clock.h"
 #include "service/config/calibration_file.h"
 #include "service/daemon/fault_log.h"
+#include "service/daemon/fit_watch.h"
 #include "service/daemon/force_properties.h"
 #include "service/daemon/recorder.h"
 #include "service/daemon/transport_tick_source.h"
@@ -16,6 +18,18 @@ namespace omni::daemon {
 namespace {
 
 constexpr int kReopenPolls = 10;  // one second between attempts to open a device
+
+// `path`: of the calibration in use; empty: the drawing. `share`: of the time, without an explanation.
+std::string MisfitText(const std::string& path, double share) {
+  const std::string what = path.empty() ? "the drawing" : path;
+  const std::string again = path.empty() ? "measure this base: omni calibrate"
+                                         : "measure this base again: omni calibrate --replace, or take the file before "
+                                           "back: omni calibrate --restore";
+  return what + " does not fit this base: a magnet is near, and " + std::to_string(std::lround(100 * share)) +
+         " % of the time no pose explains what the sensors read, and then there is no force; take other magnets and "
+         "steel away, and if it stays, " +
+         again;
+}
 
 }  // namespace
 
@@ -36,6 +50,7 @@ struct DeviceKeeper::Session {
   loop::TickThread loop;
   std::unique_ptr<Recorder> recorder;
   FaultLog faults;
+  FitWatch fit;
   bool recording_failed = false;  // and told
 };
 
@@ -88,7 +103,21 @@ loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
   if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
   if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
   service_.SetCalibration(choice);
+  calibration_path_ = choice.file ? choice.path : std::string();
   return choice.file ? loop::MakeTickConfig(device_, choice.file->calibration) : loop::MakeTickConfig(device_);
+}
+
+void DeviceKeeper::WatchFit() {
+  const loop::FitStatistics& fit = session_->loop.statistics().fit;
+  if (!session_->fit.Update(fit.explained.load(), fit.contradicted.load(), base::MonotonicNow_ns())) return;
+  const std::string misfit =
+      session_->fit.misfit() ? MisfitText(calibration_path_, session_->fit.share()) : std::string();
+  service_.SetMisfit(misfit);
+  if (misfit.empty()) {
+    spdlog::info("calibration: what the sensors read is explained again");
+  } else {
+    spdlog::error("calibration: {}", misfit);
+  }
 }
 
 // The state first: a fault that it shows has said before where it came.
@@ -125,6 +154,7 @@ void DeviceKeeper::WatchRecording() {
 bool DeviceKeeper::Watch() {
   WatchRecording();
   if (session_ != nullptr) TellFaults();
+  if (session_ != nullptr) WatchFit();
   if (session_ != nullptr && session_->loop.finished()) {
     if (session_->loop.end_status() == loop::WaitStatus::kEnd) {
       Close("the recording is over");

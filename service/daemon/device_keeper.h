@@ -31,6 +31,7 @@ class DeviceKeeper {
  private:
   struct Session;
   loop::TickConfig Calibrated(const std::string& serial);
+  void WatchFit();
   void Record(OpenedDevice& opened);
   void WatchRecording();
   void TellFaults();
@@ -42,7 +43,8 @@ class DeviceKeeper {
   Service& service_;
   EndWatch& end_;
   std::unique_ptr<Session> session_;
-  std::string told_;  // the last error, which is not told again every second
+  std::string calibration_path_;  // in use; empty: the drawing
+  std::string told_;              // the last error, which is not told again every second
   int opened_ = 0;
   int polls_ = 0;  // since it was lost
 };

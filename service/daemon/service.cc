@@ -105,6 +105,12 @@ void Service::CoilsToZero() noexcept {
 void Service::SetCalibration(config::CalibrationChoice choice) {
   const std::lock_guard lock(loop_mutex_);
   calibration_ = std::move(choice);
+  misfit_.clear();
+}
+
+void Service::SetMisfit(std::string misfit) {
+  const std::lock_guard lock(loop_mutex_);
+  misfit_ = std::move(misfit);
 }
 
 void Service::SetForceProperties(const protocol::ForceProperties& properties) {
@@ -485,7 +491,9 @@ std::string Service::StatusJson() {
   if (keys_ != nullptr) input.key_devices = keys_->Status();
   const std::lock_guard lock(loop_mutex_);
   input.calibration = calibration_;
+  input.misfit = misfit_;
   if (!calibration_.problem.empty()) input.problems.push_back("calibration: " + calibration_.problem);
+  if (!misfit_.empty()) input.problems.push_back("calibration: " + misfit_);
   input.loop = loop_;
   input.transport = transport_;
   input.device_absent_why = device_absent_why_;

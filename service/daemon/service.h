@@ -57,6 +57,9 @@ class Service : public ipc::ServerHandler {
   void CoilsToZero() noexcept;
   // Any thread: what the device that is being opened works with.
   void SetCalibration(config::CalibrationChoice choice);
+  // Any thread: that a magnet is near, but no pose explains the sensors' readings, for people; empty: it is not so.
+  // Until the next SetCalibration.
+  void SetMisfit(std::string misfit);
   // Any thread: what the device that is attached, or about to be, can push. Detach takes it back.
   void SetForceProperties(const protocol::ForceProperties& properties);
   // Any thread: keys have changed.
@@ -128,6 +131,7 @@ class Service : public ipc::ServerHandler {
   loop::TickThread* loop_ = nullptr;
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;
+  std::string misfit_;
   protocol::ForceProperties force_properties_;
   std::string device_absent_why_ = "not opened yet";
   base::KeyStates key_states_;

@@ -56,12 +56,15 @@ json Device(const StatusInput& input) {
           {"send_failed", counters.send_failed}};
 }
 
+json TextOrNull(const std::string& text) { return text.empty() ? json() : json(text); }
+
 // Null: the base works as drawn.
 json Calibration(const config::CalibrationChoice& choice) {
   if (!choice.file) return nullptr;
   return {{"file", choice.path},
           {"date", choice.file->date},
           {"serial", choice.file->serial},
+          {"note", TextOrNull(choice.note)},
           {"expected_error_mm", choice.file->quality.expected_error_mm}};
 }
 
@@ -193,6 +196,8 @@ std::string WriteStatus(const StatusInput& input) {
        {{"version", input.version}, {"pid", getpid()}, {"uptime_s", input.uptime_s}, {"instance", input.instance}}},
       {"device", Device(input)},
       {"calibration", Calibration(input.calibration)},
+      {"calibration_refused", TextOrNull(input.calibration.problem)},
+      {"calibration_misfit", TextOrNull(input.misfit)},
       {"clients", Clients(input)},
       {"inputs", Inputs(input)},
       {"scene",

@@ -34,6 +34,7 @@ struct StatusInput {
   double uptime_s = 0;
   std::vector<std::string> problems;
   config::CalibrationChoice calibration;
+  std::string misfit;  // Service::SetMisfit
   bool aligned = false;
   config::AlignmentFile alignments;
   std::vector<ClientRow> clients;

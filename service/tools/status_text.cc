@@ -107,9 +107,15 @@ std::string SoftLine(const json& status) {
 
 std::string CalibrationLine(const json& status) {
   const std::string file = TextAt(status, "/calibration/file");
-  if (file == "-") return "none: the base works as drawn; `omni calibrate` measures it";
+  const std::string misfit =
+      TextAt(status, "/calibration_misfit") == "-" ? "" : "; does not fit this base (see problem)";
+  if (TextAt(status, "/calibration_refused") != "-") {
+    return "no: the file is refused (see problem), the base works as drawn" + misfit;
+  }
+  if (file == "-") return "none: the base works as drawn; `omni calibrate` measures it" + misfit;
+  const std::string note = TextAt(status, "/calibration/note");
   return file + " of " + TextAt(status, "/calibration/date") + ", expected error " +
-         TextAt(status, "/calibration/expected_error_mm", 2) + " mm";
+         TextAt(status, "/calibration/expected_error_mm", 2) + " mm" + (note == "-" ? "" : ", " + note) + misfit;
 }
 
 // "select: press, key:KEY_SPACE; menu: flick; ..."

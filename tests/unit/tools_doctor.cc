@@ -225,6 +225,24 @@ TEST_F(Doctor, DeviceAbsentOrSimulated) {
   Expect(LookForDevice(there_), Verdict::kOk, {"twin", "simulation"});
 }
 
+TEST_F(Doctor, CalibrationNoneRefusedMisfitOrFine) {
+  Expect(LookAtCalibration(there_), Verdict::kWarn, {"omnid does not run"});
+  there_.service = {.running = true, .error = {}, .status = {{"device", {{"name", nullptr}}}}};
+  Expect(LookAtCalibration(there_), Verdict::kWarn, {"without a device"});
+  nlohmann::json& status = there_.service.status;
+  status = {{"device", {{"name", "twin"}}}, {"calibration", nullptr}, {"calibration_refused", nullptr}};
+  Expect(LookAtCalibration(there_), Verdict::kWarn, {"as drawn", "omni calibrate"});
+  status["calibration_refused"] = "/c.toml:2: checksum";
+  Expect(LookAtCalibration(there_), Verdict::kWarn, {"/c.toml:2: checksum", "--replace", "--restore"});
+  status["calibration_refused"] = nullptr;
+  status["calibration"] = {{"file", "/c.toml"}, {"date", "2026"}, {"note", nullptr}};
+  Expect(LookAtCalibration(there_), Verdict::kOk, {"/c.toml of 2026"});
+  status["calibration"]["note"] = "without a checksum";
+  Expect(LookAtCalibration(there_), Verdict::kOk, {"/c.toml of 2026, without a checksum"});
+  status["calibration_misfit"] = "/c.toml does not fit";
+  Expect(LookAtCalibration(there_), Verdict::kFail, {"does not fit", "omni calibrate --replace"});
+}
+
 TEST_F(Doctor, RealtimeIsWhatTheServiceGot) {
   there_.service = {
       .running = true, .error = {}, .status = {{"tick", {{"realtime", true}, {"late", 2}, {"count", 9}}}}};

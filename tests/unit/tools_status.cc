@@ -30,5 +30,27 @@ TEST(StatusText, InputsBySourceAndDevice) {
   EXPECT_EQ(StatusText(nlohmann::json::object()).find("inputs"), std::string::npos) << "of an older omnid";
 }
 
+TEST(StatusText, CalibrationInUseRefusedOrUnfit) {
+  const auto line = [](const nlohmann::json& status) {
+    const std::string text = StatusText(status);
+    const std::size_t at = text.find("calibrated ");
+    return text.substr(at, text.find('\n', at) - at);
+  };
+  EXPECT_EQ(line({}), "calibrated none: the base works as drawn; `omni calibrate` measures it");
+  nlohmann::json status = {{"calibration", {{"file", "/c.toml"}, {"date", "2026"}, {"expected_error_mm", 0.1}}},
+                           {"calibration_refused", nullptr},
+                           {"calibration_misfit", nullptr}};
+  EXPECT_EQ(line(status), "calibrated /c.toml of 2026, expected error 0.10 mm");
+  status["calibration"]["note"] = "without a checksum";
+  status["calibration_misfit"] = "it does not fit";
+  EXPECT_EQ(
+      line(status),
+      "calibrated /c.toml of 2026, expected error 0.10 mm, without a checksum; does not fit this base (see problem)");
+  status["calibration"] = nullptr;
+  status["calibration_misfit"] = nullptr;
+  status["calibration_refused"] = "/c.toml: no";
+  EXPECT_EQ(line(status), "calibrated no: the file is refused (see problem), the base works as drawn");
+}
+
 }  // namespace
 }  // namespace omni::tools

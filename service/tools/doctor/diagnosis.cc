@@ -27,6 +27,7 @@ constexpr DiagnosisEntry kDiagnoses[] = {
     {"socket folder", LookAtSocketFolder},
     {"service", LookForService},
     {"device", LookForDevice},
+    {"calibration", LookAtCalibration},
     {"real-time", LookAtRealtime},
     {"applications", LookAtApplications},
     {"alignment", LookAtAlignment},

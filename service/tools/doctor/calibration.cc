@@ -1,0 +1,28 @@
+// Is the base measured, and does what was measured fit it?
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "service/tools/doctor/diagnosis.h"
+#include "service/tools/json_text.h"
+
+namespace omni::tools {
+
+Finding LookAtCalibration(const Surroundings& surroundings) {
+  const auto& status = surroundings.service.status;
+  if (!surroundings.service.running) {
+    return {Verdict::kWarn, "unknown while omnid does not run", "mend \"service\" first"};
+  }
+  if (DeviceName(status) == "-") return {Verdict::kWarn, "unknown without a device", "mend \"device\" first"};
+  const std::string refused = TextAt(status, "/calibration_refused"), file = TextAt(status, "/calibration/file");
+  if (const std::string misfit = TextAt(status, "/calibration_misfit"); misfit != "-") {
+    return {Verdict::kFail, misfit,
+            "take other magnets and steel away; then measure the base: omni calibrate --replace"};
+  }
+  if (refused != "-") return {Verdict::kWarn, refused, "omni calibrate --replace, or omni calibrate --restore"};
+  if (file == "-") return {Verdict::kWarn, "none: the base works as drawn", "measure it: omni calibrate"};
+  const std::string note = TextAt(status, "/calibration/note");
+  return {Verdict::kOk, file + " of " + TextAt(status, "/calibration/date") + (note == "-" ? "" : ", " + note), {}};
+}
+
+}  // namespace omni::tools
