@@ -143,6 +143,21 @@ std::vector<haptics::CornerUv> CornerUvs(const Elements& uv, const std::vector<s
   return triangles;
 }
 
+// An attribute of three components or more at the vertices that are kept. number: of each vertex, or kUnused.
+std::vector<base::Vec3> Kept(const tinygltf::Model& model, const tinygltf::Primitive& primitive, const char* name,
+                             const std::vector<std::uint32_t>& number, std::size_t kept) {
+  const auto found = primitive.attributes.find(name);
+  if (found == primitive.attributes.end()) return {};
+  const int type = model.accessors.at(static_cast<std::size_t>(found->second)).type;
+  const Elements elements(model, found->second, type == TINYGLTF_TYPE_VEC4 ? 4 : 3);
+  std::vector<base::Vec3> values(kept);
+  for (std::size_t vertex = 0; vertex < number.size(); ++vertex) {
+    const double* v = elements[vertex];
+    if (number[vertex] != kUnused) values[number[vertex]] = {v[0], v[1], v[2]};
+  }
+  return values;
+}
+
 DecodedPrimitive Decode(const tinygltf::Model& model, const tinygltf::Primitive& primitive, const Elements& positions,
                         const SubsetPrimitive& from) {
   const std::vector<std::uint32_t> corners =
@@ -163,6 +178,8 @@ DecodedPrimitive Decode(const tinygltf::Model& model, const tinygltf::Primitive&
     if (i % 3 == 0) decoded.triangles.emplace_back();
     decoded.triangles.back()[i % 3] = number[vertex];
   }
+  decoded.normals = Kept(model, primitive, "NORMAL", number, decoded.positions.size());
+  decoded.colours = Kept(model, primitive, "COLOR_0", number, decoded.positions.size());
   for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
     if ((from.uv_sets >> set & 1) == 0) continue;
     decoded.uv[set] =

@@ -16,6 +16,7 @@ struct DecodedPrimitive {
   std::vector<base::Vec3> positions;  // glTF frame of the mesh; only vertices that a triangle uses
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::array<std::vector<haptics::CornerUv>, haptics::kMaxUvSets> uv;  // per triangle, where the subset has them
+  std::vector<base::Vec3> normals, colours;  // per vertex, as stored, where the subset has them; else empty
 };
 
 // One place of an instanced mesh, in the frame of its node: X = T R S.

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "service/haptics/scene.h"
+#include "service/scene/accessor_use.h"
+#include "service/scene/instances.h"
 #include "service/scene/load_error.h"
 
 namespace omni::scene {
@@ -14,49 +16,6 @@ namespace {
 constexpr std::uint64_t kMaxOffset = 1ull << 40;
 constexpr std::uint64_t kMaxElements = 3ull * haptics::kMaxTriangles;  // of one accessor
 constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
-
-constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
-
-// What an accessor is read as.
-enum Use : unsigned { kIndex = 1, kPosition = 2, kUv = 4, kVector = 8, kRotation = 16 };
-
-struct UseRow {
-  Use use;
-  const char* type;
-  std::uint64_t components;
-  const char* allowed;
-};
-constexpr UseRow kUses[] = {
-    {kIndex, "SCALAR", 1, "5121, 5123 or 5125 for indices"},
-    {kPosition, "VEC3", 3, "5126 (or 5120 to 5123, quantised) for positions"},
-    {kUv, "VEC2", 2, "5126 (or 5120 to 5123, quantised) for texture coordinates"},
-    {kVector, "VEC3", 3, "5126 for translations and scales"},
-    {kRotation, "VEC4", 4, "5126, 5120 or 5122 for rotations"},
-};
-
-const UseRow& RowOf(Use use) {
-  return *std::find_if(std::begin(kUses), std::end(kUses), [use](const UseRow& row) { return row.use == use; });
-}
-
-struct ComponentRow {
-  std::uint64_t type;  // OpenGL's number
-  std::uint64_t bytes;
-  unsigned uses;  // integers for positions and coordinates: KHR_mesh_quantization
-};
-constexpr ComponentRow kComponents[] = {{5120, 1, kPosition | kUv | kRotation},
-                                        {5121, 1, kIndex | kPosition | kUv},
-                                        {5122, 2, kPosition | kUv | kRotation},
-                                        {5123, 2, kIndex | kPosition | kUv},
-                                        {5125, 4, kIndex},
-                                        {5126, 4, kPosition | kUv | kVector | kRotation}};
-
-const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, Use use) {
-  const std::uint64_t type = Whole(parent, pointer, "componentType", 1 << 16, std::nullopt);
-  for (const ComponentRow& row : kComponents) {
-    if (row.type == type && (row.uses & use) != 0) return row;
-  }
-  throw LoadError(Join(pointer, "componentType"), "is " + std::to_string(type) + ", must be " + RowOf(use).allowed);
-}
 
 const char* ModeName(std::uint64_t mode) {
   constexpr const char* kNames[] = {"points", "lines", "a line loop", "a line strip"};
@@ -162,15 +121,16 @@ class SubsetBuilder {
       primitive.primitive = i;
       primitive.pointer = Join(Join(pointer, "primitives"), i);
       if (!(*primitives)[i].is_object()) throw LoadError(primitive.pointer, "must be an object");
-      AddPrimitive((*primitives)[i], i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, primitive);
+      AddPrimitive((*primitives)[i], i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, request.paint,
+                   primitive);
       subset_.primitives.push_back(std::move(primitive));
     }
   }
 
-  void AddPrimitive(const Json& json, std::uint8_t uv_sets, SubsetPrimitive& primitive) {
+  void AddPrimitive(const Json& json, std::uint8_t uv_sets, bool paint, SubsetPrimitive& primitive) {
     const std::uint64_t mode = Whole(json, primitive.pointer, "mode", 6, 4);
     if (mode < 4) {
-      primitive.skipped = std::string("is drawn as ") + ModeName(mode) + "; only triangles can be touched";
+      primitive.skipped = std::string("is drawn as ") + ModeName(mode) + "; only triangles are read";
       return;
     }
     const std::uint64_t accessors = CountOf(file_.root(), "accessors");
@@ -196,8 +156,22 @@ class SubsetBuilder {
       mesh["attributes"][name] = AddAccessor(*uv, kUv);
       primitive.uv_sets = static_cast<std::uint8_t>(primitive.uv_sets | 1U << set);
     }
+    if (paint) AddPaint(*attributes, *position, primitive, mesh["attributes"]);
     primitive.bytes = packer_.fresh_bytes();
     meshes_.push_back({{"primitives", Json::array({std::move(mesh)})}});
+  }
+
+  // Of a picture: those of NORMAL and COLOR_0 that are there.
+  void AddPaint(const Json& attributes, std::uint32_t position, const SubsetPrimitive& primitive, Json& packed) {
+    const std::string pointer = Join(primitive.pointer, "attributes");
+    for (const char* name : {"NORMAL", "COLOR_0"}) {
+      const auto accessor = Index(attributes, pointer, name, CountOf(file_.root(), "accessors"));
+      if (!accessor) continue;
+      CheckCount(*accessor, position, Join(pointer, name));
+      const Json& json = ElementOf(file_.root(), "accessors", *accessor);
+      const bool four = FindString(json, Join("/accessors", *accessor), "type", "") == "VEC4";
+      packed[name] = AddAccessor(*accessor, name[0] == 'N' ? kNormal : four ? kColour4 : kColour3);
+    }
   }
 
   void CheckCount(std::uint32_t accessor, std::uint32_t as_many_as, const std::string& pointer) {
@@ -212,8 +186,8 @@ class SubsetBuilder {
   }
 
   void AddInstances(std::uint32_t node) {
-    const std::string pointer = Join(Join(Join("/nodes", node), "extensions"), kInstancing);
-    const Json& json = (*Find(ElementOf(file_.root(), "nodes", node), "extensions"))[kInstancing];
+    const std::string pointer = Join(Join(Join("/nodes", node), "extensions"), kInstancingExtension);
+    const Json& json = (*Find(ElementOf(file_.root(), "nodes", node), "extensions"))[kInstancingExtension];
     const Json* attributes = FindObject(json, pointer, "attributes");
     if (!attributes) throw LoadError(Join(pointer, "attributes"), "is missing");
     SubsetInstances instances;
@@ -337,54 +311,6 @@ class SubsetBuilder {
 };
 
 }  // namespace
-
-std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh) {
-  const std::string pointer = Join("/meshes", mesh);
-  const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), pointer, "primitives");
-  const std::uint64_t accessors = CountOf(root, "accessors");
-  std::uint64_t sum = 0;
-  for (std::uint32_t i = 0; primitives && i < primitives->size(); ++i) {
-    const Json& json = (*primitives)[i];
-    const std::string place = Join(Join(pointer, "primitives"), i);
-    if (!json.is_object()) throw LoadError(place, "must be an object");
-    const std::uint64_t mode = Whole(json, place, "mode", 6, 4);
-    auto run = Index(json, place, "indices", accessors);
-    const Json* attributes = run ? nullptr : FindObject(json, place, "attributes");
-    if (attributes) run = Index(*attributes, Join(place, "attributes"), "POSITION", accessors);
-    if (mode < 4 || !run) continue;
-    const std::string accessor = Join("/accessors", *run);
-    const std::uint64_t count = Whole(ElementOf(root, "accessors", *run), accessor, "count", 1ull << 40, std::nullopt);
-    const std::uint64_t triangles = mode == 4 ? count / 3 : (count < 2 ? 0 : count - 2);
-    if (triangles > haptics::kMaxTriangles) {
-      throw LoadError(Join(accessor, "count"), "is " + std::to_string(count) + ": " + std::to_string(triangles) +
-                                                   " triangles, the limit is " +
-                                                   std::to_string(haptics::kMaxTriangles) + "; simplify the model");
-    }
-    sum += triangles;
-  }
-  return sum;
-}
-
-std::uint64_t CountInstances(const Json& root, std::uint32_t node) {
-  const std::string pointer = Join("/nodes", node);
-  const Json* extensions = FindObject(ElementOf(root, "nodes", node), pointer, "extensions");
-  const std::string place = Join(Join(pointer, "extensions"), kInstancing);
-  const Json* json = extensions ? FindObject(*extensions, Join(pointer, "extensions"), kInstancing) : nullptr;
-  if (!json) return 1;
-  const Json* attributes = FindObject(*json, place, "attributes");
-  std::optional<std::uint64_t> count;
-  for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"}) {
-    const auto accessor =
-        attributes ? Index(*attributes, Join(place, "attributes"), name, CountOf(root, "accessors")) : std::nullopt;
-    if (!accessor) continue;
-    const std::uint64_t own = Whole(ElementOf(root, "accessors", *accessor), Join("/accessors", *accessor), "count",
-                                    haptics::kMaxTriangles, std::nullopt);
-    if (count && own != *count) throw LoadError(place, "has attributes of different counts; they must be equal");
-    count = own;
-  }
-  if (!count) throw LoadError(place, "has none of TRANSLATION, ROTATION and SCALE");
-  return *count;
-}
 
 Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes,
                    const std::vector<std::uint32_t>& instanced) {

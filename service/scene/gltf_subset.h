@@ -1,5 +1,5 @@
 // The part of a document that touch needs: positions and indices of chosen meshes, texture coordinates where a haptic
-// texture needs them, transforms of instances; checked against the document's own
+// texture needs them, normals and colours for a picture, transforms of instances; checked against the document's own
 // limits, their bytes read and packed into a small binary glTF without anything else.
 #pragma once
 
@@ -16,6 +16,7 @@ namespace omni::scene {
 struct MeshRequest {
   std::uint32_t mesh = 0;             // index into /meshes, each once
   std::vector<std::uint8_t> uv_sets;  // of each primitive: bit k asks for TEXCOORD_k; those beyond the list need none
+  bool paint = false;                 // NORMAL and COLOR_0 too, where they are
 };
 
 // The accessors of EXT_mesh_gpu_instancing of a node.
@@ -40,12 +41,6 @@ struct Subset {
   std::vector<SubsetInstances> instances;
   std::vector<unsigned char> glb;  // one mesh for each primitive that is not skipped
 };
-
-// Triangles of a mesh by the counts of its accessors: before any of them is read. Throws LoadError.
-std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh);
-
-// Instances of a node by EXT_mesh_gpu_instancing; 1 without. Throws LoadError.
-std::uint64_t CountInstances(const Json& root, std::uint32_t node);
 
 // Throws LoadError on anything that is not as glTF 2.0 says. `instanced`: nodes whose instances are wanted.
 Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced);

@@ -17,10 +17,12 @@
 #include "service/scene/gltf_subset.h"
 #include "service/scene/haptic_binding.h"
 #include "service/scene/haptic_texture.h"
+#include "service/scene/instances.h"
 #include "service/scene/join_objects.h"
 #include "service/scene/load_error.h"
 #include "service/scene/node_tree.h"
 #include "service/scene/reach.h"
+#include "service/scene/triangle_count.h"
 
 namespace omni::scene {
 namespace {
@@ -187,35 +189,16 @@ class SceneReader::Loader {
     return ReadTipRadius(ElementOf(file_.root(), "scenes", scene), Join("/scenes", scene), warnings_);
   }
 
-  // Before anything of the meshes is read, so that a file with too much is refused at once.
-  void CheckSize() {
-    std::map<std::uint32_t, std::uint64_t> of_mesh;
-    std::uint64_t sum = 0;
-    for (const NodeVisit* node : touched_) {
-      const auto found = of_mesh.find(*node->mesh);
-      const std::uint64_t triangles =
-          found != of_mesh.end()
-              ? found->second
-              : of_mesh.emplace(*node->mesh, CountTriangles(file_.root(), *node->mesh)).first->second;
-      sum += triangles * CountInstances(file_.root(), node->node);
-      if (sum > haptics::kMaxTriangles) {
-        throw LoadError(node->pointer, "with those before, has more than " + std::to_string(haptics::kMaxTriangles) +
-                                           " triangles; simplify the model or tag only what is touched");
-      }
-    }
-  }
-
   void ReadMeshes() {
-    CheckSize();
+    CheckTriangleCount(file_.root(), touched_);  // so that a file with too much is refused at once
     std::vector<MeshRequest> meshes;
     std::map<std::uint32_t, std::size_t> place;  // of a mesh in `meshes`
     std::vector<std::uint32_t> instanced;
     for (const NodeVisit* node : touched_) {
       const auto [found, fresh] = place.emplace(*node->mesh, meshes.size());
-      if (fresh) meshes.push_back({*node->mesh, {}});
+      if (fresh) meshes.push_back({.mesh = *node->mesh, .uv_sets = {}});
       AskForTextures(*node, meshes[found->second]);
-      const Json* extensions = Find(ElementOf(file_.root(), "nodes", node->node), "extensions");
-      if (extensions && Find(*extensions, "EXT_mesh_gpu_instancing")) instanced.push_back(node->node);
+      if (IsInstanced(file_.root(), node->node)) instanced.push_back(node->node);
     }
     subset_ = BuildSubset(file_, meshes, instanced);
   }
@@ -257,7 +240,9 @@ class SceneReader::Loader {
     object.source = node.pointer;
     object.kinematic = options_.all_kinematic;
     std::uint64_t bytes = 0;
-    const std::vector<glm::dmat4> places = PlacesOf(node);
+    const auto instances = instances_.find(node.node);
+    const std::vector<glm::dmat4> places =
+        instances == instances_.end() ? std::vector{node.world} : PlacesOf(node, instances->second);
     for (auto& [primitive, decoded] : by_mesh_[*node.mesh]) {
       const HapticTag tag = binding_->TagOf(node, primitive->primitive);
       object.car_wall = object.car_wall || tag.role == Role::kWall;
@@ -277,25 +262,6 @@ class SceneReader::Loader {
     Explain(node, true, why + ", " + std::to_string(object.triangles.size()) + " triangles", bytes);
     input_.objects.push_back(std::move(object));
     sources_.push_back(SourceOf(node));
-  }
-
-  // Where the node's mesh stands: once, or at each instance.
-  std::vector<glm::dmat4> PlacesOf(const NodeVisit& node) {
-    const auto found = instances_.find(node.node);
-    if (found == instances_.end()) return {node.world};
-    std::vector<glm::dmat4> places;
-    for (const Instance& instance : found->second) {
-      const auto& [t, q, s] = instance;
-      glm::dmat4 X(1.0);
-      const glm::dquat turn(q[3], q[0], q[1], q[2]);
-      if (!(glm::length(turn) > 1e-6))
-        throw LoadError(node.pointer, "instance " + std::to_string(places.size()) + " has a rotation of zero");
-      X[3] = glm::dvec4(t[0], t[1], t[2], 1);
-      X = X * glm::mat4_cast(turn / glm::length(turn));
-      for (int k = 0; k < 3; ++k) X[k] *= s[static_cast<std::size_t>(k)];
-      places.push_back(node.world * X);
-    }
-    return places;
   }
 
   haptics::Material MaterialFor(const HapticTag& tag, const NodeVisit& node, const SubsetPrimitive& primitive) {
