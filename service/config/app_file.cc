@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "service/base/nearest_word.h"
+#include "service/config/profile_names.h"
 #include "service/config/text_file.h"
 #include "service/config/toml_reader.h"
 
@@ -54,10 +56,17 @@ std::string ReadProfile(TableReader& reader, FileProblem& problem) {
   const bool is_path = !name.empty() && name.find_first_not_of(kAllowed) == name.npos &&
                        std::count(name.begin(), name.end(), '/') == 1 && name.front() != '/' && name.back() != '/' &&
                        profile.size() <= kMaxProfileBytes;
+  const auto names = ProfileNames();
   if (!is_path) {
     problem.Report(reader.table().get("profile"), "profile = \"" + profile +
                                                       "\" is no interaction profile; must be like "
                                                       "\"oculus/touch_controller\"");
+  } else if (std::find(names.begin(), names.end(), name) == names.end()) {
+    std::string known;
+    for (const std::string_view one : names) known += (known.empty() ? "" : ", ") + std::string(one);
+    problem.Report(reader.table().get("profile"), "profile = \"" + std::string(name) +
+                                                      "\" is none that the pen can be; there are " + known +
+                                                      base::DidYouMean(name, names));
   }
   return profile;
 }

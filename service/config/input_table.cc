@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "service/base/nearest_word.h"
 #include "service/config/key_names.h"
 #include "service/config/toml_reader.h"
 
@@ -84,6 +85,12 @@ bool IsAxis(InputComponent component) {
   return component == InputComponent::kThumbstickX || component == InputComponent::kThumbstickY;
 }
 
+std::vector<std::string_view> SourceNames() {
+  std::vector<std::string_view> names;
+  for (const SourceRow& row : kSources) names.push_back(row.name);
+  return names;
+}
+
 std::string Known() {
   std::string names;
   for (const SourceRow& row : kSources) names += std::string(row.name) + ", ";
@@ -96,7 +103,7 @@ std::optional<InputSource> FindSource(std::string_view name, std::vector<std::ui
     if (row.name == name) return row.source;
   }
   if (name.substr(0, kKeyPrefix.size()) != kKeyPrefix) {
-    problem = "is no source; known are " + Known();
+    problem = "is no source; known are " + Known() + base::DidYouMean(name, SourceNames());
     return std::nullopt;
   }
   const auto code = KeyCode(name.substr(kKeyPrefix.size()));

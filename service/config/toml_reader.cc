@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <sstream>
 
+#include "service/base/nearest_word.h"
+
 namespace omni::config {
 namespace {
 
@@ -142,7 +144,8 @@ std::string TableReader::Choice(const char* key, std::span<const std::string_vie
   const auto text = node->value_exact<std::string>();
   if (text && std::find(allowed.begin(), allowed.end(), *text) != allowed.end()) return *text;
   problem_.Report(node, NameOf(key) + (text ? " = \"" + Shortened(*text) + "\"" : " is a " + KindOf(*node)) +
-                            "; must be one of " + Listed(allowed));
+                            "; must be one of " + Listed(allowed) +
+                            (text ? base::DidYouMean(*text, allowed) : std::string()));
   return std::string(fallback);
 }
 
@@ -242,7 +245,8 @@ void TableReader::Finish() {
     if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
     std::string allowed;
     for (const std::string& known : known_) allowed += (allowed.empty() ? "" : ", ") + known;
-    problem_.Report(&node, NameOf(Shortened(key.str()).c_str()) + " is unknown; allowed here: " + allowed);
+    problem_.Report(&node, NameOf(Shortened(key.str()).c_str()) + " is unknown; allowed here: " + allowed +
+                               base::DidYouMean(key.str(), known_));
   }
 }
 

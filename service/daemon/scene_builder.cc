@@ -4,10 +4,20 @@
 #include <exception>
 #include <utility>
 
+#include "service/config/paths.h"
+#include "service/config/scene_name.h"
 #include "service/haptics/live/make_live.h"
 #include "service/scene/load_scene.h"
 
 namespace omni::daemon {
+namespace {
+
+// Looked for now, not when the application's file was read: a scene may be put there later. A document has a name only.
+base::Result<std::string> FileOf(const SceneJob& job) {
+  return job.document != nullptr ? job.file : config::FindScene(job.file, config::ScenesFolder());
+}
+
+}  // namespace
 
 scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m) {
   return {.touch_untagged = app.touch == config::Touch::kAll,
@@ -164,8 +174,14 @@ BuiltScene SceneBuilder::Build(const SceneJob& job, std::deque<std::uint32_t>& s
   BuiltScene built{.client = job.client, .file = job.file};
   try {
     if (!cache_ && !cache_folder_.empty()) cache_.emplace(cache_folder_);
+    const base::Result<std::string> file = FileOf(job);
+    if (!file.ok()) {
+      built.error = file.error();
+      return built;
+    }
+    built.file = *file;
     base::Result<haptics::Scene> scene =
-        scene::LoadScene(job.file, job.options, cache_ ? &*cache_ : nullptr, built.load, built.report);
+        scene::LoadScene(built.file, job.options, cache_ ? &*cache_ : nullptr, built.load, built.report);
     built.warnings = built.load.warnings;
     if (cache_ && !cache_->problem().empty() && !std::exchange(told_of_cache_, true)) {
       built.warnings.push_back("scene cache: " + cache_->problem());

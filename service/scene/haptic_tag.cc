@@ -5,10 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "service/base/nearest_word.h"
 #include "service/scene/load_error.h"
 
 namespace omni::scene {
 namespace {
+
+// A hostile file must not fill the log; the last line says that there were more.
+constexpr std::size_t kMaxLines = 200;
 
 using RoleWord = TagWord<Role>;
 constexpr std::array kRoles = {
@@ -60,7 +64,9 @@ class TagReader {
     if (path.starts_with("sculptable.") && !tag_.sculptable) tag_.sculptable = true;
     if (path.starts_with("softness.") && !tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
     const bool known = ReadRoleNumber(path, value, pointer);
-    if (!known) warnings_.Add(pointer, "is no key of a haptic tag and is ignored; see docs/scenes.md for the keys");
+    if (known) return;
+    warnings_.Add(pointer, "is no key of a haptic tag and is ignored; see docs/scenes.md for the keys" +
+                               (warnings_.full() ? std::string() : base::DidYouMean(path, KeysOfRole())));
   }
 
   void ReadRole(const Json& value, const std::string& pointer) {
@@ -69,7 +75,8 @@ class TagReader {
     } else {
       warnings_.Add(pointer,
                     "is " + Shown(value) +
-                        ", must be solid, ignore, joystick, vehicle, wall, track or checkpoint; solid is used");
+                        ", must be solid, ignore, joystick, vehicle, wall, track or checkpoint; solid is used" +
+                        Meant(value, kRoles));
     }
   }
 
@@ -87,6 +94,32 @@ class TagReader {
   }
 
  private:
+  // "; did you mean 'wall'?"
+  template <class Value, std::size_t kCount>
+  std::string Meant(const Json& value, const std::array<TagWord<Value>, kCount>& words) const {
+    if (!value.is_string() || warnings_.full()) return {};
+    std::vector<std::string_view> names;
+    for (const TagWord<Value>& word : words) names.push_back(word.name);
+    return base::DidYouMean(value.get_ref<const std::string&>(), names);
+  }
+
+  // What may stand in a tag of this role; in groups as "softness.thickness".
+  std::vector<std::string> KeysOfRole() const {
+    std::vector<std::string> keys{"role", "doubleSided", "kinematic", "smooth"};
+    const auto add = [&keys](const auto& table) {
+      for (const auto& row : table) keys.emplace_back(row.key);
+    };
+    const Role role = tag_.role.value_or(Role::kSolid);
+    if (role == Role::kJoystick) return add(kJoystickKeys), keys;
+    if (role == Role::kVehicle) return add(kVehicleKeys), keys;
+    if (role == Role::kCheckpoint) return add(kCheckpointKeys), keys;
+    add(kMaterialKeys);
+    for (const char* key : {"softness", "softness.model", "softness.fibreDirection", "extrude", "sculptable",
+                            "sculptable.falloff", "sculptable.symmetry", "vibrotactileTexture", "vibration", "magnet"})
+      keys.emplace_back(key);
+    return keys;
+  }
+
   static bool IsGroup(const std::string& path) {
     return std::any_of(kMaterialKeys.begin(), kMaterialKeys.end(),
                        [&](const auto& row) { return row.key.starts_with(path + "."); });
@@ -96,7 +129,8 @@ class TagReader {
     if (const haptics::SoftnessModel* model = ValueNamed(kSoftnessModels, value)) {
       tag_.softness = *model;
     } else {
-      warnings_.Add(pointer, "is " + Shown(value) + ", must be none, winkler or tet; it is ignored");
+      warnings_.Add(pointer, "is " + Shown(value) + ", must be none, winkler or tet; it is ignored" +
+                                 Meant(value, kSoftnessModels));
     }
   }
 
@@ -110,7 +144,8 @@ class TagReader {
     }
     std::string names;
     for (const TagWord<Value>& word : words) names += (names.empty() ? "" : ", ") + std::string(word.name);
-    warnings_.Add(pointer, "is " + Shown(value) + ", must be one of " + names + "; it is ignored");
+    warnings_.Add(pointer,
+                  "is " + Shown(value) + ", must be one of " + names + "; it is ignored" + Meant(value, words));
   }
 
   void ReadDirection(const Json& value, const std::string& pointer) {
@@ -190,9 +225,9 @@ T Filled(const std::array<NumberKey<T>, kCount>& keys, const Values<T, kCount>& 
 
 std::string_view NameOf(Role role) { return NameOf(kRoles, role); }
 
+bool Warnings::full() const { return lines_.size() >= kMaxLines; }
+
 void Warnings::Add(const std::string& pointer, const std::string& what) {
-  constexpr std::size_t kMaxLines =
-      200;  // a hostile file must not fill the log; the last line says that there were more
   if (lines_.size() == kMaxLines) lines_.push_back(file_ + ": further warnings are left out");
   if (lines_.size() < kMaxLines) lines_.push_back(file_ + ": " + pointer + ": " + what);
 }

@@ -22,6 +22,9 @@ class Warnings {
   Warnings(std::string file, std::vector<std::string>& lines) : file_(std::move(file)), lines_(lines) {}
   void Add(const std::string& pointer, const std::string& what);
 
+  // Further ones are left out: work on their words is, too.
+  bool full() const;
+
  private:
   std::string file_;
   std::vector<std::string>& lines_;

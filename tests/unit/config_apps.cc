@@ -89,6 +89,14 @@ TEST(ConfigApps, WishesOfTheLayer) {
   ExpectMentions(ErrorOf(Entry("a", "b", "rest_after_s = -2\n")), {"rest_after_s", "-1"});
 }
 
+TEST(ConfigApps, MistypedWordsNameTheNearest) {
+  ExpectMentions(ErrorOf(Entry("a", "b", "profile = \"oculus/tuoch_controller\"\n")),
+                 {"none that the pen can be", "valve/index_controller", "did you mean 'oculus/touch_controller'?"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "hand = \"rihgt\"\n")), {"did you mean 'right'?"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "placment = \"fit\"\n")), {"did you mean 'placement'?"});
+  ExpectMentions(ErrorOf("application = \"a\"\n[inputs]\nselect = [\"pres\"]\n"), {"did you mean 'press'?"});
+}
+
 TEST(ConfigApps, AbsoluteScenesStay) {
   const auto entry = ParseAppFile(Entry("a", "/models/../cup.glb"), "f", "/scenes");
   ASSERT_TRUE(entry.ok());
