@@ -1,9 +1,10 @@
 // omnid: the service. Composition root: device, loop, control plane.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 #include <string>
 
+#include "service/console/parse.h"
+#include "service/daemon/check_options.h"
 #include "service/daemon/open_device.h"
 #include "service/daemon/run.h"
 
@@ -11,7 +12,9 @@ namespace {
 
 int ParseAndRun(int argc, char** argv) {
   omni::daemon::RunOptions options;
-  CLI::App app{"omnid: tracks the pen, renders forces, serves OpenXR applications through the Omni layer"};
+  CLI::App app{"omnid: tracks the pen, renders forces, serves OpenXR applications through the Omni layer", "omnid"};
+  app.footer(omni::console::kExitStatusHelp);
+  omni::console::AddVersion(app, OMNI_VERSION);
   app.add_option("--device", options.device, omni::daemon::DeviceHelp())
       ->check(CLI::Validator(omni::daemon::DeviceProblem, "DEVICE"))
       ->capture_default_str();
@@ -29,16 +32,22 @@ int ParseAndRun(int argc, char** argv) {
   app.add_option("--twin-record", options.twin_record, "CSV file of the twin's true pose and currents");
   app.add_option("--twin-seed", options.twin_seed, "seed of the twin's noise and imperfections");
   app.add_option("--hand", options.hand, "hand that holds the pen: left, right, or auto (the layer's default: right)")
-      ->check(CLI::IsMember({"auto", "left", "right"}))
+      ->check(omni::console::OneOf({"auto", "left", "right"}))
       ->capture_default_str();
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error")->capture_default_str();
+  app.add_option("--log-level", options.log_level, "the least that is logged")
+      ->check(omni::console::OneOf({"trace", "debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
   app.add_flag("!--no-realtime", options.realtime, "do not ask for SCHED_FIFO and mlockall");
   app.final_callback([&options] {
     if (options.replay_fast && !omni::daemon::IsReplay(options.device)) {
       throw CLI::ValidationError("--replay-fast", "needs --device replay:FILE");
     }
   });
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = omni::console::Parse(app, argc, argv)) return *ended;
+  if (const std::string problem = omni::daemon::OptionsProblem(options); !problem.empty()) {
+    omni::console::Fail("omnid", problem);
+    return omni::console::kExitUsage;
+  }
   return omni::daemon::Run(options);
 }
 
@@ -48,7 +57,6 @@ int main(int argc, char** argv) {
   try {
     return ParseAndRun(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "omnid: %s\n", error.what());
-    return 1;
+    return omni::console::Fail("omnid", error.what());
   }
 }

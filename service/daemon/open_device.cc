@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "service/base/nearest_word.h"
 #include "service/config/paths.h"
 #include "service/device/usb_transport.h"
 #include "service/sim/twin.h"
@@ -93,8 +94,17 @@ std::string DeviceHelp() {
 std::string DeviceProblem(const std::string& device) {
   if (Parse(device).entry != nullptr) return {};
   std::string known;
-  for (const DeviceEntry& entry : kDevices) known += (known.empty() ? "" : ", ") + Words(entry);
-  return "\"" + device + "\" is no device; there is " + known;
+  std::vector<std::string> names;
+  for (const DeviceEntry& entry : kDevices) {
+    known += (known.empty() ? "" : ", ") + Words(entry);
+    names.emplace_back(entry.name);
+  }
+  std::string meant = base::NearestWord(device.substr(0, device.find(':')), names);
+  for (const DeviceEntry& entry : kDevices) {
+    if (meant == entry.name && entry.needs_argument) meant = Words(entry);
+  }
+  return "\"" + device + "\" is no device; there is " + known +
+         (meant.empty() ? std::string() : "; did you mean '" + meant + "'?");
 }
 
 base::Result<OpenedDevice> OpenDevice(const RunOptions& options) {

@@ -19,6 +19,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/service_link.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -59,7 +60,7 @@ int NudgeStored(client::Connection& connection, const nlohmann::json& status, in
   if (!chosen.ok()) return Fail(kCommand, chosen.error());
   std::printf("headset      %s / %s, in its %s space\n", chosen->headset.runtime.c_str(),
               chosen->headset.system.c_str(), SpaceName(chosen->headset.space).c_str());
-  std::printf("arrows: left, right, away, near; Page Up/Down: up, down; [ ]: turn; + -: step; u: undo all; q: done\n");
+  Print("arrows: left, right, away, near; Page Up/Down: up, down; [ ]: turn; + -: step; u: undo all; q: done\n");
   Nudge nudge(chosen->base_space);
   const RawKeys keys;
   for (char byte = 0; ::read(STDIN_FILENO, &byte, 1) == 1;) {
@@ -92,7 +93,7 @@ int ForgetStored(client::Connection& connection, const nlohmann::json& status, i
   }
   const auto done = AskPlacement(connection, command);
   if (!done.ok()) return Fail(kCommand, done.error());
-  std::printf("%s\n", done->c_str());
+  Print(*done + "\n");
   return kExitOk;
 }
 
@@ -115,7 +116,7 @@ int SetPolicy(client::Connection& connection, const std::string& placement) {
   }
   const auto done = AskPlacement(connection, command);
   if (!done.ok()) return Fail(kCommand, done.error());
-  std::printf("%s\n", done->c_str());
+  Print(*done + "\n");
   return kExitOk;
 }
 
@@ -131,7 +132,7 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
   }
   const auto aligned = RunAlignment(connection, arguments.run);
   if (!aligned.ok()) return Fail(kCommand, aligned.error());
-  std::printf("%s", AlignOutcomeText(arguments.run.session, aligned->outcome).c_str());
+  Print(AlignOutcomeText(arguments.run.session, aligned->outcome));
   const auto stored = AskPlacement(connection, StoreCommand(aligned->headset, aligned->outcome, arguments.method));
   if (!stored.ok()) return Fail(kCommand, stored.error());
   std::printf("stored       %s; applications that run have it already\n", stored->c_str());
@@ -152,7 +153,7 @@ int Align(const AlignArguments& arguments) {
   if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
   if (arguments.restore) return RestoreStored(**connection, *status, arguments.number);
   if (!arguments.show) return NudgeStored(**connection, *status, arguments.number);
-  std::printf("%s", StoredAlignmentsText(*status).c_str());
+  Print(StoredAlignmentsText(*status));
   return kExitOk;
 }
 
@@ -165,7 +166,7 @@ void AddAlign(CLI::App& app) {
       ->add_option("method", arguments->method,
                    "touch: marks of the base with a controller; sweep: pen and controller held together; fingertip: "
                    "an index finger on the pen's tip; nudge: keys")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kMethods), std::end(kMethods))))
+      ->check(console::OneOf({std::begin(kMethods), std::end(kMethods)}))
       ->capture_default_str();
   align->add_flag("--show", arguments->show, "list what is stored");
   align->add_flag("--forget", arguments->forget, "forget it, or number N of it");
@@ -173,11 +174,11 @@ void AddAlign(CLI::App& app) {
   align
       ->add_option("--placement", arguments->placement,
                    "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kPlacements), std::end(kPlacements))));
+      ->check(console::OneOf({std::begin(kPlacements), std::end(kPlacements)}));
   align->add_option("--number", arguments->number, "of --show, for nudge, --forget and --restore")
       ->check(CLI::Range(1, 64));
   align->add_option("--hand", arguments->run.hand, "which controller")
-      ->check(CLI::IsMember({"auto", "left", "right"}))
+      ->check(console::OneOf({"auto", "left", "right"}))
       ->capture_default_str();
   align->add_flag("--tilted", arguments->tilted, "the base does not stand level");
   align->add_option("--marks", arguments->marks, "file of marks (default: the built-in marks.toml)");

@@ -1,5 +1,6 @@
 #include "service/tools/align_run.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -8,10 +9,12 @@
 
 #include "service/alignment/rigid.h"
 #include "service/base/clock.h"
+#include "service/console/wrap.h"
 #include "service/tools/align_probe.h"
 #include "service/tools/align_text.h"
 #include "service/tools/calibrate_text.h"
 #include "service/tools/terminal.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -46,7 +49,7 @@ class AlignDisplay {
     const std::string text = AlignStepText(session);
     if (text != text_) {
       if (live_ && !text_.empty()) std::printf("\r\033[K");
-      std::printf("%s\n", text.c_str());
+      Print(text + "\n");
       std::fflush(stdout);
       text_ = text;
       line_.clear();
@@ -55,12 +58,12 @@ class AlignDisplay {
     const std::string line = ProgressBar(session.progress(), kAlignBarWidth) + "  " + session.hint();
     if (line == line_) return;
     line_ = line;
-    std::printf("\r\033[K     %.*s", SizeOfTerminal().columns - 6, line.c_str());
+    std::printf("\r\033[K     %.*s", std::max(0, console::SizeOfTerminal().columns - 6), line.c_str());
     std::fflush(stdout);
   }
   void Say(const std::string& text) {
     if (live_) std::printf("\r\033[K");
-    std::printf("%s\n", text.c_str());
+    Print(text + "\n");
     std::fflush(stdout);
     line_.clear();
   }

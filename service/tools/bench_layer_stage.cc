@@ -24,7 +24,7 @@ base::Result<std::unique_ptr<LayerStage>> LayerStage::Open(std::uint64_t seed) {
   fs::permissions(stage->work_ / "run", fs::perms::owner_all, error);
   auto service = ChildProcess::Start(
       {(stage->build_ / "bin/omnid").string(), "--device", "twin", "--twin-seed", std::to_string(seed), "--twin-script",
-       FindHandScript(FindScene("extrusion")), "--log-level", "error"},
+       FindHandScript(ShippedScene("extrusion")), "--log-level", "error"},
       stage->MakeEnvironment(false));
   if (!service.ok()) return base::Error{service.error()};
   stage->service_.emplace(std::move(*service));

@@ -23,7 +23,7 @@ base::Result<BenchRows> BenchLoop(const BenchOptions& options) {
   const std::uint64_t ticks = options.ticks > 0 ? options.ticks : kTicks;
   BenchRows rows;
   for (const char* name : kScenes) {
-    const std::string path = FindScene(name);
+    const std::string path = ShippedScene(name);
     auto loaded = LoadLiveScene(path, {});
     if (!loaded.ok()) return base::Error{loaded.error()};
     auto scans = RecordScans(config, loaded->scene, path, options.seed);

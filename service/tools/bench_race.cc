@@ -50,7 +50,7 @@ struct HitRun {
 
 base::Result<haptics::Scene> TrackForTheseSpeeds() {
   scene::LoadReport load;
-  auto input = scene::LoadSceneFile(FindScene("racetrack"), {}, load);
+  auto input = scene::LoadSceneFile(ShippedScene("racetrack"), {}, load);
   if (!input.ok()) return base::Error{input.error()};
   if (!input->vehicle || !input->joystick) return base::Error{"racetrack: has no vehicle or no joystick"};
   input->vehicle->hit_speed_m_s = kHitSpeed_m_s;

@@ -136,7 +136,7 @@ void BenchRaceWalls(std::uint64_t seed, std::uint64_t throws, BenchRows& rows) {
 }
 
 base::Status BenchRaceCost(BenchRows& rows) {
-  auto loaded = LoadScene(FindScene("racetrack"), {});
+  auto loaded = LoadScene(ShippedScene("racetrack"), {});
   if (!loaded.ok()) return base::Error{loaded.error()};
   const haptics::VehicleInput& car = loaded->scene.header().vehicle;
   const haptics::WallMap walls = haptics::WallsOf(loaded->scene);

@@ -47,7 +47,8 @@ base::Result<BenchRows> BenchScene(const BenchOptions& options) {
   const WorkFolder work;
   if (work.path().empty()) return base::Error{"no temporary folder; set TMPDIR to a place with 500 MB"};
   std::vector<BenchFile> files = WriteBenchFiles(work.path().string(), options.seed, options.quick ? 20 : 1);
-  for (const char* shipped : {"extrusion", "dragon", "racetrack"}) files.push_back({shipped, FindScene(shipped), true});
+  for (const char* shipped : {"extrusion", "dragon", "racetrack"})
+    files.push_back({shipped, ShippedScene(shipped), true});
   BenchRows rows;
   // The second time from the cache, where it was kept.
   for (const int time : {1, 2}) {

@@ -164,7 +164,7 @@ class TickBench {
 
   base::Result<BenchRows> Run() {
     for (const char* name : {"extrusion", "dragon", "racetrack"}) {
-      const std::string path = FindScene(name);
+      const std::string path = ShippedScene(name);
       auto loaded = LoadLiveScene(path, {});
       if (!loaded.ok()) return base::Error{loaded.error()};
       if (!loaded->live.lines.empty()) return base::Error{path + ": " + loaded->live.lines.front()};

@@ -155,7 +155,7 @@ void AddCalibrate(CLI::App& app) {
   CLI::App* calibrate =
       app.add_subcommand("calibrate", "measure this base: sweep, wave, touch; writes calibration.toml");
   calibrate->add_option("--device", arguments->device, "twin: the digital twin (a simulation)")
-      ->check(CLI::IsMember({"twin"}))
+      ->check(console::OneOf({"twin"}))
       ->capture_default_str();
   calibrate->add_option("--device-file", arguments->device_file, "geometry (default: the built-in omni.toml)");
   calibrate->add_option("--seed", arguments->seed, "of the twin: the same base as `omnid --twin-seed`")

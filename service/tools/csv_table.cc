@@ -39,7 +39,8 @@ base::Result<CsvTable> CsvTable::Read(const std::string& path) {
     for (std::size_t i = 0; i < fields.size(); ++i) {
       double value = 0;
       const auto parsed = std::from_chars(fields[i].data(), fields[i].data() + fields[i].size(), value);
-      if (parsed.ec != std::errc{} && !fields[i].empty()) {
+      const bool whole = parsed.ec == std::errc{} && parsed.ptr == fields[i].data() + fields[i].size();
+      if (!whole && !fields[i].empty()) {
         return base::Error{path + ":" + std::to_string(number) + ": column " + names[i] + ": not a number"};
       }
       columns[i].push_back(value);

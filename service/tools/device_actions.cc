@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/console/wrap.h"
 #include "service/tools/command_line.h"
 #include "service/tools/device_command.h"
 #include "service/tools/device_held.h"
@@ -43,7 +44,7 @@ int DeviceList(device::UsbBus& bus, std::ostream& out) {
   for (const device::UsbBase& base : *bases) {
     listed.push_back({.base = base, .firmware = FirmwareOf(bus, base), .holders = device::HoldersOf(base.node)});
   }
-  out << DeviceListText(listed);
+  out << console::ForPeople(DeviceListText(listed));
   return kExitOk;
 }
 
@@ -57,18 +58,18 @@ int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out
   if (!base.ok()) return Fail("omni device info", base.error());
   const base::Result<wire::Hello> hello = device::AskUsbHello(bus, *base);
   if (!hello.ok()) return Fail("omni device info", hello.error());
-  out << DeviceIdentityText(*base, *hello);
+  out << console::ForPeople(DeviceIdentityText(*base, *hello));
   if (const std::vector<device::Holder> holders = others.holders(base->node); !holders.empty()) {
     const bool is_service = std::any_of(holders.begin(), holders.end(),
                                         [](const device::Holder& holder) { return holder.name == kServiceName; });
-    out << DeviceHeldText(holders);
-    if (is_service) out << DeviceServedText(others.service_status(), *base);
-    out << DeviceFreeItText(is_service);
+    out << console::ForPeople(DeviceHeldText(holders));
+    if (is_service) out << console::ForPeople(DeviceServedText(others.service_status(), *base));
+    out << console::ForPeople(DeviceFreeItText(is_service));
     return kExitOk;
   }
   const base::Result<device::UsbProbe> probe = device::ProbeUsbBase(bus, *base, {});
   if (!probe.ok()) return Fail("omni device info", probe.error());
-  out << DeviceLiveText(*probe);
+  out << console::ForPeople(DeviceLiveText(*probe));
   return kExitOk;
 }
 
@@ -76,15 +77,16 @@ int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::fu
                    std::ostream& out) {
   const base::Result<device::UsbBase> base = ChooseBase(bus, serial);
   if (!base.ok()) return Fail("omni device selftest", base.error());
-  out << "Listens to " << device::UsbBaseName(*base)
-      << " for a second, then arms it for a moment with all currents at zero. Arming ends\n"
-         "faults whose cause is gone. Take the pen and other magnets a metre away, and look that nothing is wrong.\n";
+  out << console::ForPeople(
+      "Listens to " + device::UsbBaseName(*base) +
+      " for a second, then arms it for a moment with all currents at zero. Arming ends\n"
+      "faults whose cause is gone. Take the pen and other magnets a metre away, and look that nothing is wrong.\n");
   if (!agreed()) return Fail("omni device selftest", "not done");
   const base::Result<device::UsbProbe> probe =
       device::ProbeUsbBase(bus, *base, {.listen_ns = 1'000'000'000, .arm = true});
   if (!probe.ok()) return Fail("omni device selftest", probe.error());
   const std::vector<SelfTestRow> rows = JudgeSelfTest(*probe);
-  out << DeviceIdentityText(*base, probe->hello) << DeviceLiveText(*probe) << SelfTestText(rows);
+  out << console::ForPeople(DeviceIdentityText(*base, probe->hello) + DeviceLiveText(*probe) + SelfTestText(rows));
   const bool passed = std::all_of(rows.begin(), rows.end(), [](const SelfTestRow& row) { return row.passed; });
   return passed ? kExitOk : Fail("omni device selftest", "not passed; see what FAILs above");
 }
@@ -100,7 +102,7 @@ int DeviceEstop(device::UsbBus& bus, const std::string& serial, std::ostream& ou
     const base::Status stopped = base.problem.empty() ? device::StopUsbBase(bus, base, kReasonCommandLine)
                                                       : base::Error{device::UsbBaseName(base) + ": " + base.problem};
     if (stopped.ok()) {
-      out << device::UsbBaseName(base) << ": stopped; `omni device selftest` arms it again\n";
+      out << console::ForPeople(device::UsbBaseName(base) + ": stopped; `omni device selftest` arms it again\n");
     } else {
       problems += (problems.empty() ? "" : "; ") + stopped.error();
     }

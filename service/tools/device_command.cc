@@ -10,6 +10,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/device_text.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -70,7 +71,7 @@ void AddDevice(CLI::App& app) {
     action->callback([&entry, arguments] { throw CLI::RuntimeError(RunAction(entry, *arguments)); });
   }
   device->add_subcommand("flash-help", "how to put the firmware on a Teensy 4.0")->callback([] {
-    std::cout << FlashHelpText();
+    Print(FlashHelpText());
     throw CLI::RuntimeError(kExitOk);
   });
 }

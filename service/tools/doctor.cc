@@ -9,6 +9,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/doctor_text.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -25,11 +26,10 @@ int Doctor(const DoctorArguments& arguments) {
   if (arguments.as_json) {
     std::cout << DoctorJson(findings, status).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
-    std::cout << DoctorText(findings, status);
+    Print(DoctorText(findings, status));
   }
   if (!AnyFailed(findings)) return kExitOk;
-  std::cerr << "omni doctor: something fails; apply the fixes above from top to bottom\n";
-  return kExitFailed;
+  return Fail("omni doctor", "something fails; apply the fixes above from top to bottom");
 }
 
 }  // namespace

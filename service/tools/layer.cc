@@ -10,6 +10,7 @@
 #include "service/tools/commands.h"
 #include "service/tools/elf_file.h"
 #include "service/tools/layer_store.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -32,10 +33,9 @@ int Enable(const LayerArguments& arguments) {
   const auto enabled = EnableLayer(surroundings, arguments.scope());
   if (!enabled.ok()) return Fail(kEnableCommand, enabled.error());
   const LayerManifest manifest = ReadLayerManifest(enabled->file, true);
-  std::cout << (enabled->replaced ? "renewed " : "wrote ") << enabled->file.string() << "\n"
-            << "every OpenXR application of " << (arguments.system ? "this machine" : "yours") << " gets "
-            << manifest.library << "\n"
-            << "one application without it: " << manifest.disable_environment << "=1\n";
+  Print((enabled->replaced ? "renewed " : "wrote ") + enabled->file.string() + "\nevery OpenXR application of " +
+        (arguments.system ? "this machine" : "yours") + " gets " + manifest.library +
+        "\none application without it: " + manifest.disable_environment + "=1\n");
   return kExitOk;
 }
 
@@ -43,10 +43,10 @@ int Disable(const LayerArguments& arguments) {
   const Surroundings surroundings = SurroundingsOfThisProcess({});
   const auto removed = DisableLayer(surroundings, arguments.scope());
   if (!removed.ok()) return Fail(kDisableCommand, removed.error());
-  for (const auto& file : *removed) std::cout << "removed " << file.string() << "\n";
-  if (removed->empty()) std::cout << "it was not enabled there\n";
+  for (const auto& file : *removed) Print("removed " + file.string() + "\n");
+  if (removed->empty()) Print("it was not enabled there\n");
   const Finding left = LookAtEnabledLayers(surroundings);
-  if (left.verdict == Verdict::kOk) std::cout << "still enabled: " << left.what << "\n";
+  if (left.verdict == Verdict::kOk) Print("still enabled: " + left.what + "\n");
   return kExitOk;
 }
 
@@ -73,17 +73,18 @@ nlohmann::ordered_json BinaryJson(const std::string& library, const ElfFile& elf
           {"glibc", elf.newest_glibc}, {"needed", elf.needed}, {"exported", elf.exported}};
 }
 
-void PrintStatus(const nlohmann::ordered_json& status) {
-  std::cout << "layer        " << status["layer"].get<std::string>() << "\n"
-            << "enabled      " << (status["enabled"].get<bool>() ? "yes: " : "no: ") << status["why"].get<std::string>()
-            << "\n";
+std::string LayerStatusText(const nlohmann::ordered_json& status) {
+  std::string text = "layer        " + status["layer"].get<std::string>() + "\n";
+  text += std::string("enabled      ") + (status["enabled"].get<bool>() ? "yes: " : "no: ") +
+          status["why"].get<std::string>() + "\n";
   for (const auto& manifest : status["manifests"]) {
     const std::string problem = manifest["problem"];
-    std::cout << (manifest["implicit"].get<bool>() ? "implicit     " : "explicit     ")
-              << manifest["file"].get<std::string>() << " -> "
-              << (problem.empty() ? manifest["library"].get<std::string>() : "skipped: " + problem) << "\n";
+    text += (manifest["implicit"].get<bool>() ? "implicit     " : "explicit     ") +
+            manifest["file"].get<std::string>() + " -> " +
+            (problem.empty() ? manifest["library"].get<std::string>() : "skipped: " + problem) + "\n";
   }
-  if (const std::string fix = status["fix"]; !fix.empty()) std::cout << "to enable it " << fix << "\n";
+  if (const std::string fix = status["fix"]; !fix.empty()) text += "to enable it " + fix + "\n";
+  return text;
 }
 
 int Status(const LayerArguments& arguments) {
@@ -101,8 +102,7 @@ int Status(const LayerArguments& arguments) {
   if (arguments.as_json) {
     std::cout << status.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
-    PrintStatus(status);
-    std::cout << binary;
+    Print(LayerStatusText(status) + binary);
   }
   return kExitOk;
 }

@@ -69,7 +69,7 @@ void AddPaper(CLI::App& app) {
   auto arguments = std::make_shared<PaperArguments>();
   std::vector<std::string> names;
   for (const SectionEntry& entry : kSections) names.emplace_back(entry.name);
-  paper->add_option("section", arguments->only, "only this one")->check(CLI::IsMember(names));
+  paper->add_option("section", arguments->only, "only this one")->check(console::OneOf(names));
   paper->add_option("--figures", arguments->figures, "folder for the figures (SVG)");
   paper->add_option("--json", arguments->json, "write {name, commit, machine, rows} here as well");
   paper->add_option("--seed", arguments->options.seed, "of the first rig")->capture_default_str();

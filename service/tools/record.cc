@@ -13,6 +13,7 @@
 #include "service/tools/commands.h"
 #include "service/tools/replay_text.h"
 #include "service/tools/terminal.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -40,9 +41,6 @@ std::string ReadScans(device::Transport& transport, double seconds) {
 
 int RecordBase(RecordRequest request) {
   const std::string& path = request.run.record_device_path;
-  if (const std::string problem = daemon::DeviceProblem(request.run.device); !problem.empty()) {
-    return FailRecord("--device: " + problem);
-  }
   if (daemon::IsReplay(request.run.device)) return FailRecord("--device " + request.run.device + " is a recording");
   base::Result<daemon::OpenedDevice> opened = daemon::OpenDevice(request.run);
   if (!opened.ok()) return FailRecord(opened.error());
@@ -54,7 +52,7 @@ int RecordBase(RecordRequest request) {
   if (!recorder.problem().empty()) return FailRecord(recorder.problem());
   const auto summary = device::SummariseRecording(path);
   if (!summary.ok()) return FailRecord(summary.error());
-  std::cout << RecordingText(path, *summary);
+  Print(RecordingText(path, *summary));
   return ended.empty() ? kExitOk : FailRecord(ended);
 }
 
@@ -65,7 +63,9 @@ void AddRecord(CLI::App& app) {
   CLI::App* record = app.add_subcommand(
       "record", "what a base measures, with its coils at rest, into a file; omnid --record-device does it at work");
   record->add_option("file", request->run.record_device_path, "the recording; replaced if it is there")->required();
-  record->add_option("--device", request->run.device, daemon::DeviceHelp())->capture_default_str();
+  record->add_option("--device", request->run.device, daemon::DeviceHelp())
+      ->check(CLI::Validator(daemon::DeviceProblem, "DEVICE"))
+      ->capture_default_str();
   record->add_option("--seconds", request->seconds, "how long (default: until Ctrl-C)")->check(CLI::Range(0.001, 1e6));
   record->callback([request] { throw CLI::RuntimeError(RecordBase(*request)); });
 }

@@ -9,6 +9,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/replay_text.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 int ShowRecording(const std::string& path) {
   const auto summary = device::SummariseRecording(path);
   if (!summary.ok()) return Fail("omni replay", summary.error());
-  std::cout << RecordingText(path, *summary);
+  Print(RecordingText(path, *summary));
   return kExitOk;
 }
 

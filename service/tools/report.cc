@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "service/base/tool_state.h"
+#include "service/tools/json_text.h"
 #include "service/tools/statistics.h"
 
 namespace omni::tools {
@@ -56,18 +55,43 @@ void CountTicks(const CsvTable& loop, RunReport& report) {
     report.contact_ticks += force_N > kContact_N ? 1 : 0;
     report.peak_force_N = std::max(report.peak_force_N, force_N);
   }
-  if (loop.rows() > 0) report.haptic_pulses = static_cast<std::uint64_t>(loop["haptic_pulses"].back());
+  report.haptic_pulses = static_cast<std::uint64_t>(loop["haptic_pulses"].back());
 }
 
-base::Status ReadApp(const std::string& path, RunReport& report) {
-  std::ifstream file(path);
-  const json app = json::parse(file, nullptr, false);
-  if (!app.is_object()) return base::Error{path + ": not there or not JSON; the application did not finish its report"};
-  report.app = app.value("application", "");
+// Why a file cannot be judged, by the option that names it.
+base::Error NotJudged(const RunFileEntry& entry, const std::string& why) {
+  return {std::string(entry.option) + ": " + why + "; it has to be " + entry.what};
+}
+
+base::Result<CsvTable> ReadTable(const RunFiles& files, const RunFileEntry& entry,
+                                 const std::vector<std::string>& columns) {
+  const std::string& path = files.*entry.path;
+  base::Result<CsvTable> table = CsvTable::Read(path);
+  if (!table.ok()) return NotJudged(entry, table.error());
+  if (const std::string missing = table->Missing(columns); !missing.empty()) {
+    return NotJudged(entry, path + ": columns missing: " + missing);
+  }
+  if (table->rows() == 0) return NotJudged(entry, path + ": no line behind its header");
+  return table;
+}
+
+base::Status ReadApp(const RunFiles& files, const RunFileEntry& entry, RunReport& report) {
+  const std::string& path = files.*entry.path;
+  const base::Result<json> read = ReadJsonFile(path);
+  if (!read.ok()) return NotJudged(entry, read.error());
+  const json& app = *read;
+  if (!app.contains("application") || !app["application"].is_string()) {
+    return NotJudged(entry, path + ": /application is missing or no text");
+  }
+  for (const char* key : {"select_edges", "pose_valid_fraction", "locate_ns_median"}) {
+    const bool number = app.contains(key) && app[key].is_number();
+    if (!number) return NotJudged(entry, path + ": /" + key + " is missing or no number");
+  }
+  report.app = app["application"];
   if (app.contains("profile") && app["profile"].is_string()) report.profile = app["profile"];
-  report.select_edges = app.value("select_edges", std::uint64_t{0});
-  report.pose_valid_fraction = app.value("pose_valid_fraction", 0.0);
-  report.locate_ns_median = app.value("locate_ns_median", 0.0);
+  report.select_edges = app["select_edges"];
+  report.pose_valid_fraction = app["pose_valid_fraction"];
+  report.locate_ns_median = app["locate_ns_median"];
   return base::Ok{};
 }
 
@@ -86,21 +110,18 @@ TrackingErrors CompareTracking(const std::vector<TrackedPosition>& tracked, cons
 }
 
 base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& files, RunData& data) {
-  auto loop = CsvTable::Read(files.loop);
+  const auto& [loop_entry, truth_entry, app_entry] = kRunFiles;
+  auto loop = ReadTable(files, loop_entry,
+                        {"t_ns", "status", "late", "force_x_N", "force_y_N", "force_z_N", "magnet_x_m", "magnet_y_m",
+                         "magnet_z_m", "tip_x_m", "tip_y_m", "tip_z_m", "select", "haptic_pulses"});
   if (!loop.ok()) return base::Error{loop.error()};
-  auto truth = CsvTable::Read(files.truth);
+  auto truth = ReadTable(files, truth_entry, {"t_ns", "present", "magnet_x_m", "magnet_y_m", "magnet_z_m"});
   if (!truth.ok()) return base::Error{truth.error()};
   data = {.loop = std::move(*loop), .truth = std::move(*truth)};
-  const std::string loop_lacks =
-      data.loop.Missing({"t_ns", "status", "late", "force_x_N", "force_y_N", "force_z_N", "magnet_x_m", "magnet_y_m",
-                         "magnet_z_m", "tip_x_m", "tip_y_m", "tip_z_m", "select", "haptic_pulses"});
-  const std::string truth_lacks = data.truth.Missing({"t_ns", "present", "magnet_x_m", "magnet_y_m", "magnet_z_m"});
-  if (!loop_lacks.empty()) return base::Error{files.loop + ": columns missing: " + loop_lacks};
-  if (!truth_lacks.empty()) return base::Error{files.truth + ": columns missing: " + truth_lacks};
   RunReport report{.scene = scene};
   report.tracking = CompareTracking(TrackedOf(data.loop), data.truth);
   CountTicks(data.loop, report);
-  const base::Status app = ReadApp(files.app, report);
+  const base::Status app = ReadApp(files, app_entry, report);
   if (!app.ok()) return base::Error{app.error()};
   return report;
 }

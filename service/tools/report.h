@@ -46,10 +46,19 @@ struct RunReport {
 };
 
 struct RunFiles {
-  std::string loop;   // omnid --record
-  std::string truth;  // omnid --twin-record
-  std::string app;    // omni_probe --json
+  std::string loop, truth, app;
 };
+
+// One of them: the option that names it, and where it comes from.
+struct RunFileEntry {
+  const char* option;
+  std::string RunFiles::*path;
+  const char* what;
+};
+inline constexpr RunFileEntry kRunFiles[] = {
+    {"--loop", &RunFiles::loop, "the ticks: the CSV file of `omnid --record`"},
+    {"--truth", &RunFiles::truth, "the twin's truth: the CSV file of `omnid --twin-record`"},
+    {"--app", &RunFiles::app, "what the application saw: the JSON file of `omni_probe --json`"}};
 
 // The recordings, kept for the picture.
 struct RunData {
@@ -57,6 +66,7 @@ struct RunData {
   CsvTable truth;
 };
 
+// Errors: "--loop: FILE: what is wrong; it has to be ...".
 base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& files, RunData& data);
 
 nlohmann::json ToJson(const RunReport& report);

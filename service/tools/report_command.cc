@@ -1,6 +1,8 @@
 // omni report: judges a run's recordings, appends a row to a summary, draws the picture.
-#include <cstdio>
-#include <fstream>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,12 +11,15 @@
 #include <nlohmann/json.hpp>
 
 #include "service/config/device_file.h"
+#include "service/console/wrap.h"
 #include "service/tools/bench.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/json_text.h"
 #include "service/tools/report.h"
 #include "service/tools/run_picture.h"
 #include "service/tools/scene_source.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -26,44 +31,67 @@ struct ReportArguments {
   RunFiles files;
 };
 
-// Adds the row to {"scenes": [...]}; a row of the same scene is replaced.
-bool AppendToSummary(const std::string& path, const RunReport& report) {
+// {"scenes": [rows]}, as AddToSummary writes it.
+base::Result<json> ReadSummary(const char* option, const std::string& path) {
+  const auto wrong = [&](const std::string& why) {
+    return base::Error{std::string(option) + ": " + why +
+                       "; it has to be a summary: the JSON file of `omni report --summary`"};
+  };
+  base::Result<json> summary = ReadJsonFile(path);
+  if (!summary.ok()) return wrong(summary.error());
+  if (!summary->is_object() || !summary->contains("scenes")) return wrong(path + ": has no /scenes");
+  const json& rows = (*summary)["scenes"];
+  const bool sound = rows.is_array() && std::all_of(rows.begin(), rows.end(), [](const json& row) {
+                       return row.is_object() && row.contains("scene") && row["scene"].is_string();
+                     });
+  if (!sound) return wrong(path + ": /scenes is no list of rows with a scene each");
+  return summary;
+}
+
+// A row of the same scene is replaced. A summary that is not there yet, or empty, begins with this row.
+base::Status AddToSummary(const std::string& path, const RunReport& report) {
   json summary = {{"simulation", true}, {"scenes", json::array()}};
-  if (std::ifstream file(path); file) {
-    json old = json::parse(file, nullptr, false);
-    if (old.is_object() && old.contains("scenes") && old["scenes"].is_array()) summary = std::move(old);
+  std::error_code error;
+  if (const auto bytes = std::filesystem::file_size(path, error); !error && bytes > 0) {
+    base::Result<json> old = ReadSummary("--summary", path);
+    if (!old.ok()) return base::Error{old.error()};
+    summary = std::move(*old);
   }
   json kept = json::array();
   for (const json& row : summary["scenes"]) {
-    if (row.value("scene", "") != report.scene) kept.push_back(row);
+    if (row["scene"] != report.scene) kept.push_back(row);
   }
   kept.push_back(ToJson(report));
   summary["scenes"] = kept;
-  std::ofstream file(path);
-  file << summary.dump(2) << "\n";
-  file.close();
-  return static_cast<bool>(file);
+  const std::string problem = WriteText(path, summary.dump(2) + "\n");
+  if (!problem.empty()) return base::Error{"--summary: " + problem};
+  return base::Ok{};
 }
 
-bool WritePicture(const ReportArguments& arguments, const RunReport& report, const RunData& data) {
-  haptics::Scene scene;
-  if (!arguments.scene.empty()) {
-    auto loaded =
-        LoadScene(arguments.scene, {.touch_untagged = report.scene == "custom", .fit = report.scene == "custom"});
-    if (loaded.ok()) scene = std::move(loaded->scene);
-  }
-  std::ofstream file(arguments.picture);
-  file << DrawRun(report, data, scene, config::DefaultDevice().hull_radius_m);
-  file.close();
-  return static_cast<bool>(file);
+// Without --scene the run alone.
+base::Result<haptics::Scene> SceneOfRun(const std::string& name, bool custom) {
+  if (name.empty()) return haptics::Scene();
+  const base::Result<std::string> path = FindScene(name);
+  if (!path.ok()) return base::Error{"--scene: " + path.error()};
+  base::Result<LoadedScene> loaded = LoadScene(*path, {.touch_untagged = custom, .fit = custom});
+  if (!loaded.ok()) return base::Error{"--scene: " + loaded.error()};
+  return std::move(loaded->scene);
+}
+
+base::Status WritePicture(const ReportArguments& arguments, const RunReport& report, const RunData& data) {
+  const auto scene = SceneOfRun(arguments.scene, report.scene == "custom");
+  if (!scene.ok()) return base::Error{scene.error()};
+  const std::string svg = DrawRun(report, data, *scene, config::DefaultDevice().hull_radius_m);
+  const std::string problem = WriteText(arguments.picture, svg);
+  if (!problem.empty()) return base::Error{"--picture: " + problem};
+  return base::Ok{};
 }
 
 int ShowTable(const std::string& path) {
-  std::ifstream file(path);
-  const json summary = json::parse(file, nullptr, false);
-  if (!summary.is_object() || !summary.contains("scenes")) return Fail("omni report", path + ": not a summary");
+  const base::Result<json> summary = ReadSummary("--table", path);
+  if (!summary.ok()) return Fail("omni report", summary.error());
   BenchRows rows;
-  for (const json& row : summary["scenes"]) {
+  for (const json& row : (*summary)["scenes"]) {
     nlohmann::ordered_json line;
     for (const char* key :
          {"scene", "profile", "ticks", "late_ticks", "tracking_mean_mm", "tracking_p95_mm", "contact_ticks",
@@ -73,22 +101,32 @@ int ShowTable(const std::string& path) {
     rows.push_back(line);
   }
   std::cout << BenchTable(rows);
-  return 0;
+  return kExitOk;
 }
 
 int MakeRunReport(const ReportArguments& arguments) {
   RunData data;
   auto report = MakeReport(arguments.name, arguments.files, data);
   if (!report.ok()) return Fail("omni report", report.error());
-  if (!arguments.summary.empty() && !AppendToSummary(arguments.summary, *report)) {
-    return Fail("omni report", arguments.summary + ": cannot be written");
+  if (!arguments.summary.empty()) {
+    const base::Status added = AddToSummary(arguments.summary, *report);
+    if (!added.ok()) return Fail("omni report", added.error());
   }
-  if (!arguments.picture.empty() && !WritePicture(arguments, *report, data)) {
-    return Fail("omni report", arguments.picture + ": cannot be written");
+  if (!arguments.picture.empty()) {
+    const base::Status drawn = WritePicture(arguments, *report, data);
+    if (!drawn.ok()) return Fail("omni report", drawn.error());
   }
   const std::vector<std::string> shortcomings = Shortcomings(*report);
-  for (const std::string& line : shortcomings) std::cerr << line << "\n";
-  return shortcomings.empty() ? 0 : 1;
+  for (const std::string& line : shortcomings) std::cerr << console::ForPeople(line + "\n", STDERR_FILENO);
+  return shortcomings.empty() ? kExitOk : kExitFailed;
+}
+
+// Without --table all three recordings are needed.
+void RequireFiles(const RunFiles& files) {
+  for (const RunFileEntry& entry : kRunFiles) {
+    if ((files.*entry.path).empty())
+      throw CLI::ValidationError(entry.option, "is missing; give " + std::string(entry.what));
+  }
 }
 
 }  // namespace
@@ -97,15 +135,16 @@ void AddReport(CLI::App& app) {
   CLI::App* report = app.add_subcommand("report", "judge a run's recordings against the twin's truth");
   auto arguments = std::make_shared<ReportArguments>();
   report->add_option("--name", arguments->name, "name of the run");
-  report->add_option("--scene", arguments->scene, "scene file, drawn in the picture");
-  report->add_option("--loop", arguments->files.loop, "omnid --record");
-  report->add_option("--truth", arguments->files.truth, "omnid --twin-record");
-  report->add_option("--app", arguments->files.app, "what the app saw (omni_probe --json)");
+  report->add_option("--scene", arguments->scene, "drawn in the picture: a scene file, or the name of a shipped one");
+  for (const RunFileEntry& entry : kRunFiles)
+    report->add_option(entry.option, arguments->files.*entry.path, entry.what);
   report->add_option("--summary", arguments->summary, "JSON file to add a row to");
-  report->add_option("--picture", arguments->picture, "SVG file to write");
+  report->add_option("--picture", arguments->picture, "picture to write")->check(console::WritesOnly(".svg", "SVG"));
   report->add_option("--table", arguments->table, "print a summary file as a table, nothing else");
   report->callback([arguments] {
-    throw CLI::RuntimeError(arguments->table.empty() ? MakeRunReport(*arguments) : ShowTable(arguments->table));
+    if (!arguments->table.empty()) throw CLI::RuntimeError(ShowTable(arguments->table));
+    RequireFiles(arguments->files);
+    throw CLI::RuntimeError(MakeRunReport(*arguments));
   });
 }
 

@@ -17,6 +17,7 @@
 #include "service/tools/scene_edit.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/scene_text.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -31,23 +32,26 @@ struct ExplainArguments {
 };
 
 int Explain(const ExplainArguments& arguments) {
-  const std::string path = FindScene(arguments.scene);
-  const base::Result<LoadedScene> loaded = LoadScene(path,
+  const base::Result<std::string> path = FindScene(arguments.scene);
+  if (!path.ok()) return Fail("omni scene explain", path.error());
+  const base::Result<LoadedScene> loaded = LoadScene(*path,
                                                      {.touch_untagged = arguments.fit || arguments.touch_all,
                                                       .fit = arguments.fit,
                                                       .hull_radius_m = config::DefaultDevice().hull_radius_m},
                                                      !arguments.no_cache);
   if (!loaded.ok()) return Fail("omni scene explain", loaded.error());
   if (arguments.as_json) {
-    std::cout << SceneJson(path, *loaded).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    std::cout << SceneJson(*path, *loaded).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
-    std::cout << SceneText(path, *loaded);
+    Print(SceneText(*path, *loaded));
   }
   return kExitOk;
 }
 
 int Cost(const ExplainArguments& arguments) {
-  const auto cost = SceneCost(FindScene(arguments.scene), {.touch_untagged = arguments.touch_all}, !arguments.no_cache);
+  const base::Result<std::string> path = FindScene(arguments.scene);
+  if (!path.ok()) return Fail("omni scene cost", path.error());
+  const auto cost = SceneCost(*path, {.touch_untagged = arguments.touch_all}, !arguments.no_cache);
   if (!cost.ok()) return Fail("omni scene cost", cost.error());
   std::cout << cost->dump(2) << "\n";
   return kExitOk;

@@ -10,6 +10,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/json_text.h"
 #include "service/tools/service_link.h"
+#include "service/tools/text_output.h"
 #include "service/tools/whole_file.h"
 
 namespace omni::tools {
@@ -34,12 +35,12 @@ std::string KiloBytes(double bytes) {
 int Ask(const std::string& command, SceneAction action, const EditArguments& arguments, client::SceneAnswer& answer) {
   auto connection = ConnectToService(arguments.socket);
   if (!connection.ok()) {
-    std::cerr << command << ": " << connection.error() << "\n";
+    Fail(command, connection.error());
     return kExitNoService;
   }
   base::Result<client::SceneAnswer> answered = AskScene(**connection, action, arguments.client, arguments.object);
   if (!answered.ok()) {
-    std::cerr << command << ": " << answered.error() << "\n";
+    Fail(command, answered.error());
     return kExitNoService;
   }
   answer = std::move(*answered);
@@ -55,14 +56,18 @@ int Edits(const EditArguments& arguments) {
   if (!edits.is_object()) {
     return Fail("omni scene edits", "omnid's answer is no JSON object; install the same Omni version for both");
   }
-  std::cout << (arguments.as_json ? edits.dump(2) + "\n" : EditsText(edits));
+  if (arguments.as_json) {
+    std::cout << edits.dump(2) << "\n";
+  } else {
+    Print(EditsText(edits));
+  }
   return kExitOk;
 }
 
 int UndoOrRedo(const char* command, SceneAction action, const EditArguments& arguments) {
   client::SceneAnswer answer;
   const int status = Ask(command, action, arguments, answer);
-  if (status == kExitOk) std::cout << answer.text << "\n";
+  if (status == kExitOk) Print(answer.text + "\n");
   return status;
 }
 
@@ -75,8 +80,7 @@ int Save(const EditArguments& arguments) {
   }
   const base::Status written = WriteWholeFile(arguments.file, answer.file, arguments.force);
   if (!written.ok()) return Fail(kCommand, written.error());
-  std::cout << arguments.file << ": " << answer.text << ", " << KiloBytes(static_cast<double>(answer.file.size()))
-            << "\n";
+  Print(arguments.file + ": " + answer.text + ", " + KiloBytes(static_cast<double>(answer.file.size())) + "\n");
   return kExitOk;
 }
 
@@ -103,7 +107,9 @@ void AddSceneEdits(CLI::App& scene) {
     command->add_option("--object", arguments->object, "name or number (default: the one that was edited last)");
   }
   CLI::App* save = scene.add_subcommand("save", "write the sculpted surfaces as a .glb file, as they are felt now");
-  save->add_option("file", arguments->file, "the file to write, NAME.glb")->required();
+  save->add_option("file", arguments->file, "the file to write")
+      ->required()
+      ->check(console::WritesOnly(".glb", "binary glTF"));
   save->add_flag("--force", arguments->force, "replace a file that is there");
   save->callback([arguments] { throw CLI::RuntimeError(Save(*arguments)); });
   for (CLI::App* command : {edits, undo, redo, save}) AddPlace(command, arguments);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "service/config/paths.h"
+#include "service/config/scene_name.h"
 #include "service/scene/load_scene.h"
 
 namespace omni::tools {
@@ -28,12 +29,9 @@ base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::Lo
   return loaded;
 }
 
-std::string FindScene(const std::string& name) {
-  std::error_code error;
-  if (fs::is_regular_file(name, error)) return name;
-  const fs::path shipped = fs::path(config::ScenesFolder()) / (name + ".glb");
-  return fs::is_regular_file(shipped, error) ? shipped.string() : name;
-}
+base::Result<std::string> FindScene(const std::string& name) { return config::FindScene(name, config::ScenesFolder()); }
+
+std::string ShippedScene(const std::string& name) { return config::ScenesFolder() + "/" + name + ".glb"; }
 
 std::string FindHandScript(const std::string& scene_path) {
   fs::path script(scene_path);

@@ -24,8 +24,11 @@ base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOp
 // sculptable surfaces.
 base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::LoadOptions& options);
 
-// `name` as given if it is a file, else a scene of the data folder: "dragon" -> <scenes>/dragon.glb.
-std::string FindScene(const std::string& name);
+// What a person calls a scene -> its file (config/scene_name.h).
+base::Result<std::string> FindScene(const std::string& name);
+
+// A scene that we ship: "dragon" -> <scenes>/dragon.glb.
+std::string ShippedScene(const std::string& name);
 
 // The hand script that goes with a scene: <same folder>/<name>.hand.json; empty: there is none.
 std::string FindHandScript(const std::string& scene_path);

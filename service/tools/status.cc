@@ -10,6 +10,7 @@
 #include "service/tools/commands.h"
 #include "service/tools/service_link.h"
 #include "service/tools/status_text.h"
+#include "service/tools/text_output.h"
 
 namespace omni::tools {
 namespace {
@@ -22,13 +23,13 @@ struct StatusArguments {
 int Status(const StatusArguments& arguments) {
   const base::Result<nlohmann::json> status = FetchStatus(arguments.socket);
   if (!status.ok()) {
-    std::cerr << "omni status: " << status.error() << "\n";
+    Fail("omni status", status.error());
     return kExitNoService;
   }
   if (arguments.as_json) {
     std::cout << status->dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
-    std::cout << StatusText(*status);
+    Print(StatusText(*status));
   }
   return kExitOk;
 }

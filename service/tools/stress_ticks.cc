@@ -195,7 +195,7 @@ nlohmann::ordered_json Row(const char* fault, const Tally& tally, std::uint64_t 
 
 base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed) {
   loop::FlushDenormals();
-  auto loaded = LoadLiveScene(FindScene("extrusion"), {});
+  auto loaded = LoadLiveScene(ShippedScene("extrusion"), {});
   if (!loaded.ok()) return base::Error{loaded.error()};
   const base::DeviceGeometry& device = config::DefaultDevice();
   sim::Rig rig(device, {.seed = seed, .noise = sim::NoiseMode::kLowPower});

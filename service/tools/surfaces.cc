@@ -129,8 +129,8 @@ class SurfaceCounter {
 int NoSurfaceService(const SurfacesArguments& arguments, const SurfaceCounter& counter) {
   const std::string path = arguments.socket.empty() ? client::DefaultSocketPath() : arguments.socket;
   const std::string& why = counter.view().problem;
-  std::cerr << "omni surfaces: " << (why.empty() ? "omnid does not answer at " + path : why)
-            << "; to start it: `omnid --device twin`\n";
+  Fail("omni surfaces",
+       (why.empty() ? "omnid does not answer at " + path : why) + "; to start it: `omnid --device twin`");
   return kExitNoService;
 }
 
@@ -187,7 +187,8 @@ void AddSurfaces(CLI::App& app) {
   auto save = std::make_shared<SurfacesSaveArguments>();
   CLI::App* surfaces = app.add_subcommand("surfaces", "surfaces that give way, are sculpted, extruded or moved, now");
   CLI::Option* watch = surfaces->add_flag("--watch", arguments->watch, "go on, until Ctrl-C");
-  CLI::Option* file = surfaces->add_option("--save", save->file, "write the surfaces as they are now: NAME.glb");
+  CLI::Option* file = surfaces->add_option("--save", save->file, "write the surfaces as they are now")
+                          ->check(console::WritesOnly(".glb", "binary glTF"));
   file->excludes(watch);
   surfaces
       ->add_flag("--largest", save->largest,

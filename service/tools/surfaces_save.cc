@@ -15,6 +15,7 @@
 #include "service/scene/glb_save.h"
 #include "service/tools/command_line.h"
 #include "service/tools/terminal.h"
+#include "service/tools/text_output.h"
 #include "service/tools/whole_file.h"
 
 namespace omni::tools {
@@ -97,7 +98,7 @@ class PublishedReader {
 int NoServiceToSave(const SurfacesSaveArguments& arguments, const PublishedReader& reader) {
   const std::string path = arguments.socket.empty() ? client::DefaultSocketPath() : arguments.socket;
   const std::string why = reader.problem().empty() ? "omnid does not answer at " + path : reader.problem();
-  std::cerr << kSaveCommand << ": " << why << "; to start it: `omnid --device twin`\n";
+  Fail(kSaveCommand, why + "; to start it: `omnid --device twin`");
   return kExitNoService;
 }
 
@@ -106,7 +107,7 @@ int WriteSurfaces(const SurfacesSaveArguments& arguments, const PublishedSurface
   if (!bytes.ok()) return Fail(kSaveCommand, arguments.file + ": " + bytes.error());
   const base::Status written = WriteWholeFile(arguments.file, *bytes, arguments.force);
   if (!written.ok()) return Fail(kSaveCommand, written.error());
-  std::cout << arguments.file << ": " << SavedText(surfaces) << "\n";
+  Print(arguments.file + ": " + SavedText(surfaces) + "\n");
   return kExitOk;
 }
 

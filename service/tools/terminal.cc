@@ -1,12 +1,13 @@
 #include "service/tools/terminal.h"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <string_view>
+
+#include "service/console/wrap.h"
 
 namespace omni::tools {
 namespace {
@@ -41,12 +42,6 @@ bool CanDraw() {
   return ::isatty(STDOUT_FILENO) == 1 && term != nullptr && std::string_view(term) != "dumb";
 }
 
-TerminalSize SizeOfTerminal() {
-  winsize size{};
-  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return {};
-  return {.columns = size.ws_col, .rows = size.ws_row};
-}
-
 EndSignals::EndSignals() {
   end_asked.store(false, std::memory_order_relaxed);
   struct sigaction action {};
@@ -65,8 +60,11 @@ AlternateScreen::AlternateScreen() { WriteAll(kEnter); }
 AlternateScreen::~AlternateScreen() { WriteAll(kLeave); }
 
 bool AlternateScreen::Show(const std::string& lines) {
+  const console::TerminalSize size = console::SizeOfTerminal();
   std::string text(kHome);
-  for (const char c : lines) {
+  int rows = 1;
+  for (const char c : console::Wrap(lines, size.columns)) {
+    if (c == '\n' && ++rows > size.rows) break;  // a line more would scroll the first one away
     if (c == '\n') {
       text += kClearToEndOfLine;
     } else {

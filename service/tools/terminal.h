@@ -5,14 +5,8 @@
 
 namespace omni::tools {
 
-struct TerminalSize {
-  int columns = 80;
-  int rows = 24;
-};
-
 // True: stdout is a terminal that can be drawn on.
 bool CanDraw();
-TerminalSize SizeOfTerminal();
 
 // SIGINT, SIGTERM and SIGHUP end the wait instead of the process. Only one at a time.
 class EndSignals {

@@ -3,8 +3,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iostream>
+
+#include "service/console/wrap.h"
 
 namespace omni::tools {
+
+void Print(const std::string& text) { std::cout << console::ForPeople(text); }
 
 std::string WriteText(const std::string& path, const std::string& text) {
   std::ofstream file(path);

@@ -1,9 +1,12 @@
-// Files that a subcommand leaves behind.
+// What a subcommand says, and the files that it leaves behind.
 #pragma once
 
 #include <string>
 
 namespace omni::tools {
+
+// To stdout, as wide as the terminal. Not for JSON and tables.
+void Print(const std::string& text);
 
 // Empty: written. Else "PATH: cannot be written (REASON); check the folder".
 std::string WriteText(const std::string& path, const std::string& text);

@@ -187,7 +187,7 @@ void AddTrack(CLI::App& app) {
   track
       ->add_option("--currents", arguments->currents,
                    "of the coils: auto (measured if recorded, else hidden), measured, hidden, zero")
-      ->check(CLI::IsMember({"auto", "measured", "hidden", "zero"}))
+      ->check(console::OneOf({"auto", "measured", "hidden", "zero"}))
       ->capture_default_str();
   track->add_option("-o,--output", arguments->output, "CSV file of poses with covariances");
   track->add_option("--residuals", arguments->residuals, "CSV file of residuals by pose and sensor");

@@ -81,23 +81,24 @@ base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const ba
 }
 
 int RunTwin(const RunArguments& arguments) {
-  const std::string path = FindScene(arguments.scene);
+  const base::Result<std::string> found = FindScene(arguments.scene);
+  if (!found.ok()) return Fail("omni twin run", found.error());
+  const std::string& path = *found;
   auto loaded = LoadLiveScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
-  if (!loaded.ok()) return Fail("omni twin", loaded.error());
-  for (const std::string& line : loaded->live.lines)
-    std::fprintf(stderr, "omni twin: %s: %s\n", path.c_str(), line.c_str());
+  if (!loaded.ok()) return Fail("omni twin run", loaded.error());
+  for (const std::string& line : loaded->live.lines) Fail("omni twin run", path + ": " + line);
   auto hand = HandFor(arguments, path, loaded->scene);
-  if (!hand.ok()) return Fail("omni twin", hand.error());
+  if (!hand.ok()) return Fail("omni twin run", hand.error());
   const base::DeviceGeometry& device = config::DefaultDevice();
   const double seconds = arguments.seconds > 0 ? arguments.seconds : hand->duration_s();
   base::TruthParameters truth = config::DefaultTwin();
   if (!arguments.twin.empty()) {
     base::Result<base::TruthParameters> parameters = config::LoadTwinFile(arguments.twin);
-    if (!parameters.ok()) return Fail("omni twin", parameters.error());
+    if (!parameters.ok()) return Fail("omni twin run", parameters.error());
     truth = *parameters;
   }
   const auto tick = ConfigFor(arguments, device);
-  if (!tick.ok()) return Fail("omni twin", tick.error());
+  if (!tick.ok()) return Fail("omni twin run", tick.error());
   const TruthFile recording(arguments.record);
   auto twin = sim::MakeVirtualTwin(device,
                                    {.seed = arguments.seed,
@@ -114,7 +115,7 @@ int RunTwin(const RunArguments& arguments) {
       });
   twin.reset();  // the recording is complete then
   const auto table = CsvTable::Read(recording.path());
-  if (!table.ok()) return Fail("omni twin", table.error());
+  if (!table.ok()) return Fail("omni twin run", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
   std::printf("scene            %s\n", path.c_str());
   std::printf("what changes     %u soft bodies, %u sculptable surfaces\n", loaded->live.soft_bodies,
@@ -134,15 +135,17 @@ int RunTwin(const RunArguments& arguments) {
 }
 
 int WritePath(const RunArguments& arguments, const std::string& output) {
-  const std::string path = FindScene(arguments.scene);
+  const base::Result<std::string> found = FindScene(arguments.scene);
+  if (!found.ok()) return Fail("omni twin path", found.error());
+  const std::string& path = *found;
   auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
-  if (!loaded.ok()) return Fail("omni twin", loaded.error());
+  if (!loaded.ok()) return Fail("omni twin path", loaded.error());
   auto hand = MakeHandPath(loaded->scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
-  if (!hand.ok()) return Fail("omni twin", path + ": " + hand.error());
+  if (!hand.ok()) return Fail("omni twin path", path + ": " + hand.error());
   std::ofstream file(output);
   file << WriteHandScript(*hand);
   file.close();
-  return file ? 0 : Fail("omni twin", output + ": cannot be written");
+  return file ? 0 : Fail("omni twin path", output + ": cannot be written");
 }
 
 }  // namespace
@@ -166,7 +169,7 @@ void AddTwinRun(CLI::App& twin) {
 
   auto output = std::make_shared<std::string>();
   CLI::App* path = twin.add_subcommand("path", "write a hand script that touches a scene");
-  path->add_option("scene", arguments->scene, "a .glb or .gltf file")->required();
+  path->add_option("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
   path->add_option("--output,-o", *output, "hand script to write")->required();
   path->add_flag("--fit", arguments->fit, "scale and move the model into reach");
   path->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");

@@ -13,6 +13,7 @@
 
 #include "service/base/clock.h"
 #include "service/client/connection.h"
+#include "service/console/wrap.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/json_text.h"
@@ -106,7 +107,7 @@ void Run(Watcher& watcher, double seconds, const Show& show) {
 void DrawUntilEnd(Watcher& watcher, double seconds) {
   AlternateScreen screen;
   Run(watcher, seconds, [&screen](const WatchFrame& frame, std::int64_t) {
-    return screen.Show(WatchScreen(frame, SizeOfTerminal().columns));
+    return screen.Show(WatchScreen(frame, console::SizeOfTerminal().columns));
   });
 }
 
@@ -130,7 +131,7 @@ int Watch(const WatchArguments& arguments) {
   }
   if (watcher.was_connected()) return kExitOk;
   const std::string path = arguments.socket.empty() ? client::DefaultSocketPath() : arguments.socket;
-  std::cerr << "omni watch: omnid never answered at " << path << "; start it with `omnid --device twin`\n";
+  Fail("omni watch", "omnid never answered at " + path + "; start it with `omnid --device twin`");
   return kExitNoService;
 }
 

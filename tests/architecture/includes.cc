@@ -65,9 +65,9 @@ bool Allowed(const std::string& module, const std::string& header) {
 
 std::set<std::string> AnyService() {
   std::set<std::string> all{"firmware/wire"};
-  for (const char* name :
-       {"base", "protocol", "config", "alignment", "magnetics", "tracker", "calibration", "peers", "haptics", "scene",
-        "actuation", "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
+  for (const char* name : {"base",        "console", "protocol", "config", "alignment", "magnetics", "tracker",
+                           "calibration", "peers",   "haptics",  "scene",  "actuation", "device",    "sim",
+                           "loop",        "ipc",     "client",   "daemon", "monitor",   "tools"}) {
     all.insert(std::string("service/") + name);
   }
   return all;
@@ -80,6 +80,7 @@ const std::vector<Rule>& Rules() {
       {"service/base", {}},
       {"service/protocol", {}},
       {"firmware/wire", {}},
+      {"service/console", {"service/base"}},
       {"service/config", {"service/base"}},
       {"service/alignment", {"service/base"}},
       {"service/magnetics", {"service/base"}},
@@ -114,7 +115,7 @@ const std::vector<Confined>& ConfinedHeaders() {
       {"ceres/", {"service/calibration/", "service/peers/"}},
       {"openxr/", {"layer/", "service/tools/doctor/openxr_loader.cc"}},
       {"toml++/", {"service/config/"}},
-      {"CLI/", {"service/tools/", "service/daemon/main.cc"}},
+      {"CLI/", {"service/console/", "service/tools/", "service/daemon/main.cc"}},
       {"spdlog/", {"service/daemon/", "service/tools/"}},
       {"Eigen/",
        {"service/base/eigen.h", "service/magnetics/", "service/tracker/", "service/haptics/", "service/actuation/",

@@ -8,8 +8,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <iostream>
 #include <map>
 #include <random>
@@ -29,6 +27,7 @@
 #include "service/tools/scene_source.h"
 #include "service/tools/statistics.h"
 #include "service/tools/work_folder.h"
+#include "tests/bench/arguments.h"
 
 namespace omni::bench {
 namespace {
@@ -72,7 +71,7 @@ Motion FreeMotion(std::uint64_t seed) {
 }
 
 base::Result<Motion> SceneMotion(const std::string& name) {
-  const std::string path = tools::FindScene(name);
+  const std::string path = tools::ShippedScene(name);
   auto loaded = tools::LoadScene(path, {});
   if (!loaded.ok()) return base::Error{loaded.error()};
   auto hand = sim::LoadHandScript(tools::FindHandScript(path));
@@ -241,11 +240,9 @@ int Run(std::uint64_t seed, bool quick) {
 }  // namespace omni::bench
 
 int main(int argc, char** argv) {
-  std::uint64_t seed = 1;
+  std::string seed = "1";
   bool quick = false;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--quick") == 0) quick = true;
-    if (std::strcmp(argv[i], "--seed") == 0 && i + 1 < argc) seed = std::strtoull(argv[++i], nullptr, 10);
-  }
-  return omni::bench::Run(seed, quick);
+  const auto ended = omni::bench::ParseArguments(argc, argv, "omni_bench_prediction",
+                                                 {{"--quick", &quick}, {"--seed", nullptr, &seed}});
+  return ended ? *ended : omni::bench::Run(omni::bench::Number(seed), quick);
 }

@@ -3,13 +3,13 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <cstring>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
 
 #include "service/haptics/sculpt/check_manifold.h"
 #include "service/haptics/sculpt/handover.h"
+#include "tests/bench/arguments.h"
 #include "tests/support/sculpt_hand.h"
 
 namespace omni::haptics::sculpt {
@@ -286,10 +286,11 @@ ordered_json Run(const Options& options) {
 
 int main(int argc, char** argv) {
   omni::haptics::sculpt::Options options;
-  for (int k = 1; k < argc; ++k) {
-    if (std::strcmp(argv[k], "--quick") == 0) options.quick = true;
-    if (std::strcmp(argv[k], "--seed") == 0 && k + 1 < argc) options.seed = std::strtoull(argv[k + 1], nullptr, 10);
-  }
+  std::string seed = std::to_string(options.seed);
+  const auto ended = omni::bench::ParseArguments(argc, argv, "omni_bench_sculpt",
+                                                 {{"--quick", &options.quick}, {"--seed", nullptr, &seed}});
+  if (ended) return *ended;
+  options.seed = omni::bench::Number(seed);
   std::cout << omni::haptics::sculpt::Run(options).dump() << "\n";
   return 0;
 }

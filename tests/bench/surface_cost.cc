@@ -14,6 +14,7 @@
 #include "service/haptics/live/surface_frame.h"
 #include "service/ipc/surface_publisher.h"
 #include "service/loop/surface_snapshot.h"
+#include "tests/bench/arguments.h"
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics {
@@ -137,7 +138,11 @@ void TimeSculpted(int n, Timing& timing) {
 
 int main(int argc, char** argv) {
   bool quick = false;
-  for (int i = 1; i < argc; ++i) quick |= std::string(argv[i]) == "--quick";
+  // One run is enough: `omni bench` gives a seed to all.
+  std::string seed;
+  const auto ended =
+      omni::bench::ParseArguments(argc, argv, "omni_bench_surfaces", {{"--quick", &quick}, {"--seed", nullptr, &seed}});
+  if (ended) return *ended;
   omni::haptics::Timing timing;
   if (quick) timing.repeats = 20;
   omni::haptics::TimeSoft(quick ? omni::haptics::kFineQuick : omni::haptics::kFine, timing);

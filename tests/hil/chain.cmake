@@ -29,7 +29,7 @@ if(UMOCKDEV_FOUND AND LIBUSB_FOUND)
 
   # omni_hil [options] -- PROGRAM: any program of libusb on the base.
   add_executable(omni_hil hil_main.cc hil_run.cc scenario.cc)
-  target_link_libraries(omni_hil PRIVATE omni_hil_usb omni_hil_time omni_config CLI11::CLI11
+  target_link_libraries(omni_hil PRIVATE omni_hil_usb omni_hil_time omni_config omni_console
                         nlohmann_json::nlohmann_json)
   add_executable(hil_app hil_app.cc)
   target_link_libraries(hil_app PRIVATE omni_client)
@@ -41,5 +41,5 @@ endif()
 pkg_check_modules(USBREDIR IMPORTED_TARGET libusbredirparser-0.5)
 if(USBREDIR_FOUND)
   add_executable(omni_deep deep/deep_main.cc deep/redir_port.cc host_process.cc)
-  target_link_libraries(omni_deep PRIVATE omni_hil_chain omni_config omni_drivers CLI11::CLI11 PkgConfig::USBREDIR)
+  target_link_libraries(omni_deep PRIVATE omni_hil_chain omni_config omni_drivers omni_console PkgConfig::USBREDIR)
 endif()

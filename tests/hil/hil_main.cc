@@ -11,8 +11,10 @@
 
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
+#include "service/console/parse.h"
 #include "service/sim/twin.h"
 #include "tests/hil/hil_run.h"
+#include "tests/hil/scenario.h"
 #include "tests/hil/usb_emulator.h"
 
 namespace {
@@ -30,13 +32,19 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
   options.plant.truth = omni::config::DefaultTwin();
   std::string script;
   bool fast = false;
-  CLI::App app{"omni_hil: a simulated base with its firmware behind an emulated USB plug, and programs on it"};
-  app.add_option("--board", options.board, "where the control core runs: host, qemu")->capture_default_str();
+  CLI::App app{"omni_hil: a simulated base with its firmware behind an emulated USB plug, and programs on it",
+               "omni_hil"};
+  app.footer(omni::console::kExitStatusHelp);
+  app.add_option("--board", options.board, "where the control core runs")
+      ->check(omni::console::OneOf({"host", "qemu"}))
+      ->capture_default_str();
   app.add_option("--script", script, "hand script (.json); default: no pen");
   app.add_option("--seed", options.plant.seed, "of noise and imperfections")->capture_default_str();
   app.add_option("--record", options.record_path, "CSV file of the true pose and the currents");
   app.add_option("--summary", options.summary_path, "JSON file (default: standard output)");
-  app.add_option("--scenario", options.scenario, "what goes wrong");
+  std::vector<std::string> scenarios;
+  for (const omni::hil::Scenario& scenario : omni::hil::AllScenarios()) scenarios.emplace_back(scenario.name);
+  app.add_option("--scenario", options.scenario, "what goes wrong")->check(omni::console::OneOf(scenarios));
   app.add_option("--contact-timeout", options.contact_timeout_s, "seconds a scenario waits for the pen's contact")
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "of device time (default: until the program ends)");
@@ -44,11 +52,10 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
   app.add_option("--clock", options.clock_path,
                  "file of the virtual clock: programs started with OMNI_HIL_CLOCK=FILE and "
                  "LD_PRELOAD=libomni_hil_clock.so join in");
-  std::vector<std::string> reversed(own.rbegin(), own.rend());
-  try {
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error);
+  if (const auto ended = omni::console::Parse(app, own)) return *ended;
+  if (options.programs.empty()) {
+    Fail("no program to start: give one behind --, as in omni_hil -- omnid --device usb");
+    return omni::console::kExitUsage;
   }
   options.paced = !fast;
   if (!script.empty()) {

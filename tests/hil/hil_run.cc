@@ -204,7 +204,6 @@ bool WriteSummary(const std::string& path, const Json& summary) {
 
 base::Result<std::vector<HostProcess>> StartPrograms(const HilOptions& options, const VirtualClock& clock) {
   std::vector<HostProcess> programs;
-  if (options.programs.empty()) return base::Error{"no program to start: give one after --"};
   for (const std::vector<std::string>& program : options.programs) {
     auto started = HostProcess::Start(program, clock.Environment());
     if (!started) return base::Error{started.error()};
@@ -218,11 +217,6 @@ base::Result<std::vector<HostProcess>> StartPrograms(const HilOptions& options, 
 }  // namespace
 
 int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
-  if (!options.scenario.empty() && FindScenario(options.scenario) == nullptr) {
-    std::string known;
-    for (const Scenario& scenario : AllScenarios()) known += std::string(" ") + scenario.name;
-    return Fail("no scenario \"" + options.scenario + "\": there are" + known);
-  }
   std::signal(SIGTERM, RequestStop);
   std::signal(SIGINT, RequestStop);
   std::signal(SIGPIPE, SIG_IGN);

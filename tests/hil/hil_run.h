@@ -27,7 +27,8 @@ struct HilOptions {
   std::vector<std::vector<std::string>> programs;
 };
 
-// 0: the run did what it was asked for; what came of it stands in the summary. Messages go to stderr.
+// Precondition: board and scenario are known ones, and there is a program. 0: the run did what it was asked for; what
+// came of it stands in the summary. Messages go to stderr.
 int RunHil(const base::DeviceGeometry& device, const HilOptions& options);
 
 }  // namespace omni::hil

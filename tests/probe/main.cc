@@ -1,6 +1,7 @@
 // omni_probe: records what a hand's controller does, through nothing but OpenXR, for the demo and for tests. An example
 // to read is layer/examples/touch.
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -40,7 +41,8 @@ int Finish(const probe::Options& options, const probe::Report& report, bool star
 
 int main(int argc, char** argv) {
   probe::Options options;
-  if (argc == 2 && std::strcmp(argv[1], "--help") == 0) {
+  const auto asks_for_help = [](const char* word) { return std::strcmp(word, "--help") == 0; };
+  if (std::any_of(argv + 1, argv + argc, asks_for_help)) {
     std::fputs(probe::kUsage, stdout);
     return 0;
   }

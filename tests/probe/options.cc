@@ -1,9 +1,12 @@
 #include "tests/probe/options.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <sstream>
 
+#include "service/base/nearest_word.h"
 #include "tests/probe/bindings.h"
 
 namespace probe {
@@ -23,6 +26,9 @@ const char* const kUsage =
 
 namespace {
 
+constexpr const char* kFlags[] = {"--name", "--profiles", "--hand",       "--seconds", "--hz",
+                                  "--json", "--samples",  "--no-haptics", "--quiet",   "--expect-pen"};
+
 bool ParseNumber(const char* text, double low, double high, double* value) {
   char* end = nullptr;
   *value = std::strtod(text, &end);
@@ -33,8 +39,12 @@ std::string ParseProfiles(const std::string& list, std::vector<std::string>* pro
   profiles->clear();
   std::istringstream stream(list);
   for (std::string name; std::getline(stream, name, ',');) {
-    if (FindProfile(name) == nullptr) return "--profiles: '" + name + "' is none of mx_ink, touch, simple";
-    profiles->push_back(name);
+    if (FindProfile(name) != nullptr) {
+      profiles->push_back(name);
+      continue;
+    }
+    return "--profiles: '" + name + "' is none of mx_ink, touch, simple" +
+           omni::base::DidYouMean(name, Options().profiles);
   }
   return profiles->empty() ? "--profiles: names none" : "";
 }
@@ -74,7 +84,7 @@ std::string ParseValue(const std::string& flag, const char* value, Options* opti
   } else if (flag == "--json") {
     options->json = value;
   } else {
-    return flag + ": no such option";
+    return "there is no option '" + flag + "'" + omni::base::DidYouMean(flag, kFlags);
   }
   return "";
 }
@@ -85,8 +95,9 @@ std::string Parse(int argc, char** argv, Options* options) {
   for (int i = 1; i < argc; ++i) {
     const std::string flag = argv[i];
     if (ParseFlag(flag, options)) continue;
-    if (i + 1 == argc) return flag + ": no such option, or its value is missing";
-    std::string error = ParseValue(flag, argv[++i], options);
+    const bool known = std::find(std::begin(kFlags), std::end(kFlags), flag) != std::end(kFlags);
+    if (known && i + 1 == argc) return flag + ": its value is missing";
+    std::string error = ParseValue(flag, known ? argv[++i] : "", options);
     if (!error.empty()) return error;
   }
   return "";

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
 #include <initializer_list>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 
 #include "service/tools/command_line.h"
 #include "tests/support/omni_command.h"
+#include "tests/support/scoped_variable.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
@@ -81,6 +84,110 @@ TEST(ToolsCommandLine, WrongArgumentsAreTwo) {
   EXPECT_NE(RunOmni({"dance"}).err, "");
 }
 
+TEST(ToolsCommandLine, MistypedWordsNameTheNearestAtEveryLevel) {
+  const struct {
+    std::vector<std::string> words;
+    std::string said;
+  } rows[] = {
+      {{"statsu"}, "omni: there is no command 'statsu'; did you mean 'status'?\n"},
+      {{"scene", "explian", "dragon"}, "omni scene: there is no command 'explian'; did you mean 'explain'?\n"},
+      {{"bench", "fritcion"}, "omni bench: there is no command 'fritcion'; did you mean 'friction'?\n"},
+      {{"twin", "rnu"}, "omni twin: there is no command 'rnu'; did you mean 'run'?\n"},
+      {{"layer", "enalbe"}, "omni layer: there is no command 'enalbe'; did you mean 'enable'?\n"},
+      {{"status", "--jsn"}, "omni status: there is no option '--jsn'; did you mean '--json'?\n"},
+      {{"scene", "explain", "dragon", "--tuoch-all"},
+       "omni scene explain: there is no option '--tuoch-all'; did you mean '--touch-all'?\n"},
+      {{"align", "tuoch"},
+       "omni align: method: 'tuoch' is none of touch, sweep, fingertip, nudge; did you mean 'touch'?\n"},
+      {{"align", "--hand", "rihgt"},
+       "omni align: --hand: 'rihgt' is none of auto, left, right; did you mean 'right'?\n"},
+      {{"scene", "save", "x.obj"},
+       "omni scene save: file: 'x.obj' does not end in .glb, and binary glTF is all that is written; take x.glb\n"},
+      {{"surfaces", "--save", "x.obj"},
+       "omni surfaces: --save: 'x.obj' does not end in .glb, and binary glTF is all that is written; take x.glb\n"},
+  };
+  for (const auto& row : rows) {
+    const Outcome wrong = RunOmni(row.words);
+    EXPECT_EQ(wrong.status, kExitUsage);
+    EXPECT_EQ(wrong.err, row.said);
+  }
+}
+
+TEST(ToolsCommandLine, ScenesAreFoundWithAndWithoutExtensionWhereverOneIsNamed) {
+  const test::TempFolder folder;
+  folder.Write("data/scenes/pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600}})"));
+  const test::ScopedVariable data("OMNI_DATA_DIR", folder.Path("data"));
+  for (const char* name : {"pyramid", "pyramid.gltf"}) {
+    EXPECT_EQ(RunOmni({"scene", "explain", name}).status, kExitOk) << name;
+    EXPECT_EQ(RunOmni({"scene", "cost", name}).status, kExitOk) << name;
+    EXPECT_EQ(RunOmni({"twin", "path", name, "--fit", "-o", folder.Path("hand.json")}).status, kExitOk) << name;
+  }
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"scene", "explain"}, {"scene", "cost"}, {"twin", "run"}, {"twin", "path", "-o", folder.Path("h.json")}}) {
+    std::vector<std::string> all = words;
+    all.emplace_back("pyrmaid");
+    const Outcome wrong = RunOmni(all);
+    EXPECT_EQ(wrong.status, kExitFailed);
+    ExpectOneLine(wrong.err, {"'pyrmaid'", folder.Path("data/scenes"), "did you mean 'pyramid'?"});
+  }
+}
+
+TEST(ToolsCommandLine, ReportNamesTheFileThatItWants) {
+  const test::TempFolder folder;
+  const std::string loop = folder.Write(
+      "loop.csv",
+      "t_ns,status,late,force_x_N,force_y_N,force_z_N,magnet_x_m,magnet_y_m,magnet_z_m,tip_x_m,tip_y_m,tip_z_m,select,"
+      "haptic_pulses\n1,2,0,0,0,0,0,0,0,0,0,0,0,0\n");
+  const std::string truth = folder.Write("truth.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n1,1,0,0,0\n");
+  const std::string app = folder.Write("app.json", R"({"application": "a", "select_edges": 0, "pose_valid_fraction": 0,
+                                                       "locate_ns_median": 0})");
+  const std::string gone = folder.Path("gone"), empty = folder.Write("empty", ""),
+                    text = folder.Write("text", "a,b\nx\n");
+  const auto report = [&](const std::string& a, const std::string& b, const std::string& c) {
+    return RunOmni({"report", "--name", "run", "--loop", a, "--truth", b, "--app", c});
+  };
+  EXPECT_EQ(RunOmni({"report"}).status, kExitUsage);
+  ExpectOneLine(RunOmni({"report"}).err, {"--loop: is missing", "omnid --record"});
+  ExpectOneLine(RunOmni({"report", "--loop", loop}).err, {"--truth: is missing", "omnid --twin-record"});
+  ExpectOneLine(RunOmni({"report", "--loop", loop, "--truth", truth}).err, {"--app: is missing", "omni_probe --json"});
+  for (const std::string& wrong : {gone, empty, text, folder.Path()}) {
+    ExpectOneLine(report(wrong, truth, app).err, {"--loop: " + wrong, "`omnid --record`"});
+    ExpectOneLine(report(loop, wrong, app).err, {"--truth: " + wrong, "`omnid --twin-record`"});
+    ExpectOneLine(report(loop, truth, wrong).err, {"--app: " + wrong, "`omni_probe --json`"});
+    EXPECT_EQ(report(loop, truth, wrong).status, kExitFailed);
+    ExpectOneLine(RunOmni({"report", "--table", wrong}).err, {"--table: " + wrong, "`omni report --summary`"});
+  }
+  const std::string numbers = folder.Write("numbers.json", R"({"application": 7})");
+  ExpectOneLine(report(loop, truth, numbers).err, {"--app: " + numbers, "/application"});
+  const std::string header = folder.Write("header.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n");
+  ExpectOneLine(report(loop, header, app).err, {"--truth: " + header, "no line behind its header"});
+}
+
+TEST(ToolsCommandLine, ReportLeavesASummaryThatIsNoneAsItIs) {
+  const test::TempFolder folder;
+  const std::string loop = folder.Write(
+      "loop.csv",
+      "t_ns,status,late,force_x_N,force_y_N,force_z_N,magnet_x_m,magnet_y_m,magnet_z_m,tip_x_m,tip_y_m,tip_z_m,select,"
+      "haptic_pulses\n1,2,0,0,0,0,0,0,0,0,0,0,0,0\n");
+  const std::string truth = folder.Write("truth.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n1,1,0,0,0\n");
+  const std::string app = folder.Write("app.json", R"({"application": "a", "select_edges": 0, "pose_valid_fraction": 0,
+                                                       "locate_ns_median": 0})");
+  const auto add = [&](const std::string& summary) {
+    return RunOmni({"report", "--name", "run", "--loop", loop, "--truth", truth, "--app", app, "--summary", summary});
+  };
+  for (const char* content : {"my notes", "{}", R"({"scenes": [1]})"}) {
+    const std::string summary = folder.Write("summary.json", content);
+    ExpectOneLine(add(summary).err, {"--summary: " + summary, "`omni report --summary`"});
+    std::ifstream file(summary);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), content);
+  }
+  add(folder.Path("fresh.json"));
+  add(folder.Path("fresh.json"));
+  const Outcome table = RunOmni({"report", "--table", folder.Path("fresh.json")});
+  EXPECT_EQ(table.status, kExitOk) << table.err;
+  EXPECT_EQ(std::count(table.out.begin(), table.out.end(), '\n'), 2) << "one row: " << table.out;
+}
+
 TEST(ToolsCommandLine, StatusWithoutServiceSaysHowToStartIt) {
   const test::TempFolder folder;
   const std::string socket = folder.Path("run/omnid.sock");
@@ -108,6 +215,18 @@ TEST(ToolsCommandLine, DoctorFailsWithoutServiceAndListsFixes) {
   EXPECT_EQ(json["ok"], false);
   for (const nlohmann::json& row : json["diagnoses"]) {
     EXPECT_EQ(row["fix"].get<std::string>().empty(), row["verdict"] == "ok") << row.dump();
+  }
+}
+
+TEST(ToolsCommandLine, DoctorAcceptsApplicationFilesThatGiveInputsOnly) {
+  const test::TempFolder folder;
+  folder.Write("config/omni/apps.d/keys.toml", "application = \"a\"\n[inputs]\nselect = [\"press\"]\n");
+  const test::ScopedVariable config("XDG_CONFIG_HOME", folder.Path("config"));
+  const test::ScopedVariable data("OMNI_DATA_DIR", folder.Path("data"));
+  const Outcome doctor = RunOmni({"doctor", "--json", "--socket", folder.Path("run/omnid.sock")});
+  const nlohmann::json json = nlohmann::json::parse(doctor.out, nullptr, false);
+  for (const nlohmann::json& row : json["diagnoses"]) {
+    if (row["name"] == "applications") EXPECT_EQ(row["verdict"], "ok") << row.dump();
   }
 }
 

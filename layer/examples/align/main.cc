@@ -163,7 +163,12 @@ int Run(const Runtime& runtime) {
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);
   Runtime runtime;
-  const bool fingers = argc > 1 && std::strcmp(argv[1], "--fingers") == 0;
+  const bool fingers = argc == 2 && std::strcmp(argv[1], "--fingers") == 0;
+  const bool help = argc == 2 && std::strcmp(argv[1], "--help") == 0;
+  if (argc > 1 && !fingers) {
+    std::fprintf(help ? stdout : stderr, "usage: omni_align_probe [--fingers]; `omni align` starts it\n");
+    return help ? 0 : 2;
+  }
   if (const std::string problem = MakeInstance(fingers, &runtime); !problem.empty()) return Fail(problem);
   const int status = Run(runtime);
   xrDestroyInstance(runtime.instance);

@@ -227,7 +227,7 @@ int main(int argc, char** argv) {
   Options options;
   options.name = "omni_force";
   options.seconds = 9;  // three parts
-  if (!example::ParseArguments(argc, argv, options)) return 2;
+  if (const auto ended = example::ParseArguments(argc, argv, options)) return *ended;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   return Run(options);
 }

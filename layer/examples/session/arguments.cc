@@ -6,30 +6,44 @@
 namespace example {
 namespace {
 
-bool Parse(int argc, char** argv, Options& options) {
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string key = argv[i];
-    const char* value = argv[i + 1];
-    if (key == "--hand") {
-      options.hand = value;
-    } else if (key == "--name") {
-      options.name = value;
-    } else if (key == "--seconds") {
-      options.seconds = std::atof(value);
-    } else {
-      return false;
-    }
+constexpr const char* kUsage = "usage: %s [--hand right|left] [--seconds S] [--name NAME]\n";
+
+// Empty: taken.
+std::string Take(const std::string& key, const char* value, Options& options) {
+  if (key != "--hand" && key != "--name" && key != "--seconds") return "there is no option '" + key + "'";
+  if (value == nullptr) return key + ": its value is missing";
+  if (key == "--name") {
+    options.name = value;
+  } else if (key == "--hand") {
+    options.hand = value;
+    if (options.hand != "right" && options.hand != "left")
+      return "--hand: '" + options.hand + "' is neither right nor left";
+  } else {
+    char* end = nullptr;
+    options.seconds = std::strtod(value, &end);
+    if (end == value || *end != '\0' || !(options.seconds > 0))
+      return "--seconds: '" + std::string(value) + "' is no time";
   }
-  return argc % 2 == 1 && options.seconds > 0 && (options.hand == "right" || options.hand == "left");
+  return {};
 }
 
 }  // namespace
 
-bool ParseArguments(int argc, char** argv, Options& options) {
+std::optional<int> ParseArguments(int argc, char** argv, Options& options) {
   const std::string program = options.name;
-  if (Parse(argc, argv, options)) return true;
-  std::fprintf(stderr, "usage: %s [--hand right|left] [--seconds S] [--name NAME]\n", program.c_str());
-  return false;
+  for (int i = 1; i < argc; i += 2) {
+    const std::string key = argv[i];
+    if (key == "--help" || key == "-h") {
+      std::printf(kUsage, program.c_str());
+      return 0;
+    }
+    const std::string problem = Take(key, i + 1 < argc ? argv[i + 1] : nullptr, options);
+    if (problem.empty()) continue;
+    std::fprintf(stderr, "%s: %s\n", program.c_str(), problem.c_str());
+    std::fprintf(stderr, kUsage, program.c_str());
+    return 2;
+  }
+  return std::nullopt;
 }
 
 }  // namespace example

@@ -1,6 +1,7 @@
 // The command line of the examples; nothing of OpenXR.
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace example {
@@ -11,8 +12,8 @@ struct Options {
   double seconds = 10;
 };
 
-// [--hand right|left] [--seconds S] [--name NAME]; `options.name` is at first the program's. False, with a line on
-// stderr: something else was given.
-bool ParseArguments(int argc, char** argv, Options& options);
+// [--hand right|left] [--seconds S] [--name NAME]; `options.name` is at first the program's. Nothing: go on. Else the
+// exit status: 0, --help was printed; 2, something else was given, and stderr says what.
+std::optional<int> ParseArguments(int argc, char** argv, Options& options);
 
 }  // namespace example

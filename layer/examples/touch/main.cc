@@ -245,7 +245,7 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   options.name = "omni_touch";
-  if (!example::ParseArguments(argc, argv, options)) return 2;
+  if (const auto ended = example::ParseArguments(argc, argv, options)) return *ended;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   return Run(options);
 }

@@ -15,8 +15,11 @@ Finding LookAtApplications(const Surroundings& surroundings) {
     return {Verdict::kWarn, "no application has a scene", "add a file to ~/.config/omni/apps.d (docs/howto/apps.md)"};
   }
   for (const config::AppEntry& entry : table.entries) {
+    if (entry.scene.empty()) continue;  // it is about inputs only
+    const base::Result<std::string> file = FindScene(entry.scene);
     const base::Result<LoadedScene> scene =
-        LoadScene(entry.scene, daemon::LoadOptionsOf(entry, config::DefaultDevice().hull_radius_m));
+        file.ok() ? LoadScene(*file, daemon::LoadOptionsOf(entry, config::DefaultDevice().hull_radius_m))
+                  : base::Error{file.error()};
     if (!scene.ok()) {
       return {Verdict::kFail, "the scene of \"" + entry.application_glob + "\" does not load: " + scene.error(),
               "correct the scene, or its name in " + entry.file};

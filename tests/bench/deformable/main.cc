@@ -1,9 +1,11 @@
 // omni_bench_deformable [--seed N] [--quick] [--part NAME]: rows as one JSON array on standard output; of one part
 // only, when it is named. Run by `omni bench deformable`.
-#include <cstring>
+#include <algorithm>
 #include <iostream>
+#include <iterator>
 #include <string>
 
+#include "tests/bench/arguments.h"
 #include "tests/bench/deformable/rows.h"
 
 namespace {
@@ -25,18 +27,18 @@ constexpr Part kParts[] = {{"timing", omni::bench::AddTiming},
 int main(int argc, char** argv) {
   omni::bench::Settings settings;
   std::string only;
-  for (int k = 1; k < argc; ++k) {
-    if (std::strcmp(argv[k], "--quick") == 0) {
-      settings.quick = true;
-    } else if (std::strcmp(argv[k], "--seed") == 0 && k + 1 < argc) {
-      settings.seed = std::strtoull(argv[++k], nullptr, 10);
-    } else if (std::strcmp(argv[k], "--part") == 0 && k + 1 < argc) {
-      only = argv[++k];
-    } else {
-      std::cerr
-          << "usage: omni_bench_deformable [--seed N] [--quick] [--part timing|accuracy|peers|limits|references]\n";
-      return 2;
-    }
+  std::string seed = std::to_string(settings.seed);
+  const auto ended = omni::bench::ParseArguments(
+      argc, argv, "omni_bench_deformable",
+      {{"--quick", &settings.quick}, {"--seed", nullptr, &seed}, {"--part", nullptr, &only}});
+  if (ended) return *ended;
+  settings.seed = omni::bench::Number(seed);
+  const auto named = [&only](const Part& part) { return only == part.name; };
+  if (!only.empty() && std::none_of(std::begin(kParts), std::end(kParts), named)) {
+    std::cerr << "omni_bench_deformable: --part: '" << only << "' is none of";
+    for (const Part& part : kParts) std::cerr << " " << part.name;
+    std::cerr << "\n";
+    return 2;
   }
   omni::bench::Rows rows;
   for (const Part& part : kParts) {

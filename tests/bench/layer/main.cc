@@ -6,9 +6,9 @@
 //   --memory              instead: what an instance and a session take
 //   --latency N           instead: from a sensor's sample to its pose, N times
 #include <cstdlib>
-#include <cstring>
 #include <string>
 
+#include "tests/bench/arguments.h"
 #include "tests/bench/layer/cost.h"
 #include "tests/bench/layer/latency.h"
 
@@ -16,17 +16,15 @@ int main(int argc, char** argv) {
   using namespace omni::bench;
   bool pen = false;
   bool memory = false;
-  int count = 0;
-  int samples = 0;
-  std::string runtime;
-  for (int i = 1; i < argc; ++i) {
-    const bool more = i + 1 < argc;
-    if (std::strcmp(argv[i], "--pen") == 0) pen = true;
-    if (std::strcmp(argv[i], "--memory") == 0) memory = true;
-    if (std::strcmp(argv[i], "--count") == 0 && more) count = std::atoi(argv[++i]);
-    if (std::strcmp(argv[i], "--latency") == 0 && more) samples = std::atoi(argv[++i]);
-    if (std::strcmp(argv[i], "--runtime") == 0 && more) runtime = argv[++i];
-  }
+  std::string runtime, counted, latency;
+  const auto ended = ParseArguments(argc, argv, "omni_bench_layer",
+                                    {{"--pen", &pen},
+                                     {"--memory", &memory},
+                                     {"--count", nullptr, &counted},
+                                     {"--latency", nullptr, &latency},
+                                     {"--runtime", nullptr, &runtime}});
+  if (ended) return *ended;
+  const int count = std::atoi(counted.c_str()), samples = std::atoi(latency.c_str());
   if (memory) {
     PrintMemory(pen);
     return 0;

@@ -1,0 +1,14 @@
+// What can be known of omnid's options before anything starts.
+#pragma once
+
+#include <string>
+
+#include "service/daemon/run.h"
+
+namespace omni::daemon {
+
+// "--OPTION: FILE: what is wrong, what to do" for a file that is missing, malformed or cannot be written, and for
+// options of the twin without the twin. Empty: nothing. Makes no file and opens no device.
+std::string OptionsProblem(const RunOptions& options);
+
+}  // namespace omni::daemon

@@ -1,0 +1,166 @@
+// Mistyped words, wrapped text, and command lines: the parts that every program of ours shares.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "service/base/nearest_word.h"
+#include "service/console/parse.h"
+#include "service/console/wrap.h"
+
+namespace omni::console {
+namespace {
+
+const std::vector<std::string> kWords = {"status", "watch", "doctor", "scene", "surfaces", "report"};
+
+TEST(NearestWord, FindsWhatASlipOfTheFingersMeant) {
+  const struct {
+    const char *typed, *meant;
+  } rows[] = {{"statsu", "status"},    {"sttaus", "status"}, {"Status", "status"}, {"statuss", "status"},
+              {"stat", "status"},      {"wach", "watch"},    {"scnee", "scene"},   {"docter", "doctor"},
+              {"surface", "surfaces"}, {"repor", "report"}};
+  for (const auto& row : rows) EXPECT_EQ(base::NearestWord(row.typed, kWords), row.meant) << row.typed;
+}
+
+TEST(NearestWord, SaysNothingWhereNothingIsNear) {
+  for (const char* typed : {"", "x", "dance", "sculpture", "st", "--json"}) {
+    EXPECT_EQ(base::NearestWord(typed, kWords), "") << typed;
+  }
+  EXPECT_EQ(base::NearestWord(std::string(10'000'000, 's'), kWords), "");
+  EXPECT_EQ(base::NearestWord("status", std::vector<std::string>{}), "");
+}
+
+TEST(NearestWord, DistanceIsSymmetricAndZeroForEqualWordsOnly) {
+  for (const std::string& a : kWords) {
+    for (const std::string& b : kWords) {
+      EXPECT_EQ(base::EditDistance(a, b), base::EditDistance(b, a));
+      EXPECT_EQ(base::EditDistance(a, b) == 0, a == b);
+    }
+  }
+  EXPECT_EQ(base::EditDistance("abcd", "abdc"), 1U) << "a swap is one slip";
+  EXPECT_EQ(base::EditDistance("", "abc"), 3U);
+}
+
+std::vector<std::string> WordsOf(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+std::size_t Widest(const std::string& text) {
+  std::istringstream stream(text);
+  std::size_t widest = 0;
+  for (std::string line; std::getline(stream, line);) {
+    if (WordsOf(line).size() > 1) widest = std::max(widest, line.size());
+  }
+  return widest;
+}
+
+constexpr const char* kStatus =
+    "omnid      0.1.0, pid 7, up 0:00:01\n"
+    "tick       1000 ticks, 0 late; median 12.0 us, p99 20.0 us, max 31.5 us; the base acts on answers 600 us after\n"
+    "problem    /a/very/long/path/that/nobody/can/break/anywhere/at/all/scene.glb: cannot be opened\n"
+    "\n"
+    "  --seconds FLOAT    how long it goes on, in seconds of the base's own clock\n";
+
+TEST(Wrap, KeepsToTheWidthAndLosesNoWord) {
+  for (int columns = 20; columns <= 200; ++columns) {
+    const std::string wrapped = Wrap(kStatus, columns);
+    EXPECT_LE(Widest(wrapped), static_cast<std::size_t>(columns)) << wrapped;
+    EXPECT_EQ(WordsOf(wrapped), WordsOf(kStatus));
+  }
+  EXPECT_EQ(Wrap(kStatus, 200), kStatus);
+  EXPECT_EQ(Wrap(kStatus, 0), kStatus);
+}
+
+TEST(Wrap, ContinuesBelowTheColumnOfText) {
+  EXPECT_EQ(Wrap("tick       one two three\n", 20), "tick       one two\n  three\n") << "no room for a column";
+  EXPECT_EQ(Wrap("tick    one two three four five\n", 20), "tick    one two\n        three four\n        five\n");
+  EXPECT_EQ(Wrap("    an indented line of words\n", 20), "    an indented line\n    of words\n");
+  EXPECT_EQ(Wrap("a line of words that is long\n", 20), "a line of words that\n  is long\n");
+  EXPECT_EQ(Wrap("umlauts \xC3\xA4\xC3\xB6\xC3\xBC count\n", 21), "umlauts \xC3\xA4\xC3\xB6\xC3\xBC count\n");
+}
+
+TEST(Wrap, WidthComesFromTheEnvironmentFirst) {
+  ::setenv("COLUMNS", "64", 1);
+  EXPECT_EQ(TextColumns(0), 64);
+  ::setenv("COLUMNS", "3", 1);
+  EXPECT_EQ(TextColumns(0), 20);
+  for (const char* wrong : {"", "wide", "-1", "80x", "99999999999"}) {
+    ::setenv("COLUMNS", wrong, 1);
+    EXPECT_EQ(TextColumns(-1), 0) << "no terminal: " << wrong;
+  }
+  ::unsetenv("COLUMNS");
+  EXPECT_EQ(TextColumns(-1), 0);
+}
+
+struct Parsed {
+  std::optional<int> status;
+  std::string out, err;
+};
+
+Parsed ParseWords(const std::vector<std::string>& words) {
+  CLI::App app{"tool: does things", "tool"};
+  std::string colour, file;
+  int count = 0;
+  AddVersion(app, "1.2");
+  CLI::App* paint = app.add_subcommand("paint", "paints");
+  paint->add_option("--colour", colour)->check(OneOf({"red", "green", "blue"}));
+  paint->add_option("--count", count);
+  paint->add_option("file", file)->check(WritesOnly(".png", "PNG"));
+  app.add_subcommand("wait", "waits")->callback([] { throw CLI::RuntimeError(3); });
+  app.require_subcommand(1);
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Parsed parsed{.status = Parse(app, words)};
+  parsed.out = testing::internal::GetCapturedStdout();
+  parsed.err = testing::internal::GetCapturedStderr();
+  return parsed;
+}
+
+TEST(Parse, NamesTheWrongWordAndTheNearest) {
+  const struct {
+    std::vector<std::string> words;
+    const char* said;
+  } rows[] = {
+      {{"pant"}, "tool: there is no command 'pant'; did you mean 'paint'?\n"},
+      {{"xyz"}, "tool: there is no command 'xyz'; there are paint, wait\n"},
+      {{}, "tool: a command is missing; there are paint, wait\n"},
+      {{"--verison"}, "tool: there is no option '--verison'; did you mean '--version'?\n"},
+      {{"paint", "--color", "red"}, "tool paint: there is no option '--color'; did you mean '--colour'?\n"},
+      {{"paint", "--color=red"}, "tool paint: there is no option '--color'; did you mean '--colour'?\n"},
+      {{"paint", "--fast"}, "tool paint: there is no option '--fast'; 'tool paint --help' lists them\n"},
+      {{"paint", "--colour", "bleu"},
+       "tool paint: --colour: 'bleu' is none of red, green, blue; did you mean 'blue'?\n"},
+      {{"paint", "a.png", "b.png"}, "tool paint: 'b.png' is a word too many; see 'tool paint --help'\n"},
+      {{"paint", "a.jpg"},
+       "tool paint: file: 'a.jpg' does not end in .png, and PNG is all that is written; take a.png\n"},
+      {{"paint", "--count", "many"}, "tool paint: could not convert: --count = many; see 'tool paint --help'\n"},
+  };
+  for (const auto& row : rows) {
+    const Parsed parsed = ParseWords(row.words);
+    EXPECT_EQ(parsed.status, kExitUsage);
+    EXPECT_EQ(parsed.err, row.said);
+    EXPECT_EQ(parsed.out, "");
+  }
+}
+
+TEST(Parse, RightWordsGoOnOrEndAsTheCommandSays) {
+  EXPECT_EQ(ParseWords({"paint", "--colour", "red", "a.png"}).status, std::nullopt);
+  EXPECT_EQ(ParseWords({"wait"}).status, 3);
+  EXPECT_EQ(ParseWords({"--version"}).status, 0);
+  EXPECT_EQ(ParseWords({"--version"}).out, "tool 1.2\n");
+  const Parsed help = ParseWords({"paint", "--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_NE(help.out.find("--colour"), std::string::npos) << help.out;
+  EXPECT_EQ(help.err, "");
+}
+
+}  // namespace
+}  // namespace omni::console
