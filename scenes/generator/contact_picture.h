@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/generator/glb_reader.h"
+#include "scenes/generator/drawn_mesh.h"
 
 namespace omni::scenes {
 

@@ -49,12 +49,15 @@ template <class Visit>
 void Rasterise(const Vec (&p)[3], int width, int height, Visit visit) {
   const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
   if (!(std::abs(area) > 1e-12)) return;
-  const auto low = [&](double a, double b, double c) {
-    return std::max(0, static_cast<int>(std::floor(std::min({a, b, c}))));
+  // Clamped before they become whole numbers: corners may lie far outside.
+  const auto low = [&](double a, double b, double c, int size) {
+    return static_cast<int>(std::clamp(std::floor(std::min({a, b, c})), 0.0, static_cast<double>(size)));
   };
-  const int x0 = low(p[0].x, p[1].x, p[2].x), y0 = low(p[0].y, p[1].y, p[2].y);
-  const int x1 = std::min(width - 1, static_cast<int>(std::max({p[0].x, p[1].x, p[2].x})));
-  const int y1 = std::min(height - 1, static_cast<int>(std::max({p[0].y, p[1].y, p[2].y})));
+  const auto high = [&](double a, double b, double c, int size) {
+    return static_cast<int>(std::clamp(std::max({a, b, c}), -1.0, size - 1.0));
+  };
+  const int x0 = low(p[0].x, p[1].x, p[2].x, width), y0 = low(p[0].y, p[1].y, p[2].y, height);
+  const int x1 = high(p[0].x, p[1].x, p[2].x, width), y1 = high(p[0].y, p[1].y, p[2].y, height);
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       const double px = x + 0.5 - p[0].x, py = y + 0.5 - p[0].y;
@@ -113,7 +116,10 @@ class Painter {
     }
     camera_.centre = camera_.right * ((left + right) / 2) + camera_.up * ((low + high) / 2) +
                      camera_.eye * glm::dot(centre_, camera_.eye);
-    camera_.scale = options_.zoom * 0.88 * std::min(camera_.width / (right - left), camera_.height / (high - low));
+    const double least = 1e-3 * radius_;  // of what is seen as a point from here
+    camera_.scale =
+        options_.zoom * 0.88 *
+        std::min(camera_.width / std::max(right - left, least), camera_.height / std::max(high - low, least));
   }
 
   void DrawFragments() {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scenes/generator/glb_reader.h"
+#include "scenes/generator/drawn_mesh.h"
 
 namespace omni::scenes {
 

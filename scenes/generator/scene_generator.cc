@@ -1,14 +1,16 @@
 // scene_generator FOLDER: writes extrusion.glb, dragon.glb and racetrack.glb there, the same bytes on every run.
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <string>
 
 #include "scenes/generator/scene_models.h"
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: scene_generator FOLDER\n");
-    return 2;
+  const bool help = argc == 2 && std::strcmp(argv[1], "--help") == 0;
+  if (help || argc != 2 || argv[1][0] == '-') {
+    std::fprintf(help ? stdout : stderr, "usage: scene_generator FOLDER\n");
+    return help ? 0 : 2;
   }
   using omni::scenes::Document;
   constexpr struct {

@@ -1,4 +1,4 @@
-// scene_render FILE.glb OUT.png --view front|side|top|three-quarter: a picture of one of our scenes. With --contact
+// scene_render FILE OUT.png --view front|side|top|three-quarter: a picture of any glTF scene. With --contact
 // also of a touch: tip, proxy, force. With --rest of what a touch has made of a scene: FILE is what `omni surfaces
 // --save` or `omni scene save` wrote, the scene gives the paint and what else there is, and colours show what has
 // moved.
@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <new>
 #include <stdexcept>
 #include <vector>
 
@@ -22,6 +23,9 @@
 #include "scenes/generator/picture.h"
 #include "scenes/generator/race_picture.h"
 #include "scenes/generator/rest_surface.h"
+#include "service/config/paths.h"
+#include "service/config/scene_name.h"
+#include "service/console/parse.h"
 
 namespace {
 
@@ -50,7 +54,7 @@ Vec AsVec(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
 void AddPlace(CLI::App& app, DrawArguments& arguments) {
   app.add_option("--view", arguments.view, "from where")
-      ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}));
+      ->check(omni::console::OneOf({"front", "side", "top", "three-quarter"}));
   CLI::Option* elevation =
       app.add_option("--elevation", arguments.elevation_deg, "of the camera, degrees, in place of the view's")
           ->check(CLI::Range(-90.0, 90.0));
@@ -117,10 +121,17 @@ void AddRace(DrawArguments& arguments, std::vector<DrawnMesh>& meshes) {
   if (arguments.caption.empty()) arguments.caption = omni::scenes::RaceCaption(race);
 }
 
+std::string SceneFile(const std::string& name) {
+  const omni::base::Result<std::string> path = omni::config::FindScene(name, omni::config::ScenesFolder());
+  if (!path.ok()) throw std::runtime_error(path.error());
+  return *path;
+}
+
 std::vector<DrawnMesh> MeshesOf(DrawArguments& arguments) {
-  std::vector<DrawnMesh> meshes = omni::scenes::ReadGlb(arguments.in);
+  arguments.in = SceneFile(arguments.in);
+  std::vector<DrawnMesh> meshes = omni::scenes::ReadMeshes(arguments.in);
   if (!arguments.rest.empty()) {
-    meshes = omni::scenes::PaintLike(omni::scenes::ReadGlb(arguments.rest), std::move(meshes),
+    meshes = omni::scenes::PaintLike(omni::scenes::ReadMeshes(SceneFile(arguments.rest)), std::move(meshes),
                                      arguments.displacement_mm * 1e-3);
   }
   if (!arguments.tip_mm.empty()) AddContact(arguments, meshes);
@@ -138,12 +149,13 @@ std::vector<DrawnMesh> MeshesOf(DrawArguments& arguments) {
 
 int Draw(int argc, char** argv) {
   DrawArguments arguments;
-  CLI::App app{"Draws a .glb scene of this project into a PNG"};
-  app.add_option("FILE", arguments.in, "binary glTF")->required();
-  app.add_option("OUT", arguments.out, "PNG to write")->required();
+  CLI::App app{"scene_render: draws a glTF scene into a PNG", "scene_render"};
+  app.footer(omni::console::kExitStatusHelp);
+  app.add_option("FILE", arguments.in, "a .glb or .gltf file, or the name of a shipped scene")->required();
+  app.add_option("OUT", arguments.out, "picture to write")->required()->check(omni::console::WritesOnly(".png", "PNG"));
   AddPlace(app, arguments);
   AddTouch(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = omni::console::Parse(app, argc, argv)) return *ended;
   const omni::scenes::PictureOptions& options = arguments.options;
   std::vector<std::uint8_t> rgb = Render(MeshesOf(arguments), options);
   const omni::scenes::Pixels pixels{rgb, options.width, options.height};
@@ -161,10 +173,10 @@ int Draw(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return Draw(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return omni::console::Fail("scene_render",
+                               "out of memory; a smaller --width, --height or --supersampling needs less");
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "scene_render: %s: %s\n", argc > 1 ? argv[1] : "no file", error.what());
-  } catch (...) {
-    std::fprintf(stderr, "scene_render: failed\n");
+    return omni::console::Fail("scene_render", error.what());
   }
-  return 1;
 }

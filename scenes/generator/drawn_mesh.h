@@ -1,5 +1,4 @@
-// Reads the .glb files that WriteGlb and `omni` write, for pictures: float positions, triangles, colours, node
-// transforms.
+// What pictures are made of.
 #pragma once
 
 #include <string>
@@ -17,7 +16,8 @@ struct DrawnMesh {
   bool overlay = false;  // seen through everything, casts and takes no shadow
 };
 
-// One per primitive. Throws std::runtime_error.
-std::vector<DrawnMesh> ReadGlb(const std::string& path);
+// What a scene looks like, one mesh per primitive of each node, by the service's own reader
+// (service/scene/drawn_scene.h). What is not drawn is said on stderr. Throws std::runtime_error.
+std::vector<DrawnMesh> ReadMeshes(const std::string& path);
 
 }  // namespace omni::scenes
