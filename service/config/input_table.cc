@@ -4,6 +4,7 @@
 #include <iterator>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "service/base/nearest_word.h"
 #include "service/config/key_names.h"

@@ -1,5 +1,4 @@
 // omni record: what a base measures, without a service and without a force: it is never armed.
-#include <iostream>
 #include <memory>
 #include <string>
 

@@ -1,5 +1,4 @@
 // omni replay: what a device recording holds.
-#include <iostream>
 #include <memory>
 #include <string>
 
