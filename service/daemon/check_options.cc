@@ -10,6 +10,8 @@
 #include "service/config/alignment_file.h"
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
+#include "service/daemon/open_device.h"
+#include "service/magnetics/nominal.h"
 #include "service/sim/hand.h"
 
 namespace omni::daemon {
@@ -62,14 +64,15 @@ std::string CalibrationProblem(const RunOptions& options) {
   if (options.calibration_path.empty()) return {};
   const base::DeviceGeometry device =
       options.device_file.empty() ? config::DefaultDevice() : *config::LoadDeviceFile(options.device_file);
-  const std::string problem = ErrorOf(config::LoadCalibrationFile(options.calibration_path, device, ""));
+  const config::ExpectedBase expected{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}};
+  const std::string problem = ErrorOf(config::LoadCalibrationFile(options.calibration_path, expected));
   return problem.empty() ? problem : "--calibration: " + problem;
 }
 
 }  // namespace
 
 std::string OptionsProblem(const RunOptions& options) {
-  const bool twin = options.device == "twin" || options.device == "auto";
+  const bool twin = IsTwin(options.device);
   if (!twin && !options.twin_script.empty()) return "--twin-script: needs --device twin";
   if (!twin && !options.twin_record.empty()) return "--twin-record: needs --device twin";
   for (const FileOption& option : kFileOptions) {
