@@ -72,6 +72,7 @@ TEST(ExitStatus, MistypedWordsAreTwoAndNameTheNearest) {
 TEST(ExitStatus, OmnidEndsBeforeAnythingStartsWhenAFileIsNotAsItHasToBe) {
   const TempFolder folder;
   std::filesystem::create_directories(folder.Path("run"));
+  std::filesystem::permissions(folder.Path("run"), std::filesystem::perms::owner_all);  // as omnid wants it
   const std::string broken = folder.Write("broken", "{ neither JSON nor TOML"), gone = folder.Path("gone/file");
   const std::string socket = folder.Path("run/omnid.sock"), truth = folder.Path("truth.csv");
   const struct {
