@@ -6,7 +6,7 @@
 namespace example {
 namespace {
 
-constexpr const char* kUsage = "usage: %s [--hand right|left] [--seconds S] [--name NAME]\n";
+constexpr const char* kUsage = "usage: %s [--hand right|left] [--seconds S] [--name NAME]%s\n";
 
 // Empty: taken.
 std::string Take(const std::string& key, const char* value, Options& options) {
@@ -34,13 +34,12 @@ std::optional<int> ParseArguments(int argc, char** argv, Options& options) {
   for (int i = 1; i < argc; i += 2) {
     const std::string key = argv[i];
     if (key == "--help" || key == "-h") {
-      std::printf(kUsage, program.c_str());
+      std::printf(kUsage, program.c_str(), "");
       return 0;
     }
     const std::string problem = Take(key, i + 1 < argc ? argv[i + 1] : nullptr, options);
     if (problem.empty()) continue;
-    std::fprintf(stderr, "%s: %s\n", program.c_str(), problem.c_str());
-    std::fprintf(stderr, kUsage, program.c_str());
+    std::fprintf(stderr, kUsage, program.c_str(), ("; " + problem).c_str());
     return 2;
   }
   return std::nullopt;
