@@ -87,7 +87,10 @@ struct ContactState {
   base::Vec3 swapped_from_N;  // force before the proxy was moved to another place ...
   double swap_left_s = 0;     // ... which fades out over this time
   bool popped = false;        // pop-through: no force until the tip is outside again
+  bool in_flight = false;     // a ball that nothing holds is on its way to the tip: no force until it meets something
   double through_s = 0;       // how long the tip has been out on the far side
+
+  bool IsFelt() const noexcept { return active && !popped && !in_flight; }
 };
 
 enum class ExtrudePhase : std::uint8_t { kFree = 0, kPressed = 1, kHeld = 2, kSettling = 3 };
@@ -195,6 +198,7 @@ struct State {
   base::Vec3 last_device_point_base_m;
   std::array<ContactState, kMaxContacts> contacts;
   std::array<RegionState, kMaxRegions> regions;
+  std::uint64_t ball_restarts = 0;  // a bit an object: where its ball is, is not known; it starts where the tip is
   std::array<SoftTouch, kMaxContacts> soft;
   std::array<std::uint8_t, kMaxObjects> is_soft{};  // 1: the object's soft body has been taken up
   std::array<SculptTouchState, kMaxSculpted> sculpted;

@@ -57,10 +57,11 @@ void Leap(const Frame& before, const Frame& now, bool drives, State& state) noex
   const Turn turn{before, now};
   Vec3 left_N = (state.left_fade_s / kSwapFade_s) * state.left_N;
   for (const ContactState& contact : state.contacts) {
-    if (!contact.active || contact.popped) continue;
+    if (!contact.IsFelt()) continue;
     left_N = left_N + FrameIn(state, contact.object).BaseDirection(contact.last_force_N);
   }
   state.contacts.fill({});
+  state.ball_restarts = ~std::uint64_t{0};
   state.left_N = turn(left_N);
   state.left_fade_s = SquaredNorm(left_N) > 1e-12 ? kSwapFade_s : 0;
   state.last_device_point_base_m = now.ToRest(before.ToBase(state.last_device_point_base_m));

@@ -133,7 +133,7 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touch
   Vec3 sum;
   double stiffest_N_m = 0;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
-    if (!state.contacts[k].active || state.contacts[k].popped) continue;
+    if (!state.contacts[k].IsFelt()) continue;
     const ContactForce& force = forces.of[k];
     sum = sum + force.force_N;
     touched.stored_J += 0.5 * force.elastic_N * force.depth_m;
@@ -175,7 +175,7 @@ RegionTouches TouchesOf(const Touchables& touchables, const ContactForces& force
   if (touchables.surface().region_count() == 0) return touches;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     const ContactState& contact = state.contacts[k];
-    if (!contact.active || contact.popped || touchables.TableOf(contact.object) != nullptr) continue;
+    if (!contact.IsFelt() || touchables.TableOf(contact.object) != nullptr) continue;
     const std::uint32_t region = touchables.surface().RegionOf(contact.triangle);
     if (region != kNoIndex) touches[region] = {forces.of[k].elastic_N, forces.of[k].depth_m};
   }

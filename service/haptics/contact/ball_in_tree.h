@@ -164,10 +164,20 @@ class BallDescent {
       overshot_ = true;  // a longer stride was into another surface that is touched: again, without
     }
     FindTouching();
+    if (touching_ == 0) Fall();
     return Contact(Next(), false);
   }
 
  private:
+  // The last move of a tick that is not done: strides around a rim leave it, and what ends over it is not felt.
+  void Fall() noexcept {
+    const Vec3 move = target_ - centre_;
+    if (move == Vec3{} || (Limit(move) < 1 && !Gather(move))) return;
+    const double t = Sweep(move, Limit(move));
+    centre_ = t == 1 ? target_ : centre_ + t * move;
+    FindTouching();
+  }
+
   // Finds all triangles that the ball could touch on its way along `move`, at least along its first part.
   bool Gather(const Vec3& move) noexcept {
     constexpr int kTries = 8;
@@ -343,6 +353,7 @@ class BallDescent {
     contact.settled = settled;
     const Vec3 push = centre_ - target_;
     const double push_m = Norm(push);
+    if (push == Vec3{}) return contact;
     const auto shares = Multipliers(next, {spaces_.data(), touching_}, push);
     for (std::size_t k = 0; k < static_cast<std::size_t>(next.active_count); ++k) {
       if (!(shares[k] > 0)) continue;
@@ -350,7 +361,27 @@ class BallDescent {
       touch = touches_[static_cast<std::size_t>(next.active[k])];
       touch.share = shares[k] / push_m;
     }
+    if (contact.touch_count == 0) contact.touches[static_cast<std::size_t>(contact.touch_count++)] = Beside(push);
+    contact.felt = contact.touches[0].share > 0;
     return contact;
+  }
+
+  // Nothing is known to hold the centre, and yet it is not at the device point: rounding holds it, or it is still on
+  // its way through the open. What stands most in the way, else what is nearest, without a share.
+  BallTouch Beside(const Vec3& push) const noexcept {
+    BallTouch most;
+    for (std::size_t k = 0; k < touching_; ++k) {
+      const double share = std::max(0.0, Dot(touches_[k].normal, push) / Norm(push));
+      if (most.triangle != kNoIndex && share <= most.share) continue;
+      most = touches_[k];
+      most.share = share;
+    }
+    return touching_ > 0 ? most : NearestTouch(0);
+  }
+
+  BallTouch NearestTouch(double share) const noexcept {
+    const NearestResult nearest = NearestInTree(view_, root_, centre_);
+    return {nearest.triangle, nearest.closest, Normalized(centre_ - nearest.closest.point), share};
   }
 
   // Touched in too many places to tell what a move would meet: held, unless it is plain that nothing holds it.
@@ -363,9 +394,9 @@ class BallDescent {
     }
     BallContact contact;
     contact.settled = false;
-    const NearestResult nearest = NearestInTree(view_, root_, centre_);
+    contact.felt = true;
     contact.touch_count = 1;
-    contact.touches[0] = {nearest.triangle, nearest.closest, Normalized(centre_ - nearest.closest.point), 1};
+    contact.touches[0] = NearestTouch(1);
     return contact;
   }
 

@@ -42,8 +42,9 @@ struct BallTouch {
 };
 
 struct BallContact {
-  int touch_count = 0;  // 0: the centre is at the device point, nothing is felt
+  int touch_count = 0;  // 0: the centre is at the device point, and only then
   std::array<BallTouch, kMaxActive> touches;
+  bool felt = false;    // something holds the centre off the device point; false: it is there, or on its way there
   bool settled = true;  // false: the ball is still under way, its place is free but not the nearest
 };
 
@@ -58,9 +59,10 @@ BallState StartBall(const View& view, std::uint32_t root, bool closed, double ra
 // passes through nothing at any speed, because its moves are swept. Precondition: kMinBallRadius_m <= radius_m <=
 // kMaxBallRadius_m, the same as in the ticks before. A device point beyond 1e6 m, or no number, changes nothing.
 //
-// Work is bounded by the constants above. At the bounds the ball stays where it is for the rest of the tick, which is
-// free; where more than kMaxBallNear triangles touch it at once it is held, and let go when its device point is free
-// and in sight of its centre   (12.6).
+// Work is bounded by the constants above. At the bounds the ball falls straight towards the device point, onto what is
+// in its way, and goes on from there in the next tick, which has to be given its centre again; where more than
+// kMaxBallNear triangles touch it at once it is held, and let go when its device point is free and in sight of its
+// centre   (12.6).
 template <TreeView View>
 BallContact FollowBall(const View& view, std::uint32_t root, double radius_m, const Vec3& device_point_m,
                        BallState& state) noexcept;

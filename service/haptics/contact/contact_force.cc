@@ -195,8 +195,6 @@ struct Meetings {
   std::array<double, kMaxContacts> body_N{};
 };
 
-bool Counts(const ContactState& contact) noexcept { return contact.active && !contact.popped; }
-
 // What is offered in the contact's direction; as the pen is turned in touch it only falls, for a change is a push.
 double OfferedTo(const Offer& offer, const Vec3& normal_base, ContactState& contact) noexcept {
   const double now_N_m = StiffnessAlong(offer, normal_base);
@@ -210,7 +208,7 @@ Meetings MeetAll(const Touchables& touchables, const Input& input, const Offer& 
   std::array<Vec3, kMaxContacts> normals_base;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     ContactState& contact = state.contacts[k];
-    if (!Counts(contact)) continue;
+    if (!contact.IsFelt()) continue;
     all.met[k] = Meet(touchables, input, contact);
     if (MaterialOf(touchables, contact).smooth && contact.one_place) Shade(touchables, contact, all.met[k]);
     normals_base[k] = all.met[k].frame.BaseDirection(all.met[k].normal);
@@ -230,14 +228,14 @@ Meetings MeetAll(const Touchables& touchables, const Input& input, const Offer& 
 void AskBodies(const Touchables& touchables, double dt_s, Meetings& all, State& state) noexcept {
   std::array<bool, kMaxContacts> asked{};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
-    if (asked[k] || !Counts(state.contacts[k]) || !all.met[k].soft) continue;
+    if (asked[k] || !state.contacts[k].IsFelt() || !all.met[k].soft) continue;
     const std::uint32_t object = state.contacts[k].object;
     std::array<SoftPress, kMaxContacts> press;
     for (std::size_t i = 0; i < kMaxContacts; ++i)
       press[i] = {all.met[i].normal, all.met[i].depth_m, all.stiffness_N_m[i]};
     const auto forces = SoftForcesOf(touchables, object, press, dt_s, state);
     for (std::size_t i = k; i < kMaxContacts; ++i) {
-      if (!Counts(state.contacts[i]) || state.contacts[i].object != object) continue;
+      if (!state.contacts[i].IsFelt() || state.contacts[i].object != object) continue;
       all.body_N[i] = forces[i].normal_N;
       asked[i] = true;
     }
@@ -254,14 +252,14 @@ ContactForces ForcesOf(const Offer& offer, const Touchables& touchables, const I
   const Law law{offer, touchables, input, input.dt_s};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     ContactState& contact = state.contacts[k];
-    if (!Counts(contact)) continue;
+    if (!contact.IsFelt()) continue;
     const Material& m = MaterialOf(touchables, contact);
     ContactForce force = law.Of(all.met[k], all.felt[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
                                 state.texture_phase, contact);
     force.report.load = all.load[k];
     force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(touchables, contact, state));
     PopIfTooHard(m, touchables.scene().objects()[contact.object], touchables.tip_radius_m() > 0, force, contact);
-    if (Counts(contact)) forces.of[k] = force;
+    if (contact.IsFelt()) forces.of[k] = force;
   }
   return forces;
 }

@@ -35,7 +35,7 @@ std::size_t DeepestOn(std::uint32_t object, const State& state) noexcept {
   std::size_t deepest = kMaxContacts;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     const ContactState& c = state.contacts[k];
-    if (!c.active || c.popped || c.object != object) continue;
+    if (!c.IsFelt() || c.object != object) continue;
     if (deepest == kMaxContacts || c.depth_m > state.contacts[deepest].depth_m) deepest = k;
   }
   return deepest;
@@ -62,7 +62,7 @@ double ContactShare(const Touchables& touchables, std::uint32_t object, const St
 Vec3 ForceOnChanged(const Touchables& touchables, const State& state) noexcept {
   Vec3 sum;
   for (const ContactState& contact : state.contacts) {
-    if (!contact.active || contact.popped || !touchables.ChangedUnderTip(contact.object)) continue;
+    if (!contact.IsFelt() || !touchables.ChangedUnderTip(contact.object)) continue;
     const double share = ContactShare(touchables, contact.object, state);
     sum = sum + share * touchables.FrameOf(contact.object).BaseDirection(contact.last_force_N);
   }

@@ -39,7 +39,7 @@ std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, s
   std::array<SoftContact, kMaxContacts> contacts{};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     const ContactState& contact = state.contacts[k];
-    if (!contact.active || contact.popped || contact.object != object || !(press[k].stiffness_N_m > 0)) continue;
+    if (!contact.IsFelt() || contact.object != object || !(press[k].stiffness_N_m > 0)) continue;
     contacts[k] = {true, contact.proxy_m, press[k].normal, press[k].depth_m, 1 / press[k].stiffness_N_m};
   }
   const double ball_m = touchables.tip_radius_m();

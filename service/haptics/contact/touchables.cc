@@ -50,7 +50,9 @@ Touchables::Touchables(const Scene& scene, const Input& input, State& state) noe
   while (live_materials_ < kMaxLiveMaterials && state.materials[live_materials_].material != kNoIndex)
     ++live_materials_;
   TakePoses(input, state);
+  FindMovedFaces();
   if (input.scene_motion == SceneMotion::kLeaps) changed_ = ~std::uint64_t{0};
+  if (!input.tracked) state.ball_restarts |= changed_ | moved_ | face_moved_;  // no tip to sweep over it
 }
 
 void Touchables::TakeSculpted(State& state) noexcept {
@@ -88,11 +90,19 @@ void Touchables::TakePoses(const Input& input, State& state) noexcept {
     moved->rotation = Unit(pose.rotation);
     moved->translation_m = pose.translation_m;
     if (moved->rotation == moved->last_rotation && moved->translation_m == moved->last_translation_m) continue;
-    moving_ = true;
+    moved_ |= std::uint64_t{1} << pose.object;
     const Target target = TargetOf(pose.object);
     const Frame frame = FrameOf(pose.object);
     const Vec3 step = frame.ToRest(state.last_device_point_base_m) - target.from;
     if (pose.leaps || !(Norm(step) < kPoseLeap_m)) changed_ |= std::uint64_t{1} << pose.object;
+  }
+}
+
+void Touchables::FindMovedFaces() noexcept {
+  const auto regions = scene_.regions();
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const RegionState& face = state_.regions[r];
+    if (face.offset_m != face.last_offset_m) face_moved_ |= std::uint64_t{1} << regions[r].object;
   }
 }
 

@@ -70,7 +70,9 @@ class Touchables {
 
   // The object leapt, or its surface was changed: a tip that is inside now has entered by no motion of its own.
   bool ChangedUnderTip(std::uint32_t object) const noexcept { return (changed_ >> object & 1) != 0; }
-  bool anything_moves() const noexcept { return changed_ != 0 || moving_; }
+  // A face of the object was pushed or settles.
+  bool FaceMoved(std::uint32_t object) const noexcept { return (face_moved_ >> object & 1) != 0; }
+  bool anything_moves() const noexcept { return (changed_ | moved_) != 0; }
 
  private:
   struct Sculpted {
@@ -80,6 +82,7 @@ class Touchables {
   void TakeSculpted(State& state) noexcept;
   void TakeSoft(State& state) noexcept;
   void TakePoses(const Input& input, State& state) noexcept;
+  void FindMovedFaces() noexcept;
   const MovedObject* MovedOf(std::uint32_t object) const noexcept;
 
   const Scene& scene_;
@@ -90,8 +93,7 @@ class Touchables {
   std::array<Sculpted, kMaxSculpted> sculpted_{};
   std::uint32_t sculpted_count_ = 0;
   std::uint32_t live_materials_ = 0;
-  std::uint64_t changed_ = 0;  // a bit an object
-  bool moving_ = false;
+  std::uint64_t changed_ = 0, moved_ = 0, face_moved_ = 0;  // a bit an object
 };
 static_assert(kMaxObjects <= 64);
 
