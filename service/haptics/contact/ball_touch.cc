@@ -1,6 +1,7 @@
 #include "service/haptics/contact/ball_touch.h"
 
 #include "service/haptics/contact/contact_slots.h"
+#include "service/haptics/geometry/topology.h"
 
 namespace omni::haptics {
 namespace {
@@ -85,6 +86,19 @@ bool RestartBall(const View& view, const Target& target, double radius_m, const 
   return RollBall(view, target, radius_m, ball.centre_m, target.tip, contact);
 }
 
+// To a nearer face around a convex edge   (2.3), if the ball has room in front of it.
+template <TreeView View>
+void LeaveCrease(const View& view, const Target& target, double radius_m, const Vec3& tip,
+                 ContactState& contact) noexcept {
+  const NearestResult face = NearerFace(view, target, tip, contact.triangle, contact.proxy_m);
+  if (face.triangle == kNoIndex) return;
+  const Vec3 centre = face.closest.point + radius_m * FaceNormal(view, face.triangle);
+  if (NearestInTree(view, target.root, centre, radius_m * (1 - kBallGive)).triangle != kNoIndex) return;
+  contact.anchor_triangle = kNoIndex;
+  StartSwap(contact);
+  RollBall(view, target, radius_m, centre, tip, contact);
+}
+
 // What moved by itself may have passed the ball: then it starts again, outside, and the force comes in gently.
 template <TreeView View>
 bool FollowTip(const View& view, const Target& target, const Touchables& touchables, const ContactState* known,
@@ -106,6 +120,7 @@ bool FollowTip(const View& view, const Target& target, const Touchables& touchab
     contact = NewContact(target.index);
     return RestartBall(view, target, radius_m, target.tip, contact);
   }
+  if (contact.IsFelt()) LeaveCrease(view, target, radius_m, tip, contact);
   return true;
 }
 

@@ -116,20 +116,12 @@ bool Acquire(const View& view, const Target& target, Vec3 start, const Vec3& tip
   return AcquireInside(view, target, tip, skip, contact);
 }
 
-// A proxy stays on the face it entered through while the tip, deep inside, goes around a convex edge. If another face
-// is nearer than half the proxy and the tip is behind that one too, the proxy goes there   (2.3). The far side of a
-// thin part (facing the opposite way) does not count, nor does it hide a third face: entered from here, felt from here.
 template <TreeView View>
 void ReleaseFromCrease(const View& view, const Target& target, const Vec3& tip, const ProxyPoint& proxy,
                        ContactState& contact) noexcept {
-  constexpr double kOppositeCosine = -0.6;
-  const double depth_m = std::sqrt(proxy.closest.distance_squared);
-  if (!HasInside(target.object) || !(depth_m > kTrustedDepth_m)) return;
-  const Vec3 outwards = (1 / depth_m) * (proxy.closest.point - tip);
-  const NearestResult nearest = NearestFaceInTree(view, target.root, tip, 0.5 * depth_m, {outwards, kOppositeCosine});
-  if (nearest.triangle == kNoIndex || SideOf(view, nearest, tip) > 0) return;
-  if (view.GetTriangle(nearest.triangle).component != view.GetTriangle(proxy.triangle).component) return;
-  Place(nearest, contact);
+  const NearestResult nearer = NearerFace(view, target, tip, proxy.triangle, proxy.closest.point);
+  if (nearer.triangle == kNoIndex) return;
+  Place(nearer, contact);
   contact.anchor_triangle = kNoIndex;
   StartSwap(contact);
 }

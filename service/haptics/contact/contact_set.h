@@ -12,6 +12,4 @@ void StartContacts(const Touchables& touchables, State& state) noexcept;
 // The tip moved: follows every contact, takes on what the motion entered, and what was changed over the tip.
 void UpdateContacts(const Touchables& touchables, double dt_s, State& state) noexcept;
 
-inline constexpr double kTrustedDepth_m = 0.002;  // deeper, a proxy that faces the wrong way round an edge is let go
-
 }  // namespace omni::haptics

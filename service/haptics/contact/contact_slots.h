@@ -51,6 +51,25 @@ bool IsInside(const View& view, const Target& target, const Vec3& tip, NearestRe
   return nearest.triangle != kNoIndex && SideOf(view, nearest, tip) < 0;
 }
 
+inline constexpr double kTrustedDepth_m = 0.002;  // deeper, a proxy that faces the wrong way round an edge is let go
+
+// A proxy stays on the face it entered through while the tip, deep inside, goes around a convex edge. If another face
+// is nearer than half the proxy and the tip is behind that one too, the proxy should go there   (2.3). The far side of
+// a thin part (facing the opposite way) does not count, nor does it hide a third face: entered from here, felt from
+// here.
+template <TreeView View>
+NearestResult NearerFace(const View& view, const Target& target, const Vec3& tip, std::uint32_t triangle,
+                         const Vec3& proxy_m) noexcept {
+  constexpr double kOppositeCosine = -0.6;
+  const double depth_m = Norm(proxy_m - tip);
+  if (!HasInside(target.object) || !(depth_m > kTrustedDepth_m)) return {};
+  const Vec3 outwards = (1 / depth_m) * (proxy_m - tip);
+  const NearestResult nearest = NearestFaceInTree(view, target.root, tip, 0.5 * depth_m, {outwards, kOppositeCosine});
+  if (nearest.triangle == kNoIndex || SideOf(view, nearest, tip) > 0) return {};
+  const bool is_same = view.GetTriangle(nearest.triangle).component == view.GetTriangle(triangle).component;
+  return is_same ? nearest : NearestResult{};
+}
+
 // Pushed through a part and out on its far side, the pen would hang on a spring to where it went in.   (2.6)
 template <TreeView View>
 bool CameThrough(const View& view, const Target& target, const Vec3& tip, double dt_s, ContactState& contact) noexcept {
