@@ -50,7 +50,7 @@ TEST(BallInStep, GoesOnAfterATickThatWasTooShort) {
   EXPECT_EQ(sum.inverted, 0U);
 }
 
-// A tip that moves farther in a tick than the ball can roll over a fine mesh: until the ball has come after it, nothing
+// A tip that moves further in a tick than the ball can roll over a fine mesh: until the ball has come after it, nothing
 // is felt that is not touched.
 TEST(BallInStep, FeelsNothingOnItsWayThroughTheOpen) {
   constexpr double kRadius_m = 0.003;

@@ -36,7 +36,7 @@ class BallOracle {
     if (!(Norm(p - gathered_at_) < 0.5 * kGather_m)) Gather(p);
     double best = 0.25 * kGather_m * kGather_m;
     for (const Corners& corners : near_) best = std::min(best, ClosestOnTriangle(corners, p).distance_squared);
-    return std::sqrt(best);  // or farther than half of kGather_m
+    return std::sqrt(best);  // at most half of kGather_m
   }
   bool IsInside(const Vec3& p) {
     if (Norm(p - counted_at_) < 0.999 * clear_m_) return inside_;
