@@ -28,7 +28,7 @@ std::string HeaderProblem(const StateHeader& header) {
   }
   const bool same_layout = header.total_bytes == sizeof(StateMemory) && header.ring_capacity == mine.ring_capacity &&
                            header.slot_bytes == mine.slot_bytes && header.input_bytes == mine.input_bytes &&
-                           header.contact_bytes == mine.contact_bytes;
+                           header.contact_bytes == mine.contact_bytes && header.vehicle_bytes == mine.vehicle_bytes;
   return same_layout ? std::string() : "has another layout than this client was built for";
 }
 
@@ -99,24 +99,25 @@ bool StateReader::Earlier(std::uint32_t back, ToolSample& sample) const noexcept
   return false;
 }
 
-bool StateReader::Inputs(protocol::InputSnapshot& inputs) const noexcept {
+template <class Block, class Snapshot>
+bool StateReader::ReadBlock(const Block& block, Snapshot& snapshot) noexcept {
   for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
-    protocol::InputSnapshot copy;
-    if (protocol::LoadCell(memory_->inputs, copy) == 0 || !protocol::InRange(copy)) continue;
-    inputs = copy;
+    Snapshot copy;
+    if (protocol::LoadCell(block, copy) == 0 || !protocol::InRange(copy)) continue;
+    snapshot = copy;
     return true;
   }
   return false;
 }
 
+bool StateReader::Inputs(protocol::InputSnapshot& inputs) const noexcept { return ReadBlock(memory_->inputs, inputs); }
+
 bool StateReader::Contacts(protocol::ContactSnapshot& contacts) const noexcept {
-  for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
-    protocol::ContactSnapshot copy;
-    if (protocol::LoadCell(memory_->contacts, copy) == 0 || !protocol::InRange(copy)) continue;
-    contacts = copy;
-    return true;
-  }
-  return false;
+  return ReadBlock(memory_->contacts, contacts);
+}
+
+bool StateReader::Vehicle(protocol::VehicleSnapshot& vehicle) const noexcept {
+  return ReadBlock(memory_->vehicle, vehicle);
 }
 
 bool StateReader::Around(std::int64_t t_ns, ToolSample& before, ToolSample& after) const noexcept {

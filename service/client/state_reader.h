@@ -39,9 +39,15 @@ class StateReader {
   // What the tip touches now. False as for Newest.
   bool Contacts(protocol::ContactSnapshot& contacts) const noexcept;
 
+  // The car of the scene that is felt now; `vehicle.on` says whether it has one. False as for Newest.
+  bool Vehicle(protocol::VehicleSnapshot& vehicle) const noexcept;
+
  private:
   StateReader(const protocol::StateMemory* memory, std::size_t bytes)
       : memory_(memory), bytes_(bytes), service_instance_(memory->header.service_instance) {}
+  // A block of its own. False: torn kMaxTornReads times, out of range, or never written.
+  template <class Block, class Snapshot>
+  static bool ReadBlock(const Block& block, Snapshot& snapshot) noexcept;
   // One attempt each. False: torn, overwritten, or out of range.
   bool ReadSlot(std::uint64_t index, protocol::ToolSample& sample) const noexcept;
   bool TryAround(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;

@@ -46,6 +46,22 @@ protocol::ContactSnapshot ContactsOf(const loop::TickOutput& output) noexcept {
   return contacts;
 }
 
+protocol::VehicleSnapshot VehicleOf(const loop::TickOutput& output) noexcept {
+  const haptics::VehicleReport& car = output.haptics.vehicle;
+  return {.t_ns = output.t_ns,
+          .scene_generation = output.scene_generation,
+          .on = car.on ? 1U : 0U,
+          .sliding = car.sliding ? 1U : 0U,
+          .laps = car.laps,
+          .hits = car.hits,
+          .position_base_m = ToArray(car.position_base_m),
+          .heading_rad = car.heading_rad,
+          .speed_m_s = car.speed_m_s,
+          .lap_s = car.lap_s,
+          .last_lap_s = car.last_lap_s,
+          .best_lap_s = car.best_lap_s};
+}
+
 }  // namespace
 
 void PublishSink::Publish(const loop::TickOutput& output) noexcept {
@@ -74,6 +90,7 @@ void PublishSink::Publish(const loop::TickOutput& output) noexcept {
                             .t_change_ns = from.t_change_ns};
   }
   publisher_.PublishContacts(ContactsOf(output));
+  publisher_.PublishVehicle(VehicleOf(output));
   publisher_.Publish(sample, inputs);
 }
 

@@ -38,8 +38,8 @@ int WriteLine(std::FILE* file, const loop::TickRecord& record) {
       static_cast<double>(Value(o.inputs, base::InputComponent::kTipForce)),
       static_cast<double>(Value(o.inputs, base::InputComponent::kThumbstickX)),
       static_cast<double>(Value(o.inputs, base::InputComponent::kThumbstickY)),
-      static_cast<unsigned long long>(o.haptic_pulses), o.faults, race.on ? 1 : 0, record.car.position_base_m.x,
-      record.car.position_base_m.y, record.car.heading_rad, race.hits, race.laps, race.last_lap_s);
+      static_cast<unsigned long long>(o.haptic_pulses), o.faults, race.on ? 1 : 0, race.position_base_m.x,
+      race.position_base_m.y, race.heading_rad, race.hits, race.laps, race.last_lap_s);
 }
 
 }  // namespace

@@ -232,11 +232,13 @@ struct Contact {
   base::Vec3 slip_base_m_s;  // of the tip along the surface, relative to it
 };
 
-// The car, for people.
+// The car, for who draws it and for people.
 struct VehicleReport {
   bool on = false;  // the scene has a vehicle
   bool sliding = false;
   std::uint32_t hits = 0, laps = 0;
+  base::Vec3 position_base_m;                        // centre of mass
+  double heading_rad = 0;                            // about +z, 0 = +x
   double speed_m_s = 0;                              // along its heading
   double lap_s = 0, last_lap_s = 0, best_lap_s = 0;  // 0: none
 };

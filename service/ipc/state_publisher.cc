@@ -42,4 +42,11 @@ void StatePublisher::PublishContacts(const protocol::ContactSnapshot& contacts) 
   protocol::StoreCell(memory_->contacts, protocol::SequenceOf(contacts_published_++), protocol::Tamed(contacts));
 }
 
+void StatePublisher::PublishVehicle(const protocol::VehicleSnapshot& vehicle) noexcept {
+  const bool was_on = vehicle_on_;
+  vehicle_on_ = vehicle.on != 0;
+  if (!vehicle_on_ && !was_on && vehicles_published_ > 0) return;
+  protocol::StoreCell(memory_->vehicle, protocol::SequenceOf(vehicles_published_++), protocol::Tamed(vehicle));
+}
+
 }  // namespace omni::ipc

@@ -27,6 +27,9 @@ class StatePublisher {
   // scene. Contacts that are out of range are left out.
   void PublishContacts(const protocol::ContactSnapshot& contacts) noexcept;
 
+  // Likewise, while the scene has a car, and once when it has none any more. One that is out of range is no car.
+  void PublishVehicle(const protocol::VehicleSnapshot& vehicle) noexcept;
+
   int fd() const { return memory_file_.fd.get(); }                 // to be passed to clients; stays ours
   std::uint64_t published() const noexcept { return published_; }  // tick thread only
 
@@ -40,6 +43,8 @@ class StatePublisher {
   std::uint64_t contacts_published_ = 0;
   std::uint32_t contact_count_ = 0;
   std::uint64_t contact_generation_ = 0;
+  std::uint64_t vehicles_published_ = 0;
+  bool vehicle_on_ = false;
 };
 
 }  // namespace omni::ipc

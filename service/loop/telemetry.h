@@ -11,15 +11,8 @@
 
 namespace omni::loop {
 
-// Where the car is, for recordings; a scene without a vehicle leaves it as it was.
-struct CarPlace {
-  base::Vec3 position_base_m;
-  double heading_rad = 0;
-};
-
 struct TickRecord {
   TickOutput output;
-  CarPlace car;
   base::HallScan scan;
   std::int64_t done_ns = 0;  // CLOCK_MONOTONIC after the currents were sent
   bool late = false;

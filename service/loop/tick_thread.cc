@@ -90,7 +90,6 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
   if (record_.late) statistics_->late.fetch_add(1, std::memory_order_relaxed);
   if (options_.telemetry) {
     record_.scan = scan;
-    record_.car = {state_.haptics.vehicle.position_base_m, state_.haptics.vehicle.heading_rad};
     if (!telemetry_->TryPush(record_)) statistics_->dropped_records.fetch_add(1, std::memory_order_relaxed);
   }
   WriteSurfaces(scan.t_ns);

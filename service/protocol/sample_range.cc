@@ -60,6 +60,13 @@ bool InRange(const ContactSnapshot& contacts) noexcept {
   return true;
 }
 
+bool InRange(const VehicleSnapshot& vehicle) noexcept {
+  const std::array<double, 5> scalars{vehicle.heading_rad, vehicle.speed_m_s, vehicle.lap_s, vehicle.last_lap_s,
+                                      vehicle.best_lap_s};
+  return TimeInRange(vehicle.t_ns) && vehicle.on <= 1 && vehicle.sliding <= 1 &&
+         ValuesInRange(vehicle.position_base_m) && ValuesInRange(scalars);
+}
+
 ToolSample Tamed(const ToolSample& sample) noexcept {
   if (InRange(sample)) return sample;
   ToolSample tamed = sample;
@@ -96,6 +103,14 @@ ContactSnapshot Tamed(const ContactSnapshot& contacts) noexcept {
     if (ContactInRange(contacts.contacts[i])) tamed.contacts[tamed.count++] = contacts.contacts[i];
   }
   return tamed;
+}
+
+VehicleSnapshot Tamed(const VehicleSnapshot& vehicle) noexcept {
+  if (InRange(vehicle)) return vehicle;
+  VehicleSnapshot none;
+  none.t_ns = std::clamp<std::int64_t>(vehicle.t_ns, 0, kLatestTime_ns);
+  none.scene_generation = vehicle.scene_generation;
+  return none;
 }
 
 }  // namespace omni::protocol

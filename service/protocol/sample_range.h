@@ -16,6 +16,7 @@ inline constexpr std::uint32_t kKnownToolFlags = kToolPoseValid | kToolTracked |
 bool InRange(const ToolSample& sample) noexcept;
 bool InRange(const InputSnapshot& inputs) noexcept;
 bool InRange(const ContactSnapshot& contacts) noexcept;
+bool InRange(const VehicleSnapshot& vehicle) noexcept;
 
 // The sample itself if it is in range. Else: gap and sigma are clamped; if that does not help, there is no pose
 // (pose flags cleared, numbers at their defaults; time, joystick and alignment flags stay).
@@ -24,5 +25,7 @@ ToolSample Tamed(const ToolSample& sample) noexcept;
 InputSnapshot Tamed(const InputSnapshot& inputs) noexcept;
 // Contacts that are out of range are left out.
 ContactSnapshot Tamed(const ContactSnapshot& contacts) noexcept;
+// Out of range: there is no car.
+VehicleSnapshot Tamed(const VehicleSnapshot& vehicle) noexcept;
 
 }  // namespace omni::protocol

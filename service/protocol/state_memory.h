@@ -1,6 +1,6 @@
 // The state memory: a memfd written by omnid's tick thread, mapped read-only by clients.
 //
-//   [StateHeader][InputBlock][ContactBlock][RingSlot x kRingCapacity]
+//   [StateHeader][InputBlock][ContactBlock][VehicleBlock][RingSlot x kRingCapacity]
 //
 // Every shared word is a lock-free std::atomic<uint64_t>. A slot is a seqlock: `sequence` is odd while the writer
 // is inside, and 2 * (publication index + 1) when slot `index % kRingCapacity` holds publication `index`.
@@ -15,7 +15,7 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kStateMagic = 0x54534D4F;  // "OMST"
-inline constexpr std::uint32_t kStateVersion = 2;         // 2: contacts
+inline constexpr std::uint32_t kStateVersion = 3;         // 2: contacts; 3: vehicle
 inline constexpr std::uint32_t kRingCapacity = 512;       // >= 250 ms at 1 kHz
 inline constexpr int kMaxTornReads = 3;
 
@@ -98,6 +98,21 @@ struct ContactSnapshot {
 };
 static_assert(std::is_trivially_copyable_v<ContactSnapshot> && sizeof(ContactSnapshot) % 8 == 0);
 
+// The car of the scene that is felt, in the frame B: for drawing it, and how the race stands.
+struct VehicleSnapshot {
+  std::int64_t t_ns = 0;                    // CLOCK_MONOTONIC of the Hall sample
+  std::uint64_t scene_generation = 0;       // of the scene
+  std::uint32_t on = 0;                     // 1: the scene has a car; 0: the rest says nothing
+  std::uint32_t sliding = 0;                // 1: an axle is at the limit of its grip
+  std::uint32_t laps = 0, hits = 0;         // finished so far
+  std::array<double, 3> position_base_m{};  // centre of mass
+  double heading_rad = 0;                   // about +z, 0 = +x
+  double speed_m_s = 0;                     // along the heading
+  double lap_s = 0;                         // time of the lap being driven; 0: none is
+  double last_lap_s = 0, best_lap_s = 0;    // 0: none yet
+};
+static_assert(std::is_trivially_copyable_v<VehicleSnapshot> && sizeof(VehicleSnapshot) % 8 == 0);
+
 using Word = std::atomic<std::uint64_t>;
 static_assert(Word::is_always_lock_free && sizeof(Word) == 8);
 
@@ -111,6 +126,7 @@ struct SeqlockCell {
 using RingSlot = SeqlockCell<ToolSample>;
 using InputBlock = SeqlockCell<InputSnapshot>;
 using ContactBlock = SeqlockCell<ContactSnapshot>;
+using VehicleBlock = SeqlockCell<VehicleSnapshot>;
 
 struct StateHeader {
   std::uint32_t magic = kStateMagic;
@@ -120,7 +136,7 @@ struct StateHeader {
   std::uint32_t slot_bytes = sizeof(RingSlot);
   std::uint32_t input_bytes = sizeof(InputBlock);
   std::uint32_t contact_bytes = sizeof(ContactBlock);
-  std::uint32_t reserved = 0;
+  std::uint32_t vehicle_bytes = sizeof(VehicleBlock);
   std::uint64_t service_instance = 0;
   Word published{0};  // number of samples published so far; newest index = published - 1
 };
@@ -129,6 +145,7 @@ struct StateMemory {
   StateHeader header;
   alignas(64) InputBlock inputs;
   alignas(64) ContactBlock contacts;
+  alignas(64) VehicleBlock vehicle;
   alignas(64) std::array<RingSlot, kRingCapacity> ring;
 };
 

@@ -155,6 +155,14 @@ void ReadAll(const StateReader& reader, std::mt19937_64& random) {
   if (reader.Inputs(inputs)) {
     EXPECT_TRUE(protocol::InRange(inputs));
   }
+  protocol::ContactSnapshot contacts;
+  if (reader.Contacts(contacts)) {
+    EXPECT_TRUE(protocol::InRange(contacts));
+  }
+  protocol::VehicleSnapshot car;
+  if (reader.Vehicle(car)) {
+    EXPECT_TRUE(protocol::InRange(car));
+  }
   const std::int64_t asked[] = {0, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(),
                                 static_cast<std::int64_t>(random()), static_cast<std::int64_t>(random() % 1'000'000)};
   for (const std::int64_t t_ns : asked) {
@@ -174,8 +182,13 @@ TEST(StateReaderProperty, RandomBytesNeverHurt) {
       slot.sequence = random();
       for (auto& word : slot.words) word = random();
     }
-    hostile.memory->inputs.sequence = random() & ~std::uint64_t{1};
-    for (auto& word : hostile.memory->inputs.words) word = random();
+    const auto fill = [&random](auto& block) {
+      block.sequence = random() & ~std::uint64_t{1};
+      for (auto& word : block.words) word = random();
+    };
+    fill(hostile.memory->inputs);
+    fill(hostile.memory->contacts);
+    fill(hostile.memory->vehicle);
     ReadAll(*hostile.reader, random);
   }
 }

@@ -136,6 +136,52 @@ TEST(StatePublisher, PublishesNothingInsane) {
   EXPECT_EQ(seen_inputs.components[0].value, 1);
 }
 
+protocol::VehicleSnapshot CarAt(double x_m) {
+  return {.t_ns = 1'000'000,
+          .scene_generation = 3,
+          .on = 1,
+          .laps = 2,
+          .position_base_m = {x_m, 0, 0.047},
+          .heading_rad = 1.5,
+          .speed_m_s = 0.05};
+}
+
+TEST(StateReader, SeesTheCarWhileThereIsOne) {
+  const auto publisher = MakePublisher();
+  const auto reader = ReaderOf(*publisher);
+  protocol::VehicleSnapshot car;
+  EXPECT_FALSE(reader->Vehicle(car));
+  publisher->PublishVehicle({.t_ns = 5});
+  ASSERT_TRUE(reader->Vehicle(car));
+  EXPECT_EQ(car.on, 0U);
+  for (const double x_m : {0.01, 0.02}) {
+    publisher->PublishVehicle(CarAt(x_m));
+    ASSERT_TRUE(reader->Vehicle(car));
+    EXPECT_EQ(car.on, 1U);
+    EXPECT_EQ(car.position_base_m[0], x_m);
+    EXPECT_EQ(car.scene_generation, 3U);
+    EXPECT_EQ(car.laps, 2U);
+  }
+  publisher->PublishVehicle({.t_ns = 7});
+  ASSERT_TRUE(reader->Vehicle(car));
+  EXPECT_EQ(car.on, 0U);
+}
+
+TEST(StatePublisher, AnInsaneCarIsNone) {
+  const auto publisher = MakePublisher();
+  const auto reader = ReaderOf(*publisher);
+  protocol::VehicleSnapshot car = CarAt(std::numeric_limits<double>::quiet_NaN());
+  publisher->PublishVehicle(car);
+  ASSERT_TRUE(reader->Vehicle(car));
+  EXPECT_EQ(car.on, 0U);
+  EXPECT_EQ(car.position_base_m[0], 0);
+  car = CarAt(0.01);
+  car.heading_rad = std::numeric_limits<double>::infinity();
+  publisher->PublishVehicle(car);
+  ASSERT_TRUE(reader->Vehicle(car));
+  EXPECT_EQ(car.on, 0U);
+}
+
 TEST(StatePublisher, TimeNeverGoesBack) {
   const auto publisher = MakePublisher();
   const auto reader = ReaderOf(*publisher);
@@ -206,6 +252,7 @@ TEST(StateReader, RefusesOtherLayouts) {
             std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.ring_capacity = 1 << 20; }).find("layout"), std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.slot_bytes = 8; }).find("layout"), std::string::npos);
+  EXPECT_NE(refused([](protocol::StateHeader& h) { h.vehicle_bytes = 8; }).find("layout"), std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.total_bytes = 1; }).find("layout"), std::string::npos);
 }
 

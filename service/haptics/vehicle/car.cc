@@ -25,6 +25,8 @@ VehicleReport ReportOf(const VehicleState& state) noexcept {
           state.sliding,
           state.hits,
           state.lap.laps,
+          state.position_base_m,
+          state.heading_rad,
           speed_m_s,
           state.lap.running ? state.lap.time_s : 0,
           state.lap.last_s,
