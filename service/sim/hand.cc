@@ -45,7 +45,15 @@ void HandPath::AddLeg(const HandWaypoint& from, const HandWaypoint& to, double d
   legs_.push_back(leg);
 }
 
+HandTarget HandPath::Start() const noexcept { return Still(0); }
+
 HandTarget HandPath::At(double t_s) const noexcept {
+  HandTarget target = Still(t_s);
+  tremor_.Add(t_s, target.centre_base_m, target.velocity_base_m_s);
+  return target;
+}
+
+HandTarget HandPath::Still(double t_s) const noexcept {
   const double t = std::max(0.0, period_s_ > 0 ? std::fmod(t_s, period_s_) : t_s);
   const auto after =
       std::upper_bound(legs_.begin(), legs_.end(), t, [](double time, const Leg& leg) { return time < leg.start_s; });
@@ -61,27 +69,36 @@ HandTarget HandPath::At(double t_s) const noexcept {
   target.present = leg.present;
   target.centre_base_m = leg.from_tip + s * (leg.to_tip - leg.from_tip) - tip_offset_m_ * axis;
   target.velocity_base_m_s = rate * (leg.to_tip - leg.from_tip) - tip_offset_m_ * axis_rate;
-  tremor_.Add(t_s, target.centre_base_m, target.velocity_base_m_s);
   return target;
 }
 
-Hand::Hand(const HandScript& script, const base::DeviceGeometry& device, Random& random)
+Hand::Hand(const HandScript& script, const base::DeviceGeometry& device, Random& random, bool led)
     : path_(script, device.magnet.tip_offset_m, random),
       magnet_(device.magnet),
       hull_radius_m_(device.hull_radius_m),
       stiffness_N_m_(script.stiffness_N_m),
       damping_Ns_m_(script.damping_Ns_m),
       mass_kg_(script.mass_kg) {
-  const HandTarget start = path_.At(0);
+  if (led) led_.emplace(path_.Start(), device.magnet.tip_offset_m);
+  const HandTarget start = NextTarget(0, 0);
   pose_ = {start.centre_base_m, start.axis_base};
   velocity_ = start.velocity_base_m_s;
   present_ = start.present;
   KeepOutOfHull();
 }
 
+// At t + dt.
+HandTarget Hand::NextTarget(double t_s, double dt_s) noexcept {
+  if (!led_) return path_.At(t_s + dt_s);
+  led_->Step(dt_s);
+  HandTarget target = led_->Target();
+  path_.tremor().Add(t_s + dt_s, target.centre_base_m, target.velocity_base_m_s);
+  return target;
+}
+
 // Semi-implicit Euler; its stability limits, k dt^2 < 4 m and c dt < m, are kept by the ranges of HandScript.
 void Hand::Step(double t_s, double dt_s, const Vec3& force_N) noexcept {
-  const HandTarget target = path_.At(t_s + dt_s);
+  const HandTarget target = NextTarget(t_s, dt_s);
   t_s_ = t_s + dt_s;
   pose_.axis_base = target.axis_base;
   present_ = target.present;
@@ -108,7 +125,8 @@ void Hand::KeepOutOfHull() noexcept {
 }
 
 MagnetPose Hand::Predicted(double t_s) const noexcept {
-  MagnetPose pose{pose_.centre_base_m + (t_s - t_s_) * velocity_, path_.At(t_s).axis_base};
+  const Vec3 axis_base = led_ ? pose_.axis_base : path_.At(t_s).axis_base;
+  MagnetPose pose{pose_.centre_base_m + (t_s - t_s_) * velocity_, axis_base};
   const Gap gap = GapToHull(magnet_, hull_radius_m_, pose);
   if (gap.gap_m < 0) pose.centre_base_m += -gap.gap_m * gap.normal_base;
   return pose;

@@ -1,10 +1,13 @@
-// The hand: a mass on a spring-damper whose other end follows the script. It carries the pen's weight, turns it as the
-// script says, and yields to magnetic force. The pen never enters the hull.
+// The hand: a mass on a spring-damper whose other end follows the script, or whoever leads the hand. It carries the pen's
+// weight, turns it as wanted, and yields to magnetic force. The pen never enters the hull.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "service/base/device_geometry.h"
+#include "service/sim/hand_target.h"
+#include "service/sim/led_path.h"
 #include "service/sim/random.h"
 #include "service/sim/tremor.h"
 #include "service/sim/truth_model.h"
@@ -12,20 +15,14 @@
 
 namespace omni::sim {
 
-// Where the script wants the magnet's centre.
-struct HandTarget {
-  Vec3 centre_base_m;
-  Vec3 velocity_base_m_s;
-  Vec3 axis_base{0, 0, -1};
-  bool present = true;
-};
-
 // The script as a smooth function of time. Precondition: what CheckHandScript accepts, or no waypoints: no pen.
 class HandPath {
  public:
   HandPath(const HandScript& script, double tip_offset_m, Random& random);
 
   HandTarget At(double t_s) const noexcept;
+  HandTarget Start() const noexcept;  // the first waypoint, without tremor
+  const Tremor& tremor() const noexcept { return tremor_; }
 
  private:
   struct Leg {
@@ -37,6 +34,7 @@ class HandPath {
     bool present = true;
   };
 
+  HandTarget Still(double t_s) const noexcept;  // without tremor
   void AddLeg(const HandWaypoint& from, const HandWaypoint& to, double duration_s);
 
   std::vector<Leg> legs_;  // by start; the last one of a repeating script leads back to the first waypoint
@@ -47,7 +45,11 @@ class HandPath {
 
 class Hand {
  public:
-  Hand(const HandScript& script, const base::DeviceGeometry& device, Random& random);
+  // `led`: of the script only the first waypoint counts, where the hand waits for its first aim.
+  Hand(const HandScript& script, const base::DeviceGeometry& device, Random& random, bool led = false);
+
+  // Precondition: led.
+  void Aim(const HandAim& aim) noexcept { led_->Aim(aim); }
 
   // The next sub-step [t, t + dt] under `force_N` on the pen.
   void Step(double t_s, double dt_s, const Vec3& force_N) noexcept;
@@ -61,9 +63,11 @@ class Hand {
   double gap_m() const noexcept { return GapToHull(magnet_, hull_radius_m_, pose_).gap_m; }
 
  private:
+  HandTarget NextTarget(double t_s, double dt_s) noexcept;
   void KeepOutOfHull() noexcept;
 
   HandPath path_;
+  std::optional<LedPath> led_;
   base::MagnetGeometry magnet_;
   double hull_radius_m_;
   double stiffness_N_m_, damping_Ns_m_, mass_kg_;

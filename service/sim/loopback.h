@@ -25,6 +25,9 @@ class Loopback {
   // False: refused, nothing sent.
   bool Write(const base::CoilCurrents& currents) noexcept;
 
+  // Precondition: options.led.
+  void Aim(const HandAim& aim) noexcept { core_.Aim(aim); }
+
   const TwinCore& core() const noexcept { return core_; }
 
  private:

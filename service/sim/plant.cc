@@ -44,7 +44,7 @@ Plant::Plant(const base::DeviceGeometry& device, const PlantOptions& options)
       truth_(device, imperfections_, options.flip_coil_sign),
       coils_(device, options.truth.thermal),
       rail_(options.supply, device.supply_V),
-      hand_(options.script, device, random_),
+      hand_(options.script, device, random_, options.led),
       motion_(options.motion),
       run_s_(options.run_s),
       pen_(Pen(0)),

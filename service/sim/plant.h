@@ -33,6 +33,7 @@ struct BridgeParameters {
 struct PlantOptions {
   std::uint64_t seed = 1;
   HandScript script;            // no waypoints: no pen
+  bool led = false;             // Aim says where the pen is wanted; the script only how the hand is and where it starts
   bool imperfect = true;        // false: nominal device, nothing but noise and heat
   bool flip_coil_sign = false;  // coil z wired backwards
   std::int64_t start_ns = 0;    // < 0: the hand rests at its start until 0
@@ -63,6 +64,9 @@ class Plant {
   const firmware::Inputs& Step(const firmware::Outputs& outputs) noexcept;
   // What a core reads now; before the first step: at its start.
   const firmware::Inputs& inputs() const noexcept { return inputs_; }
+
+  // Precondition: options.led.
+  void Aim(const HandAim& aim) noexcept { hand_.Aim(aim); }
 
   // The controller was reset: its clock starts again. The world goes on.
   void ResetClock() noexcept;

@@ -61,7 +61,7 @@ void SleepUntil(std::int64_t t_ns) {
 class Server {
  public:
   Server(const base::DeviceGeometry& device, const TwinOptions& options, int fd, std::unique_ptr<Recording> recording)
-      : core_(device, PlantOptionsOf(options), base::MonotonicNow_ns()), fd_(fd), recording_(std::move(recording)) {}
+      : core_(device, PlantOptionsOf(options), base::MonotonicNow_ns()), guide_(options.guide), fd_(fd), recording_(std::move(recording)) {}
 
   void Run(double linger_s) {
     const auto linger_ns = static_cast<std::int64_t>(linger_s * 1e9);
@@ -70,6 +70,8 @@ class Server {
     while (stop_requested == 0 && (!gone_ || base::MonotonicNow_ns() - gone_ns_ < linger_ns)) {
       WaitForTick();
       ReceiveFrames();
+      HandAim aim;
+      if (guide_ != nullptr && guide_->Poll(aim)) core_.Aim(aim);
       core_.Tick();
       if (recording_) recording_->Add(core_.Truth());
       SendFrames();
@@ -130,6 +132,7 @@ class Server {
   }
 
   TwinCore core_;
+  std::shared_ptr<HandGuide> guide_;
   int fd_;
   std::unique_ptr<Recording> recording_;
   bool gone_ = false;

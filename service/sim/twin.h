@@ -12,6 +12,7 @@
 #include "service/base/result.h"
 #include "service/base/truth_parameters.h"
 #include "service/device/transport.h"
+#include "service/sim/hand_guide.h"
 
 namespace omni::sim {
 
@@ -35,6 +36,7 @@ base::Result<HandScript> LoadHandScript(const std::string& path);
 struct TwinOptions {
   std::uint64_t seed = 1;
   HandScript script;            // as LoadHandScript accepts it; no waypoints: no pen
+  std::shared_ptr<HandGuide> guide;  // null: the script is played; else it leads, and the script's way is not played
   bool imperfect = true;        // false: nominal device, nothing but noise and heat (tests of other parts)
   base::TruthParameters truth;  // how far from nominal, what happens over time; config::DefaultTwin() has it all
   bool flip_coil_sign = false;  // test hook: coil z wired backwards

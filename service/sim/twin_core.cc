@@ -39,6 +39,7 @@ PlantOptions PlantOptionsOf(const TwinOptions& options) {
   PlantOptions plant;
   plant.seed = options.seed;
   plant.script = options.script;
+  plant.led = options.guide != nullptr;
   plant.imperfect = options.imperfect;
   plant.flip_coil_sign = options.flip_coil_sign;
   plant.truth = options.truth;

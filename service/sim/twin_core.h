@@ -28,6 +28,9 @@ class TwinCore {
   // A frame to the host; 0: none is left.
   std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept { return core_.NextFrame(frame, capacity); }
 
+  // Precondition: options.led.
+  void Aim(const HandAim& aim) noexcept { plant_.Aim(aim); }
+
   // Device time is that much later from now on (a suspended machine): the core sees its clock jump.
   void MoveClock(std::int64_t by_ns) noexcept { clock_offset_ns_ += by_ns; }
 

@@ -13,6 +13,7 @@ class VirtualTwin final : public device::Transport {
  public:
   VirtualTwin(const base::DeviceGeometry& device, const TwinOptions& options, double duration_s)
       : base_(device, PlantOptionsOf(options)),
+        guide_(options.guide),
         ticks_(static_cast<std::uint64_t>(std::llround(duration_s / base::kTickPeriod_s))) {
     info_ = {.name = "twin (simulation, virtual time)", .serial = "twin", .simulation = true, .virtual_time = true};
     if (options.recording_path.empty()) return;
@@ -26,6 +27,8 @@ class VirtualTwin final : public device::Transport {
 
   device::ReadStatus Read(base::HallScan& scan, std::int64_t /*timeout_ns*/) noexcept override {
     if (base_.core().tick() >= ticks_) return device::ReadStatus::kEnd;
+    HandAim aim;
+    if (guide_ != nullptr && guide_->Poll(aim)) base_.Aim(aim);
     base_.Tick(scan);
     if (recording_) recording_->Add(base_.core().Truth());
     ++counters_.received;
@@ -43,6 +46,7 @@ class VirtualTwin final : public device::Transport {
 
  private:
   Loopback base_;
+  std::shared_ptr<HandGuide> guide_;
   std::uint64_t ticks_;
   device::TransportInfo info_;
   device::Counters counters_;
