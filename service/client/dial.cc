@@ -14,32 +14,32 @@ using protocol::UniqueFd;
 
 Dialled Failed(std::string problem) { return {UniqueFd(), std::move(problem)}; }
 
-std::string ConnectProblem(const std::string& path, int error) {
+std::string ConnectProblem(const ServerWords& server, const std::string& path, int error) {
   switch (error) {
     case ENOENT:
-      return "no omnid at " + path + ": start omnid";
+      return "no " + server.name + " at " + path + ": " + server.remedy;
     case ECONNREFUSED:
-      return "no omnid behind " + path + " (left over from one that died): start omnid";
+      return "no " + server.name + " behind " + path + " (left over from one that died): " + server.remedy;
     case EAGAIN:
-      return "omnid at " + path + " is too busy to accept a connection";
+      return server.name + " at " + path + " is too busy to accept a connection";
     default:
-      return "cannot connect to omnid at " + path + ": " + std::strerror(error);
+      return "cannot connect to " + server.name + " at " + path + ": " + std::strerror(error);
   }
 }
 
 }  // namespace
 
-Dialled Dial(const std::string& socket_path) {
+Dialled Dial(const std::string& socket_path, const ServerWords& server) {
   if (std::string problem = protocol::PathProblem(socket_path); !problem.empty()) return Failed(std::move(problem));
   protocol::FolderCheck folder = protocol::CheckFolder(protocol::FolderOf(socket_path));
-  if (folder.state == protocol::FolderState::kMissing) return Failed(ConnectProblem(socket_path, ENOENT));
+  if (folder.state == protocol::FolderState::kMissing) return Failed(ConnectProblem(server, socket_path, ENOENT));
   if (folder.state == protocol::FolderState::kRefused) return Failed(std::move(folder.problem));
 
   UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket) return Failed(std::string("cannot make a socket: ") + std::strerror(errno));
   const protocol::SocketAddress to = protocol::AddressOf(socket_path);
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&to.address), to.bytes) != 0) {
-    return Failed(ConnectProblem(socket_path, errno));
+    return Failed(ConnectProblem(server, socket_path, errno));
   }
   ucred peer{};
   socklen_t bytes = sizeof(peer);

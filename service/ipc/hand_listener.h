@@ -1,0 +1,37 @@
+// The twin's end of the channel on which its hand is led (protocol/hand_aim.h): a seqpacket socket in a folder that
+// only its user can enter. One process leads at a time; another that connects waits until it has gone.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "service/base/result.h"
+#include "service/protocol/hand_aim.h"
+#include "service/protocol/unique_fd.h"
+
+namespace omni::ipc {
+
+class HandListener {
+ public:
+  // The folder must be there, this user's own and closed to all others (0700). A socket that nobody listens on any more
+  // is replaced.
+  static base::Result<std::unique_ptr<HandListener>> Open(const std::string& path);
+  ~HandListener();  // removes the socket
+  HandListener(const HandListener&) = delete;
+  HandListener& operator=(const HandListener&) = delete;
+
+  // The newest aim that has come since the last call. Never waits, reads at most kAimsPerPoll packets. Who runs as
+  // another user, or sends anything but an aim, is cut off.
+  static constexpr int kAimsPerPoll = 16;
+  std::optional<protocol::HandAim> Poll() noexcept;
+
+ private:
+  HandListener(std::string path, protocol::UniqueFd socket) : path_(std::move(path)), socket_(std::move(socket)) {}
+  void Accept() noexcept;
+
+  std::string path_;
+  protocol::UniqueFd socket_, leader_;
+};
+
+}  // namespace omni::ipc
