@@ -62,6 +62,8 @@ void SurfaceLooker::Begin(const std::vector<haptics::ChangingObject>& changing) 
 }
 
 void SurfaceLooker::Refresh(Shown& shown) const {
+  // Published before the tick's first snapshot: readers wait for a time, even if nothing changes any more.
+  if (!shown.timed && snapshot_->t_ns != 0) shown.new_pose = true;
   if (shown.object.moved) RefreshPose(shown);
   if (shown.object.sculpted) return RefreshSculpted(shown);
   if (shown.object.HasVertices()) RefreshDisplaced(shown);
@@ -142,6 +144,7 @@ void SurfaceLooker::Publish(std::size_t index) {
   if (shown.new_vertices && shown.object.HasVertices()) update.vertices_base_m = shown.vertices;
   if (shown.new_triangles && shown.object.HasVertices()) update.triangles = shown.triangles;
   if (memory_->Publish(index, update) != ipc::SurfacePublish::kDone) return;
+  shown.timed = snapshot_->t_ns != 0;
   shown.new_vertices = shown.new_triangles = shown.new_pose = false;
 }
 

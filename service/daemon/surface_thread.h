@@ -52,6 +52,7 @@ class SurfaceLooker {
     haptics::MovedObject pose;
     double displacement_m = 0;
     bool new_vertices = true, new_triangles = true, new_pose = true;
+    bool timed = false;                                   // what is published says of which scan it is
     bool touched = false;                                 // its soft body gives way
     std::array<double, haptics::kMaxRegions> offset_m{};  // of all regions
     std::uint64_t sculpt_generation = 0;

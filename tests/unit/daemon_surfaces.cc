@@ -12,6 +12,7 @@
 #include "service/daemon/surface_clients.h"
 #include "service/daemon/surface_thread.h"
 #include "service/daemon/transport_tick_source.h"
+#include "service/haptics/live/make_live.h"
 #include "service/ipc/state_publisher.h"
 #include "service/loop/tick_config.h"
 #include "tests/support/quiet_device.h"
@@ -77,6 +78,27 @@ class Drawing {
   std::shared_ptr<const SurfaceReader> reader;
   SurfaceCopy copy;
 };
+
+// Readers take a surface without a time for one that is still to come: it gets one even if it never changes.
+TEST(SurfaceLooker, ASurfaceAtRestGetsItsTimeOnceTheTickIsThere) {
+  for (const bool sculpted : {false, true}) {
+    Scene scene = haptics::Built(ExtrudableInput());
+    if (sculpted) {
+      haptics::Material clay;
+      clay.sculpt.enabled = true;
+      scene = haptics::Built(haptics::SceneOf(haptics::Sphere(8, 0.02), clay));
+      haptics::MakeLive(scene);
+    }
+    Drawing drawing(std::move(scene));
+    drawing.there = false;
+    EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
+    EXPECT_EQ(drawing.copy.frame.t_ns, 0);
+    drawing.there = true;
+    EXPECT_EQ(drawing.Look(0), SurfaceRead::kPose) << sculpted;
+    EXPECT_GT(drawing.copy.frame.t_ns, 0);
+    EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged) << "and then rests";
+  }
+}
 
 TEST(SurfaceLooker, PublishesExtrudedFacesWhenTheyMove) {
   Drawing drawing(haptics::Built(ExtrudableInput()));
