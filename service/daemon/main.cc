@@ -29,6 +29,8 @@ int ParseAndRun(int argc, char** argv) {
   app.add_option("--record", options.record_path, "CSV file with one line a tick");
   app.add_option("--record-device", options.record_device_path, "file of all scans and commands, to replay");
   app.add_option("--twin-script", options.twin_script, "hand script (.json) of the twin");
+  app.add_option("--twin-hand", options.twin_hand,
+                 "socket on which a program leads the twin's hand (omni twin hand), in a folder of mode 0700");
   app.add_option("--twin-record", options.twin_record, "CSV file of the twin's true pose and currents");
   app.add_option("--twin-seed", options.twin_seed, "seed of the twin's noise and imperfections");
   app.add_option("--hand", options.hand, "hand that holds the pen: left, right, or auto (the layer's default: right)")

@@ -20,6 +20,7 @@ base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string
     if (!value.empty()) arguments.insert(arguments.end(), {name, value});
   };
   add("--script", options.twin_script);
+  add("--hand", options.twin_hand);
   add("--record", options.twin_record);
   add("--device", options.device_file);
   base::Result<std::unique_ptr<device::Transport>> twin = sim::SpawnTwin(program, arguments);

@@ -16,6 +16,7 @@ struct RunOptions {
   std::string record_device_path;  // scans and commands, for --device replay:FILE
   bool replay_fast = false;
   std::string twin_script;
+  std::string twin_hand;  // socket on which the twin's hand is led; empty: the script is played
   std::string twin_record;
   std::uint64_t twin_seed = 1;
   std::string hand = "auto";  // "left", "right": the hand that holds the pen, unless an application's file says

@@ -14,6 +14,7 @@ void AddScene(CLI::App& app);  // omni scene explain, cost, cache, edits, undo, 
 void AddDoctor(CLI::App& app);
 void AddTwin(CLI::App& app);  // omni twin serve, and below it:
 void AddTwinRun(CLI::App& twin);
+void AddTwinHand(CLI::App& twin);
 void AddBench(CLI::App& app);
 void AddBenchPlot(CLI::App& bench);  // below it
 void AddBenchPage(CLI::App& bench);  // below it

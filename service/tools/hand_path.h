@@ -4,16 +4,13 @@
 #include "service/base/result.h"
 #include "service/haptics/scene.h"
 #include "service/sim/twin.h"
+#include "service/tools/hand/touch_places.h"
 
 namespace omni::tools {
 
 struct HandPathOptions {
-  double hull_radius_m = 0.0375;
-  double gap_min_m = 0.004;  // surface points this far above the hull ...
-  double gap_max_m = 0.032;  // ... to this can be felt
-  double reach_m = 0.025;    // from the z axis
-  double press_m = 0.005;    // how far below the surface the hand aims
-  int touches = 5;
+  PlaceOptions places;
+  double press_m = 0.005;  // how far below the surface the hand aims
 };
 
 // Approaches, presses, slides to the next point. Error when nothing of the scene lies within reach (says what does).

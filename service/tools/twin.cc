@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +12,7 @@
 #include "service/sim/twin.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/hand/socket_guide.h"
 
 namespace omni::tools {
 namespace {
@@ -19,6 +21,7 @@ struct ServeArguments {
   int fd = -1;
   std::uint64_t seed = 1;
   std::string script;
+  std::string hand;
   std::string record;
   std::string device;
   std::string twin;
@@ -65,6 +68,11 @@ int Serve(const ServeArguments& arguments) {
     if (!loaded.ok()) return Fail("omni twin serve", loaded.error());
     options.script = *loaded;
   }
+  if (!arguments.hand.empty()) {
+    auto listener = ipc::HandListener::Open(arguments.hand);
+    if (!listener.ok()) return Fail("omni twin serve", listener.error());
+    options.guide = std::make_shared<SocketGuide>(std::move(*listener));
+  }
   return sim::ServeTwin(device, options, arguments.fd, arguments.linger_s);
 }
 
@@ -78,6 +86,10 @@ void AddTwin(CLI::App& app) {
   serve->add_option("--fd", arguments->fd, "inherited seqpacket socket that carries the frames")->required();
   serve->add_option("--seed", arguments->seed, "of noise and imperfections")->capture_default_str();
   serve->add_option("--script", arguments->script, "hand script (.json); default: circles above the base");
+  serve->add_option(
+      "--hand", arguments->hand,
+      "socket on which a program leads the hand (`omni twin hand`); of the script only the first waypoint "
+      "and the hand itself count then");
   serve->add_option("--record", arguments->record, "CSV file of the true pose and the currents");
   serve->add_option("--linger", arguments->linger_s, "seconds to go on after the host is gone")
       ->check(CLI::Range(0.0, 3600.0))
@@ -86,6 +98,7 @@ void AddTwin(CLI::App& app) {
   serve->add_option("--twin", arguments->twin, "imperfections and effects (.toml); default: the built-in twin.toml");
   serve->callback([arguments] { throw CLI::RuntimeError(Serve(*arguments)); });
   AddTwinRun(*twin);
+  AddTwinHand(*twin);
 }
 
 }  // namespace omni::tools

@@ -46,7 +46,7 @@ base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::
                                       const haptics::Scene& scene) {
   const std::string file = arguments.hand.empty() ? FindHandScript(scene_path) : arguments.hand;
   if (!file.empty()) return sim::LoadHandScript(file);
-  return MakeHandPath(scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
+  return MakeHandPath(scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
 }
 
 // Where the twin records its truth: the file asked for, else one of our own that goes away again.
@@ -140,7 +140,7 @@ int WritePath(const RunArguments& arguments, const std::string& output) {
   const std::string& path = *found;
   auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
   if (!loaded.ok()) return Fail("omni twin path", loaded.error());
-  auto hand = MakeHandPath(loaded->scene, {.hull_radius_m = config::DefaultDevice().hull_radius_m});
+  auto hand = MakeHandPath(loaded->scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
   if (!hand.ok()) return Fail("omni twin path", path + ": " + hand.error());
   std::ofstream file(output);
   file << WriteHandScript(*hand);

@@ -38,7 +38,7 @@ TEST(HandPath, PressesWhereABallIsFlatEnoughToHoldOn) {
     EXPECT_NEAR(below.z, top_m - options.press_m, 5e-4);
     ++presses;
   }
-  EXPECT_EQ(presses, options.touches);
+  EXPECT_EQ(presses, options.places.places);
 }
 
 TEST(HandPath, SaysWhatIsReachableWhenNothingIs) {

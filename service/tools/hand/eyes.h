@@ -1,0 +1,43 @@
+// A person's eyes and fingers at a running omnid: a client that asks for what an application would draw.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "service/client/connection.h"
+#include "service/client/surface_reader.h"
+#include "service/tools/hand/perceived.h"
+
+namespace omni::tools {
+
+// What is looked at besides pen and car.
+struct LookFor {
+  bool soft = false;  // bodies that give way
+  bool clay = false;  // strokes
+};
+
+class Eyes {
+ public:
+  Eyes(const std::string& socket_path, const LookFor& look_for);
+
+  Perceived Look(std::int64_t now_ns);
+
+  bool connected() const noexcept { return connection_.connected(); }
+  const std::string& problem() const noexcept { return connection_.last_error(); }
+
+ private:
+  void SeePen(std::int64_t now_ns);
+  void SeeSoftBodies();
+  void AskForStrokes(std::int64_t now_ns);
+
+  client::Connection connection_;
+  const LookFor look_for_;
+  Perceived seen_;
+  std::shared_ptr<const client::SurfaceReader> surfaces_;
+  std::vector<client::SurfaceCopy> copies_;  // of its objects
+  std::uint32_t asked_ = 0;                  // number of the question about strokes that has no answer yet; 0: none
+  std::int64_t asked_ns_ = 0;
+};
+
+}  // namespace omni::tools

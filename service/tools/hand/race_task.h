@@ -1,0 +1,40 @@
+// A lap of a race: to the joystick, round the track, then the stick pressed down until it clicks, and away.
+#pragma once
+
+#include <string>
+
+#include "service/haptics/scene.h"
+#include "service/tools/hand/car_driver.h"
+#include "service/tools/hand/moving_aim.h"
+
+namespace omni::tools {
+
+class RaceTask final : public HandTask {
+ public:
+  // Precondition: the scene has a vehicle and a joystick.
+  RaceTask(const haptics::SceneHeader& scene, TrackLine line)
+      : stick_(scene.joystick), driver_(scene.vehicle, std::move(line)) {}
+
+  std::optional<sim::HandAim> Next(const Perceived& seen) override;
+  bool done() const override { return phase_ == Phase::kDone; }
+  std::string Account() const override;
+
+ private:
+  enum class Phase { kReach, kDrive, kStop, kPress, kPressed, kRelease, kLeave, kDone };
+  void Enter(Phase phase) { phase_ = phase, phase_s_ = 0; }
+  void Hold(const StickWish& wish, const base::Vec3& tip_base_m, double dt_s);
+
+  const haptics::JoystickInput stick_;
+  CarDriver driver_;
+  Phase phase_ = Phase::kReach;
+  double phase_s_ = 0;  // since it began
+  Steps steps_;
+  MovingAim aim_;
+  base::Vec3 pushed_m_;  // how much farther the hand pushes than the stick is to go
+  PerceivedCar car_;     // as seen last
+  std::uint32_t laps_before_ = 0, presses_before_ = 0;
+  int clicks_ = 0;
+  bool pen_seen_ = false, clicked_ = false;
+};
+
+}  // namespace omni::tools

@@ -1,0 +1,32 @@
+// Where a scene can be touched from above, found by looking down on it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "service/base/vec.h"
+#include "service/haptics/scene.h"
+
+namespace omni::tools {
+
+struct PlaceOptions {
+  double hull_radius_m = 0.0375;
+  double gap_min_m = 0.004;  // surface points this far above the hull ...
+  double gap_max_m = 0.032;  // ... to this can be felt
+  double reach_m = 0.025;    // from the z axis
+  int places = 5;            // at most
+};
+
+struct TouchPlace {
+  base::Vec3 point_base_m;     // on the surface
+  std::uint32_t material = 0;  // of the scene
+};
+
+// Spread out, those on which a pressed pen holds best; the first one is nearest to the z axis. None: nothing of the
+// scene lies within reach.
+std::vector<TouchPlace> FindTouchPlaces(const haptics::Scene& scene, const PlaceOptions& options);
+
+// For people: what FindTouchPlaces did not find, and what to do.
+std::string NothingWithinReach(const PlaceOptions& options);
+
+}  // namespace omni::tools
