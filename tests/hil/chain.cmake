@@ -29,7 +29,7 @@ if(UMOCKDEV_FOUND AND LIBUSB_FOUND)
 
   # omni_hil [options] -- PROGRAM: any program of libusb on the base.
   add_executable(omni_hil hil_main.cc hil_run.cc scenario.cc)
-  target_link_libraries(omni_hil PRIVATE omni_hil_usb omni_hil_time omni_config omni_console
+  target_link_libraries(omni_hil PRIVATE omni_hil_usb omni_hil_time omni_config omni_console omni_ipc
                         nlohmann_json::nlohmann_json)
   add_executable(hil_app hil_app.cc)
   target_link_libraries(hil_app PRIVATE omni_client)

@@ -39,6 +39,9 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
       ->check(omni::console::OneOf({"host", "qemu"}))
       ->capture_default_str();
   app.add_option("--script", script, "hand script (.json); default: no pen");
+  app.add_option("--hand", options.hand_path,
+                 "socket on which a program leads the hand (omni twin hand); of the script only the first waypoint and "
+                 "the hand itself count then");
   app.add_option("--seed", options.plant.seed, "of noise and imperfections")->capture_default_str();
   app.add_option("--record", options.record_path, "CSV file of the true pose and the currents");
   app.add_option("--summary", options.summary_path, "JSON file (default: standard output)");
@@ -63,6 +66,7 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
     if (!loaded) return Fail(loaded.error());
     options.plant.script = *loaded;
   }
+  options.plant.led = !options.hand_path.empty();
   return omni::hil::RunHil(omni::config::DefaultDevice(), options);
 }
 

@@ -15,6 +15,7 @@
 
 #include "firmware/core/settings.h"
 #include "service/sim/recording.h"
+#include "service/tools/hand/socket_guide.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/hil_board.h"
 #include "tests/hil/host_process.h"
@@ -80,11 +81,13 @@ Json ToJson(const Reaction& reaction) {
 
 class Run {
  public:
+  // `guide` may be null: the hand plays its script.
   Run(const HilOptions& options, std::vector<HostProcess>& programs, sim::Plant& plant, Chain& chain, UsbEmulator& usb,
-      VirtualClock& clock)
+      VirtualClock& clock, std::unique_ptr<sim::HandGuide> guide)
       : options_(options),
         programs_(programs),
         clock_(clock),
+        guide_(std::move(guide)),
         rig_{plant, usb, programs.front(), chain},
         scenario_(FindScenario(options.scenario), options.contact_timeout_s) {}
 
@@ -144,6 +147,8 @@ class Run {
   // The programs get what a control step has for them at its end, and their answer is there at the next one's begin.
   base::Status Tick(sim::Recording* recording) {
     if (options_.paced) pacer_.Wait(base::kTickPeriod_ns);
+    sim::HandAim aim;
+    if (guide_ != nullptr && guide_->Poll(aim)) rig_.plant.Aim(aim);
     bool settled = false;
     for (int i = 0; i < firmware::kStepsPerTick; ++i) {
       base::Status stepped = rig_.chain.Step();
@@ -184,6 +189,7 @@ class Run {
   const HilOptions& options_;
   std::vector<HostProcess>& programs_;
   VirtualClock& clock_;
+  std::unique_ptr<sim::HandGuide> guide_;
   Rig rig_;
   ScenarioRun scenario_;
   std::int64_t started_ns_ = base::MonotonicNow_ns();
@@ -233,6 +239,12 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   Chain chain(plant, **board);
   auto usb = UsbEmulator::Create(chain, firmware::Settings{}.serial);
   if (!usb) return Fail(usb.error());
+  std::unique_ptr<sim::HandGuide> guide;
+  if (!options.hand_path.empty()) {
+    auto listener = ipc::HandListener::Open(options.hand_path);
+    if (!listener) return Fail(listener.error());
+    guide = std::make_unique<tools::SocketGuide>(std::move(*listener));
+  }
   std::unique_ptr<sim::Recording> recording;
   if (!options.record_path.empty()) {
     auto opened = sim::Recording::Open(options.record_path);
@@ -245,7 +257,7 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   if (!clock) return Fail(clock.error());
   auto programs = StartPrograms(options, *clock);
   if (!programs) return Fail(programs.error());
-  Run run(options, *programs, plant, chain, **usb, *clock);
+  Run run(options, *programs, plant, chain, **usb, *clock, std::move(guide));
   const base::Status went = run.Go(recording.get());
   const int host_status = programs->front().Kill();
   programs->clear();

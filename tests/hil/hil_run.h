@@ -16,6 +16,7 @@ namespace omni::hil {
 struct HilOptions {
   std::string board = "host";  // or "qemu"
   sim::PlantOptions plant;
+  std::string hand_path;          // socket on which the hand is led; empty: its script is played
   std::string record_path;        // CSV of truth and currents, every device tick; empty: none
   std::string summary_path;       // JSON; empty: standard output
   std::string scenario;           // empty: none
