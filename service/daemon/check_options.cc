@@ -74,6 +74,7 @@ std::string CalibrationProblem(const RunOptions& options) {
 std::string OptionsProblem(const RunOptions& options) {
   const bool twin = IsTwin(options.device);
   if (!twin && !options.twin_script.empty()) return "--twin-script: needs --device twin";
+  if (!twin && !options.twin_hand.empty()) return "--twin-hand: needs --device twin";
   if (!twin && !options.twin_record.empty()) return "--twin-record: needs --device twin";
   for (const FileOption& option : kFileOptions) {
     const std::string& path = options.*option.path;
