@@ -70,7 +70,9 @@ int LeadHand(const HandArguments& arguments, const Intent& intent) {
 }
 
 int TwinHand(const HandArguments& arguments) {
-  const std::string path = FindScene(arguments.scene);
+  const base::Result<std::string> found = FindScene(arguments.scene);
+  if (!found.ok()) return Fail(kHandCommand, found.error());
+  const std::string& path = *found;
   const auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
   if (!loaded.ok()) return Fail(kHandCommand, loaded.error());
   const auto intent = IntentFor(
