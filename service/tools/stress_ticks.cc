@@ -9,11 +9,11 @@
 #include "service/loop/denormals.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
+#include "service/sim/scan_faults.h"
 #include "service/sim/trace.h"
 #include "service/tools/bench_errors.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/stress.h"
-#include "service/tools/stress_faults.h"
 
 namespace omni::tools {
 namespace {
@@ -56,7 +56,7 @@ class StressRun {
         rig_(rig),
         random_(seed),
         context_{random_, {}, {}, {}, 0, sim::NoiseOf_T(sim::NoiseMode::kLowPower)[0]},
-        tallies_(ScanFaults().size()) {
+        tallies_(sim::ScanFaults().size()) {
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
       sim::CoilArray unit{};
       unit[k] = 1;
@@ -72,7 +72,7 @@ class StressRun {
     MoveEpisode(scan);
     if (fault_ == 0) context_.held = scan;
     PlaceNoPen(scan);
-    ScanFaults()[fault_].apply(context_, scan);
+    sim::ScanFaults()[fault_].apply(context_, scan);
     const loop::Commands commands = DrawCommands(scan);
     const loop::AllocProbe probe;
     loop::Tick(config_, scan, commands, scene_, *state_, *output_);
@@ -93,7 +93,7 @@ class StressRun {
       left_ = 1 + static_cast<int>(random_.Uniform(0, kPauseTicksMax));
       return;
     }
-    fault_ = 1 + random_.Bits() % (ScanFaults().size() - 1);
+    fault_ = 1 + random_.Bits() % (sim::ScanFaults().size() - 1);
     left_ = 1 + static_cast<int>(random_.Uniform(0, kEpisodeTicksMax));
     episode_ticks_ = 0;
     // One sensor as often as many.
@@ -102,7 +102,7 @@ class StressRun {
     context_.held = scan;
     const sim::MagnetPose other =
         rig_.DrawPose({.radius_min_m = 0.06, .radius_max_m = 0.25, .tilt_max_rad = 3.14}, random_);
-    if (ScanFaults()[fault_].name == kTwoMagnets) context_.other_magnet = rig_.Readings(&other, {});
+    if (sim::ScanFaults()[fault_].name == kTwoMagnets) context_.other_magnet = rig_.Readings(&other, {});
   }
 
   void PlaceNoPen(const base::HallScan& scan) {
@@ -149,7 +149,7 @@ class StressRun {
     const bool tracking = output_->tool.status == base::TrackingStatus::kTracking;
     tally.tracking += tracking ? 1 : 0;
     const bool right = tracking && !ErrorOf(row.pose, output_->tool.position_base_m, output_->tool.axis_base).failed();
-    const bool wrong = tracking && (ScanFaults()[fault_].pen_is_there ? !right : episode_ticks_ > kGraceTicks);
+    const bool wrong = tracking && (sim::ScanFaults()[fault_].pen_is_there ? !right : episode_ticks_ > kGraceTicks);
     tally.wrong += wrong ? 1 : 0;
     tally.silent += wrong && output_->tool.limits == 0 ? 1 : 0;
     if (fault_ != 0 || after_ == 0) return;
@@ -165,7 +165,7 @@ class StressRun {
   const haptics::Scene& scene_;
   sim::Rig& rig_;
   sim::Random random_;
-  FaultContext context_;
+  sim::FaultContext context_;
   std::array<std::array<base::Vec3, base::kSensorCount>, base::kCoilCount> coil_map_;
   std::vector<Tally> tallies_;
   std::unique_ptr<loop::LoopState> state_ = std::make_unique<loop::LoopState>();
@@ -217,7 +217,7 @@ base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed) {
   Tally sum;
   for (std::size_t f = 0; f < run.tallies().size(); ++f) {
     const Tally& tally = run.tallies()[f];
-    rows.push_back(Row(ScanFaults()[f].name, tally, seed));
+    rows.push_back(Row(sim::ScanFaults()[f].name, tally, seed));
     sum.ticks += tally.ticks;
     sum.not_finite += tally.not_finite;
     sum.over_limit += tally.over_limit;

@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
+#include "service/sim/scan_faults.h"
 #include "service/tools/stress.h"
-#include "service/tools/stress_faults.h"
 
 namespace omni::tools {
 namespace {
@@ -14,7 +14,7 @@ TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
   const auto rows = StressTicks(30'000, 7);
   ::unsetenv("OMNI_DATA_DIR");
   ASSERT_TRUE(rows.ok()) << rows.error();
-  ASSERT_EQ(rows->size(), ScanFaults().size() + 1);
+  ASSERT_EQ(rows->size(), sim::ScanFaults().size() + 1);
   const auto& all = rows->back();
   EXPECT_EQ(all["ticks"], 30'000);
   EXPECT_EQ(all["not_finite"], 0);
@@ -32,8 +32,8 @@ TEST(Stress, EveryFaultChangesTheScan) {
   for (std::size_t i = 0; i < good.field_sensor_T.size(); ++i) {
     good.field_sensor_T[i] = {1e-4 * static_cast<double>(i + 1), 2e-4, -3e-4};
   }
-  for (const ScanFault& fault : ScanFaults().subspan(1)) {
-    FaultContext context{random, {}, {}, {}, 0b101, 1e-6};
+  for (const sim::ScanFault& fault : sim::ScanFaults().subspan(1)) {
+    sim::FaultContext context{random, {}, {}, {}, 0b101, 1e-6};
     context.held.t_ns = 4'000'000'000;
     context.other_magnet.fill({1e-5, 0, 0});
     base::HallScan scan = good;

@@ -1,11 +1,11 @@
-#include "service/tools/stress_faults.h"
+#include "service/sim/scan_faults.h"
 
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
 
-namespace omni::tools {
+namespace omni::sim {
 namespace {
 
 using base::HallScan;
@@ -185,4 +185,4 @@ constexpr ScanFault kFaults[] = {
 
 std::span<const ScanFault> ScanFaults() { return kFaults; }
 
-}  // namespace omni::tools
+}  // namespace omni::sim

@@ -8,11 +8,11 @@
 #include "service/base/hall_scan.h"
 #include "service/sim/random.h"
 
-namespace omni::tools {
+namespace omni::sim {
 
 // What a fault may draw upon. `held` is fixed for as long as one episode lasts.
 struct FaultContext {
-  sim::Random& random;
+  Random& random;
   base::HallScan held;                                      // the last good scan before the episode
   std::array<base::Vec3, base::kSensorCount> other_magnet;  // field of a second pen somewhere near
   std::array<base::Vec3, base::kSensorCount> no_pen;        // field of the coils alone at this scan's currents
@@ -30,4 +30,4 @@ struct ScanFault {
 // The first is "none".
 std::span<const ScanFault> ScanFaults();
 
-}  // namespace omni::tools
+}  // namespace omni::sim
