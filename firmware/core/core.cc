@@ -48,7 +48,7 @@ void Core::Step(const Inputs& inputs, Outputs& outputs) noexcept {
   Watch(seen);
   Advance(inputs, seen);
   DriveCoils(seen, outputs);
-  CheckNumbers(outputs);
+  CheckOutputs(outputs);
   fan_ = FanSpeed(seen);
   outputs.fan = fan_;
   outputs.feed_watchdog = proof_.sensors && proof_.currents && proof_.control && clock_advances_ ? 1 : 0;
@@ -165,14 +165,18 @@ void Core::DriveCoils(const Observation& seen, Outputs& outputs) noexcept {
   proof_.control = true;
 }
 
-// Nothing goes out that came from a number that is none.
-void Core::CheckNumbers(Outputs& outputs) noexcept {
+// Nothing goes out that came from a number that is none, or that was never armed.
+void Core::CheckOutputs(Outputs& outputs) noexcept {
+  const bool is_allowed = output_check_.Allows(outputs);
   bool is_finite = drive_.is_finite() && IsFinite(heat_.body_C());
   for (int k = 0; k < wire::kCoils; ++k) is_finite = is_finite && IsFinite(heat_.temperature_C(k));
-  if (is_finite) return;
+  if (is_allowed && is_finite) return;
+  if (!is_allowed)
+    Say(LogLine(wire::LogLevel::kError).Text("a bridge was driven while ").Text(wire::StateName(state_)));
   Raise(wire::kFaultInternal, kWholeBase, 0);
+  Enter(wire::State::kFault);  // whatever the state was said to be
   drive_.Panic();
-  heat_ = CoilHeat(settings_);
+  if (!is_finite) heat_ = CoilHeat(settings_);
   for (std::int16_t& duty : outputs.duty) duty = 0;
   outputs.awake = kAllCoils;
 }
@@ -209,6 +213,7 @@ void Core::Enter(wire::State state) noexcept {
   LogLine line(state == wire::State::kFault ? wire::LogLevel::kWarning : wire::LogLevel::kInfo);
   Say(line.Text(wire::StateName(state_)).Text(" -> ").Text(wire::StateName(state)));
   state_ = state;
+  output_check_.Enter(state);
   in_state_ = 0;
 }
 

@@ -9,7 +9,6 @@
 namespace omni::firmware {
 namespace {
 
-constexpr int kRamp_steps = 18;  // 4.5 ms; the last of the current follows within the 5 ms that are promised
 constexpr int kBrake_steps = 10 * kStepsPerMs;
 // Of the supply: the rest is for bridges, cables, and a supply that sags within the step.
 constexpr float kVoltageUse = 0.97F;

@@ -109,6 +109,8 @@ constexpr std::uint8_t kFanIdle = 64;
 constexpr std::uint16_t kFanStands_rpm = 200;
 constexpr float kFanFullFrom_C = 20;  // below the temperature at which currents shrink ...
 constexpr float kFanFullAt_C = 0;     // ... it speeds up, to full speed there
+// Ramp to zero: 4.5 ms; the last of the current follows within the 5 ms that are promised.
+constexpr int kRamp_steps = 18;
 // Bridges: from the end of sleep until they drive; DRV8701 data sheet, wake-up time: 1 ms at most.
 constexpr int kWake_steps = 2 * kStepsPerMs;
 // Board: bridges and micro-controller; of the board's own thermometer.

@@ -46,7 +46,7 @@ enum Fault : std::uint32_t {
   kFaultEmergencyStop = 1U << 16,  // the switch, ESTOP, or the vendor request of endpoint 0
   kFaultSelfTest = 1U << 17,       // refused at boot
   kFaultWatchdog = 1U << 18,       // the last reset was the watchdog's
-  kFaultInternal = 1U << 19,       // a number that is not finite, a broken record
+  kFaultInternal = 1U << 19,       // a number that is not finite, a broken record, a bridge driven while not armed
 };
 constexpr std::uint32_t kFaultsOfTheHost = kFaultNotArmed | kFaultHostSilent;
 

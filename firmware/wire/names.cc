@@ -111,7 +111,8 @@ constexpr FaultText kFaults[] = {
      "Run omni device selftest: it names the part that failed.", "part", "T or ohm"},
     {kFaultWatchdog, "watchdog", "the last reset was the watchdog's",
      "Arm again; if it comes back, report it with the output of omni device info.", "", ""},
-    {kFaultInternal, "internal", "a number that is not finite, or a broken record",
+    {kFaultInternal, "internal",
+     "a number that is not finite, a broken record, or a bridge that is driven while not armed",
      "Switch the base off and on; if it comes back, report it with the output of omni device info.", "", ""},
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/board/teensy40/watchdog.h"
+#include "tests/support/core_tamper.h"
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
@@ -65,6 +66,8 @@ const Cause kCauses[] = {
     {wire::kFaultWatchdog, "the firmware hangs", kAnywhere,
      [](FirmwareBench& b) { b.Reset(ResetCause::kWatchdog, kWatchdog_ms); }},
     {wire::kFaultInternal, "the clock stands", kAnywhere, [](FirmwareBench& b) { b.plant.faults.clock_stands = true; }},
+    {wire::kFaultInternal, "bridges are driven by mistake", In(State::kBoot) | In(State::kIdle) | In(State::kFault),
+     [](FirmwareBench& b) { CoreTamper::DriveOf(b.core).Wake(); }},
     {wire::kFaultInternal, "a reset breaks the fault record", kAnywhere,
      [](FirmwareBench& b) {
        b.record.check ^= 1;

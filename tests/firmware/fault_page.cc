@@ -123,8 +123,9 @@ Notes. `not armed` is no failure but the state of a base that nobody has armed: 
 nothing, and a self-test that runs goes on to its end. A sensor that is dead at boot is waited for; a self-test that it
 fails comes later than its cause. `all copper at 85 C`: currents shrink with the measured temperature before the bit
 comes. `the fan stands` at boot and in the self-test: the ms until zero are the self-test's own, which goes on until the
-bit comes. `the firmware hangs`: duties stay as they are until the watchdog of the Teensy's board bites; after a reset the
-bridges brake for at least 10 ms (firmware/README.md), and the self-test that follows ends in the state fault.
+bit comes. `bridges are driven by mistake`: the first 2 ms they wake, braking. `the firmware hangs`: duties stay as they are
+until the watchdog of the Teensy's board bites; after a reset the bridges brake for at least 10 ms (firmware/README.md), and
+the self-test that follows ends in the state fault.
 
 ## Silence
 
