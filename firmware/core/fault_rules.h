@@ -41,7 +41,7 @@ constexpr FaultRule kFaultRules[] = {
     {wire::kFaultDriver, Reaction::kBrake, kRetestCoils, 1},
     {wire::kFaultSupplyLow, Reaction::kBrake, 0, Steps(2)},
     {wire::kFaultSupplyHigh, Reaction::kBrake, 0, Steps(0.5F)},
-    {wire::kFaultPower, Reaction::kRamp, 0, Steps(1)},
+    {wire::kFaultPower, Reaction::kRamp, kRetestCoils, Steps(1)},
     {wire::kFaultCoilOpen, Reaction::kBrake, kRetestCoils, Steps(2)},
     {wire::kFaultCoilShort, Reaction::kBrake, kRetestCoils, Steps(1.5F)},
     {wire::kFaultModel, Reaction::kBrake, kRetestCoils, Steps(10)},
@@ -74,6 +74,9 @@ constexpr int IndexOf(std::uint32_t fault) noexcept {
 }
 constexpr const FaultRule& RuleOf(std::uint32_t fault) noexcept { return kFaultRules[IndexOf(fault)]; }
 
+// A cause is gone once it has not been there for this long, or up to twice that: a contact that bounces, or a sensor
+// that is right now and then, is in the way of ARM at every moment.
+constexpr int kCauseGone_steps = 5 * kStepsPerMs;
 // Supply: ARM wants it this far inside its limits, so that a supply at the edge does not arm and trip in turns.
 constexpr float kSupplyMargin_V = 0.5F;
 // Power: of electrical power over its limit; smoothed, for building up a field takes more for a millisecond.

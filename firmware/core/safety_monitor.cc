@@ -20,6 +20,13 @@ void SafetyMonitor::Check(wire::Fault fault, int part, bool holds, float value) 
   if (held == kFaultRules[index].hold) Report(fault, part, value);
 }
 
+void SafetyMonitor::ForgetCauses() noexcept {
+  if (++cause_steps_ < kCauseGone_steps) return;
+  cause_steps_ = 0;
+  causes_before_ = causes_;
+  causes_ = 0;
+}
+
 void SafetyMonitor::Report(wire::Fault fault, int part, float value) noexcept {
   if (count_ == kFindingsMax) return;
   findings_[count_++] = {fault, part == kWhole ? kWholeBase : static_cast<std::uint8_t>(part), value};
@@ -28,7 +35,7 @@ void SafetyMonitor::Report(wire::Fault fault, int part, float value) noexcept {
 void SafetyMonitor::Step(const Settings& settings, const Observation& seen, const CoilHeat& heat,
                          const Drive& drive) noexcept {
   count_ = 0;
-  causes_ = 0;
+  ForgetCauses();
   Check(wire::kFaultEmergencyStop, kWhole, seen.emergency_stop, 1);
   Block(wire::kFaultEmergencyStop, seen.emergency_stop);
   Check(wire::kFaultInternal, kWhole, !seen.clock_advances, 0);
@@ -112,6 +119,7 @@ void SafetyMonitor::CheckHeat(const Settings& settings, const Observation& seen,
   const bool should_turn = seen.fan >= kFanIdle && seen.supply_V >= settings.supply_min_V;
   const bool stands = should_turn && !(seen.fan_rpm >= static_cast<float>(kFanStands_rpm));
   Check(wire::kFaultFan, kWhole, stands, seen.fan_rpm);
+  Block(wire::kFaultFan, stands);
 }
 
 void SafetyMonitor::CheckHall(const Observation& seen) noexcept {

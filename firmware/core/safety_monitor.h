@@ -37,8 +37,8 @@ class SafetyMonitor {
   // Of this step. A fault that lasts is found in every step.
   int count() const noexcept { return count_; }
   const Finding& finding(int i) const noexcept { return findings_[i]; }
-  // Fault bits whose cause is there now, by the stricter limits that ARM asks for.
-  std::uint32_t causes() const noexcept { return causes_; }
+  // Fault bits whose cause is there, or was until just now, by the stricter limits that ARM asks for.
+  std::uint32_t causes() const noexcept { return causes_ | causes_before_; }
 
  private:
   static constexpr int kParts = wire::kSensors + 1;  // the last: the whole base
@@ -50,6 +50,7 @@ class SafetyMonitor {
   void Block(wire::Fault fault, bool holds) noexcept {
     if (holds) causes_ |= fault;
   }
+  void ForgetCauses() noexcept;
   void CheckCoils(const Settings& settings, const Observation& seen, const Drive& drive) noexcept;
   void CheckModel(int coil, const Settings& settings, const Observation& seen, const CoilHeat& heat,
                   const Drive& drive) noexcept;
@@ -61,6 +62,8 @@ class SafetyMonitor {
   Finding findings_[kFindingsMax];
   int count_ = 0;
   std::uint32_t causes_ = 0;
+  std::uint32_t causes_before_ = 0;  // of the kCauseGone_steps before these
+  int cause_steps_ = 0;
   float model_A_[wire::kCoils] = {};  // what the measured voltage gives
   float power_W_ = 0;
 };

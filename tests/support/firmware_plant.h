@@ -16,6 +16,7 @@ namespace omni::firmware {
 
 struct FirmwarePlantFaults {
   bool hall_dead = false, hall_stuck = false, hall_jump = false;  // sensor 3
+  bool hall_flutters = false;                                     // sensor 3: to another value every 4 samples
   bool test_field_dead = false, test_field_reversed = false;      // sensor 3
   bool current_sensor_dead = false, current_reversed = false;     // coil 1, as all below
   std::optional<double> current_reading_A;
@@ -167,11 +168,13 @@ class FirmwarePlant {
     constexpr double kTestField_T[] = {2e-4, 2e-4, 0.5e-4};
     constexpr double kPerAmpere_T = 5e-5;
     const bool is_broken = i == 3;
+    if (is_broken) ++samples_;
     for (int axis = 0; axis < 3; ++axis) {
       double field_T = 1e-5 * (i + 1) * (axis - 1) + kPerAmpere_T * current_A_[axis];
       const bool shows = test_field && !(is_broken && faults.test_field_dead);
       if (shows) field_T += is_broken && faults.test_field_reversed ? -kTestField_T[axis] : kTestField_T[axis];
       if (is_broken && faults.hall_jump) field_T += 1.2e-3;
+      if (is_broken && faults.hall_flutters && samples_ % 8 < 4) field_T += 1.2e-3;
       field_T += std::normal_distribution<double>(0, 8e-7)(random_);
       inputs_.field[i][axis] = wire::ToCounts<std::int16_t>(field_T, static_cast<double>(settings_.field_lsb_T));
     }
@@ -189,6 +192,7 @@ class FirmwarePlant {
   double next_us_[wire::kSensors] = {};
   double sampled_us_[wire::kSensors] = {};
   double fan_rpm_ = 0;
+  int samples_ = 0;  // of sensor 3
 };
 
 }  // namespace omni::firmware
