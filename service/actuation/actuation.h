@@ -45,6 +45,7 @@ struct Config {
 
 struct State {
   std::array<double, 3> last_current_A{};
+  double last_force_N = 0;  // that those currents made where the tool was
   HeatState heat;
 };
 static_assert(std::is_trivially_copyable_v<State>);

@@ -131,15 +131,62 @@ void ApplyLimits(const Config& config, const Currents& ceiling, Currents& curren
   if (!(power_W <= config.power_max_W)) Scale(std::sqrt(config.power_max_W / power_W), currents);
 }
 
-// Moves from `last` towards `target` on the straight line between them.
-Currents Slew(const Config& config, const Currents& last, const Currents& target, double dt_s) noexcept {
+// X I
+base::Vec3 CoilForce(const base::ForceLimit& limit, const Currents& currents) noexcept {
+  const double* X = limit.newton_per_ampere.data();
+  const auto row = [&](int i) { return X[i] * currents[0] + X[i + 1] * currents[1] + X[i + 2] * currents[2]; };
+  return {row(0), row(3), row(6)};
+}
+
+// What of `last` is left on the way to `target` by falling alone: its share that comes nearest.
+double ShareKept(const Currents& last, const Currents& target) noexcept {
+  double along = 0, whole = 0;
+  for (std::size_t k = 0; k < last.size(); ++k) {
+    along += last[k] * target[k];
+    whole += Square(last[k]);
+  }
+  return along > 0 ? std::min(1.0, along / whole) : 0.0;
+}
+
+// From what falling alone leaves of `last`, straight towards `target`: as far as coils slew and the force may grow.
+// (13)
+Currents Slew(const Config& config, const base::ForceLimit& limit, const Currents& last, const Currents& target,
+              double dt_s) noexcept {
+  const double kept = ShareKept(last, target);
+  Currents step{};
   double largest = 0;
-  for (std::size_t k = 0; k < last.size(); ++k) largest = std::max(largest, std::abs(target[k] - last[k]));
-  const double allowed = config.current_slew_A_s * dt_s;
-  if (largest <= allowed) return target;
-  Currents moved = last;
-  for (std::size_t k = 0; k < last.size(); ++k) moved[k] += (target[k] - last[k]) * (allowed / largest);
+  for (std::size_t k = 0; k < last.size(); ++k) {
+    step[k] = target[k] - kept * last[k];
+    largest = std::max(largest, std::abs(step[k]));
+  }
+  const double growth_N = Norm(CoilForce(limit, step));
+  double share = 1;
+  if (!(largest <= config.current_slew_A_s * dt_s)) share = config.current_slew_A_s * dt_s / largest;
+  if (!(growth_N * share <= limit.force_rise_N)) share = limit.force_rise_N / growth_N;
+  if (share == 1) return target;
+  Currents moved{};
+  for (std::size_t k = 0; k < last.size(); ++k) moved[k] = kept * last[k] + share * step[k];
   return moved;
+}
+
+// Largest t in [0, 1] with |t g + snap| <= most, where |snap| <= most: a t^2 + 2 b t + c <= 0.
+double ShareWithin(const base::Vec3& g, const base::Vec3& snap, double most_N) noexcept {
+  const double a = Square(g.x) + Square(g.y) + Square(g.z);
+  const double b = g.x * snap.x + g.y * snap.y + g.z * snap.z;
+  const double c = Square(snap.x) + Square(snap.y) + Square(snap.z) - Square(most_N);
+  if (a + 2 * b + c <= 0) return 1;
+  return a > 0 ? std::clamp((std::sqrt(std::max(0.0, b * b - a * c)) - b) / a, 0.0, 1.0) : 0.0;
+}
+
+// Where the pen is now the currents of the tick before make another force: what flows is scaled until its force has not
+// grown more than it may, and what the tool feels, the core's pull with it, is no more than the limit.   (14)
+void ApplyForceLimit(const base::ForceLimit& limit, double last_force_N, Currents& currents) noexcept {
+  if (!limit.valid) return;
+  const base::Vec3 coils_N = CoilForce(limit, currents);
+  const double size_N = Norm(coils_N);
+  double share = ShareWithin(coils_N, limit.snapping_N, std::max(limit.force_max_N, Norm(limit.snapping_N)));
+  if (!(size_N * share <= last_force_N + limit.force_rise_N)) share = (last_force_N + limit.force_rise_N) / size_N;
+  if (share < 1) Scale(share, currents);
 }
 
 }  // namespace
@@ -152,11 +199,13 @@ void Allocate(const Config& config, const base::ForceLimit& limit, const base::V
 
   Currents target = Wanted(config, limit, ceiling, force_N);
   ApplyLimits(config, ceiling, target);
-  Currents next = Slew(config, last, target, step_s);
+  Currents next = Slew(config, limit, last, target, step_s);
   ApplyLimits(config, ceiling, next);  // `last` may lie beyond a limit that has shrunk
+  ApplyForceLimit(limit, state.last_force_N, next);
   for (std::size_t k = 0; k < next.size(); ++k) next[k] = std::clamp(next[k], -ceiling[k], ceiling[k]);  // rounding
   if (!AreFinite(next)) next = {};
   state.last_current_A = next;
+  state.last_force_N = limit.valid ? Norm(CoilForce(limit, next)) : 0;
   currents.current_A = next;
 }
 

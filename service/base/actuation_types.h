@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "service/base/limits.h"
@@ -32,7 +33,8 @@ struct ForceLimit {
   std::array<double, kCoilCount> bias_A{};    // cancels the core's pull on the magnet, 0 when not compensated
   std::array<double, kCoilCount> weight_A{};  // carries the tool's weight, request or not; loop fades it
   std::array<double, kCoilCount> current_max_A{};
-  double force_max_N = 0;  // hard cap of |f|, whatever the currents allow
+  double force_max_N = 0;                                         // hard cap of |f|, whatever the currents allow
+  double force_rise_N = std::numeric_limits<double>::infinity();  // the most by which |f| may grow in this tick
   // What currents I do here: force newton_per_ampere I + snapping_N on the tool and, as a side effect that three
   // currents cannot also control, torque newton_metre_per_ampere I + snapping_Nm about the magnet's centre.
   std::array<double, 9> newton_per_ampere{};        // row-major 3x3

@@ -12,6 +12,7 @@
 namespace omni::loop {
 namespace {
 
+constexpr double kPoseTrust = 1;     // of the greatest force: a pose that fits is believed
 constexpr double kMaxStep_s = 5e-3;  // a longer gap counts as this much: nothing integrates over a hole
 
 bool IsFinite(const base::Vec3& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -119,14 +120,16 @@ base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, L
 
 base::Vec3 Plus(const base::Vec3& a, const base::Vec3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
-// Adds vibration to the rest under the gate; counts a waveform once when it reaches the command.
+// All that is rendered, under the gate and the last limiter; counts a waveform once when it reaches the command.
 base::Vec3 Mix(const base::Vec3& rest_N, const base::Vec3& vibration_N, const base::ForceLimit& limit,
                double force_scale, LoopState& state, TickOutput& output) noexcept {
   const base::Vec3 wanted = Plus(rest_N, vibration_N);
   const double gain = state.gate * std::clamp(force_scale, 0.0, 1.0);
   const double feasible = base::FeasibleScale(limit, wanted);
   output.saturated = output.haptics.saturated || (gain > 0 && limit.valid && feasible < 1);
-  const base::Vec3 force_N = Scaled(wanted, gain * feasible);
+  const base::Vec3 gated_N = Scaled(wanted, gain * feasible);
+  if (!IsFinite(gated_N)) output.faults |= kFaultNotFinite;
+  const base::Vec3 force_N = LimitForce(limit, gated_N, state.limiter);
   const bool vibrates = vibration_N != base::Vec3{};
   if (vibrates && !state.vibration.counted && force_N != base::Vec3{}) {
     state.vibration.counted = true;
@@ -186,6 +189,9 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const base::ToolState tool = Bridged(config, output.tool, state);
   actuation::UpdateHeat(config.actuation, scan, state.actuation);
   base::ForceLimit limit = actuation::ComputeDeratedLimit(config.actuation, tool, state.actuation.heat);
+  // A pose that is only held leads the force down, not up.
+  const bool held = output.tool.status != base::TrackingStatus::kTracking;
+  NarrowLimit(config.limiter, kPoseTrust, held ? 0.0 : dt_s, limit);
   actuation::FadeWeight(state.gate, limit);
   TellLimits(config, limit, output);
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
@@ -197,11 +203,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const base::Vec3 vibration_N =
       Scaled(tool.axis_base, VibrationForce_N(config.vibration, commands.haptic, feeds.samples, dt_s, state.vibration));
 
-  base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
-  if (!IsFinite(force_N)) {
-    output.faults |= kFaultNotFinite;
-    force_N = {};
-  }
+  const base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
   actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);
   output.wrench = {.force_N = force_N,
                    .torque_Nm = base::TorqueOf_Nm(limit, output.currents.current_A),

@@ -18,6 +18,7 @@
 #include "service/haptics/applied/applied.h"
 #include "service/haptics/haptics.h"
 #include "service/loop/detent.h"
+#include "service/loop/force_limiter.h"
 #include "service/loop/inputs.h"
 #include "service/loop/scene_motion.h"
 #include "service/loop/vibration.h"
@@ -41,6 +42,7 @@ struct TickConfig {
   std::array<double, base::kCoilCount> cold_current_A{};  // what a cold device offers; prepared by MakeTickConfig
   int bridge_scans = 10;  // so many scans in a row without a fit do not end a contact: the pose is held
   VibrationConfig vibration;
+  ForceLimiterConfig limiter;
 };
 
 enum class ForceGate : std::uint8_t {
@@ -82,6 +84,7 @@ struct LoopState {
   double gate = 0;                     // 0..1 gain on everything rendered
   std::uint64_t scene_generation = 0;  // of the scene passed to Tick
   VibrationState vibration;
+  ForceLimiterState limiter;
   std::uint64_t haptic_pulses = 0;
   SceneMotionState scene_motion;
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};  // tool frame, roll by minimal twist

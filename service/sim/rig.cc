@@ -7,7 +7,8 @@
 namespace omni::sim {
 namespace {
 
-constexpr double kAtRest_s = 1e3;  // since the last scan: eddy currents are gone
+constexpr double kExactError_m = 1e-6;  // as good as none; 0 says that it is not known
+constexpr double kAtRest_s = 1e3;       // since the last scan: eddy currents are gone
 
 Imperfections Draw(const RigOptions& options) {
   Random random(options.seed);
@@ -82,6 +83,7 @@ base::Calibration Rig::ExactCalibration() const {
   exact.core_radius_m = device_.core_radius_m;
   exact.core_kappa = device_.core_kappa;
   exact.hull_radius_m = device_.hull_radius_m;
+  exact.expected_error_m = kExactError_m;
   return exact;
 }
 

@@ -119,6 +119,21 @@ TEST(ActuationForces, WithoutCompensationEveryRequestKeepsItsDirection) {
   }
 }
 
+// Every coil within `by_A` of what is left of `last` by falling alone: of one share of it, in [0, 1].
+bool GrowsBy(const std::array<double, 3>& now, const std::array<double, 3>& last, double by_A) {
+  double least = 0, most = 1;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    if (last[k] == 0) {
+      if (std::abs(now[k]) > by_A) return false;
+      continue;
+    }
+    const double a = (now[k] - by_A) / last[k], b = (now[k] + by_A) / last[k];
+    least = std::max(least, std::min(a, b));
+    most = std::min(most, std::max(a, b));
+  }
+  return least <= most + 1e-12;
+}
+
 double RandomDouble(Rng& rng) {
   switch (rng() % 12) {
     case 0:
@@ -163,14 +178,45 @@ TEST(ActuationForces, LimitsHoldWhateverIsAsked) {
       if (limit.valid && limit.current_max_A[k] >= 0) {
         ASSERT_LE(std::abs(current), limit.current_max_A[k]);
       }
-      const double step_s = dt_s >= 0 && dt_s <= 0.1 ? dt_s : 1e-3;
-      if (std::abs(current) > std::abs(last[k])) {
-        ASSERT_LE(std::abs(current - last[k]), config.current_slew_A_s * step_s * (1 + 1e-12));
-      }
       power_W += config.resistance_20C_ohm[k] * current * current;
     }
     ASSERT_LE(power_W, config.power_max_W);
+    const double step_s = dt_s >= 0 && dt_s <= 0.1 ? dt_s : 1e-3;
+    ASSERT_TRUE(GrowsBy(currents.current_A, last, config.current_slew_A_s * step_s * (1 + 1e-12))) << i;
   }
+}
+
+// What the currents make never grows by more than it may, nor beyond the limit, wherever the pen has leapt meanwhile;
+// the currents of the tick before are the only start.
+TEST(ActuationForces, TheForceThatIsMadeKeepsToItsLimitsOverLeaps) {
+  Rng rng(6);
+  Config config = MakeConfig(support::NominalDevice());
+  State state;
+  base::CoilCurrents currents;
+  Vector3d last = Vector3d::Zero();
+  int driven = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    config.compensate_weight = rng() % 2 == 0;
+    const base::ToolState tool = RandomTool(rng, 0.041, 0.1, 1.5);
+    base::ForceLimit limit = ComputeForceLimit(config, tool, {25, 25, 25});
+    limit.force_rise_N = rng() % 10 == 0 ? 0 : Uniform(rng, 0, 0.85);
+    limit.keeps_direction = rng() % 3 != 0;
+    if (rng() % 50 == 0) limit = {};
+    const base::Vec3 wanted_N = base::FromEigen(Uniform(rng, 0, 4) * RandomUnit(rng));
+    Allocate(config, limit, wanted_N, 1e-3, state, currents);
+    const Vector3d pull = base::ToEigen(ForceFromCurrents(config.map, tool, {}));
+    const Vector3d net = base::ToEigen(ForceFromCurrents(config.map, tool, currents.current_A));
+    const Vector3d coils = limit.valid ? Vector3d(net - pull) : Vector3d::Zero();
+    if (!limit.valid) {
+      ASSERT_EQ(currents.current_A, (std::array<double, 3>{}));
+    } else {
+      ASSERT_LE(coils.norm(), last.norm() + limit.force_rise_N + 1e-9) << i;
+      ASSERT_LE(net.norm(), std::max(limit.force_max_N, pull.norm()) + 1e-9) << i;
+    }
+    driven += coils.norm() > 0.1 ? 1 : 0;
+    last = coils;
+  }
+  EXPECT_GT(driven, 30'000);
 }
 
 TEST(ActuationForces, PowerLimitKeepsTheRatioOfTheCurrents) {

@@ -197,7 +197,7 @@ TEST(ActuationExamples, NoRequestNoCurrentAndARequestIsSlewedTo) {
   EXPECT_NEAR(std::hypot(force.x, force.y), 0, 1e-6);
 }
 
-TEST(ActuationExamples, DoubtSlewsToZero) {
+TEST(ActuationExamples, DoubtIsZeroAtOnce) {
   const base::ToolState tool = ToolAt({0, 0, 0.046}, {0, 0, -1});
   const base::ForceLimit good = ComputeForceLimit(Nominal(), tool, kCold_C);
   base::ForceLimit broken = good;
@@ -208,10 +208,6 @@ TEST(ActuationExamples, DoubtSlewsToZero) {
     State state{{10, -10, 2}};
     base::CoilCurrents currents;
     Allocate(Nominal(), limit, force, 1e-3, state, currents);
-    EXPECT_NEAR(currents.current_A[0], 5, 1e-12);
-    EXPECT_NEAR(currents.current_A[1], -5, 1e-12);
-    EXPECT_NEAR(currents.current_A[2], 1, 1e-12);
-    for (int i = 0; i < 3; ++i) Allocate(Nominal(), limit, force, 1e-3, state, currents);
     EXPECT_EQ(currents.current_A, (std::array<double, 3>{}));
   }
   State state{{kNaN, 1, 1}};
