@@ -91,7 +91,7 @@ double ContinuousForce_N(const actuation::Config& config, const base::ToolState&
 protocol::ForceProperties DescribeForce(const loop::TickConfig& config, const base::DeviceGeometry& device) {
   protocol::ForceProperties properties;
   properties.available = 1;
-  properties.max_force_N = device.force_max_N;
+  properties.max_force_N = config.actuation.force_max_N;
   properties.max_stiffness_N_m = config.haptics.stiffness_max_N_m;
   properties.max_damping_Ns_m = config.haptics.hand_damping_Ns_m;
   properties.update_rate_Hz = 1 / base::kTickPeriod_s;

@@ -1,20 +1,24 @@
 // TickConfig from a device's geometry: everything the tick reads is prepared here, off the tick.
 #pragma once
 
+#include "service/actuation/force_trust.h"
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/loop/tick.h"
 
 namespace omni::loop {
 
+// `force_trust`: how well the base is known, 0 to 1. The greatest force and its rise shrink with it.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const tracker::Config& tracker,
-                                 const actuation::Config& actuation) {
+                                 const actuation::Config& actuation, double force_trust) {
   TickConfig config;
   config.tracker = tracker;
   config.actuation = actuation;
+  config.actuation.force_max_N *= force_trust;
+  config.limiter.rise_N_s = force_trust * config.haptics.force_slew_N_s;
   config.tip_offset_m = device.magnet.tip_offset_m;
   config.applied.force_slew_N_s = config.haptics.force_slew_N_s;
-  config.applied.force_max_N = device.force_max_N;
+  config.applied.force_max_N = config.actuation.force_max_N;
   const actuation::HeatConfig& heat = actuation.heat;
   for (std::size_t k = 0; k < config.cold_current_A.size(); ++k) {
     config.cold_current_A[k] = actuation::CurrentCeiling_A(heat, k, heat.nodes.air_C, heat.nodes.air_C);
@@ -24,12 +28,15 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const track
 
 // As drawn.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device) {
-  return MakeTickConfig(device, tracker::MakeConfig(device), actuation::MakeConfig(device));
+  const actuation::Config actuation = actuation::MakeConfig(device);
+  return MakeTickConfig(device, tracker::MakeConfig(device), actuation, actuation::ForceTrust(actuation.map, device));
 }
 
 // The same for a base that has been calibrated.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const base::Calibration& calibration) {
-  return MakeTickConfig(device, tracker::MakeConfig(calibration), actuation::MakeConfig(device, calibration));
+  const actuation::Config actuation = actuation::MakeConfig(device, calibration);
+  return MakeTickConfig(device, tracker::MakeConfig(calibration), actuation,
+                        actuation::ForceTrust(actuation.map, device, calibration));
 }
 
 }  // namespace omni::loop
