@@ -326,6 +326,17 @@ int poll(pollfd* fds, nfds_t count, int timeout_ms) {
   return ppoll(fds, count, timeout_ms < 0 ? nullptr : &timeout, nullptr);
 }
 
+// What _FORTIFY_SOURCE makes of the two where it knows how many descriptors there is room for.
+int __ppoll_chk(pollfd* fds, nfds_t count, const timespec* timeout, const sigset_t* mask, std::size_t room) {
+  if (room / sizeof(pollfd) < count) std::abort();
+  return ppoll(fds, count, timeout, mask);
+}
+
+int __poll_chk(pollfd* fds, nfds_t count, int timeout_ms, std::size_t room) {
+  if (room / sizeof(pollfd) < count) std::abort();
+  return poll(fds, count, timeout_ms);
+}
+
 int epoll_pwait(int epoll, epoll_event* events, int capacity, int timeout_ms, const sigset_t* mask) {
   const auto real = [&](int real_ms) {
     return static_cast<int>(syscall(SYS_epoll_pwait, epoll, events, capacity, real_ms, mask, kKernelSigset));

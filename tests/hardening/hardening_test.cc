@@ -1,0 +1,85 @@
+// Each program and library that we build for people has the protection that compiler and linker offer, read from the
+// files themselves.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/hardening/elf_hardening.h"
+
+namespace omni::hardening {
+namespace {
+
+std::vector<std::string> Lines(const std::string& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+// What CMake would install, and all else that is built of service, layer and scenes.
+std::vector<std::string> OurFiles() { return Lines(OMNI_BINARY_DIR "/hardening/files.txt"); }
+
+TEST(Hardening, EveryFileIsBoundAtStartAndElsewhereEachTime) {
+  const std::vector<std::string> files = OurFiles();
+  ASSERT_GE(files.size(), 8U);
+  for (const std::string& path : files) {
+    const base::Result<Hardening> file = ReadHardening(path);
+    ASSERT_TRUE(file.ok()) << file.error();
+    EXPECT_TRUE(file->position_independent) << path;
+    EXPECT_TRUE(file->relro && file->bound_at_start) << path << ": its table of functions can be overwritten";
+    EXPECT_FALSE(file->stack_executable) << path;
+    EXPECT_EQ(file->is_program, path.find("/bin/") != std::string::npos) << path;
+  }
+}
+
+// The compiler takes the checked variant wherever it knows the size of what is written to.
+TEST(Hardening, EveryFileChecksItsStackAndItsCopies) {
+  for (const std::string& path : OurFiles()) {
+    const base::Result<Hardening> file = ReadHardening(path);
+    ASSERT_TRUE(file.ok()) << file.error();
+    EXPECT_EQ(file->imports.count("__stack_chk_fail"), 1U) << path;
+    const bool checks = std::any_of(file->imports.begin(), file->imports.end(), [](const std::string& name) {
+      return name.starts_with("__") && name.ends_with("_chk") && name != "__cxa_chk";
+    });
+    // printf and its kin have one for every call.
+    for (const char* name : {"printf", "fprintf", "snprintf", "vsnprintf", "vfprintf"}) {
+      if (file->imports.count(name) != 0) EXPECT_TRUE(checks) << path << " calls " << name;
+    }
+    if (path.ends_with("/omnid") || path.ends_with("/omni") || path.ends_with(".so")) {
+      EXPECT_TRUE(checks) << path;
+    }
+  }
+}
+
+// Large frames step over a guard page unless each page is touched: seen in the code of the two programs that have such
+// frames, and asked of the compiler for every file.
+TEST(Hardening, EveryLargeFrameIsProbed) {
+  for (const std::string& path : OurFiles()) {
+    if (!path.ends_with("/bin/omnid") && !path.ends_with("/bin/omni")) continue;
+    const base::Result<Hardening> file = ReadHardening(path);
+    ASSERT_TRUE(file.ok()) << file.error();
+    EXPECT_TRUE(file->probes_stack) << path;
+  }
+}
+
+TEST(Hardening, EveryFileOfTheBuildIsCompiledWithIt) {
+  std::ifstream file(OMNI_BINARY_DIR "/compile_commands.json");
+  const nlohmann::json commands = nlohmann::json::parse(file, nullptr, false);
+  ASSERT_TRUE(commands.is_array());
+  ASSERT_GT(commands.size(), 100U);
+  for (const nlohmann::json& entry : commands) {
+    const std::string command = entry["command"].get<std::string>() + " ";
+    for (const char* flag : {" -fstack-protector-strong ", " -fstack-clash-protection ", " -D_FORTIFY_SOURCE=2 "})
+      EXPECT_NE(command.find(flag), std::string::npos) << entry["file"] << ": " << flag;
+    for (const char* flag : {" -fno-stack-protector ", " -fno-stack-clash-protection ", " -no-pie ", " -O0 "})
+      EXPECT_EQ(command.find(flag), std::string::npos) << entry["file"] << ": " << flag;
+  }
+}
+
+}  // namespace
+}  // namespace omni::hardening
