@@ -1,0 +1,14 @@
+// Reads files that may be anything: a pipe, a device, without end.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "service/base/result.h"
+
+namespace omni::base {
+
+// A regular file of at most `max_bytes`; never blocks. The error names the path and what to do.
+Result<std::string> ReadFile(const std::string& path, std::size_t max_bytes);
+
+}  // namespace omni::base
