@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "service/scene/load_error.h"
@@ -42,6 +41,12 @@ const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, 
     if (row.type == type && (row.uses & use) != 0) return row;
   }
   throw LoadError(Join(pointer, "componentType"), "is " + std::to_string(type) + ", must be " + RowOf(use).allowed);
+}
+
+std::size_t ComponentBytes(std::uint64_t type) {
+  return std::find_if(std::begin(kComponents), std::end(kComponents),
+                      [type](const ComponentRow& row) { return row.type == type; })
+      ->bytes;
 }
 
 }  // namespace omni::scene

@@ -1,6 +1,7 @@
 // Which accessors may be read as what: type, and component types by OpenGL's numbers.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -22,17 +23,20 @@ enum Use : unsigned {
 struct UseRow {
   Use use;
   const char* type;
-  std::uint64_t components;
+  std::size_t components;
   const char* allowed;
 };
 const UseRow& RowOf(Use use);
 
 struct ComponentRow {
   std::uint64_t type;  // OpenGL's number
-  std::uint64_t bytes;
+  std::size_t bytes;
   unsigned uses;  // integers for positions, coordinates and normals: KHR_mesh_quantization
 };
 // Of `parent`/componentType. Throws LoadError when it is not for this use.
 const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, Use use);
+
+// Of a type that ComponentOf has given.
+std::size_t ComponentBytes(std::uint64_t type);
 
 }  // namespace omni::scene

@@ -1,11 +1,16 @@
 #include "service/scene/cached_scene.h"
 
+#include <array>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 
 #include "service/haptics/check_scene.h"
 #include "service/scene/json_reading.h"
+#include "service/scene/load_error.h"
 
 namespace omni::scene {
 namespace {
@@ -13,38 +18,94 @@ namespace {
 // Layout: scene block, reports as JSON, length of the JSON (8 bytes). The scene comes first, so that it is taken by
 // cutting the rest off.
 
-Json ReportsJson(const LoadReport& load, const haptics::BuildReport& build) {
-  Json rows = Json::array();
-  for (const ExplainRow& row : load.rows) rows.push_back({row.pointer, row.name, row.loaded, row.why, row.bytes});
-  Json objects = Json::array();
-  for (const ObjectSource& from : load.objects) {
-    objects.push_back({from.node, from.rest_rotation_wxyz, from.rest_position_m});
-  }
-  return {{"rows", rows},
-          {"objects", objects},
-          {"warnings", load.warnings},
-          {"bytes", {load.file_bytes, load.bytes_read}},
-          {"fit_scale", load.fit_scale},
-          {"lines", build.lines},
-          {"counts", {build.welded_vertices, build.dropped_triangles, build.flipped_objects}},
-          {"build_ms", build.build_ms}};
+// A text, number, true or false as JSON.
+template <class T>
+std::string Said(const T& value) {
+  return nlohmann::json(value).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// Throws what the JSON library throws on anything that is not as above.
+template <class List, class Element>
+std::string SaidList(const List& list, Element element) {
+  std::string text = "[";
+  for (const auto& one : list) text += (text.size() > 1 ? "," : "") + element(one);
+  return text + "]";
+}
+
+template <class List>
+std::string SaidList(const List& list) {
+  return SaidList(list, [](const auto& one) { return Said(one); });
+}
+
+std::string ReportsText(const LoadReport& load, const haptics::BuildReport& build) {
+  const std::string rows = SaidList(load.rows, [](const ExplainRow& row) {
+    return "[" + Said(row.pointer) + "," + Said(row.name) + "," + Said(row.loaded) + "," + Said(row.why) + "," +
+           Said(row.bytes) + "]";
+  });
+  const std::string objects = SaidList(load.objects, [](const ObjectSource& from) {
+    return "[" + Said(from.node) + "," + SaidList(from.rest_rotation_wxyz) + "," + SaidList(from.rest_position_m) + "]";
+  });
+  return R"({"rows":)" + rows + R"(,"objects":)" + objects + R"(,"warnings":)" + SaidList(load.warnings) +
+         R"(,"bytes":)" + SaidList(std::array{load.file_bytes, load.bytes_read}) + R"(,"fit_scale":)" +
+         Said(load.fit_scale) + R"(,"lines":)" + SaidList(build.lines) + R"(,"counts":)" +
+         SaidList(std::array{build.welded_vertices, build.dropped_triangles, build.flipped_objects}) +
+         R"(,"build_ms":)" + Said(build.build_ms) + "}";
+}
+
+// The elements of a list of `size`. Throws LoadError when it is none.
+std::span<const Json> Listed(const Json* list, std::optional<std::size_t> size = {}) {
+  if (!list || !list->is_array() || (size && list->elements().size() != *size)) throw LoadError("", "is no such list");
+  return list->elements();
+}
+
+template <class T>
+T Counted(const Json& value) {
+  const std::optional<std::uint64_t> count = value.whole();
+  if (!count || *count > std::numeric_limits<T>::max()) throw LoadError("", "is no count");
+  return static_cast<T>(*count);
+}
+
+std::vector<std::string> Texts(const Json* list) {
+  std::vector<std::string> texts;
+  for (const Json& text : Listed(list)) texts.emplace_back(text.text());
+  return texts;
+}
+
+double Number(const Json& json, const char* key) {
+  const Json* found = Find(json, key);
+  if (!found || !found->is_number()) throw LoadError("", "is no number");
+  return found->number();
+}
+
+template <std::size_t kCount>
+std::array<double, kCount> Reals(const Json& list) {
+  const std::span<const Json> elements = Listed(&list, kCount);
+  std::array<double, kCount> reals{};
+  for (std::size_t i = 0; i < kCount; ++i) reals[i] = elements[i].number();
+  return reals;
+}
+
+// Throws LoadError on anything that is not as above.
 void ReadReports(const Json& json, LoadReport& load, haptics::BuildReport& build) {
-  for (const Json& row : json.at("rows")) {
-    load.rows.push_back({row.at(0), row.at(1), row.at(2), row.at(3), row.at(4)});
+  for (const Json& row : Listed(Find(json, "rows"))) {
+    const std::span<const Json> field = Listed(&row, 5);
+    load.rows.push_back({std::string(field[0].text()), std::string(field[1].text()), field[2].boolean(),
+                         std::string(field[3].text()), Counted<std::uint64_t>(field[4])});
   }
-  for (const Json& from : json.at("objects")) load.objects.push_back({from.at(0), from.at(1), from.at(2)});
-  load.warnings = json.at("warnings").get<std::vector<std::string>>();
-  load.file_bytes = json.at("bytes").at(0);
-  load.bytes_read = json.at("bytes").at(1);
-  load.fit_scale = json.at("fit_scale");
-  build.lines = json.at("lines").get<std::vector<std::string>>();
-  build.welded_vertices = json.at("counts").at(0);
-  build.dropped_triangles = json.at("counts").at(1);
-  build.flipped_objects = json.at("counts").at(2);
-  build.build_ms = json.at("build_ms");
+  for (const Json& from : Listed(Find(json, "objects"))) {
+    const std::span<const Json> field = Listed(&from, 3);
+    const std::int32_t node = field[0].number() < 0 ? -1 : Counted<std::int32_t>(field[0]);
+    load.objects.push_back({node, Reals<4>(field[1]), Reals<3>(field[2])});
+  }
+  load.warnings = Texts(Find(json, "warnings"));
+  const std::span<const Json> bytes = Listed(Find(json, "bytes"), 2), counts = Listed(Find(json, "counts"), 3);
+  load.file_bytes = Counted<std::uint64_t>(bytes[0]);
+  load.bytes_read = Counted<std::uint64_t>(bytes[1]);
+  load.fit_scale = Number(json, "fit_scale");
+  build.lines = Texts(Find(json, "lines"));
+  build.welded_vertices = Counted<decltype(build.welded_vertices)>(counts[0]);
+  build.dropped_triangles = Counted<decltype(build.dropped_triangles)>(counts[1]);
+  build.flipped_objects = Counted<decltype(build.flipped_objects)>(counts[2]);
+  build.build_ms = Number(json, "build_ms");
   load.cached = true;
   load.cache = "taken from the cache";
 }
@@ -52,7 +113,7 @@ void ReadReports(const Json& json, LoadReport& load, haptics::BuildReport& build
 }  // namespace
 
 std::vector<std::byte> Pack(const haptics::Scene& scene, const LoadReport& load, const haptics::BuildReport& build) {
-  const std::string text = ReportsJson(load, build).dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = ReportsText(load, build);
   const std::uint64_t length = text.size();
   std::vector<std::byte> block(scene.bytes() + text.size() + sizeof length);
   std::memcpy(block.data(), scene.block().data(), scene.bytes());
@@ -70,7 +131,8 @@ std::string Unpack(const std::vector<std::byte>& block, CachedScene& cached) {
   const std::size_t scene_bytes = rest - static_cast<std::size_t>(length);
   const std::string text(reinterpret_cast<const char*>(block.data() + scene_bytes), static_cast<std::size_t>(length));
   try {
-    ReadReports(ParseJson(text), cached.load, cached.build);
+    const base::JsonDocument document = ParseJson(text);
+    ReadReports(document.root(), cached.load, cached.build);
   } catch (const std::exception&) {
     return "has damaged reports";
   }

@@ -8,7 +8,6 @@
 #include <glm/matrix.hpp>
 #include <map>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <utility>
@@ -38,7 +37,7 @@ struct DrawnPaint {
 double Share(const Json& parent, const std::string& pointer, const char* key, double fallback) {
   const Json* found = Find(parent, key);
   if (!found) return fallback;
-  const double share = found->is_number() ? found->get<double>() : std::nan("");
+  const double share = found->number();
   if (!(share >= 0 && share <= 1))
     throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be a number from 0 to 1");
   return share;
@@ -123,11 +122,11 @@ class DrawnReader {
   }
 
   DrawnPaint PaintOf(const SubsetPrimitive& primitive) {
-    const Json& json = ElementOf(file_.root(), "meshes", primitive.mesh)["primitives"][primitive.primitive];
+    const Json& mesh = ElementOf(file_.root(), "meshes", primitive.mesh);
+    const Json& json = Find(mesh, "primitives")->elements()[primitive.primitive];
     const auto index = Index(json, primitive.pointer, "material", CountOf(file_.root(), "materials"));
     DrawnPaint paint;
-    const bool coloured = Find(json["attributes"], "COLOR_0") != nullptr;
-    if (coloured) paint.colour = glm::dvec3(1);
+    if (Find(*Find(json, "attributes"), "COLOR_0")) paint.colour = glm::dvec3(1);
     if (!index) return paint;
     const std::string pointer = Join("/materials", *index);
     const Json& material = ElementOf(file_.root(), "materials", *index);

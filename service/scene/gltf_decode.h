@@ -1,4 +1,4 @@
-// Triangles out of a small, checked binary glTF. tinygltf is confined to gltf_decode.cc.
+// Triangles out of the bytes of a subset.
 #pragma once
 
 #include <array>

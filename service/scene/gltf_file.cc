@@ -17,6 +17,8 @@ constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
 
+constexpr std::size_t kMaxFilesBeside = 100;  // open at a time, of the thousand that a process may have
+
 std::uint32_t LittleEndian(const unsigned char* bytes) {
   return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8 |
          static_cast<std::uint32_t>(bytes[2]) << 16 | static_cast<std::uint32_t>(bytes[3]) << 24;
@@ -35,8 +37,8 @@ void GltfFile::Open(const std::string& path, const LoadOptions& options, LoadRep
   }
   file_.AddTo(&digest_);
   report.file_bytes = file_.size();
-  root_ = ParseJson(ReadJsonText(report));
-  const Json* asset = FindObject(root_, "", "asset");
+  document_ = ParseJson(ReadJsonText(report));
+  const Json* asset = FindObject(root(), "", "asset");
   if (!asset) throw LoadError("/asset", "is missing; this is no glTF 2.0 document");
   const std::string version = FindString(*asset, "/asset", "version", "");
   if (!version.starts_with("2.")) {
@@ -81,9 +83,9 @@ std::string GltfFile::ReadJsonText(LoadReport& report) {
       }
     }
   }
-  if (json_length > kMaxJsonBytes) {
+  if (json_length > kSceneJson.bytes) {
     throw LoadError("", "has " + std::to_string(json_length) + " bytes of JSON, the limit is " +
-                            std::to_string(kMaxJsonBytes) + "; move embedded buffers into a .bin or use .glb");
+                            std::to_string(kSceneJson.bytes) + "; move embedded buffers into a .bin or use .glb");
   }
   std::string text(static_cast<std::size_t>(json_length), '\0');
   file_.Read(json_offset, text.data(), text.size());
@@ -100,11 +102,21 @@ std::uint64_t GltfFile::bytes_read() const {
   return sum;
 }
 
+std::uint64_t GltfFile::stored_bytes() const {
+  std::uint64_t sum = file_.size();
+  for (const FileBytes& file : external_) sum += file.size();
+  return sum;
+}
+
 FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& pointer) {
   if (in_memory_) {
     throw LoadError(pointer,
                     "names \"" + uri.substr(0, 60) +
                         "\", but a document in memory has no files beside it: export as .glb, or with data URIs");
+  }
+  if (external_.size() == kMaxFilesBeside) {
+    throw LoadError(pointer, "names one file more than " + std::to_string(kMaxFilesBeside) +
+                                 " beside the document, the limit; export as .glb");
   }
   const std::string name = LocalFileName(uri, pointer);
   const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
@@ -130,7 +142,7 @@ void GltfFile::OpenExternal(const std::string& uri, const std::string& pointer, 
 GltfFile::Buffer& GltfFile::OpenBuffer(std::uint32_t index) {
   if (const auto found = buffers_.find(index); found != buffers_.end()) return found->second;
   const std::string pointer = Join("/buffers", index);
-  const Json& json = ElementOf(root_, "buffers", index);
+  const Json& json = ElementOf(root(), "buffers", index);
   Buffer buffer;
   buffer.length = Whole(json, pointer, "byteLength", max_file_bytes_, std::nullopt);
   const std::string uri = FindString(json, pointer, "uri", "");
@@ -160,17 +172,17 @@ GltfFile::Buffer& GltfFile::OpenBuffer(std::uint32_t index) {
 
 std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_t max_bytes) {
   const std::string pointer = Join("/images", index);
-  const Json& json = ElementOf(root_, "images", index);
+  const Json& json = ElementOf(root(), "images", index);
   const auto check = [&](std::uint64_t bytes) {
     if (bytes > max_bytes) {
       throw LoadError(pointer, "has " + std::to_string(bytes) + " bytes, the limit is " + std::to_string(max_bytes));
     }
   };
   std::vector<unsigned char> stored;
-  if (const auto view = Index(json, pointer, "bufferView", CountOf(root_, "bufferViews"))) {
-    const Json& view_json = ElementOf(root_, "bufferViews", *view);
+  if (const auto view = Index(json, pointer, "bufferView", CountOf(root(), "bufferViews"))) {
+    const Json& view_json = ElementOf(root(), "bufferViews", *view);
     const std::string place = Join("/bufferViews", *view);
-    const auto buffer = Index(view_json, place, "buffer", CountOf(root_, "buffers"));
+    const auto buffer = Index(view_json, place, "buffer", CountOf(root(), "buffers"));
     if (!buffer) throw LoadError(Join(place, "buffer"), "is missing");
     const std::uint64_t offset = Whole(view_json, place, "byteOffset", 1ull << 40, 0);
     const std::uint64_t length = Whole(view_json, place, "byteLength", 1ull << 40, std::nullopt);

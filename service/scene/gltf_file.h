@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,22 +14,21 @@
 
 namespace omni::scene {
 
-inline constexpr std::uint64_t kMaxJsonBytes = 64ull << 20;
-
 class GltfFile {
  public:
   // Throws LoadError. Appends warnings to `report`.
   void Open(const std::string& path, const LoadOptions& options, LoadReport& report);
 
-  const Json& root() const { return root_; }
+  const Json& root() const { return document_.root(); }
   std::uint64_t file_bytes() const { return file_.size(); }
   std::uint64_t bytes_read() const;
+  std::uint64_t stored_bytes() const;                 // of the file and of those beside it that were opened
   Digest FinishDigest() { return digest_.Finish(); }  // once: of all bytes read so far, in their order
 
-  // Bytes [offset, offset + count) of buffer `buffer`. Throws LoadError when they are not there.
   // The stored bytes of image `image`: of a bufferView, a data URI or a file beside the document. Throws LoadError.
   std::vector<unsigned char> ReadImage(std::uint32_t image, std::uint64_t max_bytes);
 
+  // Bytes [offset, offset + count) of buffer `buffer`. Throws LoadError when they are not there.
   void ReadBuffer(std::uint32_t buffer, std::uint64_t offset, void* to, std::size_t count);
 
  private:
@@ -51,7 +49,7 @@ class GltfFile {
   Sha256 digest_;
   FileBytes file_;
   std::deque<FileBytes> external_;
-  Json root_;
+  base::JsonDocument document_;
   bool has_bin_ = false;
   std::uint64_t bin_offset_ = 0, bin_length_ = 0;
   std::map<std::uint32_t, Buffer> buffers_;

@@ -1,7 +1,6 @@
 #include "service/scene/gltf_subset.h"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <utility>
 
@@ -16,25 +15,31 @@ namespace {
 constexpr std::uint64_t kMaxOffset = 1ull << 40;
 constexpr std::uint64_t kMaxElements = 3ull * haptics::kMaxTriangles;  // of one accessor
 constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
+// Accessors may share bytes, as those of interleaved vertices do: position and two pairs of coordinates, or a normal
+// and a colour. A file whose accessors share more would be far larger in memory than on disk.
+constexpr std::uint64_t kMaxShares = 4;
+constexpr std::uint64_t kMaxZeros = 1'000'000;  // elements of accessors without data, which cost a file nothing
+
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 const char* ModeName(std::uint64_t mode) {
   constexpr const char* kNames[] = {"points", "lines", "a line loop", "a line strip"};
   return kNames[mode];
 }
 
-bool Required(const Json& root, const char* extension) {
+bool Requires(const Json& root, std::string_view extension) {
   const Json* required = FindArray(root, "", "extensionsRequired");
-  return required && std::find(required->begin(), required->end(), extension) != required->end();
+  return required && std::any_of(required->elements().begin(), required->elements().end(),
+                                 [extension](const Json& name) { return name.text() == extension; });
 }
 
-// Byte ranges of the original buffers -> views of one packed buffer. A range asked for twice is read once.
+// Byte ranges of the original buffers, one after another. A range asked for twice is read once.
 class Packer {
  public:
   explicit Packer(GltfFile& file) : file_(file) {}
 
-  // View of `bytes` bytes at `offset` of bufferView `view`, elements `stride` apart (0: tightly).
-  std::size_t AddView(std::uint32_t view, const std::string& pointer, std::uint64_t offset, std::uint64_t bytes,
-                      std::uint64_t stride) {
+  // Where `bytes` bytes at `offset` of bufferView `view` are now.
+  std::size_t Add(std::uint32_t view, const std::string& pointer, std::uint64_t offset, std::uint64_t bytes) {
     const Json& json = ElementOf(file_.root(), "bufferViews", view);
     const std::string view_pointer = Join("/bufferViews", view);
     CheckUncompressed(json, view_pointer);
@@ -47,19 +52,18 @@ class Packer {
                                    view_pointer + ", which has " + std::to_string(view_length) +
                                    "; count, byteOffset or byteStride is wrong");
     }
-    const Key key{*buffer, view_offset + offset, bytes, stride};
-    if (const auto found = views_.find(key); found != views_.end()) return found->second;
-    return views_[key] = Read(key);
+    const Key key{*buffer, view_offset + offset, bytes};
+    if (const auto found = places_.find(key); found != places_.end()) return found->second;
+    return places_[key] = Read(key);
   }
 
-  const Json& views() const { return view_json_; }
-  const std::vector<unsigned char>& bytes() const { return bytes_; }
+  std::vector<unsigned char> TakeBytes() { return std::move(bytes_); }
   std::uint64_t fresh_bytes() { return std::exchange(fresh_bytes_, 0); }
 
  private:
   struct Key {
     std::uint32_t buffer;
-    std::uint64_t offset, bytes, stride;
+    std::uint64_t offset, bytes;
     auto operator<=>(const Key&) const = default;  // NOLINT(modernize-use-nullptr): seen in generated code
   };
 
@@ -75,37 +79,37 @@ class Packer {
 
   std::size_t Read(const Key& key) {
     const std::size_t at = (bytes_.size() + 3) / 4 * 4;
-    if (key.bytes > kMaxPackedBytes - std::min<std::uint64_t>(at, kMaxPackedBytes)) {
-      throw LoadError("/bufferViews", "the touched meshes need more than " + std::to_string(kMaxPackedBytes) +
-                                          " bytes; simplify the model");
-    }
     // Whether the file has these bytes is known before memory is asked for: the read of the last one.
     unsigned char last = 0;
     if (key.bytes > 0) file_.ReadBuffer(key.buffer, key.offset + key.bytes - 1, &last, 1);
+    const std::uint64_t most = std::min(kMaxPackedBytes, kMaxShares * file_.stored_bytes());
+    if (key.bytes > most - std::min<std::uint64_t>(at, most)) {
+      throw LoadError("/bufferViews", "the touched meshes need more than " + std::to_string(most) + " bytes, " +
+                                          (most < kMaxPackedBytes ? std::to_string(kMaxShares) +
+                                                                        " times what the file "
+                                                                        "holds: its accessors overlap; export it again"
+                                                                  : "the limit; simplify the model"));
+    }
     bytes_.resize(at + static_cast<std::size_t>(key.bytes));
     file_.ReadBuffer(key.buffer, key.offset, bytes_.data() + at, static_cast<std::size_t>(key.bytes));
     fresh_bytes_ += key.bytes;
-    Json view = {{"buffer", 0}, {"byteOffset", at}, {"byteLength", key.bytes}};
-    if (key.stride > 0) view["byteStride"] = key.stride;
-    view_json_.push_back(std::move(view));
-    return view_json_.size() - 1;
+    return at;
   }
 
   GltfFile& file_;
-  std::map<Key, std::size_t> views_;
-  Json view_json_ = Json::array();
+  std::map<Key, std::size_t> places_;
   std::vector<unsigned char> bytes_;
   std::uint64_t fresh_bytes_ = 0;
 };
 
 class SubsetBuilder {
  public:
-  explicit SubsetBuilder(GltfFile& file) : file_(file), packer_(file) {}
+  explicit SubsetBuilder(GltfFile& file) : file_(file), packer_(file), draco_required_(Requires(file.root(), kDraco)) {}
 
   Subset Run(const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced) {
     for (const MeshRequest& mesh : meshes) AddMesh(mesh);
     for (const std::uint32_t node : instanced) AddInstances(node);
-    subset_.glb = Glb();
+    subset_.bytes = packer_.TakeBytes();
     return std::move(subset_);
   }
 
@@ -115,14 +119,14 @@ class SubsetBuilder {
     const std::string pointer = Join("/meshes", mesh);
     const Json* primitives = FindArray(ElementOf(file_.root(), "meshes", mesh), pointer, "primitives");
     if (!primitives) throw LoadError(Join(pointer, "primitives"), "is missing");
-    for (std::uint32_t i = 0; i < primitives->size(); ++i) {
+    for (std::uint32_t i = 0; i < primitives->elements().size(); ++i) {
+      const Json& json = primitives->elements()[i];
       SubsetPrimitive primitive;
       primitive.mesh = mesh;
       primitive.primitive = i;
       primitive.pointer = Join(Join(pointer, "primitives"), i);
-      if (!(*primitives)[i].is_object()) throw LoadError(primitive.pointer, "must be an object");
-      AddPrimitive((*primitives)[i], i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, request.paint,
-                   primitive);
+      if (!json.is_object()) throw LoadError(primitive.pointer, "must be an object");
+      AddPrimitive(json, i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, request.paint, primitive);
       subset_.primitives.push_back(std::move(primitive));
     }
   }
@@ -143,34 +147,36 @@ class SubsetBuilder {
     }
     CheckDraco(json, primitive.pointer, *position);
     primitive.accessor = *position;
-    Json mesh = {{"attributes", {{"POSITION", AddAccessor(*position, kPosition)}}}, {"mode", mode}};
-    if (const auto indices = Index(json, primitive.pointer, "indices", accessors)) {
-      mesh["indices"] = AddAccessor(*indices, kIndex);
-    }
+    primitive.mode = mode;
+    primitive.positions = AddAccessor(*position, kPosition);
+    if (const auto indices = Index(json, primitive.pointer, "indices", accessors))
+      primitive.indices = AddAccessor(*indices, kIndex);
     for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
       if ((uv_sets >> set & 1) == 0) continue;
       const std::string name = "TEXCOORD_" + std::to_string(set);
       const auto uv = Index(*attributes, Join(primitive.pointer, "attributes"), name.c_str(), accessors);
       if (!uv) continue;
       CheckCount(*uv, *position, Join(Join(primitive.pointer, "attributes"), name));
-      mesh["attributes"][name] = AddAccessor(*uv, kUv);
+      primitive.uv[set] = AddAccessor(*uv, kUv);
       primitive.uv_sets = static_cast<std::uint8_t>(primitive.uv_sets | 1U << set);
     }
-    if (paint) AddPaint(*attributes, *position, primitive, mesh["attributes"]);
+    if (paint) AddPaint(*attributes, *position, primitive);
     primitive.bytes = packer_.fresh_bytes();
-    meshes_.push_back({{"primitives", Json::array({std::move(mesh)})}});
   }
 
   // Of a picture: those of NORMAL and COLOR_0 that are there.
-  void AddPaint(const Json& attributes, std::uint32_t position, const SubsetPrimitive& primitive, Json& packed) {
+  void AddPaint(const Json& attributes, std::uint32_t position, SubsetPrimitive& primitive) {
     const std::string pointer = Join(primitive.pointer, "attributes");
-    for (const char* name : {"NORMAL", "COLOR_0"}) {
+    const auto find = [&](const char* name) {
       const auto accessor = Index(attributes, pointer, name, CountOf(file_.root(), "accessors"));
-      if (!accessor) continue;
-      CheckCount(*accessor, position, Join(pointer, name));
-      const Json& json = ElementOf(file_.root(), "accessors", *accessor);
-      const bool four = FindString(json, Join("/accessors", *accessor), "type", "") == "VEC4";
-      packed[name] = AddAccessor(*accessor, name[0] == 'N' ? kNormal : four ? kColour4 : kColour3);
+      if (accessor) CheckCount(*accessor, position, Join(pointer, name));
+      return accessor;
+    };
+    if (const auto normals = find("NORMAL")) primitive.normals = AddAccessor(*normals, kNormal);
+    if (const auto colours = find("COLOR_0")) {
+      const Json& json = ElementOf(file_.root(), "accessors", *colours);
+      const bool four = FindString(json, Join("/accessors", *colours), "type", "") == "VEC4";
+      primitive.colours = AddAccessor(*colours, four ? kColour4 : kColour3);
     }
   }
 
@@ -187,7 +193,7 @@ class SubsetBuilder {
 
   void AddInstances(std::uint32_t node) {
     const std::string pointer = Join(Join(Join("/nodes", node), "extensions"), kInstancingExtension);
-    const Json& json = (*Find(ElementOf(file_.root(), "nodes", node), "extensions"))[kInstancingExtension];
+    const Json& json = *Find(*Find(ElementOf(file_.root(), "nodes", node), "extensions"), kInstancingExtension);
     const Json* attributes = FindObject(json, pointer, "attributes");
     if (!attributes) throw LoadError(Join(pointer, "attributes"), "is missing");
     SubsetInstances instances;
@@ -206,10 +212,9 @@ class SubsetBuilder {
 
   // Without the extension in extensionsRequired a document carries the plain data as well, and that is read.
   void CheckDraco(const Json& primitive, const std::string& pointer, std::uint32_t position) {
-    constexpr const char* kDraco = "KHR_draco_mesh_compression";
     const Json* extensions = FindObject(primitive, pointer, "extensions");
     if (!extensions || !Find(*extensions, kDraco)) return;
-    if (Required(file_.root(), kDraco) || !Find(ElementOf(file_.root(), "accessors", position), "bufferView")) {
+    if (draco_required_ || !Find(ElementOf(file_.root(), "accessors", position), "bufferView")) {
       throw LoadError(pointer, std::string(kDraco) + " is not supported; export without mesh compression");
     }
   }
@@ -226,18 +231,21 @@ class SubsetBuilder {
     const std::uint64_t count = Whole(json, pointer, "count", kMaxElements, std::nullopt);
     const Json* normalized = Find(json, "normalized");
     if (normalized && !normalized->is_boolean()) throw LoadError(Join(pointer, "normalized"), "must be true or false");
-    Json packed = {{"componentType", component.type}, {"type", type}, {"count", count}};
-    if (normalized && component.type != 5126) packed["normalized"] = *normalized;
-    const std::uint64_t element = component.bytes * RowOf(use).components;
-    AddData(json, pointer, element, count, packed);
-    AddSparse(json, pointer, element, count, packed);
-    accessors_.push_back(std::move(packed));
-    return accessor_numbers_[{index, use}] = accessors_.size() - 1;
+    SubsetAccessor packed;
+    packed.component = component.type;
+    packed.normalized = normalized && normalized->boolean() && component.type != 5126;
+    packed.width = RowOf(use).components;
+    packed.count = static_cast<std::size_t>(count);
+    AddData(json, pointer, packed);
+    AddSparse(json, pointer, packed);
+    subset_.accessors.push_back(packed);
+    return accessor_numbers_[{index, use}] = subset_.accessors.size() - 1;
   }
 
-  void AddData(const Json& json, const std::string& pointer, std::uint64_t element, std::uint64_t count, Json& packed) {
+  void AddData(const Json& json, const std::string& pointer, SubsetAccessor& packed) {
     const auto view = Index(json, pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
-    if (!view) return;  // zeros   [glTF 2.0, 3.6.2.1]
+    if (!view) return AddZeros(pointer, packed);
+    const std::uint64_t element = ElementBytes(packed);
     const std::uint64_t offset = Whole(json, pointer, "byteOffset", kMaxOffset, 0);
     const Json& view_json = ElementOf(file_.root(), "bufferViews", *view);
     const std::uint64_t stride = Whole(view_json, Join("/bufferViews", *view), "byteStride", 252, 0);
@@ -246,68 +254,52 @@ class SubsetBuilder {
                       "is " + std::to_string(stride) + ", must be a multiple of 4 and at least the element's " +
                           std::to_string(element) + " bytes");
     }
-    const std::uint64_t step = stride == 0 ? element : stride;
-    const std::uint64_t bytes = count == 0 ? 0 : step * (count - 1) + element;
-    packed["bufferView"] = packer_.AddView(*view, pointer, offset, bytes, stride);
+    packed.zeros = false;
+    packed.stride = static_cast<std::size_t>(stride == 0 ? element : stride);
+    const std::uint64_t bytes = packed.count == 0 ? 0 : packed.stride * (packed.count - 1) + element;
+    packed.offset = packer_.Add(*view, pointer, offset, bytes);
   }
 
-  void AddSparse(const Json& json, const std::string& pointer, std::uint64_t element, std::uint64_t count,
-                 Json& packed) {
+  // Without data all elements are zero   [glTF 2.0, 3.6.2.1]
+  void AddZeros(const std::string& pointer, const SubsetAccessor& packed) {
+    zeros_ += packed.count;
+    if (zeros_ > kMaxZeros) {
+      throw LoadError(pointer, "with those before, has " + std::to_string(zeros_) +
+                                   " elements without a bufferView, the limit is " + std::to_string(kMaxZeros) +
+                                   "; give it the bufferView with its data");
+    }
+  }
+
+  static std::uint64_t ElementBytes(const SubsetAccessor& packed) {
+    return ComponentBytes(packed.component) * packed.width;
+  }
+
+  void AddSparse(const Json& json, const std::string& pointer, SubsetAccessor& packed) {
     const Json* sparse = FindObject(json, pointer, "sparse");
     if (!sparse) return;
     const std::string place = Join(pointer, "sparse");
-    const std::uint64_t changed = Whole(*sparse, place, "count", count, std::nullopt);
-    Json parts = {{"count", changed}};
-    for (const char* part : {"indices", "values"}) {
+    packed.changed = static_cast<std::size_t>(Whole(*sparse, place, "count", packed.count, std::nullopt));
+    const auto add = [&](const char* part, std::uint64_t element) {
       const std::string part_pointer = Join(place, part);
-      const Json* part_json = FindObject(*sparse, place, part);
-      if (!part_json) throw LoadError(part_pointer, "is missing");
-      const auto view = Index(*part_json, part_pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
+      const Json& part_json = *Find(*sparse, part);
+      const auto view = Index(part_json, part_pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
       if (!view) throw LoadError(Join(part_pointer, "bufferView"), "is missing");
-      const bool is_index = part[0] == 'i';
-      const std::uint64_t bytes = is_index ? ComponentOf(*part_json, part_pointer, kIndex).bytes : element;
-      const std::uint64_t offset = Whole(*part_json, part_pointer, "byteOffset", kMaxOffset, 0);
-      parts[part] = {{"bufferView", packer_.AddView(*view, part_pointer, offset, bytes * changed, 0)},
-                     {"byteOffset", 0}};
-      if (is_index) parts[part]["componentType"] = (*part_json)["componentType"];
-    }
-    packed["sparse"] = std::move(parts);
-  }
-
-  std::vector<unsigned char> Glb() const {
-    Json document = {{"asset", {{"version", "2.0"}}}, {"meshes", meshes_}, {"accessors", accessors_}};
-    const std::size_t packed = packer_.bytes().size();
-    if (packed > 0) {
-      document["buffers"] = Json::array({{{"byteLength", packed}}});
-      document["bufferViews"] = packer_.views();
-    }
-    std::string text = document.dump();
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    const std::size_t bin = (packed + 3) / 4 * 4;
-    std::vector<unsigned char> glb(20 + text.size() + (bin > 0 ? 8 + bin : 0), 0);
-    const auto put = [&glb](std::size_t at, std::size_t value) {
-      for (std::size_t i = 0; i < 4; ++i) glb[at + i] = static_cast<unsigned char>(value >> (8 * i) & 0xFF);
+      const std::uint64_t offset = Whole(part_json, part_pointer, "byteOffset", kMaxOffset, 0);
+      return packer_.Add(*view, part_pointer, offset, element * packed.changed);
     };
-    put(0, 0x46546C67);
-    put(4, 2);
-    put(8, glb.size());
-    put(12, text.size());
-    put(16, 0x4E4F534A);
-    std::memcpy(&glb[20], text.data(), text.size());
-    if (bin > 0) {
-      put(20 + text.size(), bin);
-      put(24 + text.size(), 0x004E4942);
-      std::memcpy(&glb[28 + text.size()], packer_.bytes().data(), packed);
-    }
-    return glb;
+    for (const char* part : {"indices", "values"})
+      if (!FindObject(*sparse, place, part)) throw LoadError(Join(place, part), "is missing");
+    packed.index_component = ComponentOf(*Find(*sparse, "indices"), Join(place, "indices"), kIndex).type;
+    packed.index_offset = add("indices", ComponentBytes(packed.index_component));
+    packed.value_offset = add("values", ElementBytes(packed));
   }
 
   GltfFile& file_;
   Packer packer_;
   Subset subset_;
-  Json accessors_ = Json::array();
-  Json meshes_ = Json::array();
   std::map<std::pair<std::uint32_t, Use>, std::size_t> accessor_numbers_;
+  std::uint64_t zeros_ = 0;
+  const bool draco_required_;
 };
 
 }  // namespace

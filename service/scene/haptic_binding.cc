@@ -1,7 +1,5 @@
 #include "service/scene/haptic_binding.h"
 
-#include <nlohmann/json.hpp>
-
 #include "service/scene/haptic_texture.h"
 #include "service/scene/load_error.h"
 
@@ -27,22 +25,33 @@ const Json* Extension(const Json& owner, const std::string& pointer, const char*
   return extensions ? FindObject(*extensions, Join(pointer, "extensions"), name) : nullptr;
 }
 
+const HapticTag kNoTag;
+
 std::string PlaceOf(const std::string& pointer, const char* extension) {
   return Join(Join(pointer, "extensions"), extension);
 }
 
 }  // namespace
 
+template <class Read>
+const HapticTag& Binding::Cached(const std::string& key, Read read) {
+  const auto [place, fresh] = cache_.try_emplace(key);
+  if (fresh) {
+    if (HapticTag tag = read(); tag.present) place->second = std::make_unique<const HapticTag>(std::move(tag));
+  }
+  return place->second ? *place->second : kNoTag;
+}
+
 const HapticTag& Binding::MpegMaterial(const char* extension, const Json& user, const std::string& pointer,
                                        const char* key) {
   const std::string place = PlaceOf("", extension);
   const Json* mpeg = Extension(root_, "", extension);
   const Json* materials = mpeg ? FindArray(*mpeg, place, "materials") : nullptr;
-  const auto index = Index(user, pointer, key, materials ? materials->size() : 0);
+  const auto index = Index(user, pointer, key, materials ? materials->elements().size() : 0);
   if (!index) throw LoadError(Join(pointer, key), "is missing");
   const std::string material = Join(Join(place, "materials"), *index);
   return Cached(material, [&] {
-    const Json& json = (*materials)[*index];
+    const Json& json = materials->elements()[*index];
     if (!json.is_object()) throw LoadError(material, "must be an object");
     for (const char* texture : {"haptic", "temperature", "vibration", "custom"}) {
       if (Find(json, texture)) warnings_.Add(Join(material, texture), "is not rendered");
@@ -52,7 +61,8 @@ const HapticTag& Binding::MpegMaterial(const char* extension, const Json& user, 
     for (const auto& [name, role] : kTextureKeys) {
       const Json* list = Find(json, name);
       if (!list) continue;
-      if (auto use = ReadTextureUse(root_, *list, Join(material, name), warnings_)) tag.textures[role] = std::move(use);
+      if (auto use = ReadTextureUse(root_, *list, Join(material, name), warnings_))
+        tag.textures[role] = std::make_shared<const TextureUse>(std::move(*use));
     }
     tag.present = true;
     return tag;
@@ -83,9 +93,7 @@ const HapticTag& Binding::MaterialExtension(std::uint32_t material) {
       const char* spelling = Extension(root_, "", kMpegSpellings[0]) ? kMpegSpellings[0] : kMpegSpellings[1];
       tag = MpegMaterial(spelling, *omni, place, "material");
     }
-    Json own = *omni;
-    own.erase("material");
-    tag.OverrideBy(ReadTag(own, place, warnings_));
+    tag.OverrideBy(ReadTag(*omni, place, warnings_, "material"));
     return tag;
   });
 }
@@ -101,44 +109,49 @@ const HapticTag& Binding::MaterialExtras(std::uint32_t material) {
 }
 
 const HapticTag& Binding::Physics(const NodeVisit& node) {
+  const Json* body = Extension(ElementOf(root_, "nodes", node.node), node.pointer, kPhysics);
+  const std::string place = PlaceOf(node.pointer, kPhysics);
+  const Json* collider = body ? FindObject(*body, place, "collider") : nullptr;
+  if (!collider) return kNoTag;
   return Cached(node.pointer + "/extensions", [&] {
     HapticTag tag;
-    const Json* body = Extension(ElementOf(root_, "nodes", node.node), node.pointer, kPhysics);
-    const std::string place = PlaceOf(node.pointer, kPhysics);
-    const Json* collider = body ? FindObject(*body, place, "collider") : nullptr;
-    if (!collider) return tag;
     tag.present = true;
     const Json* physics = Extension(root_, "", kPhysics);
     const std::string root_place = PlaceOf("", kPhysics);
     const Json* materials = physics ? FindArray(*physics, root_place, "physicsMaterials") : nullptr;
-    const auto index = Index(*collider, Join(place, "collider"), "physicsMaterial", materials ? materials->size() : 0);
+    const auto index =
+        Index(*collider, Join(place, "collider"), "physicsMaterial", materials ? materials->elements().size() : 0);
     if (!index || !materials) return tag;
-    Json known = Json::object();
-    for (const char* key : {"staticFriction", "dynamicFriction", "restitution"}) {
-      if (const Json* value = Find((*materials)[*index], key)) known[key] = *value;
-    }
-    return ReadTag(known, Join(Join(root_place, "physicsMaterials"), *index), warnings_);
+    return ReadNumbers(materials->elements()[*index], {"staticFriction", "dynamicFriction", "restitution"},
+                       Join(Join(root_place, "physicsMaterials"), *index), warnings_);
   });
 }
 
 std::optional<std::uint32_t> Binding::MaterialOfPrimitive(std::uint32_t mesh, std::uint32_t primitive) {
   const std::string pointer = Join("/meshes", mesh);
   const Json* primitives = FindArray(ElementOf(root_, "meshes", mesh), pointer, "primitives");
-  if (!primitives || primitive >= primitives->size()) return std::nullopt;
-  return Index((*primitives)[primitive], Join(Join(pointer, "primitives"), primitive), "material",
+  if (!primitives || primitive >= primitives->elements().size()) return std::nullopt;
+  return Index(primitives->elements()[primitive], Join(Join(pointer, "primitives"), primitive), "material",
                CountOf(root_, "materials"));
+}
+
+bool Binding::MeshTagged(std::uint32_t mesh) {
+  if (MeshExtras(mesh).present || MeshExtension(mesh).present) return true;
+  const Json* primitives = Find(ElementOf(root_, "meshes", mesh), "primitives");
+  for (std::uint32_t i = 0; primitives && i < primitives->elements().size(); ++i) {
+    const auto material = MaterialOfPrimitive(mesh, i);
+    if (material && (MaterialExtras(*material).present || MaterialExtension(*material).present)) return true;
+  }
+  return false;
 }
 
 bool Binding::Tagged(const NodeVisit& node) {
   if (node.inherited->present || Physics(node).present) return true;
   if (!node.mesh) return false;
-  if (MeshExtras(*node.mesh).present || MeshExtension(*node.mesh).present) return true;
-  const Json* primitives = Find(ElementOf(root_, "meshes", *node.mesh), "primitives");
-  for (std::uint32_t i = 0; primitives && i < primitives->size(); ++i) {
-    const auto material = MaterialOfPrimitive(*node.mesh, i);
-    if (material && (MaterialExtras(*material).present || MaterialExtension(*material).present)) return true;
-  }
-  return false;
+  // Once a mesh: a hundred thousand nodes may show one of a hundred thousand primitives.
+  const auto known = tagged_meshes_.find(*node.mesh);
+  if (known != tagged_meshes_.end()) return known->second;
+  return tagged_meshes_[*node.mesh] = MeshTagged(*node.mesh);
 }
 
 HapticTag Binding::TagOf(const NodeVisit& node, std::uint32_t primitive) {
@@ -154,16 +167,15 @@ HapticTag Binding::TagOf(const NodeVisit& node, std::uint32_t primitive) {
 }
 
 std::uint16_t Binding::MaterialIndex(const haptics::Material& material, const std::string& pointer) {
-  for (std::size_t i = 0; i < materials_.size(); ++i) {
-    if (SameMaterial(materials_[i], material)) return static_cast<std::uint16_t>(i);
-  }
+  const auto [number, fresh] = numbers_.try_emplace(FieldsOf(material), static_cast<std::uint16_t>(materials_.size()));
+  if (!fresh) return number->second;
   constexpr std::size_t kMaxMaterials = 4096;
   if (materials_.size() == kMaxMaterials) {
     throw LoadError(pointer, "is haptic material " + std::to_string(kMaxMaterials + 1) + ", the limit is " +
                                  std::to_string(kMaxMaterials) + "; let meshes share materials");
   }
   materials_.push_back(material);
-  return static_cast<std::uint16_t>(materials_.size() - 1);
+  return number->second;
 }
 
 }  // namespace omni::scene

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,17 +40,17 @@ class Binding {
   const HapticTag& Physics(const NodeVisit& node);
   const HapticTag& MpegMaterial(const char* extension, const Json& user, const std::string& pointer, const char* key);
   std::optional<std::uint32_t> MaterialOfPrimitive(std::uint32_t mesh, std::uint32_t primitive);
+  bool MeshTagged(std::uint32_t mesh);
 
   template <class Read>
-  const HapticTag& Cached(const std::string& key, Read read) {
-    const auto found = cache_.find(key);
-    return found != cache_.end() ? found->second : cache_.emplace(key, read()).first->second;
-  }
+  const HapticTag& Cached(const std::string& key, Read read);
 
   const Json& root_;
   Warnings& warnings_;
-  std::map<std::string, HapticTag> cache_;  // each place is read, and complained about, once
+  std::map<std::string, std::unique_ptr<const HapticTag>> cache_;  // each place is read, and complained about, once
+  std::map<std::uint32_t, bool> tagged_meshes_;
   std::vector<haptics::Material> materials_;
+  std::map<std::vector<double>, std::uint16_t> numbers_;  // of materials_, by their fields
 };
 
 }  // namespace omni::scene

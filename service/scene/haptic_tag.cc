@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "service/base/nearest_word.h"
@@ -28,21 +27,26 @@ std::string Text(double value) {
 
 template <class Value, std::size_t kCount>
 const Value* ValueNamed(const std::array<TagWord<Value>, kCount>& words, const Json& name) {
-  if (!name.is_string()) return nullptr;
+  if (!name.is_text()) return nullptr;
   const auto found =
-      std::find_if(words.begin(), words.end(), [&](const TagWord<Value>& word) { return name == word.name; });
+      std::find_if(words.begin(), words.end(), [&](const TagWord<Value>& word) { return name.text() == word.name; });
   return found == words.end() ? nullptr : &found->value;
 }
 
 // A tag's object, walked with dotted paths.
 class TagReader {
  public:
-  TagReader(HapticTag& tag, Warnings& warnings) : tag_(tag), warnings_(warnings) {}
+  // `besides`: a key that is not the tag's.
+  TagReader(HapticTag& tag, Warnings& warnings, std::string_view besides = {})
+      : tag_(tag), warnings_(warnings), besides_(besides) {}
 
   void ReadObject(const Json& object, const std::string& prefix, const std::string& pointer) {
     const Json* role = prefix.empty() ? Find(object, "role") : nullptr;
     if (role) ReadRole(*role, Join(pointer, "role"));
-    for (const auto& [key, value] : object.items()) ReadKey(prefix + key, value, Join(pointer, key));
+    for (const auto& [key, value] : object.members()) {
+      const std::string path = prefix + std::string(key);
+      if (path != besides_) ReadKey(path, value, Join(pointer, key));
+    }
   }
 
   void ReadKey(const std::string& path, const Json& value, const std::string& pointer) {
@@ -81,12 +85,13 @@ class TagReader {
   }
 
   template <class T, std::size_t kCount>
-  bool ReadNumber(const std::array<NumberKey<T>, kCount>& keys, Values<T, kCount>& values, const std::string& path,
+  bool ReadNumber(const std::array<NumberKey<T>, kCount>& keys, Values<T>& values, const std::string& path,
                   const Json& value, const std::string& pointer) {
     for (std::size_t i = 0; i < kCount; ++i) {
       if (keys[i].key == path) {
-        values.number[i] = InRange(keys[i].minimum, keys[i].maximum, keys[i].whole != nullptr,
-                                   std::string(keys[i].unit), value, pointer);
+        const auto number = InRange(keys[i].minimum, keys[i].maximum, keys[i].whole != nullptr,
+                                    std::string(keys[i].unit), value, pointer);
+        if (number) values.Set(i, *number);
         return true;
       }
     }
@@ -97,10 +102,10 @@ class TagReader {
   // "; did you mean 'wall'?"
   template <class Value, std::size_t kCount>
   std::string Meant(const Json& value, const std::array<TagWord<Value>, kCount>& words) const {
-    if (!value.is_string() || warnings_.full()) return {};
+    if (!value.is_text() || warnings_.full()) return {};
     std::vector<std::string_view> names;
     for (const TagWord<Value>& word : words) names.push_back(word.name);
-    return base::DidYouMean(value.get_ref<const std::string&>(), names);
+    return base::DidYouMean(value.text(), names);
   }
 
   // What may stand in a tag of this role; in groups as "softness.thickness".
@@ -121,8 +126,9 @@ class TagReader {
   }
 
   static bool IsGroup(const std::string& path) {
-    return std::any_of(kMaterialKeys.begin(), kMaterialKeys.end(),
-                       [&](const auto& row) { return row.key.starts_with(path + "."); });
+    return std::any_of(kMaterialKeys.begin(), kMaterialKeys.end(), [&](const auto& row) {
+      return row.key.size() > path.size() && row.key[path.size()] == '.' && row.key.starts_with(path);
+    });
   }
 
   void ReadModel(const Json& value, const std::string& pointer) {
@@ -151,10 +157,11 @@ class TagReader {
   void ReadDirection(const Json& value, const std::string& pointer) {
     if (!tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
     std::array<double, 3> direction{};
-    bool sound = value.is_array() && value.size() == 3;
+    const std::span<const Json> numbers = value.elements();
+    bool sound = numbers.size() == 3;
     for (std::size_t k = 0; sound && k < 3; ++k) {
-      sound = value[k].is_number() && std::abs(value[k].get<double>()) <= 1e6;
-      if (sound) direction[k] = value[k].get<double>();
+      direction[k] = numbers[k].number();
+      sound = std::abs(direction[k]) <= 1e6;
     }
     if (sound && direction != std::array<double, 3>{}) {
       tag_.fibre_direction = direction;
@@ -166,9 +173,9 @@ class TagReader {
   // 0 and 1 count as well: some editors' custom properties know no booleans.
   void ReadFlag(const Json& value, const std::string& pointer, std::optional<bool>& flag) {
     if (value.is_boolean()) {
-      flag = value.get<bool>();
-    } else if (value == 0 || value == 1) {
-      flag = value == 1;
+      flag = value.boolean();
+    } else if (value.number() == 0 || value.number() == 1) {
+      flag = value.number() == 1;
     } else {
       warnings_.Add(pointer, "is " + Shown(value) + ", must be true or false; it is ignored");
     }
@@ -184,7 +191,7 @@ class TagReader {
 
   std::optional<double> InRange(double minimum, double maximum, bool whole, const std::string& unit, const Json& value,
                                 const std::string& pointer) {
-    const double number = value.is_number() ? value.get<double>() : std::nan("");
+    const double number = value.number();
     if (!std::isfinite(number)) {
       warnings_.Add(pointer, "is " + Shown(value) + ", must be a number; the default is used");
       return std::nullopt;
@@ -200,6 +207,7 @@ class TagReader {
 
   HapticTag& tag_;
   Warnings& warnings_;
+  const std::string_view besides_;
 };
 
 template <class T>
@@ -207,17 +215,15 @@ void Override(std::optional<T>& weaker, const std::optional<T>& stronger) {
   if (stronger) weaker = stronger;
 }
 
-template <class T, std::size_t kCount>
-void Override(Values<T, kCount>& weaker, const Values<T, kCount>& stronger) {
-  for (std::size_t i = 0; i < kCount; ++i) Override(weaker.number[i], stronger.number[i]);
+template <class T>
+void Override(Values<T>& weaker, const Values<T>& stronger) {
+  for (const auto& [key, number] : stronger.given()) weaker.Set(key, number);
 }
 
 template <class T, std::size_t kCount>
-T Filled(const std::array<NumberKey<T>, kCount>& keys, const Values<T, kCount>& values) {
+T Filled(const std::array<NumberKey<T>, kCount>& keys, const Values<T>& values) {
   T filled;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    if (values.number[i]) keys[i].Set(filled, *values.number[i]);
-  }
+  for (const auto& [key, number] : values.given()) keys[key].Set(filled, number);
   return filled;
 }
 
@@ -229,7 +235,7 @@ bool Warnings::full() const { return lines_.size() >= kMaxLines; }
 
 void Warnings::Add(const std::string& pointer, const std::string& what) {
   if (lines_.size() == kMaxLines) lines_.push_back(file_ + ": further warnings are left out");
-  if (lines_.size() < kMaxLines) lines_.push_back(file_ + ": " + pointer + ": " + what);
+  if (lines_.size() < kMaxLines) lines_.push_back(Printable(file_ + ": " + pointer + ": " + what));
 }
 
 void HapticTag::OverrideBy(const HapticTag& stronger) {
@@ -243,7 +249,9 @@ void HapticTag::OverrideBy(const HapticTag& stronger) {
   Override(falloff, stronger.falloff);
   Override(symmetry, stronger.symmetry);
   Override(fibre_direction, stronger.fibre_direction);
-  for (std::size_t i = 0; i < kTextureRoles; ++i) Override(textures[i], stronger.textures[i]);
+  for (std::size_t i = 0; i < kTextureRoles; ++i) {
+    if (stronger.textures[i]) textures[i] = stronger.textures[i];
+  }
   Override(softness, stronger.softness);
   Override(material, stronger.material);
   Override(joystick, stronger.joystick);
@@ -251,24 +259,36 @@ void HapticTag::OverrideBy(const HapticTag& stronger) {
   Override(checkpoint, stronger.checkpoint);
 }
 
-HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warnings) {
+HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warnings, std::string_view besides) {
   HapticTag read;
-  TagReader reader(read, warnings);
+  TagReader reader(read, warnings, besides);
   read.present = true;
   if (tag.is_object()) {
     reader.ReadObject(tag, "", pointer);
-  } else if (tag.is_string() && tag.get_ref<const std::string&>().starts_with("{")) {
+  } else if (tag.is_text() && tag.text().starts_with("{")) {
     try {
-      reader.ReadObject(ParseJson(tag.get_ref<const std::string&>()), "", pointer);
+      const base::JsonDocument document = ParseJson(tag.text());
+      reader.ReadObject(document.root(), "", pointer);
     } catch (const LoadError& error) {
       warnings.Add(pointer, std::string("text is no JSON object (") + error.what() + "); the default material is used");
     }
-  } else if (tag.is_string()) {
+  } else if (tag.is_text()) {
     reader.ReadRole(tag, pointer);
-  } else if (tag.is_boolean() || tag == 0 || tag == 1) {
-    read.present = tag == true || tag == 1;
+  } else if (tag.is_boolean() || tag.number() == 0 || tag.number() == 1) {
+    read.present = tag.boolean() || tag.number() == 1;
   } else {
     warnings.Add(pointer, "is " + Shown(tag) + ", must be an object, a role or true; the default material is used");
+  }
+  return read;
+}
+
+HapticTag ReadNumbers(const Json& object, std::initializer_list<const char*> keys, const std::string& pointer,
+                      Warnings& warnings) {
+  HapticTag read;
+  TagReader reader(read, warnings);
+  read.present = true;
+  for (const char* key : keys) {
+    if (const Json* value = Find(object, key)) reader.ReadKey(key, *value, Join(pointer, key));
   }
   return read;
 }
@@ -281,10 +301,10 @@ HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& wa
   if (const Json* tag = Find(*extras, "haptic")) read = ReadTag(*tag, Join(place, "haptic"), warnings);
   TagReader reader(read, warnings);
   if (const Json* role = Find(*extras, "haptic.role")) reader.ReadRole(*role, Join(place, "haptic.role"));
-  for (const auto& [key, value] : extras->items()) {
+  for (const auto& [key, value] : extras->members()) {
     if (!key.starts_with("haptic.")) continue;
     read.present = true;
-    reader.ReadKey(key.substr(7), value, Join(place, key));
+    reader.ReadKey(std::string(key.substr(7)), value, Join(place, key));
   }
   return read;
 }
@@ -301,7 +321,7 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
   const Json* radius = tip ? Find(*tip, "radius") : (extras ? Find(*extras, "haptic.tip.radius") : nullptr);
   if (!radius) return 0;
   HapticTag unused;
-  Values<Tip, kKeys.size()> values;
+  Values<Tip> values;
   const std::string place = Join(pointer, "extras");
   TagReader(unused, warnings)
       .ReadNumber(kKeys, values, "tip.radius", *radius,
@@ -340,7 +360,7 @@ haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, W
   Settle(tag, pointer, warnings, material);
   if (!(material.dynamic_friction <= material.static_friction)) {
     // Field 2 is staticFriction, 3 dynamicFriction. Only what was said is complained about.
-    if (tag.material.number[3]) {
+    if (tag.material.Get(3)) {
       warnings.Add(pointer, "dynamicFriction " + Text(material.dynamic_friction) + " is above staticFriction " +
                                 Text(material.static_friction) + "; " + Text(material.static_friction) +
                                 " is used for both");
@@ -350,20 +370,29 @@ haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, W
   return material;
 }
 
-bool SameMaterial(const haptics::Material& a, const haptics::Material& b) {
-  return a.smooth == b.smooth && a.softness.model == b.softness.model && a.extrude.enabled == b.extrude.enabled &&
-         a.sculpt.enabled == b.sculpt.enabled && a.sculpt.falloff == b.sculpt.falloff &&
-         a.sculpt.symmetry == b.sculpt.symmetry && a.softness.fibre_direction_base == b.softness.fibre_direction_base &&
-         a.stiffness_texture == b.stiffness_texture && a.friction_texture == b.friction_texture &&
-         a.vibrotactile_texture == b.vibrotactile_texture &&
-         std::all_of(kMaterialKeys.begin(), kMaterialKeys.end(),
-                     [&](const auto& row) { return row.Get(a) == row.Get(b); });
+std::vector<double> FieldsOf(const haptics::Material& m) {
+  const auto& [x, y, z] = m.softness.fibre_direction_base;
+  std::vector<double> fields = {static_cast<double>(m.smooth),
+                                static_cast<double>(m.softness.model),
+                                static_cast<double>(m.extrude.enabled),
+                                static_cast<double>(m.sculpt.enabled),
+                                static_cast<double>(m.sculpt.falloff),
+                                static_cast<double>(m.sculpt.symmetry),
+                                x,
+                                y,
+                                z,
+                                static_cast<double>(m.stiffness_texture),
+                                static_cast<double>(m.friction_texture),
+                                static_cast<double>(m.vibrotactile_texture)};
+  fields.reserve(fields.size() + kMaterialKeys.size());
+  for (const auto& row : kMaterialKeys) fields.push_back(row.Get(m));
+  return fields;
 }
 
 haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings) {
   haptics::JoystickInput joystick = Filled(kJoystickKeys, tag.joystick);
   if (!(joystick.dead_zone_m < joystick.range_m)) {
-    if (tag.joystick.number[3]) {
+    if (tag.joystick.Get(3)) {
       warnings.Add(pointer, "deadZone " + Text(joystick.dead_zone_m) + " m must be below range " +
                                 Text(joystick.range_m) + " m; a tenth of the range is used");
     }

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "service/haptics/scene_input.h"
@@ -30,9 +34,30 @@ class Warnings {
   std::vector<std::string>& lines_;
 };
 
-template <class T, std::size_t kCount>
-struct Values {
-  std::array<std::optional<double>, kCount> number{};
+// The numbers that a tag gives, by their places in the table of T's keys. A hundred thousand nodes may have tags, most
+// of them a number or two.
+template <class T>
+class Values {
+ public:
+  std::optional<double> Get(std::size_t key) const {
+    for (const auto& [place, number] : given_) {
+      if (place == key) return number;
+    }
+    return std::nullopt;
+  }
+  void Set(std::size_t key, double value) {
+    for (auto& [place, number] : given_) {
+      if (place == key) {
+        number = value;
+        return;
+      }
+    }
+    given_.emplace_back(static_cast<std::uint8_t>(key), value);
+  }
+  const auto& given() const { return given_; }
+
+ private:
+  std::vector<std::pair<std::uint8_t, double>> given_;
 };
 
 // A texture that a tag names, checked against the document; its image is read later (haptic_texture.h).
@@ -61,20 +86,25 @@ struct HapticTag {
   std::optional<haptics::Falloff> falloff;
   std::optional<haptics::Symmetry> symmetry;
   std::optional<std::array<double, 3>> fibre_direction;  // frame of the file's node
-  std::array<std::optional<TextureUse>, kTextureRoles> textures;
+  std::array<std::shared_ptr<const TextureUse>, kTextureRoles> textures;
   std::optional<haptics::SoftnessModel> softness;
-  Values<haptics::Material, kMaterialKeys.size()> material;
-  Values<haptics::JoystickInput, kJoystickKeys.size()> joystick;
-  Values<haptics::VehicleInput, kVehicleKeys.size()> vehicle;
-  Values<haptics::Checkpoint, kCheckpointKeys.size()> checkpoint;
+  Values<haptics::Material> material;
+  Values<haptics::JoystickInput> joystick;
+  Values<haptics::VehicleInput> vehicle;
+  Values<haptics::Checkpoint> checkpoint;
 
   // What `stronger` says replaces what this says, key by key.
   void OverrideBy(const HapticTag& stronger);
 };
 
 // `tag`: an object of keys, a role's name, text that holds such an object, or true.
-// Unknown keys, wrong types and values out of range: a warning each; the value is ignored or clamped.
-HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warnings);
+// Unknown keys, wrong types and values out of range: a warning each; the value is ignored or clamped. `besides`: a key
+// of the object that is not the tag's.
+HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warnings, std::string_view besides = {});
+
+// Only these keys of an object that is no tag otherwise.
+HapticTag ReadNumbers(const Json& object, std::initializer_list<const char*> keys, const std::string& pointer,
+                      Warnings& warnings);
 
 // The short form in `extras` of a node, mesh or material: "haptic", and flat keys "haptic.stiffness" (what a person can
 // type into an editor that knows only flat custom properties).
@@ -87,7 +117,8 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
 // extrude and over softness tet; kinematic wins over sculptable and extrude. Textures and the fibres' direction, which
 // need the whole document, are left to the caller.
 haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings);
-bool SameMaterial(const haptics::Material& a, const haptics::Material& b);
+// All that tells one material from another.
+std::vector<double> FieldsOf(const haptics::Material& material);
 haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings);
 haptics::VehicleInput VehicleOf(const HapticTag& tag);
 haptics::Checkpoint CheckpointOf(const HapticTag& tag);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include <stb/stb_image.h>
 
@@ -15,6 +14,8 @@ namespace omni::scene {
 namespace {
 
 constexpr const char* kTypes[] = {"High_Resolution", "Low_Resolution", "Other"};  // the first that is there is taken
+constexpr std::size_t kMaxEntries = 16;                                           // of a list; further ones are ignored
+constexpr std::size_t kMaxMade = 4 * haptics::kMaxTextures;                       // uses; they are searched one by one
 
 // u' = T R S u, with R turning clockwise on the image   [KHR_texture_transform]
 std::array<double, 6> TransformOf(const Json& info, const std::string& pointer, std::uint64_t& uv_set) {
@@ -26,9 +27,9 @@ std::array<double, 6> TransformOf(const Json& info, const std::string& pointer, 
   const std::string place = Join(Join(pointer, "extensions"), "KHR_texture_transform");
   const auto offset = Numbers(*transform, place, "offset", 2), scale = Numbers(*transform, place, "scale", 2);
   const Json* angle = Find(*transform, "rotation");
-  if (angle && !(angle->is_number() && std::abs(angle->get<double>()) <= 1e6))
+  if (angle && !(std::abs(angle->number()) <= 1e6))
     throw LoadError(Join(place, "rotation"), "is " + Shown(*angle) + ", must be an angle in radians");
-  const double turn = angle ? angle->get<double>() : 0;
+  const double turn = angle ? angle->number() : 0;
   const double sx = scale.empty() ? 1 : scale[0], sy = scale.empty() ? 1 : scale[1];
   affine = {std::cos(turn) * sx,  std::sin(turn) * sy, offset.empty() ? 0 : offset[0],
             -std::sin(turn) * sx, std::cos(turn) * sy, offset.empty() ? 0 : offset[1]};
@@ -86,15 +87,17 @@ bool IsPngOrJpeg(const std::vector<unsigned char>& stored) {
 }
 
 // The first channel as it is stored: linear, whatever colour the file says it is.
-haptics::InputImage RedOf(const std::vector<unsigned char>& stored, const std::string& pointer) {
+haptics::InputImage RedOf(const std::vector<unsigned char>& stored, std::uint64_t most_pixels,
+                          const std::string& pointer) {
   int width = 0, height = 0, channels = 0;
   const int bytes = static_cast<int>(stored.size());  // at most kMaxImageBytes
   if (!IsPngOrJpeg(stored) || stbi_info_from_memory(stored.data(), bytes, &width, &height, &channels) == 0)
     throw LoadError(pointer, "is neither PNG nor JPEG");
   if (!(width > 0 && height > 0 &&
-        static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) <= kMaxImagePixels)) {
+        static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) <= most_pixels)) {
     throw LoadError(pointer, "has " + std::to_string(width) + " x " + std::to_string(height) +
-                                 " pixels, the limit is " + std::to_string(kMaxImagePixels) + " in all");
+                                 " pixels, the limit is " + std::to_string(kMaxImagePixels) + " in all, and " +
+                                 std::to_string(haptics::kMaxTexels) + " with the images before it");
   }
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(stored.data(), bytes, &width, &height, &channels, 0), stbi_image_free);
@@ -115,8 +118,8 @@ std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, con
   std::optional<TextureUse> best;
   std::size_t best_type = std::size(kTypes);
   // The standard has a list; a single entry is what a person writes.
-  const Json entries = list.is_array() ? list : Json::array({list});
-  for (std::size_t i = 0; i < entries.size(); ++i) {
+  const std::span<const Json> entries = list.is_array() ? list.elements() : std::span(&list, 1);
+  for (std::size_t i = 0; i < std::min(entries.size(), kMaxEntries); ++i) {
     const std::string place = list.is_array() ? Join(pointer, i) : pointer;
     try {
       const std::string type = FindString(entries[i], place, "type", kTypes[0]);
@@ -143,21 +146,31 @@ TextureReader::Image* TextureReader::ImageOf(const TextureUse& use) {
 
 void TextureReader::Read(const TextureUse& use) {
   if (ImageOf(use)) return;
+  if (images_.size() == haptics::kMaxTextures)
+    return warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxTextures) +
+                                          " images: 1 is used everywhere");
   Image& image = images_.emplace_back();
   image.number = use.image;
   image.pointer = Join("/images", use.image);
   try {
     image.stored = file_.ReadImage(use.image, kMaxImageBytes);
+    stored_bytes_ += image.stored.size();
+    if (stored_bytes_ > file_.stored_bytes()) {
+      image.stored = {};
+      throw LoadError(image.pointer, "shares its bytes with other images; give each its own");
+    }
   } catch (const LoadError& error) {
     warnings_.Add(use.pointer, std::string("has no image, 1 is used everywhere: ") + error.what());
   }
 }
 
 void TextureReader::Decode() {
+  std::uint64_t left = haptics::kMaxTexels;
   for (Image& image : images_) {
     if (image.stored.empty()) continue;
     try {
-      image.image = RedOf(image.stored, image.pointer);
+      image.image = RedOf(image.stored, std::min(kMaxImagePixels, left), image.pointer);
+      left -= image.image.texels.size();
       ++decoded_;
     } catch (const LoadError& error) {
       warnings_.Add(image.pointer, std::string("is not used, 1 is used everywhere: ") + error.what());
@@ -171,13 +184,11 @@ std::int32_t TextureReader::IndexOf(const TextureUse& use, haptics::SceneInput& 
   if (found != made_.end()) return found->index;
   std::int32_t index = -1;
   Image* image = ImageOf(use);
-  std::uint64_t texels = 0;
-  for (const haptics::InputImage& other : input.images) texels += other.texels.size();
+  if (made_.size() == kMaxMade) return -1;
   if (image && (image->index >= 0 || !image->image.texels.empty())) {
-    if (input.textures.size() == haptics::kMaxTextures ||
-        (image->index < 0 && texels + image->image.texels.size() > haptics::kMaxTexels)) {
-      warnings_.Add(use.pointer, "is beyond the limits of " + std::to_string(haptics::kMaxTextures) + " textures and " +
-                                     std::to_string(haptics::kMaxTexels) + " texels: 1 is used everywhere");
+    if (input.textures.size() == haptics::kMaxTextures) {
+      warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxTextures) +
+                                     " textures: 1 is used everywhere");
     } else {
       if (image->index < 0) {
         image->index = static_cast<std::int32_t>(input.images.size());

@@ -58,6 +58,7 @@ class TextureReader {
   Warnings& warnings_;
   std::vector<Image> images_;
   std::vector<Made> made_;
+  std::uint64_t stored_bytes_ = 0;  // of all images that were read
   std::uint32_t decoded_ = 0;
 };
 

@@ -1,7 +1,6 @@
 #include "service/scene/instances.h"
 
 #include <glm/gtc/quaternion.hpp>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 

@@ -1,72 +1,65 @@
 #include "service/scene/json_reading.h"
 
+#include <charconv>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <set>
 
 #include "service/scene/load_error.h"
 
 namespace omni::scene {
 namespace {
 
-// Nesting of brackets outside strings: one pass, no recursion.
-void CheckDepth(std::string_view text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') {
-        ++i;
-      } else if (c == '"') {
-        in_string = false;
-      }
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '{' || c == '[') {
-      if (++depth > kMaxJsonDepth) {
-        throw LoadError("", "JSON is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels at byte " +
-                                std::to_string(i) + "; no glTF needs that, the file is refused");
-      }
-    } else if (c == '}' || c == ']') {
-      --depth;
+constexpr std::size_t kMostShown = 60;
+
+// Appends to `text` until it is longer than what is shown.
+void AppendShown(const Json& value, std::string& text) {
+  if (text.size() > kMostShown) return;
+  if (value.is_object()) {
+    text += '{';
+    for (const base::JsonMember& member : value.members()) {
+      if (text.size() > kMostShown) return;
+      if (text.back() != '{') text += ',';
+      AppendShown(Json(member.key), text);
+      text += ':';
+      AppendShown(member.value, text);
     }
+    text += '}';
+  } else if (value.is_array()) {
+    text += '[';
+    for (const Json& element : value.elements()) {
+      if (text.size() > kMostShown) return;
+      if (text.back() != '[') text += ',';
+      AppendShown(element, text);
+    }
+    text += ']';
+  } else if (value.is_text()) {
+    text += '"' + std::string(value.text().substr(0, kMostShown)) + '"';
+  } else if (value.is_number()) {
+    char digits[32];
+    const double number = value.number();
+    const char* const end = value.whole() ? std::to_chars(digits, std::end(digits), *value.whole()).ptr
+                                          : std::to_chars(digits, std::end(digits), number).ptr;
+    text.append(static_cast<const char*>(digits), end);
+    if (!value.whole() && number == std::trunc(number) && std::abs(number) < 1e15) text += ".0";
+  } else {
+    text += value.is_null() ? "null" : value.boolean() ? "true" : "false";
   }
 }
 
 }  // namespace
 
 std::string Shown(const Json& value) {
-  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  std::string text;
+  AppendShown(value, text);
+  if (text.size() > kMostShown) text = text.substr(0, kMostShown - 3) + "...";
   return text;
 }
 
-Json ParseJson(std::string_view text) {
-  CheckDepth(text);
-  std::vector<std::set<std::string>> keys;  // of every object that is open
-  const auto callback = [&keys](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) {
-      keys.emplace_back();
-    } else if (event == Json::parse_event_t::object_end) {
-      keys.pop_back();
-    } else if (event == Json::parse_event_t::key) {
-      const auto& key = parsed.get_ref<const std::string&>();
-      if (!keys.back().insert(key).second) {
-        throw LoadError("", "JSON key \"" + key + "\" is there twice in one object; keep one of them");
-      }
-    }
-    return true;
-  };
-  Json root;
-  try {
-    root = Json::parse(text.begin(), text.end(), callback);
-  } catch (const Json::exception& error) {
-    throw LoadError("", std::string("JSON cannot be parsed: ") + error.what());
-  }
-  if (!root.is_object()) throw LoadError("", "JSON root must be an object; this is no glTF document");
-  return root;
+base::JsonDocument ParseJson(std::string_view text) {
+  base::Result<base::JsonDocument> document = base::JsonDocument::Parse(text, kSceneJson);
+  if (!document.ok()) throw LoadError("", document.error());
+  if (!document->root().is_object()) throw LoadError("", "JSON root must be an object; this is no glTF document");
+  return std::move(*document);
 }
 
 std::string Join(const std::string& pointer, std::string_view key) {
@@ -85,11 +78,7 @@ std::string Join(const std::string& pointer, std::string_view key) {
 
 std::string Join(const std::string& pointer, std::uint64_t index) { return pointer + "/" + std::to_string(index); }
 
-const Json* Find(const Json& parent, const char* key) {
-  if (!parent.is_object()) return nullptr;
-  const auto found = parent.find(key);
-  return found == parent.end() ? nullptr : &*found;
-}
+const Json* Find(const Json& parent, std::string_view key) { return parent.Find(key); }
 
 const Json* FindObject(const Json& parent, const std::string& pointer, const char* key) {
   const Json* found = Find(parent, key);
@@ -106,21 +95,21 @@ const Json* FindArray(const Json& parent, const std::string& pointer, const char
 std::string FindString(const Json& parent, const std::string& pointer, const char* key, const std::string& fallback) {
   const Json* found = Find(parent, key);
   if (!found) return fallback;
-  if (!found->is_string()) throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be a string");
-  return found->get<std::string>();
+  if (!found->is_text()) throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be a string");
+  return std::string(found->text());
 }
 
 std::uint64_t CountOf(const Json& root, const char* key) {
   const Json* array = FindArray(root, "", key);
-  return array ? array->size() : 0;
+  return array ? array->elements().size() : 0;
 }
 
 const Json& ElementOf(const Json& root, const char* key, std::uint64_t index) {
-  const std::string pointer = Join(Join("", key), index);
+  const auto pointer = [&] { return Join(Join("", key), index); };
   const Json* array = FindArray(root, "", key);
-  if (!array || index >= array->size()) throw LoadError(pointer, "does not exist");
-  const Json& element = (*array)[static_cast<std::size_t>(index)];
-  if (!element.is_object()) throw LoadError(pointer, "is " + Shown(element) + ", must be an object");
+  if (!array || index >= array->elements().size()) throw LoadError(pointer(), "does not exist");
+  const Json& element = array->elements()[static_cast<std::size_t>(index)];
+  if (!element.is_object()) throw LoadError(pointer(), "is " + Shown(element) + ", must be an object");
   return element;
 }
 
@@ -129,35 +118,38 @@ std::uint64_t Whole(const Json& parent, const std::string& pointer, const char* 
   const Json* found = Find(parent, key);
   if (!found && fallback) return *fallback;
   if (!found) throw LoadError(Join(pointer, key), "is missing");
-  // The parser stores what is not negative as unsigned; 2.0 and -1 are refused here.
-  if (!found->is_number_unsigned() || found->get<std::uint64_t>() > maximum) {
+  const std::optional<std::uint64_t> number = found->whole();  // 2.0 and -1 are refused
+  if (!number || *number > maximum) {
     throw LoadError(Join(pointer, key),
                     "is " + Shown(*found) + ", must be a whole number from 0 to " + std::to_string(maximum));
   }
-  return found->get<std::uint64_t>();
+  return *number;
+}
+
+std::uint32_t IndexIn(const Json& value, const std::string& pointer, std::uint64_t count) {
+  const std::optional<std::uint64_t> index = value.whole();
+  if (!index || *index >= count || *index > std::numeric_limits<std::uint32_t>::max())
+    throw LoadError(pointer, "is " + Shown(value) + ", must be an index below " + std::to_string(count));
+  return static_cast<std::uint32_t>(*index);
 }
 
 std::optional<std::uint32_t> Index(const Json& parent, const std::string& pointer, const char* key,
                                    std::uint64_t count) {
   const Json* found = Find(parent, key);
   if (!found) return std::nullopt;
-  if (!found->is_number_unsigned() || found->get<std::uint64_t>() >= count ||
-      found->get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
-    throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be an index below " + std::to_string(count));
-  }
-  return static_cast<std::uint32_t>(found->get<std::uint64_t>());
+  return IndexIn(*found, Join(pointer, key), count);
 }
 
 std::vector<double> Numbers(const Json& parent, const std::string& pointer, const char* key, std::size_t count) {
   const Json* found = FindArray(parent, pointer, key);
   if (!found) return {};
-  if (found->size() != count) {
-    throw LoadError(Join(pointer, key),
-                    "has " + std::to_string(found->size()) + " elements, must have " + std::to_string(count));
+  if (found->elements().size() != count) {
+    throw LoadError(Join(pointer, key), "has " + std::to_string(found->elements().size()) + " elements, must have " +
+                                            std::to_string(count));
   }
   std::vector<double> numbers;
-  for (const Json& element : *found) {
-    const double number = element.is_number() ? element.get<double>() : std::nan("");
+  for (const Json& element : found->elements()) {
+    const double number = element.number();
     if (!(std::abs(number) <= 1e12)) {
       throw LoadError(Join(Join(pointer, key), numbers.size()),
                       "is " + Shown(element) + ", must be a number within +-1e12");

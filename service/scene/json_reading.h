@@ -1,22 +1,25 @@
-// JSON of files that nobody vouches for: checked parsing, and typed fields whose errors carry a JSON pointer.
+// JSON of files that nobody vouches for: bounded parsing, and typed fields whose errors carry a JSON pointer.
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "service/base/json_document.h"
+
 namespace omni::scene {
 
-using Json = nlohmann::json;
+using Json = base::JsonValue;
 
-inline constexpr int kMaxJsonDepth = 128;  // deeper nesting is refused before any parser recurses over it
+// 100,000 nodes have 40 values each: a node has some 10, a mesh of its own with accessors some 50. As a document they
+// take at most 128 MB.
+inline constexpr base::JsonLimits kSceneJson{
+    .bytes = 64u << 20, .values = 4'000'000, .members = 4'000'000, .depth = 128};
 
-// Throws LoadError on a syntax error, nesting over kMaxJsonDepth, a key that is there twice, or a root that is no
-// object.
-Json ParseJson(std::string_view text);
+// Throws LoadError on a syntax error, a limit of kSceneJson, a key that is there twice, or a root that is no object.
+base::JsonDocument ParseJson(std::string_view text);
 
 // A value as text, cut to 60 characters; for messages.
 std::string Shown(const Json& value);
@@ -26,7 +29,7 @@ std::string Join(const std::string& pointer, std::string_view key);
 std::string Join(const std::string& pointer, std::uint64_t index);
 
 // The member `key`, or nullptr when absent or when `parent` is no object.
-const Json* Find(const Json& parent, const char* key);
+const Json* Find(const Json& parent, std::string_view key);
 
 // As Find, but a member of another type is an error.
 const Json* FindObject(const Json& parent, const std::string& pointer, const char* key);
@@ -41,7 +44,10 @@ std::uint64_t CountOf(const Json& root, const char* key);
 std::uint64_t Whole(const Json& parent, const std::string& pointer, const char* key, std::uint64_t maximum,
                     std::optional<std::uint64_t> fallback);
 
-// An index into something with `count` elements; absent: nullopt.
+// An index into something with `count` elements.
+std::uint32_t IndexIn(const Json& value, const std::string& pointer, std::uint64_t count);
+
+// The same of a member; absent: nullopt.
 std::optional<std::uint32_t> Index(const Json& parent, const std::string& pointer, const char* key,
                                    std::uint64_t count);
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
-#include <nlohmann/json.hpp>
 
 #include "service/scene/load_error.h"
 
@@ -43,10 +42,8 @@ std::vector<std::uint32_t> Indices(const Json& parent, const std::string& pointe
   std::vector<std::uint32_t> indices;
   const Json* array = FindArray(parent, pointer, key);
   if (!array) return indices;
-  for (const Json& element : *array) {
-    const Json wrapped = {{"index", element}};
-    indices.push_back(*Index(wrapped, Join(Join(pointer, key), indices.size()), "index", count));
-  }
+  for (const Json& element : array->elements())
+    indices.push_back(IndexIn(element, Join(Join(pointer, key), indices.size()), count));
   return indices;
 }
 
@@ -122,10 +119,13 @@ class Walk {
     visit.mesh = Index(node, visit.pointer, "mesh", CountOf(root_, "meshes"));
     visit.inherited = pending.inherited;
     if (HapticTag own = ReadExtras(node, visit.pointer, warnings_); own.present) {
-      auto both = std::make_shared<HapticTag>(*pending.inherited);
-      both->OverrideBy(own);
-      visit.inherited = std::move(both);
-      visit.own = std::make_shared<const HapticTag>(own);
+      visit.own = std::make_shared<const HapticTag>(std::move(own));
+      visit.inherited = visit.own;
+      if (pending.inherited->present) {
+        auto both = std::make_shared<HapticTag>(*pending.inherited);
+        both->OverrideBy(*visit.own);
+        visit.inherited = std::move(both);
+      }
     }
     const std::vector<std::uint32_t> children = Children(pending.node);
     for (auto child = children.rbegin(); child != children.rend(); ++child) {

@@ -1,4 +1,4 @@
-// glTF file -> haptics::SceneInput. tinygltf is confined to one .cc; only what haptics needs is read.
+// glTF file -> haptics::SceneInput; only what haptics needs is read.
 #pragma once
 
 #include <array>

@@ -7,7 +7,6 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -205,10 +204,10 @@ class SceneReader::Loader {
 
   void AskForTextures(const NodeVisit& node, MeshRequest& request) {
     const Json* primitives = Find(ElementOf(file_.root(), "meshes", *node.mesh), "primitives");
-    request.uv_sets.resize(primitives ? primitives->size() : 0, 0);
+    request.uv_sets.resize(primitives ? primitives->elements().size() : 0, 0);
     for (std::uint32_t i = 0; i < request.uv_sets.size(); ++i) {
       const HapticTag tag = binding_->TagOf(node, i);
-      for (const std::optional<TextureUse>& use : tag.textures) {
+      for (const std::shared_ptr<const TextureUse>& use : tag.textures) {
         if (!use) continue;
         textures_.Read(*use);
         request.uv_sets[i] = static_cast<std::uint8_t>(request.uv_sets[i] | 1U << use->uv_set);
@@ -220,7 +219,8 @@ class SceneReader::Loader {
     DecodedSubset decoded = DecodeSubset(subset_);
     textures_.Decode();
     report_.images_decoded = textures_.images_decoded();
-    subset_.glb = {};
+    subset_.bytes = {};
+    subset_.accessors = {};
     std::size_t next = 0;
     for (SubsetPrimitive& primitive : subset_.primitives) {
       if (primitive.skipped.empty()) {
@@ -244,13 +244,14 @@ class SceneReader::Loader {
     const std::vector<glm::dmat4> places =
         instances == instances_.end() ? std::vector{node.world} : PlacesOf(node, instances->second);
     for (auto& [primitive, decoded] : by_mesh_[*node.mesh]) {
+      bytes += std::exchange(primitive->bytes, 0);
+      if (decoded.triangles.empty()) continue;
       const HapticTag tag = binding_->TagOf(node, primitive->primitive);
       object.car_wall = object.car_wall || tag.role == Role::kWall;
       object.double_sided = object.double_sided || tag.double_sided.value_or(false);
       object.kinematic = object.kinematic || tag.kinematic.value_or(false);
       const std::uint16_t material = binding_->MaterialIndex(MaterialFor(tag, node, *primitive), primitive->pointer);
       for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
-      bytes += std::exchange(primitive->bytes, 0);
     }
     if (Find(ElementOf(file_.root(), "nodes", node.node), "skin"))
       warnings_.Add(Join(node.pointer, "skin"), "is not followed: touch knows the bind pose only");
@@ -276,7 +277,7 @@ class SceneReader::Loader {
     std::int32_t* const fields[] = {&material.stiffness_texture, &material.friction_texture,
                                     &material.vibrotactile_texture};
     for (std::size_t role = 0; role < kTextureRoles; ++role) {
-      const std::optional<TextureUse>& use = tag.textures[role];
+      const std::shared_ptr<const TextureUse>& use = tag.textures[role];
       if (!use) continue;
       if ((primitive.uv_sets >> use->uv_set & 1) != 0) {
         *fields[role] = textures_.IndexOf(*use, input_);

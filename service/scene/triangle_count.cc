@@ -1,7 +1,7 @@
 #include "service/scene/triangle_count.h"
 
+#include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -12,14 +12,22 @@
 namespace omni::scene {
 namespace {
 
+// Of all nodes together: each is looked at by itself, whether it has triangles or not.
+constexpr std::uint64_t kMaxParts = 400'000;
+
+std::uint64_t CountPrimitives(const Json& root, std::uint32_t mesh) {
+  const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), Join("/meshes", mesh), "primitives");
+  return primitives ? primitives->elements().size() : 0;
+}
+
 // Of a mesh. Throws LoadError.
 std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh) {
   const std::string pointer = Join("/meshes", mesh);
   const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), pointer, "primitives");
   const std::uint64_t accessors = CountOf(root, "accessors");
   std::uint64_t sum = 0;
-  for (std::uint32_t i = 0; primitives && i < primitives->size(); ++i) {
-    const Json& json = (*primitives)[i];
+  for (std::uint32_t i = 0; primitives && i < primitives->elements().size(); ++i) {
+    const Json& json = primitives->elements()[i];
     const std::string place = Join(Join(pointer, "primitives"), i);
     if (!json.is_object()) throw LoadError(place, "must be an object");
     const std::uint64_t mode = Whole(json, place, "mode", 6, 4);
@@ -43,14 +51,20 @@ std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh) {
 }  // namespace
 
 void CheckTriangleCount(const Json& root, const std::vector<const NodeVisit*>& nodes) {
-  std::map<std::uint32_t, std::uint64_t> of_mesh;
-  std::uint64_t sum = 0;
+  struct Size {
+    std::uint64_t primitives, triangles;
+  };
+  std::map<std::uint32_t, Size> of_mesh;
+  std::uint64_t parts = 0, sum = 0;
   for (const NodeVisit* node : nodes) {
-    const auto found = of_mesh.find(*node->mesh);
-    const std::uint64_t triangles = found != of_mesh.end()
-                                        ? found->second
-                                        : of_mesh.emplace(*node->mesh, CountTriangles(root, *node->mesh)).first->second;
-    sum += triangles * CountInstances(root, node->node);
+    const auto [size, fresh] = of_mesh.try_emplace(*node->mesh);
+    if (fresh) size->second = {CountPrimitives(root, *node->mesh), CountTriangles(root, *node->mesh)};
+    parts += size->second.primitives;
+    sum += std::max<std::uint64_t>(size->second.triangles, 1) * CountInstances(root, node->node);
+    if (parts > kMaxParts) {
+      throw LoadError(node->pointer, "with those before, has more than " + std::to_string(kMaxParts) +
+                                         " primitives; join those of one material before exporting");
+    }
     if (sum > haptics::kMaxTriangles) {
       throw LoadError(node->pointer, "with those before, has more than " + std::to_string(haptics::kMaxTriangles) +
                                          " triangles; simplify the model or tag only what is touched");

@@ -1,4 +1,5 @@
-// How many triangles a document asks for, by the counts of its accessors: known before any of them is read.
+// How many triangles and primitives a document asks for, by the counts of its accessors: known before any of them is
+// read.
 #pragma once
 
 #include <vector>
@@ -9,7 +10,7 @@
 namespace omni::scene {
 
 // Throws LoadError when the meshes of `nodes`, each of which has one, have more than haptics::kMaxTriangles with all
-// their instances.
+// their instances, or 400,000 primitives.
 void CheckTriangleCount(const Json& root, const std::vector<const NodeVisit*>& nodes);
 
 }  // namespace omni::scene

@@ -109,7 +109,6 @@ const std::vector<Rule>& Rules() {
 
 const std::vector<Confined>& ConfinedHeaders() {
   static const std::vector<Confined> kConfined = {
-      {"tiny_gltf.h", {"service/scene/"}},
       {"stb/", {"service/scene/haptic_texture.cc", "service/tools/bench_scene_files.cc"}},
       {"libusb", {"service/device/libusb_"}},
       {"ceres/", {"service/calibration/", "service/peers/"}},
