@@ -1,21 +1,19 @@
 // HandScript files: JSON in, ranges checked, every complaint with file and JSON pointer.
-#include <sys/stat.h>
-
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
+#include "service/base/json_document.h"
+#include "service/base/read_file.h"
 #include "service/sim/hand.h"
 
 namespace omni::sim {
 namespace {
 
-using Json = nlohmann::json;
+using Json = base::JsonValue;
 
 constexpr std::size_t kWaypointsMax = 10000;
-constexpr std::uintmax_t kFileSizeMax = 8U << 20;
+constexpr base::JsonLimits kLimits{.bytes = 8u << 20, .values = 20 * kWaypointsMax};
 constexpr double kReachMax_m = 1;
 constexpr double kDurationMax_s = 3600;
 
@@ -34,32 +32,33 @@ std::string OutOfRange(const std::string& pointer, double value, double low, dou
   return pointer + ": " + Show(value) + " is not within " + Show(low) + " to " + Show(high) + " " + unit;
 }
 
-std::string Below(const std::string& pointer, const std::string& key) { return pointer + "/" + key; }
+std::string Below(const std::string& pointer, std::string_view key) {
+  return pointer + "/" + std::string(key.substr(0, 60));
+}
 
 bool Within(double value, double low, double high) { return value >= low && value <= high; }
 
 double Number(const Json& json, const std::string& pointer) {
-  if (!json.is_number()) throw Complaint(pointer + ": a number is expected, found " + json.type_name());
-  return json.get<double>();
+  if (!json.is_number()) throw Complaint(pointer + ": a number is expected, found " + json.kind_name());
+  return json.number();
 }
 
 Vec3 Vector(const Json& json, const std::string& pointer) {
-  if (!json.is_array() || json.size() != 3) {
-    throw Complaint(pointer + ": an array of three numbers [x, y, z] is expected");
-  }
-  return {Number(json[0], pointer + "/0"), Number(json[1], pointer + "/1"), Number(json[2], pointer + "/2")};
+  const std::span<const Json> xyz = json.elements();
+  if (xyz.size() != 3) throw Complaint(pointer + ": an array of three numbers [x, y, z] is expected");
+  return {Number(xyz[0], pointer + "/0"), Number(xyz[1], pointer + "/1"), Number(xyz[2], pointer + "/2")};
 }
 
 bool Boolean(const Json& json, const std::string& pointer) {
-  if (!json.is_boolean()) throw Complaint(pointer + ": true or false is expected, found " + json.type_name());
-  return json.get<bool>();
+  if (!json.is_boolean()) throw Complaint(pointer + ": true or false is expected, found " + json.kind_name());
+  return json.boolean();
 }
 
 HandWaypoint ParseWaypoint(const Json& json, const std::string& pointer) {
-  if (!json.is_object()) throw Complaint(pointer + ": an object is expected, found " + json.type_name());
+  if (!json.is_object()) throw Complaint(pointer + ": an object is expected, found " + json.kind_name());
   HandWaypoint waypoint;
   bool has_tip = false;
-  for (const auto& [key, value] : json.items()) {
+  for (const auto& [key, value] : json.members()) {
     const std::string at = Below(pointer, key);
     if (key == "s") {
       waypoint.duration_s = Number(value, at);
@@ -82,49 +81,47 @@ HandWaypoint ParseWaypoint(const Json& json, const std::string& pointer) {
 }
 
 void ParseHand(const Json& json, HandScript& script) {
-  if (!json.is_object()) throw Complaint(std::string("/hand: an object is expected, found ") + json.type_name());
+  if (!json.is_object()) throw Complaint(std::string("/hand: an object is expected, found ") + json.kind_name());
   const std::pair<const char*, double*> fields[] = {{"stiffness_N_m", &script.stiffness_N_m},
                                                     {"damping_Ns_m", &script.damping_Ns_m},
                                                     {"mass_kg", &script.mass_kg},
                                                     {"tremor_m", &script.tremor_m}};
-  for (const auto& [key, value] : json.items()) {
+  for (const auto& [key, value] : json.members()) {
     bool known = false;
     for (const auto& [name, field] : fields) {
       if (key != name) continue;
-      *field = Number(value, "/hand/" + key);
+      *field = Number(value, Below("/hand", key));
       known = true;
     }
     if (!known) {
-      throw Complaint("/hand/" + key + ": unknown key; known are stiffness_N_m, damping_Ns_m, mass_kg, tremor_m");
+      throw Complaint(Below("/hand", key) + ": unknown key; known are stiffness_N_m, damping_Ns_m, mass_kg, tremor_m");
     }
   }
 }
 
 HandScript Parse(const Json& json) {
-  if (!json.is_object()) throw Complaint(std::string("/: an object is expected, found ") + json.type_name());
+  if (!json.is_object()) throw Complaint(std::string("/: an object is expected, found ") + json.kind_name());
   HandScript script;
-  for (const auto& [key, value] : json.items()) {
-    const std::string at = "/" + key;
+  for (const auto& [key, value] : json.members()) {
+    const std::string at = Below("", key);
     if (key == "name") {
-      if (!value.is_string()) throw Complaint(at + ": a text is expected, found " + value.type_name());
-      script.name = value.get<std::string>();
+      if (!value.is_text()) throw Complaint(at + ": a text is expected, found " + value.kind_name());
+      script.name = value.text();
     } else if (key == "repeat") {
       script.repeat = Boolean(value, at);
     } else if (key == "hand") {
       ParseHand(value, script);
     } else if (key == "waypoints") {
-      if (!value.is_array()) throw Complaint(at + ": an array is expected, found " + value.type_name());
-      if (value.size() > kWaypointsMax) break;  // reported below with its count
-      for (std::size_t i = 0; i < value.size(); ++i) {
-        script.waypoints.push_back(ParseWaypoint(value[i], at + "/" + std::to_string(i)));
+      if (!value.is_array()) throw Complaint(at + ": an array is expected, found " + value.kind_name());
+      if (value.elements().size() > kWaypointsMax) {
+        throw Complaint(at + ": " + std::to_string(value.elements().size()) + " waypoints, the limit is " +
+                        std::to_string(kWaypointsMax));
       }
+      for (const Json& waypoint : value.elements())
+        script.waypoints.push_back(ParseWaypoint(waypoint, at + "/" + std::to_string(script.waypoints.size())));
     } else if (key != "comment") {
       throw Complaint(at + ": unknown key; known are name, repeat, hand, waypoints, comment");
     }
-  }
-  if (json.contains("waypoints") && json["waypoints"].size() > kWaypointsMax) {
-    throw Complaint("/waypoints: " + std::to_string(json["waypoints"].size()) + " waypoints, the limit is " +
-                    std::to_string(kWaypointsMax));
   }
   return script;
 }
@@ -179,25 +176,17 @@ std::string CheckHandScript(const HandScript& script) {
 }
 
 base::Result<HandScript> LoadHandScript(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return base::Error{path + ": cannot be opened: check the path and its permissions"};
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
-    return base::Error{path + ": is not a regular file: give a hand script in JSON"};
-  }
-  if (static_cast<std::uintmax_t>(status.st_size) > kFileSizeMax) {
-    return base::Error{path + ": " + std::to_string(status.st_size) + " bytes, the limit is " +
-                       std::to_string(kFileSizeMax)};
-  }
+  const base::Result<std::string> text = base::ReadFile(path, kLimits.bytes);
+  if (!text.ok()) return base::Error{text.error()};
+  const base::Result<base::JsonDocument> document = base::JsonDocument::Parse(*text, kLimits);
+  if (!document.ok()) return base::Error{path + ": not valid JSON: " + document.error()};
   try {
-    HandScript script = Parse(Json::parse(file));
+    HandScript script = Parse(document->root());
     const std::string complaint = CheckHandScript(script);
     if (!complaint.empty()) return base::Error{path + ": " + complaint};
     return script;
   } catch (const Complaint& complaint) {
     return base::Error{path + ": " + complaint.what()};
-  } catch (const Json::exception& error) {
-    return base::Error{path + ": not valid JSON: " + error.what()};
   }
 }
 

@@ -1,7 +1,6 @@
 #include "service/tools/bench_layer_stage.h"
 
-#include <fstream>
-
+#include "service/tools/json_file.h"
 #include "service/tools/scene_source.h"
 
 namespace omni::tools {
@@ -48,10 +47,9 @@ base::Result<nlohmann::ordered_json> LayerStage::Run(const std::vector<std::stri
   if (!child.ok()) return base::Error{child.error()};
   const int status = child->Wait();
   if (status != 0) return base::Error{"omni_bench_layer ended with status " + std::to_string(status)};
-  std::ifstream file(output);
-  nlohmann::ordered_json printed = nlohmann::ordered_json::parse(file, nullptr, false);
-  if (printed.is_discarded()) return base::Error{"omni_bench_layer wrote no JSON"};
-  return printed;
+  const base::Result<std::string> printed = ReadJsonFile(output.string(), kBenchJson);
+  if (!printed.ok()) return base::Error{"omni_bench_layer wrote no JSON: " + printed.error()};
+  return nlohmann::ordered_json::parse(*printed);
 }
 
 base::Result<std::vector<double>> LayerStage::CountSystemCallsOfCalls() const {

@@ -16,6 +16,7 @@
 
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/json_file.h"
 #include "service/tools/whole_file.h"
 
 namespace omni::tools {
@@ -113,9 +114,9 @@ base::Result<std::string> ReadPage(const std::string& path) {
 base::Result<BenchDocuments> ReadDocuments(const std::vector<std::string>& paths) {
   BenchDocuments documents;
   for (const std::string& path : paths) {
-    const auto text = ReadPage(path);
+    const auto text = ReadJsonFile(path, kBenchJson);
     if (!text.ok()) return base::Error{text.error()};
-    ordered_json document = ordered_json::parse(*text, nullptr, false);
+    ordered_json document = ordered_json::parse(*text);
     if (!document.is_object() || !document.contains("rows")) {
       return base::Error{
           path + ": no benchmark document ({name, commit, machine, rows}); make it with omni bench NAME --json"};

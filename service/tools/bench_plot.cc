@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -17,6 +15,7 @@
 #include "service/tools/bench_plot_layer.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
+#include "service/tools/json_file.h"
 #include "service/tools/json_text.h"
 #include "service/tools/plot.h"
 #include "service/tools/text_output.h"
@@ -242,10 +241,9 @@ base::Result<std::string> DrawStability(const json& document, const std::string&
 
 // Empty: drawn.
 std::string PlotFile(const std::string& path, const std::string& folder) {
-  std::ifstream file(path);
-  if (!file) return path + ": cannot be read (" + std::strerror(errno) + "); check the path";
-  const json document = json::parse(file, nullptr, false);
-  const auto svg = DrawBench(document, path);
+  const base::Result<std::string> text = ReadJsonFile(path, kBenchJson);
+  if (!text.ok()) return text.error();
+  const auto svg = DrawBench(json::parse(*text), path);
   if (!svg.ok()) return svg.error();
   std::error_code error;
   std::filesystem::create_directories(folder, error);

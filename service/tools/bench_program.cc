@@ -4,9 +4,9 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "service/tools/child_process.h"
+#include "service/tools/json_file.h"
 
 namespace omni::tools {
 
@@ -27,11 +27,11 @@ base::Result<BenchRows> RunBenchProgram(const std::string& name, const BenchOpti
   if (!options.mesh.empty()) words.insert(words.end(), {"--mesh", options.mesh});
   auto child = ChildProcess::Start(words, {}, output);
   const int status = child.ok() ? child->Wait() : 0;
-  std::ifstream text(output);
-  const auto rows = nlohmann::ordered_json::parse(text, nullptr, false);
+  const base::Result<std::string> text = ReadJsonFile(output, kBenchJson);
   fs::remove(output, ignored);
   if (!child.ok()) return base::Error{child.error()};
   if (status != 0) return base::Error{name + " ended with status " + std::to_string(status)};
+  const auto rows = text.ok() ? nlohmann::ordered_json::parse(*text) : nlohmann::ordered_json();
   if (!rows.is_array()) return base::Error{name + " printed no rows"};
   return BenchRows(rows.begin(), rows.end());
 }

@@ -1,11 +1,11 @@
 // omni bench scene: what loading costs, each file in a fresh process (`omni scene cost`), counted by the system.
 #include <filesystem>
-#include <fstream>
 
 #include "service/config/paths.h"
 #include "service/tools/bench.h"
 #include "service/tools/bench_scene_files.h"
 #include "service/tools/child_process.h"
+#include "service/tools/json_file.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/work_folder.h"
 
@@ -22,8 +22,8 @@ base::Result<ordered_json> CostOf(const fs::path& work, const std::string& file)
   if (!child.ok()) return base::Error{child.error()};
   const int status = child->Wait();
   if (status != 0) return base::Error{"omni scene cost " + file + " ended with status " + std::to_string(status)};
-  std::ifstream text(output);
-  ordered_json cost = ordered_json::parse(text, nullptr, false);
+  const base::Result<std::string> text = ReadJsonFile(output.string(), kBenchJson);
+  ordered_json cost = text.ok() ? ordered_json::parse(*text) : ordered_json();
   if (!cost.is_object()) return base::Error{"omni scene cost wrote no JSON"};
   return cost;
 }

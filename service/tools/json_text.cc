@@ -1,13 +1,8 @@
 #include "service/tools/json_text.h"
 
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
-#include <system_error>
 
 #include <nlohmann/json.hpp>
 
@@ -24,16 +19,6 @@ const json* Find(const json& document, const char* pointer) {
 }
 
 }  // namespace
-
-base::Result<json> ReadJsonFile(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return base::Error{path + ": is a folder"};
-  std::ifstream file(path);
-  if (!file) return base::Error{path + ": " + std::strerror(errno)};
-  json document = json::parse(file, nullptr, false);
-  if (document.is_discarded()) return base::Error{path + ": is empty, or no JSON"};
-  return document;
-}
 
 std::string TextAt(const json& document, const char* pointer, int digits) {
   const json* value = Find(document, pointer);

@@ -5,12 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "service/base/result.h"
-
 namespace omni::tools {
-
-// Errors: "FILE: what is wrong".
-base::Result<nlohmann::json> ReadJsonFile(const std::string& path);
 
 // The value at a JSON pointer ("/tick/count") as text for people; numbers with `digits` after the point.
 std::string TextAt(const nlohmann::json& document, const char* pointer, int digits = 0);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
 #include "service/base/whole_file.h"
 #include "service/tools/doctor/library_check.h"
+#include "service/tools/json_file.h"
 
 namespace omni::tools {
 namespace {
@@ -85,11 +85,13 @@ std::string DisableVariable(const LayerManifest& manifest) {
 }
 
 base::Result<std::string> ImplicitManifestText(const LayerManifest& explicit_manifest) {
-  std::ifstream stream(explicit_manifest.file);
-  nlohmann::ordered_json document = nlohmann::ordered_json::parse(stream, nullptr, false);
+  const std::string file = explicit_manifest.file.string();
+  const base::Result<std::string> text = ReadJsonFile(file, kManifestJson);
+  if (!text.ok()) return base::Error{text.error() + "; install the layer again"};
+  nlohmann::ordered_json document = nlohmann::ordered_json::parse(*text);
   const nlohmann::ordered_json::json_pointer at("/api_layer");
   if (!document.is_object() || !document.contains(at) || !document[at].is_object())
-    return base::Error{explicit_manifest.file.string() + ": cannot be read any more; install the layer again"};
+    return base::Error{file + ": cannot be read any more; install the layer again"};
   std::error_code error;
   const fs::path library = fs::canonical(explicit_manifest.library, error);
   if (error) return base::Error{explicit_manifest.library + ": " + error.message() + "; install the layer again"};

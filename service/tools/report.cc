@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/tool_state.h"
-#include "service/tools/json_text.h"
+#include "service/tools/json_file.h"
 #include "service/tools/statistics.h"
 
 namespace omni::tools {
@@ -77,9 +77,9 @@ base::Result<CsvTable> ReadTable(const RunFiles& files, const RunFileEntry& entr
 
 base::Status ReadApp(const RunFiles& files, const RunFileEntry& entry, RunReport& report) {
   const std::string& path = files.*entry.path;
-  const base::Result<json> read = ReadJsonFile(path);
-  if (!read.ok()) return NotJudged(entry, read.error());
-  const json& app = *read;
+  const base::Result<std::string> text = ReadJsonFile(path, kManifestJson);
+  if (!text.ok()) return NotJudged(entry, text.error());
+  const json app = json::parse(*text);
   if (!app.contains("application") || !app["application"].is_string()) {
     return NotJudged(entry, path + ": /application is missing or no text");
   }

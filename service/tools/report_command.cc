@@ -15,7 +15,7 @@
 #include "service/tools/bench.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
-#include "service/tools/json_text.h"
+#include "service/tools/json_file.h"
 #include "service/tools/report.h"
 #include "service/tools/run_picture.h"
 #include "service/tools/scene_source.h"
@@ -37,10 +37,11 @@ base::Result<json> ReadSummary(const char* option, const std::string& path) {
     return base::Error{std::string(option) + ": " + why +
                        "; it has to be a summary: the JSON file of `omni report --summary`"};
   };
-  base::Result<json> summary = ReadJsonFile(path);
-  if (!summary.ok()) return wrong(summary.error());
-  if (!summary->is_object() || !summary->contains("scenes")) return wrong(path + ": has no /scenes");
-  const json& rows = (*summary)["scenes"];
+  const base::Result<std::string> text = ReadJsonFile(path, kBenchJson);
+  if (!text.ok()) return wrong(text.error());
+  json summary = json::parse(*text);
+  if (!summary.is_object() || !summary.contains("scenes")) return wrong(path + ": has no /scenes");
+  const json& rows = summary["scenes"];
   const bool sound = rows.is_array() && std::all_of(rows.begin(), rows.end(), [](const json& row) {
                        return row.is_object() && row.contains("scene") && row["scene"].is_string();
                      });

@@ -52,7 +52,7 @@ int Edits(const EditArguments& arguments) {
   if (const int status = Ask("omni scene edits", SceneAction::kEdits, arguments, answer); status != kExitOk) {
     return status;
   }
-  const nlohmann::json edits = nlohmann::json::parse(answer.text, nullptr, false);
+  const nlohmann::json edits = ParseStatus(answer.text);
   if (!edits.is_object()) {
     return Fail("omni scene edits", "omnid's answer is no JSON object; install the same Omni version for both");
   }

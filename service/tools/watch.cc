@@ -17,6 +17,7 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/json_text.h"
+#include "service/tools/service_link.h"
 #include "service/tools/terminal.h"
 #include "service/tools/watch_view.h"
 
@@ -71,7 +72,7 @@ class Watcher {
     }
     const std::string text = connection_.TakeStatus();
     if (text.empty()) return;
-    frame_.status = nlohmann::json::parse(text, nullptr, false);
+    frame_.status = ParseStatus(text);
     const double ticks = NumberAt(frame_.status, "/tick/count");
     frame_.tick_rate_Hz = (ticks - ticks_) / (static_cast<double>(now_ns - ticks_at_ns_) * 1e-9);
     ticks_ = ticks;

@@ -1,7 +1,9 @@
 #include "service/tools/doctor/openxr_manifests.h"
 
 #include <algorithm>
-#include <fstream>
+
+#include "service/base/read_file.h"
+#include "service/tools/json_file.h"
 
 namespace omni::tools {
 namespace {
@@ -10,7 +12,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::size_t kMaxManifests = 1000;
-constexpr std::uintmax_t kMaxManifestBytes = 1 << 20;
 
 std::vector<std::string> Split(const std::string& list, char separator) {
   std::vector<std::string> parts;
@@ -42,14 +43,16 @@ bool IsDecimal(const std::string& text) {
 }
 
 json ParseFile(const fs::path& file, std::string& problem) {
-  std::error_code error;
-  const std::uintmax_t size = fs::is_regular_file(file, error) ? fs::file_size(file, error) : 0;
-  if (error || !(size > 0 && size <= kMaxManifestBytes)) {
+  const base::Result<std::string> text = base::ReadFile(file.string(), kManifestJson.bytes);
+  if (!text.ok() || text->empty()) {
     problem = "is not a readable file of sane size";
     return {};
   }
-  std::ifstream stream(file);
-  json document = json::parse(stream, nullptr, false);
+  if (const base::Status checked = base::CheckJson(*text, kManifestJson); !checked.ok()) {
+    problem = "is not a JSON object: " + checked.error();
+    return {};
+  }
+  json document = json::parse(*text);
   if (!document.is_object()) problem = "is not a JSON object";
   return document;
 }

@@ -1,7 +1,6 @@
 // Is there an OpenXR runtime below the layer?
-#include <fstream>
-
 #include "service/tools/doctor/openxr_manifests.h"
+#include "service/tools/json_file.h"
 
 namespace omni::tools {
 namespace {
@@ -15,8 +14,9 @@ Finding LookForRuntime(const Surroundings& surroundings) {
   const std::filesystem::path file = ActiveRuntime(surroundings);
   if (file.empty())
     return {Verdict::kFail, "no active_runtime.json is found and XR_RUNTIME_JSON is not set", kRuntimeFix};
-  std::ifstream stream(file);
-  const nlohmann::json document = nlohmann::json::parse(stream, nullptr, false);
+  const base::Result<std::string> text = ReadJsonFile(file.string(), kManifestJson);
+  if (!text.ok()) return {Verdict::kFail, text.error(), kRuntimeFix};
+  const nlohmann::json document = nlohmann::json::parse(*text);
   const nlohmann::json::json_pointer at("/runtime/library_path");
   if (!document.is_object() || !document.contains(at) || !document[at].is_string()) {
     return {Verdict::kFail, file.string() + " is not a runtime manifest with runtime.library_path", kRuntimeFix};
