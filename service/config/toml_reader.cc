@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "service/base/nearest_word.h"
+#include "service/config/toml_limits.h"
 
 namespace omni::config {
 namespace {
@@ -24,8 +25,10 @@ std::string KindOf(const toml::node& node) {
   return text.str();
 }
 
-// What stands in a file ends up in terminals and logs: no control characters.
+// What stands in a file ends up in terminals and logs: no control characters, and not a whole file of it.
 std::string Printable(std::string text) {
+  constexpr std::size_t kMost = 500;
+  if (text.size() > kMost) text = text.substr(0, kMost) + "...";
   for (char& c : text) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7F) c = '?';
@@ -64,6 +67,7 @@ std::string TomlText(const std::string& text) {
 }
 
 base::Result<toml::table> ParseToml(const std::string& text, const std::string& file) {
+  if (const base::Status checked = CheckToml(text, file); !checked.ok()) return base::Error{checked.error()};
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {

@@ -18,6 +18,7 @@
 
 namespace omni::config {
 
+// Within the limits of toml_limits.h. Every reader of TOML comes through here.
 base::Result<toml::table> ParseToml(const std::string& text, const std::string& file);
 
 // The way back: read again, it is the same number, and a float even where it is whole.
