@@ -1,0 +1,81 @@
+// What one document costs: read by a command, and by a service beside somebody who draws.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "service/client/connection.h"
+#include "service/tools/child_process.h"
+
+namespace omni::bombs {
+
+struct Cost {
+  double seconds = 0;
+  double memory_MB = 0;  // the most at a time
+  std::string end;       // "refused", "loaded", "SIGABRT", "> 20 s"
+};
+
+// `words`: a program and its arguments. Killed after `limit_s`.
+Cost RunCommand(const std::vector<std::string>& words, double limit_s);
+
+// omnid on the twin, in a folder of its own.
+class Omnid {
+ public:
+  Omnid(std::string program, std::string folder) : program_(std::move(program)), folder_(std::move(folder)) {}
+  ~Omnid() { Kill(); }
+  Omnid(const Omnid&) = delete;
+  Omnid& operator=(const Omnid&) = delete;
+
+  // With the folder's config/omni as the user's. False: it did not answer within 10 s.
+  bool Start();
+  bool Lives();
+  void Kill();
+  const std::string& end() const { return end_; }  // of one that lives no more: "SIGSEGV", "exit 1"
+
+  std::string socket_path() const { return folder_ + "/run/omnid.sock"; }
+  std::string config_folder() const { return folder_ + "/config/omni"; }
+
+  void ForgetPeak() const;  // of its memory
+  double PeakMemory_MB() const;
+
+ private:
+  std::string program_, folder_;
+  pid_t pid_ = -1;
+  std::string end_;
+};
+
+// An application that draws what changes, 90 times a second, in a thread of its own.
+class Artist {
+ public:
+  Artist(const std::string& socket_path, const std::string& name);
+  ~Artist();
+  Artist(const Artist&) = delete;
+  Artist& operator=(const Artist&) = delete;
+
+  std::uint64_t frames() const { return frames_; }  // new ones that it saw
+  double LongestPause_ms();                         // between two of them, since this was last asked
+
+ private:
+  void Run();
+
+  client::Connection connection_;
+  std::atomic<bool> stop_ = false;
+  std::atomic<std::uint64_t> frames_ = 0;
+  std::atomic<std::int64_t> last_ns_ = 0, pause_ns_ = 0;
+  std::thread thread_;
+};
+
+// A scene that apps.d names for `application`, until the service has loaded it or says that it cannot.
+Cost LoadByEntry(Omnid& omnid, const std::string& application, double limit_s);
+
+// The same of a document that the application gives.
+Cost LoadByDocument(Omnid& omnid, const std::string& application, const std::string& document, double limit_s);
+
+}  // namespace omni::bombs
