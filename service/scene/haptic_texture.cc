@@ -153,11 +153,13 @@ void TextureReader::Read(const TextureUse& use) {
   image.number = use.image;
   image.pointer = Join("/images", use.image);
   try {
-    image.stored = file_.ReadImage(use.image, kMaxImageBytes);
-    stored_bytes_ += image.stored.size();
+    if (stored_bytes_ <= file_.stored_bytes()) {
+      image.stored = file_.ReadImage(use.image, kMaxImageBytes);
+      stored_bytes_ += image.stored.size();
+    }
     if (stored_bytes_ > file_.stored_bytes()) {
       image.stored = {};
-      throw LoadError(image.pointer, "shares its bytes with other images; give each its own");
+      throw LoadError(image.pointer, "is among images that share their bytes; give each its own");
     }
   } catch (const LoadError& error) {
     warnings_.Add(use.pointer, std::string("has no image, 1 is used everywhere: ") + error.what());

@@ -111,7 +111,7 @@ inline std::string OverlappingAccessors(std::size_t n) {
 }
 
 inline std::string OverlappingImages(std::size_t n) {
-  return Nodes(R"({"mesh":#,"extras":{"haptic":1}})", n / 5,
+  return Nodes(R"({"mesh":#,"extras":{"haptic":1}})", n / 6,
                ZeroBuffer(n / 4) +
                    R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
                    R"("extensions":{"MPEG_haptic_material":{"materials":[)" +

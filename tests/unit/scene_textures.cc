@@ -193,6 +193,50 @@ TEST(SceneTextures, OneImageOfManyIsRead) {
   EXPECT_LT(felt.load.bytes_read, 10'000U);
 }
 
+// So many squares, each with a tag and an image of its own; all images in the same bytes, or each in its own.
+Model Squares(int count, const std::string& image, bool same_bytes) {
+  Model model = Square(image);
+  Json& json = model.json;
+  for (int i = 1; i < count; ++i) {
+    if (!same_bytes) {
+      json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", model.bin.size()}, {"byteLength", image.size()}});
+      model.bin += image;
+    }
+    json["images"].push_back({{"bufferView", json["bufferViews"].size() - 1}, {"mimeType", "image/png"}});
+    json["textures"].push_back({{"source", i}});
+    Json material = json["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material["stiffness"][0]["texture"]["index"] = i;
+    json["extensions"]["MPEG_haptic_material"]["materials"].push_back(material);
+    Json mesh = json["meshes"][0];
+    mesh["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = i;
+    json["meshes"].push_back(mesh);
+    json["nodes"].push_back({{"mesh", i}});
+    json["scenes"][0]["nodes"].push_back(i);
+  }
+  json["buffers"][0]["byteLength"] = model.bin.size();
+  return model;
+}
+
+TEST(SceneTextures, ImagesHaveLimitsInAll) {
+  const Felt many = Feel(Squares(66, Stairs(), false));
+  ASSERT_EQ(many.error, "");
+  EXPECT_EQ(many.load.images_decoded, 64U);
+  EXPECT_NE(WarningsOf(many).find("is beyond the limit of 64 images"), std::string::npos) << WarningsOf(many);
+
+  Pixels noise(90'000);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<unsigned char>(i * i * 2654435761U >> 13);
+  const Felt shared = Feel(Squares(5, Png(300, 300, 1, noise), true));
+  ASSERT_EQ(shared.error, "");
+  EXPECT_EQ(shared.load.images_decoded, 1U);
+  EXPECT_NE(WarningsOf(shared).find("is among images that share their bytes"), std::string::npos) << WarningsOf(shared);
+
+  // 2 kB each, and 16 million texels.
+  const Felt large = Feel(Squares(6, Png(4096, 4096, 1, Pixels(4096 * 4096)), false));
+  ASSERT_EQ(large.error, "");
+  EXPECT_EQ(large.load.images_decoded, 4U);
+  EXPECT_NE(WarningsOf(large).find("with the images before it"), std::string::npos) << WarningsOf(large);
+}
+
 TEST(SceneTextures, WhatIsMissingOrWrongIsOneWithAWarning) {
   struct Case {
     std::function<void(Model&)> spoil;

@@ -1,5 +1,6 @@
 // Every diagnosis on fabricated trees: what it finds, and that it names the fix.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -186,6 +187,19 @@ TEST_F(Doctor, RuntimeByVariableUserAndSystem) {
   Expect(LookForRuntime(there_), Verdict::kFail, {"home/.config/openxr/librt.so", "does not exist"});
   there_.environment["XR_RUNTIME_JSON"] = folder_.Write("rt.json", "{}");
   Expect(LookForRuntime(there_), Verdict::kFail, {"rt.json", "runtime.library_path"});
+}
+
+TEST_F(Doctor, ManifestsWithoutEndAreRefused) {
+  const std::string pipe = folder_.Path("pipe.json");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& endless : {pipe, std::string("/dev/zero")}) {
+    there_.environment["XR_RUNTIME_JSON"] = endless;
+    Expect(LookForRuntime(there_), Verdict::kFail, {endless, "is not a regular file"});
+  }
+  std::string keys = "{\"0\": 0";
+  for (int i = 1; i < 2000; ++i) keys += ", \"" + std::to_string(i) + "\": 0";
+  Explicit(keys + "}");
+  Expect(LookForLayer(there_), Verdict::kFail, {"XrApiLayer_omni.json", "1000 members, the limit"});
 }
 
 TEST_F(Doctor, ActiveRuntimeLinkIsFollowedForRelativeLibraries) {
