@@ -24,7 +24,7 @@ const std::vector<Confined>& ConfinedHeaders();
 
 // Path from the root -> text.
 using SourceTree = std::map<std::string, std::string>;
-SourceTree ReadTree(const std::string& root);
+SourceTree ReadTree(const std::string& root, const std::vector<std::string>& tops = {"layer", "service", "firmware"});
 
 // The module of a path; empty: not under the rules (tests, scenes).
 std::string ModuleOf(const std::string& path);

@@ -72,6 +72,15 @@ TEST(Includes, WrappedLibrariesStandInOneFile) {
   }
 }
 
+// It judges our reader of glTF from outside; nothing else, in a test or not, is built on it.
+TEST(Includes, TinyGltfStandsInItsJudgeOnly) {
+  const std::string include = std::string("#include <") + "tiny_gltf.h>";
+  std::string including;
+  for (const auto& [path, text] : ReadTree(OMNI_SOURCE_DIR, {"layer", "service", "firmware", "tests", "scenes"}))
+    if (text.find(include) != std::string::npos) including += path + "\n";
+  EXPECT_EQ(including, "tests/unit/scene_decode_judge.cc\n");
+}
+
 // The libraries' parsers recurse, rescan and allocate as they like; what they are given was counted first. The layer's
 // profiles are part of its library.
 TEST(Includes, ParsersOfLibrariesSeeOnlyBoundedText) {
