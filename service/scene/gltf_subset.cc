@@ -15,9 +15,9 @@ namespace {
 constexpr std::uint64_t kMaxOffset = 1ull << 40;
 constexpr std::uint64_t kMaxElements = 3ull * haptics::kMaxTriangles;  // of one accessor
 constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
-// Accessors may share bytes, as those of interleaved vertices do: position and two pairs of coordinates, or a normal
-// and a colour. A file whose accessors share more would be far larger in memory than on disk.
-constexpr std::uint64_t kMaxShares = 4;
+// Accessors may share bytes, as those of interleaved vertices do: each attribute reaches over all of them. A file whose
+// accessors share more than a handful of attributes can would be far larger in memory than on disk.
+constexpr std::uint64_t kMaxShares = 6;
 constexpr std::uint64_t kMaxZeros = 1'000'000;  // elements of accessors without data, which cost a file nothing
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
@@ -84,11 +84,10 @@ class Packer {
     if (key.bytes > 0) file_.ReadBuffer(key.buffer, key.offset + key.bytes - 1, &last, 1);
     const std::uint64_t most = std::min(kMaxPackedBytes, kMaxShares * file_.stored_bytes());
     if (key.bytes > most - std::min<std::uint64_t>(at, most)) {
-      throw LoadError("/bufferViews", "the touched meshes need more than " + std::to_string(most) + " bytes, " +
-                                          (most < kMaxPackedBytes ? std::to_string(kMaxShares) +
-                                                                        " times what the file "
-                                                                        "holds: its accessors overlap; export it again"
-                                                                  : "the limit; simplify the model"));
+      const std::string why = most == kMaxPackedBytes
+                                  ? "the limit; simplify the model"
+                                  : "six times what its files hold: accessors overlap, export it again";
+      throw LoadError("/bufferViews", "the touched meshes need more than " + std::to_string(most) + " bytes, " + why);
     }
     bytes_.resize(at + static_cast<std::size_t>(key.bytes));
     file_.ReadBuffer(key.buffer, key.offset, bytes_.data() + at, static_cast<std::size_t>(key.bytes));

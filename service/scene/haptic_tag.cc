@@ -266,11 +266,12 @@ HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warning
   if (tag.is_object()) {
     reader.ReadObject(tag, "", pointer);
   } else if (tag.is_text() && tag.text().starts_with("{")) {
-    try {
-      const base::JsonDocument document = ParseJson(tag.text());
-      reader.ReadObject(document.root(), "", pointer);
-    } catch (const LoadError& error) {
-      warnings.Add(pointer, std::string("text is no JSON object (") + error.what() + "); the default material is used");
+    const base::Result<base::JsonDocument> document = base::JsonDocument::Parse(tag.text(), kSceneJson);
+    if (document.ok() && document->root().is_object()) {
+      reader.ReadObject(document->root(), "", pointer);
+    } else {
+      const std::string why = document.ok() ? "its root is none" : document.error();
+      warnings.Add(pointer, "text is no JSON object (" + why + "); the default material is used");
     }
   } else if (tag.is_text()) {
     reader.ReadRole(tag, pointer);

@@ -13,9 +13,11 @@
 namespace omni::scene {
 namespace {
 
-constexpr const char* kTypes[] = {"High_Resolution", "Low_Resolution", "Other"};  // the first that is there is taken
-constexpr std::size_t kMaxEntries = 16;                                           // of a list; further ones are ignored
-constexpr std::size_t kMaxMade = 4 * haptics::kMaxTextures;                       // uses; they are searched one by one
+// Of a list of textures the first of these that is there is taken; entries beyond the limit are ignored.
+constexpr const char* kTypes[] = {"High_Resolution", "Low_Resolution", "Other"};
+constexpr std::size_t kMaxEntries = 16;
+// Different uses of textures: they are searched one by one.
+constexpr std::size_t kMaxMade = 4 * haptics::kMaxTextures;
 
 // u' = T R S u, with R turning clockwise on the image   [KHR_texture_transform]
 std::array<double, 6> TransformOf(const Json& info, const std::string& pointer, std::uint64_t& uv_set) {

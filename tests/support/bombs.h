@@ -101,13 +101,13 @@ inline std::string SharedVertices(std::size_t n) {
 }
 
 inline std::string OverlappingAccessors(std::size_t n) {
-  const std::size_t vertices = n / 8;
-  return OneNode(ZeroBuffer(4 * vertices) +
-                 R"("accessors":[{"bufferView":0,"componentType":5121,"count":3,"type":"SCALAR"},)" +
-                 Filled(R"({"bufferView":0,"byteOffset":#,"componentType":5121,"count":)" + std::to_string(vertices) +
-                            R"(,"type":"VEC3"})",
-                        n / 4) +
-                 "]," + Mesh(Filled(R"({"attributes":{"POSITION":#},"indices":0})", n / 8)));
+  const std::size_t vertices = n / 8, accessors = n / 400;
+  const std::string position = R"({"bufferView":0,"byteOffset":#,"componentType":5121,"count":)" +
+                               std::to_string(vertices) + R"(,"type":"VEC3"})";
+  const std::string indices = std::to_string(accessors);
+  return OneNode(ZeroBuffer(3 * vertices + accessors) + R"("accessors":[)" + List(position, accessors) +
+                 R"(,{"bufferView":0,"componentType":5121,"count":3,"type":"SCALAR"}],)" +
+                 Mesh(List(R"({"attributes":{"POSITION":#},"indices":)" + indices + "}", accessors)));
 }
 
 inline std::string OverlappingImages(std::size_t n) {

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -101,8 +102,15 @@ Cost Wait(Omnid& omnid, Guest& guest, double limit_s, Begin begin, Outcome outco
 
 Cost RunCommand(const std::vector<std::string>& words, double limit_s) {
   const std::int64_t start_ns = base::MonotonicNow_ns();
+  int ends[2];  // closed when the child has become another program: its memory counts from then on
+  if (pipe2(ends, O_CLOEXEC) != 0) return {.end = "no pipe"};
   const pid_t child = fork();
   if (child == 0) Become(words, {"XDG_CACHE_HOME=/nowhere"});
+  close(ends[1]);
+  char nothing = 0;
+  while (read(ends[0], &nothing, 1) < 0 && errno == EINTR) {
+  }
+  close(ends[0]);
   Cost cost;
   int status = 0;
   bool over = false;
