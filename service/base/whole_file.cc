@@ -57,7 +57,7 @@ class UnfinishedFile {
  public:
   explicit UnfinishedFile(const std::string& path) {
     std::uint32_t number = 0;
-    (void)::getrandom(&number, sizeof number, GRND_NONBLOCK);
+    [[maybe_unused]] const auto any = ::getrandom(&number, sizeof number, GRND_NONBLOCK);
     for (std::uint32_t i = 0; i < kNamesTried; ++i) {
       char digits[9];
       std::snprintf(digits, sizeof digits, "%08x", number + i);

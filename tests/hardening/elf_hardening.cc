@@ -2,7 +2,9 @@
 
 #include <elf.h>
 
+#include <cstdint>
 #include <cstring>
+#include <string_view>
 #include <vector>
 
 #include "service/base/read_file.h"
