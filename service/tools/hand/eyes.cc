@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/json_text.h"
+#include "service/tools/service_link.h"
 
 namespace omni::tools {
 namespace {
@@ -78,7 +79,7 @@ void Eyes::SeeSoftBodies() {
 void Eyes::AskForStrokes(std::int64_t now_ns) {
   if (const auto answer = connection_.TakeSceneAnswer(); answer && answer->number == asked_) {
     asked_ = 0;
-    const nlohmann::json edits = nlohmann::json::parse(answer->text, nullptr, false);
+    const nlohmann::json edits = ParseStatus(answer->text);
     seen_.clay = answer->done && edits.is_object();
     seen_.strokes = 0;
     seen_.stroke_open = false;
