@@ -73,8 +73,8 @@ double ForceMax_N(const Config& config, const base::ToolState& tool, const base:
 void FadeWeight(double gain, base::ForceLimit& limit) noexcept;
 
 // Currents for `force_N` under `limit`: made feasible as config.infeasible says, then slew, temperature and power
-// limits. Always finite and within limits; zero (slewed) when anything is in doubt. The slew limit holds for growing
-// currents; a limit that shrinks below a current takes it down at once.
+// limits, and the limits of the force that is really made. Always finite and within limits; zero, at once, when
+// anything is in doubt. Slew and rise limit what grows: falling is free.
 void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
               base::CoilCurrents& currents) noexcept;
 

@@ -148,8 +148,7 @@ double ShareKept(const Currents& last, const Currents& target) noexcept {
   return along > 0 ? std::min(1.0, along / whole) : 0.0;
 }
 
-// From what falling alone leaves of `last`, straight towards `target`: as far as coils slew and the force may grow.
-// (13)
+// From what falling alone leaves of `last` straight towards `target`, as far as coils slew and the force may grow. (13)
 Currents Slew(const Config& config, const base::ForceLimit& limit, const Currents& last, const Currents& target,
               double dt_s) noexcept {
   const double kept = ShareKept(last, target);
@@ -186,7 +185,7 @@ void ApplyForceLimit(const base::ForceLimit& limit, double last_force_N, Current
   const double size_N = Norm(coils_N);
   double share = ShareWithin(coils_N, limit.snapping_N, std::max(limit.force_max_N, Norm(limit.snapping_N)));
   if (!(size_N * share <= last_force_N + limit.force_rise_N)) share = (last_force_N + limit.force_rise_N) / size_N;
-  if (share < 1) Scale(share, currents);
+  if (!(share >= 1)) Scale(share, currents);
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ struct TickOutput {
   base::Quat orientation_base_tool;  // frame T: -z out of the tip
   haptics::Output haptics;
   haptics::AppliedOutput applied;
-  base::Wrench wrench;          // after all gates; the torque is what the currents do besides
+  base::Wrench wrench;          // after gate and last limiter; the torque is what the currents do besides
   base::CoilCurrents currents;  // the last word, finite, within limits
   base::InputState inputs;
   base::SourceMask sources = 0;        // inputs' sources that are on

@@ -136,15 +136,18 @@ class HostileRun {
 
   void JudgeForce(double dt_s) {
     const sim::CoilArray& current_A = output_->currents.current_A;
+    const sim::MagnetPose known{output_->tool.position_base_m, output_->tool.axis_base};
+    const bool was_outside = is_outside_;
+    is_outside_ = Norm(known.centre_base_m) > rig_.device().hull_radius_m;  // a wrong pose may be anywhere
+    if (!is_outside_) return;
     if (!Drives(current_A) && !Drives(last_A_)) {
       last_N_ = {};
       return;
     }
     ++worst_.driven;
-    const sim::MagnetPose known{output_->tool.position_base_m, output_->tool.axis_base};
     const sim::ForceMap map = rig_.truth().ForcesAt(known);
     const base::Vec3 coils_N = map.CoilForce(current_A);
-    if (Drives(current_A)) {
+    if (Drives(current_A) && was_outside) {
       worst_.force_N = std::max(worst_.force_N, Norm(map.Force(current_A, {})));
       worst_.rise_N_s = std::max(worst_.rise_N_s, (Norm(coils_N) - Norm(last_N_)) / dt_s);
       worst_.growth_N_s = std::max(worst_.growth_N_s, Growth_N(coils_N, map.CoilForce(last_A_)) / dt_s);
@@ -168,6 +171,7 @@ class HostileRun {
   std::int64_t now_ns_ = 1'000'000'000;
   sim::CoilArray last_A_{};
   base::Vec3 last_N_;
+  bool is_outside_ = true;
   int lost_ticks_ = 0;
   Worst worst_;
 };

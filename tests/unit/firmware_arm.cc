@@ -41,7 +41,8 @@ const StandingFault kStanding[] = {
     {"clockStands", wire::kFaultInternal, [](FirmwareBench& b) { b.plant.faults.clock_stands = true; }},
 };
 
-// Without a condition that could stand: "not armed" is no failure, a self-test is run anew, a watchdog's reset is over.
+// Without a condition that could stand: "not armed" is no failure, a self-test is run again, a watchdog's reset is
+// over.
 constexpr std::uint32_t kNothingStands = wire::kFaultNotArmed | wire::kFaultSelfTest | wire::kFaultWatchdog;
 
 TEST(FirmwareArm, EveryDetectorIsInTheTable) {
