@@ -1,5 +1,5 @@
-// Where a person, or a program in a person's place, wants the pen of the digital twin: one packet to the twin's process,
-// on a socket of its own beside omnid's. The newest counts; there is no answer. docs/protocol/ipc.md.
+// Where a person, or a program in a person's place, wants the pen of the digital twin: one packet to the twin's
+// process, on a socket of its own beside omnid's. The newest counts; there is no answer. docs/protocol/ipc.md.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ struct HandAim {
   std::uint32_t version = kHandVersion;
   std::uint32_t present = 1;  // 0: the pen is taken away, 1
   std::uint32_t reserved = 0;
-  std::array<double, 3> tip_base_m{};            // device point
-  std::array<double, 3> axis_base{0, 0, -1};     // out of the tip; a unit vector, |u|^2 within kUnitTolerance of 1
+  std::array<double, 3> tip_base_m{};         // device point
+  std::array<double, 3> axis_base{0, 0, -1};  // out of the tip; a unit vector, |u|^2 within kUnitTolerance of 1
 };
 static_assert(std::is_trivially_copyable_v<HandAim> && sizeof(HandAim) == 64);
 

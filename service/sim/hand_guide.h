@@ -8,7 +8,7 @@ namespace omni::sim {
 
 // Where the pen is wanted. Precondition: finite; `axis_base` is a unit vector.
 struct HandAim {
-  base::Vec3 tip_base_m;            // device point
+  base::Vec3 tip_base_m;           // device point
   base::Vec3 axis_base{0, 0, -1};  // out of the tip
   bool present = true;             // false: the pen is taken away
 };

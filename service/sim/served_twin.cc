@@ -61,7 +61,10 @@ void SleepUntil(std::int64_t t_ns) {
 class Server {
  public:
   Server(const base::DeviceGeometry& device, const TwinOptions& options, int fd, std::unique_ptr<Recording> recording)
-      : core_(device, PlantOptionsOf(options), base::MonotonicNow_ns()), guide_(options.guide), fd_(fd), recording_(std::move(recording)) {}
+      : core_(device, PlantOptionsOf(options), base::MonotonicNow_ns()),
+        guide_(options.guide),
+        fd_(fd),
+        recording_(std::move(recording)) {}
 
   void Run(double linger_s) {
     const auto linger_ns = static_cast<std::int64_t>(linger_s * 1e9);

@@ -549,7 +549,9 @@ TEST(DaemonPlacements, TheServiceBelievesOnlyASessionThatHasBegun) {
   const std::string path = temp.Path("a.toml");
   Service service({.version = "test", .instance = 1, .hull_radius_m = 0.0375, .alignment_path = path});
   service.OnPlacementCommand(9, Store(kSpaceLocal));
-  const auto recentred = [&path] { return config::LoadAlignmentFile(path).value().entries[0].recentred; };
+  const auto recentred = [&service] {
+    return nlohmann::json::parse(service.StatusJson())["alignments"]["stored"][0]["recentred"].get<int>();
+  };
   const auto now_ns = [] { return base::MonotonicNow_ns(); };
   service.OnClient({.id = 1, .role = protocol::ClientRole::kApplication, .pid = 1, .application = "a", .engine = ""});
   service.OnPlacementRequest(1, Request({kSpaceLocal}));
