@@ -24,7 +24,7 @@ std::string SurfaceClients::Update(const std::shared_ptr<const haptics::Scene>& 
     Announce(nullptr);
     return {};
   }
-  if (thread_ == nullptr || thread_generation_ != scene_generation) return {};  // the last one is still ending
+  if (thread_ == nullptr || is_ending_) return {};
   const std::string problem = thread_->problem();
   const auto memory = thread_->memory();
   if (memory != nullptr || !problem.empty()) Announce(memory.get());
@@ -32,14 +32,17 @@ std::string SurfaceClients::Update(const std::shared_ptr<const haptics::Scene>& 
 }
 
 // A thread that is asked to end is waited for only once it has: this one must not wait for a look at a large surface.
+// Whoever asks meanwhile gets a new one after it.
 // One that ended with a problem is kept, so that it is not tried again for the same scene.
 void SurfaceClients::KeepThread(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t scene_generation,
                                 bool needed) {
   if (thread_ != nullptr && (!needed || thread_generation_ != scene_generation)) {
     thread_->RequestStop();
-    if (thread_->finished()) thread_ = nullptr;
+    is_ending_ = true;
   }
+  if (thread_ != nullptr && is_ending_ && thread_->finished()) thread_ = nullptr;
   if (!needed || thread_ != nullptr) return;
+  is_ending_ = false;
   thread_generation_ = scene_generation;
   thread_ = std::make_unique<SurfaceThread>(SurfaceSource{.scene = scene,
                                                           .scene_generation = scene_generation,

@@ -46,6 +46,7 @@ class SurfaceClients {
   std::string problem_;                  // newest, told
   std::uint64_t thread_generation_ = 0;  // of its scene
   std::unique_ptr<SurfaceThread> thread_;
+  bool is_ending_ = false;  // the thread was asked to end: what it has published is not renewed any more
 };
 
 }  // namespace omni::daemon

@@ -101,9 +101,11 @@ TEST(ProcessLog, TogglingSessionsDoesNotGrowTheLog) {
 
 TEST(ProcessLog, ErrorsBeforeTheServiceRunsAreWritten) {
   ServiceProcess service;
-  service.Start({"--device-file", "/no/such/device.toml"}, service.Path("log"));
+  service.StartProgram(
+      {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--socket", "/proc/no/omnid.sock"},
+      service.Path("log"));
   EXPECT_EQ(service.Wait(), 1);
-  EXPECT_NE(Content(service.Path("log")).find("/no/such/device.toml"), std::string::npos);
+  EXPECT_NE(Content(service.Path("log")).find("/proc/no"), std::string::npos);
 }
 
 // libusb writes its own messages, from the thread that looks for a base.
@@ -122,12 +124,15 @@ TEST(ProcessLog, WhatLibrariesWriteBlocksNobodyEither) {
 // The simulation is a process of its own that writes to the same log.
 TEST(ProcessLog, WhatTheTwinWritesIsInTheLog) {
   ServiceProcess service;
+  const std::string open_folder = service.Path("open");
+  std::filesystem::create_directory(open_folder);
+  std::filesystem::permissions(open_folder, std::filesystem::perms(0755));
   service.StartProgram(
-      {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script", "/no/such/hand.json"},
+      {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-hand", open_folder + "/hand.sock"},
       service.Path("log"));
   EXPECT_TRUE(WaitUntilServing(service));
   EXPECT_EQ(service.Stop(), 0);
-  EXPECT_NE(Content(service.Path("log")).find("/no/such/hand.json"), std::string::npos);
+  EXPECT_NE(Content(service.Path("log")).find(open_folder), std::string::npos);
 }
 
 }  // namespace

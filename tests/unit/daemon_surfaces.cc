@@ -231,6 +231,22 @@ TEST(SurfaceClients, NobodyAsksNothingRuns) {
   EXPECT_TRUE(told.messages.empty());
 }
 
+// The thread of the one before may not have ended: what that published would never be renewed.
+TEST(SurfaceClients, ClientThatAsksAsTheLastOneLeavesGetsAMemoryOfItsOwn) {
+  Told told;
+  told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
+  told.clients.Ask(1, true);
+  ASSERT_TRUE(told.Until(1));
+  for (ipc::ClientId id = 2; id < 12; ++id) {
+    const std::uint64_t before = told.messages.back().second;
+    told.clients.Remove(id - 1);
+    told.clients.Update(told.scene, told.generation);
+    told.clients.Ask(id, true);
+    ASSERT_TRUE(told.Until(id));
+    EXPECT_EQ(told.messages.back(), std::make_pair(id, before + 1));
+  }
+}
+
 TEST(SurfaceClients, EachIsToldOnceAndAgainWhenTheMemoryIsAnother) {
   using Messages = std::vector<std::pair<ipc::ClientId, std::uint64_t>>;
   Told told;
