@@ -22,6 +22,41 @@ void ExpectGoodEnd(const ServiceEnd& end, int status = 0) {
   EXPECT_LT(end.ms, kEndsWithin_ms);
 }
 
+// Serving the twin, which does not answer any more.
+class StoppedTwin {
+ public:
+  StoppedTwin() {
+    service.Start();
+    EXPECT_TRUE(WaitUntilServing(service));
+    SleepMs(300);
+    twin_ = ChildOf(service.pid());
+    EXPECT_GT(twin_, 0);
+    if (twin_ > 0) kill(twin_, SIGSTOP);
+  }
+  ~StoppedTwin() {
+    if (twin_ > 0) kill(twin_, SIGCONT);
+  }
+  StoppedTwin(const StoppedTwin&) = delete;
+  StoppedTwin& operator=(const StoppedTwin&) = delete;
+
+  ServiceProcess service;
+
+ private:
+  pid_t twin_ = 0;
+};
+
+// A disk that does not answer looks like a pipe that nobody reads: `option` names it as the file to be written.
+ServiceEnd EndWithUnreadFile(const std::string& option, const char* what) {
+  ServiceProcess service;
+  const UnreadPipe file(service.Path("file"), UnreadPipe::Reader::kSleeps);
+  service.Start({option, file.path()}, {});
+  EXPECT_TRUE(WaitUntilServing(service));
+  TestApplication app(service);
+  EXPECT_TRUE(app.Focus());
+  app.Run(1500, 10);  // more than a pipe holds
+  return EndAndWait(service, what);
+}
+
 // The shipped dragon's soft body takes a minute to compute.
 TEST(ProcessEnd, SoftBodyThatIsBeingComputedIsGivenUp) {
   ServiceProcess service(OMNI_SOURCE_DIR "/scenes/dragon.glb", kAwayHand);
@@ -68,55 +103,25 @@ TEST(ProcessEnd, SceneOf100MegabytesThatIsBeingLoadedIsGivenUp) {
 }
 
 TEST(ProcessEnd, StoppedTwinIsLeftBehind) {
-  ServiceProcess service;
-  service.Start();
-  ASSERT_TRUE(WaitUntilServing(service));
-  SleepMs(300);
-  const pid_t twin = ChildOf(service.pid());
-  ASSERT_GT(twin, 0);
-  kill(twin, SIGSTOP);
-  const ServiceEnd end = EndAndWait(service, "its twin is stopped");
-  kill(twin, SIGCONT);
-  ExpectGoodEnd(end);
+  StoppedTwin stopped;
+  ExpectGoodEnd(EndAndWait(stopped.service, "its twin is stopped"));
 }
 
 TEST(ProcessEnd, SecondSignalEndsAtOnce) {
-  ServiceProcess service;
-  service.Start();
-  ASSERT_TRUE(WaitUntilServing(service));
-  SleepMs(300);
-  const pid_t twin = ChildOf(service.pid());
-  ASSERT_GT(twin, 0);
-  kill(twin, SIGSTOP);
-  service.Signal(SIGTERM);
+  StoppedTwin stopped;
+  stopped.service.Signal(SIGTERM);
   SleepMs(100);
-  const ServiceEnd end = EndAndWait(service, "the second signal");
-  kill(twin, SIGCONT);
+  const ServiceEnd end = EndAndWait(stopped.service, "the second signal");
   EXPECT_EQ(end.status, 0);
   EXPECT_LT(end.ms, 500);
 }
 
-// A disk that does not answer looks like a pipe that nobody reads.
 TEST(ProcessEnd, RecordingThatCannotBeWrittenIsLeftIncomplete) {
-  ServiceProcess service;
-  const UnreadPipe file(service.Path("loop.csv"), UnreadPipe::Reader::kSleeps);
-  service.Start({"--record", file.path()}, {});
-  ASSERT_TRUE(WaitUntilServing(service));
-  TestApplication app(service);
-  ASSERT_TRUE(app.Focus());
-  app.Run(1500, 10);  // more than a pipe holds
-  ExpectGoodEnd(EndAndWait(service, "its recording is an unread pipe"), 1);
+  ExpectGoodEnd(EndWithUnreadFile("--record", "its recording is an unread pipe"), 1);
 }
 
 TEST(ProcessEnd, DeviceRecordingThatCannotBeWrittenIsLeftIncomplete) {
-  ServiceProcess service;
-  const UnreadPipe file(service.Path("device.rec"), UnreadPipe::Reader::kSleeps);
-  service.Start({"--record-device", file.path()}, {});
-  ASSERT_TRUE(WaitUntilServing(service));
-  TestApplication app(service);
-  ASSERT_TRUE(app.Focus());
-  app.Run(1500, 10);
-  ExpectGoodEnd(EndAndWait(service, "its device recording is an unread pipe"), 1);
+  ExpectGoodEnd(EndWithUnreadFile("--record-device", "its device recording is an unread pipe"), 1);
 }
 
 // Main itself waits here, as it may for a base on USB.

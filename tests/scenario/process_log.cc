@@ -45,32 +45,38 @@ std::string Content(const std::string& path) {
   return text.str();
 }
 
-TEST(ProcessLog, UnreadFullPipeStopsNeitherControlThreadNorEnd) {
+// With a log that nobody reads and an application that is focused.
+struct UnreadLog {
+  UnreadLog() : pipe(service.Path("log"), UnreadPipe::Reader::kSleeps), app(service.socket_path(), kStranger) {
+    service.Start({}, pipe.path());
+    EXPECT_TRUE(app.Focus()) << app.connection().last_error();
+    pipe.Fill();
+  }
   ServiceProcess service;
-  const UnreadPipe log(service.Path("log"), UnreadPipe::Reader::kSleeps);
-  service.Start({}, log.path());
-  TestApplication app(service.socket_path(), kStranger);
-  ASSERT_TRUE(app.Focus()) << app.connection().last_error();
-  log.Fill();
-  EXPECT_EQ(Toggle(app, 2000), 2000);
-  EXPECT_TRUE(AnswersStatus(service));
-  const ServiceEnd end = EndAndWait(service, "its log is a full pipe");
+  UnreadPipe pipe;
+  TestApplication app;
+};
+
+void ExpectGoodEnd(ServiceProcess& service, const char* what) {
+  const ServiceEnd end = EndAndWait(service, what);
   EXPECT_EQ(end.status, 0);
   EXPECT_LT(end.ms, kEndsWithin_ms);
 }
 
+TEST(ProcessLog, UnreadFullPipeStopsNeitherControlThreadNorEnd) {
+  UnreadLog log;
+  EXPECT_EQ(Toggle(log.app, 2000), 2000);
+  EXPECT_TRUE(AnswersStatus(log.service));
+  ExpectGoodEnd(log.service, "its log is a full pipe");
+}
+
 TEST(ProcessLog, LostLinesAreCountedOnceTheLogIsReadAgain) {
-  ServiceProcess service;
-  const UnreadPipe log(service.Path("log"), UnreadPipe::Reader::kSleeps);
-  service.Start({}, log.path());
-  TestApplication app(service.socket_path(), kStranger);
-  ASSERT_TRUE(app.Focus()) << app.connection().last_error();
-  log.Fill();
-  ASSERT_EQ(Toggle(app, 2000), 2000);  // more than the service's own pipe holds
-  ASSERT_TRUE(AnswersStatus(service));
-  const std::string text = log.Read(500);
+  UnreadLog log;
+  ASSERT_EQ(Toggle(log.app, 2000), 2000);  // more than the service's own pipe holds
+  ASSERT_TRUE(AnswersStatus(log.service));
+  const std::string text = log.pipe.Read(500);
   EXPECT_NE(text.find("lines of this log are missing"), std::string::npos) << text.substr(text.find_first_not_of('.'));
-  EXPECT_EQ(service.Stop(), 0);
+  EXPECT_EQ(log.service.Stop(), 0);
 }
 
 // Bytes of log that so many toggles cost.
@@ -116,9 +122,7 @@ TEST(ProcessLog, WhatLibrariesWriteBlocksNobodyEither) {
   service.StartProgram({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "usb"}, log.path(),
                        {"LIBUSB_DEBUG=4"});
   EXPECT_TRUE(WaitUntilServing(service));
-  const ServiceEnd end = EndAndWait(service, "libusb writes into a full pipe");
-  EXPECT_EQ(end.status, 0);
-  EXPECT_LT(end.ms, kEndsWithin_ms);
+  ExpectGoodEnd(service, "libusb writes into a full pipe");
 }
 
 // The simulation is a process of its own that writes to the same log.

@@ -15,22 +15,13 @@
 namespace omni::test {
 namespace {
 
+using scene::test::AddAccessor;
 using scene::test::Bytes;
 using scene::test::Json;
 using scene::test::Model;
 using scene::test::Tetra;
 
 Json& Primitive(Model& model) { return model.json["meshes"][0]["primitives"][0]; }
-
-std::size_t AddAccessor(Model& model, const std::string& bytes, Json accessor) {
-  model.bin.resize((model.bin.size() + 3) / 4 * 4, '\0');
-  accessor["bufferView"] = model.json["bufferViews"].size();
-  model.json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", model.bin.size()}, {"byteLength", bytes.size()}});
-  model.bin += bytes;
-  model.json["buffers"][0]["byteLength"] = model.bin.size();
-  model.json["accessors"].push_back(std::move(accessor));
-  return model.json["accessors"].size() - 1;
-}
 
 // A red tetrahedron, so that a picture shows whether it is there.
 Model Red() {

@@ -9,6 +9,7 @@
 namespace omni::scene {
 namespace {
 
+using test::AddAccessor;
 using test::Bytes;
 using test::Json;
 using test::Model;
@@ -17,17 +18,6 @@ using test::Tetra;
 base::Result<DrawnScene> Drawn(const Model& model) {
   const test::TempFolder folder;
   return LoadDrawnScene(folder.Write("model.glb", model.Bytes()));
-}
-
-// An accessor over bytes behind those that the model has.
-std::size_t AddAccessor(Model& model, const std::string& bytes, Json accessor) {
-  model.bin.resize((model.bin.size() + 3) / 4 * 4, '\0');
-  accessor["bufferView"] = model.json["bufferViews"].size();
-  model.json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", model.bin.size()}, {"byteLength", bytes.size()}});
-  model.bin += bytes;
-  model.json["buffers"][0]["byteLength"] = model.bin.size();
-  model.json["accessors"].push_back(std::move(accessor));
-  return model.json["accessors"].size() - 1;
 }
 
 double Dot(const base::Vec3& a, const base::Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

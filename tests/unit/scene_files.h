@@ -71,6 +71,17 @@ inline Model Tetra() {
   return model;
 }
 
+// An accessor over bytes behind those that the model has.
+inline std::size_t AddAccessor(Model& model, const std::string& bytes, Json accessor) {
+  model.bin.resize((model.bin.size() + 3) / 4 * 4, '\0');
+  accessor["bufferView"] = model.json["bufferViews"].size();
+  model.json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", model.bin.size()}, {"byteLength", bytes.size()}});
+  model.bin += bytes;
+  model.json["buffers"][0]["byteLength"] = model.bin.size();
+  model.json["accessors"].push_back(std::move(accessor));
+  return model.json["accessors"].size() - 1;
+}
+
 inline double SignedVolume6(const haptics::InputObject& object) {
   double sum = 0;
   for (const auto& [i, j, k] : object.triangles) {

@@ -132,15 +132,21 @@ TEST(ToolsCommandLine, ScenesAreFoundWithAndWithoutExtensionWhereverOneIsNamed) 
   }
 }
 
+// What a run of one millisecond leaves for `omni report`.
+struct RunFiles {
+  explicit RunFiles(const test::TempFolder& folder)
+      : loop(folder.Write("loop.csv",
+                          "t_ns,status,late,force_x_N,force_y_N,force_z_N,magnet_x_m,magnet_y_m,magnet_z_m,tip_x_m,"
+                          "tip_y_m,tip_z_m,select,haptic_pulses\n1,2,0,0,0,0,0,0,0,0,0,0,0,0\n")),
+        truth(folder.Write("truth.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n1,1,0,0,0\n")),
+        app(folder.Write("app.json", R"({"application": "a", "select_edges": 0, "pose_valid_fraction": 0,
+                                         "locate_ns_median": 0})")) {}
+  std::string loop, truth, app;
+};
+
 TEST(ToolsCommandLine, ReportNamesTheFileThatItWants) {
   const test::TempFolder folder;
-  const std::string loop = folder.Write(
-      "loop.csv",
-      "t_ns,status,late,force_x_N,force_y_N,force_z_N,magnet_x_m,magnet_y_m,magnet_z_m,tip_x_m,tip_y_m,tip_z_m,select,"
-      "haptic_pulses\n1,2,0,0,0,0,0,0,0,0,0,0,0,0\n");
-  const std::string truth = folder.Write("truth.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n1,1,0,0,0\n");
-  const std::string app = folder.Write("app.json", R"({"application": "a", "select_edges": 0, "pose_valid_fraction": 0,
-                                                       "locate_ns_median": 0})");
+  const RunFiles run(folder);
   const std::string gone = folder.Path("gone"), empty = folder.Write("empty", ""),
                     text = folder.Write("text", "a,b\nx\n");
   const auto report = [&](const std::string& a, const std::string& b, const std::string& c) {
@@ -148,32 +154,28 @@ TEST(ToolsCommandLine, ReportNamesTheFileThatItWants) {
   };
   EXPECT_EQ(RunOmni({"report"}).status, kExitUsage);
   ExpectOneLine(RunOmni({"report"}).err, {"--loop: is missing", "omnid --record"});
-  ExpectOneLine(RunOmni({"report", "--loop", loop}).err, {"--truth: is missing", "omnid --twin-record"});
-  ExpectOneLine(RunOmni({"report", "--loop", loop, "--truth", truth}).err, {"--app: is missing", "omni_probe --json"});
+  ExpectOneLine(RunOmni({"report", "--loop", run.loop}).err, {"--truth: is missing", "omnid --twin-record"});
+  ExpectOneLine(RunOmni({"report", "--loop", run.loop, "--truth", run.truth}).err,
+                {"--app: is missing", "omni_probe --json"});
   for (const std::string& wrong : {gone, empty, text, folder.Path()}) {
-    ExpectOneLine(report(wrong, truth, app).err, {"--loop: " + wrong, "`omnid --record`"});
-    ExpectOneLine(report(loop, wrong, app).err, {"--truth: " + wrong, "`omnid --twin-record`"});
-    ExpectOneLine(report(loop, truth, wrong).err, {"--app: " + wrong, "`omni_probe --json`"});
-    EXPECT_EQ(report(loop, truth, wrong).status, kExitFailed);
+    ExpectOneLine(report(wrong, run.truth, run.app).err, {"--loop: " + wrong, "`omnid --record`"});
+    ExpectOneLine(report(run.loop, wrong, run.app).err, {"--truth: " + wrong, "`omnid --twin-record`"});
+    ExpectOneLine(report(run.loop, run.truth, wrong).err, {"--app: " + wrong, "`omni_probe --json`"});
+    EXPECT_EQ(report(run.loop, run.truth, wrong).status, kExitFailed);
     ExpectOneLine(RunOmni({"report", "--table", wrong}).err, {"--table: " + wrong, "`omni report --summary`"});
   }
   const std::string numbers = folder.Write("numbers.json", R"({"application": 7})");
-  ExpectOneLine(report(loop, truth, numbers).err, {"--app: " + numbers, "/application"});
+  ExpectOneLine(report(run.loop, run.truth, numbers).err, {"--app: " + numbers, "/application"});
   const std::string header = folder.Write("header.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n");
-  ExpectOneLine(report(loop, header, app).err, {"--truth: " + header, "no line behind its header"});
+  ExpectOneLine(report(run.loop, header, run.app).err, {"--truth: " + header, "no line behind its header"});
 }
 
 TEST(ToolsCommandLine, ReportLeavesASummaryThatIsNoneAsItIs) {
   const test::TempFolder folder;
-  const std::string loop = folder.Write(
-      "loop.csv",
-      "t_ns,status,late,force_x_N,force_y_N,force_z_N,magnet_x_m,magnet_y_m,magnet_z_m,tip_x_m,tip_y_m,tip_z_m,select,"
-      "haptic_pulses\n1,2,0,0,0,0,0,0,0,0,0,0,0,0\n");
-  const std::string truth = folder.Write("truth.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n1,1,0,0,0\n");
-  const std::string app = folder.Write("app.json", R"({"application": "a", "select_edges": 0, "pose_valid_fraction": 0,
-                                                       "locate_ns_median": 0})");
+  const RunFiles run(folder);
   const auto add = [&](const std::string& summary) {
-    return RunOmni({"report", "--name", "run", "--loop", loop, "--truth", truth, "--app", app, "--summary", summary});
+    return RunOmni(
+        {"report", "--name", "run", "--loop", run.loop, "--truth", run.truth, "--app", run.app, "--summary", summary});
   };
   for (const char* content : {"my notes", "{}", R"({"scenes": [1]})"}) {
     const std::string summary = folder.Write("summary.json", content);
