@@ -18,7 +18,7 @@ inline constexpr std::int64_t kMaxPrediction_ns = 40'000'000;
 // A hand at rest trembles at 8 to 12 Hz: its velocity at an instant says nothing about the next 40 ms, and following it
 // shakes the pen. So the velocity is trusted as far as the pen has got anywhere in the last tenth of a second, which
 // holds a whole wave of tremor: with the mean speed m over that time, by the share m^2 / (m^2 + s^2).
-// s: what a resting hand and the tracker's noise make of m (`omni bench layer` tells what comes of it).
+// s: what a resting hand and the tracker's noise make of m (`omni-bench layer` tells what comes of it).
 inline constexpr std::uint32_t kTrendSamples = 100;
 inline constexpr std::int64_t kTrendMin_ns = 50'000'000, kTrendMax_ns = 200'000'000;
 inline constexpr double kRestSpeed_m_s = 0.012;

@@ -1,5 +1,5 @@
 // The force map: F = X(pose) I + F_snap, T = Y(pose) I + T_snap. Coil fields as zonal multipoles (winding + core), the
-// magnet as a few point dipoles. docs/theory/actuation.md; how far from the truth: `omni bench force`.
+// magnet as a few point dipoles. docs/theory/actuation.md; how far from the truth: `omni-bench force`.
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kReplay = "replay";
 
 base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string& /*argument*/) {
-  const std::string program = config::ProgramFolder() + "/omni";
+  const std::string program = config::ProgramFolder() + "/omni-twin";
   std::vector<std::string> arguments{"--seed", std::to_string(options.twin_seed)};
   const auto add = [&](const char* name, const std::string& value) {
     if (!value.empty()) arguments.insert(arguments.end(), {name, value});

@@ -22,7 +22,7 @@ struct Config {
   double ramp_s = 0.15;             // force fades in over this time after contact at start, scene swap, tracking loss
   double stiffness_max_N_m = 1000;  // offered at most, whatever the material says: rule in haptics/stability
   double delay_s = 3e-3;            // as Input's, while none is measured; for the stability rule
-  double coil_lag_s = 0.4e-3;       // control step to 63 % of a current; `omni bench latency` measures .23 to .35 ms
+  double coil_lag_s = 0.4e-3;       // control step to 63 % of a current; `omni-bench latency` measures .23 to .35 ms
   double predict_max_s = 0.020;     // the tip is predicted to when the current acts, at most so far
   double hand_damping_Ns_m = 1.0;   // assumed lower bound
   double contact_threshold_N = 0.010;  // "contact" in reports means more than this

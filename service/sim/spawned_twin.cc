@@ -104,7 +104,7 @@ base::Result<std::unique_ptr<device::Transport>> SpawnTwin(const std::string& pr
   }
   device::UniqueFd ours(ends[0]);
   device::UniqueFd theirs(ends[1]);
-  std::vector<std::string> words{program, "twin", "serve", "--fd", std::to_string(theirs.get())};
+  std::vector<std::string> words{program, "--fd", std::to_string(theirs.get())};
   words.insert(words.end(), args.begin(), args.end());
   pid_t pid = -1;
   const int error = Spawn(program, std::move(words), theirs.get(), pid);

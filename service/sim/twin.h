@@ -49,11 +49,11 @@ struct TwinOptions {
 std::unique_ptr<device::Transport> MakeVirtualTwin(const base::DeviceGeometry& device, const TwinOptions& options,
                                                    double duration_s);
 
-// Twin in a process of its own (`omni twin serve`): real time, 1 kHz, frames of firmware/wire over the seqpacket socket
+// Twin in a process of its own (omni-twin): real time, 1 kHz, frames of firmware/wire over the seqpacket socket
 // `fd`. Returns when the peer has been gone for `linger_s` (the recording goes on until then). Exit code for main.
 int ServeTwin(const base::DeviceGeometry& device, const TwinOptions& options, int fd, double linger_s);
 
-// Starts `program` ("…/omni") as `omni twin serve --fd N args...` and talks to it.
+// Starts `program` ("…/omni-twin") with `--fd N args...` and talks to it.
 base::Result<std::unique_ptr<device::Transport>> SpawnTwin(const std::string& program,
                                                            const std::vector<std::string>& args);
 

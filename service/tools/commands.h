@@ -12,15 +12,10 @@ void AddWatch(CLI::App& app);
 void AddSurfaces(CLI::App& app);
 void AddScene(CLI::App& app);  // omni scene explain, cost, cache, edits, undo, redo, save
 void AddDoctor(CLI::App& app);
-void AddTwin(CLI::App& app);  // omni twin serve, and below it:
-void AddTwinRun(CLI::App& twin);
-void AddTwinHand(CLI::App& twin);
-void AddBench(CLI::App& app);
-void AddBenchPlot(CLI::App& bench);  // below it
-void AddBenchPage(CLI::App& bench);  // below it
+void AddTwin(CLI::App& app);       // omni twin run, path, and
+void AddTwinHand(CLI::App& twin);  // omni twin hand
 void AddReport(CLI::App& app);
 void AddTrack(CLI::App& app);
-void AddPaper(CLI::App& app);
 void AddCalibrate(CLI::App& app);
 void AddAlign(CLI::App& app);
 void AddDevice(CLI::App& app);  // omni device list, info, selftest, flash-help, estop

@@ -12,11 +12,11 @@
 
 #include "service/config/device_file.h"
 #include "service/console/wrap.h"
-#include "service/tools/bench.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/json_file.h"
 #include "service/tools/report.h"
+#include "service/tools/row_table.h"
 #include "service/tools/run_picture.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/text_output.h"
@@ -37,7 +37,7 @@ base::Result<json> ReadSummary(const char* option, const std::string& path) {
     return base::Error{std::string(option) + ": " + why +
                        "; it has to be a summary: the JSON file of `omni report --summary`"};
   };
-  const base::Result<std::string> text = ReadJsonFile(path, kBenchJson);
+  const base::Result<std::string> text = ReadJsonFile(path, kRowsJson);
   if (!text.ok()) return wrong(text.error());
   json summary = json::parse(*text);
   if (!summary.is_object() || !summary.contains("scenes")) return wrong(path + ": has no /scenes");
@@ -91,7 +91,7 @@ base::Status WritePicture(const ReportArguments& arguments, const RunReport& rep
 int ShowTable(const std::string& path) {
   const base::Result<json> summary = ReadSummary("--table", path);
   if (!summary.ok()) return Fail("omni report", summary.error());
-  BenchRows rows;
+  Rows rows;
   for (const json& row : (*summary)["scenes"]) {
     nlohmann::ordered_json line;
     for (const char* key :
@@ -101,7 +101,7 @@ int ShowTable(const std::string& path) {
     }
     rows.push_back(line);
   }
-  std::cout << BenchTable(rows);
+  std::cout << RowTable(rows);
   return kExitOk;
 }
 

@@ -1,5 +1,5 @@
 // What loading a scene costs the process, counted by the system: for `omni scene cost` and, in a fresh child of it
-// each, `omni bench scene`.
+// each, `omni-bench scene`.
 #pragma once
 
 #include <cstdint>

@@ -119,10 +119,10 @@ void PrintFits(const std::vector<TrackedRow>& rows, TrackCurrents currents) {
 
 int Report(const TrackArguments& arguments, const Loaded& loaded, const std::vector<TrackedRow>& rows) {
   if (!loaded.truth.empty()) {
-    const BenchRows errors = TrackErrors(rows, loaded.truth);
-    std::cout << "\n" << BenchTable(errors);
+    const Rows errors = TrackErrors(rows, loaded.truth);
+    std::cout << "\n" << RowTable(errors);
     if (!arguments.json.empty()) {
-      const std::string problem = WriteText(arguments.json, BenchDocument("track", errors).dump(2) + "\n");
+      const std::string problem = WriteText(arguments.json, RowDocument("track", errors).dump(2) + "\n");
       if (!problem.empty()) return Fail("omni track", problem);
     }
   }

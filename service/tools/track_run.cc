@@ -183,7 +183,7 @@ std::string WriteResiduals(const std::vector<TrackedRow>& rows) {
   return text;
 }
 
-BenchRows TrackErrors(const std::vector<TrackedRow>& rows, const Truth& truth) {
+Rows TrackErrors(const std::vector<TrackedRow>& rows, const Truth& truth) {
   Accumulated cold, warm;
   std::size_t cold_missing = 0, warm_missing = 0;
   for (const TrackedRow& row : rows) {

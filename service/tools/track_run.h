@@ -7,7 +7,7 @@
 
 #include "service/base/calibration.h"
 #include "service/base/result.h"
-#include "service/tools/bench.h"
+#include "service/tools/row_table.h"
 #include "service/tools/track_recording.h"
 
 namespace omni::tools {
@@ -50,6 +50,6 @@ std::string WriteResiduals(const std::vector<TrackedRow>& rows);
 
 // Errors against the truth, a row a start: start, n, mean_mm, median_mm, p95_mm, max_mm, orientation_mean_deg, ...
 // Poses that the truth does not know, and those without an answer, are counted, not averaged.
-BenchRows TrackErrors(const std::vector<TrackedRow>& rows, const Truth& truth);
+Rows TrackErrors(const std::vector<TrackedRow>& rows, const Truth& truth);
 
 }  // namespace omni::tools

@@ -150,10 +150,12 @@ int WritePath(const RunArguments& arguments, const std::string& output) {
 
 }  // namespace
 
-void AddTwinRun(CLI::App& twin) {
+void AddTwin(CLI::App& app) {
+  CLI::App* twin = app.add_subcommand("twin", "the digital twin: a simulated base, pen and hand");
+  twin->require_subcommand(1);
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run =
-      twin.add_subcommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
+      twin->add_subcommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
   run->add_option("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
   run->add_option("--seed", arguments->seed, "of noise and imperfections")->capture_default_str();
   run->add_option("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
@@ -168,12 +170,13 @@ void AddTwinRun(CLI::App& twin) {
   run->callback([arguments] { throw CLI::RuntimeError(RunTwin(*arguments)); });
 
   auto output = std::make_shared<std::string>();
-  CLI::App* path = twin.add_subcommand("path", "write a hand script that touches a scene");
+  CLI::App* path = twin->add_subcommand("path", "write a hand script that touches a scene");
   path->add_option("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
   path->add_option("--output,-o", *output, "hand script to write")->required();
   path->add_flag("--fit", arguments->fit, "scale and move the model into reach");
   path->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
   path->callback([arguments, output] { throw CLI::RuntimeError(WritePath(*arguments, *output)); });
+  AddTwinHand(*twin);
 }
 
 }  // namespace omni::tools

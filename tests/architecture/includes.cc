@@ -66,7 +66,7 @@ bool Allowed(const std::string& module, const std::string& header) {
 std::set<std::string> AnyService() {
   std::set<std::string> all{"firmware/wire"};
   for (const char* name : {"base",        "console", "protocol", "config", "alignment", "magnetics", "tracker",
-                           "calibration", "peers",   "haptics",  "scene",  "actuation", "device",    "sim",
+                           "calibration", "haptics",  "scene",  "actuation", "device",    "sim",
                            "loop",        "ipc",     "client",   "daemon", "monitor",   "tools"}) {
     all.insert(std::string("service/") + name);
   }
@@ -88,7 +88,6 @@ const std::vector<Rule>& Rules() {
       {"service/tracker", {"service/base", "service/magnetics"}},
       {"service/actuation", {"service/base", "service/magnetics"}},
       {"service/calibration", {"service/base", "service/magnetics", "service/tracker"}},
-      {"service/peers", {"service/base", "service/magnetics", "service/tracker", "service/calibration"}},
       {"service/scene", {"service/base", "service/haptics"}},
       {"service/device", {"service/base", "firmware/wire"}},
       {"firmware/core", {"firmware/wire"}},
@@ -98,6 +97,8 @@ const std::vector<Rule>& Rules() {
       {"service/loop", {"service/base", "service/tracker", "service/haptics", "service/actuation"}},
       {"service/ipc", {"service/base", "service/protocol"}},
       {"service/client", {"service/protocol"}},
+      {"service/twin",
+       {"service/base", "service/console", "service/config", "service/protocol", "service/sim", "service/ipc"}},
       {"layer", {"service/protocol", "service/client"}},
       {"service/monitor", {"service/protocol", "service/client"}},
       {"service/daemon", AnyService()},
@@ -110,16 +111,16 @@ const std::vector<Rule>& Rules() {
 const std::vector<Confined>& ConfinedHeaders() {
   static const std::vector<Confined> kConfined = {
       {"tiny_gltf.h", {"tests/unit/scene_decode_judge.cc"}},
-      {"stb/", {"service/scene/haptic_texture.cc", "service/tools/bench_scene_files.cc"}},
+      {"stb/", {"service/scene/haptic_texture.cc", "tests/bench/haptics/scene_files.cc"}},
       {"libusb", {"service/device/libusb_"}},
-      {"ceres/", {"service/calibration/", "service/peers/"}},
+      {"ceres/", {"tests/bench/peers/"}},
       {"openxr/", {"layer/", "service/tools/doctor/openxr_loader.cc"}},
       {"toml++/", {"service/config/"}},
-      {"CLI/", {"service/console/", "service/tools/", "service/daemon/main.cc"}},
+      {"CLI/", {"service/console/", "service/tools/", "service/daemon/main.cc", "service/twin/main.cc"}},
       {"spdlog/", {"service/daemon/", "service/tools/"}},
       {"Eigen/",
        {"service/base/eigen.h", "service/magnetics/", "service/tracker/", "service/haptics/", "service/actuation/",
-        "service/sim/", "service/loop/", "service/calibration/", "service/peers/", "service/alignment/"}},
+        "service/sim/", "service/loop/", "service/calibration/", "service/alignment/"}},
   };
   return kConfined;
 }

@@ -1,4 +1,4 @@
-// The command line of programs that `omni bench` runs: flags, and options with a value.
+// The command line of programs that `omni-bench` runs: flags, and options with a value.
 #pragma once
 
 #include <cstdio>

@@ -26,8 +26,8 @@
 #include "service/tools/csv_table.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/statistics.h"
-#include "service/tools/work_folder.h"
 #include "tests/bench/arguments.h"
+#include "tests/bench/harness/work_folder.h"
 
 namespace omni::bench {
 namespace {
@@ -203,7 +203,7 @@ int Run(std::uint64_t seed, bool quick) {
   }
   for (std::uint64_t i = 1; i <= (quick ? 1u : 3u); ++i) motions.push_back(FreeMotion(1000 * seed + i));
 
-  const tools::WorkFolder folder;
+  const bench::WorkFolder folder;
   Errors all;
   std::vector<ordered_json> side;
   for (const Motion& motion : motions) {

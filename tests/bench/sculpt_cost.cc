@@ -1,4 +1,4 @@
-// Times strokes, undo and the tick's part of sculpting; run by `omni bench sculpt`. Prints a JSON array of rows; rows
+// Times strokes, undo and the tick's part of sculpting; run by `omni-bench sculpt`. Prints a JSON array of rows; rows
 // with a key "table" belong to side tables.
 #include <sys/resource.h>
 

@@ -1,4 +1,4 @@
-// Times what it takes to show changing surfaces of about 100,000 vertices, step by step; run by `omni bench surfaces`.
+// Times what it takes to show changing surfaces of about 100,000 vertices, step by step; run by `omni-bench surfaces`.
 // Prints a JSON array of rows: step, vertices, triangles, us_median, us_p99, n.
 #include <algorithm>
 #include <chrono>
@@ -138,7 +138,7 @@ void TimeSculpted(int n, Timing& timing) {
 
 int main(int argc, char** argv) {
   bool quick = false;
-  // One run is enough: `omni bench` gives a seed to all.
+  // One run is enough: `omni-bench` gives a seed to all.
   std::string seed;
   const auto ended =
       omni::bench::ParseArguments(argc, argv, "omni_bench_surfaces", {{"--quick", &quick}, {"--seed", nullptr, &seed}});

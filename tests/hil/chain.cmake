@@ -33,7 +33,7 @@ if(UMOCKDEV_FOUND AND LIBUSB_FOUND)
                         nlohmann_json::nlohmann_json)
   add_executable(hil_app hil_app.cc)
   target_link_libraries(hil_app PRIVATE omni_client)
-  omni_hil_test(scenarios DEPS omni_tools omni_hil_board omni_wire nlohmann_json::nlohmann_json)
+  omni_hil_test(scenarios DEPS omni_support omni_hil_board omni_wire nlohmann_json::nlohmann_json)
   add_dependencies(test_hil_scenarios omni_hil omnid hil_app)
 endif()
 

@@ -15,7 +15,7 @@
 
 #include "firmware/core/settings.h"
 #include "service/sim/recording.h"
-#include "service/tools/hand/socket_guide.h"
+#include "service/twin/socket_guide.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/hil_board.h"
 #include "tests/hil/host_process.h"
@@ -243,7 +243,7 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   if (!options.hand_path.empty()) {
     auto listener = ipc::HandListener::Open(options.hand_path);
     if (!listener) return Fail(listener.error());
-    guide = std::make_unique<tools::SocketGuide>(std::move(*listener));
+    guide = std::make_unique<twin::SocketGuide>(std::move(*listener));
   }
   std::unique_ptr<sim::Recording> recording;
   if (!options.record_path.empty()) {

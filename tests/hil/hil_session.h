@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/tools/child_process.h"
+#include "tests/support/child_process.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::hil {
@@ -42,7 +42,7 @@ class HilSession {
                                             "warn", "--",          bin + "hil_app", "hil_test"};
     arguments.insert(arguments.end(), programs.begin(), programs.end());
     const std::int64_t began_ns = base::MonotonicNow_ns();
-    auto started = tools::ChildProcess::Start(
+    auto started = test::ChildProcess::Start(
         arguments, {"OMNI_SOCKET=" + folder_.Path("run/omnid.sock"), "XDG_CONFIG_HOME=" + folder_.Path("config")});
     if (!started.ok()) {
       ADD_FAILURE() << started.error();

@@ -9,7 +9,7 @@
 #include "service/calibration/system.h"
 #include "service/calibration/tool_field.h"
 #include "service/magnetics/nominal.h"
-#include "service/tools/rig_recording.h"
+#include "tests/support/rig_recording.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/linearise.h"
 #include "service/tracker/solver.h"
@@ -109,7 +109,7 @@ struct Small {
   std::vector<Instant> instants;
   explicit Small(int waves) {
     sim::Rig rig(device, Uncalibrated(5));
-    recording = tools::MakeRecording(rig, {.waves = waves, .touches = 4, .seed = 3});
+    recording = test::MakeRecording(rig, {.waves = waves, .touches = 4, .seed = 3});
     recording.samples[1].field_sensor_T[2].y = std::nan("");
     sim::Random random(3);
     for (const Sample& sample : recording.samples) {

@@ -8,7 +8,7 @@
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/device/transport.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "service/sim/twin.h"
 
 namespace omni::calibration {

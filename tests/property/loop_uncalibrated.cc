@@ -9,7 +9,7 @@
 #include "service/config/device_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "service/sim/vec3.h"
 
 namespace omni::test {

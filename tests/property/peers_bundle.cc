@@ -3,17 +3,17 @@
 
 #include "service/calibration/adjust.h"
 #include "service/config/device_file.h"
-#include "service/peers/ceres_bundle.h"
-#include "service/tools/adjustment_start.h"
+#include "tests/bench/peers/ceres_bundle.h"
+#include "tests/support/adjustment_start.h"
 
 namespace omni::peers {
 namespace {
 
 // 1 mm, 1.5 %, 1.15 deg wrong; poses from the cold start on the drawing.
-base::Result<tools::AdjustmentStart> StartOf(std::uint64_t seed) {
+base::Result<test::AdjustmentStart> StartOf(std::uint64_t seed) {
   base::DeviceGeometry device = config::DefaultDevice();
   device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);
-  return tools::MakeAdjustmentStart(device, seed,
+  return test::MakeAdjustmentStart(device, seed,
                                     {.waves = 100, .touches = 30, .touch_sigma_m = 1e-4, .seed = seed + 1});
 }
 
@@ -21,7 +21,7 @@ TEST(PeersBundle, AgreesWithCeres) {
   for (const std::uint64_t seed : {4101U, 4102U, 4103U}) {
     const auto made = StartOf(seed);
     ASSERT_TRUE(made.ok()) << made.error();
-    const tools::AdjustmentStart& start = *made;
+    const test::AdjustmentStart& start = *made;
     ASSERT_GT(start.instants.size(), 100U);
     const BundleFit theirs =
         SolveBundle(start.problem, start.parameters, start.instants, {.function_tolerance = 1e-12});
@@ -43,7 +43,7 @@ TEST(PeersBundle, AgreesWithCeres) {
 TEST(PeersBundle, StartsFromTheSameCost) {
   const auto made = StartOf(4104);
   ASSERT_TRUE(made.ok()) << made.error();
-  const tools::AdjustmentStart& start = *made;
+  const test::AdjustmentStart& start = *made;
   const BundleFit none = SolveBundle(start.problem, start.parameters, start.instants, {.iterations_max = 0});
   const double cost = start.problem.Linearise(start.parameters, start.instants).cost;
   EXPECT_NEAR(none.cost, cost, 1e-9 * cost);

@@ -5,7 +5,7 @@
 
 #include "service/base/eigen.h"
 #include "service/config/device_file.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "service/tracker/static_solve.h"
 
 namespace omni::peers {

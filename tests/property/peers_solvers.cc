@@ -7,9 +7,9 @@
 
 #include "service/base/eigen.h"
 #include "service/config/device_file.h"
-#include "service/peers/analytic.h"
-#include "service/peers/peer.h"
-#include "service/sim/rig.h"
+#include "tests/bench/peers/analytic.h"
+#include "tests/bench/peers/peer.h"
+#include "tests/support/rig.h"
 #include "service/tracker/solver.h"
 #include "service/tracker/tracker.h"
 

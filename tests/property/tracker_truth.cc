@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "service/base/eigen.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "service/tracker/static_solve.h"
 #include "tests/support/nominal_device.h"
 

@@ -176,7 +176,7 @@ TEST(Walls, AbsurdStatesAreTamed) {
 }
 
 base::ForceLimit RandomLimit(Random& random) {
-  base::ForceLimit limit = tools::UsualLimit();
+  base::ForceLimit limit = test::UsualLimit();
   limit.force_max_N = random.Uniform(0.05, 3);
   limit.keeps_direction = random.Next() % 4 != 0;
   for (double& a : limit.ampere_per_newton) a += random.Uniform(-8, 8);

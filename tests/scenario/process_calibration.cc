@@ -11,7 +11,7 @@
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/magnetics/nominal.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "tests/support/omni_command.h"
 #include "tests/support/service_process.h"
 
@@ -48,11 +48,11 @@ class ProcessCalibration : public testing::Test {
   void Run(const std::string& hand) {
     const std::string command =
         "exec \"$0\" --device twin --twin-script " + folder_.Write("hand.json", hand) + " 2>" + Log();
-    auto started = tools::ChildProcess::Start({"/bin/sh", "-c", command, std::string(OMNI_BINARY_DIR) + "/bin/omnid"},
+    auto started = test::ChildProcess::Start({"/bin/sh", "-c", command, std::string(OMNI_BINARY_DIR) + "/bin/omnid"},
                                               {"OMNI_SOCKET=" + Socket(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
                                                "XDG_CACHE_HOME=" + folder_.Path("cache")});
     ASSERT_TRUE(started.ok()) << started.error();
-    omnid_ = std::make_unique<tools::ChildProcess>(std::move(*started));
+    omnid_ = std::make_unique<test::ChildProcess>(std::move(*started));
   }
 
   std::string Calibration() const { return folder_.Path("config/omni/calibration.toml"); }
@@ -89,7 +89,7 @@ class ProcessCalibration : public testing::Test {
   }
 
   const TempFolder folder_;
-  std::unique_ptr<tools::ChildProcess> omnid_;
+  std::unique_ptr<test::ChildProcess> omnid_;
 };
 
 void ExpectMentions(const std::string& text, std::initializer_list<const char*> words) {

@@ -22,18 +22,18 @@ class LedService {
     folder_.Write("config/omni/apps.d/test.toml",
                   "application = \"process_test*\"\nscene = \"" OMNI_SOURCE_DIR "/scenes/extrusion.glb\"\n");
   }
-  base::Result<tools::ChildProcess> StartOmnid() const {
-    return tools::ChildProcess::Start(
+  base::Result<test::ChildProcess> StartOmnid() const {
+    return test::ChildProcess::Start(
         {Program("omnid"), "--device", "twin", "--twin-script", OMNI_SOURCE_DIR "/scenes/extrusion.hand.json",
          "--twin-hand", hand_path(), "--log-level", "warn"},
         environment());
   }
-  base::Result<tools::ChildProcess> StartHand(const std::string& patience_s) const {
-    return tools::ChildProcess::Start({Program("omni"), "twin", "hand", OMNI_SOURCE_DIR "/scenes/extrusion.glb",
+  base::Result<test::ChildProcess> StartHand(const std::string& patience_s) const {
+    return test::ChildProcess::Start({Program("omni"), "twin", "hand", OMNI_SOURCE_DIR "/scenes/extrusion.glb",
                                        "--hand", hand_path(), "--patience", patience_s},
                                       environment(), output_path());
   }
-  tools::Environment environment() const {
+  test::Environment environment() const {
     return {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
             "XDG_CACHE_HOME=" + folder_.Path("cache")};
   }

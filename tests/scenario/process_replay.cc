@@ -23,8 +23,8 @@ class ProcessReplay : public testing::Test {
     std::filesystem::permissions(folder_.Path("run"), std::filesystem::perms::owner_all);
   }
 
-  base::Result<tools::ChildProcess> Start(std::vector<std::string> words, const std::string& output = {}) {
-    return tools::ChildProcess::Start(
+  base::Result<test::ChildProcess> Start(std::vector<std::string> words, const std::string& output = {}) {
+    return test::ChildProcess::Start(
         words, {"OMNI_SOCKET=" + folder_.Path("run/omnid.sock"), "XDG_CONFIG_HOME=" + folder_.Path("config")}, output);
   }
 

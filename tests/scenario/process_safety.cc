@@ -141,7 +141,7 @@ TEST(ProcessSafety, SecondServiceIsRefused) {
   service.Start();
   TestApplication app(service);
   ASSERT_TRUE(app.Run(5000, 5, [&] { return app.connection().connected(); }));
-  auto second = tools::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin"},
+  auto second = test::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin"},
                                            {"OMNI_SOCKET=" + service.socket_path()});
   ASSERT_TRUE(second.ok());
   EXPECT_EQ(second->Wait(), 1);
@@ -151,7 +151,7 @@ TEST(ProcessSafety, SecondServiceIsRefused) {
 TEST(ProcessSafety, FullDiskDoesNotStopTheService) {
   ServiceProcess service;
   auto started =
-      tools::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script",
+      test::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script",
                                   service.hand_path(), "--record", "/dev/full", "--log-level", "off"},
                                  {"OMNI_SOCKET=" + service.socket_path()});
   ASSERT_TRUE(started.ok());

@@ -16,7 +16,7 @@ namespace {
 std::vector<std::string> Programs() {
   std::vector<std::string> programs;
   for (const char* name : {"omni", "omnid", "scene_render", "scene_generator", "omni_probe", "omni_touch", "omni_force",
-                           "omni_align_probe", "omni_bench_layer", "omni_hil"}) {
+                           "omni_align_probe", "omni-twin", "omni-bench", "omni_bench_layer", "omni_hil"}) {
     if (std::filesystem::exists(BinaryPath(name))) programs.emplace_back(name);
   }
   return programs;
@@ -44,6 +44,24 @@ TEST(ExitStatus, VersionIsPrintedByBothMainPrograms) {
   }
 }
 
+TEST(ExitStatus, TwinNeedsAnInheritedSocketAndFilesThatAreThere) {
+  const struct {
+    Words options;
+    Words parts;
+  } rows[] = {{{"--fd", "987"}, {"987", "omnid --device twin"}},
+              {{"--fd", "2", "--script", "/no/such/script.json"}, {"/no/such/script.json"}},
+              {{"--fd", "2", "--device", "/no/such/device.toml"}, {"/no/such/device.toml"}}};
+  for (const auto& row : rows) {
+    Words words{BinaryPath("omni-twin")};
+    words.insert(words.end(), row.options.begin(), row.options.end());
+    const Ran twin = RunProgram(words);
+    EXPECT_EQ(twin.status, 1);
+    EXPECT_EQ(std::count(twin.err.begin(), twin.err.end(), '\n'), 1) << twin.err;
+    EXPECT_TRUE(twin.err.starts_with("omni-twin: ")) << twin.err;
+    for (const std::string& part : row.parts) EXPECT_NE(twin.err.find(part), std::string::npos) << twin.err;
+  }
+}
+
 TEST(ExitStatus, MistypedWordsAreTwoAndNameTheNearest) {
   const struct {
     Words words;
@@ -54,6 +72,7 @@ TEST(ExitStatus, MistypedWordsAreTwoAndNameTheNearest) {
       {{"omnid", "--device", "repaly:x"}, "'replay:FILE'"},
       {{"omnid", "--hand", "lfet"}, "'left'"},
       {{"omnid", "--log-level", "debgu"}, "'debug'"},
+      {{"omni-twin", "--sede", "1"}, "'--seed'"},
       {{"omni", "record", "x.rec", "--device", "ubs"}, "'usb'"},
       {{"scene_render", "dragon", "x.png", "--view", "tpo"}, "'top'"},
       {{"omni_probe", "--profiles", "tuoch"}, "'touch'"},

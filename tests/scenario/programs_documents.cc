@@ -109,6 +109,11 @@ bool IsCommandWord(const std::string& word) {
          std::all_of(word.begin(), word.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '-'; });
 }
 
+bool IsOurs(const std::string& program) {
+  const auto programs = {"omni", "omnid", "omni-twin", "omni-bench", "scene_render", "omni_hil"};
+  return std::find(programs.begin(), programs.end(), program) != programs.end();
+}
+
 // What of the words does not exist; empty: nothing. words[0]: the program.
 std::string ProblemWith(const Words& words) {
   Words path{words[0]};
@@ -149,9 +154,7 @@ TEST(Documents, EveryCommandThatTheyNameExistsWithItsOptions) {
         if (!words.empty() && words[0] == "$") words.erase(words.begin());
         if (words.empty()) continue;
         words[0] = fs::path(words[0]).filename().string();
-        const bool ours =
-            words[0] == "omni" || words[0] == "omnid" || words[0] == "scene_render" || words[0] == "omni_hil";
-        if (!ours || !fs::exists(BinaryPath(words[0]))) continue;
+        if (!IsOurs(words[0]) || !fs::exists(BinaryPath(words[0]))) continue;
         ++commands;
         if (const std::string problem = ProblemWith(words); !problem.empty()) {
           problems += code.where + ": " + problem + " in `" + code.text + "`\n";

@@ -57,7 +57,7 @@ class OnTerminals : public testing::Test {
 };
 
 TEST_F(OnTerminals, HelpOfEveryProgramFits) {
-  for (const char* program : {"omnid", "scene_render", "omni_hil"}) {
+  for (const char* program : {"omnid", "omni-twin", "omni-bench", "scene_render", "omni_hil"}) {
     if (std::filesystem::exists(BinaryPath(program))) ExpectFits({BinaryPath(program), "--help"}, environment());
   }
 }
@@ -68,7 +68,6 @@ TEST_F(OnTerminals, HelpOfEveryCommandFits) {
                                                  {"scene", "explain"},
                                                  {"scene", "save"},
                                                  {"surfaces"},
-                                                 {"bench"},
                                                  {"align"},
                                                  {"track"},
                                                  {"twin", "run"},

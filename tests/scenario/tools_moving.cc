@@ -8,7 +8,7 @@
 #include "service/config/twin_file.h"
 #include "service/daemon/virtual_run.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "service/sim/twin.h"
 #include "service/tools/report.h"
 #include "service/tools/scene_source.h"

@@ -10,9 +10,9 @@
 
 #include "service/base/limits.h"
 #include "service/loop/tick.h"
-#include "service/sim/rig.h"
-#include "service/sim/scan_faults.h"
 #include "service/sim/vec3.h"
+#include "tests/support/rig.h"
+#include "tests/support/scan_faults.h"
 
 namespace omni::test {
 

@@ -19,8 +19,8 @@
 
 #include "service/base/clock.h"
 #include "service/client/connection.h"
-#include "service/tools/child_process.h"
 #include "service/tools/csv_table.h"
+#include "tests/support/child_process.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::test {
@@ -67,15 +67,15 @@ class ServiceProcess {
     StartProgram(words, log_path);
   }
   // Another device, or none.
-  void StartProgram(std::vector<std::string> words, const std::string& log_path, tools::Environment more = {}) {
+  void StartProgram(std::vector<std::string> words, const std::string& log_path, test::Environment more = {}) {
     if (!log_path.empty()) {
       words.insert(words.begin(), {"/bin/sh", "-c", "exec \"$@\" 2>\"$0\"", log_path});
     }
-    tools::Environment environment{"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
-                                   "XDG_CACHE_HOME=" + folder_.Path("cache")};
+    test::Environment environment{"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
+                                  "XDG_CACHE_HOME=" + folder_.Path("cache")};
     environment.insert(environment.end(), more.begin(), more.end());
-    auto started = tools::ChildProcess::Start(words, environment);
-    if (started.ok()) process_ = std::make_unique<tools::ChildProcess>(std::move(*started));
+    auto started = test::ChildProcess::Start(words, environment);
+    if (started.ok()) process_ = std::make_unique<test::ChildProcess>(std::move(*started));
   }
 
   pid_t pid() const { return process_ == nullptr ? -1 : process_->pid(); }
@@ -117,7 +117,7 @@ class ServiceProcess {
       {"s": 60, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]}]})";
 
   const TempFolder folder_;  // outlives the process
-  std::unique_ptr<tools::ChildProcess> process_;
+  std::unique_ptr<test::ChildProcess> process_;
 };
 
 // An application: connects, becomes focused, gives a sign of life every `period_ms`.

@@ -7,7 +7,7 @@
 #include "service/calibration/coverage.h"
 #include "service/calibration/touches.h"
 #include "service/calibration/window.h"
-#include "service/tools/rig_recording.h"
+#include "tests/support/rig_recording.h"
 #include "tests/support/nominal_device.h"
 
 namespace omni::calibration {

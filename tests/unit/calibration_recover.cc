@@ -7,7 +7,7 @@
 #include "service/base/eigen.h"
 #include "service/calibration/self_calibration.h"
 #include "service/magnetics/nominal.h"
-#include "service/tools/rig_recording.h"
+#include "tests/support/rig_recording.h"
 #include "tests/support/nominal_device.h"
 
 namespace omni::calibration {
@@ -61,7 +61,7 @@ TEST(CalibrationRecover, SensorsComeBackFromAlmostCleanReadings) {
     options.sizes.coil_strength = 0;
     options.saturation = false;
     sim::Rig rig(device, options);
-    const auto outcome = SelfCalibrate(nominal, device.coils, tools::MakeRecording(rig, {.seed = seed}));
+    const auto outcome = SelfCalibrate(nominal, device.coils, test::MakeRecording(rig, {.seed = seed}));
     ASSERT_TRUE(outcome.ok()) << outcome.error();
     const base::Calibration exact = rig.ExactCalibration();
     EXPECT_GT(PositionError_m(nominal, exact), 1e-3);
@@ -79,7 +79,7 @@ TEST(CalibrationRecover, NoisyReadingsFitAsTheyShould) {
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(31, sim::NoiseMode::kUltraHigh));
   const Recording recording =
-      tools::MakeRecording(rig, {.waves = 300, .touches = 80, .touch_sigma_m = 1e-4, .seed = 8});
+      test::MakeRecording(rig, {.waves = 300, .touches = 80, .touch_sigma_m = 1e-4, .seed = 8});
   const auto outcome = SelfCalibrate(nominal, device.coils, recording);
   ASSERT_TRUE(outcome.ok()) << outcome.error();
   const Report& report = outcome->report;
@@ -105,7 +105,7 @@ TEST(CalibrationRecover, GainScaleGoesToTheMoment) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(41, sim::NoiseMode::kUltraHigh));
-  Recording recording = tools::MakeRecording(rig, {.waves = 150, .touches = 40, .responses = false, .seed = 8});
+  Recording recording = test::MakeRecording(rig, {.waves = 150, .touches = 40, .responses = false, .seed = 8});
   const auto plain = SelfCalibrate(nominal, {}, recording);
   for (Sample& sample : recording.samples) {
     for (base::Vec3& B : sample.field_sensor_T) B = {1.02 * B.x, 1.02 * B.y, 1.02 * B.z};
@@ -122,7 +122,7 @@ TEST(CalibrationRecover, CoilAxesFixTheRotationThatTouchesLeaveOpen) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(51, sim::NoiseMode::kUltraHigh));
-  const Recording recording = tools::MakeRecording(rig, {.waves = 150, .touches = 40, .seed = 9});
+  const Recording recording = test::MakeRecording(rig, {.waves = 150, .touches = 40, .seed = 9});
   const auto with = SelfCalibrate(nominal, device.coils, recording);
   const auto without = SelfCalibrate(nominal, {}, recording);
   ASSERT_TRUE(with.ok()) << with.error();
@@ -138,7 +138,7 @@ TEST(CalibrationRecover, SaysWhatTheRecordingDidNotFix) {
   base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(61, sim::NoiseMode::kUltraHigh));
-  Recording rich = tools::MakeRecording(rig, {.waves = 300, .touches = 80, .seed = 10});
+  Recording rich = test::MakeRecording(rig, {.waves = 300, .touches = 80, .seed = 10});
   // Sensor 4's x axis is dead: its row of the gain stays at its tolerance.
   for (Sample& sample : rich.samples) sample.field_sensor_T[4].x = std::nan("");
   Options options;
@@ -159,7 +159,7 @@ TEST(CalibrationRecover, WildSamplesAndFalseTouchesLoseTheirSay) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(71, sim::NoiseMode::kUltraHigh));
-  Recording recording = tools::MakeRecording(rig, {.waves = 200, .touches = 60, .seed = 12});
+  Recording recording = test::MakeRecording(rig, {.waves = 200, .touches = 60, .seed = 12});
   const auto clean = SelfCalibrate(nominal, device.coils, recording);
   for (std::size_t n = 0; n < 200; n += 20) recording.samples[n].field_sensor_T[n / 20 % 8].z += 3e-5;
   for (std::size_t n = 5; n < 200; n += 40) recording.samples[n].touches_hull = true;  // in the air

@@ -7,7 +7,7 @@
 
 #include "service/calibration/self_calibration.h"
 #include "service/magnetics/nominal.h"
-#include "service/tools/rig_recording.h"
+#include "tests/support/rig_recording.h"
 #include "tests/support/nominal_device.h"
 
 namespace omni::calibration {
@@ -17,7 +17,7 @@ class CalibrationRefuse : public ::testing::Test {
  protected:
   CalibrationRefuse() : device_(support::NominalDevice()), rig_(device_, Options()) {
     nominal_ = magnetics::NominalCalibration(device_);
-    recording_ = tools::MakeRecording(rig_, {.waves = 90, .touches = 25, .seed = 2});
+    recording_ = test::MakeRecording(rig_, {.waves = 90, .touches = 25, .seed = 2});
   }
 
   static sim::RigOptions Options() {
@@ -61,14 +61,14 @@ TEST_F(CalibrationRefuse, PenHeldStillOrOnOneSideOnly) {
   const sim::MagnetPose pose = rig_.DrawPose({}, random);
   for (Sample& sample : recording_.samples) {
     const bool touches = sample.touches_hull;
-    sample = tools::TakeSample(rig_, pose, sample.t_s, random);
+    sample = test::TakeSample(rig_, pose, sample.t_s, random);
     sample.touches_hull = touches;
   }
   Expect(Why(), {"the pen moved by", "wave it"});
   for (Sample& sample : recording_.samples) {
     const bool touches = sample.touches_hull;
     const sim::MagnetPose high = rig_.DrawPose({.elevation_min_rad = 1.2}, random);
-    sample = tools::TakeSample(rig_, high, sample.t_s, random);
+    sample = test::TakeSample(rig_, high, sample.t_s, random);
     sample.touches_hull = touches;
   }
   Expect(Why(), {"upper hemisphere", "on all sides"});

@@ -34,16 +34,16 @@ const base::Vec3 kTip{0.01, 0, 0.05};
 
 sim::TwinOptions Options() { return support::HoldingTwin(kTip); }
 
-// This test program doubles as the twin's process: started as `test_device twin serve --fd N [--record FILE]` it serves
-// and ends before any test is run.
+// This test program doubles as the twin's process: started as `test_device --fd N [--record FILE]` it serves and ends
+// before any test is run.
 const bool kServed = [] {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
   std::vector<std::string> words;
   for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
-  if (words.size() < 5 || words[1] != "twin" || words[2] != "serve" || words[3] != "--fd") return false;
+  if (words.size() < 3 || words[1] != "--fd") return false;
   sim::TwinOptions options = Options();
-  if (words.size() == 7) options.recording_path = words[6];
-  _exit(sim::ServeTwin(support::NominalDevice(), options, std::atoi(words[4].c_str()), 0.15));
+  if (words.size() == 5) options.recording_path = words[4];
+  _exit(sim::ServeTwin(support::NominalDevice(), options, std::atoi(words[2].c_str()), 0.15));
 }();
 
 std::string ThisProgram() {

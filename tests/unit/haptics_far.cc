@@ -52,7 +52,7 @@ class Wanderer {
     input.noise_along = {1e-10, 0, 1e-6};
     input.axis_base = {0, 0, -1};
     input.delay_s = 1e-3;
-    input.limit = tools::UsualLimit();
+    input.limit = test::UsualLimit();
     return input;
   }
 

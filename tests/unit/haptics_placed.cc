@@ -21,7 +21,7 @@ base::Quat QuarterAbout(const Vec3& axis, double angle_rad) {
 struct PlacedPen {
   explicit PlacedPen(const SceneInput& from) : scene(Built(from)) {
     config = {.ramp_s = 0, .delay_s = 0, .coil_lag_s = 0, .predict_max_s = 0};
-    input.limit = tools::UsualLimit();
+    input.limit = test::UsualLimit();
     input.tracked = true;
     Enter(scene, state);
   }

@@ -9,7 +9,7 @@
 
 #include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/haptics.h"
-#include "service/tools/usual_limit.h"
+#include "tests/support/usual_limit.h"
 
 namespace omni::haptics {
 
@@ -120,7 +120,7 @@ class Pen {
     config.coil_lag_s = 0;
     config.predict_max_s = 0;
     config.ramp_s = 0;
-    input.limit = tools::UsualLimit();
+    input.limit = test::UsualLimit();
     input.tracked = true;
     Enter(scene_, state);
   }

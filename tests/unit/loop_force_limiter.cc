@@ -9,7 +9,7 @@
 #include "service/haptics/geometry/vec_math.h"
 #include "service/loop/force_limiter.h"
 #include "service/sim/random.h"
-#include "service/tools/usual_limit.h"
+#include "tests/support/usual_limit.h"
 
 namespace omni::loop {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kTick_s = 1e-3;
 constexpr double kRise_N = 0.85;
 
 base::ForceLimit Limit(double trust = 1, double growth_s = kTick_s) {
-  base::ForceLimit limit = tools::UsualLimit();
+  base::ForceLimit limit = test::UsualLimit();
   NarrowLimit({}, trust, growth_s, limit);
   return limit;
 }
@@ -85,7 +85,7 @@ TEST(ForceLimiter, TrustScalesSizeAndRise) {
     ForceLimiterState state;
     EXPECT_EQ(LimitForce(Limit(none), {0, 0, 1}, state), base::Vec3{}) << none;
   }
-  EXPECT_NEAR(Limit(7).force_max_N, tools::UsualLimit().force_max_N, 1e-12);
+  EXPECT_NEAR(Limit(7).force_max_N, test::UsualLimit().force_max_N, 1e-12);
 }
 
 TEST(ForceLimiter, AHoleAllowsNoMoreThanATick) {

@@ -7,8 +7,8 @@
 #include "service/config/device_file.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/nominal.h"
-#include "service/peers/paper_method.h"
-#include "service/sim/rig.h"
+#include "tests/bench/peers/paper_method.h"
+#include "tests/support/rig.h"
 #include "tests/support/numeric.h"
 
 namespace omni::peers {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "service/sim/bound.h"
+#include "tests/support/bound.h"
 #include "tests/support/nominal_device.h"
 
 namespace omni::sim {

@@ -7,7 +7,7 @@
 
 #include "service/sim/charge_kernel.h"
 #include "service/sim/random.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "tests/support/nominal_device.h"
 
 namespace omni::sim {

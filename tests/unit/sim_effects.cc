@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "service/sim/effects.h"
-#include "service/sim/rig.h"
+#include "tests/support/rig.h"
 #include "tests/support/nominal_device.h"
 
 namespace omni::sim {

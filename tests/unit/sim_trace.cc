@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/sim/trace.h"
+#include "tests/support/trace.h"
 #include "tests/support/nominal_device.h"
 #include "tests/support/same_bits.h"
 

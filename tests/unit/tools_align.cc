@@ -10,9 +10,9 @@
 #include "service/tools/align_nudge.h"
 #include "service/tools/align_probe.h"
 #include "service/tools/align_service.h"
-#include "service/tools/align_simulation.h"
 #include "service/tools/align_text.h"
 #include "service/tools/statistics.h"
+#include "tests/support/align_simulation.h"
 
 namespace omni::tools {
 namespace {
@@ -130,7 +130,7 @@ TEST(ToolsAlignSession, EachMethodFindsTheBase) {
     std::vector<double> seconds;
     int refused = 0;
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
-      const AlignTrial trial = SimulateAlignment(With(what.method), {}, seed);
+      const test::AlignTrial trial = test::SimulateAlignment(With(what.method), {}, seed);
       refused += trial.refused;
       if (trial.refused) continue;
       EXPECT_LT(trial.error_m, what.most_m) << AlignMethodName(what.method) << " " << seed;
@@ -148,18 +148,18 @@ TEST(ToolsAlignSession, EachMethodFindsTheBase) {
 }
 
 TEST(ToolsAlignSession, EqualSeedsGiveEqualBits) {
-  const AlignTrial a = SimulateAlignment(With(AlignMethod::kTouch), {}, 5);
-  const AlignTrial b = SimulateAlignment(With(AlignMethod::kTouch), {}, 5);
+  const test::AlignTrial a = test::SimulateAlignment(With(AlignMethod::kTouch), {}, 5);
+  const test::AlignTrial b = test::SimulateAlignment(With(AlignMethod::kTouch), {}, 5);
   EXPECT_EQ(a.error_m, b.error_m);
   EXPECT_EQ(a.outcome.base_space.position_m, b.outcome.base_space.position_m);
 }
 
 TEST(ToolsAlignSession, AWrongMarkIsNamed) {
-  AlignNoise noise;
+  test::AlignNoise noise;
   noise.wrong_touch = 1;
   int named = 0, other = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const AlignTrial trial = SimulateAlignment(With(AlignMethod::kTouch), noise, seed);
+    const test::AlignTrial trial = test::SimulateAlignment(With(AlignMethod::kTouch), noise, seed);
     if (trial.refused) continue;
     named += trial.outcome.wrong_group == trial.wrong_touch;
     other += trial.outcome.wrong_group >= 0 && trial.outcome.wrong_group != trial.wrong_touch;

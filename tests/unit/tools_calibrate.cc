@@ -8,11 +8,11 @@
 
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
-#include "service/sim/rig.h"
 #include "service/tools/calibrate_text.h"
 #include "service/tools/calibrate_twin.h"
-#include "service/tools/calibration_error.h"
+#include "tests/support/calibration_error.h"
 #include "tests/support/omni_command.h"
+#include "tests/support/rig.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
@@ -60,7 +60,7 @@ TEST(ToolsCalibrate, AScriptedHandCalibratesTheTwin) {
   EXPECT_EQ(last, CalibrationStep::kDone);
   EXPECT_EQ(done->outcome.report.touches, 20);
   sim::Rig rig(device, {.seed = 5, .sizes = truth.imperfections});
-  const auto after = MeasureCalibrationError(rig, done->outcome.calibration, {.poses = 200});
+  const auto after = test::MeasureCalibrationError(rig, done->outcome.calibration, {.poses = 200});
   ASSERT_TRUE(after.ok()) << after.error();
   EXPECT_LT(after->raw_mm, 0.6);
   EXPECT_LT(after->orientation_deg, 0.6);

@@ -57,7 +57,7 @@ std::string Pyramid(const std::string& extras) {
 TEST(ToolsCommandLine, HelpNamesEverySubcommandAndTheExitStatuses) {
   const Outcome help = RunOmni({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word : {"status", "watch", "doctor", "scene", "twin", "bench", "Exit status"}) {
+  for (const char* word : {"status", "watch", "doctor", "scene", "twin", "Exit status"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
   const Outcome below = RunOmni({"scene", "explain", "--help"});
@@ -79,7 +79,6 @@ TEST(ToolsCommandLine, WrongArgumentsAreTwo) {
   EXPECT_EQ(RunOmni({"scene"}).status, kExitUsage);
   EXPECT_EQ(RunOmni({"scene", "explain"}).status, kExitUsage);
   EXPECT_EQ(RunOmni({"twin", "serve"}).status, kExitUsage);
-  EXPECT_EQ(RunOmni({"twin", "serve", "--fd", "x"}).status, kExitUsage);
   EXPECT_EQ(RunOmni({"watch", "--seconds", "-1"}).status, kExitUsage);
   EXPECT_NE(RunOmni({"dance"}).err, "");
 }
@@ -91,7 +90,7 @@ TEST(ToolsCommandLine, MistypedWordsNameTheNearestAtEveryLevel) {
   } rows[] = {
       {{"statsu"}, "omni: there is no command 'statsu'; did you mean 'status'?\n"},
       {{"scene", "explian", "dragon"}, "omni scene: there is no command 'explian'; did you mean 'explain'?\n"},
-      {{"bench", "fritcion"}, "omni bench: there is no command 'fritcion'; did you mean 'friction'?\n"},
+      {{"device", "lsit"}, "omni device: there is no command 'lsit'; did you mean 'list'?\n"},
       {{"twin", "rnu"}, "omni twin: there is no command 'rnu'; did you mean 'run'?\n"},
       {{"layer", "enalbe"}, "omni layer: there is no command 'enalbe'; did you mean 'enable'?\n"},
       {{"status", "--jsn"}, "omni status: there is no option '--jsn'; did you mean '--json'?\n"},
@@ -297,16 +296,14 @@ TEST(ToolsCommandLine, ExplainRefusesWithOneLine) {
   EXPECT_EQ(broken.out, "");
 }
 
-TEST(ToolsCommandLine, TwinServeNeedsAnInheritedSocket) {
-  const Outcome serve = RunOmni({"twin", "serve", "--fd", "987"});
-  EXPECT_EQ(serve.status, kExitFailed);
-  ExpectOneLine(serve.err, {"omni twin serve:", "987", "omnid --device twin"});
-  const Outcome script = RunOmni({"twin", "serve", "--fd", "2", "--script", "/no/such/script.json"});
-  EXPECT_EQ(script.status, kExitFailed);
-  ExpectOneLine(script.err, {"/no/such/script.json"});
-  const Outcome device = RunOmni({"twin", "serve", "--fd", "2", "--device", "/no/such/device.toml"});
-  EXPECT_EQ(device.status, kExitFailed);
-  ExpectOneLine(device.err, {"/no/such/device.toml"});
+TEST(ToolsCommandLine, BenchmarksSayWhereTheyWent) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"bench"}, {"bench", "tick", "--seed", "4"}, {"bench", "--help"}}) {
+    const Outcome moved = RunOmni(words);
+    EXPECT_EQ(moved.status, kExitUsage);
+    ExpectOneLine(moved.err, {"omni bench: ", "--target omni-bench", "build/release/bin/omni-bench\n"});
+  }
+  ExpectOneLine(RunOmni({"paper", "forces"}).err, {"omni paper: ", "`omni-bench paper`"});
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/tools/bench.h"
 #include "service/tools/report.h"
+#include "service/tools/row_table.h"
 #include "service/tools/run_picture.h"
 #include "service/tools/statistics.h"
 #include "tests/support/temp_folder.h"
@@ -126,14 +126,14 @@ TEST(Statistics, NearestRank) {
 }
 
 TEST(BenchOutput, DocumentHasTheContractedKeys) {
-  const BenchRows rows{{{"scene", "a"}, {"ticks", 5}, {"us_median", 1.5}, {"syscalls", nullptr}}};
-  const auto document = BenchDocument("loop", rows);
+  const Rows rows{{{"scene", "a"}, {"ticks", 5}, {"us_median", 1.5}, {"syscalls", nullptr}}};
+  const auto document = RowDocument("loop", rows);
   EXPECT_EQ(document.at("name"), "loop");
   EXPECT_TRUE(document.at("commit").is_string());
   EXPECT_FALSE(document.at("machine").get<std::string>().empty());
   EXPECT_TRUE(document.at("rows")[0].at("us_median").is_number());
   EXPECT_TRUE(document.at("rows")[0].at("syscalls").is_null());
-  EXPECT_NE(BenchTable(rows).find("1.500"), std::string::npos);
+  EXPECT_NE(RowTable(rows).find("1.500"), std::string::npos);
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include "service/config/device_file.h"
 #include "service/magnetics/array.h"
 #include "service/magnetics/cylinder.h"
-#include "service/sim/rig.h"
 #include "service/tools/track_run.h"
 #include "tests/support/numeric.h"
+#include "tests/support/rig.h"
 
 namespace omni::tools {
 namespace {
@@ -71,7 +71,7 @@ TEST(TrackRun, ArraysOfManySizesFindTheCylinder) {
     const Made made = MakePatch(count, 40, 0, 500 + static_cast<std::uint64_t>(count));
     const auto rows = TrackRecording(made.array, made.recording, {.chi2_max = 1e9});
     ASSERT_TRUE(rows.ok()) << rows.error();
-    const BenchRows errors = TrackErrors(*rows, made.truth);
+    const Rows errors = TrackErrors(*rows, made.truth);
     EXPECT_EQ(errors[0].at("n"), 40) << count;
     EXPECT_LT(errors[0].at("p95_mm").get<double>(), 0.02) << count;
     EXPECT_LT(errors[0].at("orientation_p95_deg").get<double>(), 0.05) << count;

@@ -132,7 +132,7 @@ TEST(Hits, AreFeltByThePenThatDrove) {
 
 TEST(Hits, AStrongOneIsFeltThroughAWeakOne) {
   Driver driver(Built(Ring()));
-  const base::ForceLimit limit = tools::UsualLimit();
+  const base::ForceLimit limit = test::UsualLimit();
   const PulseLimits limits{limit, {}, 850};
   Impacts weak, strong;
   weak.count = strong.count = 1;

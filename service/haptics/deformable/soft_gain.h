@@ -1,6 +1,6 @@
 // Gain of a large dent over Hertz's law, F / F_Hertz = 1 + g1 s + g2 s^2, s = sqrt(x / R), of a neo-Hookean half-space
 // under a rigid frictionless ball. g1, g2 are quadratic in Poisson's ratio; the constants are the least-squares fit
-// that `omni bench deformable` repeats and prints beside them (side table "gain").   (5.1)
+// that `omni-bench deformable` repeats and prints beside them (side table "gain").   (5.1)
 #pragma once
 
 namespace omni::haptics {

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "service/tools/work_folder.h"
 #include "tests/bench/bombs/measure.h"
+#include "tests/bench/harness/work_folder.h"
 #include "tests/support/bombs.h"
 
 namespace omni::bombs {
@@ -190,7 +190,7 @@ int Run(int argc, char** argv) {
     if (word == "--bytes") options.bytes = std::strtoul(argv[i + 1], nullptr, 10);
     if (word == "--limit") options.limit_s = std::strtod(argv[i + 1], nullptr);
   }
-  const tools::WorkFolder folder;
+  const bench::WorkFolder folder;
   if (!RunScenes(options, folder.path())) {
     std::fprintf(stderr, "omnid does not start, or nothing is drawn: is %s built?\n", options.bin.c_str());
     return 1;

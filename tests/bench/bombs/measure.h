@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "service/client/connection.h"
-#include "service/tools/child_process.h"
+#include "tests/support/child_process.h"
 
 namespace omni::bombs {
 

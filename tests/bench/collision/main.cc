@@ -1,4 +1,4 @@
-// omni_bench_collision: run by `omni bench collision`; prints rows as JSON.
+// omni_bench_collision: run by `omni-bench collision`; prints rows as JSON.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>

@@ -130,7 +130,7 @@ Config PlainConfig() {
 Input PlainInput() {
   Input input;
   input.tracked = true;
-  input.limit = tools::UsualLimit();
+  input.limit = test::UsualLimit();
   return input;
 }
 

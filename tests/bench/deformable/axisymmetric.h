@@ -1,4 +1,4 @@
-// The judge of `omni bench deformable`: a rigid frictionless ball pressed into a neo-Hookean body of revolution along
+// The judge of `omni-bench deformable`: a rigid frictionless ball pressed into a neo-Hookean body of revolution along
 // its axis. Large strains, own mesh graded towards the contact, no code or mesh in common with what it judges.
 #pragma once
 

@@ -44,7 +44,7 @@ constexpr auto kSpacesLocateInfo = static_cast<XrStructureType>(1000471000);
 constexpr auto kSpaceLocations = static_cast<XrStructureType>(1000471001);
 using LocateSpacesFunction = XrResult(XRAPI_PTR*)(XrSession, const SpacesLocateInfo*, SpaceLocations*);
 
-// What is timed. Names are what `omni bench` shows.
+// What is timed. Names are what `omni-bench` shows.
 struct Calls {
   explicit Calls(const App& the_app) : app(the_app), time(Now(the_app)) {}
 

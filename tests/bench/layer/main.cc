@@ -1,5 +1,5 @@
 // omni_bench_layer: an ordinary OpenXR application that measures its own calls, with whatever layers the environment
-// enables. `omni bench layer` and `omni bench ipc` run it.
+// enables. `omni-bench layer` and `omni-bench ipc` run it.
 //   --pen                 first wait until the right hand's pose is valid
 //   --runtime LIBRARY     the runtime's, to count the calls that reach it
 //   --count N             instead of times: N calls of each counted kind between markers (getppid), for a tracer

@@ -1,0 +1,158 @@
+// omni-bench race: the shipped track, a pen held still at the joystick's centre, and a car that hits the wall beside it
+// at 20 speeds. Felt: the magnetic force on the pen, from the twin's own record of the truth.
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+#include "service/base/force_limit.h"
+#include "service/config/device_file.h"
+#include "service/haptics/vehicle/wall_map.h"
+#include "service/loop/denormals.h"
+#include "service/loop/tick_config.h"
+#include "service/scene/scene_file.h"
+#include "service/sim/twin.h"
+#include "service/tools/csv_table.h"
+#include "service/tools/scene_source.h"
+#include "tests/bench/haptics/race.h"
+#include "tests/bench/harness/bench.h"
+#include "tests/bench/harness/work_folder.h"
+
+namespace omni::bench {
+namespace {
+
+using haptics::Dot;
+using haptics::operator*;
+using haptics::operator+;
+
+constexpr int kSpeeds = 20;
+constexpr double kSlowest_m_s = 0.05, kFastest_m_s = 2;
+constexpr double kHitSpeed_m_s = 0.5;  // of the tag: a car for these speeds; the shipped one is for 0.06 m/s
+constexpr int kHitTick = 1000;         // the gate is open, the hand has come to rest
+constexpr int kHitRunTicks = 1100;
+constexpr int kBaselineTicks = 100;  // before the hit: their mean is taken off
+constexpr double kBesideWall_m = 1e-5;
+
+double SpeedOf(int k) {
+  return kSlowest_m_s * std::pow(kFastest_m_s / kSlowest_m_s, static_cast<double>(k) / (kSpeeds - 1));
+}
+
+struct HitRun {
+  double pulse_N = 0;      // amplitude that the hit was given
+  double commanded_N = 0;  // peak of what was sent to the coils, along the wall's normal
+  double felt_N = 0;       // peak of the force on the magnet, along the wall's normal, over its mean before the hit
+  double limit_N = 0;      // what the device can do along it, at that pose
+  std::uint32_t hits = 0;
+};
+
+base::Result<haptics::Scene> TrackForTheseSpeeds() {
+  scene::LoadReport load;
+  auto input = scene::LoadSceneFile(tools::ShippedScene("racetrack"), {}, load);
+  if (!input.ok()) return base::Error{input.error()};
+  if (!input->vehicle || !input->joystick) return base::Error{"racetrack: has no vehicle or no joystick"};
+  input->vehicle->hit_speed_m_s = kHitSpeed_m_s;
+  haptics::BuildReport report;
+  return haptics::BuildScene(*input, report);
+}
+
+// Beside the wall nearest to its start, about to hit it head on.
+void Aim(const haptics::Scene& scene, double speed_m_s, base::Vec3& normal, haptics::VehicleState& car) {
+  const haptics::Wall wall = haptics::NearestWall(haptics::WallsOf(scene), car.position_base_m, 1);
+  const double closer_m = wall.distance_m - scene.header().vehicle.radius_m - kBesideWall_m;
+  normal = wall.normal;
+  car.position_base_m = car.position_base_m + (-closer_m) * normal;
+  car.velocity_base_m_s = (-speed_m_s) * normal;
+  car.heading_rad = std::atan2(-normal.y, -normal.x);
+}
+
+base::Result<double> FeltPeak_N(const std::string& recording, const base::Vec3& normal) {
+  auto truth = tools::CsvTable::Read(recording);
+  if (!truth.ok()) return base::Error{truth.error()};
+  if (truth->rows() < kHitRunTicks) return base::Error{recording + ": the twin recorded too few ticks"};
+  std::vector<double> along_N(truth->rows());
+  for (std::size_t i = 0; i < along_N.size(); ++i) {
+    along_N[i] = Dot({(*truth)["force_x_N"][i], (*truth)["force_y_N"][i], (*truth)["force_z_N"][i]}, normal);
+  }
+  double mean_N = 0, peak_N = 0;
+  for (int i = kHitTick - kBaselineTicks; i < kHitTick; ++i) mean_N += along_N[static_cast<std::size_t>(i)];
+  mean_N /= kBaselineTicks;
+  for (std::size_t i = kHitTick; i < along_N.size(); ++i) peak_N = std::max(peak_N, along_N[i] - mean_N);
+  return peak_N;
+}
+
+base::Result<HitRun> RunHit(const haptics::Scene& scene, double speed_m_s, std::uint64_t seed,
+                            const std::string& recording) {
+  const base::DeviceGeometry device = config::DefaultDevice();
+  const loop::TickConfig config = loop::MakeTickConfig(device);
+  sim::HandScript still;
+  still.name = "still";
+  still.waypoints.push_back({.tip_base_m = scene.header().joystick.centre_base_m});
+  auto twin = sim::MakeVirtualTwin(device, {.seed = seed, .script = still, .recording_path = recording},
+                                   (kHitRunTicks + 50) * base::kTickPeriod_s);
+  const auto state = std::make_unique<loop::LoopState>();
+  const auto output = std::make_unique<loop::TickOutput>();
+  loop::EnterScene(scene, 1, *state);
+  HitRun run;
+  base::Vec3 normal;
+  base::HallScan scan;
+  for (int tick = 0; twin->Read(scan, 0) == device::ReadStatus::kScan; ++tick) {
+    haptics::VehicleState& car = state->haptics.vehicle;
+    if (tick == kHitTick) Aim(scene, speed_m_s, normal, car);
+    loop::Tick(config, scan, {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1},
+               scene, *state, *output);
+    twin->Write(output->currents);
+    if (tick < kHitTick) continue;
+    run.commanded_N = std::max(run.commanded_N, Dot(output->wrench.force_N, normal));
+    for (const haptics::HitPulse& pulse : car.pulses) run.pulse_N = std::max(run.pulse_N, pulse.amplitude_N);
+    if (tick > kHitTick) continue;
+    run.limit_N =
+        base::ForceMax_N(actuation::ComputeDeratedLimit(config.actuation, output->tool, state->actuation.heat), normal);
+  }
+  run.hits = state->haptics.vehicle.hits;
+  twin.reset();  // closes the recording
+  const auto felt = FeltPeak_N(recording, normal);
+  if (!felt.ok()) return base::Error{felt.error()};
+  run.felt_N = *felt;
+  return run;
+}
+
+}  // namespace
+
+base::Result<BenchRows> BenchRace(const BenchOptions& options) {
+  loop::FlushDenormals();
+  auto scene = TrackForTheseSpeeds();
+  if (!scene.ok()) return base::Error{scene.error()};
+  const WorkFolder scratch;
+  if (scratch.path().empty()) return base::Error{"no folder for the twin's recordings can be made; check $TMPDIR"};
+  BenchRows rows;
+  std::vector<std::uint64_t> seeds = ThreeSeeds(options.seed);
+  if (options.quick) seeds.resize(1);
+  for (const std::uint64_t seed : seeds) {
+    HitRun last;
+    for (int k = 0; k < kSpeeds; ++k) {
+      const auto run = RunHit(*scene, SpeedOf(k), seed, (scratch.path() / "truth.csv").string());
+      if (!run.ok()) return base::Error{run.error()};
+      if (run->hits != 1) return base::Error{"the car hit " + std::to_string(run->hits) + " times in place of once"};
+      rows.push_back({{"seed", seed},
+                      {"speed_m_s", SpeedOf(k)},
+                      {"pulse_N", run->pulse_N},
+                      {"commanded_peak_N", run->commanded_N},
+                      {"felt_peak_N", run->felt_N},
+                      {"limit_N", run->limit_N},
+                      {"commanded_monotone", run->pulse_N > last.pulse_N && run->commanded_N > last.commanded_N},
+                      {"felt_monotone", run->felt_N > last.felt_N},
+                      {"within_limit", run->pulse_N <= run->limit_N && run->commanded_N <= run->limit_N}});
+      last = *run;
+    }
+  }
+  constexpr std::uint64_t kThrows = 100'000;
+  BenchRaceWalls(options.seed, options.quick ? kThrows / 100 : kThrows, rows);
+  const base::Status timed = BenchRaceCost(rows);
+  if (!timed.ok()) return base::Error{timed.error()};
+  return rows;
+}
+
+}  // namespace omni::bench

@@ -1,0 +1,17 @@
+// Parts of omni-bench race.
+#pragma once
+
+#include <cstdint>
+
+#include "tests/bench/harness/bench.h"
+
+namespace omni::bench {
+
+// Side table "walls": cars thrown about in closed chambers with corners of every angle, and how many got out.
+// `throws` in all.
+void BenchRaceWalls(std::uint64_t seed, std::uint64_t throws, BenchRows& rows);
+
+// Side table "cost": what a tick of the race costs, by situation.
+base::Status BenchRaceCost(BenchRows& rows);
+
+}  // namespace omni::bench

@@ -1,0 +1,199 @@
+// omni-bench stability: which walls a simulated hand can hold still against, and which of them are offered.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "service/base/limits.h"
+#include "tests/bench/haptics/hand_at_wall.h"
+#include "tests/bench/harness/bench.h"
+
+namespace omni::bench {
+namespace {
+
+constexpr double kAsked_N_m = 6000;    // by the material where the rule decides
+constexpr std::size_t kSecond = 1000;  // ticks
+constexpr double kLeast_m = 1e-6;      // movement below is none
+constexpr double kEnergyMax_mJ = 10, kBuzzMax_mN = 30, kBuzzNoise_mm = 0.1;
+constexpr double kBuzzFrom_Hz = 30;
+
+struct Grid {
+  std::vector<double> stiffness_N_m, delay_ms, damping_Ns_m, mass_kg, noise_mm;
+};
+
+Grid GridFor(bool quick) {
+  if (quick) return {{50, 500, 6000}, {1, 5}, {1}, {0.05, 0.2}, {0, 0.1}};
+  return {{20, 50, 100, 200, 400, 800, 1600, 3000, 6000},
+          {0, 0.5, 1, 2, 5, 10, 25},
+          {1, 2, 5},
+          {0.05, 0.1, 0.2},
+          {0, 0.02, 0.1, 0.3, 1}};
+}
+
+struct Point {
+  double delay_ms, damping_Ns_m, mass_kg, noise_mm;
+};
+
+struct Outcome {
+  double stiffness_N_m = 0, predict_ms = 0;
+  bool limit_cycle = false;
+  double energy_mJ = 0, buzz_mN = 0;
+
+  bool Good(double noise_mm) const {
+    return !limit_cycle && energy_mJ < kEnergyMax_mJ && (noise_mm > kBuzzNoise_mm || buzz_mN < kBuzzMax_mN);
+  }
+};
+
+// rms of what is left of the force in the last second after a first-order high pass.
+double Buzz_N(const std::vector<double>& force_N) {
+  const double share = -std::expm1(-2 * 3.141592653589793 * kBuzzFrom_Hz * base::kTickPeriod_s);
+  double slow_N = force_N[force_N.size() - 2 * kSecond];
+  std::vector<double> fast_N;
+  for (std::size_t i = force_N.size() - 2 * kSecond; i < force_N.size(); ++i) {
+    slow_N += share * (force_N[i] - slow_N);
+    fast_N.push_back(force_N[i] - slow_N);
+  }
+  return RmsAboutMean(fast_N, kSecond, 2 * kSecond);
+}
+
+class Sweep {
+ public:
+  explicit Sweep(std::uint64_t seed) : seed_(seed) {}
+
+  Outcome Run(const Point& p, WallRule rule, double stiffness_N_m) {
+    const WallHand hand{p.mass_kg, p.damping_Ns_m};
+    const WallLoop loop{.delay_s = 1e-3 * p.delay_ms, .noise_m = 1e-3 * p.noise_mm};
+    const WallRun held = PressWall(hand, loop, {}, rule, stiffness_N_m, seed_);
+    const WallRun pressed = PressWall(hand, loop, {.hold_s = 1, .release = true}, rule, stiffness_N_m, seed_);
+    const auto& x = held.measured_m;
+    const double last_m = RmsAboutMean(x, x.size() - kSecond, x.size());
+    const double before_m = RmsAboutMean(x, x.size() - 2 * kSecond, x.size() - kSecond);
+    const bool cycles = last_m > 2 * std::max(kLeast_m, Unloaded_m(p)) && last_m >= 0.8 * before_m;
+    return {held.stiffness_N_m, 1e3 * held.predict_s, cycles, 1e3 * pressed.given_J, 1e3 * Buzz_N(held.force_N)};
+  }
+
+ private:
+  // The same hand and noise without a wall.
+  double Unloaded_m(const Point& p) {
+    const auto key = std::make_tuple(p.damping_Ns_m, p.mass_kg, p.noise_mm);
+    const auto found = unloaded_m_.find(key);
+    if (found != unloaded_m_.end()) return found->second;
+    const WallRun run =
+        PressWall({p.mass_kg, p.damping_Ns_m}, {.noise_m = 1e-3 * p.noise_mm}, {}, WallRule::kFixed, 0, seed_);
+    return unloaded_m_[key] = RmsAboutMean(run.measured_m, run.measured_m.size() - kSecond, run.measured_m.size());
+  }
+
+  std::uint64_t seed_;
+  std::map<std::tuple<double, double, double>, double> unloaded_m_;
+};
+
+// K = 0.5 b_min / (T/2 + delay + coil lag), K sigma <= 30 mN, b_min = 1 Ns/m: what the offered stiffness is held
+// against.
+double StartingRule_N_m(const Point& p) {
+  const double lag_s = 0.5 * base::kTickPeriod_s + 1e-3 * p.delay_ms + WallLoop{}.coil_lag_s;
+  const double stiffness_N_m = 0.5 / lag_s;
+  return p.noise_mm > 0 ? std::min(stiffness_N_m, 30 / p.noise_mm) : stiffness_N_m;
+}
+
+nlohmann::ordered_json Row(const char* rule, const Point& p, const Outcome& outcome) {
+  return {{"rule", rule},
+          {"stiffness_N_m", outcome.stiffness_N_m},
+          {"delay_ms", p.delay_ms},
+          {"damping", p.damping_Ns_m},
+          {"mass_kg", p.mass_kg},
+          {"noise_mm", p.noise_mm},
+          {"limit_cycle", outcome.limit_cycle},
+          {"energy_mJ", outcome.energy_mJ},
+          {"buzz_mN", outcome.buzz_mN}};
+}
+
+// Over all hands at one delay and noise.
+struct Summary {
+  int points = 0, start_good = 0, offered_bad = 0;
+  double start_N_m = 0, offered_N_m = std::numeric_limits<double>::infinity(), offered_max_N_m = 0;
+  double fixed_good_N_m = std::numeric_limits<double>::infinity();  // stiffest wall of the grid that every hand holds
+  double worst_ratio = std::numeric_limits<double>::infinity();     // offered / start where start is good
+  double predict_ms = 0, energy_mJ = 0, buzz_mN = 0;
+};
+
+class Table {
+ public:
+  Table(Sweep& sweep, const Grid& grid, BenchRows& rows) : sweep_(sweep), grid_(grid), rows_(rows) {}
+
+  Summary At(double delay_ms, double noise_mm) {
+    Summary sum;
+    for (const double damping_Ns_m : grid_.damping_Ns_m) {
+      for (const double mass_kg : grid_.mass_kg) Add({delay_ms, damping_Ns_m, mass_kg, noise_mm}, sum);
+    }
+    return sum;
+  }
+
+ private:
+  void Add(const Point& p, Summary& sum) {
+    double good_N_m = 0;
+    bool all_good = true;
+    for (const double stiffness_N_m : grid_.stiffness_N_m) {
+      const Outcome fixed = sweep_.Run(p, WallRule::kFixed, stiffness_N_m);
+      rows_.push_back(Row("fixed", p, fixed));
+      all_good = all_good && fixed.Good(p.noise_mm);
+      if (all_good) good_N_m = stiffness_N_m;
+    }
+    const Outcome start = sweep_.Run(p, WallRule::kFixed, StartingRule_N_m(p));
+    const Outcome offered = sweep_.Run(p, WallRule::kOffered, kAsked_N_m);
+    rows_.push_back(Row("start", p, start));
+    rows_.push_back(Row("offered", p, offered));
+    ++sum.points;
+    sum.fixed_good_N_m = std::min(sum.fixed_good_N_m, good_N_m);
+    sum.start_N_m = start.stiffness_N_m;
+    sum.offered_N_m = std::min(sum.offered_N_m, offered.stiffness_N_m);
+    sum.offered_max_N_m = std::max(sum.offered_max_N_m, offered.stiffness_N_m);
+    sum.offered_bad += !offered.Good(p.noise_mm);
+    sum.predict_ms = offered.predict_ms;
+    sum.energy_mJ = std::max(sum.energy_mJ, offered.energy_mJ);
+    sum.buzz_mN = std::max(sum.buzz_mN, offered.buzz_mN);
+    if (!start.Good(p.noise_mm)) return;
+    ++sum.start_good;
+    sum.worst_ratio = std::min(sum.worst_ratio, offered.stiffness_N_m / start.stiffness_N_m);
+  }
+
+  Sweep& sweep_;
+  const Grid& grid_;
+  BenchRows& rows_;
+};
+
+nlohmann::ordered_json SummaryRow(double delay_ms, double noise_mm, const Summary& sum) {
+  return {{"table", "offered"},
+          {"delay_ms", delay_ms},
+          {"noise_mm", noise_mm},
+          {"hands", sum.points},
+          {"start_N_m", sum.start_N_m},
+          {"start_good", sum.start_good},
+          {"offered_N_m", sum.offered_N_m},
+          {"offered_max_N_m", sum.offered_max_N_m},
+          {"offered_bad", sum.offered_bad},
+          {"least_ratio", sum.start_good > 0 ? nlohmann::ordered_json(sum.worst_ratio) : nullptr},
+          {"predict_ms", sum.predict_ms},
+          {"energy_mJ", sum.energy_mJ},
+          {"buzz_mN", sum.buzz_mN},
+          {"fixed_good_N_m", sum.fixed_good_N_m}};
+}
+
+}  // namespace
+
+base::Result<BenchRows> BenchStability(const BenchOptions& options) {
+  const Grid grid = GridFor(options.quick);
+  Sweep sweep(options.seed);
+  BenchRows rows, summaries;
+  Table table(sweep, grid, rows);
+  for (const double noise_mm : grid.noise_mm) {
+    for (const double delay_ms : grid.delay_ms) {
+      summaries.push_back(SummaryRow(delay_ms, noise_mm, table.At(delay_ms, noise_mm)));
+    }
+  }
+  rows.insert(rows.end(), summaries.begin(), summaries.end());
+  return rows;
+}
+
+}  // namespace omni::bench

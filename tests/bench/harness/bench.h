@@ -1,0 +1,100 @@
+// The benchmarks of omni-bench. Each gives rows (service/tools/row_table.h).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/tools/row_table.h"
+
+namespace omni::bench {
+
+using BenchRows = tools::Rows;
+
+struct BenchOptions {
+  std::uint64_t ticks = 0;  // loop: per scene; stress: in all; 0: the bench's own number
+  std::uint64_t seed = 1;
+  bool quick = false;             // much less work, to see that it runs
+  std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
+  std::string mesh;               // collision: a .glb file instead of the bench's own bodies
+  double hours = 10;              // stress: virtual time of the drift run
+};
+
+// Benches that draw rigs and poses use three seeds; the same --seed gives the same ones.
+inline std::vector<std::uint64_t> ThreeSeeds(std::uint64_t seed) {
+  return {1000 * seed + 1, 1000 * seed + 2, 1000 * seed + 3};
+}
+
+// Tick alone, per shipped scene: scene, ticks, us_median, us_p99, us_max, allocations, late_ticks.
+base::Result<BenchRows> BenchLoop(const BenchOptions& options);
+
+// The whole tick in demanding scenes: scene, triangles, us_median, us_p99, allocations; side tables: what each feature
+// of a material costs, and how late ticks are beside two busy threads.
+base::Result<BenchRows> BenchTick(const BenchOptions& options);
+// Loading, each file in a fresh process: scene, tagged, bytes_file, bytes_read (by the system), images_decoded,
+// threads, rss_MB (both beyond the process before), load_ms, build_ms, cached.
+base::Result<BenchRows> BenchScene(const BenchOptions& options);
+
+// Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
+base::Result<BenchRows> BenchIpc(const BenchOptions& options);
+
+// The layer: call, method, horizon_ms, ns_median, error_mm_p95 (calls with and without it; predicted poses against held
+// ones). Side tables: cost, latency, memory, library, motions.
+base::Result<BenchRows> BenchLayer(const BenchOptions& options);
+
+// Force map against the twin, by model and gap; timing: model, gap_mm, error_median_pct, ..., stage, us_median, us_p99.
+base::Result<BenchRows> BenchForce(const BenchOptions& options);
+
+// Heat runs of the paper on the twin and in the host: run, model, peak_C, peak_s, end_C, copper_peak_C, ... Side
+// table: fifteen minutes of a constant set-point on the whole twin.
+base::Result<BenchRows> BenchThermal(const BenchOptions& options);
+
+// Per base: rig, seed, before_mm, raw_mm, aligned_mm, systematic_mm, seconds and more; then mean and worst.
+// Side tables: the whole of `omni calibrate` with a moving pen; our bundle adjustment beside that of Ceres.
+base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
+
+// Simulated people align bases: method, n, noise_mm, error_mm_median, error_mm_p95, error_deg, predicted_mm, refused
+// ...
+base::Result<BenchRows> BenchAlign(const BenchOptions& options);
+
+// Where the time goes from a sample to the current that answers it: stage, mean_us, late_us, what; side table: what
+// stiffness that allows.
+base::Result<BenchRows> BenchLatency(const BenchOptions& options);
+
+// Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, levels.
+base::Result<BenchRows> BenchTracking(const BenchOptions& options);
+
+// Run time and error of solvers on the same poses; side table: ratios.
+base::Result<BenchRows> BenchSolver(const BenchOptions& options);
+
+// Walls that a simulated hand presses: stiffness, delay, hand and noise against limit cycles, energy and buzz; side
+// table: what is offered, by delay and noise.
+base::Result<BenchRows> BenchStability(const BenchOptions& options);
+
+// Friction against Coulomb's law: study, body, trials, breakaway and sliding error; side tables: stick-slip, drift.
+base::Result<BenchRows> BenchFriction(const BenchOptions& options);
+
+// Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
+base::Result<BenchRows> BenchStress(const BenchOptions& options);
+
+// Contact with rigid meshes, ours beside Embree, Bullet, FCL and CGAL: engine, mesh, triangles, us_median, us_p99,
+// us_p999, build_ms, bytes_per_triangle, missed, false_contacts, direction_p99_deg, n. Side tables: build phases and
+// bytes, correctness by path, times by path, ratios.
+base::Result<BenchRows> BenchCollision(const BenchOptions& options);
+
+// The race: per seed and impact speed what is commanded and felt; side tables: walls, cost.
+base::Result<BenchRows> BenchRace(const BenchOptions& options);
+
+// Soft bodies against a neo-Hookean reference: method, tets, contact_nodes, us_median, us_p99, error_pct, reference.
+// Side tables: every point, time to prepare, the reference's mesh, the gain's fit, Hertz, turned fibres.
+base::Result<BenchRows> BenchDeformable(const BenchOptions& options);
+
+// Strokes on bodies of 10k to 870k triangles: triangles, radius_mm, publish_us_median, publish_us_p99 and more; side
+// tables: what the tick pays, ten thousand strokes and all of them undone, force steps while editing under the tip.
+base::Result<BenchRows> BenchSculpt(const BenchOptions& options);
+
+// Showing changing surfaces of 100,000 vertices: step, vertices, triangles, us_median, us_p99, n.
+base::Result<BenchRows> BenchSurfaces(const BenchOptions& options);
+
+}  // namespace omni::bench

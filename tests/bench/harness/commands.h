@@ -1,0 +1,14 @@
+// Subcommands of omni-bench besides the benchmarks themselves.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace omni::bench {
+
+void AddPaper(CLI::App& app);  // the published figures beside ours
+void AddPlot(CLI::App& app);   // pictures of rows
+void AddPage(CLI::App& app);   // rows into a page of Markdown
+
+}  // namespace omni::bench

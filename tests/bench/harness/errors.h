@@ -1,0 +1,63 @@
+// Errors of estimated poses against the twin's truth, collected for a row of a benchmark.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "service/base/vec.h"
+#include "service/sim/charges.h"
+#include "service/sim/vec3.h"
+#include "service/tools/statistics.h"
+
+namespace omni::bench {
+
+// A pose farther off than this, or of the wrong polarity, is no estimate but a failure.
+inline constexpr double kFailure_m = 0.010;
+inline constexpr double kFailure_rad = 0.5 * std::numbers::pi;
+
+struct PoseError {
+  double position_m = 0;
+  double axis_rad = 0;
+  bool failed() const noexcept { return !(position_m <= kFailure_m && axis_rad <= kFailure_rad); }
+};
+
+inline PoseError ErrorOf(const sim::MagnetPose& truth, const base::Vec3& position, const base::Vec3& axis) noexcept {
+  using sim::Cross;
+  using sim::Dot;
+  using sim::Norm;
+  using sim::operator-;
+  // atan2 keeps small angles exact, where acos of a rounded product does not.
+  return {Norm(position - truth.centre_base_m),
+          std::atan2(Norm(Cross(axis, truth.axis_base)), Dot(axis, truth.axis_base))};
+}
+
+struct ErrorSet {
+  std::vector<double> position_mm;
+  std::vector<double> axis_deg;
+  std::size_t failures = 0;
+
+  void Add(const PoseError& error) {
+    position_mm.push_back(1e3 * error.position_m);
+    axis_deg.push_back(error.axis_rad * 180 / std::numbers::pi);
+    failures += error.failed() ? 1 : 0;
+  }
+  // A scan without any estimate.
+  void AddMissing() { ++failures; }
+};
+
+inline double Rms(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+inline std::string SeedText(const std::vector<std::uint64_t>& seeds) {
+  std::string text;
+  for (const std::uint64_t seed : seeds) text += (text.empty() ? "" : " ") + std::to_string(seed);
+  return text;
+}
+
+}  // namespace omni::bench

@@ -1,0 +1,99 @@
+// omni-bench: benchmarks, stress runs and the published figures. Everything simulated is simulated by the digital twin.
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "service/tools/command_line.h"
+#include "service/tools/row_table.h"
+#include "service/tools/text_output.h"
+#include "tests/bench/harness/bench.h"
+#include "tests/bench/harness/commands.h"
+
+namespace omni::bench {
+namespace {
+
+struct Bench {
+  const char* name;
+  const char* about;
+  base::Result<BenchRows> (*run)(const BenchOptions&);
+};
+
+constexpr Bench kBenches[] = {
+    {"loop", "one tick of the service, per scene (the twin's time excluded)", BenchLoop},
+    {"tick", "one tick in demanding scenes, features on and off, and beside busy threads", BenchTick},
+    {"scene", "what loading a scene costs: bytes read, images, threads, memory, time", BenchScene},
+    {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
+    {"layer", "the OpenXR layer: cost of calls, memory, latency, error of predicted poses", BenchLayer},
+    {"tracking", "error of the tracker against the twin", BenchTracking},
+    {"solver", "run time and error of solvers on the same poses", BenchSolver},
+    {"stress", "bad input, basins, singular poses and long runs", BenchStress},
+    {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
+    {"align", "where the base stands in a headset's space: error by method (a simulation)", BenchAlign},
+    {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
+    {"collision", "contact with rigid meshes beside four engines: time, correctness, memory", BenchCollision},
+    {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
+    {"stability", "walls that a simulated hand can hold still against, and those that are offered", BenchStability},
+    {"friction", "cone, stick-slip and drift against Coulomb's law", BenchFriction},
+    {"race", "hits of the car against what the pen feels; walls and cost of the race", BenchRace},
+    {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
+    {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},
+    {"surfaces", "showing surfaces that change: snapshot, vertices, shared memory, a client's copy", BenchSurfaces},
+    {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
+};
+
+int RunBench(const Bench& bench, const BenchOptions& options, const std::string& json_path) {
+  auto rows = bench.run(options);
+  if (!rows.ok()) return tools::Fail(std::string("omni-bench ") + bench.name, rows.error());
+  BenchRows own = *rows;
+  const auto tables = tools::TakeSideTables(own);
+  std::cout << tools::RowTable(own);
+  for (const auto& [name, side] : tables) std::cout << "\n" << name << "\n" << tools::RowTable(side);
+  if (json_path.empty()) return tools::kExitOk;
+  const std::string problem = tools::WriteText(json_path, tools::RowDocument(bench.name, *rows).dump(2) + "\n");
+  return problem.empty() ? tools::kExitOk : tools::Fail("omni-bench", problem);
+}
+
+void AddBenches(CLI::App& app) {
+  auto options = std::make_shared<BenchOptions>();
+  auto json_path = std::make_shared<std::string>();
+  for (const Bench& bench : kBenches) {
+    CLI::App* sub = app.add_subcommand(bench.name, bench.about);
+    sub->add_option("--json", *json_path, "write {name, commit, machine, rows} here as well");
+    sub->add_option("--ticks", options->ticks, "loop: ticks per scene; stress, collision: ticks in all")
+        ->check(CLI::Range(1000ULL, 1'000'000'000ULL));
+    sub->add_option("--seed", options->seed, "of the twin")->check(CLI::Range(0ULL, 1'000'000'000'000ULL));
+    sub->add_flag("--quick", options->quick, "much less work, to see that it runs");
+    sub->add_option("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies")
+        ->check(CLI::ExistingFile);
+    sub->add_option("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
+        ->check(CLI::Range(1ULL, 1'000'000'000ULL));
+    sub->add_option("--hours", options->hours, "stress: virtual time of the drift run")->check(CLI::Range(0.0, 1000.0));
+    sub->callback([&bench, options, json_path] { throw CLI::RuntimeError(RunBench(bench, *options, *json_path)); });
+  }
+}
+
+int Run(int argc, const char* const* argv) {
+  CLI::App app{"omni-bench: what Omni costs and how good it is, beside other methods and engines", "omni-bench"};
+  app.require_subcommand(1);
+  app.footer(console::kExitStatusHelp);
+  AddBenches(app);
+  AddPaper(app);
+  AddPlot(app);
+  AddPage(app);
+  return console::Parse(app, argc, argv).value_or(console::kExitOk);
+}
+
+}  // namespace
+
+}  // namespace omni::bench
+
+int main(int argc, char** argv) {
+  try {
+    return omni::bench::Run(argc, argv);
+  } catch (const std::exception& error) {
+    return omni::console::Fail("omni-bench", error.what());
+  }
+}

@@ -1,0 +1,35 @@
+// omni-bench stress: what must never happen, counted.
+#include "tests/bench/stress/stress.h"
+
+#include <algorithm>
+#include <iostream>
+
+namespace omni::bench {
+namespace {
+
+constexpr std::uint64_t kTicks = 10'000'000;
+constexpr std::uint64_t kBasinSolves = 20'000;  // per row
+constexpr std::uint64_t kQuick = 100;           // --quick divides by this
+
+void Append(const BenchRows& more, BenchRows& rows) { rows.insert(rows.end(), more.begin(), more.end()); }
+
+}  // namespace
+
+base::Result<BenchRows> BenchStress(const BenchOptions& options) {
+  const std::uint64_t share = options.quick ? kQuick : 1;
+  const std::uint64_t seed = ThreeSeeds(options.seed).front();
+  std::cerr << "faults upon a moving pen ...\n";
+  auto rows = StressTicks(options.ticks > 0 ? options.ticks : kTicks / share, seed);
+  if (!rows.ok()) return rows;
+  std::cerr << "basins of attraction ...\n";
+  auto basins = StressBasins(kBasinSolves / share, seed);
+  if (!basins.ok()) return basins;
+  Append(*basins, *rows);
+  std::cerr << "singular poses ...\n";
+  Append(StressSingularPoses(seed), *rows);
+  std::cerr << "hours of virtual time ...\n";
+  Append(StressDrift(options.hours / static_cast<double>(share), seed), *rows);
+  return rows;
+}
+
+}  // namespace omni::bench

@@ -1,0 +1,55 @@
+// Solvers side by side: what one scan of the comparison is, and what a method does with it.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/base/calibration.h"
+#include "service/base/hall_scan.h"
+#include "service/tracker/solver.h"
+#include "tests/bench/peers/peer.h"
+#include "tests/support/rig.h"
+
+namespace omni::bench {
+
+struct SolverCase {
+  sim::MagnetPose truth;
+  base::HallScan scan;
+  tracker::Measurement measurement;  // whitened once: no method pays for it
+  peers::PeerScan peer;
+  tracker::Pose warm;  // off by .3 mm per axis and .5 deg
+};
+
+struct SolverPoses {
+  sim::PoseRange range;
+  std::size_t count = 0;
+  std::uint64_t seed = 0;
+};
+
+// Scans at rest of the twin, 0 A, whitened with the sensors' noise alone.
+std::vector<SolverCase> DrawSolverCases(sim::Rig& rig, const tracker::Model& model, const SolverPoses& poses);
+
+struct SolverAnswer {
+  base::Vec3 position_base_m;
+  base::Vec3 axis_base;
+};
+
+struct SolverMethod {
+  const char* method = "";
+  const char* model = "";
+  const char* start = "";      // warm | cold
+  const char* precision = "";  // float | double
+  std::string variant;         // iterations, linear solver
+  std::function<std::optional<SolverAnswer>(const SolverCase&)> solve;
+};
+
+// Ours: rungs, precisions, iterations, warm and cold. The first two are the product's warm and cold solve.
+std::vector<SolverMethod> OmniSolvers(const base::Calibration& calibration);
+// Ceres and TinySolver on our problem.
+std::vector<SolverMethod> PeerSolvers(const base::Calibration& calibration);
+// The paper's method on its own.
+std::vector<SolverMethod> PaperSolvers(const base::Calibration& calibration);
+
+}  // namespace omni::bench

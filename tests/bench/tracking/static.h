@@ -1,0 +1,39 @@
+// Static scans through the tracker's static solver, judged against the truth.
+#pragma once
+
+#include <array>
+
+#include "service/base/eigen.h"
+#include "service/base/hall_scan.h"
+#include "service/tracker/static_solve.h"
+#include "tests/bench/harness/errors.h"
+
+namespace omni::bench {
+
+inline tracker::StaticPose SolveScan(const tracker::StaticSolver& solver, const base::HallScan& scan,
+                                     const std::optional<tracker::Pose>& start = std::nullopt) {
+  std::array<tracker::ArrayReading, base::kSensorCount> readings;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    readings[i] = {scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7U};
+  }
+  return solver.Solve(readings, scan.coil_current_A, start);
+}
+
+inline bool HasPose(const tracker::StaticPose& solved) noexcept {
+  return solved.status == tracker::StaticStatus::kFound || solved.status == tracker::StaticStatus::kPoorFit;
+}
+
+inline PoseError ErrorOf(const sim::MagnetPose& truth, const tracker::Pose& pose) noexcept {
+  return ErrorOf(truth, base::FromEigen(pose.position_base_m), base::FromEigen(pose.axis_base));
+}
+
+// A poor fit is judged as well: leaving it out would flatter.
+inline void AddSolved(const sim::MagnetPose& truth, const tracker::StaticPose& solved, ErrorSet& errors) {
+  if (HasPose(solved)) {
+    errors.Add(ErrorOf(truth, solved.pose));
+  } else {
+    errors.AddMissing();
+  }
+}
+
+}  // namespace omni::bench

@@ -1,0 +1,52 @@
+// The parts of `omni-bench tracking`. Truth is the twin; errors are in the base frame, unaligned.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/base/calibration.h"
+#include "service/base/result.h"
+#include "tests/bench/harness/bench.h"
+#include "tests/bench/harness/errors.h"
+
+namespace omni::bench {
+
+struct TrackingConditions {
+  std::string model = "default";      // or a rung of its own name
+  std::string noise = "UHP";          // UHP | LP | none
+  double actuation_A = 0;             // greatest current of each coil
+  std::string currents = "measured";  // measured | hidden
+  std::string calibrated = "exact";   // none | self | exact
+  bool moving = false;
+};
+
+// Means over the poses; 1 = the estimate sits on the bound.
+struct Efficiency {
+  double position = 0;     // |e|^2 / trace(CRLB)
+  double orientation = 0;  // the same of the axis
+  double nees = 0;         // e^T C^-1 e / 5, C as the tracker reports it
+};
+
+nlohmann::ordered_json TrackingRow(const TrackingConditions& conditions, const ErrorSet& errors, std::size_t n,
+                                   const std::vector<std::uint64_t>& seeds,
+                                   const std::optional<Efficiency>& efficiency = {});
+
+struct TrackingPlan {
+  std::vector<std::uint64_t> seeds;
+  std::size_t share = 1;  // --quick: the work divided by this
+};
+
+// Scans without noise at any tilt, contact included: what the model itself leaves. One row per rung.
+base::Result<BenchRows> ModelErrors(const TrackingPlan& plan);
+// Against the Cramer-Rao bound; side table: the bound by radius.
+base::Result<BenchRows> Efficiencies(const TrackingPlan& plan);
+// Static scans under current, measured and hidden.
+base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan);
+// The paper's protocol: a waved pen and sawtooth currents, self-calibrated and exact.
+base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan);
+// Side table: what a scene saves that needs less than the full pose.
+base::Result<BenchRows> Levels(const TrackingPlan& plan);
+
+}  // namespace omni::bench

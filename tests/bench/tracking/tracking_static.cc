@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "service/base/eigen.h"
+#include "service/config/device_file.h"
+#include "service/magnetics/disc_magnet.h"
+#include "tests/bench/tracking/static.h"
+#include "tests/bench/tracking/tracking.h"
+#include "tests/support/bound.h"
+
+namespace omni::bench {
+namespace {
+
+using tracker::Rung;
+
+constexpr std::size_t kModelPoses = 34'000;      // per seed: over 10^5 in all
+constexpr std::size_t kEfficiencyPoses = 7'000;  // per seed: over 20,000
+constexpr std::size_t kCurrentPoses = 7'000;     // per seed
+constexpr std::size_t kBoundPoses = 150;         // per radius and seed
+constexpr double kContactShare = 0.2;            // of the model error's poses touch the hull
+const sim::PoseRange kAnyTilt{.tilt_max_rad = std::numbers::pi};
+
+sim::Rig ExactRig(std::uint64_t seed, sim::NoiseMode noise, bool saturation) {
+  return {config::DefaultDevice(),
+          {.seed = seed, .sizes = sim::NoImperfections(), .noise = noise, .saturation = saturation}};
+}
+
+// Slides the magnet along its radius until it touches the hull.
+sim::MagnetPose Touching(const sim::Rig& rig, const sim::MagnetPose& pose) {
+  const base::DeviceGeometry& device = rig.device();
+  const base::Vec3 outwards = sim::Normalised(pose.centre_base_m);
+  double inside = device.hull_radius_m, outside = sim::Norm(pose.centre_base_m);
+  sim::MagnetPose at = pose;
+  while (outside - inside > 1e-9) {
+    using sim::operator*;
+    const double middle = 0.5 * (inside + outside);
+    at.centre_base_m = middle * outwards;
+    (GapToHull(device.magnet, device.hull_radius_m, at).gap_m >= 0 ? outside : inside) = middle;
+  }
+  using sim::operator*;
+  at.centre_base_m = outside * outwards;
+  return at;
+}
+
+// Solves A x = b for a symmetric positive definite 5x5 matrix and returns b^T x; NaN when it is none [Cholesky].
+double QuadraticOfInverse(std::array<double, 25> A, std::array<double, 5> b) {
+  for (std::size_t k = 0; k < 5; ++k) {
+    for (std::size_t j = 0; j < k; ++j) A[6 * k] -= A[5 * k + j] * A[5 * k + j];
+    A[6 * k] = std::sqrt(A[6 * k]);
+    for (std::size_t i = k + 1; i < 5; ++i) {
+      for (std::size_t j = 0; j < k; ++j) A[5 * i + k] -= A[5 * i + j] * A[5 * k + j];
+      A[5 * i + k] /= A[6 * k];
+    }
+  }
+  double sum = 0;
+  for (std::size_t k = 0; k < 5; ++k) {
+    for (std::size_t j = 0; j < k; ++j) b[k] -= A[5 * k + j] * b[j];
+    b[k] /= A[6 * k];
+    sum += b[k] * b[k];
+  }
+  return sum;
+}
+
+double Nees(const sim::MagnetPose& truth, const tracker::StaticPose& fit) {
+  using sim::operator-;
+  const magnetics::TangentBasis basis = magnetics::MakeTangentBasis(fit.pose.axis_base);
+  const base::Vec3 e = base::FromEigen(fit.pose.position_base_m) - truth.centre_base_m;
+  const base::Vec3 du = base::FromEigen(fit.pose.axis_base) - truth.axis_base;
+  std::array<double, 25> C{};
+  Eigen::Map<Eigen::Matrix<double, 5, 5, Eigen::RowMajor>>(C.data()) = fit.covariance;
+  return QuadraticOfInverse(
+             C, {e.x, e.y, e.z, sim::Dot(du, base::FromEigen(basis.e1)), sim::Dot(du, base::FromEigen(basis.e2))}) /
+         5;
+}
+
+double Square(double x) { return x * x; }
+
+// The least possible rms error at each radius, by what else is unknown, mm; median / p95 over poses.
+BenchRows BoundByRadius(const TrackingPlan& plan) {
+  struct Unknown {
+    const char* name;
+    sim::BoundOptions options;
+  };
+  constexpr double kUnknown = sim::BoundOptions::kUnknown;
+  const auto noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);
+  const Unknown unknowns[] = {{"known", {.noise_T = noise_T}},
+                              {"moment", {.noise_T = noise_T, .moment_prior = kUnknown}},
+                              {"currents", {.noise_T = noise_T, .current_prior_A = kUnknown}},
+                              {"ambient", {.noise_T = noise_T, .ambient_prior_T = kUnknown}}};
+  BenchRows rows;
+  constexpr int kRadii = 7;
+  for (int step = 0; step < kRadii; ++step) {
+    const double radius_m = 0.041 + 0.010 * step;
+    std::array<std::vector<double>, std::size(unknowns)> position_mm;
+    std::vector<double> axis_deg;
+    for (const std::uint64_t seed : plan.seeds) {
+      sim::Rig rig = ExactRig(seed, sim::NoiseMode::kUltraHigh, true);
+      sim::Random random(seed + 1);
+      for (std::size_t i = 0; i < std::max<std::size_t>(4, kBoundPoses / plan.share); ++i) {
+        const sim::MagnetPose pose = rig.DrawPose({.radius_min_m = radius_m, .radius_max_m = radius_m + 1e-6}, random);
+        for (std::size_t u = 0; u < std::size(unknowns); ++u) {
+          const auto bound = CramerRao(rig, pose, unknowns[u].options);
+          if (!bound) continue;
+          position_mm[u].push_back(1e3 * std::sqrt(bound->position_m2));
+          if (u == 0) axis_deg.push_back(std::sqrt(bound->orientation_rad2) * 180 / std::numbers::pi);
+        }
+      }
+    }
+    nlohmann::ordered_json row{{"table", "Cramer-Rao bound by radius"}, {"radius_mm", 1e3 * radius_m}};
+    for (std::size_t u = 0; u < std::size(unknowns); ++u) {
+      row[std::string(unknowns[u].name) + "_median_mm"] = tools::Quantile(position_mm[u], 0.5);
+      row[std::string(unknowns[u].name) + "_p95_mm"] = tools::Quantile(position_mm[u], 0.95);
+    }
+    row["orientation_median_deg"] = tools::Quantile(axis_deg, 0.5);
+    row["orientation_p95_deg"] = tools::Quantile(axis_deg, 0.95);
+    row["seeds"] = SeedText(plan.seeds);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace
+
+base::Result<BenchRows> ModelErrors(const TrackingPlan& plan) {
+  struct Named {
+    const char* name;
+    Rung rung;
+    std::size_t poses;
+  };
+  const Named rungs[] = {{"default", Rung::kFull, kModelPoses},
+                         {"dipole-core", Rung::kDipoleCore, kModelPoses / 10},
+                         {"dipole", Rung::kDipole, kModelPoses / 10}};
+  BenchRows rows;
+  for (const Named& rung : rungs) {
+    ErrorSet errors;
+    const std::size_t count = rung.poses / plan.share;
+    for (const std::uint64_t seed : plan.seeds) {
+      sim::Rig rig = ExactRig(seed, sim::NoiseMode::kNone, false);
+      base::Calibration calibration = rig.ExactCalibration();
+      calibration.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);  // only weighs the axes
+      const auto solver = tracker::StaticSolver::Make(calibration, {.rung = rung.rung});
+      if (!solver.ok()) return base::Error{solver.error()};
+      sim::Random random(seed);
+      for (std::size_t i = 0; i < count; ++i) {
+        sim::MagnetPose truth = rig.DrawPose(kAnyTilt, random);
+        if (random.Uniform() < kContactShare) truth = Touching(rig, truth);
+        AddSolved(truth, SolveScan(*solver, rig.Scan(&truth, {}, random)), errors);
+      }
+    }
+    rows.push_back(TrackingRow({.model = rung.name, .noise = "none"}, errors, count * plan.seeds.size(), plan.seeds));
+  }
+  return rows;
+}
+
+base::Result<BenchRows> Efficiencies(const TrackingPlan& plan) {
+  ErrorSet errors;
+  Efficiency sum;
+  std::size_t found = 0;
+  const std::size_t count = kEfficiencyPoses / plan.share;
+  const sim::BoundOptions known{.noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh)};
+  for (const std::uint64_t seed : plan.seeds) {
+    sim::Rig rig = ExactRig(seed, sim::NoiseMode::kUltraHigh, true);
+    const auto solver = tracker::StaticSolver::Make(rig.ExactCalibration(), {});
+    if (!solver.ok()) return base::Error{solver.error()};
+    sim::Random random(seed);
+    for (std::size_t i = 0; i < count; ++i) {
+      const sim::MagnetPose truth = rig.DrawPose({}, random);
+      const auto bound = CramerRao(rig, truth, known);
+      const tracker::StaticPose solved = SolveScan(*solver, rig.Scan(&truth, {}, random));
+      AddSolved(truth, solved, errors);
+      if (!HasPose(solved) || !bound) continue;
+      const PoseError error = ErrorOf(truth, solved.pose);
+      ++found;
+      sum.position += Square(error.position_m) / bound->position_m2;
+      sum.orientation += Square(error.axis_rad) / bound->orientation_rad2;
+      sum.nees += Nees(truth, solved);
+    }
+  }
+  const auto n = static_cast<double>(std::max<std::size_t>(1, found));
+  BenchRows rows{TrackingRow({}, errors, count * plan.seeds.size(), plan.seeds,
+                             Efficiency{sum.position / n, sum.orientation / n, sum.nees / n})};
+  const BenchRows table = BoundByRadius(plan);
+  rows.insert(rows.end(), table.begin(), table.end());
+  return rows;
+}
+
+base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan) {
+  struct Case {
+    TrackingConditions conditions;
+    sim::NoiseMode noise;
+  };
+  const Case cases[] = {
+      {{.noise = "UHP", .actuation_A = 15, .currents = "hidden"}, sim::NoiseMode::kUltraHigh},
+      {{.noise = "UHP", .actuation_A = 15}, sim::NoiseMode::kUltraHigh},
+      {{.noise = "UHP", .actuation_A = 4}, sim::NoiseMode::kUltraHigh},
+      {{.noise = "LP", .actuation_A = 0}, sim::NoiseMode::kLowPower},
+      {{.noise = "LP", .actuation_A = 4}, sim::NoiseMode::kLowPower},
+  };
+  BenchRows rows;
+  const std::size_t count = kCurrentPoses / plan.share;
+  for (const Case& one : cases) {
+    ErrorSet errors;
+    const double limit_A = one.conditions.actuation_A;
+    const bool hidden = one.conditions.currents == "hidden";
+    for (const std::uint64_t seed : plan.seeds) {
+      // Current sensors err by .15 % + 2 mA; hidden currents are never reported.
+      sim::RigOptions options{.seed = seed, .sizes = sim::NoImperfections(), .noise = one.noise};
+      options.sizes.current_gain = sim::ImperfectionSizes{}.current_gain;
+      options.sizes.current_offset_A = sim::ImperfectionSizes{}.current_offset_A;
+      sim::Rig rig(config::DefaultDevice(), options);
+      tracker::Trust trust = tracker::NoiseOnly();
+      trust.currents_hidden = hidden;
+      trust.current_error_A = options.sizes.current_offset_A;
+      trust.current_error_relative = options.sizes.current_gain;
+      const auto solver = tracker::StaticSolver::Make(rig.ExactCalibration(), {.trust = trust});
+      if (!solver.ok()) return base::Error{solver.error()};
+      sim::Random random(seed);
+      for (std::size_t i = 0; i < count; ++i) {
+        const sim::MagnetPose truth = rig.DrawPose({}, random);
+        sim::CoilArray current_A{};
+        for (double& current : current_A) current = random.Uniform(-limit_A, limit_A);
+        base::HallScan scan = rig.Scan(&truth, current_A, random);
+        if (hidden) scan.coil_current_A = {};
+        AddSolved(truth, SolveScan(*solver, scan), errors);
+      }
+    }
+    rows.push_back(TrackingRow(one.conditions, errors, count * plan.seeds.size(), plan.seeds));
+  }
+  return rows;
+}
+
+}  // namespace omni::bench

@@ -1,0 +1,77 @@
+// What a person would record on a simulated base: pen held at random places and on the hull, coils swept.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "service/calibration/samples.h"
+#include "tests/support/rig.h"
+
+namespace omni::test {
+
+struct RigRecordingOptions {
+  int waves = 200;
+  int touches = 60;
+  double touch_sigma_m = 0;  // how far from the hull a "touch" really is
+  bool responses = true;
+  std::uint64_t seed = 1;  // of poses and noise
+};
+
+// The pose moved along its radius until the magnet is `gap_m` from the hull.
+inline sim::MagnetPose OnHull(const sim::Rig& rig, sim::MagnetPose pose, double gap_m) {
+  using sim::operator*;  // of base::Vec3
+  const base::Vec3 outwards = sim::Normalised(pose.centre_base_m);
+  double low_m = 0, high_m = 0.2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle_m = 0.5 * (low_m + high_m);
+    pose.centre_base_m = middle_m * outwards;
+    (sim::GapToHull(rig.device().magnet, rig.device().hull_radius_m, pose).gap_m < gap_m ? low_m : high_m) = middle_m;
+  }
+  return pose;
+}
+
+// One scan; saturated axes become NaN.
+inline calibration::Sample TakeSample(sim::Rig& rig, const sim::MagnetPose& pose, double t_s, sim::Random& random) {
+  const base::HallScan scan = rig.Scan(&pose, {}, random);
+  calibration::Sample sample;
+  sample.t_s = t_s;
+  sample.field_sensor_T.assign(scan.field_sensor_T.begin(), scan.field_sensor_T.end());
+  for (std::size_t i = 0; i < sample.field_sensor_T.size(); ++i) {
+    double* axes[3] = {&sample.field_sensor_T[i].x, &sample.field_sensor_T[i].y, &sample.field_sensor_T[i].z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (((scan.saturated_mask >> (3 * i + axis)) & 1U) != 0) *axes[axis] = std::nan("");
+    }
+  }
+  return sample;
+}
+
+inline calibration::Recording MakeRecording(sim::Rig& rig, const RigRecordingOptions& options) {
+  constexpr double kWave_s = 0.04, kTouch_s = 0.5;  // from one to the next
+  constexpr double kMapError_T_A = 5e-9;            // of a sweep to 4 A in low-power noise
+  sim::Random random(options.seed);
+  calibration::Recording recording;
+  double t_s = 0;
+  for (int i = 0; i < options.waves; ++i, t_s += kWave_s) {
+    recording.samples.push_back(TakeSample(rig, rig.DrawPose({}, random), t_s, random));
+  }
+  for (int i = 0; i < options.touches; ++i, t_s += kTouch_s) {
+    const sim::MagnetPose pose = rig.DrawPose({.tilt_max_rad = 0.35}, random);
+    const sim::MagnetPose touching = OnHull(rig, pose, options.touch_sigma_m * random.Normal());
+    recording.samples.push_back(TakeSample(rig, touching, t_s, random));
+    recording.samples.back().touches_hull = true;
+  }
+  if (!options.responses) return recording;
+  const base::Calibration exact = rig.ExactCalibration();
+  for (const base::SensorCalibration& sensor : exact.sensors) {
+    calibration::CoilResponse response;
+    response.background_sensor_T = sensor.background_sensor_T;
+    response.map_error_T_A = kMapError_T_A;
+    for (std::size_t e = 0; e < 9; ++e) {
+      response.map_sensor_T_A[e] = sensor.current_map_T_A[e] + kMapError_T_A * random.Normal();
+    }
+    recording.responses.push_back(response);
+  }
+  return recording;
+}
+
+}  // namespace omni::test

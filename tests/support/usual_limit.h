@@ -1,0 +1,17 @@
+// What a device that can do two newtons in every direction tells the renderer.
+#pragma once
+
+#include "service/base/actuation_types.h"
+
+namespace omni::test {
+
+inline base::ForceLimit UsualLimit() {
+  base::ForceLimit limit;
+  limit.valid = true;
+  limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
+  limit.current_max_A = {15, 15, 15};
+  limit.force_max_N = 2;
+  return limit;
+}
+
+}  // namespace omni::test

@@ -1,0 +1,55 @@
+// Bad input in small: what `omni-bench stress` counts by the million must be zero by the thousand as well.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/bench/stress/stress.h"
+#include "tests/support/scan_faults.h"
+
+namespace omni::bench {
+namespace {
+
+TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
+  ::setenv("OMNI_DATA_DIR", OMNI_SOURCE_DIR, 1);  // scenes as they are in the source, built or not
+  const auto rows = StressTicks(30'000, 7);
+  ::unsetenv("OMNI_DATA_DIR");
+  ASSERT_TRUE(rows.ok()) << rows.error();
+  ASSERT_EQ(rows->size(), sim::ScanFaults().size() + 1);
+  const auto& all = rows->back();
+  EXPECT_EQ(all["ticks"], 30'000);
+  EXPECT_EQ(all["not_finite"], 0);
+  EXPECT_EQ(all["over_limit"], 0);
+  EXPECT_EQ(all["allocations"], 0);
+  EXPECT_EQ(rows->front()["fault"], "none");
+  EXPECT_GT(rows->front()["tracking"], 0.9 * rows->front()["ticks"].get<double>());
+}
+
+TEST(Stress, EveryFaultChangesTheScan) {
+  sim::Random random(3);
+  base::HallScan good;
+  good.t_ns = 5'000'000'000;
+  good.supply_V = 12;
+  for (std::size_t i = 0; i < good.field_sensor_T.size(); ++i) {
+    good.field_sensor_T[i] = {1e-4 * static_cast<double>(i + 1), 2e-4, -3e-4};
+  }
+  for (const sim::ScanFault& fault : sim::ScanFaults().subspan(1)) {
+    sim::FaultContext context{random, {}, {}, {}, 0b101, 1e-6};
+    context.held.t_ns = 4'000'000'000;
+    context.other_magnet.fill({1e-5, 0, 0});
+    base::HallScan scan = good;
+    fault.apply(context, scan);
+    bool differs = scan.t_ns != good.t_ns || scan.sequence != good.sequence || scan.device_faults != 0 ||
+                   scan.age_ns != good.age_ns || scan.saturated_mask != 0 || !(scan.supply_V == good.supply_V);
+    for (std::size_t i = 0; i < good.field_sensor_T.size(); ++i) {
+      differs = differs || !(scan.field_sensor_T[i] == good.field_sensor_T[i]);
+    }
+    differs = differs || scan.step_current_A != good.step_current_A || scan.tick_lead_ns != good.tick_lead_ns;
+    for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+      differs = differs || !(scan.coil_current_A[k] == 0) || !(scan.coil_temperature_C[k] == 0);
+    }
+    EXPECT_TRUE(differs) << fault.name;
+  }
+}
+
+}  // namespace
+}  // namespace omni::bench
