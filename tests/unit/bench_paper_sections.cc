@@ -1,10 +1,11 @@
 // The published numbers beside ours: what the comparison promises, and that it can fail.
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
+#include <utility>
 
 #include "service/config/device_file.h"
-#include "tests/bench/harness/bench_plot.h"
+#include "service/tools/row_table.h"
 #include "tests/bench/paper/paper.h"
 #include "tests/bench/paper/paper_force_models.h"
 
@@ -15,16 +16,19 @@ using nlohmann::ordered_json;
 
 const ordered_json& RowOf(const PaperSection& section, const std::string& quantity) {
   for (const ordered_json& row : section.rows) {
-    if (row.at("quantity") == quantity) return row;
+    if (!row.contains("table") && row.at("quantity") == quantity) return row;
   }
   ADD_FAILURE() << quantity;
   return section.rows.front();
 }
 
-void ExpectPicture(const std::string& svg) {
-  EXPECT_EQ(svg.rfind("<svg", 0), 0U);
-  EXPECT_NE(svg.find("</svg>"), std::string::npos);
-  EXPECT_EQ(svg.find("nan"), std::string::npos);
+// The rows of a side table that scripts/plot draws; what is left are the section's own.
+tools::Rows TakeTable(tools::Rows& rows, const std::string& name) {
+  for (auto& [table, side] : tools::TakeSideTables(rows)) {
+    if (table == name) return side;
+  }
+  ADD_FAILURE() << name;
+  return {};
 }
 
 TEST(Paper, ForcesFitTheTextWithinFifteenPercent) {
@@ -36,7 +40,27 @@ TEST(Paper, ForcesFitTheTextWithinFifteenPercent) {
   EXPECT_GT(rms.at("paper_law_41mm").get<double>(), 80);  // nor does the dipole law with the sensors' C
   EXPECT_TRUE(RowOf(section, "snapping, N").at("paper_law_41mm").is_null());
   EXPECT_FALSE(section.notes.empty());
-  ExpectPicture(section.figure_svg);
+}
+
+TEST(Paper, ForceLinesGoThroughTheRows) {
+  PaperSection section = PaperForces(config::DefaultDevice());
+  const double up_N = RowOf(section, "radial, I_z = +14.6 A, N").at("twin_fitted");
+  const double down_N = RowOf(section, "radial, I_z = -14.6 A, N").at("twin_fitted");
+  const double text_N = RowOf(section, "radial, I_z = +14.6 A, N").at("paper");
+  double low_N = 0, high_N = 0;
+  int of_text = 0;
+  for (const ordered_json& row : TakeTable(section.rows, "force lines")) {
+    if (row.at("direction") != "radial") continue;
+    if (row.at("of_text") && row.at("current_A") == 14.6) {
+      EXPECT_EQ(row.at("force_N"), text_N);
+      ++of_text;
+    }
+    if (row.at("series") != "twin, fitted geometry") continue;
+    (row.at("current_A") > 0 ? high_N : low_N) = row.at("force_N");
+  }
+  EXPECT_EQ(of_text, 1);
+  EXPECT_NEAR((high_N - low_N) / 30, (up_N - down_N) / 29.2, 1e-9);
+  EXPECT_NEAR(high_N + low_N, up_N + down_N, 1e-9);
 }
 
 TEST(Paper, OurForcesAreTheTwinsAtContact) {
@@ -57,101 +81,67 @@ TEST(Paper, HeatMeetsTheThreeTemperatures) {
     EXPECT_NEAR(RowOf(section, "15 A, 25 s: time of the peak, s").at(model).get<double>(), 65, 5) << model;
     EXPECT_NEAR(RowOf(section, "5 A, 15 min: end, C").at(model).get<double>(), 47, 1) << model;
   }
-  ExpectPicture(section.figure_svg);
+}
+
+TEST(Paper, HeatCurvesPeakWhereTheRowsSay) {
+  PaperSection section = PaperHeat(config::DefaultDevice());
+  const double peak_C = RowOf(section, "15 A, 25 s: peak, C").at("twin_fitted");
+  const double end_C = RowOf(section, "5 A, 15 min: end, C").at("twin_fitted");
+  double highest_C = 0, last_C = 0;
+  int seconds = 0;
+  for (const ordered_json& row : TakeTable(section.rows, "heat curves")) {
+    ++seconds;
+    if (row.at("run") == "15 A for 25 s") highest_C = std::max(highest_C, row.at("body_C").get<double>());
+    if (row.at("run") == "5 A for 15 min") last_C = row.at("body_C");
+  }
+  EXPECT_EQ(seconds, 181 + 901);
+  EXPECT_NEAR(highest_C, peak_C, 0.01);
+  EXPECT_NEAR(last_C, end_C, 0.01);
 }
 
 TEST(Paper, DecayIsSlowerThanTheDipoles) {
-  const PaperSection section = PaperDecay(config::DefaultDevice());
+  PaperSection section = PaperDecay(config::DefaultDevice());
+  const tools::Rows curve = TakeTable(section.rows, "decay curve");
+  ASSERT_EQ(curve.size(), 13U);
+  EXPECT_EQ(curve.back().at("gap_mm"), 60);
   ASSERT_EQ(section.rows.size(), 3U);
   EXPECT_NEAR(section.rows[1].at("paper_law_N").get<double>(), 0.835, 0.002);
   EXPECT_GT(section.rows[1].at("twin_radial_N").get<double>(), 0.95);
   EXPECT_NEAR(section.rows[2].at("ours_radial_N").get<double>() / section.rows[2].at("twin_radial_N").get<double>(), 1,
               0.02);
-  ExpectPicture(section.figure_svg);
+  EXPECT_EQ(curve[2].at("twin_radial_N"), section.rows[1].at("twin_radial_N"));  // both at 10 mm
+}
+
+TEST(Paper, MagnetSizesHoldTheMaximumOfTheRows) {
+  PaperSection section = PaperMagnets(config::DefaultDevice());
+  const tools::Rows sizes = TakeTable(section.rows, "magnet sizes");
+  ASSERT_EQ(section.rows.size(), 3U);
+  ASSERT_EQ(sizes.size(), 441U);
+  const std::pair<std::size_t, const char*> models[] = {{0, "paper_law_N"}, {1, "twin_N"}, {2, "ours_N"}};
+  for (const auto& [at, key] : models) {
+    const ordered_json* best = &sizes.front();
+    for (const ordered_json& size : sizes) {
+      if (size.at(key) > best->at(key)) best = &size;
+    }
+    EXPECT_EQ(best->at(key), section.rows[at].at("best_of_all_N")) << key;
+    EXPECT_EQ(best->at("radius_mm"), section.rows[at].at("at_radius_mm")) << key;
+    EXPECT_EQ(best->at("height_mm"), section.rows[at].at("at_height_mm")) << key;
+  }
 }
 
 TEST(Paper, TrackingRunsOnFewPoses) {
-  const PaperSection section = PaperTracking(config::DefaultDevice(), {.seed = 9001, .rigs = 2, .poses = 8});
+  PaperSection section = PaperTracking(config::DefaultDevice(), {.seed = 9001, .rigs = 2, .poses = 8});
+  const tools::Rows bins = TakeTable(section.rows, "tracking distribution");
+  ASSERT_EQ(bins.size(), 80U);
+  double share_pct = 0;
+  for (const ordered_json& bin : bins) share_pct += bin.at("share_pct").get<double>();
+  EXPECT_GT(share_pct, 150);  // of two conditions; what is beyond 20 mm is in no bin
+  EXPECT_LT(share_pct, 200.001);
   for (const ordered_json& row : section.rows) {
     if (row.at("quantity") != "mean_mm") continue;
     EXPECT_GT(row.at("paper_method_on_twin").get<double>(), 1.5);
     EXPECT_LT(row.at("ours").get<double>(), 1);
   }
-  ExpectPicture(section.figure_svg);
-}
-
-TEST(BenchPlot, DrawsSolversAndTracking) {
-  const nlohmann::json solver = {{"name", "solver"},
-                                 {"commit", "abc"},
-                                 {"machine", "m"},
-                                 {"rows",
-                                  {{{"method", "omni"},
-                                    {"model", "default"},
-                                    {"start", "warm"},
-                                    {"precision", "float"},
-                                    {"us_median", 1.1},
-                                    {"rms_mm", 0.18}},
-                                   {{"method", "ceres-analytic"},
-                                    {"model", "full"},
-                                    {"start", "cold"},
-                                    {"precision", "double"},
-                                    {"us_median", 44},
-                                    {"rms_mm", 0.18}},
-                                   {{"method", "broken"}, {"us_median", nullptr}},
-                                   3}}};
-  const auto picture = DrawBench(solver, "s.json");
-  ASSERT_TRUE(picture.ok()) << picture.error();
-  ExpectPicture(*picture);
-  EXPECT_NE(picture->find("ceres-analytic, cold"), std::string::npos);
-  EXPECT_EQ(picture->find("broken"), std::string::npos);
-  const nlohmann::json tracking = {{"name", "tracking"},
-                                   {"rows",
-                                    {{{"model", "default"},
-                                      {"noise", "UHP"},
-                                      {"actuation_A", 4},
-                                      {"currents", "hidden"},
-                                      {"moving", true},
-                                      {"mean_mm", 0.2},
-                                      {"p95_mm", 0.5},
-                                      {"max_mm", 1.1}}}}};
-  const auto bars = DrawBench(tracking, "t.json");
-  ASSERT_TRUE(bars.ok()) << bars.error();
-  EXPECT_NE(bars->find("default, UHP, +-4 A hidden, moving"), std::string::npos);
-}
-
-TEST(BenchPlot, DrawsTheLayerAndAlignment) {
-  nlohmann::json motions = nlohmann::json::array({3});
-  for (const char* motion : {"extrusion", "free strokes, seed 1", "free strokes, seed 2"}) {
-    for (const char* method : {"layer", "hold last"}) {
-      for (const double ms : {10, 20, 40}) {
-        motions.push_back({{"motion", motion}, {"method", method}, {"horizon_ms", ms}, {"error_mm_p95", 0.05 * ms}});
-      }
-    }
-  }
-  const auto lines =
-      DrawBench({{"name", "layer"}, {"rows", nlohmann::json::array()}, {"tables", {{"motions", motions}}}}, "l.json");
-  ASSERT_TRUE(lines.ok()) << lines.error();
-  ExpectPicture(*lines);
-  const std::size_t named = lines->find("free strokes, layer");
-  EXPECT_NE(named, std::string::npos);
-  EXPECT_EQ(lines->find("free strokes, layer", named + 1), std::string::npos) << "once in the legend";
-  const nlohmann::json row = {
-      {"method", "touch, 6 DoF"}, {"predicted_mm", 2.4}, {"error_mm_median", 2.2}, {"error_mm_p95", 4.1}};
-  const auto marks = DrawBench({{"name", "align"}, {"rows", {row, {{"method", "refused"}}}}}, "a.json");
-  ASSERT_TRUE(marks.ok()) << marks.error();
-  ExpectPicture(*marks);
-  EXPECT_NE(marks->find("touch, median"), std::string::npos);
-  EXPECT_EQ(marks->find("refused"), std::string::npos);
-}
-
-TEST(BenchPlot, RefusesWhatItCannotDraw) {
-  EXPECT_FALSE(DrawBench({{"name", "layer"}, {"rows", nlohmann::json::array()}}, "x").ok());
-  EXPECT_FALSE(DrawBench({{"name", "align"}, {"rows", nlohmann::json::array()}}, "x").ok());
-  EXPECT_FALSE(DrawBench(nlohmann::json::parse("[", nullptr, false), "x").ok());
-  EXPECT_FALSE(DrawBench({{"name", "solver"}, {"rows", nlohmann::json::array()}}, "x").ok());
-  const auto loop = DrawBench({{"name", "loop"}, {"rows", nlohmann::json::array()}}, "x.json");
-  ASSERT_FALSE(loop.ok());
-  EXPECT_NE(loop.error().find("loop"), std::string::npos);
 }
 
 }  // namespace

@@ -8,7 +8,6 @@ class App;
 namespace omni::bench {
 
 void AddPaper(CLI::App& app);  // the published figures beside ours
-void AddPlot(CLI::App& app);   // pictures of rows
 void AddPage(CLI::App& app);   // rows into a page of Markdown
 
 }  // namespace omni::bench

@@ -81,7 +81,6 @@ int Run(int argc, const char* const* argv) {
   app.footer(console::kExitStatusHelp);
   AddBenches(app);
   AddPaper(app);
-  AddPlot(app);
   AddPage(app);
   return console::Parse(app, argc, argv).value_or(console::kExitOk);
 }

@@ -29,7 +29,7 @@
 namespace omni::bench {
 namespace {
 
-constexpr int kBatch = 1000;  // ticks
+constexpr int kTicksOfBatch = 1000;  // ticks
 constexpr double kLate_s = 0.5e-3;
 constexpr int kPriority = 80;
 
@@ -144,7 +144,7 @@ QuietTiming TimePlayer(const loop::TickConfig& config, const haptics::Scene& sce
                        const std::vector<base::HallScan>& scans, int batches) {
   const auto player = std::make_unique<test::ScanPlayer>(config, scene, scans);
   return TimeQuietly(
-      batches, kBatch, 1, [&](std::uint64_t) { player->Tick(); },
+      batches, kTicksOfBatch, 1, [&](std::uint64_t) { player->Tick(); },
       [&] {
         if (player->at_end()) player->Start();
       });

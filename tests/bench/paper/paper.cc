@@ -1,6 +1,5 @@
 #include "tests/bench/paper/paper.h"
 
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -16,7 +15,7 @@ namespace {
 
 struct PaperArguments {
   PaperOptions options;
-  std::string figures, json;
+  std::string json;
   std::string only;
 };
 
@@ -33,29 +32,22 @@ constexpr SectionEntry kSections[] = {
 };
 
 int RunPaper(const PaperArguments& arguments) {
-  if (!arguments.figures.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(arguments.figures, error);
-    if (error) return tools::Fail("omni-bench paper", arguments.figures + ": cannot be made (" + error.message() + ")");
-  }
   std::cout << "paper: Langerak et al., Omni, UIST 2020; twin and ours: simulation\n";
   BenchRows all;
   for (const SectionEntry& entry : kSections) {
     if (!arguments.only.empty() && arguments.only != entry.name) continue;
     const PaperSection section = entry.make(config::DefaultDevice(), arguments.options);
-    std::cout << "\n" << section.title << "\n" << tools::RowTable(section.rows);
+    BenchRows own = section.rows;
+    const auto drawn = tools::TakeSideTables(own);  // too long to print
+    std::cout << "\n" << section.title << "\n" << tools::RowTable(own);
     for (const std::string& note : section.notes) std::cout << "  " << note << "\n";
     std::cout << std::flush;
     for (const nlohmann::ordered_json& row : section.rows) {
-      nlohmann::ordered_json flat{{"section", entry.name}};
+      nlohmann::ordered_json flat;
+      if (!row.contains("table")) flat["section"] = entry.name;
       flat.update(row);
       all.push_back(flat);
     }
-    if (arguments.figures.empty()) continue;
-    const std::string path = arguments.figures + "/" + section.figure_name;
-    if (const std::string problem = tools::WriteText(path, section.figure_svg); !problem.empty())
-      return tools::Fail("omni-bench paper", problem);
-    std::cout << "  figure: " << path << "\n";
   }
   if (arguments.json.empty()) return tools::kExitOk;
   const std::string problem = tools::WriteText(arguments.json, tools::RowDocument("paper", all).dump(2) + "\n");
@@ -70,8 +62,8 @@ void AddPaper(CLI::App& app) {
   std::vector<std::string> names;
   for (const SectionEntry& entry : kSections) names.emplace_back(entry.name);
   paper->add_option("section", arguments->only, "only this one")->check(console::OneOf(names));
-  paper->add_option("--figures", arguments->figures, "folder for the figures (SVG)");
-  paper->add_option("--json", arguments->json, "write {name, commit, machine, rows} here as well");
+  paper->add_option("--json", arguments->json,
+                    "write {name, commit, machine, rows, tables} here as well; scripts/plot draws it");
   paper->add_option("--seed", arguments->options.seed, "of the first rig")->capture_default_str();
   paper->add_option("--rigs", arguments->options.rigs, "simulated devices, pooled")
       ->check(CLI::Range(1, 1000))

@@ -20,10 +20,8 @@ struct PaperOptions {
 // One part of the comparison.
 struct PaperSection {
   std::string title;
-  BenchRows rows;
+  BenchRows rows;                  // those with a key "table" are what scripts/plot draws
   std::vector<std::string> notes;  // free parameters, seeds, readings of the text
-  std::string figure_name;         // file name without folder
-  std::string figure_svg;
 };
 
 PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOptions& options);  // Fig. 6

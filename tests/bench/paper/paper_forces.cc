@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <functional>
 
-#include "tests/bench/harness/plot.h"
 #include "tests/bench/paper/paper.h"
 #include "tests/bench/paper/paper_force_models.h"
 
@@ -100,48 +99,53 @@ std::string Text(const char* format, double a, double b) {
   return text;
 }
 
-PlotSeries Line(const std::string& name, std::size_t colour, PlotSeries::Mark mark, double offset, double slope) {
-  PlotSeries series{.name = name, .colour = PlotColour(colour), .mark = mark};
-  for (const double current_A : {-15.0, 15.0}) series.points.push_back({current_A, offset + slope * current_A});
-  return series;
-}
+// Force over current for the figure: the text's points, and a line a model through both ends of the axis.
+struct TextPoint {
+  const char* direction;
+  const char* series;
+  double current_A, force_N;
+};
+constexpr TextPoint kTextPoints[] = {
+    {"radial", "numbers in the text", 14.6, 1.95},
+    {"radial", "numbers in the text", -14.6, -3.04},
+    {"radial", "numbers in the text", 0, -0.54},
+    {"radial", "numbers in the text", 3.7, 0},
+    {"tangential", "text: I_x 0.122 N/A, I_y 0.142 N/A", -14.6, -14.6 * 0.122},
+    {"tangential", "text: I_x 0.122 N/A, I_y 0.142 N/A", 14.6, 14.6 * 0.122},
+    {"tangential", "text: I_x 0.122 N/A, I_y 0.142 N/A", -14.6, -14.6 * 0.142},
+    {"tangential", "text: I_x 0.122 N/A, I_y 0.142 N/A", 14.6, 14.6 * 0.142},
+    {"tangential", "text: 2.04 N at 15 A, 0.615 N at 5 A", 15, 2.04},
+    {"tangential", "text: 2.04 N at 15 A, 0.615 N at 5 A", 5, 0.615},
+};
 
-std::string ForceFigure(const ForceTable& law, const ForceTable& nominal, const Fit& fitted) {
-  using Mark = PlotSeries::Mark;
-  tools::Svg svg(980, 860);
-  const PlotBox radial{.title = "Radial force on top against I_z, weight and snapping included (after Fig. 8)",
-                       .x = {"I_z, A", -16, 16},
-                       .y = {"N", -8, 7}};
-  const auto offset = [](const ForceTable& f) { return -f.snapping_N - kWeight_N; };
-  DrawPlot(svg, radial,
-           {{.name = "numbers in the text",
-             .colour = PlotColour(6),
-             .points = {{14.6, 1.95}, {-14.6, -3.04}, {0, -0.54}, {3.7, 0}},
-             .mark = Mark::kDots},
-            Line("twin, fitted geometry", 0, Mark::kLine, offset(fitted.forces), fitted.forces.radial_z_N_A),
-            Line("twin, contact at 41 mm", 2, Mark::kDashes, offset(nominal), nominal.radial_z_N_A),
-            Line("paper's law, 41 mm, C of the sensors", 1, Mark::kDashes, offset(law), law.radial_z_N_A)});
-  PlotBox tangential{
-      .top_px = 470, .title = "Tangential force on top against I_x, I_y", .x = {"I, A", -16, 16}, .y = {"N", -4, 4}};
-  DrawPlot(svg, tangential,
-           {{.name = "text: I_x 0.122 N/A, I_y 0.142 N/A",
-             .colour = PlotColour(6),
-             .points = {{-14.6, -14.6 * 0.122}, {14.6, 14.6 * 0.122}, {-14.6, -14.6 * 0.142}, {14.6, 14.6 * 0.142}},
-             .mark = Mark::kDots},
-            {.name = "text: 2.04 N at 15 A, 0.615 N at 5 A",
-             .colour = PlotColour(6),
-             .points = {{15, 2.04}, {5, 0.615}},
-             .mark = Mark::kRings},
-            Line("twin, fitted geometry, I_y", 0, Mark::kLine, 0, fitted.forces.tangential_y_N_A),
-            Line("twin, contact at 41 mm, I_y", 2, Mark::kDashes, 0, nominal.tangential_y_N_A),
-            Line("paper's law, 41 mm, I_y", 1, Mark::kDashes, 0, law.tangential_y_N_A)});
-  return svg.Finish();
+void AddForceLines(const ForceTable& law, const ForceTable& nominal, const ForceTable& fitted, BenchRows& rows) {
+  const auto add = [&rows](const char* direction, const std::string& series, bool text, double current_A,
+                           double force_N) {
+    rows.push_back({{"table", "force lines"},
+                    {"direction", direction},
+                    {"series", series},
+                    {"of_text", text},
+                    {"current_A", current_A},
+                    {"force_N", force_N}});
+  };
+  for (const TextPoint& point : kTextPoints) add(point.direction, point.series, true, point.current_A, point.force_N);
+  const auto add_model = [&add](const std::string& name, const ForceTable& f) {
+    for (const double current_A : {-15.0, 15.0}) {
+      add("radial", name, false, current_A, current_A * f.radial_z_N_A - f.snapping_N - kWeight_N);
+    }
+    for (const double current_A : {-15.0, 15.0}) {
+      add("tangential", name + ", I_y", false, current_A, current_A * f.tangential_y_N_A);
+    }
+  };
+  add_model("twin, fitted geometry", fitted);
+  add_model("twin, contact at 41 mm", nominal);
+  add_model("paper's law, 41 mm, C of the sensors", law);
 }
 
 }  // namespace
 
 PaperSection PaperForces(const base::DeviceGeometry& device) {
-  PaperSection section{.title = "Forces against currents (Fig. 8)", .figure_name = "fig8-forces.svg"};
+  PaperSection section{.title = "Forces against currents (Fig. 8)"};
   const double contact_m = device.hull_radius_m + device.magnet.half_height_m;
   const ForceTable law = PaperLawForces(device, contact_m);
   const ForceTable nominal = TwinForces(device, contact_m, device.core_kappa);
@@ -183,21 +187,16 @@ PaperSection PaperForces(const base::DeviceGeometry& device) {
       Text("levitation: the text has 3.7 A; its own offset and slope give %.2f A, the fitted twin %.2f A",
            0.54 / ((1.95 + 3.04) / 29.2), (fitted.forces.snapping_N + kWeight_N) / fitted.forces.radial_z_N_A),
       "the paper's law has no pull of the core: its rms leaves the snapping out and counts the weight only"};
-  section.figure_svg = ForceFigure(law, nominal, fitted);
+  AddForceLines(law, nominal, fitted.forces, section.rows);
   return section;
 }
 
 PaperSection PaperDecay(const base::DeviceGeometry& device) {
-  PaperSection section{.title = "Decay with the gap, 2 N at contact (text: 1/(d0 + g)^4, d0 = 41 mm)",
-                       .figure_name = "decay.svg"};
+  PaperSection section{.title = "Decay with the gap, 2 N at contact (text: 1/(d0 + g)^4, d0 = 41 mm)"};
   constexpr double kPaperContact_N = 2;
   const double contact_m = device.hull_radius_m + device.magnet.half_height_m;
   const ForceTable twin_0 = TwinForces(device, contact_m, device.core_kappa);
   const ForceTable ours_0 = OurForces(device, contact_m, device.core_kappa);
-  PlotSeries law{.name = "paper's law", .colour = PlotColour(1), .mark = PlotSeries::Mark::kDashes};
-  PlotSeries radial{.name = "twin, radial", .colour = PlotColour(0)};
-  PlotSeries tangential{.name = "twin, tangential", .colour = PlotColour(2)};
-  PlotSeries map{.name = "ours, radial", .colour = PlotColour(6), .mark = PlotSeries::Mark::kRings};
   for (int gap_mm = 0; gap_mm <= 60; gap_mm += 5) {
     const double d = contact_m + 1e-3 * gap_mm;
     const ForceTable twin = TwinForces(device, d, device.core_kappa), ours = OurForces(device, d, device.core_kappa);
@@ -205,10 +204,12 @@ PaperSection PaperDecay(const base::DeviceGeometry& device) {
     const double twin_N = kPaperContact_N * twin.radial_z_N_A / twin_0.radial_z_N_A;
     const double side_N = kPaperContact_N * twin.tangential_x_N_A / twin_0.tangential_x_N_A;
     const double ours_N = kPaperContact_N * ours.radial_z_N_A / ours_0.radial_z_N_A;
-    law.points.push_back({static_cast<double>(gap_mm), law_N});
-    radial.points.push_back({static_cast<double>(gap_mm), twin_N});
-    tangential.points.push_back({static_cast<double>(gap_mm), side_N});
-    map.points.push_back({static_cast<double>(gap_mm), ours_N});
+    section.rows.push_back({{"table", "decay curve"},
+                            {"gap_mm", gap_mm},
+                            {"paper_law_N", law_N},
+                            {"twin_radial_N", twin_N},
+                            {"twin_tangential_N", side_N},
+                            {"ours_radial_N", ours_N}});
     if (gap_mm != 0 && gap_mm != 10 && gap_mm != 30) continue;
     section.rows.push_back({{"gap_mm", gap_mm},
                             {"paper_N", gap_mm == 0    ? 2.0
@@ -222,18 +223,6 @@ PaperSection PaperDecay(const base::DeviceGeometry& device) {
   section.notes = {
       "no free parameter; the text's 0.835 N and 0.2 N are its formula, not measurements: the twin keeps more "
       "radial force at a distance, since the core and the coils' width flatten the near field"};
-  tools::Svg svg(860, 430);
-  const PlotBox box{.title = "Force against gap, 2 N at contact", .x = {"gap, mm", 0, 60}, .y = {"N", 0.02, 3, true}};
-  DrawPlot(svg, box,
-           {law,
-            radial,
-            tangential,
-            map,
-            {.name = "numbers in the text",
-             .colour = PlotColour(3),
-             .points = {{10, 0.835}, {30, 0.2}},
-             .mark = PlotSeries::Mark::kDots}});
-  section.figure_svg = svg.Finish();
   return section;
 }
 

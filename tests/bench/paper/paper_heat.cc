@@ -8,7 +8,6 @@
 #include "service/actuation/heat.h"
 #include "service/base/eigen.h"
 #include "service/sim/coil_bank.h"
-#include "tests/bench/harness/plot.h"
 #include "tests/bench/paper/paper.h"
 
 namespace omni::bench {
@@ -29,7 +28,7 @@ struct HeatCurve {
   double peak_C = 0, peak_s = 0;  // of the body
   double end_C = 0;               // of the body
   double copper_peak_C = 0;
-  std::vector<tools::SvgPoint> body, copper;  // every second
+  BenchRows every_s;  // time_s, body_C, copper_C
 };
 
 sim::ThermalConfig OfDeviceFile(const base::HeatGeometry& heat) {
@@ -63,8 +62,8 @@ HeatCurve Simulate(const base::DeviceGeometry& device, const sim::ThermalConfig&
     curve.host_copper_peak_C = std::max(curve.host_copper_peak_C, believed.copper_C[1]);
     curve.host_end_C = believed.body_C;
     if (i % per_s == 0) {
-      curve.body.push_back({t_s, body_C});
-      curve.copper.push_back({t_s, copper_C});
+      curve.every_s.push_back(
+          {{"table", "heat curves"}, {"run", run.name}, {"time_s", t_s}, {"body_C", body_C}, {"copper_C", copper_C}});
     }
     if (i == 0 || (on && t_s >= run.on_s)) {
       on = i == 0;
@@ -120,29 +119,20 @@ std::string Constants(const char* name, const sim::ThermalConfig& thermal) {
   return text;
 }
 
-std::string Figure(const HeatCurve& peak, const HeatCurve& constant) {
-  tools::Svg svg(900, 800);
-  using Mark = PlotSeries::Mark;
-  const auto draw = [&](const char* title, double top_px, double end_s, double high_C, const HeatCurve& curve,
-                        std::vector<tools::SvgPoint> text) {
-    DrawPlot(
-        svg, {.top_px = top_px, .height_px = 290, .title = title, .x = {"s", 0, end_s}, .y = {"C", 20, high_C}},
-        {{.name = "twin, body", .colour = PlotColour(0), .points = curve.body},
-         {.name = "twin, copper of coil y (hidden)",
-          .colour = PlotColour(1),
-          .points = curve.copper,
-          .mark = Mark::kDashes},
-         {.name = "numbers in the text", .colour = PlotColour(6), .points = std::move(text), .mark = Mark::kDots}});
+void AddTextTemperatures(BenchRows& rows) {
+  const auto add = [&rows](const HeatRun& run, double time_s, double body_C) {
+    rows.push_back({{"table", "heat in the text"}, {"run", run.name}, {"time_s", time_s}, {"body_C", body_C}});
   };
-  draw("15 A in coil y for 25 s (after Fig. 9)", 40, kPeak.end_s, 110, peak, {{0, 24}, {65, 39}});
-  draw("5 A in coil y for 15 min", 430, kConstant.end_s, 80, constant, {{0, 24}, {900, 47}});
-  return svg.Finish();
+  add(kPeak, 0, 24);
+  add(kPeak, 65, 39);
+  add(kConstant, 0, 24);
+  add(kConstant, 900, 47);
 }
 
 }  // namespace
 
 PaperSection PaperHeat(const base::DeviceGeometry& device) {
-  PaperSection section{.title = "Heat (Fig. 9)", .figure_name = "fig9-heat.svg"};
+  PaperSection section{.title = "Heat (Fig. 9)"};
   const sim::ThermalConfig of_file = OfDeviceFile(device.heat);
   const sim::ThermalConfig fitted = FitThermal(device, of_file);
   const HeatCurve peak = Simulate(device, fitted, kPeak), constant = Simulate(device, fitted, kConstant);
@@ -164,7 +154,9 @@ PaperSection PaperHeat(const base::DeviceGeometry& device) {
       "ours: the host's own model, fed with the twin's measured currents only; the paper has no model of heat",
       "three numbers, three free parameters: agreement is no proof; the twin's over-temperature trip is off, "
       "as it cannot have acted in the paper's runs"};
-  section.figure_svg = Figure(peak, constant);
+  AddTextTemperatures(section.rows);
+  section.rows.insert(section.rows.end(), peak.every_s.begin(), peak.every_s.end());
+  section.rows.insert(section.rows.end(), constant.every_s.begin(), constant.every_s.end());
   return section;
 }
 

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <numbers>
 
-#include "tests/bench/harness/plot.h"
 #include "tests/bench/paper/paper.h"
 #include "tests/bench/paper/paper_force_models.h"
 
@@ -65,56 +64,20 @@ Sweep SweepSizes(const base::DeviceGeometry& device, Model model) {
   return sweep;
 }
 
-// Blue below zero, white, red at `most`.
-std::string Colour(double value, double most) {
-  const double share = std::clamp(value / most, -1.0, 1.0);
-  const auto channel = [](double x) { return static_cast<int>(std::lround(255 * std::clamp(x, 0.0, 1.0))); };
-  char text[16];
-  if (share >= 0) {
-    std::snprintf(text, sizeof(text), "#%02x%02x%02x", channel(1 - 0.25 * share), channel(1 - 0.85 * share),
-                  channel(1 - 0.9 * share));
-  } else {
-    std::snprintf(text, sizeof(text), "#%02x%02x%02x", channel(1 + 0.9 * share), channel(1 + 0.6 * share),
-                  channel(1 + 0.2 * share));
+// What the figure draws: the lift of every size, and which size the paper's magnet has.
+void AddSizes(const base::DeviceGeometry& device, const Sweep& law, const Sweep& twin, const Sweep& ours,
+              BenchRows& rows) {
+  rows.push_back({{"table", "magnet of the paper"},
+                  {"radius_mm", 1e3 * device.magnet.radius_m},
+                  {"height_mm", 2e3 * device.magnet.half_height_m}});
+  for (std::size_t i = 0; i < law.force_N.size(); ++i) {
+    rows.push_back({{"table", "magnet sizes"},
+                    {"radius_mm", 1e3 * (kRadiusLow_m + kRadiusStep_m * static_cast<double>(i / kSteps))},
+                    {"height_mm", 1e3 * (kHeightLow_m + kHeightStep_m * static_cast<double>(i % kSteps))},
+                    {"paper_law_N", law.force_N[i]},
+                    {"twin_N", twin.force_N[i]},
+                    {"ours_N", ours.force_N[i]}});
   }
-  return text;
-}
-
-void DrawMap(tools::Svg& svg, double left_px, const std::string& title, const base::DeviceGeometry& device,
-             const Sweep& sweep) {
-  const PlotBox box{
-      .left_px = left_px,
-      .width_px = 320,
-      .title = title,
-      .x = {"magnet radius, mm", 1e3 * kRadiusLow_m - 0.5, 1e3 * (kRadiusLow_m + kRadiusStep_m * (kSteps - 1)) + 0.5},
-      .y = {"magnet height, mm", 1e3 * kHeightLow_m - 0.5, 1e3 * (kHeightLow_m + kHeightStep_m * (kSteps - 1)) + 0.5},
-      .legend = false};
-  DrawPlot(svg, box, {});
-  const double cell_px = box.width_px / kSteps, cell_height_px = box.height_px / kSteps;
-  for (int i = 0; i < kSteps; ++i) {
-    for (int j = 0; j < kSteps; ++j) {
-      const double force_N = sweep.force_N[static_cast<std::size_t>(i) * kSteps + static_cast<std::size_t>(j)];
-      const std::string fill = "fill=\"" + Colour(force_N, std::max(0.05, sweep.best_N)) + "\"";
-      svg.Rect(box.left_px + cell_px * i, box.top_px + box.height_px - cell_height_px * (j + 1), cell_px + 0.2,
-               cell_height_px + 0.2, fill.c_str());
-    }
-  }
-  PlotSeries volume{.colour = "#333333", .mark = PlotSeries::Mark::kDashes};
-  const double radius_m = device.magnet.radius_m, height_m = 2 * device.magnet.half_height_m;
-  const int points = static_cast<int>((0.0255 - kRadiusLow_m) / 2e-4);
-  for (int i = 0; i <= points; ++i) {
-    const double r = kRadiusLow_m + 2e-4 * i;
-    volume.points.push_back({1e3 * r, 1e3 * radius_m * radius_m * height_m / (r * r)});
-  }
-  const PlotSeries mark{.colour = "#111111",
-                        .points = {{1e3 * radius_m, 1e3 * height_m}},
-                        .mark = PlotSeries::Mark::kDots,
-                        .labels = {"paper's magnet"}};
-  const PlotSeries best{.colour = "#111111",
-                        .points = {{1e3 * sweep.best_radius_m, 1e3 * sweep.best_height_m}},
-                        .mark = PlotSeries::Mark::kDiamonds,
-                        .labels = {"maximum"}};
-  DrawSeries(svg, box, {volume, mark, best});
 }
 
 void AddRow(const char* name, const base::DeviceGeometry& device, const Sweep& sweep, Model model, BenchRows& rows) {
@@ -134,8 +97,7 @@ void AddRow(const char* name, const base::DeviceGeometry& device, const Sweep& s
 }  // namespace
 
 PaperSection PaperMagnets(const base::DeviceGeometry& device) {
-  PaperSection section{.title = "Size of the magnet, net lift at 5 A in coil z on top of the sphere (Fig. 5)",
-                       .figure_name = "fig5-magnets.svg"};
+  PaperSection section{.title = "Size of the magnet, net lift at 5 A in coil z on top of the sphere (Fig. 5)"};
   const Sweep law = SweepSizes(device, Model::kLaw);
   const Sweep twin = SweepSizes(device, Model::kTwin);
   const Sweep ours = SweepSizes(device, Model::kOurs);
@@ -149,10 +111,7 @@ PaperSection PaperMagnets(const base::DeviceGeometry& device) {
       "the dipole law overestimates wide magnets: their rim is farther away; the twin adds the core's pull, which "
       "grows "
       "with the square of the moment"};
-  tools::Svg svg(860, 430);
-  DrawMap(svg, 70, "Net lift at 5 A, N: twin", device, twin);
-  DrawMap(svg, 490, "the paper's dipole law", device, law);
-  section.figure_svg = svg.Finish();
+  AddSizes(device, law, twin, ours, section.rows);
   return section;
 }
 

@@ -15,7 +15,6 @@
 #include "service/sim/vec3.h"
 #include "service/tools/statistics.h"
 #include "service/tracker/tracker.h"
-#include "tests/bench/harness/plot.h"
 #include "tests/bench/paper/paper.h"
 #include "tests/bench/peers/paper_method.h"
 #include "tests/support/rig.h"
@@ -225,48 +224,22 @@ void AddRows(const Condition& condition, const Both& both, const Both& fitted, B
   add("orientation_mean_deg", nullptr, [](const Errors& e) { return tools::Mean(e.turn_deg); });
 }
 
-PlotSeries Distribution(const std::string& name, const char* colour, PlotSeries::Mark mark,
-                        const std::vector<double>& values_mm) {
+// Of the paper's method on fitted rigs, for the figure.
+void AddDistribution(const char* condition, const std::vector<double>& values_mm, BenchRows& rows) {
   constexpr double kBin_mm = 0.5;
   constexpr int kBins = 40;
-  PlotSeries series{.name = name, .colour = colour, .mark = mark};
   for (int bin = 0; bin < kBins; ++bin) {
     const double low = bin * kBin_mm;
     const auto inside = std::count_if(values_mm.begin(), values_mm.end(),
                                       [&](double value) { return value >= low && value < low + kBin_mm; });
     const double share =
         100 * static_cast<double>(inside) / static_cast<double>(std::max<std::size_t>(1, values_mm.size()));
-    series.points.push_back({low, share});
-    series.points.push_back({low + kBin_mm, share});
+    rows.push_back({{"table", "tracking distribution"},
+                    {"condition", condition},
+                    {"from_mm", low},
+                    {"to_mm", low + kBin_mm},
+                    {"share_pct", share}});
   }
-  return series;
-}
-
-std::string Figure(const Results& results, const Results& fitted) {
-  tools::Svg svg(900, 430);
-  PlotBox box{.title = "Distribution of the tracking error on the twin (after Fig. 6)",
-              .x = {"distance to the truth, mm", 0, 16},
-              .y = {"share of the poses per 0.5 mm, %", 0, 16}};
-  using Mark = PlotSeries::Mark;
-  std::vector<PlotSeries> series{
-      Distribution("paper's method, no current", PlotColour(0), Mark::kLine, fitted[0].paper.distance_mm),
-      Distribution("paper's method, +-4 A", PlotColour(1), Mark::kLine, fitted[1].paper.distance_mm)};
-  for (std::size_t i = 0; i < 2; ++i) {
-    const double x = kConditions[i].text.mean;
-    series.push_back({.name = i == 0 ? "paper's mean, no current" : "paper's mean, +-4 A",
-                      .colour = PlotColour(i),
-                      .points = {{x, 0}, {x, 16}},
-                      .mark = Mark::kDashes});
-  }
-  for (std::size_t i = 0; i < 2; ++i) {
-    const double x = tools::Mean(results[i].ours.distance_mm);
-    series.push_back({.name = i == 0 ? "our mean, no current" : "our mean, +-4 A",
-                      .colour = PlotColour(i),
-                      .points = {{x, 15.0 - static_cast<double>(i)}},
-                      .mark = Mark::kDiamonds});
-  }
-  DrawPlot(svg, box, series);
-  return svg.Finish();
 }
 
 std::string Text(const char* format, double factor) {
@@ -278,11 +251,14 @@ std::string Text(const char* format, double factor) {
 }  // namespace
 
 PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOptions& options) {
-  PaperSection section{.title = "Tracking (Fig. 6)", .figure_name = "fig6-tracking.svg"};
+  PaperSection section{.title = "Tracking (Fig. 6)"};
   const double factor = FitFactor(device, options);
   const Results results = RunRigs(device, 1, options, Methods::kBoth);
   const Results fitted = RunRigs(device, factor, options, Methods::kPaper);
   for (std::size_t c = 0; c < results.size(); ++c) AddRows(kConditions[c], results[c], fitted[c], section.rows);
+  for (std::size_t c = 0; c < results.size(); ++c) {
+    AddDistribution(kConditions[c].name, fitted[c].paper.distance_mm, section.rows);
+  }
   const std::uint64_t last = options.seed + static_cast<std::uint64_t>(options.rigs) - 1;
   section.notes = {
       "rigs: seeds " + std::to_string(options.seed) + " to " + std::to_string(last) + ", " +
@@ -300,7 +276,6 @@ PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOption
           "free parameter of the fitted column: the sensors' errors times %.2f (%.2f mm, %.2f %%, %.2f deg); the paper "
           "gives none of them, only that the method needs 1 mm to converge",
           factor)};
-  section.figure_svg = Figure(results, fitted);
   return section;
 }
 
