@@ -16,12 +16,6 @@
 
 namespace omni::actuation {
 
-// What becomes of a request that the coils cannot meet. docs/decisions/0007-infeasible-forces.md
-enum class Infeasible : std::uint8_t {
-  kKeepDirection,  // scaled as a vector
-  kNearest         // the nearest force, errors across its direction weighted
-};
-
 struct Config {
   ForceMap map;  // prepared by MakeConfig
   HeatConfig heat;
@@ -36,11 +30,6 @@ struct Config {
   double singular_ratio = 0.2;      // sigma_min / sigma_max of X below which the weak direction is damped
   bool compensate_snapping = true;  // add the current that cancels the core's pull while rendering
   double bias_fade_N = 0.5;         // the compensation grows from 0 to all of it over this request
-  bool compensate_weight = false;   // carry the tool's weight while loop says so
-  double weight_N = 0;
-  double weight_current_max_A = 5;  // no coil carries more than this of it: far away the weight is carried in part
-  Infeasible infeasible = Infeasible::kKeepDirection;
-  double direction_weight = 3;  // of kNearest; 1: least squares, large: nearly kKeepDirection
 };
 
 struct State {
@@ -69,10 +58,8 @@ base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& 
 double ForceMax_N(const Config& config, const base::ToolState& tool, const base::Vec3& direction,
                   const std::array<double, 3>& coil_temperature_C) noexcept;
 
-// Share of the weight that is carried from now on, 0..1: loop's gate.
-void FadeWeight(double gain, base::ForceLimit& limit) noexcept;
-
-// Currents for `force_N` under `limit`: made feasible as config.infeasible says, then slew, temperature and power
+// Currents for `force_N` under `limit`: what cannot be met is scaled, its direction kept
+// (docs/decisions/0007-infeasible-forces.md); then slew, temperature and power
 // limits, and the limits of the force that is really made. Always finite and within limits; zero, at once, when
 // anything is in doubt. Slew and rise limit what grows: falling is free.
 void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "service/actuation/actuation.h"
-#include "service/actuation/box_least_squares.h"
 
 namespace omni::actuation {
 namespace {
@@ -67,15 +66,15 @@ Currents Push(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept
   return push;
 }
 
-// What flows besides the request while a force of this size is rendered: w(|f|) b + the weight.
+// What flows besides the request while a force of this size is rendered: w(|f|) b.
 Currents Held(const Config& config, const base::ForceLimit& limit, double force_N) noexcept {
   Currents held{};
   const double share = SmoothStep(force_N, config.bias_fade_N);
-  for (std::size_t k = 0; k < held.size(); ++k) held[k] = share * limit.bias_A[k] + limit.weight_A[k];
+  for (std::size_t k = 0; k < held.size(); ++k) held[k] = share * limit.bias_A[k];
   return held;
 }
 
-// I = s A f + w(|s f|) b + weight: the request scaled as a vector, and the share of the snapping compensation that goes
+// I = s A f + w(|s f|) b: the request scaled as a vector, and the share of the snapping compensation that goes
 // with it. docs/theory/actuation.md (7), (8)
 Currents Scaled(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
   double scale = base::FeasibleScale(limit, force_N);
@@ -89,24 +88,9 @@ Currents Scaled(const Config& config, const base::ForceLimit& limit, const base:
   return push;
 }
 
-// The currents nearest to those of (7) at s = 1 whose force is nearest, within the box. docs/theory/actuation.md (12)
-Currents Nearest(const Config& config, const base::ForceLimit& limit, const Currents& ceiling,
-                 const base::Vec3& force_N) noexcept {
-  const double scale = base::FeasibleScale(limit, force_N);  // force_max_N alone
-  if (!(scale > 0)) return limit.weight_A;
-  Currents wanted = Push(limit, force_N);
-  Scale(scale, wanted);
-  const Currents held = Held(config, limit, scale * Norm(force_N));
-  for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] += held[k];
-  if (!AreFinite(wanted)) return {};
-  return NearestInBox(MakeCurrentMetric(limit.newton_per_ampere, force_N, config.direction_weight), wanted, ceiling);
-}
-
-Currents Wanted(const Config& config, const base::ForceLimit& limit, const Currents& ceiling,
-                const base::Vec3& force_N) noexcept {
+Currents Wanted(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
   if (!limit.valid || !(Norm(force_N) <= kForceMax_N)) return {};
-  const Currents wanted =
-      limit.keeps_direction ? Scaled(config, limit, force_N) : Nearest(config, limit, ceiling, force_N);
+  const Currents wanted = Scaled(config, limit, force_N);
   return AreFinite(wanted) ? wanted : Currents{};
 }
 
@@ -196,7 +180,7 @@ void Allocate(const Config& config, const base::ForceLimit& limit, const base::V
   const Currents last = AreFinite(state.last_current_A) ? state.last_current_A : Currents{};
   const Currents ceiling = Ceiling(config, limit);
 
-  Currents target = Wanted(config, limit, ceiling, force_N);
+  Currents target = Wanted(config, limit, force_N);
   ApplyLimits(config, ceiling, target);
   Currents next = Slew(config, limit, last, target, step_s);
   ApplyLimits(config, ceiling, next);  // `last` may lie beyond a limit that has shrunk

@@ -23,15 +23,13 @@ struct CoilCurrents {
 };
 
 // What actuation can do at one pose and temperature, handed to haptics by loop.
-// A force f (N, in B) needs the currents I = ampere_per_newton f + bias_A + weight_A; it is feasible if
+// A force f (N, in B) needs the currents I = ampere_per_newton f + bias_A; it is feasible if
 // |I_k| <= current_max_A[k]. valid = false (pose unknown or out of reach): nothing may be rendered.
 struct ForceLimit {
   bool valid = false;
-  bool near_singular = false;   // one direction of force is faded out of ampere_per_newton
-  bool keeps_direction = true;  // infeasible forces are scaled; false: the nearest feasible force is made instead
+  bool near_singular = false;                 // one direction of force is faded out of ampere_per_newton
   std::array<double, 9> ampere_per_newton{};  // row-major 3x3
   std::array<double, kCoilCount> bias_A{};    // cancels the core's pull on the magnet, 0 when not compensated
-  std::array<double, kCoilCount> weight_A{};  // carries the tool's weight, request or not; loop fades it
   std::array<double, kCoilCount> current_max_A{};
   double force_max_N = 0;                                         // hard cap of |f|, whatever the currents allow
   double force_rise_N = std::numeric_limits<double>::infinity();  // the most by which |f| may grow in this tick

@@ -17,11 +17,10 @@ inline double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexce
   if (!limit.valid || !(norm_N <= 1e6)) return 0;
   if (norm_N == 0) return 1;
   double scale = std::min(1.0, limit.force_max_N / norm_N);
-  if (!limit.keeps_direction) return scale >= 0 ? scale : 0;
   for (std::size_t k = 0; k < kCoilCount; ++k) {
     const double* row = &limit.ampere_per_newton[3 * k];
     const double current_A = row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z;
-    const double bias_A = limit.bias_A[k] + limit.weight_A[k];
+    const double bias_A = limit.bias_A[k];
     // |bias + s I| <= max: the headroom depends on the sign of I.
     const double headroom_A = limit.current_max_A[k] - (current_A > 0 ? bias_A : -bias_A);
     if (!(headroom_A > 0)) return 0;
@@ -36,9 +35,7 @@ inline double ForceMax_N(const ForceLimit& limit, const Vec3& direction) noexcep
   const double norm = std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
   if (!(norm > 0 && norm <= 1e6)) return 0;
   const double gain = limit.force_max_N / norm;
-  ForceLimit scaled = limit;
-  scaled.keeps_direction = true;
-  return FeasibleScale(scaled, {gain * direction.x, gain * direction.y, gain * direction.z}) * limit.force_max_N;
+  return FeasibleScale(limit, {gain * direction.x, gain * direction.y, gain * direction.z}) * limit.force_max_N;
 }
 
 // Torque on the tool while `current_A` flow, about the magnet's centre. Zero where the pose is unknown.

@@ -55,8 +55,7 @@ double Excess_C(const actuation::HeatConfig& heat, const base::Vec3& force_N, co
   double most_W = 0;
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     const double* row = &limit.ampere_per_newton[3 * k];
-    const double current_A =
-        row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z + limit.bias_A[k] + limit.weight_A[k];
+    const double current_A = row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z + limit.bias_A[k];
     const double hot_ohm =
         heat.resistance_20C_ohm[k] * (1 + actuation::kCopperPerKelvin * (heat.temperature_aim_C - 20));
     const double power_W = current_A * current_A * hot_ohm;

@@ -90,7 +90,6 @@ struct SceneHeader {
   std::uint32_t magic;
   std::uint32_t version;
   std::uint64_t bytes;
-  std::uint64_t content_hash;
   std::uint32_t vertex_count, triangle_count, node_count, packet_count, object_count, region_count, material_count;
   std::uint32_t wall_node_count, wall_segment_count, texture_count, texel_count, uv_count;
   std::uint32_t has_joystick, has_vehicle;

@@ -8,7 +8,7 @@
 namespace omni::haptics {
 
 inline constexpr std::uint32_t kSceneMagic = 0x31534D4F;  // "OMS1"
-inline constexpr std::uint32_t kSceneVersion = 5;
+inline constexpr std::uint32_t kSceneVersion = 6;
 
 struct SceneParts {
   SceneHeader header{};

@@ -192,7 +192,6 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   // A pose that is only held leads the force down, not up.
   const bool held = output.tool.status != base::TrackingStatus::kTracking;
   NarrowLimit(config.limiter, kPoseTrust, held ? 0.0 : dt_s, limit);
-  actuation::FadeWeight(state.gate, limit);
   TellLimits(config, limit, output);
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
   const haptics::Input felt = MakeHapticInput(tool, limit, delay_s, dt_s, state);

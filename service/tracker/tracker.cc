@@ -245,13 +245,6 @@ bool IsEarlyJump(const Config& config, const State& state, const FilterState& pr
   return state.bad_scans < config.jump_scans && !(jump.norm() <= config.jump_max_m);
 }
 
-// A wide scan needs the axis too: what drifts is told apart from the whole pose.
-int ParametersOf(const Config& config, const State& state, bool wide) noexcept {
-  const bool hold = config.level == Level::kPosition && !wide &&
-                    state.scans % static_cast<std::uint32_t>(std::max(1, config.axis_every_scans)) != 0;
-  return hold ? 3 : kParameters;
-}
-
 // A position error dp at the distance d passes for 3 dp / d of a dipole's field; never less than the nominal share,
 // which is what a calibration cannot tell of itself (sensors that are not straight).   docs/theory/tracking.md (3)
 double ModelErrorOf(const base::Calibration& calibration, double nominal) {
@@ -269,11 +262,6 @@ Config MakeConfig(const base::Calibration& calibration) {
 }
 
 Config MakeConfig(const base::DeviceGeometry& device) { return MakeConfig(magnetics::NominalCalibration(device)); }
-
-void SetLevel(Level level, Config& config) noexcept {
-  config.level = level;
-  config.trust.currents_hidden = level == Level::kBlindCurrents;
-}
 
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
   const bool old = state.currents.valid && scan.t_ns == state.currents.t_ns;
@@ -307,7 +295,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   KernelSums sums;
   if (measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T) {
     if (state.warm) {
-      outcome = TryWarm(config, predicted, ParametersOf(config, state, wide), wide ? &sums : nullptr, measurement);
+      outcome = TryWarm(config, predicted, kParameters, wide ? &sums : nullptr, measurement);
     }
     const bool warm = outcome.good;
     bool tried = state.warm;

@@ -17,21 +17,12 @@
 
 namespace omni::tracker {
 
-// What a scene needs; the less, the cheaper the tick.
-enum class Level : std::uint8_t {
-  kPose,          // position and axis from every scan
-  kPosition,      // position from every scan; the axis from every axis_every_scans-th, predicted in between
-  kBlindCurrents  // position and axis, without believing what the scans say of the coils' currents
-};
-
 struct Config {
   Model model;                              // prepared by MakeConfig: sensors, coil maps, magnet, core
   Trust trust;                              // of the readings
   FilterNoise filter;                       // how a hand moves
   DriftNoise drift;                         // how fast offsets and moment change
-  Level level = Level::kPose;               // see SetLevel
   Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
-  int axis_every_scans = 4;                 // Level::kPosition
   double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
   double field_min_T = 4e-6;                // rms of the magnet's field over sensors below this: absent (0.5 m away)
   int axes_min = 9;                         // fewer usable readings: no pose
@@ -69,8 +60,6 @@ static_assert(std::is_trivially_copyable_v<State>);
 
 Config MakeConfig(const base::Calibration& calibration);
 Config MakeConfig(const base::DeviceGeometry& device);  // uncalibrated: as drawn
-
-void SetLevel(Level level, Config& config) noexcept;
 
 // Warm start from `state` (predicted to the scan's time) or cold start without a hint. Never throws, allocates or
 // returns a non-finite pose: a scan that does not fit gives kLost (the last good pose, velocities fading) and, after

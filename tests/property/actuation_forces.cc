@@ -196,11 +196,9 @@ TEST(ActuationForces, TheForceThatIsMadeKeepsToItsLimitsOverLeaps) {
   Vector3d last = Vector3d::Zero();
   int driven = 0;
   for (int i = 0; i < 100'000; ++i) {
-    config.compensate_weight = rng() % 2 == 0;
     const base::ToolState tool = RandomTool(rng, 0.041, 0.1, 1.5);
     base::ForceLimit limit = ComputeForceLimit(config, tool, {25, 25, 25});
     limit.force_rise_N = rng() % 10 == 0 ? 0 : Uniform(rng, 0, 0.85);
-    limit.keeps_direction = rng() % 3 != 0;
     if (rng() % 50 == 0) limit = {};
     const base::Vec3 wanted_N = base::FromEigen(Uniform(rng, 0, 4) * RandomUnit(rng));
     Allocate(config, limit, wanted_N, 1e-3, state, currents);

@@ -77,7 +77,7 @@ class HostileRun {
       : random_(seed),
         rig_(config::DefaultDevice(),
              {.seed = seed, .sizes = sim::NoImperfections(), .noise = sim::NoiseMode::kLowPower}),
-        config_(MakeConfig(seed, rig_)),
+        config_(loop::MakeTickConfig(config::DefaultDevice(), rig_.ExactCalibration())),
         pen_(rig_, random_),
         commands_(random_),
         scans_(rig_, random_) {
@@ -109,13 +109,6 @@ class HostileRun {
   const Worst& worst() const { return worst_; }
 
  private:
-  // Both ways to deal with a force that cannot be made.
-  static loop::TickConfig MakeConfig(std::uint64_t seed, const sim::Rig& rig) {
-    loop::TickConfig config = loop::MakeTickConfig(config::DefaultDevice(), rig.ExactCalibration());
-    if (seed % 2 == 0) config.actuation.infeasible = actuation::Infeasible::kNearest;
-    return config;
-  }
-
   void Judge(double dt_s, const base::Vec3& last_commanded_N) {
     ++worst_.ticks;
     const sim::CoilArray& current_A = output_->currents.current_A;

@@ -16,17 +16,13 @@ Brush RandomBrush(Random& random, double radius_low_m, double radius_high_m) {
   return brush;
 }
 
-// Strokes anywhere on the body, in and out; some undone, some of those redone, some masked.
+// Strokes anywhere on the body, in and out; some undone, some of those redone.
 void Sculpt(SculptEditor& editor, Random& random, int strokes, double size_m, double offset_m) {
   for (int i = 0; i < strokes; ++i) {
     const SurfacePoint at = On(editor, random.InBox(1.5 * size_m));
     ASSERT_NE(at.triangle, kNoIndex);
     const Brush brush = RandomBrush(random, 0.15 * size_m, 0.3 * size_m);
-    if (random.Next() % 16 == 0) {
-      EXPECT_TRUE(editor.PaintMask(at, brush, random.Uniform(0, 1)).ok());
-    } else {
-      (void)editor.Stroke(at, brush, random.Uniform(-offset_m, offset_m));  // refused where all is masked
-    }
+    (void)editor.Stroke(at, brush, random.Uniform(-offset_m, offset_m));  // refused where too many would move
     if (random.Next() % 8 == 0 && editor.Undo() && random.Next() % 2 == 0) editor.Redo();
     editor.Publish();
     if (i % 50 == 49) {

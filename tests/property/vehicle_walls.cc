@@ -178,7 +178,6 @@ TEST(Walls, AbsurdStatesAreTamed) {
 base::ForceLimit RandomLimit(Random& random) {
   base::ForceLimit limit = test::UsualLimit();
   limit.force_max_N = random.Uniform(0.05, 3);
-  limit.keeps_direction = random.Next() % 4 != 0;
   for (double& a : limit.ampere_per_newton) a += random.Uniform(-8, 8);
   for (double& a : limit.bias_A) a = random.Uniform(-3, 3);
   return limit;

@@ -111,38 +111,6 @@ TEST(ActuationExamples, LargestForceByDirectionAndTemperature) {
   EXPECT_LT(base::FeasibleScale(limit, {0, 0, 1.001 * most_N}), 1);
 }
 
-TEST(ActuationExamples, WeightIsCarriedWhileTheGateIsOpen) {
-  Config config = Nominal();
-  config.compensate_weight = true;
-  config.compensate_snapping = false;
-  config.weight_current_max_A = 15;
-  const base::ToolState tool = ToolAt({0.01, 0, 0.05}, {0, 0, -1});
-  const base::ForceLimit open = ComputeForceLimit(config, tool, kCold_C);
-  const base::Vec3 pull = ForceFromCurrents(config.map, tool, {});
-  const auto made = [&](const base::ForceLimit& limit, const base::Vec3& force_N) {
-    State state;
-    base::CoilCurrents currents;
-    for (int i = 0; i < 10; ++i) Allocate(config, limit, force_N, 1e-3, state, currents);
-    const base::Vec3 force = ForceFromCurrents(config.map, tool, currents.current_A);
-    return base::Vec3{force.x - pull.x, force.y - pull.y, force.z - pull.z};
-  };
-  EXPECT_NEAR(made(open, {}).z, 0.038 * 9.80665, 1e-9);
-  EXPECT_NEAR(made(open, {}).x, 0, 1e-9);
-  EXPECT_NEAR(made(open, {0, 0, 0.3}).z, 0.3 + 0.038 * 9.80665, 1e-9);
-  base::ForceLimit half = open, closed = open;
-  FadeWeight(0.5, half);
-  FadeWeight(kNaN, closed);
-  EXPECT_NEAR(made(half, {}).z, 0.5 * 0.038 * 9.80665, 1e-9);
-  EXPECT_NEAR(made(closed, {}).z, 0, 1e-12);
-  EXPECT_NEAR(made(open, {0, kNaN, 0}).z, 0, 1e-12) << "in doubt not even the weight";
-  // Far away no coil carries more than its share.
-  config.weight_current_max_A = 2;
-  const base::ForceLimit far = ComputeForceLimit(config, ToolAt({0, 0, 0.11}, {0, 0, -1}), kCold_C);
-  EXPECT_NEAR(std::abs(far.weight_A[2]), 2, 1e-9);
-  config.compensate_weight = false;
-  EXPECT_EQ(ComputeForceLimit(config, tool, kCold_C).weight_A, (std::array<double, 3>{}));
-}
-
 TEST(ActuationExamples, TorqueIsTheSideEffectOfTheCurrents) {
   const base::ToolState tool = ToolAt({0.025, 0, 0.045}, {0, 0, -1});
   const base::ForceLimit limit = ComputeForceLimit(Nominal(), tool, kCold_C);

@@ -213,16 +213,6 @@ TEST(BuildScene, RefusesMoreTrianglesThanTheLimit) {
   EXPECT_NE(scene.error().find("4000001 triangles, the limit is 4000000"), std::string::npos) << scene.error();
 }
 
-TEST(BuildScene, HashTellsContents) {
-  const Scene a = Built(SceneOf(SmallBlock()));
-  const Scene b = Built(SceneOf(SmallBlock()));
-  Material softer;
-  softer.stiffness_N_m = 399;
-  const Scene c = Built(SceneOf(SmallBlock(), softer));
-  EXPECT_EQ(a.header().content_hash, b.header().content_hash);
-  EXPECT_NE(a.header().content_hash, c.header().content_hash);
-}
-
 TEST(BuildScene, FindsOneRegionPerSideOfAnExtrudableBlock) {
   Material clay;
   clay.extrude.enabled = true;

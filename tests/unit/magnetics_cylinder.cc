@@ -7,9 +7,9 @@
 #include "service/magnetics/array.h"
 #include "service/magnetics/cylinder.h"
 #include "service/magnetics/disc_magnet.h"
-#include "service/magnetics/hall_sensor.h"
 #include "service/magnetics/loop_field.h"
 #include "service/magnetics/nominal.h"
+#include "tests/support/hall_sensor.h"
 #include "tests/support/nominal_device.h"
 
 namespace omni::magnetics {

@@ -165,17 +165,7 @@ TEST(SculptMeshTest, RefusedStrokesChangeNothing) {
   EXPECT_EQ(editor->undo_steps(), 0U);
   EXPECT_FALSE(editor->Undo());
   EXPECT_FALSE(editor->Redo());
-  // All masked: refused after refining, which is taken back.
-  ASSERT_TRUE(editor->PaintMask(at, BrushOf(1), 1).ok());
-  const std::uint64_t masked = editor->mesh().Hash();
-  Brush whole = BrushOf(1, Falloff::kConstant);
-  ASSERT_TRUE(editor->PaintMask(at, whole, 1).ok());
-  const std::uint64_t all = editor->mesh().Hash();
-  EXPECT_NE(masked, all);
-  EXPECT_FALSE(editor->Stroke(at, BrushOf(0.003), 0.001).ok());
-  EXPECT_EQ(editor->mesh().Hash(), all);
   // Offsets that are no numbers.
-  ASSERT_TRUE(editor->Undo() && editor->Undo());
   ASSERT_TRUE(editor->Begin(at, BrushOf(0.005)).ok());
   EXPECT_FALSE(editor->Undo());
   editor->MoveTo(std::nan(""));
@@ -239,21 +229,6 @@ TEST(SculptMeshTest, SymmetryMovesBothSidesAlike) {
   const double out = Norm(On(*editor, 5 * place).position), out_twin = Norm(On(*editor, 5 * twin).position);
   EXPECT_GT(out, 0.0225);
   EXPECT_NEAR(out, out_twin, 1e-4);
-}
-
-TEST(SculptMeshTest, MaskedVerticesStay) {
-  const auto editor = EditorOf(Sphere(30, 0.02));
-  const SurfacePoint at = On(*editor, {0, 0, 1});
-  ASSERT_TRUE(editor->PaintMask(On(*editor, {0.003, 0, 0.02}), BrushOf(0.003, Falloff::kConstant), 1).ok());
-  ASSERT_TRUE(editor->Stroke(at, BrushOf(0.006), 0.003).ok());
-  double highest_left = 0, highest_masked = 0;
-  const Mesh mesh = editor->Snapshot();
-  for (const Vec3& v : mesh.vertices) {
-    if (v.x < -0.0005 && v.z > 0) highest_left = std::max(highest_left, Norm(v));
-    if (std::hypot(v.x - 0.003, v.y) < 0.0015 && v.z > 0) highest_masked = std::max(highest_masked, Norm(v));
-  }
-  EXPECT_GT(highest_left, 0.0215);
-  EXPECT_NEAR(highest_masked, 0.02, 1e-6);
 }
 
 TEST(SculptMeshTest, OffsetsSnapToTheGrid) {

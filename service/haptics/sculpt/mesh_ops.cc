@@ -90,8 +90,7 @@ std::uint32_t DescendTo(const PagedMesh& mesh, std::uint32_t triangle, const Vec
 std::uint32_t SplitEdge(PagedMesh& mesh, const Edge& edge, const Vec3& position) {
   if (!mesh.HasRoom()) return kNoIndex;
   const Diamond e = DiamondOf(mesh, edge);
-  const float mask = 0.5F * (mesh.Mask(e.a) + mesh.Mask(e.b));
-  const std::uint32_t m = mesh.AddVertex(e.a, position, mask);
+  const std::uint32_t m = mesh.AddVertex(e.a, position);
   const std::uint32_t t2 = mesh.AddTriangle(e.t, mesh.GetTriangle(e.t));
   const std::uint32_t o2 = mesh.AddTriangle(e.o, mesh.GetTriangle(e.o));
   SetCorners(mesh, e.t, {e.a, m, e.c}, {e.o, t2, e.t_ca});

@@ -34,7 +34,6 @@ struct PageContent {
   Triangle triangle[kPageTriangles];
   Vec3 vertex[kPageVertices];                   // base frame, m
   std::uint32_t first_triangle[kPageVertices];  // one triangle that uses the vertex
-  float mask[kPageVertices];                    // [0, 1], 1: strokes do not move the vertex
   std::uint64_t triangle_used[kPageTriangles / 64];
   std::uint64_t vertex_used[(kPageVertices + 63) / 64];
   std::uint32_t triangle_count;

@@ -122,13 +122,12 @@ std::uint32_t PagedMesh::AddTriangle(std::uint32_t near, const Triangle& triangl
   return IndexOf(page, slot);
 }
 
-std::uint32_t PagedMesh::AddVertex(std::uint32_t near, const Vec3& position, float mask) {
+std::uint32_t PagedMesh::AddVertex(std::uint32_t near, const Vec3& position) {
   const std::uint32_t page =
       PageWithRoom(PageOf(near), [](const PageContent& c) { return c.vertex_count == kPageVertices; });
   PageContent& content = Write(page);
   const std::uint32_t slot = TakeSlot(content.vertex_used);
   content.vertex[slot] = position;
-  content.mask[slot] = mask;
   ++content.vertex_count;
   ++vertex_count_;
   return IndexOf(page, slot);
@@ -148,7 +147,6 @@ void PagedMesh::RemoveVertex(std::uint32_t v) {
   GiveSlot(content.vertex_used, SlotOf(v));
   content.vertex[SlotOf(v)] = {};
   content.first_triangle[SlotOf(v)] = kNoIndex;
-  content.mask[SlotOf(v)] = 0;
   --content.vertex_count;
   --vertex_count_;
 }

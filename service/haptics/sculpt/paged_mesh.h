@@ -37,7 +37,6 @@ class PagedMesh {
   std::uint32_t FirstTriangle(std::uint32_t v) const noexcept {
     return pages_[PageOf(v)]->content.first_triangle[SlotOf(v)];
   }
-  float Mask(std::uint32_t v) const noexcept { return pages_[PageOf(v)]->content.mask[SlotOf(v)]; }
   bool IsLive(std::uint32_t triangle) const noexcept {
     return PageOf(triangle) < pages_.size() && UsesTriangle(pages_[PageOf(triangle)]->content, SlotOf(triangle));
   }
@@ -58,10 +57,9 @@ class PagedMesh {
   void SetFirstTriangle(std::uint32_t v, std::uint32_t t) {
     if (FirstTriangle(v) != t) Write(PageOf(v)).first_triangle[SlotOf(v)] = t;
   }
-  void SetMask(std::uint32_t v, float mask) { Write(PageOf(v)).mask[SlotOf(v)] = mask; }
   // In the same page as `near`, or where that one spills to. Precondition: HasRoom().
   std::uint32_t AddTriangle(std::uint32_t near, const Triangle& triangle);
-  std::uint32_t AddVertex(std::uint32_t near, const Vec3& position, float mask);
+  std::uint32_t AddVertex(std::uint32_t near, const Vec3& position);
   void RemoveTriangle(std::uint32_t t);
   void RemoveVertex(std::uint32_t v);
 
@@ -77,7 +75,7 @@ class PagedMesh {
   SculptPublisher& publisher() noexcept { return publisher_; }
   const SculptPublisher& publisher() const noexcept { return publisher_; }
 
-  // Of positions, connections, masks and slots, for tests: equal states have equal hashes.
+  // Of positions, connections and slots, for tests: equal states have equal hashes.
   std::uint64_t Hash() const noexcept;
   std::size_t page_bytes() const noexcept { return pool_.bytes(); }
 

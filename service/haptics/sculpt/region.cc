@@ -64,8 +64,7 @@ Weighted WeighBall(const PagedMesh& mesh, const SurfacePoint& at, const Brush& b
   IndexMap place;
   for (std::uint32_t i = 0; i < result.vertices.size(); ++i) {
     GeodesicVertex& v = result.vertices[i];
-    v.distance_m =
-        FalloffShare(brush.falloff, v.distance_m / brush.radius_m) * (1 - static_cast<double>(mesh.Mask(v.vertex)));
+    v.distance_m = FalloffShare(brush.falloff, v.distance_m / brush.radius_m);
     place.Set(v.vertex, i);
   }
   // N = sum over triangles of area normal times the mean weight of the corners   (3.2); each triangle comes once per

@@ -55,7 +55,7 @@ struct Weighted {
   double mean_edge_m = 0;
 };
 
-// Weights of the vertices around a point, masked ones taken out. Empty: the radius holds no vertex, or more than
+// Weights of the vertices around a point. Empty: the radius holds no vertex, or more than
 // kMaxRegionVertices.
 Weighted WeighBall(const PagedMesh& mesh, const SurfacePoint& at, const Brush& brush);
 

@@ -99,8 +99,8 @@ base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
   patch_ = PatchOf(*mesh_, region_);
   if (region_.size() > 0) return base::Ok{};
   mesh_->Apply(mesh_->EndStep());  // takes the refinement back
-  return Error{"sculpting: no vertex within " + Millimetres(brush.radius_m) + " may move (masked), or more than " +
-               std::to_string(kMaxRegionVertices) + " would; change the mask or the radius"};
+  return Error{"sculpting: no vertex within " + Millimetres(brush.radius_m) + " would move, or more than " +
+               std::to_string(kMaxRegionVertices) + "; change the radius"};
 }
 
 void SculptEditor::Step(double offset_m) {
@@ -141,23 +141,6 @@ base::Status SculptEditor::Stroke(const SurfacePoint& at, const Brush& brush, do
   if (!begun.ok()) return begun;
   MoveTo(offset_m);
   End();
-  return base::Ok{};
-}
-
-base::Status SculptEditor::PaintMask(const SurfacePoint& at, const Brush& brush, double value) {
-  const base::Status checked = CheckBrush(brush);
-  if (!checked.ok()) return checked;
-  if (!(value >= 0 && value <= 1)) return Error{"sculpting: a mask is between 0 and 1"};
-  if (!mesh_->IsLive(at.triangle)) return Error{"sculpting: no surface where the mask is painted"};
-  const std::vector<GeodesicVertex> ball = GeodesicBall(*mesh_, at, brush.radius_m, kMaxRegionVertices);
-  if (ball.size() > kMaxRegionVertices) return Error{"sculpting: mask brush holds too many vertices, make it smaller"};
-  mesh_->BeginStep();
-  for (const GeodesicVertex& v : ball) {
-    const double old = mesh_->Mask(v.vertex);
-    const double share = FalloffShare(brush.falloff, v.distance_m / brush.radius_m);
-    mesh_->SetMask(v.vertex, static_cast<float>(std::clamp(old + share * (value - old), 0.0, 1.0)));
-  }
-  CloseStep();
   return base::Ok{};
 }
 

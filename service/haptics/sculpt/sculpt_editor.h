@@ -47,9 +47,6 @@ class SculptEditor {
   const StrokeReport& report() const noexcept { return report_; }  // of the newest stroke
   double offset_m() const noexcept { return offset_m_; }
 
-  // Sets the mask around a point: mask += (value - mask) * falloff. A step of its own for undo.
-  base::Status PaintMask(const SurfacePoint& at, const Brush& brush, double value);
-
   // One step back or forward; false: there is none, or a stroke is open. The number of steps has no limit: a step takes
   // undo_bytes() / steps, typically 5 to 50 kB.
   bool Undo();

@@ -19,11 +19,10 @@ double Headroom_N(const base::ForceLimit& limit, const Vec3& others_N, const Vec
   const double inside = limit.force_max_N * limit.force_max_N - SquaredNorm(others_N);
   if (!(inside > 0)) return 0;
   double room_N = std::sqrt(along * along + inside) - along;
-  if (!limit.keeps_direction) return room_N;
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     const double* row = &limit.ampere_per_newton[3 * k];
     const Vec3 ampere_per_newton{row[0], row[1], row[2]};
-    const double present_A = limit.bias_A[k] + limit.weight_A[k] + Dot(ampere_per_newton, others_N);
+    const double present_A = limit.bias_A[k] + Dot(ampere_per_newton, others_N);
     const double gain = Dot(ampere_per_newton, direction);
     const double left_A = limit.current_max_A[k] - (gain > 0 ? present_A : -present_A);
     if (!(left_A > 0 && std::abs(present_A) <= limit.current_max_A[k])) return 0;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "service/actuation/actuation.h"
-#include "service/actuation/box_least_squares.h"
 #include "service/config/device_file.h"
 #include "service/loop/denormals.h"
 #include "service/sim/random.h"
@@ -168,17 +167,14 @@ bool TimeStages(const base::DeviceGeometry& device, const std::vector<base::Hall
   loop::FlushDenormals();
   const tracker::Config tracker_config = tracker::MakeConfig(device);
   const actuation::Config config = actuation::MakeConfig(device);
-  actuation::Config nearest = config;
-  nearest.infeasible = actuation::Infeasible::kNearest;
 
   // The poses that the tracker finds in the recording are what all stages are timed on.
   const auto tracked = std::make_unique<tracker::State>();
   std::vector<base::ToolState> tools(scans.size());
-  std::vector<base::ForceLimit> limits(scans.size()), limits_nearest(scans.size());
+  std::vector<base::ForceLimit> limits(scans.size());
   for (std::size_t i = 0; i < scans.size(); ++i) {
     tracker::Update(tracker_config, scans[i], *tracked, tools[i]);
     limits[i] = actuation::ComputeForceLimit(config, tools[i], {25, 25, 25});
-    limits_nearest[i] = actuation::ComputeForceLimit(nearest, tools[i], {25, 25, 25});
   }
   double kept = 0;  // results are used
   rows.push_back(
@@ -195,17 +191,6 @@ bool TimeStages(const base::DeviceGeometry& device, const std::vector<base::Hall
   rows.push_back(TimingRow("allocate, direction kept", TimeQuietly(kBatches, kBatch, 4, [&](std::uint64_t i) {
                              actuation::Allocate(config, limits[i % tools.size()], Request(i), 1e-3, state, currents);
                              kept += currents.current_A[0];
-                           })));
-  rows.push_back(TimingRow("allocate, nearest force", TimeQuietly(kBatches, kBatch, 4, [&](std::uint64_t i) {
-                             actuation::Allocate(nearest, limits_nearest[i % tools.size()], Request(i), 1e-3, state,
-                                                 currents);
-                             kept += currents.current_A[0];
-                           })));
-  rows.push_back(TimingRow("box least squares, infeasible", TimeQuietly(kBatches, kBatch, 4, [&](std::uint64_t i) {
-                             const base::ForceLimit& limit = limits[i % tools.size()];
-                             const base::Vec3 f = Request(i);
-                             const auto H = actuation::MakeCurrentMetric(limit.newton_per_ampere, f, 1);
-                             kept += actuation::NearestInBox(H, {25 + f.x, -20 + f.y, 5 * f.z}, {15, 15, 15})[2];
                            })));
   rows.push_back(TimingRow("track+map+allocate", TimeQuietly(kBatches, kBatch, 1, [&](std::uint64_t i) {
                              if (i % scans.size() == 0) *tracked = tracker::State{};

@@ -1,5 +1,4 @@
-// What a scene saves that needs less than the full pose: time of the tracker's part of a tick, and what it costs in
-// error. Batches of the levels take turns.
+// What it costs not to know the currents: time of the tracker's part of a tick, and error. Batches take turns.
 #include <vector>
 
 #include "service/config/device_file.h"
@@ -11,8 +10,6 @@
 namespace omni::bench {
 namespace {
 
-using tracker::Level;
-
 constexpr double kLevelTrace_s = 20;
 constexpr std::size_t kSettleTicks = 200;
 constexpr std::size_t kRounds = 200;
@@ -20,7 +17,7 @@ constexpr std::size_t kTries = 3;  // per round, when the machine takes the core
 
 struct LevelRun {
   const char* name;
-  Level level;
+  bool currents_hidden;
   tracker::Config config;
   tracker::State state;
   base::ToolState tool;
@@ -55,12 +52,11 @@ base::Result<BenchRows> Levels(const TrackingPlan& plan) {
   options.currents = sim::StaggeredSawtooth(4, 0.5);
   const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
 
-  std::vector<LevelRun> runs{{"position and axis", Level::kPose, {}, {}, {}, {}, {}},
-                             {"position only", Level::kPosition, {}, {}, {}, {}, {}},
-                             {"position and axis, currents hidden", Level::kBlindCurrents, {}, {}, {}, {}, {}}};
+  std::vector<LevelRun> runs{{"position and axis", false, {}, {}, {}, {}, {}},
+                             {"position and axis, currents hidden", true, {}, {}, {}, {}, {}}};
   for (LevelRun& run : runs) {
     run.config = tracker::MakeConfig(rig.ExactCalibration());
-    SetLevel(run.level, run.config);
+    run.config.trust.currents_hidden = run.currents_hidden;
     run.errors = ErrorsOf(run.config, trace);
   }
   const std::size_t rounds = std::max<std::size_t>(4, kRounds / plan.share);

@@ -1,4 +1,4 @@
-#include "service/magnetics/hall_sensor.h"
+#include "tests/support/hall_sensor.h"
 
 #include <algorithm>
 #include <cmath>
