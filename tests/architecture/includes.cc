@@ -65,9 +65,9 @@ bool Allowed(const std::string& module, const std::string& header) {
 
 std::set<std::string> AnyService() {
   std::set<std::string> all{"firmware/wire"};
-  for (const char* name : {"base",        "console", "protocol", "config", "alignment", "magnetics", "tracker",
-                           "calibration", "haptics",  "scene",  "actuation", "device",    "sim",
-                           "loop",        "ipc",     "client",   "daemon", "monitor",   "tools"}) {
+  for (const char* name :
+       {"base", "console", "protocol", "config", "alignment", "magnetics", "tracker", "calibration", "haptics", "scene",
+        "actuation", "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
     all.insert(std::string("service/") + name);
   }
   return all;

@@ -9,11 +9,11 @@
 #include "service/calibration/system.h"
 #include "service/calibration/tool_field.h"
 #include "service/magnetics/nominal.h"
-#include "tests/support/rig_recording.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/linearise.h"
 #include "service/tracker/solver.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
 namespace {

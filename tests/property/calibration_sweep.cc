@@ -8,8 +8,8 @@
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/device/transport.h"
-#include "tests/support/rig.h"
 #include "service/sim/twin.h"
+#include "tests/support/rig.h"
 
 namespace omni::calibration {
 namespace {

@@ -9,8 +9,8 @@
 #include "service/config/device_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
-#include "tests/support/rig.h"
 #include "service/sim/vec3.h"
+#include "tests/support/rig.h"
 
 namespace omni::test {
 namespace {

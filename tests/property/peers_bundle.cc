@@ -14,7 +14,7 @@ base::Result<test::AdjustmentStart> StartOf(std::uint64_t seed) {
   base::DeviceGeometry device = config::DefaultDevice();
   device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);
   return test::MakeAdjustmentStart(device, seed,
-                                    {.waves = 100, .touches = 30, .touch_sigma_m = 1e-4, .seed = seed + 1});
+                                   {.waves = 100, .touches = 30, .touch_sigma_m = 1e-4, .seed = seed + 1});
 }
 
 TEST(PeersBundle, AgreesWithCeres) {

@@ -5,8 +5,8 @@
 
 #include "service/base/eigen.h"
 #include "service/config/device_file.h"
-#include "tests/support/rig.h"
 #include "service/tracker/static_solve.h"
+#include "tests/support/rig.h"
 
 namespace omni::peers {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "service/base/eigen.h"
 #include "service/config/device_file.h"
+#include "service/tracker/solver.h"
+#include "service/tracker/tracker.h"
 #include "tests/bench/peers/analytic.h"
 #include "tests/bench/peers/peer.h"
 #include "tests/support/rig.h"
-#include "service/tracker/solver.h"
-#include "service/tracker/tracker.h"
 
 namespace omni::peers {
 namespace {

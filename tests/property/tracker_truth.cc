@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "service/base/eigen.h"
-#include "tests/support/rig.h"
 #include "service/tracker/static_solve.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/rig.h"
 
 namespace omni::tracker {
 namespace {

@@ -11,8 +11,8 @@
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/magnetics/nominal.h"
-#include "tests/support/rig.h"
 #include "tests/support/omni_command.h"
+#include "tests/support/rig.h"
 #include "tests/support/service_process.h"
 
 namespace omni::test {
@@ -49,8 +49,8 @@ class ProcessCalibration : public testing::Test {
     const std::string command =
         "exec \"$0\" --device twin --twin-script " + folder_.Write("hand.json", hand) + " 2>" + Log();
     auto started = test::ChildProcess::Start({"/bin/sh", "-c", command, std::string(OMNI_BINARY_DIR) + "/bin/omnid"},
-                                              {"OMNI_SOCKET=" + Socket(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
-                                               "XDG_CACHE_HOME=" + folder_.Path("cache")});
+                                             {"OMNI_SOCKET=" + Socket(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
+                                              "XDG_CACHE_HOME=" + folder_.Path("cache")});
     ASSERT_TRUE(started.ok()) << started.error();
     omnid_ = std::make_unique<test::ChildProcess>(std::move(*started));
   }

@@ -30,8 +30,8 @@ class LedService {
   }
   base::Result<test::ChildProcess> StartHand(const std::string& patience_s) const {
     return test::ChildProcess::Start({Program("omni"), "twin", "hand", OMNI_SOURCE_DIR "/scenes/extrusion.glb",
-                                       "--hand", hand_path(), "--patience", patience_s},
-                                      environment(), output_path());
+                                      "--hand", hand_path(), "--patience", patience_s},
+                                     environment(), output_path());
   }
   test::Environment environment() const {
     return {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),

@@ -142,7 +142,7 @@ TEST(ProcessSafety, SecondServiceIsRefused) {
   TestApplication app(service);
   ASSERT_TRUE(app.Run(5000, 5, [&] { return app.connection().connected(); }));
   auto second = test::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin"},
-                                           {"OMNI_SOCKET=" + service.socket_path()});
+                                          {"OMNI_SOCKET=" + service.socket_path()});
   ASSERT_TRUE(second.ok());
   EXPECT_EQ(second->Wait(), 1);
   EXPECT_TRUE(app.connection().connected());
@@ -152,8 +152,8 @@ TEST(ProcessSafety, FullDiskDoesNotStopTheService) {
   ServiceProcess service;
   auto started =
       test::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script",
-                                  service.hand_path(), "--record", "/dev/full", "--log-level", "off"},
-                                 {"OMNI_SOCKET=" + service.socket_path()});
+                                 service.hand_path(), "--record", "/dev/full", "--log-level", "off"},
+                                {"OMNI_SOCKET=" + service.socket_path()});
   ASSERT_TRUE(started.ok());
   TestApplication app(service);
   ASSERT_TRUE(app.Focus());

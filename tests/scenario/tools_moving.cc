@@ -8,10 +8,10 @@
 #include "service/config/twin_file.h"
 #include "service/daemon/virtual_run.h"
 #include "service/loop/tick_config.h"
-#include "tests/support/rig.h"
 #include "service/sim/twin.h"
 #include "service/tools/report.h"
 #include "service/tools/scene_source.h"
+#include "tests/support/rig.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {

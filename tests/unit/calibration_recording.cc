@@ -7,8 +7,8 @@
 #include "service/calibration/coverage.h"
 #include "service/calibration/touches.h"
 #include "service/calibration/window.h"
-#include "tests/support/rig_recording.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
 namespace {

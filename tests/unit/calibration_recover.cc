@@ -7,8 +7,8 @@
 #include "service/base/eigen.h"
 #include "service/calibration/self_calibration.h"
 #include "service/magnetics/nominal.h"
-#include "tests/support/rig_recording.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
 namespace {
@@ -78,8 +78,7 @@ TEST(CalibrationRecover, NoisyReadingsFitAsTheyShould) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(31, sim::NoiseMode::kUltraHigh));
-  const Recording recording =
-      test::MakeRecording(rig, {.waves = 300, .touches = 80, .touch_sigma_m = 1e-4, .seed = 8});
+  const Recording recording = test::MakeRecording(rig, {.waves = 300, .touches = 80, .touch_sigma_m = 1e-4, .seed = 8});
   const auto outcome = SelfCalibrate(nominal, device.coils, recording);
   ASSERT_TRUE(outcome.ok()) << outcome.error();
   const Report& report = outcome->report;

@@ -7,8 +7,8 @@
 
 #include "service/calibration/self_calibration.h"
 #include "service/magnetics/nominal.h"
-#include "tests/support/rig_recording.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
 namespace {

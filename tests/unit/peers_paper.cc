@@ -8,8 +8,8 @@
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/nominal.h"
 #include "tests/bench/peers/paper_method.h"
-#include "tests/support/rig.h"
 #include "tests/support/numeric.h"
+#include "tests/support/rig.h"
 
 namespace omni::peers {
 namespace {

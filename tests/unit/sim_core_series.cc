@@ -7,8 +7,8 @@
 
 #include "service/sim/charge_kernel.h"
 #include "service/sim/random.h"
-#include "tests/support/rig.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/rig.h"
 
 namespace omni::sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "service/sim/effects.h"
-#include "tests/support/rig.h"
 #include "tests/support/nominal_device.h"
+#include "tests/support/rig.h"
 
 namespace omni::sim {
 namespace {

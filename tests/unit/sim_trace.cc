@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/support/trace.h"
 #include "tests/support/nominal_device.h"
 #include "tests/support/same_bits.h"
+#include "tests/support/trace.h"
 
 namespace omni::sim {
 namespace {
