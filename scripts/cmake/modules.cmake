@@ -61,10 +61,11 @@ function(omni_precompile_test target)
   endif()
 endfunction()
 
-# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [SERIAL]): test_NAME from tests/*/NAME.cc and
-# tests/*/NAME_*.cc, registered with ctest test by test. SERIAL: nothing else runs meanwhile.
+# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [SERIAL] [REAL_TIME]): test_NAME from tests/*/NAME.cc and
+# tests/*/NAME_*.cc, registered with ctest test by test. SERIAL: nothing else runs meanwhile. REAL_TIME: needs the time that
+# it takes on a quiet machine without sanitizers (scripts/check leaves it out).
 function(omni_test name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;REAL_TIME" "TIMEOUT" "DEPS;LABELS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/unit/${name}.cc ${CMAKE_SOURCE_DIR}/tests/unit/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/property/${name}.cc ${CMAKE_SOURCE_DIR}/tests/property/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/scenario/${name}.cc ${CMAKE_SOURCE_DIR}/tests/scenario/${name}_*.cc)
@@ -85,6 +86,9 @@ function(omni_test name)
   endif()
   if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
+  endif()
+  if(NOT ARG_REAL_TIME)
+    set_property(GLOBAL APPEND PROPERTY OMNI_TIMELESS_TESTS ${name})
   endif()
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
 endfunction()
