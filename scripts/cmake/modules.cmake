@@ -27,7 +27,7 @@ function(omni_module name)
 endfunction()
 
 # omni_join(TARGET): in fast builds its sources compile six at a time, for most of their time goes to the same headers.
-# Names in their unnamed namespaces must differ.
+# Names in their unnamed namespaces must differ; tests have a namespace of their own each, test_ and the file's name.
 function(omni_join target)
   if(OMNI_FAST_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
@@ -77,6 +77,7 @@ function(omni_test name)
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_compile_definitions(test_${name} PRIVATE OMNI_SOURCE_DIR="${CMAKE_SOURCE_DIR}" OMNI_BINARY_DIR="${CMAKE_BINARY_DIR}")
   omni_precompile_test(test_${name})
+  omni_join(test_${name})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()

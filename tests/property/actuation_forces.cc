@@ -14,7 +14,7 @@
 #include "tests/support/numeric.h"
 
 namespace omni::actuation {
-namespace {
+namespace test_actuation_forces {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -314,5 +314,5 @@ TEST(ActuationForces, SingularPoseGivesNoCurrentForTheForceItCannotMake) {
   EXPECT_NEAR(up.z - pull.z, 1, 1e-6);
 }
 
-}  // namespace
+}  // namespace test_actuation_forces
 }  // namespace omni::actuation

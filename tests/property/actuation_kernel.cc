@@ -17,7 +17,7 @@
 #include "tests/support/numeric.h"
 
 namespace omni::actuation {
-namespace {
+namespace test_actuation_kernel {
 
 using Eigen::Vector3d;
 using support::RandomUnit;
@@ -204,5 +204,5 @@ TEST(ActuationKernel, CalibratedMomentAndCoreAreUsed) {
   EXPECT_GT(measured.snapping_N.z / Evaluate(MakeForceMap(device, calibration), at).snapping_N.z, 1.05);
 }
 
-}  // namespace
+}  // namespace test_actuation_kernel
 }  // namespace omni::actuation

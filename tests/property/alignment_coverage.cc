@@ -10,7 +10,7 @@
 #include "tests/support/alignment_story.h"
 
 namespace omni::alignment {
-namespace {
+namespace test_alignment_coverage {
 
 using test::AlignmentStory;
 
@@ -117,5 +117,5 @@ TEST(AlignmentCoverage, CorrelatedNoise) {
   EXPECT_LT(coverage.ratio(), 1.25);
 }
 
-}  // namespace
+}  // namespace test_alignment_coverage
 }  // namespace omni::alignment

@@ -16,7 +16,7 @@
 #include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
-namespace {
+namespace test_calibration_derivatives {
 
 using Eigen::Vector3d;
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -179,5 +179,5 @@ TEST(CalibrationDerivatives, EliminationEqualsTheDenseSolution) {
   EXPECT_LT((eliminated - dense.head(array)).norm(), 1e-6 * dense.head(array).norm());
 }
 
-}  // namespace
+}  // namespace test_calibration_derivatives
 }  // namespace omni::calibration

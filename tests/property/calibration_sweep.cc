@@ -12,7 +12,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::calibration {
-namespace {
+namespace test_calibration_sweep {
 
 // Scale of map column k against the exact one, less the current sensor's gain (which tracking needs to be in it).
 std::array<double, base::kCoilCount> ScaleErrors(std::uint64_t seed) {
@@ -58,5 +58,5 @@ TEST(CalibrationSweep, ACoreThatKeepsFieldDoesNotPassForAWeakerCoil) {
   }
 }
 
-}  // namespace
+}  // namespace test_calibration_sweep
 }  // namespace omni::calibration

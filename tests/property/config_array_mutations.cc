@@ -7,7 +7,7 @@
 #include "service/config/array_file.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_array_mutations {
 
 std::string GoodText() {
   base::Calibration array;
@@ -94,5 +94,5 @@ TEST(ConfigArrayMutations, FilesAreSaneOrRefused) {
   EXPECT_GT(refused, 80);
 }
 
-}  // namespace
+}  // namespace test_config_array_mutations
 }  // namespace omni::config

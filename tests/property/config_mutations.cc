@@ -13,7 +13,7 @@
 #include "tests/support/example_calibration.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_mutations {
 
 std::string ReadFile(const std::string& path) {
   std::ifstream file(path);
@@ -182,5 +182,5 @@ TEST(ConfigMutations, CalibrationFilesAreTheOriginalOrRefused) {
               same);
 }
 
-}  // namespace
+}  // namespace test_config_mutations
 }  // namespace omni::config

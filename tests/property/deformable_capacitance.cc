@@ -8,7 +8,7 @@
 #include "service/haptics/deformable/capacitance.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_deformable_capacitance {
 
 using Rng = std::mt19937_64;
 
@@ -136,5 +136,5 @@ TEST(SoftCapacitance, SingularMatrixIsNoTrap) {
   EXPECT_NEAR(sum, 1, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_deformable_capacitance
 }  // namespace omni::haptics

@@ -8,7 +8,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_deformable_ldlt {
 
 struct Dense {
   std::size_t n = 0;
@@ -110,5 +110,5 @@ TEST(LdltTest, StopsWhenToldToAndSaysHowFarItIs) {
   EXPECT_EQ(asked, 2);
 }
 
-}  // namespace
+}  // namespace test_deformable_ldlt
 }  // namespace omni::haptics

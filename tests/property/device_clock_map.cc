@@ -10,7 +10,7 @@
 #include "service/device/clock_map.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_clock_map {
 
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -302,5 +302,5 @@ TEST(ClockMap, LyingDeviceCannotTurnTimeBack) {
   EXPECT_GT(map.refused(), 0U);
 }
 
-}  // namespace
+}  // namespace test_device_clock_map
 }  // namespace omni::device

@@ -13,7 +13,7 @@
 #include "tests/support/fake_usb.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_usb_frames {
 
 using test::FakeBase;
 using test::UsbFrame;
@@ -228,5 +228,5 @@ TEST(UsbSessionFuzz, AnythingBeforeHello) {
   }
 }
 
-}  // namespace
+}  // namespace test_device_usb_frames
 }  // namespace omni::device

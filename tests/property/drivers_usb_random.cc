@@ -8,7 +8,7 @@
 #include "tests/support/usb_bench.h"
 
 namespace omni::drivers::usb {
-namespace {
+namespace test_drivers_usb_random {
 
 using support::UsbBench;
 using Status = support::UsbHost::Status;
@@ -221,5 +221,5 @@ TEST(UsbRandomHost, AnythingAtAnyTime) {
   }
 }
 
-}  // namespace
+}  // namespace test_drivers_usb_random
 }  // namespace omni::drivers::usb

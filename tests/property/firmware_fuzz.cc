@@ -15,7 +15,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_fuzz {
 
 using wire::State;
 
@@ -240,5 +240,5 @@ TEST(FirmwareFuzz, OtherCoilsHoldTheirCurrent) {
   }
 }
 
-}  // namespace
+}  // namespace test_firmware_fuzz
 }  // namespace omni::firmware

@@ -7,7 +7,7 @@
 #include "tests/unit/ball_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_ball {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -366,5 +366,5 @@ TEST(Ball, ThatIsGivenNoNumberStays) {
   }
 }
 
-}  // namespace
+}  // namespace test_geometry_ball
 }  // namespace omni::haptics

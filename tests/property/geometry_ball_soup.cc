@@ -8,7 +8,7 @@
 #include "tests/unit/geometry_soup.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_ball_soup {
 
 // A view that counts how many triangles were looked at.
 class CountingSoup : public Soup {
@@ -204,5 +204,5 @@ TEST(BallOnProfiles, StrokesDoNotFeelTheTriangles) {
   }
 }
 
-}  // namespace
+}  // namespace test_geometry_ball_soup
 }  // namespace omni::haptics

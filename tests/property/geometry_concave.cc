@@ -4,7 +4,7 @@
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_concave {
 
 // A ring with a groove on top: its bottom, a concave edge, runs at r = 26 mm, z = 6 mm; walls at 63 degrees.
 InputObject Groove(int around, int pieces) {
@@ -58,5 +58,5 @@ TEST(ConcaveEdge, LosesNoContactOnTheWayAcross) {
   }
 }
 
-}  // namespace
+}  // namespace test_geometry_concave
 }  // namespace omni::haptics

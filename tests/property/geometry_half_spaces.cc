@@ -11,7 +11,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_half_spaces {
 
 bool IsInside(const Vec3& p, const std::vector<HalfSpace>& spaces, double tolerance) {
   return std::all_of(spaces.begin(), spaces.end(),
@@ -107,5 +107,5 @@ TEST(HalfSpaces, SaysWhenThereIsNoCommonPoint) {
   EXPECT_GT(some, 2000);
 }
 
-}  // namespace
+}  // namespace test_geometry_half_spaces
 }  // namespace omni::haptics

@@ -5,7 +5,7 @@
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_proxy {
 
 // A scene's mesh under other numbers: with gaps, in reverse.
 class Renumbered {
@@ -103,5 +103,5 @@ TEST(Layout, LiesInCacheLinesAndInTheOrderOfLeaves) {
   EXPECT_EQ(next, scene.header().triangle_count);
 }
 
-}  // namespace
+}  // namespace test_geometry_proxy
 }  // namespace omni::haptics

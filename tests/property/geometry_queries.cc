@@ -8,7 +8,7 @@
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_queries {
 
 struct Shape {
   const char* name;
@@ -176,5 +176,5 @@ TEST(Queries, TreeIsShallowAndItsBoxesHoldEveryOffset) {
   }
 }
 
-}  // namespace
+}  // namespace test_geometry_queries
 }  // namespace omni::haptics

@@ -6,7 +6,7 @@
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_shading {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -203,5 +203,5 @@ TEST(Shading, ClosedPathsGainLittle) {
   EXPECT_LT(worst_shaded, 0.5) << "plain " << worst_plain;
 }
 
-}  // namespace
+}  // namespace test_geometry_shading
 }  // namespace omni::haptics

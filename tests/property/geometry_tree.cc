@@ -8,7 +8,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_geometry_tree {
 
 struct NamedSoup {
   const char* name;
@@ -229,5 +229,5 @@ TEST(Tree, PointsThatAreNoNumbersFindNothing) {
   EXPECT_EQ(CrossingInTree(soup, soup.tree.root, {nan, 0, 0}, {0, 0, nan}, true).triangle, kNoIndex);
 }
 
-}  // namespace
+}  // namespace test_geometry_tree
 }  // namespace omni::haptics

@@ -11,7 +11,7 @@
 #include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_applied {
 
 constexpr double kTick_s = 1e-3;
 
@@ -324,5 +324,5 @@ TEST(Applied, AHandOnAStiffSpringComesToRest) {
   EXPECT_GT(SwingAfter2s_m(2000), 2e-4) << "without the limit it would not: this test can fail";
 }
 
-}  // namespace
+}  // namespace test_haptics_applied
 }  // namespace omni::haptics

@@ -8,7 +8,7 @@
 #include "tests/unit/deformable_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_ball_step {
 
 constexpr double kNearest = -2.5 * kBallGive;  // (12.7), with room for rounding
 
@@ -271,5 +271,5 @@ TEST(BallInStep, StaysOutsideOfASoftBodyAtRest) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_ball_step
 }  // namespace omni::haptics

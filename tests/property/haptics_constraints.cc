@@ -10,7 +10,7 @@
 #include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_constraints {
 
 class Dice {
  public:
@@ -173,5 +173,5 @@ TEST(Constraints, MoveWithTheirFrame) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_constraints
 }  // namespace omni::haptics

@@ -6,7 +6,7 @@
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_correctness {
 
 // A shape as a smooth surface with parameters, so that a path can wander over it at a wanted height.
 struct Shape {
@@ -144,5 +144,5 @@ TEST(Correctness, ForceOnAPlaneDoesNotDependOnItsTriangles) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_correctness
 }  // namespace omni::haptics

@@ -7,7 +7,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_limits {
 
 double Odd(Random& random) {
   const double odd[] = {std::numeric_limits<double>::quiet_NaN(),
@@ -98,5 +98,5 @@ TEST(Limits, AShrinkingLimitWins) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_limits
 }  // namespace omni::haptics

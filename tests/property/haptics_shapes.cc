@@ -6,7 +6,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_shapes {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -206,5 +206,5 @@ TEST(Shapes, PlatesKeepTheSideOfEntry) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_shapes
 }  // namespace omni::haptics

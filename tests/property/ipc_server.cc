@@ -8,7 +8,7 @@
 #include "tests/scenario/ipc_fixture.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_server_property {
 
 using namespace test;
 using Bytes = std::vector<unsigned char>;
@@ -67,5 +67,5 @@ TEST(ServerFuzz, OthersLiveOn) {
   }
 }
 
-}  // namespace
+}  // namespace test_ipc_server_property
 }  // namespace omni

@@ -21,7 +21,7 @@
 #include "tests/support/same_bits.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_state_reader {
 
 using client::StateReader;
 using ipc::StatePublisher;
@@ -225,5 +225,5 @@ TEST(StateReaderProperty, ExtremeCountsOfPublications) {
   }
 }
 
-}  // namespace
+}  // namespace test_ipc_state_reader
 }  // namespace omni

@@ -15,7 +15,7 @@
 #include "service/protocol/surface_range.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_surface_reader {
 
 using client::SurfaceCopy;
 using client::SurfaceRead;
@@ -204,5 +204,5 @@ TEST(SurfaceReaderProperty, RightFramesOverGarbageNeverHurt) {
   EXPECT_GT(refused, 100);
 }
 
-}  // namespace
+}  // namespace test_ipc_surface_reader
 }  // namespace omni

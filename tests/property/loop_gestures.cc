@@ -11,7 +11,7 @@
 #include "service/loop/inputs.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_gestures_property {
 
 using base::InputSource;
 using base::Vec3;
@@ -313,5 +313,5 @@ TEST(Gestures, NonsenseStaysNonsense) {
   }
 }
 
-}  // namespace
+}  // namespace test_loop_gestures_property
 }  // namespace omni::loop

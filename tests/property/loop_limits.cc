@@ -14,7 +14,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_limits {
 
 using sim::Dot;
 using sim::Norm;
@@ -193,5 +193,5 @@ TEST(LoopLimits, HoldForTheForceThatIsReallyMade) {
   EXPECT_LE(worst.growth_N_s, kRise_N_s * (1 + kModelTolerance));
 }
 
-}  // namespace
+}  // namespace test_loop_limits
 }  // namespace omni::test

@@ -9,7 +9,7 @@
 #include "service/loop/pose_track.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_pose_track {
 
 constexpr std::int64_t kMs = 1'000'000;
 
@@ -149,5 +149,5 @@ TEST(PoseTrack, SamplesThatAreNoneAreIgnored) {
   }
 }
 
-}  // namespace
+}  // namespace test_loop_pose_track
 }  // namespace omni::loop

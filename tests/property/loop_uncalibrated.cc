@@ -13,7 +13,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_uncalibrated {
 
 using sim::operator*;
 
@@ -102,5 +102,5 @@ TEST(LoopUncalibrated, TheTrueForceStaysWithinWhatTheDeviceMayDo) {
   EXPECT_GT(driven, 50'000);
 }
 
-}  // namespace
+}  // namespace test_loop_uncalibrated
 }  // namespace omni::test

@@ -14,7 +14,7 @@
 #include "tests/support/numeric.h"
 
 namespace omni::magnetics {
-namespace {
+namespace test_magnetics_cylinder_property {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -141,5 +141,5 @@ TEST(MagneticsHallLaws, RoundingAddsTheVarianceOfAUniformStep) {
   EXPECT_NEAR(std::sqrt(square) / QuantisedNoise_T(noise_T, sensor.lsb_T), 1, 0.01);
 }
 
-}  // namespace
+}  // namespace test_magnetics_cylinder_property
 }  // namespace omni::magnetics

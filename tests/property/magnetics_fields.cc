@@ -15,7 +15,7 @@
 #include "tests/support/numeric.h"
 
 namespace omni::magnetics {
-namespace {
+namespace test_magnetics_fields {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -261,5 +261,5 @@ TEST(MagneticsFields, TangentBasisIsOrthonormalRightHandedAndContinuousBelowTheP
   }
 }
 
-}  // namespace
+}  // namespace test_magnetics_fields
 }  // namespace omni::magnetics

@@ -7,7 +7,7 @@
 #include "tests/support/adjustment_start.h"
 
 namespace omni::peers {
-namespace {
+namespace test_peers_bundle {
 
 // 1 mm, 1.5 %, 1.15 deg wrong; poses from the cold start on the drawing.
 base::Result<test::AdjustmentStart> StartOf(std::uint64_t seed) {
@@ -49,5 +49,5 @@ TEST(PeersBundle, StartsFromTheSameCost) {
   EXPECT_NEAR(none.cost, cost, 1e-9 * cost);
 }
 
-}  // namespace
+}  // namespace test_peers_bundle
 }  // namespace omni::peers

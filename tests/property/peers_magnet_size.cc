@@ -9,7 +9,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::peers {
-namespace {
+namespace test_peers_magnet_size {
 
 sim::Rig NoiseFree(const base::DeviceGeometry& device) {
   return {device, {.seed = 1, .sizes = sim::NoImperfections(), .noise = sim::NoiseMode::kNone, .saturation = false}};
@@ -46,5 +46,5 @@ TEST(PeersMagnetSize, OnePercentOfTheRadiusShowsInTheError) {
   EXPECT_GT(larger_mm, 0.3);  // 2 % of the moment alone costs 1 mm
 }
 
-}  // namespace
+}  // namespace test_peers_magnet_size
 }  // namespace omni::peers

@@ -14,7 +14,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::peers {
-namespace {
+namespace test_peers_solvers {
 
 struct Case {
   tracker::Pose truth;
@@ -122,5 +122,5 @@ TEST(PeersSolvers, TheirStopKeepsTheErrorWithinOnePercent) {
   }
 }
 
-}  // namespace
+}  // namespace test_peers_solvers
 }  // namespace omni::peers

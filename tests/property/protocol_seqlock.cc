@@ -11,7 +11,7 @@
 #include "tests/support/same_bits.h"
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_seqlock {
 
 using support::SameBits;
 
@@ -86,5 +86,5 @@ TEST(Seqlock, NoReaderEverSeesAMixture) {
   EXPECT_GT(good[1], 0u);
 }
 
-}  // namespace
+}  // namespace test_protocol_seqlock
 }  // namespace omni::protocol

@@ -18,7 +18,7 @@
 #include "service/protocol/text.h"
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_validate_property {
 
 using Bytes = std::vector<unsigned char>;
 
@@ -246,5 +246,5 @@ TEST(ValidateFuzz, PrintableIsIdempotentAndFreeOfControls) {
   }
 }
 
-}  // namespace
+}  // namespace test_protocol_validate_property
 }  // namespace omni::protocol

@@ -14,7 +14,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_bombs {
 
 using omni::test::Bomb;
 using omni::test::kSceneBombs;
@@ -113,5 +113,5 @@ TEST(SceneBombs, HonestNodesLoadAtACostThatGrowsAsTheirNumber) {
   ExpectCostGrowsAsSize("honest nodes", Document(omni::test::bombs::HonestNodes(12'500)), all);
 }
 
-}  // namespace
+}  // namespace test_scene_bombs
 }  // namespace omni::scene::test

@@ -11,7 +11,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_mutations {
 
 class Damage {
  public:
@@ -229,5 +229,5 @@ TEST(SceneMutations, DamagedBlocks) {
   EXPECT_LT(refused, static_cast<std::size_t>(kRuns));
 }
 
-}  // namespace
+}  // namespace test_scene_mutations
 }  // namespace omni::scene::test

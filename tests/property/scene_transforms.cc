@@ -7,7 +7,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_transforms {
 
 class Random {
  public:
@@ -94,5 +94,5 @@ TEST(SceneTransforms, PackingDoesNotMatter) {
   }
 }
 
-}  // namespace
+}  // namespace test_scene_transforms
 }  // namespace omni::scene::test

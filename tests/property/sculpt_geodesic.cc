@@ -4,7 +4,7 @@
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics::sculpt {
-namespace {
+namespace test_sculpt_geodesic {
 
 TEST(SculptGeodesicTest, IsExactOnAFlatFace) {
   const Vec3 half{0.03, 0.03, 0.005};
@@ -63,5 +63,5 @@ TEST(SculptGeodesicTest, StopsAtItsLimits) {
   EXPECT_EQ(GeodesicBall(editor->mesh(), from, 1, 100'000).size(), editor->mesh().vertex_count());
 }
 
-}  // namespace
+}  // namespace test_sculpt_geodesic
 }  // namespace omni::haptics::sculpt

@@ -10,7 +10,7 @@
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics::sculpt {
-namespace {
+namespace test_sculpt_pin {
 
 // One stroke somewhere, sometimes taken back.
 void Edit(SculptEditor& editor, Random& random, int k) {
@@ -91,5 +91,5 @@ TEST(SculptPin, NothingPublishedIsNothingPinned) {
   EXPECT_EQ(publisher.OldestInUse(), 0U);
 }
 
-}  // namespace
+}  // namespace test_sculpt_pin
 }  // namespace omni::haptics::sculpt

@@ -8,7 +8,7 @@
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics::sculpt {
-namespace {
+namespace test_sculpt_readers {
 
 TEST(SculptReadersTest, SeeWholeGenerations) {
   const auto editor = EditorOf(BumpyBall(12, 0.03));
@@ -57,5 +57,5 @@ TEST(SculptReadersTest, SeeWholeGenerations) {
   EXPECT_EQ(broken, 0U);
 }
 
-}  // namespace
+}  // namespace test_sculpt_readers
 }  // namespace omni::haptics::sculpt

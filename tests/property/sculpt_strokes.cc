@@ -5,7 +5,7 @@
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics::sculpt {
-namespace {
+namespace test_sculpt_strokes {
 
 Brush RandomBrush(Random& random, double radius_low_m, double radius_high_m) {
   Brush brush;
@@ -76,5 +76,5 @@ TEST_P(Strokes, KeepManifoldAndUndoExactly) {
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Strokes, ::testing::Range(0, 4));
 
-}  // namespace
+}  // namespace test_sculpt_strokes
 }  // namespace omni::haptics::sculpt

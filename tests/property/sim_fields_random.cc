@@ -11,7 +11,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_fields_random {
 
 using Field = std::function<Vec3(const Vec3&)>;
 
@@ -192,5 +192,5 @@ TEST(SimFieldsProperty, GapIsTheDistanceOfTheNearestPoint) {
   }
 }
 
-}  // namespace
+}  // namespace test_sim_fields_random
 }  // namespace omni::sim

@@ -17,7 +17,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_lint {
 
 using Random = std::mt19937_64;
 
@@ -299,5 +299,5 @@ TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
   }
 }
 
-}  // namespace
+}  // namespace test_tools_lint
 }  // namespace omni::tools

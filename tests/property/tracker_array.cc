@@ -11,7 +11,7 @@
 #include "tests/support/numeric.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_array {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -181,5 +181,5 @@ TEST(TrackerArray, BadCalibrationsAreRefusedByName) {
   EXPECT_NE(error_of([](auto& c) { c.core_radius_m = -1; }).find("core"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_tracker_array
 }  // namespace omni::tracker

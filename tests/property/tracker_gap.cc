@@ -9,7 +9,7 @@
 #include "tests/support/numeric.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_gap {
 
 using Eigen::Vector3d;
 
@@ -52,5 +52,5 @@ TEST(TrackerGap, KnownPoses) {
   EXPECT_NEAR(CylinderGap({0, 0, 0}, {0, 0, 1}, 0.015, 0.0035, 0.0375), -0.041, 1e-15);  // deepest
 }
 
-}  // namespace
+}  // namespace test_tracker_gap
 }  // namespace omni::tracker

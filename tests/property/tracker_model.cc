@@ -15,7 +15,7 @@
 #include "tests/support/tool_scan.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_model {
 
 using Eigen::Vector3d;
 using support::RelativeError;
@@ -218,5 +218,5 @@ TEST(TrackerModel, SystematicErrorAgainstChargedFacesIsBelowFortyMicrometres) {
   EXPECT_LT(worst_m, 4e-5);
 }
 
-}  // namespace
+}  // namespace test_tracker_model
 }  // namespace omni::tracker

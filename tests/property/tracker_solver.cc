@@ -8,7 +8,7 @@
 #include "tests/support/tool_scan.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_solver {
 
 using support::Rng;
 
@@ -118,5 +118,5 @@ TEST(TrackerSolver, ColdStartWorksWithHalfTheSensors) {
   }
 }
 
-}  // namespace
+}  // namespace test_tracker_solver
 }  // namespace omni::tracker

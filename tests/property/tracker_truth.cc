@@ -14,7 +14,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_truth {
 
 std::array<ArrayReading, kSensors> ReadingsOf(const base::HallScan& scan) {
   std::array<ArrayReading, kSensors> readings;
@@ -152,5 +152,5 @@ TEST(TrackerTruth, AMagnetOfAnotherSizeIsNoticed) {
   EXPECT_GT(tally.mean(), 0.3);
 }
 
-}  // namespace
+}  // namespace test_tracker_truth
 }  // namespace omni::tracker

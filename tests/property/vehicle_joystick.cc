@@ -5,7 +5,7 @@
 #include "tests/unit/vehicle_scene.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_vehicle_joystick {
 
 JoystickInput RandomStick(Random& random) {
   JoystickInput stick;
@@ -102,5 +102,5 @@ TEST(Detents, TheDeadZoneHasASoftEdge) {
   }
 }
 
-}  // namespace
+}  // namespace test_vehicle_joystick
 }  // namespace omni::haptics

@@ -10,7 +10,7 @@
 #include "tests/unit/vehicle_scene.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_vehicle_walls {
 
 // Twisted blocks and thin plates, corners and slits between them, in a fence.
 SceneInput Maze(Random& random) {
@@ -268,5 +268,5 @@ TEST(Play, HoldsOverRandomInputs) {
   EXPECT_GT(pen.output.vehicle.hits, 100U);
 }
 
-}  // namespace
+}  // namespace test_vehicle_walls
 }  // namespace omni::haptics

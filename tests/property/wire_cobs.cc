@@ -8,7 +8,7 @@
 #include "firmware/wire/cobs.h"
 
 namespace omni::wire {
-namespace {
+namespace test_wire_cobs_property {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -58,5 +58,5 @@ TEST(CobsProperty, NoiseNeverOutlivesTheNextEdge) {
   EXPECT_GT(receiver.cut_short(), 0U);
 }
 
-}  // namespace
+}  // namespace test_wire_cobs_property
 }  // namespace omni::wire

@@ -14,7 +14,7 @@
 #include "firmware/wire/messages.h"
 
 namespace omni::wire {
-namespace {
+namespace test_wire_fuzz {
 
 constexpr float kCurrentMax_A = 15;
 
@@ -192,5 +192,5 @@ TEST(WireFuzz, AMillionRandomPayloadsOfEveryType) {
   RecordProperty("decoded", std::to_string(std::accumulate(std::begin(accepted), std::end(accepted), std::int64_t{0})));
 }
 
-}  // namespace
+}  // namespace test_wire_fuzz
 }  // namespace omni::wire

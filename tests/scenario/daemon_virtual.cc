@@ -5,7 +5,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_daemon_virtual {
 
 daemon::VirtualRunSummary RunSeed(std::uint64_t seed, bool flip_coil_sign = false, double top_m = kTableTop_m) {
   const base::DeviceGeometry& device = config::DefaultDevice();
@@ -52,5 +52,5 @@ TEST(TickHash, SeesOneBitOfEveryPart) {
   EXPECT_NE(hash_of(scan, other), reference);
 }
 
-}  // namespace
+}  // namespace test_daemon_virtual
 }  // namespace omni::test

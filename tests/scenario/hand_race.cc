@@ -10,7 +10,7 @@
 #include "tests/support/led_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_hand_race {
 
 constexpr int kSeedsPerBlock = 10;
 constexpr double kPatience_s = 60;
@@ -57,5 +57,5 @@ TEST(HandRaceAlone, SeenAtOnceTheLapIsSwiftAndClean) {
   EXPECT_EQ(story.output().haptics.vehicle.hits, 0U);
 }
 
-}  // namespace
+}  // namespace test_hand_race
 }  // namespace omni::test

@@ -11,7 +11,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_hand_touch {
 
 constexpr int kSeedsPerBlock = 10;
 constexpr double kPatience_s = 60;
@@ -87,5 +87,5 @@ TEST_P(HandTouch, PressesWhatIsFirmHoweverLateItIsFelt) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, HandTouch, testing::Range(0, 6));
 
-}  // namespace
+}  // namespace test_hand_touch
 }  // namespace omni::test

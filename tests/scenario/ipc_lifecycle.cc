@@ -6,7 +6,7 @@
 #include "tests/scenario/ipc_fixture.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_lifecycle {
 
 using namespace test;
 using protocol::SessionState;
@@ -130,5 +130,5 @@ TEST(Lifecycle, ASecondServiceDoesNotDisturbTheFirst) {
   EXPECT_TRUE(PollUntilConnected(next));
 }
 
-}  // namespace
+}  // namespace test_ipc_lifecycle
 }  // namespace omni

@@ -8,7 +8,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_ball {
 
 constexpr double kHalf_m = 0.012, kMiddle_m = 0.050;  // of a cube of 24 mm
 constexpr double kStart_s = 0.8, kEdge_s = 0.7;
@@ -83,5 +83,5 @@ TEST(LoopBall, LedAroundEdgesTheTipIsNeverPushedDeeper) {
   }
 }
 
-}  // namespace
+}  // namespace test_loop_ball
 }  // namespace omni::test

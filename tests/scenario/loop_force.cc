@@ -7,7 +7,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_force {
 
 // Still above the base, in the air.
 sim::HandScript HoldStill() {
@@ -154,5 +154,5 @@ TEST(LoopForce, NothingAskedNothingDone) {
   }
 }
 
-}  // namespace
+}  // namespace test_loop_force
 }  // namespace omni::test

@@ -7,7 +7,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_gestures_scenario {
 
 using base::InputSource;
 
@@ -120,5 +120,5 @@ TEST(GestureStory, PressingHardClicksOnceAndIsFelt) {
   EXPECT_EQ(squeeze.release_count, 1U);
 }
 
-}  // namespace
+}  // namespace test_loop_gestures_scenario
 }  // namespace omni::test

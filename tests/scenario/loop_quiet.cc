@@ -10,7 +10,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_quiet {
 
 TEST(Quiet, TheProbeSeesEveryKindOfHeapCall) {
   const loop::AllocProbe probe;
@@ -81,5 +81,5 @@ TEST(Quiet, ATickNeverTouchesTheHeap) {
                                                "tracking loss", "vibration"}));
 }
 
-}  // namespace
+}  // namespace test_loop_quiet
 }  // namespace omni::test

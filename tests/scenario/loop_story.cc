@@ -8,7 +8,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_story {
 
 constexpr double kSlewTolerance = 1.05;
 
@@ -214,5 +214,5 @@ TEST(LoopStory, GarbageScansNeverReachTheCoils) {
   }
 }
 
-}  // namespace
+}  // namespace test_loop_story
 }  // namespace omni::test

@@ -12,7 +12,7 @@
 #include "tests/support/story.h"
 
 namespace omni::test {
-namespace {
+namespace test_loop_surfaces {
 
 TEST(SurfaceSnapshots, AreFilledWithoutTheHeap) {
   const auto state = std::make_unique<loop::LoopState>();
@@ -102,5 +102,5 @@ TEST(SurfaceSnapshots, AreWrittenOnlyWhileSomebodyReads) {
   EXPECT_EQ(loop.surfaces().Read().t_ns, last_ns);
 }
 
-}  // namespace
+}  // namespace test_loop_surfaces
 }  // namespace omni::test

@@ -11,7 +11,7 @@
 #include "tests/support/story.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_vibration {
 
 constexpr double kTick_s = 1e-3;
 
@@ -202,5 +202,5 @@ TEST(VibrationStory, PcmIsAddedToContactUnderTheSameLimits) {
   EXPECT_GT(with_contact, 500);
 }
 
-}  // namespace
+}  // namespace test_loop_vibration
 }  // namespace omni::loop

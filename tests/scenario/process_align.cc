@@ -22,7 +22,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_align {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -212,5 +212,5 @@ TEST(ProcessAlign, GivesUpAndSaysWhatIsMissing) {
   EXPECT_NE(OmniAlign(service, {"--show"}).out.find("no alignment is stored"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_process_align
 }  // namespace omni::test

@@ -9,7 +9,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_bombs {
 
 // A file of the user's settings.
 void WriteSettings(const ServiceProcess& service, const std::string& name, const std::string& text) {
@@ -63,5 +63,5 @@ TEST(ProcessBombs, ScenesThatAreBombsAreRefusedOneByOne) {
   EXPECT_TRUE(next.WaitForForce(0.1));
 }
 
-}  // namespace
+}  // namespace test_process_bombs
 }  // namespace omni::test

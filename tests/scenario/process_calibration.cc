@@ -16,7 +16,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_calibration {
 
 constexpr const char* kNear = R"({"name": "near", "repeat": false, "waypoints": [
   {"s": 0, "tip_m": [0.01, 0, 0.06], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0.01, 0, 0.06], "axis": [0, 0, -1]}]})";
@@ -168,5 +168,5 @@ TEST_F(ProcessCalibration, AnAlignmentThatCannotBeKeptIsSaid) {
   EXPECT_TRUE(Status()["problems"].empty());
 }
 
-}  // namespace
+}  // namespace test_process_calibration
 }  // namespace omni::test

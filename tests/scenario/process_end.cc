@@ -12,7 +12,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_end {
 
 constexpr const char* kAwayHand = R"({"name": "away", "repeat": false, "waypoints": [
   {"s": 0, "tip_m": [0, 0, 0.085], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.085], "axis": [0, 0, -1]}]})";
@@ -150,5 +150,5 @@ TEST(ProcessEnd, CoilsAreAtZeroWhenTheProcessHadToEndAtOnce) {
   EXPECT_LE(MillisecondsToZero(*truth, asked_ns, kWholeRecording_ms), 50);
 }
 
-}  // namespace
+}  // namespace test_process_end
 }  // namespace omni::test

@@ -6,7 +6,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_force {
 
 constexpr double kPush_N = 0.6;
 
@@ -160,5 +160,5 @@ TEST(ProcessForce, AMonitorCannotPush) {
   EXPECT_FALSE(monitor.SendForce({}));
 }
 
-}  // namespace
+}  // namespace test_process_force
 }  // namespace omni::test

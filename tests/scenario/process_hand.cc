@@ -12,7 +12,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_hand {
 
 class LedService {
  public:
@@ -102,5 +102,5 @@ TEST(ProcessHand, WithoutAServiceItEndsWithTheStatusForThat) {
   EXPECT_EQ(hand->Wait(), 3);
 }
 
-}  // namespace
+}  // namespace test_process_hand
 }  // namespace omni::test

@@ -17,7 +17,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_haptic_scene {
 
 using Json = nlohmann::json;
 
@@ -271,5 +271,5 @@ TEST(ProcessHapticScene, DeformedVerticesComeBack) {
               1e3 * copy.frame.largest_displacement_m);
 }
 
-}  // namespace
+}  // namespace test_process_haptic_scene
 }  // namespace omni::test

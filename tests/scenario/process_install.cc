@@ -13,7 +13,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_install {
 
 namespace fs = std::filesystem;
 
@@ -159,5 +159,5 @@ TEST_F(Installed, ServiceWithoutABaseSaysSoAndWaits) {
   EXPECT_NE(log.find("waits for it"), std::string::npos) << log;
 }
 
-}  // namespace
+}  // namespace test_process_install
 }  // namespace omni::test

@@ -13,7 +13,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_log {
 
 constexpr const char* kStranger = "log_test";  // no scene: each of its sessions is worth a line
 
@@ -139,5 +139,5 @@ TEST(ProcessLog, WhatTheTwinWritesIsInTheLog) {
   EXPECT_NE(Content(service.Path("log")).find(open_folder), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_process_log
 }  // namespace omni::test

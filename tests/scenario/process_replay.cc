@@ -11,7 +11,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_replay {
 
 const std::string kOmnid = OMNI_BINARY_DIR "/bin/omnid";
 const std::string kOmni = OMNI_BINARY_DIR "/bin/omni";
@@ -117,5 +117,5 @@ TEST_F(ProcessReplay, RecordingOfAKilledServiceIsGoodUpToThere) {
   EXPECT_EQ(OutputOf({kOmnid, "--device", "replay:" + recording_, "--replay-fast", "--log-level", "error"}, 0), "");
 }
 
-}  // namespace
+}  // namespace test_process_replay
 }  // namespace omni::test

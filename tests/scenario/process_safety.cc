@@ -10,7 +10,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_safety {
 
 constexpr double kPushing_N = 0.2;
 
@@ -169,5 +169,5 @@ TEST(ProcessSafety, FullDiskDoesNotStopTheService) {
   EXPECT_EQ(started->Wait(), 0);
 }
 
-}  // namespace
+}  // namespace test_process_safety
 }  // namespace omni::test

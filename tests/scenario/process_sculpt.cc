@@ -16,7 +16,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_sculpt {
 
 constexpr double kTop_m = 0.056;  // 18 mm above the hull
 
@@ -111,5 +111,5 @@ TEST(ProcessSculpt, FromTheStrokeToTheFile) {
   }));
 }
 
-}  // namespace
+}  // namespace test_process_sculpt
 }  // namespace omni::test

@@ -11,7 +11,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_soft {
 
 constexpr const char* kAway = R"({"name": "away", "repeat": false, "waypoints": [
   {"s": 0, "tip_m": [0, 0, 0.085], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.085], "axis": [0, 0, -1]}]})";
@@ -71,5 +71,5 @@ TEST(ProcessSoft, TheServiceEndsWhileItComputes) {
   EXPECT_EQ(service.Stop(), 0);
 }
 
-}  // namespace
+}  // namespace test_process_soft
 }  // namespace omni::test

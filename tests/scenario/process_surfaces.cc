@@ -11,7 +11,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_process_surfaces {
 
 constexpr const char* kPressAndHold = R"({"name": "press", "repeat": true, "waypoints": [
   {"s": 0, "tip_m": [0, 0, 0.070], "axis": [0, 0, -1]},
@@ -66,5 +66,5 @@ TEST(ProcessSurfaces, WhatIsDrawnCanBeSaved) {
   EXPECT_TRUE(scene::LoadSceneFile(largest, {}, report).ok());
 }
 
-}  // namespace
+}  // namespace test_process_surfaces
 }  // namespace omni::test

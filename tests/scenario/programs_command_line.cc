@@ -10,7 +10,7 @@
 #include "tests/support/program.h"
 
 namespace omni::test {
-namespace {
+namespace test_programs_command_line {
 
 // Some are built only where their libraries are.
 std::vector<std::string> Programs() {
@@ -113,5 +113,5 @@ TEST(ExitStatus, OmnidEndsBeforeAnythingStartsWhenAFileIsNotAsItHasToBe) {
   }
 }
 
-}  // namespace
+}  // namespace test_programs_command_line
 }  // namespace omni::test

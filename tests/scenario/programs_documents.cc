@@ -17,7 +17,7 @@
 #include "tests/support/program.h"
 
 namespace omni::test {
-namespace {
+namespace test_programs_documents {
 
 namespace fs = std::filesystem;
 
@@ -211,5 +211,5 @@ TEST(Documents, WhatDoesNotExistIsFound) {
             (std::vector<Words>{{"omni_hil", "--fast"}, {"omnid", "--device", "usb"}}));
 }
 
-}  // namespace
+}  // namespace test_programs_documents
 }  // namespace omni::test

@@ -13,7 +13,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::test {
-namespace {
+namespace test_programs_pictures {
 
 using scene::test::AddAccessor;
 using scene::test::Bytes;
@@ -247,5 +247,5 @@ TEST(SceneRender, FindsShippedScenesAndRefusesOtherKindsOfPicture) {
   EXPECT_NE(nowhere.err.find("no/a.png: cannot be written"), std::string::npos) << nowhere.err;
 }
 
-}  // namespace
+}  // namespace test_programs_pictures
 }  // namespace omni::test

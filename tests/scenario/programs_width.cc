@@ -11,7 +11,7 @@
 #include "tests/support/service_process.h"
 
 namespace omni::test {
-namespace {
+namespace test_programs_width {
 
 std::vector<std::string> WordsIn(const std::string& text) {
   std::istringstream stream(text);
@@ -133,5 +133,5 @@ TEST_F(OnTerminals, APipeKeepsItsLinesUnlessColumnsSaysOtherwise) {
   EXPECT_EQ(TooWide(RunProgram(help, environment()).out, 100), "");
 }
 
-}  // namespace
+}  // namespace test_programs_width
 }  // namespace omni::test

@@ -15,7 +15,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_moving {
 
 struct Outcome {
   TrackingErrors errors;
@@ -78,5 +78,5 @@ TEST(MovingPen, ASpringThatPullsAllTheTimeCostsLittle) {
   EXPECT_LT(held, compared / 200);
 }
 
-}  // namespace
+}  // namespace test_tools_moving
 }  // namespace omni::tools

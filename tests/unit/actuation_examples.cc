@@ -9,7 +9,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::actuation {
-namespace {
+namespace test_actuation_examples {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<double, 3> kCold_C{25, 25, 25};
@@ -184,5 +184,5 @@ TEST(ActuationExamples, DoubtIsZeroAtOnce) {
   EXPECT_EQ(currents.current_A, (std::array<double, 3>{}));
 }
 
-}  // namespace
+}  // namespace test_actuation_examples
 }  // namespace omni::actuation

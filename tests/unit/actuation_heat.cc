@@ -12,7 +12,7 @@
 #include "tests/support/numeric.h"
 
 namespace omni::actuation {
-namespace {
+namespace test_actuation_heat {
 
 using Currents = std::array<double, base::kCoilCount>;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -225,5 +225,5 @@ TEST(ActuationHeat, AnyScanLeavesAFiniteState) {
   }
 }
 
-}  // namespace
+}  // namespace test_actuation_heat
 }  // namespace omni::actuation

@@ -7,7 +7,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::actuation {
-namespace {
+namespace test_actuation_trust {
 
 TEST(ForceTrust, IsWholeWithoutAnErrorAndFallsWithIt) {
   const base::DeviceGeometry device = support::NominalDevice();
@@ -42,5 +42,5 @@ TEST(ForceTrust, ACalibrationIsTrustedAsFarAsItSays) {
   EXPECT_EQ(ForceTrust(map, device, calibration), drawn) << "no worse than the drawing";
 }
 
-}  // namespace
+}  // namespace test_actuation_trust
 }  // namespace omni::actuation

@@ -11,7 +11,7 @@
 #include "tests/support/alignment_story.h"
 
 namespace omni::alignment {
-namespace {
+namespace test_alignment_fit {
 
 using test::AlignmentStory;
 
@@ -227,5 +227,5 @@ TEST(AlignmentDwell, FindsRestsAndNotMotion) {
   EXPECT_EQ(rests.size(), 2U);
 }
 
-}  // namespace
+}  // namespace test_alignment_fit
 }  // namespace omni::alignment

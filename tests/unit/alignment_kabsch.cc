@@ -4,7 +4,7 @@
 #include "tests/support/alignment_story.h"
 
 namespace omni::alignment {
-namespace {
+namespace test_alignment_kabsch {
 
 std::vector<PointPair> Pairs(test::AlignmentStory& story, const Rigid& X_LB, int count) {
   std::vector<PointPair> pairs;
@@ -87,5 +87,5 @@ TEST(AlignmentKabsch, FourDofIsTheLeastSquaresYaw) {
   }
 }
 
-}  // namespace
+}  // namespace test_alignment_kabsch
 }  // namespace omni::alignment

@@ -12,7 +12,7 @@
 #include "service/base/spsc_ring.h"
 
 namespace omni::base {
-namespace {
+namespace test_base_handover {
 
 struct Pair {
   std::uint64_t a = 0, b = 0;
@@ -121,5 +121,5 @@ TEST(FeasibleScale, ResultIsFeasible) {
   }
 }
 
-}  // namespace
+}  // namespace test_base_handover
 }  // namespace omni::base

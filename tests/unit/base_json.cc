@@ -10,7 +10,7 @@
 #include "service/base/json_document.h"
 
 namespace omni::base {
-namespace {
+namespace test_base_json {
 
 constexpr JsonLimits kWide{.bytes = 64u << 20, .values = 4'000'000, .members = 4'000'000, .depth = 128};
 
@@ -204,5 +204,5 @@ TEST(JsonDocument, ReadsAndRefusesWhatNlohmannJsonDoes) {
   EXPECT_LT(read + twice, count);
 }
 
-}  // namespace
+}  // namespace test_base_json
 }  // namespace omni::base

@@ -8,7 +8,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::base {
-namespace {
+namespace test_base_read_file {
 
 void ExpectRefused(const std::string& path, std::size_t max_bytes, const char* why) {
   const Result<std::string> text = ReadFile(path, max_bytes);
@@ -46,5 +46,5 @@ TEST(ReadFile, RefusesWhatIsNoFileWithoutWaiting) {
   ExpectRefused(folder.Path("missing"), 10, "cannot be read (No such file");
 }
 
-}  // namespace
+}  // namespace test_base_read_file
 }  // namespace omni::base

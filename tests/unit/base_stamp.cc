@@ -7,7 +7,7 @@
 #include <random>
 
 namespace omni::base {
-namespace {
+namespace test_base_stamp {
 
 constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
@@ -33,5 +33,5 @@ TEST(Stamp, ElapsedHasTheSignOfTheOrder) {
   EXPECT_GT(Elapsed_s(kHighest, kLowest), 9e9);
 }
 
-}  // namespace
+}  // namespace test_base_stamp
 }  // namespace omni::base

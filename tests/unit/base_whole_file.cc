@@ -23,7 +23,7 @@
 #include "tests/support/traced_child.h"
 
 namespace omni::base {
-namespace {
+namespace test_base_whole_file {
 
 namespace fs = std::filesystem;
 using test::Fate;
@@ -294,5 +294,5 @@ TEST_F(WholeFileTest, TryingLeavesNoTrace) {
   EXPECT_EQ(TryWholeFile(folder_.Path("no/such/file")), ENOENT);
 }
 
-}  // namespace
+}  // namespace test_base_whole_file
 }  // namespace omni::base

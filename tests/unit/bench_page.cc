@@ -4,7 +4,7 @@
 #include "tests/bench/harness/page.h"
 
 namespace omni::bench {
-namespace {
+namespace test_bench_page {
 
 using nlohmann::ordered_json;
 
@@ -77,5 +77,5 @@ TEST(BenchPage, RefusesWhatHasNoPlace) {
   EXPECT_NE(unknown.error().find("solver/heat"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_bench_page
 }  // namespace omni::bench

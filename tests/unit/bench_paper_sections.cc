@@ -10,7 +10,7 @@
 #include "tests/bench/paper/paper_force_models.h"
 
 namespace omni::bench {
-namespace {
+namespace test_bench_paper_sections {
 
 using nlohmann::ordered_json;
 
@@ -144,5 +144,5 @@ TEST(Paper, TrackingRunsOnFewPoses) {
   }
 }
 
-}  // namespace
+}  // namespace test_bench_paper_sections
 }  // namespace omni::bench

@@ -7,7 +7,7 @@
 #include "tests/support/scan_faults.h"
 
 namespace omni::bench {
-namespace {
+namespace test_bench_stress {
 
 TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
   ::setenv("OMNI_DATA_DIR", OMNI_SOURCE_DIR, 1);  // scenes as they are in the source, built or not
@@ -51,5 +51,5 @@ TEST(Stress, EveryFaultChangesTheScan) {
   }
 }
 
-}  // namespace
+}  // namespace test_bench_stress
 }  // namespace omni::bench

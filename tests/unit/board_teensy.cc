@@ -12,7 +12,7 @@
 #include "tests/support/teensy_chip.h"
 
 namespace omni::board {
-namespace {
+namespace test_board_teensy {
 
 using support::TeensyChip;
 
@@ -360,5 +360,5 @@ TEST_F(TeensyBoard, BareBoardRunsAndSaysWhatIsMissing) {
   EXPECT_NE(runner.core().faults() & (wire::kFaultHallSensor | wire::kFaultCurrentSensor | wire::kFaultSelfTest), 0U);
 }
 
-}  // namespace
+}  // namespace test_board_teensy
 }  // namespace omni::board

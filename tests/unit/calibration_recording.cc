@@ -11,7 +11,7 @@
 #include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
-namespace {
+namespace test_calibration_recording {
 
 constexpr std::array<double, 3> kNoise_T{8e-7, 8e-7, 1e-6};
 
@@ -177,5 +177,5 @@ TEST(CalibrationRecording, CoverageCountsCellsOfEqualArea) {
   for (const int visits : coverage.visits) EXPECT_NEAR(visits, 1000, 150);
 }
 
-}  // namespace
+}  // namespace test_calibration_recording
 }  // namespace omni::calibration

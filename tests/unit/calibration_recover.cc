@@ -11,7 +11,7 @@
 #include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
-namespace {
+namespace test_calibration_recover {
 
 using Eigen::Vector3d;
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -169,5 +169,5 @@ TEST(CalibrationRecover, WildSamplesAndFalseTouchesLoseTheirSay) {
   EXPECT_LT(PositionError_m(clean->calibration, dirty->calibration), 0.15e-3);
 }
 
-}  // namespace
+}  // namespace test_calibration_recover
 }  // namespace omni::calibration

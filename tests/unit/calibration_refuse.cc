@@ -11,7 +11,7 @@
 #include "tests/support/rig_recording.h"
 
 namespace omni::calibration {
-namespace {
+namespace test_calibration_refuse {
 
 class CalibrationRefuse : public ::testing::Test {
  protected:
@@ -161,5 +161,5 @@ TEST_F(CalibrationRefuse, ASensorFarFromItsDrawing) {
   Expect(Why(), {"tolerances"});
 }
 
-}  // namespace
+}  // namespace test_calibration_refuse
 }  // namespace omni::calibration

@@ -8,7 +8,7 @@
 #include "service/config/marks_file.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_alignments {
 
 AlignmentFile Example() {
   AlignmentFile file;
@@ -160,5 +160,5 @@ TEST(ConfigMarks, MistakesAreNamed) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_config_alignments
 }  // namespace omni::config

@@ -11,7 +11,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_apps {
 
 std::string Entry(const std::string& glob, const std::string& scene, const std::string& more = {}) {
   return "application = \"" + glob + "\"\nscene = \"" + scene + "\"\n" + more;
@@ -188,5 +188,5 @@ TEST(ConfigPaths, UserFolderComesFirst) {
   EXPECT_EQ(AppFolders(), (std::vector<std::string>{"/data/apps.d"}));
 }
 
-}  // namespace
+}  // namespace test_config_apps
 }  // namespace omni::config

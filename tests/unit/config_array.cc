@@ -9,7 +9,7 @@
 #include "service/config/array_file.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_array {
 
 const char* const kFour = R"(format = "omni-array 1"
 name = "patch"
@@ -163,5 +163,5 @@ TEST(ConfigArray, WrittenArraysReadBackTheSame) {
   }
 }
 
-}  // namespace
+}  // namespace test_config_array
 }  // namespace omni::config

@@ -13,7 +13,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_calibration {
 
 using support::ExampleCalibration;
 using support::NominalBase;
@@ -302,5 +302,5 @@ TEST(ConfigCalibration, SaysWhereItCannotWrite) {
   ExpectMentions(saved.error(), {"file/calibration.toml", "cannot be written", "there is no folder"});
 }
 
-}  // namespace
+}  // namespace test_config_calibration
 }  // namespace omni::config

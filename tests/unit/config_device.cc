@@ -10,7 +10,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_device {
 
 std::string Manifest() { return test::ManifestText("device/omni.toml"); }
 
@@ -162,5 +162,5 @@ TEST(ConfigDevice, FilesThatAreNoFiles) {
   ExpectMentions(LoadDeviceFile(folder.Path("huge.toml")).error(), {"longer than"});
 }
 
-}  // namespace
+}  // namespace test_config_device
 }  // namespace omni::config

@@ -7,7 +7,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_inputs {
 
 using base::InputComponent;
 using base::InputSource;
@@ -178,5 +178,5 @@ TEST(ConfigInputs, KeysByNameAndNumber) {
   }
 }
 
-}  // namespace
+}  // namespace test_config_inputs
 }  // namespace omni::config

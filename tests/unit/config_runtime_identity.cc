@@ -7,7 +7,7 @@
 #include <utility>
 
 namespace omni::config {
-namespace {
+namespace test_config_runtime_identity {
 
 // Left: XrInstanceProperties::runtimeName as it was seen in logs and sources.
 TEST(ConfigRuntimeIdentity, NamesLoseTheirVersions) {
@@ -59,5 +59,5 @@ TEST(ConfigRuntimeIdentity, IsTheIdentityOfItself) {
   }
 }
 
-}  // namespace
+}  // namespace test_config_runtime_identity
 }  // namespace omni::config

@@ -7,7 +7,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_scene_name {
 
 class SceneNames : public testing::Test {
  protected:
@@ -69,5 +69,5 @@ TEST_F(SceneNames, WithoutOneTheErrorSaysWhereAndTheNearest) {
   EXPECT_EQ(Found(folder_.Path("mine")).find("none: "), 0U) << "a folder is no scene";
 }
 
-}  // namespace
+}  // namespace test_config_scene_name
 }  // namespace omni::config

@@ -18,7 +18,7 @@
 #include "tests/support/example_calibration.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_toml_limits {
 
 std::string Repeated(const std::string& part, std::size_t count) {
   std::string text;
@@ -128,5 +128,5 @@ TEST(TomlLimits, NothingThatPassesIsNestedDeeper) {
   EXPECT_LT(passed, read);
 }
 
-}  // namespace
+}  // namespace test_config_toml_limits
 }  // namespace omni::config

@@ -7,7 +7,7 @@
 #include "tests/support/manifest_text.h"
 
 namespace omni::config {
-namespace {
+namespace test_config_twin {
 
 std::string Manifest() { return test::ManifestText("device/twin.toml"); }
 
@@ -46,5 +46,5 @@ TEST(ConfigTwin, MistakesNameFileKeyValueAndRange) {
   EXPECT_FALSE(ParseTwin("", "test.toml").ok());
 }
 
-}  // namespace
+}  // namespace test_config_twin
 }  // namespace omni::config

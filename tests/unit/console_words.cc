@@ -14,7 +14,7 @@
 #include "service/console/wrap.h"
 
 namespace omni::console {
-namespace {
+namespace test_console_words {
 
 const std::vector<std::string> kWords = {"status", "watch", "doctor", "scene", "surfaces", "report"};
 
@@ -162,5 +162,5 @@ TEST(Parse, RightWordsGoOnOrEndAsTheCommandSays) {
   EXPECT_EQ(help.err, "");
 }
 
-}  // namespace
+}  // namespace test_console_words
 }  // namespace omni::console

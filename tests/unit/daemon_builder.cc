@@ -12,7 +12,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_builder {
 
 constexpr std::uint32_t kCoarse = 150;    // a tenth of a second
 constexpr std::uint32_t kForever = 4000;  // more than a test waits for
@@ -205,5 +205,5 @@ TEST_F(BuilderTest, ClayComesWithItsWorkshopOrSaysWhyNot) {
   EXPECT_NE(open.warnings[0].find("not closed"), std::string::npos) << open.warnings[0];
 }
 
-}  // namespace
+}  // namespace test_daemon_builder
 }  // namespace omni::daemon

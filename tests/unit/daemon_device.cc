@@ -6,7 +6,7 @@
 #include "service/daemon/open_device.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_device {
 
 TEST(DeviceWords, KnownOnes) {
   for (const char* device : {"twin", "usb", "usb:A17", "usb:with:colon"}) {
@@ -157,5 +157,5 @@ TEST(FaultLog, NobodyIsFlooded) {
   EXPECT_EQ(news[1].text, "says: at last");
 }
 
-}  // namespace
+}  // namespace test_daemon_device
 }  // namespace omni::daemon

@@ -6,7 +6,7 @@
 #include "service/protocol/haptic_scene_range.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_feel_row {
 
 // No two alike, and all in the protocol's range.
 constexpr protocol::HapticFeel kRow{.stiffness_N_m = 321,
@@ -61,5 +61,5 @@ TEST(DaemonFeelRow, BeyondTheProtocolsRangeIsItsLimit) {
   EXPECT_LT(FeelRow(material).stiffness_N_m, 1e9);
 }
 
-}  // namespace
+}  // namespace test_daemon_feel_row
 }  // namespace omni::daemon

@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_file_writer {
 
 // A disk that a test holds up. Shared with the writer's thread, which may outlive the writer.
 struct Disk {
@@ -112,5 +112,5 @@ TEST(DaemonFileWriter, ADiskThatHangsDoesNotKeepTheServiceFromEnding) {
   disk->WaitUntilLeft(1);
 }
 
-}  // namespace
+}  // namespace test_daemon_file_writer
 }  // namespace omni::daemon

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_fit_watch {
 
 // Ten polls a second of a loop with so many ticks a second.
 struct Scenario {
@@ -62,5 +62,5 @@ TEST(DaemonFitWatch, AnIdleLoopIsWatchedToo) {
   EXPECT_TRUE(scenario.watch.misfit());
 }
 
-}  // namespace
+}  // namespace test_daemon_fit_watch
 }  // namespace omni::daemon

@@ -11,7 +11,7 @@
 #include "service/loop/tick_config.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_force {
 
 using protocol::ForceStanding;
 
@@ -208,5 +208,5 @@ TEST(ForceProperties, TheContinuousForceCanBeHeld) {
   }
 }
 
-}  // namespace
+}  // namespace test_daemon_force
 }  // namespace omni::daemon

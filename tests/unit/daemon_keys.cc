@@ -14,7 +14,7 @@
 #include "service/daemon/key_thread.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_keys {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
@@ -332,5 +332,5 @@ TEST(EvdevPorts, WhatIsNoInputDeviceIsRefused) {
   EXPECT_TRUE(ports->Find({.path = {}, .name_glob = "no device has this name", .grab = false}).empty());
 }
 
-}  // namespace
+}  // namespace test_daemon_keys
 }  // namespace omni::daemon

@@ -6,7 +6,7 @@
 #include "service/daemon/line_limit.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_line_limit {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
@@ -84,5 +84,5 @@ TEST(LineLimit, FloodOfAnyLengthCostsNoMoreThanItsKindsAllow) {
   EXPECT_LE(Lines(text), LineLimit::kBurst + static_cast<std::size_t>(kFor_s * kSecond_ns / LineLimit::kPeriod_ns));
 }
 
-}  // namespace
+}  // namespace test_daemon_line_limit
 }  // namespace omni::daemon

@@ -7,7 +7,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_options {
 
 TEST(DaemonOptions, TheDefaultsAndGoodFilesAreFine) {
   const test::TempFolder folder;
@@ -61,5 +61,5 @@ TEST(DaemonOptions, OptionsOfTheTwinNeedTheTwin) {
   }
 }
 
-}  // namespace
+}  // namespace test_daemon_options
 }  // namespace omni::daemon

@@ -4,7 +4,7 @@
 #include "service/daemon/owner.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_owner {
 
 using protocol::ClientRole;
 using protocol::SessionState;
@@ -67,5 +67,5 @@ TEST(Owner, UnknownClientsAreIgnored) {
   EXPECT_EQ(table.session(7), SessionState::kNone);
 }
 
-}  // namespace
+}  // namespace test_daemon_owner
 }  // namespace omni::daemon

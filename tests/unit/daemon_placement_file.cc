@@ -10,7 +10,7 @@
 #include "tests/unit/placement_story.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_placement_file {
 
 std::string Read(const std::string& path) {
   std::ifstream file(path);
@@ -111,5 +111,5 @@ TEST(DaemonPlacementFile, AnAnswerComesWhenTheFileIsWritten) {
   EXPECT_EQ(Placements(path).file().entries.size(), 2U);
 }
 
-}  // namespace
+}  // namespace test_daemon_placement_file
 }  // namespace omni::daemon

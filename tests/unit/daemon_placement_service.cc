@@ -8,7 +8,7 @@
 #include "tests/unit/placement_story.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_placement_service {
 
 // The flag of every sample and the status are about the headset of whoever owns the force.
 TEST(DaemonPlacementService, TheServiceSaysWhetherTheOwnerIsAligned) {
@@ -73,5 +73,5 @@ TEST(DaemonPlacementService, TheServiceBelievesOnlyASessionThatHasBegun) {
   EXPECT_EQ(recentred(), 2) << "it has no LOCAL";
 }
 
-}  // namespace
+}  // namespace test_daemon_placement_service
 }  // namespace omni::daemon

@@ -6,7 +6,7 @@
 #include "tests/unit/placement_story.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_placements {
 
 TEST(DaemonPlacements, WhatIsStoredIsToldAtOnceAndAfterARestart) {
   const TempFolder temp;
@@ -164,5 +164,5 @@ TEST(DaemonPlacements, SixtyFourHeadsetsAndNoMore) {
   EXPECT_EQ(Placements(temp.Path("a.toml")).file().entries.size(), config::kMaxAlignments);
 }
 
-}  // namespace
+}  // namespace test_daemon_placements
 }  // namespace omni::daemon

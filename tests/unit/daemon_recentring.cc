@@ -10,7 +10,7 @@
 #include "tests/unit/placement_story.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_recentring {
 
 alignment::Rigid PoseOf(const protocol::PlacementPose& pose) {
   const auto& q = pose.orientation_wxyz;
@@ -188,5 +188,5 @@ TEST(DaemonRecentring, ATimeInTheFarFutureHidesNoLaterChange) {
   EXPECT_EQ(placements.file().entries[0].recentred, 2);
 }
 
-}  // namespace
+}  // namespace test_daemon_recentring
 }  // namespace omni::daemon

@@ -16,7 +16,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_sculpt {
 
 using haptics::sculpt::StrokeKind;
 using haptics::sculpt::StrokeMessage;
@@ -313,5 +313,5 @@ TEST_F(SculptThreadTest, TheTicksSurfaceIsWholeWhateverIsEdited) {
   thread_.Remove(*scene);
 }
 
-}  // namespace
+}  // namespace test_daemon_sculpt
 }  // namespace omni::daemon

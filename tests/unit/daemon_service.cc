@@ -18,7 +18,7 @@
 #include "tests/support/quiet_device.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_service {
 
 using protocol::SessionState;
 
@@ -288,5 +288,5 @@ TEST_F(HeldPenTest, ScenesComeAndGoUnderATickInContact) {
   service_.OnPeriod(base::MonotonicNow_ns());
 }
 
-}  // namespace
+}  // namespace test_daemon_service
 }  // namespace omni::daemon

@@ -11,7 +11,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_settings {
 
 config::AppTable Wishes() {
   config::AppTable table;
@@ -79,5 +79,5 @@ TEST(DaemonSettings, WithoutOptionsNothingIsWished) {
   EXPECT_EQ(omnid.HeardBy("other").hand, protocol::HandSetting::kUnset);
 }
 
-}  // namespace
+}  // namespace test_daemon_settings
 }  // namespace omni::daemon

@@ -22,7 +22,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_surfaces {
 
 using client::SurfaceCopy;
 using client::SurfaceRead;
@@ -404,5 +404,5 @@ TEST_F(SurfacesOverTheSocket, AreAskedForShownChangedAndTakenBack) {
   EXPECT_TRUE(monitor->connected() && clay->connected()) << monitor->last_error();
 }
 
-}  // namespace
+}  // namespace test_daemon_surfaces
 }  // namespace omni::daemon

@@ -9,7 +9,7 @@
 #include <string>
 
 namespace omni::daemon {
-namespace {
+namespace test_daemon_vibration {
 
 constexpr std::int64_t kMs = 1'000'000;
 
@@ -145,5 +145,5 @@ TEST(DaemonVibration, ResamplingIsTheMeanOfEachMillisecond) {
   }
 }
 
-}  // namespace
+}  // namespace test_daemon_vibration
 }  // namespace omni::daemon

@@ -7,7 +7,7 @@
 #include "tests/unit/deformable_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_deformable_build {
 
 double VolumeOf(const TetLattice& lattice) {
   double sum = 0;
@@ -237,5 +237,5 @@ TEST(SoftBuild, RefusesOptionsOutOfRange) {
   EXPECT_FALSE(refused([](auto&) {}));
 }
 
-}  // namespace
+}  // namespace test_deformable_build
 }  // namespace omni::haptics

@@ -7,7 +7,7 @@
 #include "tests/unit/deformable_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_deformable_contact {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -264,5 +264,5 @@ TEST(SoftSurface, LocateFindsTheNearestPlaceFromAnyHint) {
   EXPECT_EQ(LocateOnSoftBody(body, {kNan, 0, 0}, kNoSoftTriangle).triangle, 0U);
 }
 
-}  // namespace
+}  // namespace test_deformable_contact
 }  // namespace omni::haptics

@@ -6,7 +6,7 @@
 #include "tests/unit/deformable_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_deformable_elements {
 
 std::array<Vec3, 4> RandomTet(std::mt19937_64& rng) {
   std::uniform_real_distribution<double> side(-0.01, 0.01);
@@ -155,5 +155,5 @@ TEST(SoftMaterial, RatioOneIsIsotropicWhateverTheFibre) {
   }
 }
 
-}  // namespace
+}  // namespace test_deformable_elements
 }  // namespace omni::haptics

@@ -7,7 +7,7 @@
 #include "tests/unit/deformable_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_deformable_touch {
 
 constexpr double kRadius_m = 0.03;  // of the ball
 
@@ -170,5 +170,5 @@ TEST(SoftTouch, ForgetsWhatIsNotTouched) {
   EXPECT_EQ(pen.state.is_soft[0], 0);
 }
 
-}  // namespace
+}  // namespace test_deformable_touch
 }  // namespace omni::haptics

@@ -4,7 +4,7 @@
 #include "service/device/arming.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_arming {
 
 wire::Telemetry Idle() {
   wire::Telemetry telemetry;
@@ -101,5 +101,5 @@ TEST(Arming, TriesAgainAfterThePause) {
   EXPECT_TRUE(arming.Next(Arming::kPause_ns, sent));
 }
 
-}  // namespace
+}  // namespace test_device_arming
 }  // namespace omni::device

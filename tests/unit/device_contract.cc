@@ -27,7 +27,7 @@
 #include "tests/support/twin_story.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_contract {
 
 constexpr std::int64_t kPatience_ns = 5'000'000'000;
 const base::Vec3 kTip{0.01, 0, 0.05};
@@ -324,5 +324,5 @@ TEST(ServedTwin, GarbageDoesNotKeepTheCoilsAlive) {
   server.join();
 }
 
-}  // namespace
+}  // namespace test_device_contract
 }  // namespace omni::device

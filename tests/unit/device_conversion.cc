@@ -8,7 +8,7 @@
 #include "service/device/scan_conversion.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_conversion {
 
 wire::Hello GoodHello() {
   wire::Hello hello;
@@ -109,5 +109,5 @@ TEST(Sequence, ContinuesOverTheWrapAndCountsGaps) {
   EXPECT_EQ(counter.sequence(), 65546U);
 }
 
-}  // namespace
+}  // namespace test_device_conversion
 }  // namespace omni::device

@@ -14,7 +14,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_recording {
 
 using support::FileBytes;
 
@@ -281,5 +281,5 @@ TEST(DeviceRecorder, FullDiskEndsTheRecordingAndSaysSo) {
   EXPECT_GT(summary->scans, 10U);
 }
 
-}  // namespace
+}  // namespace test_device_recording
 }  // namespace omni::device

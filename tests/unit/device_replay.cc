@@ -11,7 +11,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_replay {
 
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
@@ -143,5 +143,5 @@ TEST(Replay, RefusesWhatHoldsNoScan) {
   EXPECT_FALSE(OpenReplay(folder.Path("nothing"), ReplayPace::kFast).ok());
 }
 
-}  // namespace
+}  // namespace test_device_replay
 }  // namespace omni::device

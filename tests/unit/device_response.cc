@@ -6,7 +6,7 @@
 #include "service/device/response_time.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_response {
 
 wire::Telemetry Acknowledges(std::uint16_t seq, std::uint64_t at_us) {
   wire::Telemetry telemetry;
@@ -52,5 +52,5 @@ TEST(ResponseTime, CountsEachAnswerOnceAndNothingElse) {
   EXPECT_EQ(response.late_ns(), 1'250'000) << "another command";
 }
 
-}  // namespace
+}  // namespace test_device_response
 }  // namespace omni::device

@@ -13,7 +13,7 @@
 #include "service/device/socket_transport.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_socket {
 
 constexpr std::int64_t kPatience_ns = 2'000'000'000;
 constexpr std::int64_t kShort_ns = 5'000'000;
@@ -251,5 +251,5 @@ TEST(SocketTransportOpening, ErrorsSayWhatIsWrong) {
   }
 }
 
-}  // namespace
+}  // namespace test_device_socket
 }  // namespace omni::device

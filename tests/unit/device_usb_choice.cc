@@ -9,7 +9,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_usb_choice {
 
 UsbBase Base(const std::string& serial, const std::string& port) {
   return {.serial = serial, .node = "/dev/bus/usb/001/005", .speed = "480 Mbit/s", .port = port, .problem = ""};
@@ -76,5 +76,5 @@ TEST(HoldersOf, FindsWhoHasTheNodeOpen) {
   EXPECT_TRUE(HoldersOf("/dev/bus/usb/001/005", "/nonexistent").empty());
 }
 
-}  // namespace
+}  // namespace test_device_usb_choice
 }  // namespace omni::device

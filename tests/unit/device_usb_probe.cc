@@ -5,7 +5,7 @@
 #include "tests/support/fake_usb.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_usb_probe {
 
 using test::FakeUsbBus;
 
@@ -86,5 +86,5 @@ TEST(UsbProbe, EndpointZeroNeedsNoLink) {
   EXPECT_EQ(StopUsbBase(bus, entry.listed, 1).error(), "usb base A17: gone");
 }
 
-}  // namespace
+}  // namespace test_device_usb_probe
 }  // namespace omni::device

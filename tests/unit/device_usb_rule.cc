@@ -12,7 +12,7 @@
 #include "firmware/wire/usb_ids.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_usb_rule {
 
 using Rule = std::map<std::string, std::string>;  // "ATTR{idVendor}==" -> "1209"
 
@@ -58,5 +58,5 @@ TEST(UdevRule, GivesTheSeatsUserTheBaseAndNothingElse) {
   EXPECT_EQ(rules[0], expected);
 }
 
-}  // namespace
+}  // namespace test_device_usb_rule
 }  // namespace omni::device

@@ -12,7 +12,7 @@
 #include "tests/support/fake_usb.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_usb_session {
 
 using test::FakeBase;
 using test::FakeUsbLink;
@@ -464,5 +464,5 @@ TEST_F(UsbSessionTest, FailuresOfTheBusAreCounted) {
   EXPECT_EQ(session_.counters().send_failed, 1U);
 }
 
-}  // namespace
+}  // namespace test_device_usb_session
 }  // namespace omni::device

@@ -6,7 +6,7 @@
 #include "tests/support/fake_usb.h"
 
 namespace omni::device {
-namespace {
+namespace test_device_usb_transport {
 
 using test::FakeUsbBus;
 
@@ -151,5 +151,5 @@ TEST(UsbTransport, ALostBaseIsOpenedAgain) {
   }
 }
 
-}  // namespace
+}  // namespace test_device_usb_transport
 }  // namespace omni::device

@@ -6,7 +6,7 @@
 #include <deque>
 
 namespace omni::drivers {
-namespace {
+namespace test_drivers_fan {
 
 struct Capture {
   bool NextEdge(std::uint32_t& t_us) noexcept {
@@ -86,5 +86,5 @@ TEST_F(FanTest, DisturbancesAreNoSpeed) {
   EXPECT_EQ(capture.edges.size(), 1000U - FanTach<Capture>::kEdgesPerUpdate) << "bounded work";
 }
 
-}  // namespace
+}  // namespace test_drivers_fan
 }  // namespace omni::drivers

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace omni::drivers {
-namespace {
+namespace test_drivers_g2 {
 
 // What the pins do and what must never happen to them.
 struct Pins {
@@ -166,5 +166,5 @@ TEST_F(G2Test, NoSequenceOfOrdersBreaksTheRules) {
   EXPECT_GT(driver.counters().dead, 100U);
 }
 
-}  // namespace
+}  // namespace test_drivers_g2
 }  // namespace omni::drivers

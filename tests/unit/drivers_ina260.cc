@@ -6,7 +6,7 @@
 #include "tests/support/ina260_model.h"
 
 namespace omni::drivers {
-namespace {
+namespace test_drivers_ina260 {
 
 using support::FaultyI2c;
 using support::Ina260Model;
@@ -207,5 +207,5 @@ TEST_F(Ina260Test, ThreeOfThemShareABus) {
   EXPECT_EQ(counts[2], -2400);
 }
 
-}  // namespace
+}  // namespace test_drivers_ina260
 }  // namespace omni::drivers

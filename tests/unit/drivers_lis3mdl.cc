@@ -6,7 +6,7 @@
 #include "tests/support/lis3mdl_model.h"
 
 namespace omni::drivers {
-namespace {
+namespace test_drivers_lis3mdl {
 
 using support::FaultySpi;
 using support::Lis3mdlModel;
@@ -213,5 +213,5 @@ TEST_F(Lis3mdlTest, SelfTestAnswersAreJudged) {
   EXPECT_FALSE(answer()) << "z answers like x";
 }
 
-}  // namespace
+}  // namespace test_drivers_lis3mdl
 }  // namespace omni::drivers

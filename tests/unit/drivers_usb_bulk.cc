@@ -7,7 +7,7 @@
 #include "tests/support/usb_bench.h"
 
 namespace omni::drivers::usb {
-namespace {
+namespace test_drivers_usb_bulk {
 
 using support::UsbBench;
 using Status = support::UsbHost::Status;
@@ -119,5 +119,5 @@ TEST_P(UsbBulk, TelemetryAndCommandsForTenSeconds) {
   EXPECT_EQ(device.counters().send_overwritten, 0U);
 }
 
-}  // namespace
+}  // namespace test_drivers_usb_bulk
 }  // namespace omni::drivers::usb

@@ -5,7 +5,7 @@
 #include "tests/support/usb_bench.h"
 
 namespace omni::drivers::usb {
-namespace {
+namespace test_drivers_usb_bus {
 
 using support::UsbBench;
 using Status = support::UsbHost::Status;
@@ -205,5 +205,5 @@ TEST_F(UsbBus, AControllerThatHangsIsGivenUp) {
   ExpectWorks(14);
 }
 
-}  // namespace
+}  // namespace test_drivers_usb_bus
 }  // namespace omni::drivers::usb

@@ -6,7 +6,7 @@
 #include "tests/support/usb_bench.h"
 
 namespace omni::drivers::usb {
-namespace {
+namespace test_drivers_usb_enumerate {
 
 using support::UsbBench;
 using Status = support::UsbHost::Status;
@@ -275,5 +275,5 @@ TEST_F(UsbEnumerate, ConfigurationZeroClosesTheEndpoints) {
   EXPECT_EQ(Receive(), UsbBench::Frame(10, 3));
 }
 
-}  // namespace
+}  // namespace test_drivers_usb_enumerate
 }  // namespace omni::drivers::usb

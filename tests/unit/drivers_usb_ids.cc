@@ -8,7 +8,7 @@
 #include "firmware/wire/usb_ids.h"
 
 namespace omni::drivers::usb {
-namespace {
+namespace test_drivers_usb_ids {
 
 ControlAction ActionOf(std::uint8_t type, wire::UsbRequest request, std::uint16_t index) {
   std::uint8_t data[512];
@@ -44,5 +44,5 @@ TEST(UsbIds, FramesFitTheirBuffers) {
   EXPECT_LE(sizeof(wire::Hello::serial), kSerialMax);
 }
 
-}  // namespace
+}  // namespace test_drivers_usb_ids
 }  // namespace omni::drivers::usb

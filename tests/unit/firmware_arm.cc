@@ -5,7 +5,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_arm {
 
 using wire::ArmStep;
 using wire::State;
@@ -84,5 +84,5 @@ TEST_P(FirmwareArm, IsRefusedWhileTheFaultStands) {
 INSTANTIATE_TEST_SUITE_P(All, FirmwareArm, testing::ValuesIn(kStanding),
                          [](const auto& test) { return std::string(test.param.name); });
 
-}  // namespace
+}  // namespace test_firmware_arm
 }  // namespace omni::firmware

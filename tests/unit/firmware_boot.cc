@@ -4,7 +4,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_boot {
 
 using wire::ArmStep;
 using wire::State;
@@ -195,5 +195,5 @@ TEST(FirmwareArming, OldSetPointsDoNotAct) {
   EXPECT_LT(bench.plant.largest_A(), 0.01);
 }
 
-}  // namespace
+}  // namespace test_firmware_boot
 }  // namespace omni::firmware

@@ -8,7 +8,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_current {
 
 TEST(FirmwareCurrent, ShrinksBetweenDerateAndMaxAndTripsOnlyThere) {
   FirmwarePlant::Options options;
@@ -182,5 +182,5 @@ TEST(FirmwareCurrent, TelemetrySaysWhatTheCoilsDo) {
   EXPECT_NEAR(bench.telemetry.temperature[0] * 0.01, bench.plant.temperature_C(0), 3);
 }
 
-}  // namespace
+}  // namespace test_firmware_current
 }  // namespace omni::firmware

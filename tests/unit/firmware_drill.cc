@@ -6,7 +6,7 @@
 #include "firmware/wire/messages.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_drill {
 
 TEST(FirmwareDrill, ArmsAndSeesItsFaults) {
   const DrillTally tally = DrillWithTally(100'000);
@@ -25,5 +25,5 @@ TEST(FirmwareDrill, GivesTheSameNumberEveryTime) {
   RecordProperty("crc", std::to_string(crc));
 }
 
-}  // namespace
+}  // namespace test_firmware_drill
 }  // namespace omni::firmware

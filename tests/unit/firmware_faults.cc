@@ -11,7 +11,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_faults {
 
 using wire::ArmStep;
 using wire::State;
@@ -236,5 +236,5 @@ TEST(FirmwareFaults, TheWatchdogIsFedOnlyByAClockThatRuns) {
   EXPECT_EQ(bench.outputs.feed_watchdog, 0);
 }
 
-}  // namespace
+}  // namespace test_firmware_faults
 }  // namespace omni::firmware

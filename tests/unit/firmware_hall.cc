@@ -4,7 +4,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_hall {
 
 TEST(FirmwareHall, AgesCountFromTheNewestSample) {
   FirmwareBench bench;
@@ -91,5 +91,5 @@ TEST(FirmwareHall, AJumpIsNoJumpWhereTheCoilsExplainIt) {
   }
 }
 
-}  // namespace
+}  // namespace test_firmware_hall
 }  // namespace omni::firmware

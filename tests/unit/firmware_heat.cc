@@ -5,7 +5,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_heat {
 
 // The paper's run of coil y: 25 s of 15 A from 24 C. What its thermometer showed 40 s later was 39 C: the body.
 TEST(FirmwareHeat, TheTwoNodesMeetThePaper) {
@@ -53,5 +53,5 @@ TEST(FirmwareHeat, CoolsWithoutCurrent) {
   EXPECT_EQ(bench.core.faults(), 0U);
 }
 
-}  // namespace
+}  // namespace test_firmware_heat
 }  // namespace omni::firmware

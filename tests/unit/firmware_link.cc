@@ -7,7 +7,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_link {
 
 using wire::ConfigId;
 using wire::ConfigOp;
@@ -274,5 +274,5 @@ TEST(FirmwareLog, SaysChangesOfStateAndNotMoreThanAFewASecond) {
   EXPECT_GE(lines, 10);
 }
 
-}  // namespace
+}  // namespace test_firmware_link
 }  // namespace omni::firmware

@@ -8,7 +8,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_outputs {
 
 using wire::State;
 
@@ -121,5 +121,5 @@ TEST(FirmwareOutputs, NoFlippedBitOfTheDriveDrivesAnIdleBase) {
   EXPECT_GE(stopped, 1);
 }
 
-}  // namespace
+}  // namespace test_firmware_outputs
 }  // namespace omni::firmware

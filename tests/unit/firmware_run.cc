@@ -8,7 +8,7 @@
 #include "tests/support/firmware_bench.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_run {
 
 struct MemoryBoard {
   void Read(Inputs& inputs) {
@@ -63,5 +63,5 @@ TEST(FirmwareRun, AFloodOfFramesWaits) {
   EXPECT_EQ(board.received, 100);
 }
 
-}  // namespace
+}  // namespace test_firmware_run
 }  // namespace omni::firmware

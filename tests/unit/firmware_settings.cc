@@ -7,7 +7,7 @@
 #include "service/config/device_file.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_settings {
 
 TEST(FirmwareSettings, AreThoseOfTheDeviceFile) {
   const auto device = config::LoadDeviceFile(OMNI_SOURCE_DIR "/manifests/device/omni.toml");
@@ -56,5 +56,5 @@ TEST(FirmwareSettings, WhatIsNoNumberOrOutOfOrderIsNotValid) {
   EXPECT_FALSE(AreValid(settings));
 }
 
-}  // namespace
+}  // namespace test_firmware_settings
 }  // namespace omni::firmware

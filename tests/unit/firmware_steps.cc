@@ -7,7 +7,7 @@
 #include "tests/firmware/current_steps.h"
 
 namespace omni::firmware {
-namespace {
+namespace test_firmware_steps {
 
 TEST(FirmwareStep, RisesWithoutOvershootAndStays) {
   for (const StepCase& step : PageSteps()) {
@@ -39,5 +39,5 @@ TEST(FirmwareStep, StaysOver15MinutesOfHeatingAndThePageSaysSo) {
   EXPECT_EQ(text.str(), StepPage(run)) << "build the target current_steps and put its output there";
 }
 
-}  // namespace
+}  // namespace test_firmware_steps
 }  // namespace omni::firmware

@@ -6,7 +6,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_ball {
 
 constexpr double kBall_m = 0.003;
 
@@ -198,5 +198,5 @@ TEST(SmoothTag, FacetsAreFeltAsTheBodyTheyStandFor) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_ball
 }  // namespace omni::haptics

@@ -7,7 +7,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_build {
 
 bool Says(const BuildReport& report, const std::string& words) {
   for (const std::string& line : report.lines) {
@@ -228,5 +228,5 @@ TEST(BuildScene, FindsOneRegionPerSideOfAnExtrudableBlock) {
   EXPECT_GE(scene->objects()[0].upper_base_m[2], 0.01 + clay.extrude.step_m);
 }
 
-}  // namespace
+}  // namespace test_haptics_build
 }  // namespace omni::haptics

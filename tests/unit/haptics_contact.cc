@@ -8,7 +8,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_contact {
 
 Material Hard(double stiffness_N_m = 400) {
   Material m;
@@ -430,5 +430,5 @@ TEST(Contact, EqualInputsGiveEqualBits) {
   EXPECT_TRUE(support::SameBits(a.state.contacts[0].proxy_m, b.state.contacts[0].proxy_m));
 }
 
-}  // namespace
+}  // namespace test_haptics_contact
 }  // namespace omni::haptics

@@ -4,7 +4,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_extrude {
 
 constexpr double kTop_m = 0.01;
 
@@ -161,5 +161,5 @@ TEST(Extrude, ARisingFaceMeetsAStillTip) {
   EXPECT_NEAR(t.pen.output.contacts[0].gap_m, -0.001, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_haptics_extrude
 }  // namespace omni::haptics

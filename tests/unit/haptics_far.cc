@@ -5,7 +5,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_far {
 
 // A pen that the short way is closed to, by a pose that names no object, and that gets a new output each tick.
 class LongWay {
@@ -112,5 +112,5 @@ TEST(FarTip, NothingOfAnEarlierTouchStaysInTheOutput) {
   EXPECT_TRUE(support::SameBits(pen.output, quiet));
 }
 
-}  // namespace
+}  // namespace test_haptics_far
 }  // namespace omni::haptics

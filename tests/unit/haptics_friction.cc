@@ -4,7 +4,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_friction {
 
 Material Rubbing(double mu_s, double mu_d) {
   Material m;
@@ -80,5 +80,5 @@ TEST(Friction, FrictionlessMeansNoTangentialForce) {
   EXPECT_LT(Tangential(pen), 1e-12);
 }
 
-}  // namespace
+}  // namespace test_haptics_friction
 }  // namespace omni::haptics

@@ -10,7 +10,7 @@
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_live {
 
 Material Clay() {
   Material clay;
@@ -244,5 +244,5 @@ TEST(LiveSoftTest, OptionsFollowTheTag) {
   EXPECT_EQ(options.fibre, (Vec3{0, 3, 4}));
 }
 
-}  // namespace
+}  // namespace test_haptics_live
 }  // namespace omni::haptics

@@ -7,7 +7,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_moving {
 
 SceneInput Movable(InputObject object, const Material& material = {}) {
   SceneInput input = SceneOf(std::move(object), material);
@@ -169,5 +169,5 @@ TEST(MovedObjects, ComesFromAfarWithoutHeap) {
   EXPECT_NEAR(pen.output.contacts[0].gap_m, -0.002, 1e-4);
 }
 
-}  // namespace
+}  // namespace test_haptics_moving
 }  // namespace omni::haptics

@@ -10,7 +10,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_placed {
 
 base::Quat QuarterAbout(const Vec3& axis, double angle_rad) {
   const Vec3 v = std::sin(angle_rad / 2) * Normalized(axis);
@@ -260,5 +260,5 @@ TEST(LiveMaterial, WhatIsNoNumberOrNoMaterialChangesNothing) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_placed
 }  // namespace omni::haptics

@@ -9,7 +9,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_stability {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -136,14 +136,16 @@ TEST(Stability, TheTipIsPredictedOverTheWholeLag) {
   EXPECT_NEAR(pen.state.last_device_point_base_m.z, 0.025 - 4.5e-4, 1e-9);
 }
 
+Scene HardWall() {
+  Material m;
+  m.stiffness_N_m = 800;
+  m.static_friction = m.dynamic_friction = 0;
+  return Built(SceneOf(Block(2, {0.02, 0.02, 0.02}), m));
+}
+
 // A hand on a wall whose delay is 12 ms, which the renderer takes for none: without a watch it swings for ever.
 struct UnstableWall {
-  Pen pen{Built(SceneOf(Block(2, {0.02, 0.02, 0.02}), [] {
-    Material m;
-    m.stiffness_N_m = 800;
-    m.static_friction = m.dynamic_friction = 0;
-    return m;
-  }()))};
+  Pen pen{HardWall()};
   double z = 0.0205, v = 0, given_J = 0;
   std::array<double, 12> late_N{};
 
@@ -259,5 +261,5 @@ TEST(Stability, AContactsStiffnessOnlyFallsWhileThePenIsTurned) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_stability
 }  // namespace omni::haptics

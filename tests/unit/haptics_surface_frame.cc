@@ -11,7 +11,7 @@
 #include "tests/unit/deformable_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_haptics_surface_frame {
 
 // A rigid ball, and one that its application moves.
 SceneInput TwoBalls() {
@@ -194,5 +194,5 @@ TEST(SurfaceFrame, SculptedSurfacesAreWhole) {
   }
 }
 
-}  // namespace
+}  // namespace test_haptics_surface_frame
 }  // namespace omni::haptics

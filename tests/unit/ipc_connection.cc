@@ -14,7 +14,7 @@
 #include "tests/support/scoped_variable.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_connection {
 
 using namespace test;
 
@@ -360,5 +360,5 @@ TEST(Connection, BrokenSurfacesEndTheConnectionOnly) {
   EXPECT_NE(life_page.find("lacks the seals F_SEAL_FUTURE_WRITE"), std::string::npos) << life_page;
 }
 
-}  // namespace
+}  // namespace test_ipc_connection
 }  // namespace omni

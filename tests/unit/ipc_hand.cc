@@ -17,7 +17,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::ipc {
-namespace {
+namespace test_ipc_hand {
 
 using client::HandLink;
 using test::TempFolder;
@@ -174,5 +174,5 @@ TEST(HandLink, NeverWaits) {
   EXPECT_TRUE(listener->Poll());
 }
 
-}  // namespace
+}  // namespace test_ipc_hand
 }  // namespace omni::ipc

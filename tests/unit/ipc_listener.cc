@@ -11,7 +11,7 @@
 #include "tests/scenario/ipc_fixture.h"
 
 namespace omni::ipc {
-namespace {
+namespace test_ipc_listener {
 
 using test::TempFolder;
 
@@ -107,5 +107,5 @@ TEST(Listener, NamesItsLock) {
   EXPECT_EQ(Listener::LockPathOf("/x/other"), "/x/other.lock");
 }
 
-}  // namespace
+}  // namespace test_ipc_listener
 }  // namespace omni::ipc

@@ -7,7 +7,7 @@
 #include "tests/scenario/ipc_fixture.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_scene {
 
 using namespace test;
 using protocol::SceneAction;
@@ -122,5 +122,5 @@ TEST(SceneCommands, ALongTextIsCutAndAServerTakesNoReply) {
   EXPECT_NE(raw.RejectReason().find("only omnid sends"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_ipc_scene
 }  // namespace omni

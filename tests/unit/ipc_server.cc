@@ -10,7 +10,7 @@
 #include "tests/scenario/ipc_fixture.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_server_unit {
 
 using namespace test;
 using protocol::SessionState;
@@ -304,5 +304,5 @@ TEST(Server, AnotherUserIsRefused) {
   EXPECT_EQ(service.handler.ClientCount(), 0u);
 }
 
-}  // namespace
+}  // namespace test_ipc_server_unit
 }  // namespace omni

@@ -14,7 +14,7 @@
 #include "service/protocol/unique_fd.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_state_memory {
 
 using client::StateReader;
 using ipc::StatePublisher;
@@ -264,5 +264,5 @@ TEST(StateReader, RefusesWhatIsNoMemoryFile) {
   EXPECT_EQ(StateReader::Map(-1, kStateBytes, nullptr), nullptr);
 }
 
-}  // namespace
+}  // namespace test_ipc_state_memory
 }  // namespace omni

@@ -11,7 +11,7 @@
 #include "service/protocol/unique_fd.h"
 
 namespace omni {
-namespace {
+namespace test_ipc_surface_memory {
 
 using client::SurfaceCopy;
 using client::SurfaceRead;
@@ -201,5 +201,5 @@ TEST(SurfaceReader, RefusesWhatIsNoSurfaceMemory) {
   EXPECT_NE(error.find("magic"), std::string::npos) << error;
 }
 
-}  // namespace
+}  // namespace test_ipc_surface_memory
 }  // namespace omni

@@ -7,7 +7,7 @@
 #include "service/loop/detent.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_detent {
 
 haptics::Output Touching() {
   haptics::Output output;
@@ -61,5 +61,5 @@ TEST(Detent, NothingIsFeltWhereNobodyHearsIt) {
   }
 }
 
-}  // namespace
+}  // namespace test_loop_detent
 }  // namespace omni::loop

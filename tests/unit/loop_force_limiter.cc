@@ -12,7 +12,7 @@
 #include "tests/support/usual_limit.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_force_limiter {
 
 using haptics::Dot;
 using haptics::Norm;
@@ -114,5 +114,5 @@ TEST(ForceLimiter, HoldsOverRandomRequests) {
   }
 }
 
-}  // namespace
+}  // namespace test_loop_force_limiter
 }  // namespace omni::loop

@@ -7,7 +7,7 @@
 #include "service/loop/inputs.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_inputs {
 
 using base::InputComponent;
 
@@ -243,5 +243,5 @@ TEST(Histogram, ExtremesHaveABucket) {
   EXPECT_GT(histogram.Quantile_us(1), 1e12);
 }
 
-}  // namespace
+}  // namespace test_loop_inputs
 }  // namespace omni::loop

@@ -7,7 +7,7 @@
 #include "service/loop/scene_memory.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_scene_memory {
 
 std::unique_ptr<haptics::State> Formed(double offset_m, haptics::ExtrudePhase phase) {
   auto state = std::make_unique<haptics::State>();
@@ -95,5 +95,5 @@ TEST(SceneMemory, WhatHasNoNumberIsNotKeptAndNothingIsTakenFromTheHeap) {
   EXPECT_EQ(probe.count(), 0U);
 }
 
-}  // namespace
+}  // namespace test_loop_scene_memory
 }  // namespace omni::loop

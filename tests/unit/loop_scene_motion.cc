@@ -7,7 +7,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::loop {
-namespace {
+namespace test_loop_scene_motion {
 
 using haptics::Norm;
 using haptics::operator-;
@@ -108,5 +108,5 @@ TEST(SceneMotion, NonsenseIsLeftOutAndNothingIsTakenFromTheHeap) {
   EXPECT_EQ(now.object_count, 0U);
 }
 
-}  // namespace
+}  // namespace test_loop_scene_motion
 }  // namespace omni::loop

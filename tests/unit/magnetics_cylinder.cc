@@ -13,7 +13,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::magnetics {
-namespace {
+namespace test_magnetics_cylinder_unit {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -109,5 +109,5 @@ TEST(MagneticsArray, WindingsGiveTheMapsOfTheDrawing) {
   EXPECT_NEAR(MomentOf(ball), 1.2 * 4 / 3 * std::numbers::pi * 1e-6 / (4e-7 * std::numbers::pi), 1e-12);
 }
 
-}  // namespace
+}  // namespace test_magnetics_cylinder_unit
 }  // namespace omni::magnetics

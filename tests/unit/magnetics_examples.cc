@@ -14,7 +14,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::magnetics {
-namespace {
+namespace test_magnetics_examples {
 
 using Eigen::Vector3d;
 
@@ -114,5 +114,5 @@ TEST(MagneticsExamples, RadialDipoleHasItsImageOnTheSameRadius) {
   EXPECT_NEAR(image.charge, 0.015 * 2 / (0.05 * 0.05), 1e-12);
 }
 
-}  // namespace
+}  // namespace test_magnetics_examples
 }  // namespace omni::magnetics

@@ -12,7 +12,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::peers {
-namespace {
+namespace test_peers_paper {
 
 using base::Vec3;
 using Eigen::Vector3d;
@@ -121,5 +121,5 @@ TEST(PeersPaper, OnTheTwinItIsMillimetresOff) {
   EXPECT_LT(mean_mm, 5.5);
 }
 
-}  // namespace
+}  // namespace test_peers_paper
 }  // namespace omni::peers

@@ -11,7 +11,7 @@
 #include "service/protocol/validate.h"
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_force {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -122,5 +122,5 @@ TEST(ForceMessages, FuzzedBytes) {
   EXPECT_LT(accepted, kPackets * 9 / 10);
 }
 
-}  // namespace
+}  // namespace test_protocol_force
 }  // namespace omni::protocol

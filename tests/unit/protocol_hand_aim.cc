@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_hand_aim {
 
 bool Passes(const HandAim& aim) {
   HandAim read;
@@ -74,5 +74,5 @@ TEST(HandAim, RandomBytesNeverYieldAnInsaneAim) {
   EXPECT_GT(passed, 1000);
 }
 
-}  // namespace
+}  // namespace test_protocol_hand_aim
 }  // namespace omni::protocol

@@ -11,7 +11,7 @@
 #include "service/protocol/validate.h"
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_haptic_scene {
 
 template <class T>
 std::string ReasonOf(const T& message) {
@@ -173,5 +173,5 @@ TEST(HapticSceneMessages, AStateIsItsText) {
   }
 }
 
-}  // namespace
+}  // namespace test_protocol_haptic_scene
 }  // namespace omni::protocol

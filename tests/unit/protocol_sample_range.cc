@@ -8,7 +8,7 @@
 #include <limits>
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_sample_range {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -102,5 +102,5 @@ TEST(SampleRange, InputsAreClamped) {
   EXPECT_EQ(tamed.components[3].press_count, 4u);
 }
 
-}  // namespace
+}  // namespace test_protocol_sample_range
 }  // namespace omni::protocol

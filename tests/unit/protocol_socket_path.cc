@@ -14,7 +14,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_socket_path {
 
 TEST(SocketPath, FollowsTheEnvironment) {
   const test::ScopedVariable runtime("XDG_RUNTIME_DIR", "/run/user/7");
@@ -98,5 +98,5 @@ TEST(SocketFolder, OfAnotherUserIsRefused) {
   EXPECT_NE(check.problem.find("belongs to user"), std::string::npos) << check.problem;
 }
 
-}  // namespace
+}  // namespace test_protocol_socket_path
 }  // namespace omni::protocol

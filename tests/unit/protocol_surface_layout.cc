@@ -13,7 +13,7 @@
 #include "service/protocol/text.h"
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_surface_layout {
 
 SurfacePlan RandomPlan(std::mt19937_64& random, std::uint32_t object, std::uint32_t most) {
   SurfacePlan plan{.name = "object " + std::to_string(object), .object = object};
@@ -171,5 +171,5 @@ TEST(SurfaceRange, RefusesWhatCannotBeDrawn) {
   EXPECT_FALSE(InRange(frame));
 }
 
-}  // namespace
+}  // namespace test_protocol_surface_layout
 }  // namespace omni::protocol

@@ -6,7 +6,7 @@
 #include <string>
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_text {
 
 TEST(Text, FitsAndIsTerminated) {
   char field[8];
@@ -55,5 +55,5 @@ TEST(Text, PrintableKeepsTextAndReplacesTheRest) {
   EXPECT_EQ(Printable("\x7F\x80\xFF"), "???");
 }
 
-}  // namespace
+}  // namespace test_protocol_text
 }  // namespace omni::protocol

@@ -15,7 +15,7 @@
 #include "service/protocol/text.h"
 
 namespace omni::protocol {
-namespace {
+namespace test_protocol_validate_unit {
 
 template <class T>
 Message Check(const T& message) {
@@ -340,5 +340,5 @@ TEST(Validate, NamesTypes) {
   EXPECT_STREQ(TypeName(static_cast<MessageType>(0)), "unknown");
 }
 
-}  // namespace
+}  // namespace test_protocol_validate_unit
 }  // namespace omni::protocol

@@ -11,7 +11,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_repair_mesh {
 
 constexpr std::uint32_t kClosedSolid = kClosed | kCollidable;
 
@@ -394,5 +394,5 @@ TEST(RepairMesh, WhatIsStoredPerTriangleFollowsEveryRepair) {
   }
 }
 
-}  // namespace
+}  // namespace test_repair_mesh
 }  // namespace omni::haptics

@@ -9,7 +9,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_bad_input {
 
 void ExpectRefused(const Loaded& loaded, const std::string& part) {
   ASSERT_FALSE(loaded.result.ok()) << "loaded, expected: " << part;
@@ -251,5 +251,5 @@ TEST(SceneBadInput, NothingToFit) {
   ExpectRefused(LoadBytes(model.Bytes(), options), "cannot be scaled into reach");
 }
 
-}  // namespace
+}  // namespace test_scene_bad_input
 }  // namespace omni::scene::test

@@ -13,7 +13,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_cache {
 
 namespace fs = std::filesystem;
 
@@ -278,5 +278,5 @@ TEST(SceneCache, AnUntaggedFileIsSkipped) {
   EXPECT_FALSE(LoadBy(cache, file, {.touch_untagged = true}).scene.empty());
 }
 
-}  // namespace
+}  // namespace test_scene_cache
 }  // namespace omni::scene::test

@@ -17,7 +17,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_decode_judge {
 
 using Row = std::array<double, 4>;
 
@@ -333,5 +333,5 @@ TEST(SceneDecodeJudge, ShippedScenesAreReadAsByTinyGltf) {
   }
 }
 
-}  // namespace
+}  // namespace test_scene_decode_judge
 }  // namespace omni::scene::test

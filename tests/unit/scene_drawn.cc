@@ -7,7 +7,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene {
-namespace {
+namespace test_scene_drawn {
 
 using test::AddAccessor;
 using test::Bytes;
@@ -144,5 +144,5 @@ TEST(SceneDrawn, WhatIsNotDrawnIsSaid) {
   }
 }
 
-}  // namespace
+}  // namespace test_scene_drawn
 }  // namespace omni::scene

@@ -9,7 +9,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::scene {
-namespace {
+namespace test_scene_live {
 
 using namespace haptics;
 
@@ -89,5 +89,5 @@ TEST(LiveScene, ACopyStartsAsTheSceneDid) {
   }
 }
 
-}  // namespace
+}  // namespace test_scene_live
 }  // namespace omni::scene

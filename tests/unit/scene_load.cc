@@ -7,7 +7,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_load {
 
 TEST(SceneLoad, TetraIsReadInTheBaseFrame) {
   Loaded loaded = LoadBytes(Tetra().Bytes());
@@ -268,5 +268,5 @@ TEST(SceneLoad, OptionsScaleAndMove) {
   EXPECT_NE(loaded.Warnings().find("nothing to touch within"), std::string::npos) << loaded.Warnings();
 }
 
-}  // namespace
+}  // namespace test_scene_load
 }  // namespace omni::scene::test

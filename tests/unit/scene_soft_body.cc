@@ -9,7 +9,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::scene {
-namespace {
+namespace test_scene_soft_body {
 
 namespace fs = std::filesystem;
 
@@ -98,5 +98,5 @@ TEST(SoftBodyCache, WorksWithoutACache) {
   EXPECT_NE(none.error().find("inside"), std::string::npos) << none.error();
 }
 
-}  // namespace
+}  // namespace test_scene_soft_body
 }  // namespace omni::scene

@@ -7,7 +7,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_tags {
 
 bool Has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -322,5 +322,5 @@ TEST(SceneTags, SchemaAndDocumentSayWhatTheTablesSay) {
   ExpectDocumented(kCheckpointKeys, schema.at("$defs").at("checkpoint").at("properties"), page);
 }
 
-}  // namespace
+}  // namespace test_scene_tags
 }  // namespace omni::scene::test

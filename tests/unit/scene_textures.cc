@@ -11,7 +11,7 @@
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {
-namespace {
+namespace test_scene_textures {
 
 using Pixels = std::vector<unsigned char>;
 
@@ -316,5 +316,5 @@ TEST(SceneTextures, DamagedImagesAreDecodedOrNotUsed) {
   EXPECT_LT(used, 600);
 }
 
-}  // namespace
+}  // namespace test_scene_textures
 }  // namespace omni::scene::test

@@ -7,7 +7,7 @@
 #include "tests/support/sculpt_hand.h"
 
 namespace omni::haptics::sculpt {
-namespace {
+namespace test_sculpt_feel {
 
 constexpr double kRadius_m = 0.03;
 constexpr double kSlew_N = 0.85;  // per tick
@@ -216,5 +216,5 @@ TEST(SculptFeelTest, BadInputGivesFiniteForceAndNoHeap) {
   EXPECT_LT(largest_N, 2);
 }
 
-}  // namespace
+}  // namespace test_sculpt_feel
 }  // namespace omni::haptics::sculpt

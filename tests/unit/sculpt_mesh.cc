@@ -6,7 +6,7 @@
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics::sculpt {
-namespace {
+namespace test_sculpt_mesh {
 
 std::uint64_t HashOf(const SculptTable& table) {
   std::uint64_t hash = 1;
@@ -239,5 +239,5 @@ TEST(SculptMeshTest, OffsetsSnapToTheGrid) {
   EXPECT_NEAR(editor->offset_m(), 0.004, 1e-15);
 }
 
-}  // namespace
+}  // namespace test_sculpt_mesh
 }  // namespace omni::haptics::sculpt

@@ -8,7 +8,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::haptics::sculpt {
-namespace {
+namespace test_sculpt_save {
 
 SceneInput Sculpted(SculptEditor& editor) {
   Material hard;
@@ -99,5 +99,5 @@ TEST(SculptSaveTest, RefusesWithAReason) {
   EXPECT_FALSE(scene::GlbBytes({}).ok());
 }
 
-}  // namespace
+}  // namespace test_sculpt_save
 }  // namespace omni::haptics::sculpt

@@ -9,7 +9,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_bound {
 
 Rig Ideal() { return Rig(support::NominalDevice(), {.sizes = NoImperfections(), .noise = NoiseMode::kUltraHigh}); }
 
@@ -95,5 +95,5 @@ TEST(SimBound, SaturatedAxesSayNothing) {
   EXPECT_FALSE(CramerRao(blind, kPose, Quiet()).has_value());
 }
 
-}  // namespace
+}  // namespace test_sim_bound
 }  // namespace omni::sim

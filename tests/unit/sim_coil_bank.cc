@@ -7,7 +7,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_coil_bank {
 
 TEST(SimCoilBank, CurrentLagsByLOverR) {
   const base::DeviceGeometry device = support::NominalDevice();
@@ -30,5 +30,5 @@ TEST(SimCoilBank, WarmsUpAsMeasured) {
   EXPECT_NEAR(coils.temperature_C()[0], 47.0, 1.0) << "an idle coil takes the body's temperature";
 }
 
-}  // namespace
+}  // namespace test_sim_coil_bank
 }  // namespace omni::sim

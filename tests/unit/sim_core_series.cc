@@ -11,7 +11,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_core_series {
 
 constexpr double kCore_m = 0.015;
 
@@ -231,5 +231,5 @@ TEST(SimChargeKernel, EveryProcessorSumsAlike) {
   }
 }
 
-}  // namespace
+}  // namespace test_sim_core_series
 }  // namespace omni::sim

@@ -10,7 +10,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_effects {
 
 constexpr double kCore_m = 0.015;
 constexpr double kMu0 = 4e-7 * std::numbers::pi;
@@ -188,5 +188,5 @@ TEST(SimRigEffects, ScansRememberTheScanBefore) {
   EXPECT_LT(Norm(up - down), 3e-6);
 }
 
-}  // namespace
+}  // namespace test_sim_effects
 }  // namespace omni::sim

@@ -11,7 +11,7 @@
 #include "tests/support/nominal_device.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_fields {
 
 constexpr double kMu0 = 4e-7 * std::numbers::pi;
 
@@ -248,5 +248,5 @@ TEST(SimHull, GapOfTheDisc) {
   EXPECT_NEAR(gap({{0, 0, 0}, {0, 0, 1}}), -device.hull_radius_m, 1e-15);  // origin inside the magnet
 }
 
-}  // namespace
+}  // namespace test_sim_fields
 }  // namespace omni::sim

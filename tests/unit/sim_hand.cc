@@ -15,7 +15,7 @@
 #include "tests/support/twin_story.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_hand {
 
 constexpr double kStep_s = 250e-6;
 
@@ -222,5 +222,5 @@ TEST(SimScript, GoodFileIsReadAndItsAxisNormalised) {
   EXPECT_EQ(script->duration_s(), 2.5);
 }
 
-}  // namespace
+}  // namespace test_sim_hand
 }  // namespace omni::sim

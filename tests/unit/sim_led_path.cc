@@ -10,7 +10,7 @@
 #include "tests/support/twin_story.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_led_path {
 
 constexpr double kStep_s = 250e-6;
 constexpr double kTipOffset_m = 0.005;
@@ -160,5 +160,5 @@ TEST(LedTwin, EqualAimsGiveEqualBits) {
   }
 }
 
-}  // namespace
+}  // namespace test_sim_led_path
 }  // namespace omni::sim

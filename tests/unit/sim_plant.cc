@@ -12,7 +12,7 @@
 #include "tests/support/twin_story.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_plant {
 
 using firmware::Inputs;
 using firmware::Outputs;
@@ -279,5 +279,5 @@ TEST(SimPlantFaults, NonsenseOutputsStayWithinTheSupply) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_GE(story.plant.current_A()[k], -18 / 0.633);
 }
 
-}  // namespace
+}  // namespace test_sim_plant
 }  // namespace omni::sim

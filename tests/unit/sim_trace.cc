@@ -9,7 +9,7 @@
 #include "tests/support/trace.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_trace {
 
 double TiltOf(const MagnetPose& pose) {
   return std::acos(std::clamp(-Dot(pose.axis_base, Normalised(pose.centre_base_m)), -1.0, 1.0));
@@ -151,5 +151,5 @@ TEST(SimTrace, EffectsReachTheScans) {
   EXPECT_LT(greatest_T, 2e-5);
 }
 
-}  // namespace
+}  // namespace test_sim_trace
 }  // namespace omni::sim

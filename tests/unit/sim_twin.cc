@@ -17,7 +17,7 @@
 #include "tests/support/twin_story.h"
 
 namespace omni::sim {
-namespace {
+namespace test_sim_twin {
 
 using support::HoldingTwin;
 using support::NominalDevice;
@@ -229,5 +229,5 @@ TEST(SimRandom, SequenceIsFixed) {
   EXPECT_NEAR(square / 100000, 1, 0.02);
 }
 
-}  // namespace
+}  // namespace test_sim_twin
 }  // namespace omni::sim

@@ -15,7 +15,7 @@
 #include "tests/support/align_simulation.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_align {
 
 void ExpectSays(const std::string& text, std::initializer_list<const char*> parts) {
   for (const char* part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " not in: " << text;
@@ -193,5 +193,5 @@ TEST(ToolsAlignText, QualityHasAWordAndNotANumberIsPoor) {
   EXPECT_EQ(AlignQualityWord(std::nan("")), "poor");
 }
 
-}  // namespace
+}  // namespace test_tools_align
 }  // namespace omni::tools

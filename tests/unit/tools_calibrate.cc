@@ -16,7 +16,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_calibrate {
 
 base::HallScan ScanAt(int tick, sim::Rig& rig, const sim::MagnetPose* pose, const sim::CoilArray& current_A,
                       sim::Random& random) {
@@ -143,5 +143,5 @@ TEST(ToolsCalibrate, ReplacesWhenAskedAndGoesBack) {
   EXPECT_EQ(CalibrateTo(path, {"--restore", "--replace"}).status, 2) << "one or the other";
 }
 
-}  // namespace
+}  // namespace test_tools_calibrate
 }  // namespace omni::tools

@@ -17,7 +17,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_command_line {
 
 using test::Outcome;
 using test::RunOmni;
@@ -306,5 +306,5 @@ TEST(ToolsCommandLine, BenchmarksSayWhereTheyWent) {
   ExpectOneLine(RunOmni({"paper", "forces"}).err, {"omni paper: ", "`omni-bench paper`"});
 }
 
-}  // namespace
+}  // namespace test_tools_command_line
 }  // namespace omni::tools

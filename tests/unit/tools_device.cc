@@ -13,7 +13,7 @@
 #include "tests/support/fake_usb.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_device {
 
 using test::FakeUsbBus;
 
@@ -255,5 +255,5 @@ TEST(ToolsDevice, FlashHelpAndHelp) {
   ExpectHas(Omni({"--help"}).out, {"list", "info", "selftest", "flash-help", "estop"});
 }
 
-}  // namespace
+}  // namespace test_tools_device
 }  // namespace omni::tools

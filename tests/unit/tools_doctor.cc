@@ -11,7 +11,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_doctor {
 
 namespace fs = std::filesystem;
 
@@ -305,5 +305,5 @@ TEST_F(Doctor, SimulationIsSaidFirst) {
   EXPECT_EQ(DoctorJson({}, status).dump().rfind(R"({"SIMULATION":"no base")", 0), 0U);
 }
 
-}  // namespace
+}  // namespace test_tools_doctor
 }  // namespace omni::tools

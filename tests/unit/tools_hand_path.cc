@@ -8,7 +8,7 @@
 #include "tests/unit/haptics_story.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_hand_path {
 
 using haptics::Vec3;
 
@@ -48,5 +48,5 @@ TEST(HandPath, SaysWhatIsReachableWhenNothingIs) {
   EXPECT_NE(script.error().find("--fit"), std::string::npos) << script.error();
 }
 
-}  // namespace
+}  // namespace test_tools_hand_path
 }  // namespace omni::tools

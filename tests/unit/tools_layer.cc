@@ -11,7 +11,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_layer {
 
 namespace fs = std::filesystem;
 
@@ -171,5 +171,5 @@ TEST(ElfFile, SpoiltFilesAreReadToTheirEndOrRefused) {
   EXPECT_FALSE(ReadElfFile(folder.Write("text", "hello")).ok());
 }
 
-}  // namespace
+}  // namespace test_tools_layer
 }  // namespace omni::tools

@@ -14,7 +14,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_run_report {
 
 class RunReportTest : public testing::Test {
  protected:
@@ -136,5 +136,5 @@ TEST(BenchOutput, DocumentHasTheContractedKeys) {
   EXPECT_NE(RowTable(rows).find("1.500"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_tools_run_report
 }  // namespace omni::tools

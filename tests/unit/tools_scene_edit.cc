@@ -16,7 +16,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_scene_edit {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -97,5 +97,5 @@ TEST(ToolsSceneEdit, StatusShowsHowFarSoftBodiesAre) {
   EXPECT_EQ(StatusText(status).find("sculpted"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_tools_scene_edit
 }  // namespace omni::tools

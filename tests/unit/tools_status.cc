@@ -6,7 +6,7 @@
 #include "service/tools/status_text.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_status {
 
 TEST(StatusText, InputsBySourceAndDevice) {
   const nlohmann::json status = {
@@ -52,5 +52,5 @@ TEST(StatusText, CalibrationInUseRefusedOrUnfit) {
   EXPECT_EQ(line(status), "calibrated no: the file is refused (see problem), the base works as drawn");
 }
 
-}  // namespace
+}  // namespace test_tools_status
 }  // namespace omni::tools

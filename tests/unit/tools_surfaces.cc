@@ -5,7 +5,7 @@
 #include "service/tools/surfaces_view.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_surfaces {
 
 SurfacesView SomeView() {
   SurfacesView view{.connected = true,
@@ -58,5 +58,5 @@ TEST(SurfacesText, ALongNameKeepsItsLine) {
   }
 }
 
-}  // namespace
+}  // namespace test_tools_surfaces
 }  // namespace omni::tools

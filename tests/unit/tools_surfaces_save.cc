@@ -14,7 +14,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_surfaces_save {
 
 // A tetrahedron around (0, 0, 0.06), a little different for every seed.
 PublishedSurfaces::Object SomeObject(const std::string& name, std::uint64_t seed) {
@@ -112,5 +112,5 @@ TEST(SurfacesSave, RefusesWithAReason) {
   EXPECT_NE(StatusOf({"omni", "surfaces", "--largest"}, &said), kExitOk) << "there is nothing to write it to";
 }
 
-}  // namespace
+}  // namespace test_tools_surfaces_save
 }  // namespace omni::tools

@@ -11,7 +11,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_track_files {
 
 class TrackFiles : public testing::Test {
  protected:
@@ -159,5 +159,5 @@ TEST_F(TrackFiles, DeviceFilesOfBothKinds) {
   ExpectWords(LoadTrackDevice(folder_.Write("x.toml", "name = \"x\"\n")).error(), {"omni-array 1"});
 }
 
-}  // namespace
+}  // namespace test_tools_track_files
 }  // namespace omni::tools

@@ -13,7 +13,7 @@
 #include "tests/support/rig.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_track_run {
 
 using Eigen::Vector3d;
 
@@ -138,5 +138,5 @@ TEST(TrackRun, FilesHaveOneLineAPose) {
   EXPECT_EQ(std::count(residuals.begin(), residuals.end(), '\n'), 1 + 3 * 5);
 }
 
-}  // namespace
+}  // namespace test_tools_track_run
 }  // namespace omni::tools

@@ -11,7 +11,7 @@
 #include "service/tools/watch_view.h"
 
 namespace omni::tools {
-namespace {
+namespace test_tools_views {
 
 using nlohmann::json;
 
@@ -178,5 +178,5 @@ TEST(ToolsJson, ReadsAnythingSafely) {
   EXPECT_FALSE(TrueAt(document, "/a/b"));
 }
 
-}  // namespace
+}  // namespace test_tools_views
 }  // namespace omni::tools

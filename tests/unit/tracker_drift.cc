@@ -12,7 +12,7 @@
 #include "tests/support/tool_scan.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_drift {
 
 using base::TrackingStatus;
 using Eigen::Vector3d;
@@ -179,5 +179,5 @@ TEST_F(TrackerDrift, ContradictoryReadingsBecomeAbsenceNotAGhost) {
   }
 }
 
-}  // namespace
+}  // namespace test_tracker_drift
 }  // namespace omni::tracker

@@ -7,7 +7,7 @@
 #include "service/tracker/filter.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_filter {
 
 constexpr double kSigma_m = 4e-4, kSigma_rad = 5e-3, kTick_s = 1e-3;
 
@@ -106,5 +106,5 @@ TEST_F(TrackerFilter, MotionIsNotNoise) {
   EXPECT_LT(state.position_whiteness.share, 0.02);
 }
 
-}  // namespace
+}  // namespace test_tracker_filter
 }  // namespace omni::tracker

@@ -11,7 +11,7 @@
 #include "tests/support/same_bits.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_kernel {
 
 using support::Rng;
 using support::SameBits;
@@ -166,5 +166,5 @@ TEST(TrackerKernel, PlacesScoreTheSameInAllWidths) {
   }
 }
 
-}  // namespace
+}  // namespace test_tracker_kernel
 }  // namespace omni::tracker

@@ -13,7 +13,7 @@
 #include "tests/support/tool_scan.h"
 
 namespace omni::tracker {
-namespace {
+namespace test_tracker_update {
 
 using base::TrackingStatus;
 using Eigen::Vector3d;
@@ -490,5 +490,5 @@ TEST_F(TrackerUpdate, SaysHowStrongTheMagnetIsAndThatNoPoseExplainsIt) {
   EXPECT_GT(tool.field_rms_T, 1.5e-4);
 }
 
-}  // namespace
+}  // namespace test_tracker_update
 }  // namespace omni::tracker

@@ -4,7 +4,7 @@
 #include "tests/unit/vehicle_scene.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_vehicle_dynamics {
 
 VehicleInput Car() {
   VehicleInput car;
@@ -127,5 +127,5 @@ TEST(Bicycle, ThrownSidewaysItStopsByFriction) {
   EXPECT_LT(driver.Speed(), 1e-6);
 }
 
-}  // namespace
+}  // namespace test_vehicle_dynamics
 }  // namespace omni::haptics

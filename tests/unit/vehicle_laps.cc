@@ -5,7 +5,7 @@
 #include "tests/unit/vehicle_scene.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_vehicle_laps {
 
 // Follows the ring until the car has turned by `turns` about its middle (negative: the wrong way).
 void Round(Driver& driver, double turns) {
@@ -109,5 +109,5 @@ TEST(Laps, AShortCutDoesNotCount) {
   EXPECT_EQ(driver.state.lap.laps, 0U);
 }
 
-}  // namespace
+}  // namespace test_vehicle_laps
 }  // namespace omni::haptics

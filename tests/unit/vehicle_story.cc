@@ -7,7 +7,7 @@
 #include "tests/unit/vehicle_scene.h"
 
 namespace omni::haptics {
-namespace {
+namespace test_vehicle_story {
 
 TEST(Joystick, SpringPullsBackOutsideTheDeadZone) {
   SceneInput input = Ring();
@@ -199,5 +199,5 @@ TEST(Build, SaysWhatIsWrongWithATrack) {
   }
 }
 
-}  // namespace
+}  // namespace test_vehicle_story
 }  // namespace omni::haptics

@@ -9,7 +9,7 @@
 #include "firmware/wire/messages.h"
 
 namespace omni::wire {
-namespace {
+namespace test_wire_cobs_unit {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -151,5 +151,5 @@ TEST(Cobs, EveryByteCorruptedCostsOnlyWhatItTouches) {
   }
 }
 
-}  // namespace
+}  // namespace test_wire_cobs_unit
 }  // namespace omni::wire

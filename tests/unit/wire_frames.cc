@@ -13,7 +13,7 @@
 #include "tests/support/hex.h"
 
 namespace omni::wire {
-namespace {
+namespace test_wire_frames {
 
 constexpr float kCurrentMax_A = 15;
 
@@ -305,5 +305,5 @@ TEST(WireStatus, EveryStatusHasAName) {
   }
 }
 
-}  // namespace
+}  // namespace test_wire_frames
 }  // namespace omni::wire

@@ -12,7 +12,7 @@
 #include "tests/support/hex.h"
 
 namespace omni::wire {
-namespace {
+namespace test_wire_messages {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -250,5 +250,5 @@ TEST(WireBadInput, EncodingIntoTooLittleRoomWritesNothingBehindIt) {
   }
 }
 
-}  // namespace
+}  // namespace test_wire_messages
 }  // namespace omni::wire

@@ -11,7 +11,7 @@
 #include "firmware/wire/names.h"
 
 namespace omni::wire {
-namespace {
+namespace test_wire_page {
 
 std::string OutputOf(const std::string& command) {
   std::string text;
@@ -74,5 +74,5 @@ TEST(WireNames, TablesEndWhereTheEnumsEnd) {
   EXPECT_EQ(Capabilities().count, 4U);
 }
 
-}  // namespace
+}  // namespace test_wire_page
 }  // namespace omni::wire
