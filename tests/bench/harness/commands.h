@@ -7,7 +7,8 @@ class App;
 
 namespace omni::bench {
 
-void AddPaper(CLI::App& app);  // the published figures beside ours
-void AddPage(CLI::App& app);   // rows into a page of Markdown
+void AddPaper(CLI::App& app);   // the published figures beside ours
+void AddPaired(CLI::App& app);  // one tick before and after a change
+void AddPage(CLI::App& app);    // rows into a page of Markdown
 
 }  // namespace omni::bench

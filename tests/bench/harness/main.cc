@@ -81,6 +81,7 @@ int Run(int argc, const char* const* argv) {
   app.footer(console::kExitStatusHelp);
   AddBenches(app);
   AddPaper(app);
+  AddPaired(app);
   AddPage(app);
   return console::Parse(app, argc, argv).value_or(console::kExitOk);
 }

@@ -1,0 +1,131 @@
+// omni-bench paired: the tick's time before and after a change. Both programs replay the same recorded scans; of each
+// tick the least of many replays counts, which leaves out what the machine did besides: two builds of the same commit
+// differ by a few hundredths of a microsecond, where the 99th percentile of single runs jumps by a half.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "service/config/device_file.h"
+#include "service/loop/denormals.h"
+#include "service/loop/tick_config.h"
+#include "service/tools/command_line.h"
+#include "service/tools/row_table.h"
+#include "service/tools/scene_source.h"
+#include "service/tools/statistics.h"
+#include "service/tools/text_output.h"
+#include "tests/bench/harness/commands.h"
+#include "tests/support/loop_replay.h"
+
+namespace omni::bench {
+namespace {
+
+constexpr const char* kCommand = "omni-bench paired";
+constexpr const char* kPairedScenes[] = {"extrusion", "dragon", "racetrack"};
+
+struct PairedArguments {
+  std::string folder, json;
+  bool record = false;
+  std::uint64_t seed = 1;
+  int replays = 15;
+};
+
+using Scans = std::vector<base::HallScan>;
+
+std::string ScansFile(const std::string& folder, const std::string& scene) { return folder + "/" + scene + ".scans"; }
+
+// As in memory: for programs of one machine on one day.
+std::string Write(const std::string& path, const Scans& scans) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(scans.data()),
+             static_cast<std::streamsize>(scans.size() * sizeof(base::HallScan)));
+  file.close();
+  return file ? "" : path + ": cannot be written; check the folder";
+}
+
+base::Result<Scans> Read(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error || bytes == 0 || bytes % sizeof(base::HallScan) != 0) {
+    return base::Error{path + ": holds no scans of this version; make it with " + kCommand + " --record"};
+  }
+  Scans scans(bytes / sizeof(base::HallScan));
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(scans.data()), static_cast<std::streamsize>(bytes));
+  if (!file) return base::Error{path + ": cannot be read"};
+  return scans;
+}
+
+nlohmann::ordered_json Play(const std::string& name, const haptics::Scene& scene, const Scans& scans, int replays) {
+  using Clock = std::chrono::steady_clock;
+  const loop::TickConfig config = loop::MakeTickConfig(config::DefaultDevice());
+  std::vector<double> least_us(scans.size(), 1e9);
+  std::size_t touching = 0;
+  for (int replay = 0; replay < replays; ++replay) {
+    const auto player = std::make_unique<test::ScanPlayer>(config, scene, scans);
+    player->Start();
+    for (double& least : least_us) {
+      const Clock::time_point begin = Clock::now();
+      player->Tick();
+      least = std::min(least, std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+      touching += replay == 0 && player->output().haptics.contact_count > 0;
+    }
+  }
+  return {{"scene", name},
+          {"ticks", scans.size()},
+          {"touching", touching},
+          {"replays", replays},
+          {"least_us_median", tools::Quantile(least_us, 0.5)},
+          {"least_us_p99", tools::Quantile(least_us, 0.99)},
+          {"least_us_p999", tools::Quantile(least_us, 0.999)}};
+}
+
+int RunPaired(const PairedArguments& arguments) {
+  loop::FlushDenormals();
+  tools::Rows rows;
+  for (const char* name : kPairedScenes) {
+    const std::string path = tools::ShippedScene(name);
+    auto loaded = tools::LoadLiveScene(path, {});
+    if (!loaded.ok()) return tools::Fail(kCommand, loaded.error());
+    const std::string file = ScansFile(arguments.folder, name);
+    if (arguments.record) {
+      const auto config = loop::MakeTickConfig(config::DefaultDevice());
+      const auto scans = test::RecordScans(config, loaded->scene, path, arguments.seed);
+      if (!scans.ok()) return tools::Fail(kCommand, scans.error());
+      if (const std::string problem = Write(file, *scans); !problem.empty()) return tools::Fail(kCommand, problem);
+      continue;
+    }
+    const auto scans = Read(file);
+    if (!scans.ok()) return tools::Fail(kCommand, scans.error());
+    rows.push_back(Play(name, loaded->scene, *scans, arguments.replays));
+  }
+  if (arguments.record) return tools::kExitOk;
+  std::cout << tools::RowTable(rows);
+  if (arguments.json.empty()) return tools::kExitOk;
+  const std::string problem = tools::WriteText(arguments.json, tools::RowDocument("paired", rows).dump(2) + "\n");
+  return problem.empty() ? tools::kExitOk : tools::Fail(kCommand, problem);
+}
+
+}  // namespace
+
+void AddPaired(CLI::App& app) {
+  CLI::App* paired =
+      app.add_subcommand("paired", "one tick in the shipped scenes, to compare two builds on the same scans");
+  auto arguments = std::make_shared<PairedArguments>();
+  paired->add_option("folder", arguments->folder, "of the recorded scans")->required()->check(CLI::ExistingDirectory);
+  paired->add_flag("--record", arguments->record, "record them there (simulated by the digital twin) and time nothing");
+  paired->add_option("--seed", arguments->seed, "of the twin, for --record")->capture_default_str();
+  paired->add_option("--replays", arguments->replays, "of each tick; the least counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  paired->add_option("--json", arguments->json, "write {name, commit, machine, rows} here as well");
+  paired->callback([arguments] { throw CLI::RuntimeError(RunPaired(*arguments)); });
+}
+
+}  // namespace omni::bench
