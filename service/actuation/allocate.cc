@@ -70,7 +70,7 @@ Currents Push(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept
 Currents Held(const Config& config, const base::ForceLimit& limit, double force_N) noexcept {
   Currents held{};
   const double share = SmoothStep(force_N, config.bias_fade_N);
-  for (std::size_t k = 0; k < held.size(); ++k) held[k] = share * limit.bias_A[k];
+  for (std::size_t k = 0; k < held.size(); ++k) held[k] = share * limit.bias_A[k] + 0.0;  // never -0
   return held;
 }
 
