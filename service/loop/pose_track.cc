@@ -100,10 +100,11 @@ TrackedPose PoseOf(const PoseSample& sample) noexcept {
 
 TrackedPose PoseAt(const PoseTrack& track, std::int64_t t_ns) noexcept {
   if (t_ns < track.end_ns && track.end_ns > track.begin_ns) {
-    const double whole = static_cast<double>(track.end_ns - track.begin_ns);
-    return Between(track, std::clamp(static_cast<double>(t_ns - track.begin_ns) / whole, 0.0, 1.0));
+    const double whole = static_cast<double>(base::StampDifference_ns(track.end_ns, track.begin_ns));
+    return Between(track,
+                   std::clamp(static_cast<double>(base::StampDifference_ns(t_ns, track.begin_ns)) / whole, 0.0, 1.0));
   }
-  const std::int64_t on_ns = std::min(t_ns, track.rest_ns) - track.end_ns;
+  const std::int64_t on_ns = base::StampDifference_ns(std::min(t_ns, track.rest_ns), track.end_ns);
   TrackedPose pose = on_ns > 0 ? Advanced(track.to, Seconds(on_ns)) : track.to;
   if (t_ns >= track.rest_ns) pose.velocity_m_s = pose.angular_velocity_rad_s = {};
   return pose;
@@ -131,8 +132,8 @@ bool Follow(const PoseSample& sample, std::int64_t t_ns, PoseTrack& track) noexc
     length_ns = std::max(length_ns, static_cast<std::int64_t>(1e9 * needed_s));
   }
   track.from = leaps ? track.to : now;
-  track.end_ns = t_ns + length_ns;
-  track.rest_ns = std::max(track.end_ns, t_ns + ahead_ns + kExtrapolate_ns);
+  track.end_ns = base::StampAfter_ns(t_ns, length_ns);
+  track.rest_ns = std::max(track.end_ns, base::StampAfter_ns(t_ns, ahead_ns + kExtrapolate_ns));
   return leaps;
 }
 
