@@ -162,15 +162,10 @@ void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) no
   AddAngularAcceleration(noise.angular_acceleration_rad2_s3 * std::exp(state.axis_liveliness.log_factor), dt_s, state);
 }
 
-void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, bool with_axis,
+void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s,
                    FilterState& state) noexcept {
-  if (!CorrectPosition(noise, measured, dt_s, state)) {
-    const double variance_angle = state.variance_angle;
-    ResetFilter(measured, state);
-    if (!with_axis) state.variance_angle = variance_angle;
-    return;
-  }
-  if (with_axis) CorrectAxis(noise, measured, dt_s, state);
+  if (!CorrectPosition(noise, measured, dt_s, state)) return ResetFilter(measured, state);
+  CorrectAxis(noise, measured, dt_s, state);
 }
 
 }  // namespace omni::tracker

@@ -54,10 +54,8 @@ struct PoseMeasurement {
 
 void ResetFilter(const PoseMeasurement& measured, FilterState& state) noexcept;
 void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) noexcept;
-// dt_s: as in the prediction before. with_axis false: only the position was measured. A pose that cannot follow from
-// the prediction restarts the filter there.
-void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, bool with_axis,
-                   FilterState& state) noexcept;
+// dt_s: as in the prediction before. A pose that cannot follow from the prediction restarts the filter there.
+void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, FilterState& state) noexcept;
 
 // u turned by the vector `turn_rad` (angle times axis).
 base::Vec3 TurnAxis(const base::Vec3& axis, const base::Vec3& turn_rad) noexcept;

@@ -39,7 +39,6 @@ struct Outcome {
   bool good = false;       // fits, in reach
   bool explained = false;  // some pose fits, in reach or not
   bool cold = false;
-  int parameters = kParameters;
   Fit fit;
 };
 
@@ -48,7 +47,7 @@ Precision PrecisionOf(const Config& config) noexcept {
 }
 
 // Starts at the predicted pose; the filter's rates take each sensor back to its own instant.
-Outcome TryWarm(const Config& config, const FilterState& predicted, int parameters, KernelSums* sums,
+Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* sums,
                 Measurement& measurement) noexcept {
   const Vector3d u = base::ToEigen(predicted.axis_base);
   const Vector3d u_rate = base::ToEigen(predicted.angular_velocity_base_rad_s).cross(u);
@@ -57,11 +56,7 @@ Outcome TryWarm(const Config& config, const FilterState& predicted, int paramete
   measurement.axis_rate_base_1_s = {u_rate.x(), u_rate.y(), u_rate.z()};
   Outcome outcome;
   outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u},
-                          {.precision = PrecisionOf(config),
-                           .parameters = parameters,
-                           .iterations_max = config.iterations_max,
-                           .sums = sums});
-  outcome.parameters = parameters;
+                          {.precision = PrecisionOf(config), .iterations_max = config.iterations_max, .sums = sums});
   outcome.explained = FitsReadings(config, measurement, outcome.fit);
   outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose);
   return outcome;
@@ -175,7 +170,7 @@ std::uint32_t LimitsOf(const Config& config, const base::HallScan& scan, const M
 void Describe(const Config& config, const base::HallScan& scan, const Measurement& measurement, const Outcome& outcome,
               bool explained, base::ToolState& tool) noexcept {
   tool.chi2 = std::isfinite(outcome.fit.chi2) ? outcome.fit.chi2 : std::numeric_limits<double>::max();
-  tool.dof = std::max(0, measurement.axes - measurement.fixed - outcome.parameters);
+  tool.dof = std::max(0, measurement.axes - measurement.fixed - kParameters);
   tool.iterations = outcome.fit.iterations;
   tool.field_rms_T = measurement.field_rms_T;
   tool.limits = LimitsOf(config, scan, measurement, outcome, explained, tool);
@@ -204,7 +199,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   const PoseMeasurement measured = ToMeasurement(outcome.fit);
   FilterState filter = predicted;
   if (continues && !outcome.cold) {
-    CorrectFilter(config.filter, measured, dt_s, outcome.parameters == kParameters, filter);
+    CorrectFilter(config.filter, measured, dt_s, filter);
   } else {
     ResetFilter(measured, filter);
   }
@@ -295,7 +290,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   KernelSums sums;
   if (measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T) {
     if (state.warm) {
-      outcome = TryWarm(config, predicted, kParameters, wide ? &sums : nullptr, measurement);
+      outcome = TryWarm(config, predicted, wide ? &sums : nullptr, measurement);
     }
     const bool warm = outcome.good;
     bool tried = state.warm;

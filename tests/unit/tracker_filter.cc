@@ -26,7 +26,7 @@ class TrackerFilter : public testing::Test {
       ResetFilter(measured, state);
     } else {
       PredictFilter(noise, kTick_s, state);
-      CorrectFilter(noise, measured, kTick_s, true, state);
+      CorrectFilter(noise, measured, kTick_s, state);
     }
     started = true;
   }

@@ -69,7 +69,7 @@ class Tracking {
       tracker::ResetFilter(measured_, filter_);
     } else {
       tracker::PredictFilter({}, kTick_s, filter_);
-      tracker::CorrectFilter({}, measured_, kTick_s, true, filter_);
+      tracker::CorrectFilter({}, measured_, kTick_s, filter_);
     }
     started_ = true;
     return measured_.position_base_m.z;

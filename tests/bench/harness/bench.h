@@ -62,7 +62,8 @@ base::Result<BenchRows> BenchAlign(const BenchOptions& options);
 // stiffness that allows.
 base::Result<BenchRows> BenchLatency(const BenchOptions& options);
 
-// Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, levels.
+// Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, hidden
+// currents.
 base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 
 // Run time and error of solvers on the same poses; side table: ratios.
