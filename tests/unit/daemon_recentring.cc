@@ -18,6 +18,16 @@ alignment::Rigid PoseOf(const protocol::PlacementPose& pose) {
   return {.orientation = {q[0], q[1], q[2], q[3]}, .position_m = {p[0], p[1], p[2]}};
 }
 
+// An alignment in LOCAL is stored, and client 1 has asked for it.
+struct AlignedInLocal {
+  AlignedInLocal() {
+    EXPECT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+    placements.Ask(1, Request({kSpaceLocal}));
+  }
+  const TempFolder temp;
+  Placements placements{temp.Path("a.toml")};
+};
+
 // The base does not move in the world: X_WL X_LB before is X_WL' X_L'B after, for any recentring; once for all clients.
 TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
   std::mt19937 random(11);
@@ -58,38 +68,32 @@ TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
 
 // Nobody recentres a headset by 20 m: what an application says of that costs TRACKED, and moves nothing.
 TEST(DaemonRecentring, WhatNoRecentringDoesMovesNothing) {
-  const TempFolder temp;
-  Placements placements(temp.Path("a.toml"));
-  ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-  placements.Ask(1, Request({kSpaceLocal}));
+  AlignedInLocal aligned;
   Listener listener;
-  listener.Listen(placements);
+  listener.Listen(aligned.placements);
   for (int i = 1; i <= 5; ++i) {
     const std::int64_t now_ns = kNow_ns + i * std::int64_t{1'000'000'000};
-    placements.Change(1, Moved(20, now_ns), now_ns);
+    aligned.placements.Change(1, Moved(20, now_ns), now_ns);
   }
-  const double moved_m = std::abs(Placements(temp.Path("a.toml")).file().entries[0].position_space_m.x - 0.1);
+  const double moved_m = std::abs(Placements(aligned.temp.Path("a.toml")).file().entries[0].position_space_m.x - 0.1);
   std::printf("[ figure   ] five changes of 20 m have moved the alignment by %.1f m\n", moved_m);
   EXPECT_EQ(moved_m, 0);
-  EXPECT_FALSE(placements.Aligned(1));
-  listener.Listen(placements);
+  EXPECT_FALSE(aligned.placements.Aligned(1));
+  listener.Listen(aligned.placements);
   EXPECT_EQ(listener.told[1].back().doubtful, 1U) << "who is connected hears of it";
-  placements.Change(1, Moved(1, kNow_ns + 5'000'000'000), kNow_ns + 5'000'000'000);
-  EXPECT_EQ(placements.file().entries[0].recentred, 1) << "it hides no real recentring at the same time";
+  aligned.placements.Change(1, Moved(1, kNow_ns + 5'000'000'000), kNow_ns + 5'000'000'000);
+  EXPECT_EQ(aligned.placements.file().entries[0].recentred, 1) << "it hides no real recentring at the same time";
 }
 
 // The bound holds against the pose as measured: many steps lead no further than one.
 TEST(DaemonRecentring, ManyStepsLeadNoFurtherThanOne) {
-  const TempFolder temp;
-  Placements placements(temp.Path("a.toml"));
-  ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-  placements.Ask(1, Request({kSpaceLocal}));
+  AlignedInLocal aligned;
   std::int64_t now_ns = kNow_ns;
   for (int i = 0; i < 40; ++i) {
     now_ns += 1'000'000'000;
-    placements.Change(1, Moved(-0.9, now_ns), now_ns);
+    aligned.placements.Change(1, Moved(-0.9, now_ns), now_ns);
   }
-  const config::AlignmentEntry& entry = placements.file().entries[0];
+  const config::AlignmentEntry& entry = aligned.placements.file().entries[0];
   EXPECT_LE(entry.position_space_m.x - entry.measured_position_space_m.x, protocol::kFarthestRecentring_m);
   EXPECT_TRUE(entry.doubtful);
 }
@@ -97,14 +101,11 @@ TEST(DaemonRecentring, ManyStepsLeadNoFurtherThanOne) {
 // A space that tips over is none that OpenXR has.
 TEST(DaemonRecentring, ATiltIsNoRecentring) {
   const auto doubtful_after = [](double angle_rad) {
-    const TempFolder temp;
-    Placements placements(temp.Path("a.toml"));
-    EXPECT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-    placements.Ask(1, Request({kSpaceLocal}));
+    AlignedInLocal aligned;
     protocol::SpaceChange change = Moved(0, kNow_ns);
     change.new_in_previous.orientation_wxyz = {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)};
-    placements.Change(1, change, kNow_ns);
-    return placements.file().entries[0].doubtful;
+    aligned.placements.Change(1, change, kNow_ns);
+    return aligned.placements.file().entries[0].doubtful;
   };
   EXPECT_FALSE(doubtful_after(0.9 * protocol::kMostRecentringTilt_rad));
   EXPECT_TRUE(doubtful_after(1.1 * protocol::kMostRecentringTilt_rad));
@@ -141,15 +142,12 @@ TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
 }
 
 TEST(DaemonRecentring, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
-  const TempFolder temp;
-  Placements placements(temp.Path("a.toml"));
-  ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-  placements.Ask(1, Request({kSpaceLocal}));
+  AlignedInLocal aligned;
   protocol::SpaceChange change;
   change.changes_at_ns = 1;
-  placements.Change(1, change, kNow_ns);
-  EXPECT_FALSE(placements.Aligned(1));
-  Placements again(temp.Path("a.toml"));
+  aligned.placements.Change(1, change, kNow_ns);
+  EXPECT_FALSE(aligned.placements.Aligned(1));
+  Placements again(aligned.temp.Path("a.toml"));
   again.Ask(2, Request({kSpaceLocal}));
   Listener listener;
   listener.Listen(again);
@@ -175,17 +173,14 @@ TEST(DaemonRecentring, OfOtherSpacesAndStrangersNothingFollows) {
 }
 
 TEST(DaemonRecentring, ATimeInTheFarFutureHidesNoLaterChange) {
-  const TempFolder temp;
-  Placements placements(temp.Path("a.toml"));
-  ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-  placements.Ask(1, Request({kSpaceLocal}));
+  AlignedInLocal aligned;
   protocol::SpaceChange change;
   change.pose_valid = 1;
   change.changes_at_ns = std::numeric_limits<std::int64_t>::max();
-  placements.Change(1, change, kNow_ns);
+  aligned.placements.Change(1, change, kNow_ns);
   change.changes_at_ns = kNow_ns + 30'000'000'000;
-  placements.Change(1, change, kNow_ns + 30'000'000'000);
-  EXPECT_EQ(placements.file().entries[0].recentred, 2);
+  aligned.placements.Change(1, change, kNow_ns + 30'000'000'000);
+  EXPECT_EQ(aligned.placements.file().entries[0].recentred, 2);
 }
 
 }  // namespace test_daemon_recentring
