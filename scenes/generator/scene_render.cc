@@ -2,7 +2,6 @@
 // also of a touch: tip, proxy, force. With --rest of what a touch has made of a scene: FILE is what `omni surfaces
 // --save` or `omni scene save` wrote, the scene gives the paint and what else there is, and colours show what has
 // moved.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -25,10 +24,12 @@
 #include "scenes/generator/rest_surface.h"
 #include "service/config/paths.h"
 #include "service/config/scene_name.h"
-#include "service/console/parse.h"
+#include "service/console/command.h"
 
 namespace {
 
+using omni::console::Command;
+using omni::console::Option;
 using omni::scenes::DrawnMesh;
 using omni::scenes::Vec;
 using omni::scenes::View;
@@ -52,51 +53,49 @@ const std::map<std::string, View> kViews = {{"front", {"front", 12, 8}},
 Vec Metres(const std::vector<double>& mm) { return Vec(mm[0], mm[1], mm[2]) * 1e-3; }
 Vec AsVec(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-void AddPlace(CLI::App& app, DrawArguments& arguments) {
-  app.add_option("--view", arguments.view, "from where")
-      ->check(omni::console::OneOf({"front", "side", "top", "three-quarter"}));
-  CLI::Option* elevation =
-      app.add_option("--elevation", arguments.elevation_deg, "of the camera, degrees, in place of the view's")
-          ->check(CLI::Range(-90.0, 90.0));
-  CLI::Option* azimuth =
-      app.add_option("--azimuth", arguments.azimuth_deg, "of the camera, degrees, 0: in front of +x, likewise")
-          ->check(CLI::Range(-360.0, 360.0));
-  app.add_option("--width", arguments.options.width)->check(CLI::Range(16, 8192));
-  app.add_option("--height", arguments.options.height)->check(CLI::Range(16, 8192));
-  app.add_option("--supersampling", arguments.options.supersampling, "samples along each side of a pixel")
-      ->check(CLI::Range(1, 8));
-  app.add_option("--zoom", arguments.options.zoom)->check(CLI::Range(0.1, 20.0));
-  CLI::Option* look_at =
-      app.add_option("--look-at", arguments.look_at_mm, "x y z of the picture's middle in the base frame, mm")
-          ->expected(3);
-  app.add_option("--span", arguments.span_mm, "what its shorter side shows, mm")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->needs(look_at);
-  app.parse_complete_callback([&arguments, elevation, azimuth] {
-    arguments.options.view = kViews.at(arguments.view);
-    if (elevation->count() > 0) arguments.options.view.elevation_deg = arguments.elevation_deg;
-    if (azimuth->count() > 0) arguments.options.view.azimuth_deg = arguments.azimuth_deg;
-    if (!arguments.look_at_mm.empty()) arguments.options.look_at_m = Metres(arguments.look_at_mm);
-    arguments.options.span_m = arguments.span_mm * 1e-3;
-  });
+// Angles in place of the view's own.
+struct CameraAngles {
+  Option elevation, azimuth;
+};
+
+CameraAngles AddPlace(Command& app, DrawArguments& arguments) {
+  app.Add("--view", arguments.view, "from where").OneOf({"front", "side", "top", "three-quarter"});
+  Option elevation = app.Add("--elevation", arguments.elevation_deg, "of the camera, degrees, in place of the view's")
+                         .Range(-90.0, 90.0);
+  Option azimuth = app.Add("--azimuth", arguments.azimuth_deg, "of the camera, degrees, 0: in front of +x, likewise")
+                       .Range(-360.0, 360.0);
+  app.Add("--width", arguments.options.width).Range(16, 8192);
+  app.Add("--height", arguments.options.height).Range(16, 8192);
+  app.Add("--supersampling", arguments.options.supersampling, "samples along each side of a pixel").Range(1, 8);
+  app.Add("--zoom", arguments.options.zoom).Range(0.1, 20.0);
+  Option look_at =
+      app.Add("--look-at", arguments.look_at_mm, "x y z of the picture's middle in the base frame, mm").Numbers(3);
+  app.Add("--span", arguments.span_mm, "what its shorter side shows, mm").Range(1.0, 1000.0).Needs(look_at);
+  return {elevation, azimuth};
 }
 
-void AddTouch(CLI::App& app, DrawArguments& arguments) {
-  CLI::Option* contact =
-      app.add_option("--contact", arguments.tip_mm, "x y z of the tip in the base frame, mm: draws what is felt there")
-          ->expected(3);
-  app.add_option("--from", arguments.from_mm, "x y z the tip comes from (default: 20 mm above)")
-      ->expected(3)
-      ->needs(contact);
-  CLI::Option* rest = app.add_option("--rest", arguments.rest, "the scene before it was sculpted or dented: its paint");
-  app.add_option("--show-displacement", arguments.displacement_mm, "colours up to so many mm away from --rest")
-      ->check(CLI::Range(0.01, 100.0))
-      ->needs(rest);
-  CLI::Option* pen = app.add_option("--pen", arguments.pen_mm, "x y z of the tip, mm: draws a pen there")->expected(3);
-  app.add_option("--pen-axis", arguments.axis, "x y z, out of its tip")->expected(3)->needs(pen);
-  app.add_option("--force", arguments.force_N, "x y z, N: an arrow at its tip, 20 mm/N")->expected(3)->needs(pen);
-  app.add_option("--race", arguments.race, "recording of omnid: the car's way, laps and hits, best from the top");
-  app.add_option("--caption", arguments.caption, "a line below the picture");
+void PlaceCamera(const CameraAngles& angles, DrawArguments& arguments) {
+  arguments.options.view = kViews.at(arguments.view);
+  if (angles.elevation.given()) arguments.options.view.elevation_deg = arguments.elevation_deg;
+  if (angles.azimuth.given()) arguments.options.view.azimuth_deg = arguments.azimuth_deg;
+  if (!arguments.look_at_mm.empty()) arguments.options.look_at_m = Metres(arguments.look_at_mm);
+  arguments.options.span_m = arguments.span_mm * 1e-3;
+}
+
+void AddTouch(Command& app, DrawArguments& arguments) {
+  Option contact =
+      app.Add("--contact", arguments.tip_mm, "x y z of the tip in the base frame, mm: draws what is felt there")
+          .Numbers(3);
+  app.Add("--from", arguments.from_mm, "x y z the tip comes from (default: 20 mm above)").Numbers(3).Needs(contact);
+  Option rest = app.Add("--rest", arguments.rest, "the scene before it was sculpted or dented: its paint");
+  app.Add("--show-displacement", arguments.displacement_mm, "colours up to so many mm away from --rest")
+      .Range(0.01, 100.0)
+      .Needs(rest);
+  Option pen = app.Add("--pen", arguments.pen_mm, "x y z of the tip, mm: draws a pen there").Numbers(3);
+  app.Add("--pen-axis", arguments.axis, "x y z, out of its tip").Numbers(3).Needs(pen);
+  app.Add("--force", arguments.force_N, "x y z, N: an arrow at its tip, 20 mm/N").Numbers(3).Needs(pen);
+  app.Add("--race", arguments.race, "recording of omnid: the car's way, laps and hits, best from the top");
+  app.Add("--caption", arguments.caption, "a line below the picture");
 }
 
 void AddContact(const DrawArguments& arguments, std::vector<DrawnMesh>& meshes) {
@@ -149,13 +148,13 @@ std::vector<DrawnMesh> MeshesOf(DrawArguments& arguments) {
 
 int Draw(int argc, char** argv) {
   DrawArguments arguments;
-  CLI::App app{"scene_render: draws a glTF scene into a PNG", "scene_render"};
-  app.footer(omni::console::kExitStatusHelp);
-  app.add_option("FILE", arguments.in, "a .glb or .gltf file, or the name of a shipped scene")->required();
-  app.add_option("OUT", arguments.out, "picture to write")->required()->check(omni::console::WritesOnly(".png", "PNG"));
-  AddPlace(app, arguments);
+  omni::console::Program app("scene_render", "scene_render: draws a glTF scene into a PNG");
+  app.Add("FILE", arguments.in, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  app.Add("OUT", arguments.out, "picture to write").Required().WritesOnly(".png", "PNG");
+  const CameraAngles angles = AddPlace(app, arguments);
   AddTouch(app, arguments);
-  if (const auto ended = omni::console::Parse(app, argc, argv)) return *ended;
+  if (const auto ended = app.Parse(argc, argv)) return *ended;
+  PlaceCamera(angles, arguments);
   const omni::scenes::PictureOptions& options = arguments.options;
   std::vector<std::uint8_t> rgb = Render(MeshesOf(arguments), options);
   const omni::scenes::Pixels pixels{rgb, options.width, options.height};

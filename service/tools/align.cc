@@ -6,7 +6,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/alignment/rigid.h"
@@ -159,38 +158,33 @@ int Align(const AlignArguments& arguments) {
 
 }  // namespace
 
-void AddAlign(CLI::App& app) {
+void AddAlign(Command& app) {
   auto arguments = std::make_shared<AlignArguments>();
-  CLI::App* align = app.add_subcommand("align", "measure where the base stands in a headset's space; kept by omnid");
+  Command align = app.AddCommand("align", "measure where the base stands in a headset's space; kept by omnid");
   align
-      ->add_option("method", arguments->method,
-                   "touch: marks of the base with a controller; sweep: pen and controller held together; fingertip: "
-                   "an index finger on the pen's tip; nudge: keys")
-      ->check(console::OneOf({std::begin(kMethods), std::end(kMethods)}))
-      ->capture_default_str();
-  align->add_flag("--show", arguments->show, "list what is stored");
-  align->add_flag("--forget", arguments->forget, "forget it, or number N of it");
-  align->add_flag("--restore", arguments->restore, "take it as it was measured, before any recentring");
+      .Add("method", arguments->method,
+           "touch: marks of the base with a controller; sweep: pen and controller held together; fingertip: "
+           "an index finger on the pen's tip; nudge: keys")
+      .OneOf({std::begin(kMethods), std::end(kMethods)})
+      .ShowDefault();
+  align.Add("--show", arguments->show, "list what is stored");
+  align.Add("--forget", arguments->forget, "forget it, or number N of it");
+  align.Add("--restore", arguments->restore, "take it as it was measured, before any recentring");
   align
-      ->add_option("--placement", arguments->placement,
-                   "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
-      ->check(console::OneOf({std::begin(kPlacements), std::end(kPlacements)}));
-  align->add_option("--number", arguments->number, "of --show, for nudge, --forget and --restore")
-      ->check(CLI::Range(1, 64));
-  align->add_option("--hand", arguments->run.hand, "which controller")
-      ->check(console::OneOf({"auto", "left", "right"}))
-      ->capture_default_str();
-  align->add_flag("--tilted", arguments->tilted, "the base does not stand level");
-  align->add_option("--marks", arguments->marks, "file of marks (default: the built-in marks.toml)");
-  align->add_option("--places", arguments->run.session.fingertips, "fingertip: how many places to touch")
-      ->check(CLI::Range(4, 20))
-      ->capture_default_str();
-  align->add_option("--patience", arguments->run.patience_s, "seconds until it gives up")
-      ->check(CLI::Range(5.0, 3600.0))
-      ->capture_default_str();
-  align->add_option("--probe", arguments->run.probe, "the program that asks the runtime (default: omni_align_probe)");
-  align->add_option("--socket", arguments->socket, "omnid's socket (default: as omnid's)");
-  align->callback([arguments] { throw CLI::RuntimeError(Align(*arguments)); });
+      .Add("--placement", arguments->placement,
+           "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
+      .OneOf({std::begin(kPlacements), std::end(kPlacements)});
+  align.Add("--number", arguments->number, "of --show, for nudge, --forget and --restore").Range(1, 64);
+  align.Add("--hand", arguments->run.hand, "which controller").OneOf({"auto", "left", "right"}).ShowDefault();
+  align.Add("--tilted", arguments->tilted, "the base does not stand level");
+  align.Add("--marks", arguments->marks, "file of marks (default: the built-in marks.toml)");
+  align.Add("--places", arguments->run.session.fingertips, "fingertip: how many places to touch")
+      .Range(4, 20)
+      .ShowDefault();
+  align.Add("--patience", arguments->run.patience_s, "seconds until it gives up").Range(5.0, 3600.0).ShowDefault();
+  align.Add("--probe", arguments->run.probe, "the program that asks the runtime (default: omni_align_probe)");
+  align.Add("--socket", arguments->socket, "omnid's socket (default: as omnid's)");
+  align.Run(arguments, Align);
 }
 
 }  // namespace omni::tools

@@ -6,8 +6,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "service/base/whole_file.h"
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
@@ -150,29 +148,20 @@ int Calibrate(const Arguments& arguments) {
 
 }  // namespace
 
-void AddCalibrate(CLI::App& app) {
+void AddCalibrate(Command& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* calibrate =
-      app.add_subcommand("calibrate", "measure this base: sweep, wave, touch; writes calibration.toml");
-  calibrate->add_option("--device", arguments->device, "twin: the digital twin (a simulation)")
-      ->check(console::OneOf({"twin"}))
-      ->capture_default_str();
-  calibrate->add_option("--device-file", arguments->device_file, "geometry (default: the built-in omni.toml)");
-  calibrate->add_option("--seed", arguments->seed, "of the twin: the same base as `omnid --twin-seed`")
-      ->capture_default_str();
-  calibrate->add_option("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
-  CLI::Option* replace = calibrate->add_flag(
-      "--replace", arguments->replace, "measure again; the file that is there is kept as calibration.previous.toml");
-  calibrate
-      ->add_flag("--restore", arguments->restore, "take the previous file back; it and the present one change places")
-      ->excludes(replace);
-  calibrate->add_option("--wave-seconds", arguments->session.wave_s, "how long to wave the pen")
-      ->check(CLI::Range(3.0, 60.0))
-      ->capture_default_str();
-  calibrate->add_option("--touches", arguments->session.touches, "how many places to touch")
-      ->check(CLI::Range(20, 150))
-      ->capture_default_str();
-  calibrate->callback([arguments] { throw CLI::RuntimeError(Calibrate(*arguments)); });
+  Command calibrate = app.AddCommand("calibrate", "measure this base: sweep, wave, touch; writes calibration.toml");
+  calibrate.Add("--device", arguments->device, "twin: the digital twin (a simulation)").OneOf({"twin"}).ShowDefault();
+  calibrate.Add("--device-file", arguments->device_file, "geometry (default: the built-in omni.toml)");
+  calibrate.Add("--seed", arguments->seed, "of the twin: the same base as `omnid --twin-seed`").ShowDefault();
+  calibrate.Add("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
+  Option replace = calibrate.Add("--replace", arguments->replace,
+                                 "measure again; the file that is there is kept as calibration.previous.toml");
+  calibrate.Add("--restore", arguments->restore, "take the previous file back; it and the present one change places")
+      .Excludes(replace);
+  calibrate.Add("--wave-seconds", arguments->session.wave_s, "how long to wave the pen").Range(3.0, 60.0).ShowDefault();
+  calibrate.Add("--touches", arguments->session.touches, "how many places to touch").Range(20, 150).ShowDefault();
+  calibrate.Run(arguments, Calibrate);
 }
 
 }  // namespace omni::tools

@@ -3,8 +3,6 @@
 #include <exception>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "service/tools/commands.h"
 
 namespace omni::tools {
@@ -12,7 +10,7 @@ namespace {
 
 // One row a subcommand.
 struct CommandEntry {
-  void (*add)(CLI::App& app);
+  void (*add)(Command& app);
 };
 constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},    {AddDoctor},    {AddScene},  {AddTwin},
                                       {AddReport}, {AddTrack},    {AddCalibrate}, {AddDevice}, {AddRecord},
@@ -21,14 +19,11 @@ constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},    {AddDoctor},  
 constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
 
 // What left for omni-bench.
-void AddMoved(CLI::App& app, const std::string& name, const std::string& now) {
-  CLI::App* moved = app.add_subcommand(name)->group("")->allow_extras();
-  moved->set_help_flag();
-  moved->callback([name, now] {
-    Fail("omni " + name, "it is `" + now +
-                             "` now, a program of its own in the source tree: cmake --preset release && " +
-                             "cmake --build --preset release --target omni-bench; build/release/bin/" + now);
-    throw CLI::RuntimeError(kExitUsage);
+void AddMoved(Command& app, const std::string& name, const std::string& now) {
+  app.AddHidden(name).Run([name, now] {
+    return Refuse("omni " + name, "it is `" + now +
+                                      "` now, a program of its own in the source tree: cmake --preset release && " +
+                                      "cmake --build --preset release --target omni-bench; build/release/bin/" + now);
   });
 }
 
@@ -36,14 +31,12 @@ void AddMoved(CLI::App& app, const std::string& name, const std::string& now) {
 
 int RunCommandLine(int argc, const char* const* argv) {
   try {
-    CLI::App app{kAbout, "omni"};
-    app.require_subcommand(1);
-    app.footer(console::kExitStatusHelp);
-    console::AddVersion(app, OMNI_VERSION);
-    for (const CommandEntry& command : kCommands) command.add(app);
-    AddMoved(app, "bench", "omni-bench");
-    AddMoved(app, "paper", "omni-bench paper");
-    return console::Parse(app, argc, argv).value_or(kExitOk);
+    console::Program omni("omni", kAbout, OMNI_VERSION);
+    omni.RequireCommand();
+    for (const CommandEntry& command : kCommands) command.add(omni);
+    AddMoved(omni, "bench", "omni-bench");
+    AddMoved(omni, "paper", "omni-bench paper");
+    return omni.Parse(argc, argv).value_or(kExitOk);
   } catch (const std::exception& error) {
     return Fail("omni", error.what());
   }

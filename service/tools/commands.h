@@ -1,26 +1,28 @@
-// The subcommands of omni. Each adds itself to the parent and ends its callback with throw CLI::RuntimeError(status).
+// The subcommands of omni. Each adds itself to its parent, with a function of its arguments that gives the exit status.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "service/console/command.h"
 
 namespace omni::tools {
 
-void AddStatus(CLI::App& app);
-void AddWatch(CLI::App& app);
-void AddSurfaces(CLI::App& app);
-void AddScene(CLI::App& app);  // omni scene explain, cost, cache, edits, undo, redo, save
-void AddDoctor(CLI::App& app);
-void AddTwin(CLI::App& app);       // omni twin run, path, and
-void AddTwinHand(CLI::App& twin);  // omni twin hand
-void AddReport(CLI::App& app);
-void AddTrack(CLI::App& app);
-void AddCalibrate(CLI::App& app);
-void AddAlign(CLI::App& app);
-void AddDevice(CLI::App& app);  // omni device list, info, selftest, flash-help, estop
-void AddRecord(CLI::App& app);
-void AddReplay(CLI::App& app);
-void AddLayer(CLI::App& app);  // omni layer enable, disable, status
+using console::Command;
+using console::Option;
+
+void AddStatus(Command& app);
+void AddWatch(Command& app);
+void AddSurfaces(Command& app);
+void AddScene(Command& app);         // omni scene explain, cost, cache, and
+void AddSceneEdits(Command& scene);  // omni scene edits, undo, redo, save
+void AddDoctor(Command& app);
+void AddTwin(Command& app);       // omni twin run, path, and
+void AddTwinHand(Command& twin);  // omni twin hand
+void AddReport(Command& app);
+void AddTrack(Command& app);
+void AddCalibrate(Command& app);
+void AddAlign(Command& app);
+void AddDevice(Command& app);  // omni device list, info, selftest, flash-help, estop
+void AddRecord(Command& app);
+void AddReplay(Command& app);
+void AddLayer(Command& app);  // omni layer enable, disable, status
 
 }  // namespace omni::tools

@@ -5,8 +5,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/device_text.h"
@@ -60,19 +58,19 @@ int RunAction(const ActionEntry& entry, const DeviceArguments& arguments) {
 
 }  // namespace
 
-void AddDevice(CLI::App& app) {
+void AddDevice(Command& app) {
   auto arguments = std::make_shared<DeviceArguments>();
-  CLI::App* device = app.add_subcommand("device", "bases on USB");
-  device->require_subcommand(1);
+  Command device = app.AddCommand("device", "bases on USB");
+  device.RequireCommand();
   for (const ActionEntry& entry : kActions) {
-    CLI::App* action = device->add_subcommand(entry.name, entry.about);
-    if (entry.takes_serial) action->add_option("serial", arguments->serial, "of the base, when there are several");
-    if (entry.asks) action->add_flag("-y,--yes", arguments->yes, "do not ask");
-    action->callback([&entry, arguments] { throw CLI::RuntimeError(RunAction(entry, *arguments)); });
+    Command action = device.AddCommand(entry.name, entry.about);
+    if (entry.takes_serial) action.Add("serial", arguments->serial, "of the base, when there are several");
+    if (entry.asks) action.Add("-y,--yes", arguments->yes, "do not ask");
+    action.Run([&entry, arguments] { return RunAction(entry, *arguments); });
   }
-  device->add_subcommand("flash-help", "how to put the firmware on a Teensy 4.0")->callback([] {
+  device.AddCommand("flash-help", "how to put the firmware on a Teensy 4.0").Run([] {
     Print(FlashHelpText());
-    throw CLI::RuntimeError(kExitOk);
+    return kExitOk;
   });
 }
 

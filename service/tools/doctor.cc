@@ -3,7 +3,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/tools/command_line.h"
@@ -34,12 +33,12 @@ int Doctor(const DoctorArguments& arguments) {
 
 }  // namespace
 
-void AddDoctor(CLI::App& app) {
+void AddDoctor(Command& app) {
   auto arguments = std::make_shared<DoctorArguments>();
-  CLI::App* doctor = app.add_subcommand("doctor", "what stands between an application and the pen, each with its fix");
-  doctor->add_flag("--json", arguments->as_json, "as JSON");
-  doctor->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
-  doctor->callback([arguments] { throw CLI::RuntimeError(Doctor(*arguments)); });
+  Command doctor = app.AddCommand("doctor", "what stands between an application and the pen, each with its fix");
+  doctor.Add("--json", arguments->as_json, "as JSON");
+  doctor.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  doctor.Run(arguments, Doctor);
 }
 
 }  // namespace omni::tools

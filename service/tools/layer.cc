@@ -3,7 +3,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/tools/command_line.h"
@@ -107,28 +106,27 @@ int Status(const LayerArguments& arguments) {
   return kExitOk;
 }
 
-void AddScope(CLI::App& sub, const std::shared_ptr<LayerArguments>& arguments) {
-  CLI::Option* user = sub.add_flag("--user", arguments->user, "for you alone (the default)");
-  sub.add_flag("--system", arguments->system, "for everybody on this machine; needs root")->excludes(user);
+void AddScope(Command& sub, const std::shared_ptr<LayerArguments>& arguments) {
+  Option user = sub.Add("--user", arguments->user, "for you alone (the default)");
+  sub.Add("--system", arguments->system, "for everybody on this machine; needs root").Excludes(user);
 }
 
 }  // namespace
 
-void AddLayer(CLI::App& app) {
+void AddLayer(Command& app) {
   auto arguments = std::make_shared<LayerArguments>();
-  CLI::App* layer = app.add_subcommand("layer", "the OpenXR layer: enable it for all applications, or not");
-  layer->require_subcommand(1);
-  CLI::App* enable = layer->add_subcommand("enable", "every OpenXR application gets the pen (an implicit manifest)");
-  AddScope(*enable, arguments);
-  enable->callback([arguments] { throw CLI::RuntimeError(Enable(*arguments)); });
-  CLI::App* disable = layer->add_subcommand("disable", "only applications that name the layer get the pen");
-  AddScope(*disable, arguments);
-  disable->callback([arguments] { throw CLI::RuntimeError(Disable(*arguments)); });
-  CLI::App* status =
-      layer->add_subcommand("status", "which manifests there are, and whether applications get the layer");
-  status->add_flag("--json", arguments->as_json, "as JSON");
-  status->add_flag("--binary", arguments->binary, "the library too: size, the C library it needs, what it exports");
-  status->callback([arguments] { throw CLI::RuntimeError(Status(*arguments)); });
+  Command layer = app.AddCommand("layer", "the OpenXR layer: enable it for all applications, or not");
+  layer.RequireCommand();
+  Command enable = layer.AddCommand("enable", "every OpenXR application gets the pen (an implicit manifest)");
+  AddScope(enable, arguments);
+  enable.Run(arguments, Enable);
+  Command disable = layer.AddCommand("disable", "only applications that name the layer get the pen");
+  AddScope(disable, arguments);
+  disable.Run(arguments, Disable);
+  Command status = layer.AddCommand("status", "which manifests there are, and whether applications get the layer");
+  status.Add("--json", arguments->as_json, "as JSON");
+  status.Add("--binary", arguments->binary, "the library too: size, the C library it needs, what it exports");
+  status.Run(arguments, Status);
 }
 
 }  // namespace omni::tools

@@ -2,8 +2,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "service/base/clock.h"
 #include "service/config/device_file.h"
 #include "service/daemon/open_device.h"
@@ -38,7 +36,7 @@ std::string ReadScans(device::Transport& transport, double seconds) {
   return "";
 }
 
-int RecordBase(RecordRequest request) {
+int RecordBase(const RecordRequest& request) {
   const std::string& path = request.run.record_device_path;
   if (daemon::IsReplay(request.run.device)) return FailRecord("--device " + request.run.device + " is a recording");
   base::Result<daemon::OpenedDevice> opened = daemon::OpenDevice(request.run);
@@ -57,16 +55,16 @@ int RecordBase(RecordRequest request) {
 
 }  // namespace
 
-void AddRecord(CLI::App& app) {
+void AddRecord(Command& app) {
   auto request = std::make_shared<RecordRequest>();
-  CLI::App* record = app.add_subcommand(
+  Command record = app.AddCommand(
       "record", "what a base measures, with its coils at rest, into a file; omnid --record-device does it at work");
-  record->add_option("file", request->run.record_device_path, "the recording; replaced if it is there")->required();
-  record->add_option("--device", request->run.device, daemon::DeviceHelp())
-      ->check(CLI::Validator(daemon::DeviceProblem, "DEVICE"))
-      ->capture_default_str();
-  record->add_option("--seconds", request->seconds, "how long (default: until Ctrl-C)")->check(CLI::Range(0.001, 1e6));
-  record->callback([request] { throw CLI::RuntimeError(RecordBase(*request)); });
+  record.Add("file", request->run.record_device_path, "the recording; replaced if it is there").Required();
+  record.Add("--device", request->run.device, daemon::DeviceHelp())
+      .Check("DEVICE", daemon::DeviceProblem)
+      .ShowDefault();
+  record.Add("--seconds", request->seconds, "how long (default: until Ctrl-C)").Range(0.001, 1e6);
+  record.Run(request, RecordBase);
 }
 
 }  // namespace omni::tools

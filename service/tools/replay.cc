@@ -2,8 +2,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "service/device/recording_reader.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
@@ -13,7 +11,7 @@
 namespace omni::tools {
 namespace {
 
-int ShowRecording(const std::string& path) {
+int Replay(const std::string& path) {
   const auto summary = device::SummariseRecording(path);
   if (!summary.ok()) return Fail("omni replay", summary.error());
   Print(RecordingText(path, *summary));
@@ -22,12 +20,12 @@ int ShowRecording(const std::string& path) {
 
 }  // namespace
 
-void AddReplay(CLI::App& app) {
+void AddReplay(Command& app) {
   auto path = std::make_shared<std::string>();
-  CLI::App* replay = app.add_subcommand(
-      "replay", "what a recording of omnid --record-device holds; omnid --device replay:FILE plays it");
-  replay->add_option("file", *path, "the recording")->required();
-  replay->callback([path] { throw CLI::RuntimeError(ShowRecording(*path)); });
+  Command replay =
+      app.AddCommand("replay", "what a recording of omnid --record-device holds; omnid --device replay:FILE plays it");
+  replay.Add("file", *path, "the recording").Required();
+  replay.Run(path, Replay);
 }
 
 }  // namespace omni::tools

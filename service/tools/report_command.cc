@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/config/device_file.h"
@@ -122,31 +121,27 @@ int MakeRunReport(const ReportArguments& arguments) {
   return shortcomings.empty() ? kExitOk : kExitFailed;
 }
 
-// Without --table all three recordings are needed.
-void RequireFiles(const RunFiles& files) {
+int Report(const ReportArguments& arguments) {
+  if (!arguments.table.empty()) return ShowTable(arguments.table);
   for (const RunFileEntry& entry : kRunFiles) {
-    if ((files.*entry.path).empty())
-      throw CLI::ValidationError(entry.option, "is missing; give " + std::string(entry.what));
+    if (!(arguments.files.*entry.path).empty()) continue;
+    return Refuse("omni report", std::string(entry.option) + ": is missing; give " + entry.what);
   }
+  return MakeRunReport(arguments);
 }
 
 }  // namespace
 
-void AddReport(CLI::App& app) {
-  CLI::App* report = app.add_subcommand("report", "judge a run's recordings against the twin's truth");
+void AddReport(Command& app) {
+  Command report = app.AddCommand("report", "judge a run's recordings against the twin's truth");
   auto arguments = std::make_shared<ReportArguments>();
-  report->add_option("--name", arguments->name, "name of the run");
-  report->add_option("--scene", arguments->scene, "drawn in the picture: a scene file, or the name of a shipped one");
-  for (const RunFileEntry& entry : kRunFiles)
-    report->add_option(entry.option, arguments->files.*entry.path, entry.what);
-  report->add_option("--summary", arguments->summary, "JSON file to add a row to");
-  report->add_option("--picture", arguments->picture, "picture to write")->check(console::WritesOnly(".svg", "SVG"));
-  report->add_option("--table", arguments->table, "print a summary file as a table, nothing else");
-  report->callback([arguments] {
-    if (!arguments->table.empty()) throw CLI::RuntimeError(ShowTable(arguments->table));
-    RequireFiles(arguments->files);
-    throw CLI::RuntimeError(MakeRunReport(*arguments));
-  });
+  report.Add("--name", arguments->name, "name of the run");
+  report.Add("--scene", arguments->scene, "drawn in the picture: a scene file, or the name of a shipped one");
+  for (const RunFileEntry& entry : kRunFiles) report.Add(entry.option, arguments->files.*entry.path, entry.what);
+  report.Add("--summary", arguments->summary, "JSON file to add a row to");
+  report.Add("--picture", arguments->picture, "picture to write").WritesOnly(".svg", "SVG");
+  report.Add("--table", arguments->table, "print a summary file as a table, nothing else");
+  report.Run(arguments, Report);
 }
 
 }  // namespace omni::tools

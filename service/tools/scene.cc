@@ -1,11 +1,10 @@
 // omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: that as
-// the system counts it. omni scene cache: the built scenes that are kept. The rest: scene_edit.h.
+// the system counts it. omni scene cache: the built scenes that are kept. The rest: scene_edit.cc.
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/config/device_file.h"
@@ -14,7 +13,6 @@
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/scene_cost.h"
-#include "service/tools/scene_edit.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/scene_text.h"
 #include "service/tools/text_output.h"
@@ -68,26 +66,26 @@ int Cache(const ExplainArguments& arguments) {
 
 }  // namespace
 
-void AddScene(CLI::App& app) {
+void AddScene(Command& app) {
   auto arguments = std::make_shared<ExplainArguments>();
-  CLI::App* scene = app.add_subcommand("scene", "scene files, and what was sculpted");
-  scene->require_subcommand(1);
-  CLI::App* explain = scene->add_subcommand("explain", "what of a glTF file is loaded, what not and why, and its cost");
-  explain->add_option("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
-  explain->add_flag("--fit", arguments->fit, "scale and move the model into reach, as placement = \"fit\" does");
-  explain->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
-  explain->add_flag("--json", arguments->as_json, "as JSON");
-  explain->add_flag("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
-  CLI::App* cost = scene->add_subcommand("cost", "load a scene and print what it cost this process, as JSON");
-  cost->add_option("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
-  cost->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags");
-  cost->add_flag("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
-  cost->callback([arguments] { throw CLI::RuntimeError(Cost(*arguments)); });
-  CLI::App* cache = scene->add_subcommand("cache", "the built scenes that are kept on disk");
-  cache->add_flag("--clear", arguments->clear, "remove them");
-  cache->callback([arguments] { throw CLI::RuntimeError(Cache(*arguments)); });
-  explain->callback([arguments] { throw CLI::RuntimeError(Explain(*arguments)); });
-  AddSceneEdits(*scene);
+  Command scene = app.AddCommand("scene", "scene files, and what was sculpted");
+  scene.RequireCommand();
+  Command explain = scene.AddCommand("explain", "what of a glTF file is loaded, what not and why, and its cost");
+  explain.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  explain.Add("--fit", arguments->fit, "scale and move the model into reach, as placement = \"fit\" does");
+  explain.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  explain.Add("--json", arguments->as_json, "as JSON");
+  explain.Add("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  Command cost = scene.AddCommand("cost", "load a scene and print what it cost this process, as JSON");
+  cost.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  cost.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags");
+  cost.Add("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  cost.Run(arguments, Cost);
+  Command cache = scene.AddCommand("cache", "the built scenes that are kept on disk");
+  cache.Add("--clear", arguments->clear, "remove them");
+  cache.Run(arguments, Cache);
+  explain.Run(arguments, Explain);
+  AddSceneEdits(scene);
 }
 
 }  // namespace omni::tools

@@ -4,10 +4,10 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/tools/command_line.h"
+#include "service/tools/commands.h"
 #include "service/tools/json_text.h"
 #include "service/tools/service_link.h"
 #include "service/tools/text_output.h"
@@ -71,6 +71,10 @@ int UndoOrRedo(const char* command, SceneAction action, const EditArguments& arg
   return status;
 }
 
+int Undo(const EditArguments& arguments) { return UndoOrRedo("omni scene undo", SceneAction::kUndo, arguments); }
+
+int Redo(const EditArguments& arguments) { return UndoOrRedo("omni scene redo", SceneAction::kRedo, arguments); }
+
 int Save(const EditArguments& arguments) {
   constexpr const char* kCommand = "omni scene save";
   client::SceneAnswer answer;
@@ -84,35 +88,31 @@ int Save(const EditArguments& arguments) {
   return kExitOk;
 }
 
-void AddPlace(CLI::App* command, const std::shared_ptr<EditArguments>& arguments) {
-  command->add_option("--client", arguments->client,
-                      "whose scene, by the id of `omni status --json` (default: the owner's, or the only one)");
-  command->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+void AddPlace(Command command, const std::shared_ptr<EditArguments>& arguments) {
+  command.Add("--client", arguments->client,
+              "whose scene, by the id of `omni status --json` (default: the owner's, or the only one)");
+  command.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
 }
 
 }  // namespace
 
-void AddSceneEdits(CLI::App& scene) {
+void AddSceneEdits(Command& scene) {
   auto arguments = std::make_shared<EditArguments>();
-  CLI::App* edits = scene.add_subcommand("edits", "what was sculpted in the running service: objects, strokes, memory");
-  edits->add_flag("--json", arguments->as_json, "as JSON");
-  edits->callback([arguments] { throw CLI::RuntimeError(Edits(*arguments)); });
-  CLI::App* undo = scene.add_subcommand("undo", "take the last stroke of a sculpted object back");
-  undo->callback(
-      [arguments] { throw CLI::RuntimeError(UndoOrRedo("omni scene undo", SceneAction::kUndo, *arguments)); });
-  CLI::App* redo = scene.add_subcommand("redo", "do the stroke again that was taken back last");
-  redo->callback(
-      [arguments] { throw CLI::RuntimeError(UndoOrRedo("omni scene redo", SceneAction::kRedo, *arguments)); });
-  for (CLI::App* command : {undo, redo}) {
-    command->add_option("--object", arguments->object, "name or number (default: the one that was edited last)");
+  Command edits = scene.AddCommand("edits", "what was sculpted in the running service: objects, strokes, memory");
+  edits.Add("--json", arguments->as_json, "as JSON");
+  edits.Run(arguments, Edits);
+  Command undo = scene.AddCommand("undo", "take the last stroke of a sculpted object back");
+  undo.Run(arguments, Undo);
+  Command redo = scene.AddCommand("redo", "do the stroke again that was taken back last");
+  redo.Run(arguments, Redo);
+  for (Command command : {undo, redo}) {
+    command.Add("--object", arguments->object, "name or number (default: the one that was edited last)");
   }
-  CLI::App* save = scene.add_subcommand("save", "write the sculpted surfaces as a .glb file, as they are felt now");
-  save->add_option("file", arguments->file, "the file to write")
-      ->required()
-      ->check(console::WritesOnly(".glb", "binary glTF"));
-  save->add_flag("--force", arguments->force, "replace a file that is there");
-  save->callback([arguments] { throw CLI::RuntimeError(Save(*arguments)); });
-  for (CLI::App* command : {edits, undo, redo, save}) AddPlace(command, arguments);
+  Command save = scene.AddCommand("save", "write the sculpted surfaces as a .glb file, as they are felt now");
+  save.Add("file", arguments->file, "the file to write").Required().WritesOnly(".glb", "binary glTF");
+  save.Add("--force", arguments->force, "replace a file that is there");
+  save.Run(arguments, Save);
+  for (const Command& command : {edits, undo, redo, save}) AddPlace(command, arguments);
 }
 
 std::string EditsText(const nlohmann::json& edits) {

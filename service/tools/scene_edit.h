@@ -5,13 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace CLI {
-class App;
-}
-
 namespace omni::tools {
-
-void AddSceneEdits(CLI::App& scene);
 
 // A line for the scene, one for each object.
 std::string EditsText(const nlohmann::json& edits);

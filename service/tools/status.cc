@@ -3,7 +3,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/tools/command_line.h"
@@ -36,12 +35,12 @@ int Status(const StatusArguments& arguments) {
 
 }  // namespace
 
-void AddStatus(CLI::App& app) {
+void AddStatus(Command& app) {
   auto arguments = std::make_shared<StatusArguments>();
-  CLI::App* status = app.add_subcommand("status", "what omnid does: device, tick, pen, force, clients, problems");
-  status->add_flag("--json", arguments->as_json, "as JSON");
-  status->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
-  status->callback([arguments] { throw CLI::RuntimeError(Status(*arguments)); });
+  Command status = app.AddCommand("status", "what omnid does: device, tick, pen, force, clients, problems");
+  status.Add("--json", arguments->as_json, "as JSON");
+  status.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  status.Run(arguments, Status);
 }
 
 }  // namespace omni::tools

@@ -7,9 +7,8 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
-
-#include <CLI/CLI.hpp>
 
 #include "service/base/clock.h"
 #include "service/client/connection.h"
@@ -35,6 +34,7 @@ struct SurfacesArguments {
   std::string socket;
   bool watch = false;
   double seconds = std::numeric_limits<double>::infinity();
+  SurfacesSaveArguments save;  // but for socket and seconds
 };
 
 double LengthOf(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -180,33 +180,30 @@ int WatchSurfaces(const SurfacesArguments& arguments) {
   return was_connected ? kExitOk : NoSurfaceService(arguments, counter);
 }
 
+int Surfaces(const SurfacesArguments& arguments) {
+  if (arguments.save.file.empty()) return arguments.watch ? WatchSurfaces(arguments) : PrintSurfaces(arguments);
+  SurfacesSaveArguments save = arguments.save;
+  save.socket = arguments.socket;
+  if (std::isfinite(arguments.seconds)) save.seconds = arguments.seconds;
+  return SaveSurfaces(save);
+}
+
 }  // namespace
 
-void AddSurfaces(CLI::App& app) {
+void AddSurfaces(Command& app) {
   auto arguments = std::make_shared<SurfacesArguments>();
-  auto save = std::make_shared<SurfacesSaveArguments>();
-  CLI::App* surfaces = app.add_subcommand("surfaces", "surfaces that give way, are sculpted, extruded or moved, now");
-  CLI::Option* watch = surfaces->add_flag("--watch", arguments->watch, "go on, until Ctrl-C");
-  CLI::Option* file = surfaces->add_option("--save", save->file, "write the surfaces as they are now")
-                          ->check(console::WritesOnly(".glb", "binary glTF"));
-  file->excludes(watch);
-  surfaces
-      ->add_flag("--largest", save->largest,
-                 "--save: watch for --seconds, write the moment of the largest displacement")
-      ->needs(file);
-  surfaces->add_flag("--force", save->force, "--save: replace a file that is there")->needs(file);
-  CLI::Option* seconds =
-      surfaces->add_option("--seconds", arguments->seconds, "--watch: end after so long; --largest: default 10")
-          ->check(CLI::PositiveNumber);
-  surfaces->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
-  surfaces->callback([arguments, save, seconds] {
-    if (!save->file.empty()) {
-      save->socket = arguments->socket;
-      if (seconds->count() > 0) save->seconds = arguments->seconds;
-      throw CLI::RuntimeError(SaveSurfaces(*save));
-    }
-    throw CLI::RuntimeError(arguments->watch ? WatchSurfaces(*arguments) : PrintSurfaces(*arguments));
-  });
+  SurfacesSaveArguments& save = arguments->save;
+  Command surfaces = app.AddCommand("surfaces", "surfaces that give way, are sculpted, extruded or moved, now");
+  Option watch = surfaces.Add("--watch", arguments->watch, "go on, until Ctrl-C");
+  Option file =
+      surfaces.Add("--save", save.file, "write the surfaces as they are now").WritesOnly(".glb", "binary glTF");
+  file.Excludes(watch);
+  surfaces.Add("--largest", save.largest, "--save: watch for --seconds, write the moment of the largest displacement")
+      .Needs(file);
+  surfaces.Add("--force", save.force, "--save: replace a file that is there").Needs(file);
+  surfaces.Add("--seconds", arguments->seconds, "--watch: end after so long; --largest: default 10").Positive();
+  surfaces.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  surfaces.Run(arguments, Surfaces);
 }
 
 }  // namespace omni::tools

@@ -4,8 +4,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "service/config/array_file.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
@@ -156,46 +154,42 @@ int RunTrack(const TrackArguments& arguments) {
 
 }  // namespace
 
-void AddTrack(CLI::App& app) {
-  CLI::App* track = app.add_subcommand("track", "track a recording of any sensor array offline");
+void AddTrack(Command& app) {
+  Command track = app.AddCommand("track", "track a recording of any sensor array offline");
   auto arguments = std::make_shared<TrackArguments>();
-  CLI::Option* device = track->add_option("--device", arguments->device, "device file (.toml) of the array");
+  Option device = track.Add("--device", arguments->device, "device file (.toml) of the array");
   track
-      ->add_option("--readings", arguments->readings,
-                   "CSV file of the readings; with --data: N of readings-N.csv and truth-N.csv")
-      ->required();
-  CLI::Option* truth = track->add_option("--truth", arguments->truth, "CSV file of the true poses");
-  CLI::Option* data =
-      track->add_option("--data", arguments->data, "folder of layout-N.csv, readings-N.csv, truth-N.csv");
-  CLI::Option* layout = track->add_option("--layout", arguments->layout, "with --data: N of layout-N.csv");
-  device->excludes(data);
-  truth->excludes(data);
-  data->needs(layout);
-  layout->needs(data);
-  track->add_option("--magnet-diameter", arguments->magnet_diameter_mm, "with --data: mm")
-      ->check(CLI::Range(0.2, 100.0))
-      ->needs(data)
-      ->capture_default_str();
-  track->add_option("--magnet-height", arguments->magnet_height_mm, "with --data: mm")
-      ->check(CLI::Range(0.2, 100.0))
-      ->needs(data)
-      ->capture_default_str();
-  track->add_option("--noise", arguments->noise_uT, "with --data: uT rms per axis")
-      ->check(CLI::Range(1e-3, 1e4))
-      ->needs(data)
-      ->capture_default_str();
+      .Add("--readings", arguments->readings,
+           "CSV file of the readings; with --data: N of readings-N.csv and truth-N.csv")
+      .Required();
+  Option truth = track.Add("--truth", arguments->truth, "CSV file of the true poses");
+  Option data = track.Add("--data", arguments->data, "folder of layout-N.csv, readings-N.csv, truth-N.csv");
+  Option layout = track.Add("--layout", arguments->layout, "with --data: N of layout-N.csv");
+  device.Excludes(data);
+  truth.Excludes(data);
+  data.Needs(layout);
+  layout.Needs(data);
+  track.Add("--magnet-diameter", arguments->magnet_diameter_mm, "with --data: mm")
+      .Range(0.2, 100.0)
+      .Needs(data)
+      .ShowDefault();
+  track.Add("--magnet-height", arguments->magnet_height_mm, "with --data: mm")
+      .Range(0.2, 100.0)
+      .Needs(data)
+      .ShowDefault();
+  track.Add("--noise", arguments->noise_uT, "with --data: uT rms per axis").Range(1e-3, 1e4).Needs(data).ShowDefault();
   track
-      ->add_option("--currents", arguments->currents,
-                   "of the coils: auto (measured if recorded, else hidden), measured, hidden, zero")
-      ->check(console::OneOf({"auto", "measured", "hidden", "zero"}))
-      ->capture_default_str();
-  track->add_option("-o,--output", arguments->output, "CSV file of poses with covariances");
-  track->add_option("--residuals", arguments->residuals, "CSV file of residuals by pose and sensor");
-  track->add_option("--json", arguments->json, "write the errors as {name, commit, machine, rows}");
-  track->add_option("--convert", arguments->convert, "folder to write device.toml, readings.csv, truth.csv into");
-  track->callback([arguments, device, data] {
-    if (device->count() + data->count() != 1) throw CLI::RequiredError("--device or --data");
-    throw CLI::RuntimeError(RunTrack(*arguments));
+      .Add("--currents", arguments->currents,
+           "of the coils: auto (measured if recorded, else hidden), measured, hidden, zero")
+      .OneOf({"auto", "measured", "hidden", "zero"})
+      .ShowDefault();
+  track.Add("-o,--output", arguments->output, "CSV file of poses with covariances");
+  track.Add("--residuals", arguments->residuals, "CSV file of residuals by pose and sensor");
+  track.Add("--json", arguments->json, "write the errors as {name, commit, machine, rows}");
+  track.Add("--convert", arguments->convert, "folder to write device.toml, readings.csv, truth.csv into");
+  track.Run([arguments, device, data] {
+    if (device.given() || data.given()) return RunTrack(*arguments);
+    return Refuse("omni track", "--device or --data is required; see 'omni track --help'");
   });
 }
 

@@ -6,8 +6,6 @@
 #include <string>
 #include <thread>
 
-#include <CLI/CLI.hpp>
-
 #include "service/base/clock.h"
 #include "service/client/hand_link.h"
 #include "service/config/device_file.h"
@@ -84,20 +82,18 @@ int TwinHand(const HandArguments& arguments) {
 
 }  // namespace
 
-void AddTwinHand(CLI::App& twin) {
+void AddTwinHand(Command& twin) {
   auto arguments = std::make_shared<HandArguments>();
-  CLI::App* hand = twin.add_subcommand(
+  Command hand = twin.AddCommand(
       "hand", "hold the twin's pen like a person: drive, sculpt or press by what omnid tells applications");
-  hand->add_option("scene", arguments->scene, "what the application shows: a .glb or .gltf file, or a shipped scene")
-      ->required();
-  hand->add_option("--hand", arguments->hand, "the socket of `omnid --device twin --twin-hand`")->required();
-  hand->add_option("--patience", arguments->patience_s, "seconds until it gives up")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  hand->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
-  hand->add_flag("--fit", arguments->fit, "the application's scene is scaled and moved into reach");
-  hand->add_flag("--touch-all", arguments->touch_all, "it has no haptic tags and is touched anyway (--fit does too)");
-  hand->callback([arguments] { throw CLI::RuntimeError(TwinHand(*arguments)); });
+  hand.Add("scene", arguments->scene, "what the application shows: a .glb or .gltf file, or a shipped scene")
+      .Required();
+  hand.Add("--hand", arguments->hand, "the socket of `omnid --device twin --twin-hand`").Required();
+  hand.Add("--patience", arguments->patience_s, "seconds until it gives up").Range(1.0, 3600.0).ShowDefault();
+  hand.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  hand.Add("--fit", arguments->fit, "the application's scene is scaled and moved into reach");
+  hand.Add("--touch-all", arguments->touch_all, "it has no haptic tags and is touched anyway (--fit does too)");
+  hand.Run(arguments, TwinHand);
 }
 
 }  // namespace omni::tools

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
@@ -40,6 +38,11 @@ struct RunArguments {
   bool fit = false;
   bool touch_all = false;
   bool flip_coil_sign = false;
+};
+
+struct PathArguments {
+  std::string scene, output;
+  bool fit = false, touch_all = false;
 };
 
 base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::string& scene_path,
@@ -134,7 +137,7 @@ int RunTwin(const RunArguments& arguments) {
   return 0;
 }
 
-int WritePath(const RunArguments& arguments, const std::string& output) {
+int WritePath(const PathArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return Fail("omni twin path", found.error());
   const std::string& path = *found;
@@ -142,41 +145,40 @@ int WritePath(const RunArguments& arguments, const std::string& output) {
   if (!loaded.ok()) return Fail("omni twin path", loaded.error());
   auto hand = MakeHandPath(loaded->scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
   if (!hand.ok()) return Fail("omni twin path", path + ": " + hand.error());
-  std::ofstream file(output);
+  std::ofstream file(arguments.output);
   file << WriteHandScript(*hand);
   file.close();
-  return file ? 0 : Fail("omni twin path", output + ": cannot be written");
+  return file ? 0 : Fail("omni twin path", arguments.output + ": cannot be written");
 }
 
 }  // namespace
 
-void AddTwin(CLI::App& app) {
-  CLI::App* twin = app.add_subcommand("twin", "the digital twin: a simulated base, pen and hand");
-  twin->require_subcommand(1);
+void AddTwin(Command& app) {
+  Command twin = app.AddCommand("twin", "the digital twin: a simulated base, pen and hand");
+  twin.RequireCommand();
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* run =
-      twin->add_subcommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
-  run->add_option("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
-  run->add_option("--seed", arguments->seed, "of noise and imperfections")->capture_default_str();
-  run->add_option("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
-  run->add_option("--seconds", arguments->seconds, "default: the script's length");
-  run->add_option("--record", arguments->record, "CSV file of the twin's truth");
-  run->add_option("--twin", arguments->twin, "imperfections and effects (.toml); default: the built-in twin.toml");
-  run->add_option("--calibration", arguments->calibration,
-                  "calibration.toml of `omni calibrate` with the same seed; default: the drawing");
-  run->add_flag("--fit", arguments->fit, "scale and move the model into reach");
-  run->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
-  run->add_flag("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
-  run->callback([arguments] { throw CLI::RuntimeError(RunTwin(*arguments)); });
+  Command run = twin.AddCommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
+  run.Add("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  run.Add("--seed", arguments->seed, "of noise and imperfections").ShowDefault();
+  run.Add("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
+  run.Add("--seconds", arguments->seconds, "default: the script's length");
+  run.Add("--record", arguments->record, "CSV file of the twin's truth");
+  run.Add("--twin", arguments->twin, "imperfections and effects (.toml); default: the built-in twin.toml");
+  run.Add("--calibration", arguments->calibration,
+          "calibration.toml of `omni calibrate` with the same seed; default: the drawing");
+  run.Add("--fit", arguments->fit, "scale and move the model into reach");
+  run.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
+  run.Run(arguments, RunTwin);
 
-  auto output = std::make_shared<std::string>();
-  CLI::App* path = twin->add_subcommand("path", "write a hand script that touches a scene");
-  path->add_option("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene")->required();
-  path->add_option("--output,-o", *output, "hand script to write")->required();
-  path->add_flag("--fit", arguments->fit, "scale and move the model into reach");
-  path->add_flag("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
-  path->callback([arguments, output] { throw CLI::RuntimeError(WritePath(*arguments, *output)); });
-  AddTwinHand(*twin);
+  auto path_arguments = std::make_shared<PathArguments>();
+  Command path = twin.AddCommand("path", "write a hand script that touches a scene");
+  path.Add("scene", path_arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  path.Add("--output,-o", path_arguments->output, "hand script to write").Required();
+  path.Add("--fit", path_arguments->fit, "scale and move the model into reach");
+  path.Add("--touch-all", path_arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  path.Run(path_arguments, WritePath);
+  AddTwinHand(twin);
 }
 
 }  // namespace omni::tools

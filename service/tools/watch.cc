@@ -8,7 +8,6 @@
 #include <string>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
@@ -138,13 +137,12 @@ int Watch(const WatchArguments& arguments) {
 
 }  // namespace
 
-void AddWatch(CLI::App& app) {
+void AddWatch(Command& app) {
   auto arguments = std::make_shared<WatchArguments>();
-  CLI::App* watch = app.add_subcommand("watch", "the pen, live: pose, gap, force, contact, inputs");
-  watch->add_option("--seconds", arguments->seconds, "end after so long (default: at Ctrl-C)")
-      ->check(CLI::PositiveNumber);
-  watch->add_option("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
-  watch->callback([arguments] { throw CLI::RuntimeError(Watch(*arguments)); });
+  Command watch = app.AddCommand("watch", "the pen, live: pose, gap, force, contact, inputs");
+  watch.Add("--seconds", arguments->seconds, "end after so long (default: at Ctrl-C)").Positive();
+  watch.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  watch.Run(arguments, Watch);
 }
 
 }  // namespace omni::tools

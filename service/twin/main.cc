@@ -7,11 +7,9 @@
 #include <string>
 #include <utility>
 
-#include <CLI/CLI.hpp>
-
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
-#include "service/console/parse.h"
+#include "service/console/command.h"
 #include "service/sim/twin.h"
 #include "service/twin/socket_guide.h"
 
@@ -80,28 +78,26 @@ int Serve(const ServeArguments& arguments) {
   return sim::ServeTwin(device, options, arguments.fd, arguments.linger_s);
 }
 
-void AddOptions(CLI::App& app, ServeArguments& arguments) {
-  app.add_option("--fd", arguments.fd, "inherited seqpacket socket that carries the frames")->required();
-  app.add_option("--seed", arguments.seed, "of noise and imperfections")->capture_default_str();
-  app.add_option("--script", arguments.script, "hand script (.json); default: circles above the base");
-  app.add_option("--hand", arguments.hand,
-                 "socket on which a program leads the hand (`omni twin hand`); of the script only the first waypoint "
-                 "and the hand itself count then");
-  app.add_option("--record", arguments.record, "CSV file of the true pose and the currents");
-  app.add_option("--linger", arguments.linger_s, "seconds to go on after the host is gone")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--device", arguments.device, "geometry and limits (.toml); default: the built-in omni.toml");
-  app.add_option("--twin", arguments.twin, "imperfections and effects (.toml); default: the built-in twin.toml");
+void AddOptions(console::Command& app, ServeArguments& arguments) {
+  app.Add("--fd", arguments.fd, "inherited seqpacket socket that carries the frames").Required();
+  app.Add("--seed", arguments.seed, "of noise and imperfections").ShowDefault();
+  app.Add("--script", arguments.script, "hand script (.json); default: circles above the base");
+  app.Add("--hand", arguments.hand,
+          "socket on which a program leads the hand (`omni twin hand`); of the script only the first waypoint "
+          "and the hand itself count then");
+  app.Add("--record", arguments.record, "CSV file of the true pose and the currents");
+  app.Add("--linger", arguments.linger_s, "seconds to go on after the host is gone").Range(0.0, 3600.0).ShowDefault();
+  app.Add("--device", arguments.device, "geometry and limits (.toml); default: the built-in omni.toml");
+  app.Add("--twin", arguments.twin, "imperfections and effects (.toml); default: the built-in twin.toml");
 }
 
 int Run(int argc, const char* const* argv) {
-  CLI::App app{"omni-twin: the digital twin, a simulated base, pen and hand; started by omnid --device twin", kProgram};
-  app.footer(console::kExitStatusHelp);
-  console::AddVersion(app, OMNI_VERSION);
+  console::Program app(kProgram,
+                       "omni-twin: the digital twin, a simulated base, pen and hand; started by omnid --device twin",
+                       OMNI_VERSION);
   ServeArguments arguments;
   AddOptions(app, arguments);
-  if (const auto ended = console::Parse(app, argc, argv)) return *ended;
+  if (const auto ended = app.Parse(argc, argv)) return *ended;
   return Serve(arguments);
 }
 

@@ -72,13 +72,22 @@ TEST(Includes, WrappedLibrariesStandInOneFile) {
   }
 }
 
-// It judges our reader of glTF from outside; nothing else, in a test or not, is built on it.
-TEST(Includes, TinyGltfStandsInItsJudgeOnly) {
-  const std::string include = std::string("#include <") + "tiny_gltf.h>";
+// Who includes <header>, in a test or not: a path a line.
+std::string Including(const std::string& header) {
   std::string including;
   for (const auto& [path, text] : ReadTree(OMNI_SOURCE_DIR, {"layer", "service", "firmware", "tests", "scenes"}))
-    if (text.find(include) != std::string::npos) including += path + "\n";
-  EXPECT_EQ(including, "tests/unit/scene_decode_judge.cc\n");
+    if (text.find("#include <" + header + ">") != std::string::npos) including += path + "\n";
+  return including;
+}
+
+// It judges our reader of glTF from outside; nothing else is built on it.
+TEST(Includes, TinyGltfStandsInItsJudgeOnly) {
+  EXPECT_EQ(Including("tiny_gltf.h"), "tests/unit/scene_decode_judge.cc\n");
+}
+
+// It takes seconds to compile.
+TEST(Includes, Cli11StandsBehindOurCommandLinesOnly) {
+  EXPECT_EQ(Including("CLI/CLI.hpp"), "service/console/command.cc\n");
 }
 
 // The libraries' parsers recurse, rescan and allocate as they like; what they are given was counted first. The layer's

@@ -7,11 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
-#include "service/console/parse.h"
+#include "service/console/command.h"
 #include "service/sim/twin.h"
 #include "tests/hil/hil_run.h"
 #include "tests/hil/scenario.h"
@@ -32,30 +30,27 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
   options.plant.truth = omni::config::DefaultTwin();
   std::string script;
   bool fast = false;
-  CLI::App app{"omni_hil: a simulated base with its firmware behind an emulated USB plug, and programs on it",
-               "omni_hil"};
-  app.footer(omni::console::kExitStatusHelp);
-  app.add_option("--board", options.board, "where the control core runs")
-      ->check(omni::console::OneOf({"host", "qemu"}))
-      ->capture_default_str();
-  app.add_option("--script", script, "hand script (.json); default: no pen");
-  app.add_option("--hand", options.hand_path,
-                 "socket on which a program leads the hand (omni twin hand); of the script only the first waypoint and "
-                 "the hand itself count then");
-  app.add_option("--seed", options.plant.seed, "of noise and imperfections")->capture_default_str();
-  app.add_option("--record", options.record_path, "CSV file of the true pose and the currents");
-  app.add_option("--summary", options.summary_path, "JSON file (default: standard output)");
+  omni::console::Program app(
+      "omni_hil", "omni_hil: a simulated base with its firmware behind an emulated USB plug, and programs on it");
+  app.Add("--board", options.board, "where the control core runs").OneOf({"host", "qemu"}).ShowDefault();
+  app.Add("--script", script, "hand script (.json); default: no pen");
+  app.Add("--hand", options.hand_path,
+          "socket on which a program leads the hand (omni twin hand); of the script only the first waypoint and "
+          "the hand itself count then");
+  app.Add("--seed", options.plant.seed, "of noise and imperfections").ShowDefault();
+  app.Add("--record", options.record_path, "CSV file of the true pose and the currents");
+  app.Add("--summary", options.summary_path, "JSON file (default: standard output)");
   std::vector<std::string> scenarios;
   for (const omni::hil::Scenario& scenario : omni::hil::AllScenarios()) scenarios.emplace_back(scenario.name);
-  app.add_option("--scenario", options.scenario, "what goes wrong")->check(omni::console::OneOf(scenarios));
-  app.add_option("--contact-timeout", options.contact_timeout_s, "seconds a scenario waits for the pen's contact")
-      ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "of device time (default: until the program ends)");
-  app.add_flag("--fast", fast, "as fast as the programs can (default: not faster than the wall clock)");
-  app.add_option("--clock", options.clock_path,
-                 "file of the virtual clock: programs started with OMNI_HIL_CLOCK=FILE and "
-                 "LD_PRELOAD=libomni_hil_clock.so join in");
-  if (const auto ended = omni::console::Parse(app, own)) return *ended;
+  app.Add("--scenario", options.scenario, "what goes wrong").OneOf(scenarios);
+  app.Add("--contact-timeout", options.contact_timeout_s, "seconds a scenario waits for the pen's contact")
+      .ShowDefault();
+  app.Add("--seconds", options.seconds, "of device time (default: until the program ends)");
+  app.Add("--fast", fast, "as fast as the programs can (default: not faster than the wall clock)");
+  app.Add("--clock", options.clock_path,
+          "file of the virtual clock: programs started with OMNI_HIL_CLOCK=FILE and "
+          "LD_PRELOAD=libomni_hil_clock.so join in");
+  if (const auto ended = app.Parse(own)) return *ended;
   if (options.programs.empty()) {
     Fail("no program to start: give one behind --, as in omni_hil -- omnid --device usb");
     return omni::console::kExitUsage;

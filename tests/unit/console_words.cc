@@ -3,14 +3,15 @@
 #include <stdlib.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "service/base/nearest_word.h"
-#include "service/console/parse.h"
+#include "service/console/command.h"
 #include "service/console/wrap.h"
 
 namespace omni::console {
@@ -106,19 +107,18 @@ struct Parsed {
 };
 
 Parsed ParseWords(const std::vector<std::string>& words) {
-  CLI::App app{"tool: does things", "tool"};
+  Program tool("tool", "tool: does things", "1.2");
   std::string colour, file;
   int count = 0;
-  AddVersion(app, "1.2");
-  CLI::App* paint = app.add_subcommand("paint", "paints");
-  paint->add_option("--colour", colour)->check(OneOf({"red", "green", "blue"}));
-  paint->add_option("--count", count);
-  paint->add_option("file", file)->check(WritesOnly(".png", "PNG"));
-  app.add_subcommand("wait", "waits")->callback([] { throw CLI::RuntimeError(3); });
-  app.require_subcommand(1);
+  Command paint = tool.AddCommand("paint", "paints");
+  paint.Add("--colour", colour).OneOf({"red", "green", "blue"});
+  paint.Add("--count", count);
+  paint.Add("file", file).WritesOnly(".png", "PNG");
+  tool.AddCommand("wait", "waits").Run([] { return 3; });
+  tool.RequireCommand();
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  Parsed parsed{.status = Parse(app, words)};
+  Parsed parsed{.status = tool.Parse(words)};
   parsed.out = testing::internal::GetCapturedStdout();
   parsed.err = testing::internal::GetCapturedStderr();
   return parsed;
@@ -160,6 +160,46 @@ TEST(Parse, RightWordsGoOnOrEndAsTheCommandSays) {
   EXPECT_EQ(help.status, 0);
   EXPECT_NE(help.out.find("--colour"), std::string::npos) << help.out;
   EXPECT_EQ(help.err, "");
+}
+
+TEST(Parse, CommandsGetTheirArguments) {
+  struct Arguments {
+    bool quiet = true;
+    int count = 1;
+    std::uint64_t seed = 2;
+    std::vector<double> place;
+    std::vector<std::string> names;
+  };
+  const auto run = [](std::vector<std::string> words) {
+    Program tool("tool", "tool: does things");
+    tool.RequireCommand();
+    auto arguments = std::make_shared<Arguments>();
+    Command paint = tool.AddCommand("paint", "paints");
+    paint.Add("!--loud", arguments->quiet);
+    Option count = paint.Add("-c,--count", arguments->count).Range(1, 9);
+    paint.Add("--seed", arguments->seed).Needs(count);
+    paint.Add("--place", arguments->place).Numbers(2).Excludes(count);
+    paint.Add("names", arguments->names);
+    paint.Run(arguments, [](const Arguments& given) {
+      const double sum = given.place.empty() ? 0 : given.place[0] + given.place[1];
+      return static_cast<int>(sum) + (given.quiet ? 1000 : 0) + 100 * given.count + 10 * static_cast<int>(given.seed) +
+             static_cast<int>(given.names.size());
+    });
+    tool.AddHidden("draw").Run([count] { return count.given() ? 1 : 7; });
+    return tool.Parse(std::move(words));
+  };
+  EXPECT_EQ(run({"paint"}), 1120);
+  EXPECT_EQ(run({"paint", "a", "-c", "9", "b", "--seed", "3", "--loud"}), 932);
+  EXPECT_EQ(run({"paint", "--place", "1.5", "2.5"}), 1124);
+  EXPECT_EQ(run({"draw", "--anything", "at", "--help"}), 7);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"paint", "-c", "10"}), kExitUsage);
+  EXPECT_EQ(run({"paint", "--seed", "3"}), kExitUsage);
+  EXPECT_EQ(run({"paint", "-c", "3", "--place", "1", "2"}), kExitUsage);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "tool paint: --count: Value 10 not in range 1 to 9\n"
+            "tool paint: --seed requires --count; see 'tool paint --help'\n"
+            "tool paint: --count excludes --place; see 'tool paint --help'\n");
 }
 
 }  // namespace test_console_words

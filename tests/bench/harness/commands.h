@@ -1,14 +1,14 @@
 // Subcommands of omni-bench besides the benchmarks themselves.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "service/console/command.h"
 
 namespace omni::bench {
 
-void AddPaper(CLI::App& app);   // the published figures beside ours
-void AddPaired(CLI::App& app);  // one tick before and after a change
-void AddPage(CLI::App& app);    // rows into a page of Markdown
+using console::Command;
+
+void AddPaper(Command& app);   // the published figures beside ours
+void AddPaired(Command& app);  // one tick before and after a change
+void AddPage(Command& app);    // rows into a page of Markdown
 
 }  // namespace omni::bench

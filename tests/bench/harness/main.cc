@@ -1,10 +1,9 @@
 // omni-bench: benchmarks, stress runs and the published figures. Everything simulated is simulated by the digital twin.
+#include <cstdint>
 #include <exception>
 #include <iostream>
 #include <memory>
 #include <string>
-
-#include <CLI/CLI.hpp>
 
 #include "service/tools/command_line.h"
 #include "service/tools/row_table.h"
@@ -56,34 +55,35 @@ int RunBench(const Bench& bench, const BenchOptions& options, const std::string&
   return problem.empty() ? tools::kExitOk : tools::Fail("omni-bench", problem);
 }
 
-void AddBenches(CLI::App& app) {
+constexpr std::uint64_t kMost = 1'000'000'000;  // of ticks and cold starts
+
+void AddBenches(Command& app) {
   auto options = std::make_shared<BenchOptions>();
   auto json_path = std::make_shared<std::string>();
   for (const Bench& bench : kBenches) {
-    CLI::App* sub = app.add_subcommand(bench.name, bench.about);
-    sub->add_option("--json", *json_path, "write {name, commit, machine, rows} here as well");
-    sub->add_option("--ticks", options->ticks, "loop: ticks per scene; stress, collision: ticks in all")
-        ->check(CLI::Range(1000ULL, 1'000'000'000ULL));
-    sub->add_option("--seed", options->seed, "of the twin")->check(CLI::Range(0ULL, 1'000'000'000'000ULL));
-    sub->add_flag("--quick", options->quick, "much less work, to see that it runs");
-    sub->add_option("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies")
-        ->check(CLI::ExistingFile);
-    sub->add_option("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
-        ->check(CLI::Range(1ULL, 1'000'000'000ULL));
-    sub->add_option("--hours", options->hours, "stress: virtual time of the drift run")->check(CLI::Range(0.0, 1000.0));
-    sub->callback([&bench, options, json_path] { throw CLI::RuntimeError(RunBench(bench, *options, *json_path)); });
+    Command sub = app.AddCommand(bench.name, bench.about);
+    sub.Add("--json", *json_path, "write {name, commit, machine, rows} here as well");
+    sub.Add("--ticks", options->ticks, "loop: ticks per scene; stress, collision: ticks in all")
+        .Range(std::uint64_t{1000}, kMost);
+    sub.Add("--seed", options->seed, "of the twin").Range(std::uint64_t{0}, 1000 * kMost);
+    sub.Add("--quick", options->quick, "much less work, to see that it runs");
+    sub.Add("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies").ExistingFile();
+    sub.Add("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
+        .Range(std::uint64_t{1}, kMost);
+    sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);
+    sub.Run([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
   }
 }
 
 int Run(int argc, const char* const* argv) {
-  CLI::App app{"omni-bench: what Omni costs and how good it is, beside other methods and engines", "omni-bench"};
-  app.require_subcommand(1);
-  app.footer(console::kExitStatusHelp);
+  console::Program app("omni-bench",
+                       "omni-bench: what Omni costs and how good it is, beside other methods and engines");
+  app.RequireCommand();
   AddBenches(app);
   AddPaper(app);
   AddPaired(app);
   AddPage(app);
-  return console::Parse(app, argc, argv).value_or(console::kExitOk);
+  return app.Parse(argc, argv).value_or(console::kExitOk);
 }
 
 }  // namespace

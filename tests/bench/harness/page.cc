@@ -12,8 +12,6 @@
 #include <sstream>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "service/tools/command_line.h"
 #include "service/tools/json_file.h"
 #include "service/tools/row_table.h"
@@ -127,7 +125,13 @@ base::Result<BenchDocuments> ReadDocuments(const std::vector<std::string>& paths
   return documents;
 }
 
-std::string RunPage(const std::string& page, const std::vector<std::string>& files) {
+struct PageArguments {
+  std::vector<std::string> files;
+  std::string page = "docs/benchmarks.md";
+};
+
+// Empty, or why not.
+std::string FillPageFile(const std::string& page, const std::vector<std::string>& files) {
   const auto documents = ReadDocuments(files);
   if (!documents.ok()) return documents.error();
   const auto text = ReadPage(page);
@@ -136,6 +140,11 @@ std::string RunPage(const std::string& page, const std::vector<std::string>& fil
   if (!filled.ok()) return page + ": " + filled.error();
   const base::Status saved = tools::WriteWholeFile(page, *filled, true);
   return saved.ok() ? std::string() : saved.error();
+}
+
+int RunPage(const PageArguments& arguments) {
+  const std::string problem = FillPageFile(arguments.page, arguments.files);
+  return problem.empty() ? tools::kExitOk : tools::Fail("omni-bench page", problem);
 }
 
 }  // namespace
@@ -169,17 +178,13 @@ base::Result<std::string> FillPage(const std::string& page, const BenchDocuments
   return filled;
 }
 
-void AddPage(CLI::App& app) {
-  CLI::App* page = app.add_subcommand("page", "put tables of JSON files of omni-bench into a page of Markdown");
-  auto files = std::make_shared<std::vector<std::string>>();
-  auto path = std::make_shared<std::string>("docs/benchmarks.md");
-  page->add_option("files", *files, "JSON files; solver.json goes where the page says <!-- results: solver -->")
-      ->required();
-  page->add_option("-o,--output", *path, "the page")->capture_default_str();
-  page->callback([files, path] {
-    const std::string problem = RunPage(*path, *files);
-    throw CLI::RuntimeError(problem.empty() ? tools::kExitOk : tools::Fail("omni-bench page", problem));
-  });
+void AddPage(Command& app) {
+  Command page = app.AddCommand("page", "put tables of JSON files of omni-bench into a page of Markdown");
+  auto arguments = std::make_shared<PageArguments>();
+  page.Add("files", arguments->files, "JSON files; solver.json goes where the page says <!-- results: solver -->")
+      .Required();
+  page.Add("-o,--output", arguments->page, "the page").ShowDefault();
+  page.Run(arguments, RunPage);
 }
 
 }  // namespace omni::bench

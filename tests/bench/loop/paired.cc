@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "service/config/device_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
@@ -114,18 +112,15 @@ int RunPaired(const PairedArguments& arguments) {
 
 }  // namespace
 
-void AddPaired(CLI::App& app) {
-  CLI::App* paired =
-      app.add_subcommand("paired", "one tick in the shipped scenes, to compare two builds on the same scans");
+void AddPaired(Command& app) {
+  Command paired = app.AddCommand("paired", "one tick in the shipped scenes, to compare two builds on the same scans");
   auto arguments = std::make_shared<PairedArguments>();
-  paired->add_option("folder", arguments->folder, "of the recorded scans")->required()->check(CLI::ExistingDirectory);
-  paired->add_flag("--record", arguments->record, "record them there (simulated by the digital twin) and time nothing");
-  paired->add_option("--seed", arguments->seed, "of the twin, for --record")->capture_default_str();
-  paired->add_option("--replays", arguments->replays, "of each tick; the least counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  paired->add_option("--json", arguments->json, "write {name, commit, machine, rows} here as well");
-  paired->callback([arguments] { throw CLI::RuntimeError(RunPaired(*arguments)); });
+  paired.Add("folder", arguments->folder, "of the recorded scans").Required().ExistingFolder();
+  paired.Add("--record", arguments->record, "record them there (simulated by the digital twin) and time nothing");
+  paired.Add("--seed", arguments->seed, "of the twin, for --record").ShowDefault();
+  paired.Add("--replays", arguments->replays, "of each tick; the least counts").Range(1, 1000).ShowDefault();
+  paired.Add("--json", arguments->json, "write {name, commit, machine, rows} here as well");
+  paired.Run(arguments, RunPaired);
 }
 
 }  // namespace omni::bench

@@ -3,8 +3,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "service/config/device_file.h"
 #include "service/tools/command_line.h"
 #include "service/tools/text_output.h"
@@ -56,22 +54,18 @@ int RunPaper(const PaperArguments& arguments) {
 
 }  // namespace
 
-void AddPaper(CLI::App& app) {
-  CLI::App* paper = app.add_subcommand("paper", "the published figures beside the twin's and ours");
+void AddPaper(Command& app) {
+  Command paper = app.AddCommand("paper", "the published figures beside the twin's and ours");
   auto arguments = std::make_shared<PaperArguments>();
   std::vector<std::string> names;
   for (const SectionEntry& entry : kSections) names.emplace_back(entry.name);
-  paper->add_option("section", arguments->only, "only this one")->check(console::OneOf(names));
-  paper->add_option("--json", arguments->json,
-                    "write {name, commit, machine, rows, tables} here as well; scripts/plot draws it");
-  paper->add_option("--seed", arguments->options.seed, "of the first rig")->capture_default_str();
-  paper->add_option("--rigs", arguments->options.rigs, "simulated devices, pooled")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  paper->add_option("--poses", arguments->options.poses, "per rig and condition")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  paper->callback([arguments] { throw CLI::RuntimeError(RunPaper(*arguments)); });
+  paper.Add("section", arguments->only, "only this one").OneOf(names);
+  paper.Add("--json", arguments->json,
+            "write {name, commit, machine, rows, tables} here as well; scripts/plot draws it");
+  paper.Add("--seed", arguments->options.seed, "of the first rig").ShowDefault();
+  paper.Add("--rigs", arguments->options.rigs, "simulated devices, pooled").Range(1, 1000).ShowDefault();
+  paper.Add("--poses", arguments->options.poses, "per rig and condition").Range(1, 100000).ShowDefault();
+  paper.Run(arguments, RunPaper);
 }
 
 }  // namespace omni::bench

@@ -15,12 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "firmware/core/settings.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
-#include "service/console/parse.h"
+#include "service/console/command.h"
 #include "service/sim/twin.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/deep/redir_port.h"
@@ -168,14 +166,11 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::string> em
   options.emulator = std::move(emulator);
   options.plant.truth = config::DefaultTwin();
   std::string script;
-  CLI::App app{"omni_deep: a simulated base on a USB port of an emulated computer", "omni_deep"};
-  app.footer(console::kExitStatusHelp);
-  app.add_option("--board", options.board, "where the control core runs")
-      ->check(console::OneOf({"host", "qemu"}))
-      ->capture_default_str();
-  app.add_option("--script", script, "hand script (.json); default: no pen");
-  app.add_option("--seconds", options.seconds, "the guest may take")->capture_default_str();
-  if (const auto ended = console::Parse(app, own)) return *ended;
+  console::Program app("omni_deep", "omni_deep: a simulated base on a USB port of an emulated computer");
+  app.Add("--board", options.board, "where the control core runs").OneOf({"host", "qemu"}).ShowDefault();
+  app.Add("--script", script, "hand script (.json); default: no pen");
+  app.Add("--seconds", options.seconds, "the guest may take").ShowDefault();
+  if (const auto ended = app.Parse(own)) return *ended;
   if (!script.empty()) {
     auto loaded = sim::LoadHandScript(script);
     if (!loaded) return Fail(loaded.error());

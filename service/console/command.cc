@@ -1,4 +1,4 @@
-#include "service/console/parse.h"
+#include "service/console/command.h"
 
 #include <unistd.h>
 
@@ -105,68 +105,140 @@ std::string Problem(const CLI::App& root, const CLI::ParseError& error) {
   return path + ": " + what + (says_it_all ? "" : "; see '" + path + " --help'");
 }
 
-template <class Words>
-std::optional<int> ParseWith(CLI::App& app, Words parse) {
-  const int columns = TextColumns(STDOUT_FILENO) == 0 ? kHelpColumns : TextColumns(STDOUT_FILENO);
-  const auto formatter = std::make_shared<HelpFormatter>();
-  formatter->column_width(static_cast<std::size_t>(std::min(30, columns / 3)));
-  FormatHelp(app, formatter);
-  try {
-    parse();
-  } catch (const CLI::RuntimeError& done) {  // how a command hands its status over
-    return done.get_exit_code();
-  } catch (const CLI::CallForHelp&) {
-    std::cout << Wrap(app.help(), columns);
-    return kExitOk;
-  } catch (const CLI::CallForVersion& version) {
-    std::cout << version.what() << "\n";
-    return kExitOk;
-  } catch (const CLI::ParseError& error) {
-    std::cerr << ForPeople(Problem(app, error) + "\n", STDERR_FILENO);
-    return kExitUsage;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
-void AddVersion(CLI::App& app, const std::string& version) {
-  app.set_version_flag("--version", app.get_name() + " " + version, "print the version");
-}
+Option Option::Required() { return Option(option_->required()); }
 
-std::optional<int> Parse(CLI::App& app, int argc, const char* const* argv) {
-  return ParseWith(app, [&] { app.parse(argc, argv); });
-}
+Option Option::ShowDefault() { return Option(option_->capture_default_str()); }
 
-std::optional<int> Parse(CLI::App& app, std::vector<std::string> words) {
-  std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
-  return ParseWith(app, [&] { app.parse(std::move(words)); });
-}
+Option Option::Numbers(int n) { return Option(option_->expected(n)); }
 
-CLI::Validator OneOf(std::vector<std::string> words) {
+Option Option::Range(int min, int max) { return Option(option_->check(CLI::Range(min, max))); }
+
+Option Option::Range(std::uint64_t min, std::uint64_t max) { return Option(option_->check(CLI::Range(min, max))); }
+
+Option Option::Range(double min, double max) { return Option(option_->check(CLI::Range(min, max))); }
+
+Option Option::Positive() { return Option(option_->check(CLI::PositiveNumber)); }
+
+Option Option::OneOf(std::vector<std::string> words) {
   const std::string listed = Listed(words);
-  CLI::Validator check("{" + listed + "}");
-  check.operation([words = std::move(words), listed](std::string& value) {
+  return Check("{" + listed + "}", [words = std::move(words), listed](const std::string& value) {
     if (std::find(words.begin(), words.end(), value) != words.end()) return std::string();
     return "'" + value + "' is none of " + listed + base::DidYouMean(value, words);
   });
-  return check;
 }
 
-CLI::Validator WritesOnly(const std::string& extension, const std::string& kind) {
-  CLI::Validator check("NAME" + extension);
-  check.operation([extension, kind](std::string& value) {
+Option Option::ExistingFile() { return Option(option_->check(CLI::ExistingFile)); }
+
+Option Option::ExistingFolder() { return Option(option_->check(CLI::ExistingDirectory)); }
+
+Option Option::WritesOnly(const std::string& extension, const std::string& kind) {
+  return Check("NAME" + extension, [extension, kind](const std::string& value) {
     const std::filesystem::path path(value);
     if (path.extension() == extension) return std::string();
     const std::string better = std::filesystem::path(path).replace_extension(extension).string();
     return "'" + value + "' does not end in " + extension + ", and " + kind + " is all that is written; take " + better;
   });
-  return check;
+}
+
+Option Option::Check(const std::string& kind, std::function<std::string(const std::string&)> problem) {
+  return Option(option_->check(std::move(problem), kind));
+}
+
+Option Option::Needs(const Option& other) { return Option(option_->needs(other.option_)); }
+
+Option Option::Excludes(const Option& other) { return Option(option_->excludes(other.option_)); }
+
+bool Option::given() const { return option_->count() > 0; }
+
+Command Command::AddCommand(const std::string& name, const std::string& about) {
+  return Command(app_->add_subcommand(name, about));
+}
+
+Command Command::AddHidden(const std::string& name) {
+  CLI::App* const hidden = app_->add_subcommand(name)->group("")->allow_extras();
+  hidden->set_help_flag();
+  return Command(hidden);
+}
+
+void Command::RequireCommand() { app_->require_subcommand(1); }
+
+Option Command::Add(const std::string& name, bool& value, const std::string& about) {
+  return Option(app_->add_flag(name, value, about));
+}
+
+Option Command::Add(const std::string& name, std::string& value, const std::string& about) {
+  return Option(app_->add_option(name, value, about));
+}
+
+Option Command::Add(const std::string& name, int& value, const std::string& about) {
+  return Option(app_->add_option(name, value, about));
+}
+
+Option Command::Add(const std::string& name, std::uint64_t& value, const std::string& about) {
+  return Option(app_->add_option(name, value, about));
+}
+
+Option Command::Add(const std::string& name, double& value, const std::string& about) {
+  return Option(app_->add_option(name, value, about));
+}
+
+Option Command::Add(const std::string& name, std::vector<std::string>& value, const std::string& about) {
+  return Option(app_->add_option(name, value, about));
+}
+
+Option Command::Add(const std::string& name, std::vector<double>& value, const std::string& about) {
+  return Option(app_->add_option(name, value, about));
+}
+
+void Command::Run(std::function<int()> action) {
+  app_->callback([action = std::move(action)] { throw CLI::RuntimeError(action()); });
+}
+
+Program::Program(const std::string& name, const std::string& about, const std::string& version)
+    : Command(new CLI::App(about, name)), owned_(app_) {
+  app_->footer(kExitStatusHelp);
+  if (!version.empty()) app_->set_version_flag("--version", name + " " + version, "print the version");
+}
+
+Program::~Program() = default;
+
+std::optional<int> Program::Parse(int argc, const char* const* argv) {
+  return Parse(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
+}
+
+std::optional<int> Program::Parse(std::vector<std::string> words) {
+  const int columns = TextColumns(STDOUT_FILENO) == 0 ? kHelpColumns : TextColumns(STDOUT_FILENO);
+  const auto formatter = std::make_shared<HelpFormatter>();
+  formatter->column_width(static_cast<std::size_t>(std::min(30, columns / 3)));
+  FormatHelp(*app_, formatter);
+  try {
+    std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
+    app_->parse(std::move(words));
+  } catch (const CLI::RuntimeError& done) {  // how Run hands its status over
+    return done.get_exit_code();
+  } catch (const CLI::CallForHelp&) {
+    std::cout << Wrap(app_->help(), columns);
+    return kExitOk;
+  } catch (const CLI::CallForVersion& version) {
+    std::cout << version.what() << "\n";
+    return kExitOk;
+  } catch (const CLI::ParseError& error) {
+    std::cerr << ForPeople(Problem(*app_, error) + "\n", STDERR_FILENO);
+    return kExitUsage;
+  }
+  return std::nullopt;
 }
 
 int Fail(const std::string& command, const std::string& message) {
   std::cerr << ForPeople(command + ": " + message + "\n", STDERR_FILENO);
   return kExitFailed;
+}
+
+int Refuse(const std::string& command, const std::string& message) {
+  Fail(command, message);
+  return kExitUsage;
 }
 
 }  // namespace omni::console
