@@ -5,6 +5,7 @@
 
 #include "service/base/clock.h"
 #include "service/daemon/feel_row.h"
+#include "service/haptics/scene.h"
 
 namespace omni::daemon {
 namespace {

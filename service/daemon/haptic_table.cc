@@ -4,6 +4,7 @@
 #include "service/daemon/app_scenes.h"
 #include "service/daemon/feel_row.h"
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 #include "service/protocol/text.h"
 
 namespace omni::daemon {

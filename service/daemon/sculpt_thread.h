@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "service/haptics/live/live_parts.h"
+#include "service/haptics/scene.h"
 #include "service/protocol/unique_fd.h"
 
 namespace omni::daemon {

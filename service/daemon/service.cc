@@ -9,6 +9,7 @@
 
 #include "service/base/clock.h"
 #include "service/daemon/status.h"
+#include "service/haptics/scene.h"
 #include "service/protocol/text.h"
 
 namespace omni::daemon {

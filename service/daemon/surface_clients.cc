@@ -1,4 +1,5 @@
 #include "service/daemon/surface_clients.h"
+#include "service/haptics/scene.h"
 
 #include <utility>
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "service/daemon/surface_thread.h"
+#include "service/haptics/scene.h"
 #include "service/ipc/server.h"
 
 namespace omni::daemon {

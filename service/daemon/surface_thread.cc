@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "service/base/clock.h"
+#include "service/haptics/scene.h"
 
 namespace omni::daemon {
 namespace {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "service/haptics/live/surface_frame.h"
+#include "service/haptics/scene.h"
 #include "service/ipc/surface_publisher.h"
 #include "service/loop/surface_snapshot.h"
 

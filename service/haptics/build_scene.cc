@@ -8,6 +8,7 @@
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/geometry/mesh_topology.h"
 #include "service/haptics/geometry/tree_build.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/scene_block.h"
 #include "service/haptics/vehicle/joystick.h"
 #include "service/haptics/vehicle/wall_build.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "service/haptics/geometry/vec_math.h"
-#include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 
 namespace omni::haptics {
 

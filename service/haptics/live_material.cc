@@ -1,4 +1,5 @@
 #include "service/haptics/live_material.h"
+#include "service/haptics/scene.h"
 
 #include <algorithm>
 #include <cmath>

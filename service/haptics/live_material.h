@@ -2,6 +2,7 @@
 #pragma once
 
 #include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 
 namespace omni::haptics {
 

@@ -2,6 +2,7 @@
 
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/contact/frame.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 namespace {

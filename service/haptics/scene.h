@@ -16,16 +16,9 @@
 #include "service/haptics/geometry/tree_node.h"
 #include "service/haptics/material.h"
 #include "service/haptics/scene_input.h"
+#include "service/haptics/scene_limits.h"
 
 namespace omni::haptics {
-
-inline constexpr std::uint32_t kMaxObjects = 64;  // more: BuildScene refuses, with the number
-inline constexpr std::uint32_t kMaxRegions = 16;  // extrude regions; further ones stay rigid, with a report line
-inline constexpr std::uint32_t kMaxSculpted = 4;  // sculpted objects; further ones stay rigid, with a report line
-inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene
-inline constexpr std::uint32_t kMaxTextures = 64;
-inline constexpr std::uint32_t kMaxTexels = 64u << 20;  // of all images together
-inline constexpr std::uint32_t kNoIndex = 0xFFFFFFFF;
 
 struct Vertex {
   double x, y, z;                // rest position, base frame, m

@@ -1,4 +1,5 @@
 #include "service/haptics/scene_block.h"
+#include "service/haptics/scene.h"
 
 #include <cstring>
 

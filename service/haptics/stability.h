@@ -5,6 +5,7 @@
 
 #include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 
 namespace omni::haptics {
 

@@ -14,7 +14,9 @@
 #include "service/haptics/geometry/topology.h"
 #include "service/haptics/haptics.h"
 #include "service/haptics/live_material.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/stability.h"
+#include "service/haptics/state.h"
 #include "service/haptics/vehicle/car.h"
 
 namespace omni::haptics {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 
-#include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 
 namespace omni::loop {
 

@@ -17,6 +17,7 @@
 #include "service/base/tool_state.h"
 #include "service/haptics/applied/applied.h"
 #include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 #include "service/loop/detent.h"
 #include "service/loop/force_limiter.h"
 #include "service/loop/inputs.h"

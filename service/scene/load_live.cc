@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 #include "service/scene/load_soft_body.h"
 
 namespace omni::scene {

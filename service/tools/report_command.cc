@@ -11,6 +11,7 @@
 
 #include "service/config/device_file.h"
 #include "service/console/wrap.h"
+#include "service/haptics/scene.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/json_file.h"

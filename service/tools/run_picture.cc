@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "service/haptics/scene.h"
 #include "service/tools/svg.h"
 
 namespace omni::tools {

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 
 namespace omni::tools {
 namespace {

@@ -4,6 +4,8 @@
 #include <iostream>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "service/config/array_file.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"

@@ -3,9 +3,12 @@
 // the processor has is chosen once. All widths add in the same order and fuse nothing, so they give the same bits.
 #pragma once
 
+#include <cstdint>
 #include <type_traits>
 
 namespace omni::tracker {
+
+enum class Precision : std::uint8_t { kFloat, kDouble };  // of the sums; the steps are always double
 
 inline constexpr int kBlockSensors = 8;
 inline constexpr int kNuisancesMax = 6;  // of one scan: three currents, three components of an ambient field

@@ -14,13 +14,13 @@ struct Pose {
   Eigen::Vector3d axis_base = -Eigen::Vector3d::UnitZ();  // unit
 };
 
-enum class Precision : std::uint8_t { kFloat, kDouble };  // of the sums; the steps are always double
+inline constexpr double kColdDamping = 1e-2;
 
 struct SolveOptions {
   Precision precision = Precision::kDouble;
   int parameters = kParameters;  // 3: the axis is held, its covariance is zero
   int iterations_max = 20;       // evaluations of the model
-  double damping = 0;            // 0 trusts the start (warm), > 0 steps carefully at first (cold)
+  double damping = 0;            // 0 trusts the start (warm), > 0 steps carefully at first (cold: kColdDamping)
   bool chord = true;  // a short first step may be followed by one with the same derivatives: a warm start only
   bool take_every_step = false;    // exactly iterations_max Gauss-Newton steps, none refused: for benches
   KernelSums* sums = nullptr;      // where the search ended, of all columns and the moment: Fit::has_sums

@@ -11,7 +11,6 @@ namespace omni::tracker {
 namespace {
 
 constexpr double kGateDof = 19;  // 24 readings, 5 unknowns
-constexpr double kColdDamping = 1e-2;
 
 bool IsFinite(const base::Vec3& v) noexcept { return std::isfinite(v.x + v.y + v.z); }
 

@@ -19,7 +19,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPredictMax_s = 0.020;
-constexpr double kColdDamping = 1e-2;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor

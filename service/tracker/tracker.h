@@ -13,7 +13,6 @@
 #include "service/tracker/filter.h"
 #include "service/tracker/measurement.h"
 #include "service/tracker/model.h"
-#include "service/tracker/solver.h"
 
 namespace omni::tracker {
 

@@ -8,6 +8,7 @@
 
 #include "service/haptics/contact/ball_proxy.h"
 #include "service/haptics/contact/shading.h"
+#include "service/haptics/scene.h"
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {

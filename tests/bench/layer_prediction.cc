@@ -21,6 +21,7 @@
 #include "service/config/twin_file.h"
 #include "service/daemon/publish.h"
 #include "service/daemon/virtual_run.h"
+#include "service/haptics/scene.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin.h"
 #include "service/tools/csv_table.h"

@@ -3,6 +3,7 @@
 
 #include "service/haptics/contact/proxy.h"
 #include "service/haptics/contact/shading.h"
+#include "service/haptics/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/unit/ball_story.h"
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/contact/proxy.h"
+#include "service/haptics/scene.h"
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {

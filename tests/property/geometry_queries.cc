@@ -5,6 +5,7 @@
 
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/geometry/topology.h"
+#include "service/haptics/scene.h"
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {

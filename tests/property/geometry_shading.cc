@@ -3,6 +3,7 @@
 
 #include "service/haptics/contact/proxy.h"
 #include "service/haptics/contact/shading.h"
+#include "service/haptics/scene.h"
 #include "tests/unit/haptics_oracle.h"
 
 namespace omni::haptics {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/live/live_parts.h"
+#include "service/haptics/scene.h"
 #include "tests/support/ball_bodies.h"
 #include "tests/support/ball_judge.h"
 #include "tests/unit/deformable_story.h"

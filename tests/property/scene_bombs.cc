@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "service/haptics/scene.h"
 #include "service/scene/load_scene.h"
 #include "tests/support/bombs.h"
 #include "tests/support/measured_child.h"

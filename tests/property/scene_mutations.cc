@@ -8,6 +8,8 @@
 
 #include "service/haptics/check_scene.h"
 #include "service/haptics/haptics.h"
+#include "service/haptics/scene.h"
+#include "service/haptics/state.h"
 #include "tests/unit/scene_files.h"
 
 namespace omni::scene::test {

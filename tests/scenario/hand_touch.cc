@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "service/haptics/scene.h"
 #include "service/tools/hand/person.h"
 #include "service/tools/scene_source.h"
 #include "tests/support/led_story.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "service/haptics/scene.h"
 #include "tests/support/story.h"
 
 namespace omni::test {

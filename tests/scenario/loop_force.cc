@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "service/base/limits.h"
+#include "service/haptics/scene.h"
 #include "tests/support/story.h"
 
 namespace omni::test {

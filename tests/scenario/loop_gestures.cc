@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <random>
 
+#include "service/haptics/scene.h"
 #include "tests/support/story.h"
 
 namespace omni::test {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "service/base/limits.h"
+#include "service/haptics/scene.h"
 #include "tests/support/story.h"
 
 namespace omni::test {

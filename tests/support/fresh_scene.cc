@@ -1,6 +1,7 @@
 #include "tests/support/fresh_scene.h"
 
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 
 namespace omni::test {
 

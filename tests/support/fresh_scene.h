@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "service/daemon/sculpt_thread.h"
+#include "service/haptics/scene.h"
 
 namespace omni::test {
 

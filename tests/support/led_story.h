@@ -12,6 +12,7 @@
 #include "service/config/twin_file.h"
 #include "service/haptics/live/surface_frame.h"
 #include "service/haptics/live/virtual_editor.h"
+#include "service/haptics/scene.h"
 #include "service/sim/random.h"
 #include "service/tools/hand/hand_task.h"
 #include "tests/support/story.h"

@@ -1,5 +1,6 @@
 // Tables of benchmark documents in a page: what is replaced, what stays, what is refused.
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/bench/harness/page.h"
 

@@ -7,6 +7,7 @@
 
 #include "service/daemon/scene_builder.h"
 #include "service/haptics/live/live_parts.h"
+#include "service/haptics/scene.h"
 #include "service/scene/glb_save.h"
 #include "tests/support/temp_folder.h"
 #include "tests/unit/haptics_story.h"

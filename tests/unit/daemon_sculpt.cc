@@ -10,6 +10,7 @@
 
 #include "service/daemon/sculpt_thread.h"
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 #include "service/scene/scene_file.h"
 #include "tests/support/temp_folder.h"

@@ -13,6 +13,7 @@
 #include "service/daemon/surface_thread.h"
 #include "service/daemon/transport_tick_source.h"
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 #include "service/ipc/state_publisher.h"
 #include "service/loop/tick_config.h"
 #include "tests/support/quiet_device.h"

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "service/haptics/geometry/query.h"
+#include "service/haptics/scene.h"
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {

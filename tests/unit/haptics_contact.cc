@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "service/haptics/contact/softness.h"
+#include "service/haptics/scene.h"
 #include "tests/support/same_bits.h"
 #include "tests/unit/haptics_story.h"
 

@@ -1,6 +1,7 @@
 // A tip that is far from everything takes a short way through the tick: it must lead to the same bits as the long one.
 #include <gtest/gtest.h>
 
+#include "service/haptics/scene.h"
 #include "tests/support/same_bits.h"
 #include "tests/unit/haptics_story.h"
 

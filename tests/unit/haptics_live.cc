@@ -6,6 +6,7 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/live/sculpted_scene.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 #include "tests/support/sculpt_body.h"
 

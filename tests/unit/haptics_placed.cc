@@ -5,6 +5,7 @@
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/live_material.h"
 #include "service/haptics/placed.h"
+#include "service/haptics/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/support/same_bits.h"
 #include "tests/unit/haptics_story.h"

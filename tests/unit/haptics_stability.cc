@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "service/haptics/energy_watch.h"
+#include "service/haptics/scene.h"
 #include "tests/unit/haptics_story.h"
 
 namespace omni::haptics {

@@ -9,6 +9,8 @@
 
 #include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/haptics.h"
+#include "service/haptics/scene.h"
+#include "service/haptics/state.h"
 #include "tests/support/usual_limit.h"
 
 namespace omni::haptics {

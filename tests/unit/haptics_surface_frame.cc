@@ -7,6 +7,7 @@
 
 #include "service/haptics/geometry/surface.h"
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 #include "tests/support/sculpt_body.h"
 #include "tests/unit/deformable_story.h"
 

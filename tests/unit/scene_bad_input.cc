@@ -5,6 +5,7 @@
 #include <chrono>
 #include <limits>
 
+#include "service/haptics/scene.h"
 #include "service/scene/load_scene.h"
 #include "tests/unit/scene_files.h"
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "service/haptics/check_scene.h"
+#include "service/haptics/scene.h"
 #include "service/scene/cache_store.h"
 #include "service/scene/cached_scene.h"
 #include "service/scene/load_scene.h"

@@ -3,6 +3,7 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/live/virtual_editor.h"
+#include "service/haptics/scene.h"
 #include "service/scene/load_live.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/temp_folder.h"

@@ -7,6 +7,7 @@
 
 #include "service/haptics/check_scene.h"
 #include "service/haptics/contact/texture.h"
+#include "service/haptics/scene.h"
 #include "service/scene/load_scene.h"
 #include "tests/unit/scene_files.h"
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "service/haptics/scene.h"
 #include "tests/unit/haptics_story.h"
 
 namespace omni::tools {

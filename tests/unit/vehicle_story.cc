@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/base/force_limit.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/vehicle/hit_pulse.h"
 #include "service/haptics/vehicle/road_feel.h"
 #include "tests/unit/vehicle_scene.h"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "service/haptics/contact/touchables.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 

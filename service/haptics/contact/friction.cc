@@ -12,7 +12,7 @@ void SetAnchor(std::uint32_t triangle, const ClosestPoint& at, ContactState& con
 
 // The anchor's displacement from the proxy, in the tangent plane.
 template <MeshView View>
-Vec3 Stretch(const View& view, const FrictionInput& input, const ContactState& contact) noexcept {
+Vec3 StretchOf(const View& view, const FrictionInput& input, const ContactState& contact) noexcept {
   const Vec3 u = AnchorPosition(view, contact) - input.proxy;
   return u - Dot(u, input.normal) * input.normal;
 }
@@ -33,7 +33,7 @@ Vec3 FrictionForce(const View& view, const FrictionInput& input, ContactState& c
               contact);
     contact.sticking = true;
   }
-  const Vec3 u = Stretch(view, input, contact);
+  const Vec3 u = StretchOf(view, input, contact);
   const double length_m = Norm(u);
   const double mu = contact.sticking ? input.static_friction : input.dynamic_friction;
   if (input.stiffness_N_m * length_m <= mu * input.normal_force_N) {

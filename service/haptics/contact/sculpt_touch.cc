@@ -1,6 +1,7 @@
 #include "service/haptics/contact/sculpt_touch.h"
 
 #include "service/haptics/contact/contact_slots.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/sculpt/handover.h"
 
 namespace omni::haptics {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "service/haptics/contact/touchables.h"
+#include "service/haptics/deformable/soft_contact.h"
 
 namespace omni::haptics {
 

@@ -2,7 +2,7 @@
 // docs/theory/haptics.md, section 4.
 #pragma once
 
-#include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 
 namespace omni::haptics {
 

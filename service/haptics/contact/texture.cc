@@ -1,4 +1,5 @@
 #include "service/haptics/contact/texture.h"
+#include "service/haptics/scene.h"
 
 #include <algorithm>
 #include <cmath>

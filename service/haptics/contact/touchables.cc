@@ -1,6 +1,7 @@
 #include "service/haptics/contact/touchables.h"
 
 #include "service/haptics/deformable/soft_contact.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 namespace {

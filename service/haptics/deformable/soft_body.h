@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "service/base/result.h"
+#include "service/haptics/deformable/soft_place.h"
 #include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
@@ -16,7 +17,6 @@ namespace omni::haptics {
 inline constexpr std::uint32_t kSoftMagic = 0x3154534F;  // "OST1"
 inline constexpr std::uint32_t kSoftVersion = 3;
 inline constexpr std::uint32_t kMaxSoftNodes = 1024;  // of the coarse surface
-inline constexpr std::uint32_t kNoSoftTriangle = 0xFFFFFFFF;
 
 struct Float3 {
   float x, y, z;

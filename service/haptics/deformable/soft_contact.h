@@ -12,8 +12,8 @@
 #include <type_traits>
 
 #include "service/haptics/deformable/ball_give.h"
-#include "service/haptics/deformable/capacitance.h"
 #include "service/haptics/deformable/soft_body.h"
+#include "service/haptics/deformable/soft_contact_state.h"
 #include "service/haptics/deformable/soft_locate.h"
 
 namespace omni::haptics {
@@ -32,26 +32,6 @@ struct SoftForce {
   double dent_m = 0;     // local indentation
   double slope_N_m = 0;  // d normal_N / d depth within this tick
 };
-
-// Of one ball; slot k belongs to contact k for as long as it touches.
-struct SoftSlot {
-  bool active = false;
-  SoftPlace place;  // where the row of the matrix was taken
-  double elastic_N = 0;
-  double relaxing_N = 0;
-  double dent_m = 0;
-  double carried_m = 0;  // how far the body gives way under this ball, without the dent
-  Vec3 point_base_m, normal;
-  LocalLaw law;
-};
-
-// All that changes. Zero-initialised: nothing touched.
-struct SoftContactState {
-  std::array<SoftSlot, kMaxSoftContacts> slots;
-  ContactMatrix matrix{};
-  ActiveFactor factor;
-};
-static_assert(std::is_trivially_copyable_v<SoftContactState>);
 
 // At most kMaxSoftContacts contacts; further ones get no force. `forces` as long as `contacts`. `dt_s` in [0, 0.1].
 void StepSoftContacts(const SoftBodyView& body, std::span<const SoftContact> contacts, double ball_radius_m,

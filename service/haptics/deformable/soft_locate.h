@@ -6,11 +6,6 @@
 
 namespace omni::haptics {
 
-struct SoftPlace {
-  std::uint32_t triangle = kNoSoftTriangle;
-  double weights[3]{};  // barycentric, >= 0, sum 1
-};
-
 // Local descent over the coarse triangles, at most 32 moves. `hint`: a triangle near by, or kNoSoftTriangle. A point
 // that is not finite gives triangle 0.
 SoftPlace LocateOnSoftBody(const SoftBodyView& body, const Vec3& point_base_m, std::uint32_t hint) noexcept;

@@ -1,4 +1,5 @@
 #include "service/haptics/extrude/extrude.h"
+#include "service/haptics/scene.h"
 
 #include <numbers>
 

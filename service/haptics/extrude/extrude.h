@@ -5,6 +5,7 @@
 #include <span>
 
 #include "service/haptics/geometry/surface.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "service/haptics/geometry/surface.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 

@@ -1,4 +1,5 @@
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 
 #include <algorithm>
 

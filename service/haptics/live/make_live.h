@@ -10,6 +10,7 @@
 #include "service/haptics/deformable/build_soft_body.h"
 #include "service/haptics/geometry/mesh.h"
 #include "service/haptics/live/live_parts.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 

@@ -1,4 +1,5 @@
 #include "service/haptics/live/sculpted_scene.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 

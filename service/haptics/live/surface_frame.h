@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "service/haptics/haptics.h"
 #include "service/haptics/live/live_parts.h"
+#include "service/haptics/state.h"
 
 namespace omni::haptics {
 

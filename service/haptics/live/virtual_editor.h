@@ -3,6 +3,7 @@
 #pragma once
 
 #include "service/haptics/live/live_parts.h"
+#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 

@@ -3,7 +3,8 @@
 // docs/theory/haptics.md, section 8.
 #pragma once
 
-#include "service/haptics/haptics.h"
+#include "service/haptics/scene_input.h"
+#include "service/haptics/state.h"
 #include "service/haptics/vehicle/joystick.h"
 
 namespace omni::haptics {

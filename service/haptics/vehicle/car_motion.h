@@ -2,7 +2,7 @@
 // passes a wall, at any speed. docs/theory/haptics.md, section 8.
 #pragma once
 
-#include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 #include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::haptics {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "service/base/actuation_types.h"
-#include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 #include "service/haptics/vehicle/car_motion.h"
 
 namespace omni::haptics {

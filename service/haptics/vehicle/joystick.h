@@ -3,6 +3,7 @@
 #pragma once
 
 #include "service/haptics/geometry/vec_math.h"
+#include "service/haptics/scene_input.h"
 #include "service/haptics/stability.h"
 
 namespace omni::haptics {

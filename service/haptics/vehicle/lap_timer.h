@@ -2,7 +2,8 @@
 #pragma once
 
 #include "service/haptics/geometry/vec_math.h"
-#include "service/haptics/haptics.h"
+#include "service/haptics/scene_input.h"
+#include "service/haptics/state.h"
 
 namespace omni::haptics {
 

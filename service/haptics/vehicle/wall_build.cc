@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "service/haptics/check_input.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::haptics {

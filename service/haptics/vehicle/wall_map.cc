@@ -1,4 +1,5 @@
 #include "service/haptics/vehicle/wall_map.h"
+#include "service/haptics/scene.h"
 
 #include <array>
 #include <optional>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "service/haptics/scene.h"
 #include "service/tools/hand/race_task.h"
 #include "service/tools/hand/touch_task.h"
 

@@ -1,4 +1,5 @@
 #include "service/tools/hand/touch_task.h"
+#include "service/haptics/scene.h"
 
 #include <algorithm>
 #include <cstdio>

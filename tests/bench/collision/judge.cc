@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "service/haptics/state.h"
 #include "tests/bench/collision/engine.h"
 
 namespace omni::collision {

@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/haptics/scene.h"
+#include "service/haptics/state.h"
 #include "tests/bench/collision/judge.h"
 #include "tests/bench/collision/path.h"
 #include "tests/bench/collision/timing.h"

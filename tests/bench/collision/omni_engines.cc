@@ -1,6 +1,7 @@
 // Our rows: the contact update as haptics::Step makes it, the whole Step, the nearest point.
 #include "service/haptics/contact/contact_set.h"
 #include "service/haptics/geometry/query.h"
+#include "service/haptics/scene.h"
 #include "tests/bench/collision/engine.h"
 #include "tests/unit/haptics_story.h"
 

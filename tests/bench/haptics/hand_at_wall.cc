@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "service/base/limits.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/stability.h"
 #include "service/sim/random.h"
 #include "service/tracker/filter.h"

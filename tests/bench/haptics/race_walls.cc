@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "service/haptics/scene.h"
 #include "service/haptics/vehicle/car.h"
 #include "service/sim/random.h"
 #include "service/tools/scene_source.h"

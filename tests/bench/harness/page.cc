@@ -12,6 +12,8 @@
 #include <sstream>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "service/tools/command_line.h"
 #include "service/tools/json_file.h"
 #include "service/tools/row_table.h"

@@ -10,6 +10,7 @@
 #include "firmware/wire/messages.h"
 #include "service/base/limits.h"
 #include "service/config/device_file.h"
+#include "service/haptics/scene.h"
 #include "service/haptics/stability.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick.h"

@@ -16,6 +16,7 @@
 #include "service/base/limits.h"
 #include "service/config/device_file.h"
 #include "service/haptics/live/live_parts.h"
+#include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"

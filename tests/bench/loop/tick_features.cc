@@ -8,6 +8,8 @@
 #include <string>
 
 #include "service/config/paths.h"
+#include "service/haptics/scene.h"
+#include "service/haptics/state.h"
 #include "service/scene/load_live.h"
 #include "tests/bench/harness/quiet_timing.h"
 #include "tests/support/fresh_scene.h"

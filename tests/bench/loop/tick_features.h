@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "service/haptics/haptics.h"
+#include "service/haptics/scene_input.h"
 #include "tests/bench/harness/bench.h"
 
 namespace omni::bench {

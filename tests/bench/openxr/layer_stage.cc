@@ -1,5 +1,7 @@
 #include "tests/bench/openxr/layer_stage.h"
 
+#include <nlohmann/json.hpp>
+
 #include "service/tools/json_file.h"
 #include "service/tools/row_table.h"
 #include "service/tools/scene_source.h"

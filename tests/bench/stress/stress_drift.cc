@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "service/config/device_file.h"
+#include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "tests/bench/harness/errors.h"

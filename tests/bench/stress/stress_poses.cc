@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "service/config/device_file.h"
+#include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/vec3.h"

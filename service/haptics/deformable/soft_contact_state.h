@@ -1,0 +1,34 @@
+// What the tick remembers of a soft body that is touched: soft_contact.h.
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "service/base/vec.h"
+#include "service/haptics/deformable/capacitance.h"
+#include "service/haptics/deformable/local_law.h"
+#include "service/haptics/deformable/soft_place.h"
+
+namespace omni::haptics {
+
+// Of one ball; slot k belongs to contact k for as long as it touches.
+struct SoftSlot {
+  bool active = false;
+  SoftPlace place;  // where the row of the matrix was taken
+  double elastic_N = 0;
+  double relaxing_N = 0;
+  double dent_m = 0;
+  double carried_m = 0;  // how far the body gives way under this ball, without the dent
+  base::Vec3 point_base_m, normal;
+  LocalLaw law;
+};
+
+// All that changes. Zero-initialised: nothing touched.
+struct SoftContactState {
+  std::array<SoftSlot, kMaxSoftContacts> slots;
+  ContactMatrix matrix{};
+  ActiveFactor factor;
+};
+static_assert(std::is_trivially_copyable_v<SoftContactState>);
+
+}  // namespace omni::haptics

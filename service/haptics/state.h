@@ -1,0 +1,170 @@
+// What the haptic renderer remembers from tick to tick: haptics.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "service/base/vec.h"
+#include "service/haptics/deformable/soft_contact_state.h"
+#include "service/haptics/haptics.h"
+#include "service/haptics/material.h"
+#include "service/haptics/scene_limits.h"
+#include "service/haptics/sculpt/sculpt_state.h"
+
+namespace omni::haptics {
+
+// One touched object.
+struct ContactState {
+  bool active = false;
+  std::uint32_t object = kNoIndex;
+  std::uint32_t triangle = kNoIndex;  // of the proxy
+  base::Vec3 proxy_m;                 // on the surface, in the frame of the object's rest; a soft body undeformed
+  base::Vec3 held_m;                  // what the spring draws the tip to: the proxy, or the centre of a ball
+  base::Vec3 normal;                  // of the contact at the last tick, unit, out of the object, in that frame
+  bool one_place = true;              // a ball may rest on several at once; the others are in the direction only
+  bool sticking = false;
+  std::uint32_t anchor_triangle = kNoIndex;  // stick anchor, barycentric: survives deformation
+  std::array<double, 3> anchor_weights{};
+  base::Vec3 anchor_m;        // where it was at the last tick, in the same frame
+  double depth_m = 0;         // of the tip under the proxy, as the proxy was found
+  double side = 1;            // +1 entered from the front, -1 from the back (double-sided objects)
+  double offered_N_m = 0;     // stiffness in the direction of the contact since it began; only falls; 0: new
+  double relaxation_N = 0;    // softness: viscous part
+  double elastic_N = 0;       // softness: elastic part at the last tick
+  base::Vec3 last_force_N;    // of the last tick, in that frame
+  base::Vec3 swapped_from_N;  // force before the proxy was moved to another place ...
+  double swap_left_s = 0;     // ... which fades out over this time
+  bool popped = false;        // pop-through: no force until the tip is outside again
+  bool in_flight = false;     // a ball that nothing holds is on its way to the tip: no force until it meets something
+  double through_s = 0;       // how long the tip has been out on the far side
+
+  bool IsFelt() const noexcept { return active && !popped && !in_flight; }
+};
+
+enum class ExtrudePhase : std::uint8_t { kFree = 0, kPressed = 1, kHeld = 2, kSettling = 3 };
+
+struct RegionState {
+  ExtrudePhase phase = ExtrudePhase::kFree;
+  double offset_m = 0;  // along the region's normal, now
+  int step = 0;         // settled step it rests at or moves to
+  double timer_s = 0;
+  double grab_offset_m = 0;  // tip height over the face when it was taken
+  std::uint32_t edits = 0;   // finished steps so far
+  double face_height_m = 0;  // of the rest face where it was taken, over the region's centroid
+  double slow_s = 0;         // held: how long the tip has been slow
+  double last_offset_m = 0;  // offset of the tick before: the face may sweep over a still tip
+};
+
+inline constexpr int kMaxPulses = 4;  // hits felt at once; a further one takes the place of the one nearest its end
+
+// One hit on its way to the pen: half a sine.
+struct HitPulse {
+  double time_s = -1;  // < 0: not running
+  double amplitude_N = 0;
+  base::Vec3 direction;  // unit, away from the wall
+};
+
+// Laps and their times. Lines are passed in order and in their direction; going back takes a passage back.
+struct LapState {
+  bool running = false;    // the start line was crossed: the clock runs
+  std::uint32_t next = 0;  // checkpoint that is due; all passed: the start line
+  std::uint32_t owed = 0;  // crossings of the start line against its direction, to be made good
+  std::uint32_t laps = 0;
+  double time_s = 0;  // of the lap being driven
+  double last_s = 0;  // of the last finished lap; 0: none
+  double best_s = 0;
+};
+
+struct VehicleState {
+  bool started = false;
+  bool sliding = false;          // an axle is at the limit of its grip
+  base::Vec3 position_base_m;    // centre of mass
+  base::Vec3 velocity_base_m_s;  // in the plane, z = 0
+  double heading_rad = 0;
+  double yaw_rate_rad_s = 0;
+  std::array<base::Vec3, 2> touched_normal;  // of the walls it leans on, unit, away from them
+  std::uint32_t touched = 0;                 // how many
+  std::uint32_t hits = 0;
+  double hit_speed_m_s = 0;  // of the last hit, into the wall
+  std::array<HitPulse, kMaxPulses> pulses;
+  double engine_turns = 0, road_turns = 0;  // phases, in [0, 1)
+  LapState lap;
+};
+
+// The stiffness on offer, which moves slowly: haptics/stability.h.
+struct OfferState {
+  bool known = false;
+  double age_s = 0;  // since it was renewed
+  double predict_s = 0;
+  double recent_N_m = 0, recent_along_N_m = 0;  // the limits, smoothed
+  double stiffness_N_m = 0;                     // what is offered in the worst direction ...
+  double along_N_m = 0;                         // ... and along the pen's axis
+};
+
+inline constexpr std::uint32_t kEnergyHistory = 32;
+
+// What contacts have given to the hand: haptics/energy_watch.h.
+struct EnergyState {
+  std::array<base::Vec3, kEnergyHistory> sent_N{};  // forces of the last ticks, a ring
+  std::uint32_t next = 0;
+  bool has_tip = false;
+  base::Vec3 tip;
+  double given_J = 0;
+  double gain = 1;  // on contact forces
+  std::uint32_t leaking_ticks = 0;
+};
+
+// A soft body that is touched: slot k of its contacts is State::contacts[k].
+struct SoftTouch {
+  std::uint32_t object = kNoIndex;  // kNoIndex: free
+  SoftContactState body;
+};
+
+// A sculpted surface: the n-th workshop of the scene.
+struct SculptTouchState {
+  std::uint64_t generation = 0;  // of the surface at the last tick
+  sculpt::SculptToolState tool;
+};
+
+// A kinematic object that the application has moved: where it stands, and stood at the tick before.
+struct MovedObject {
+  std::uint32_t object = kNoIndex;  // kNoIndex: free
+  base::Quat rotation, last_rotation;
+  base::Vec3 translation_m, last_translation_m;
+};
+
+// A material that the application has changed, on its way to what is wanted.
+struct LiveMaterial {
+  std::uint32_t material = kNoIndex;  // kNoIndex: free
+  Material now;
+};
+
+// All that changes. Fixed size, trivially copyable, deterministic: equal inputs give equal bits.
+struct State {
+  bool was_tracked = false;
+  double away_s = 0;  // time without a pose
+  base::Vec3 last_device_point_base_m;
+  std::array<ContactState, kMaxContacts> contacts;
+  std::array<RegionState, kMaxRegions> regions;
+  std::uint64_t ball_restarts = 0;  // a bit an object: where its ball is, is not known; it starts where the tip is
+  std::array<SoftTouch, kMaxContacts> soft;
+  std::array<std::uint8_t, kMaxObjects> is_soft{};  // 1: the object's soft body has been taken up
+  std::array<SculptTouchState, kMaxSculpted> sculpted;
+  std::array<MovedObject, kMaxMoved> moved;
+  std::array<LiveMaterial, kMaxLiveMaterials> materials;
+  Placement placement;  // at the last tick: forces and places here are in the frame of the scene
+  VehicleState vehicle;
+  OfferState offer;
+  EnergyState energy;
+  base::Vec3 left_N;       // force of contacts whose surface was taken from under the tip ...
+  double left_fade_s = 0;  // ... which fades out over this time
+  double ramp = 0;         // 0..1 gain on contact forces
+  base::Vec3 last_force_N;
+  double texture_phase = 0;
+  double far_distance_m = 0;  // motion bound: nothing can be touched before the tip moved this far
+  base::Vec3 far_origin_base_m;
+};
+static_assert(std::is_trivially_copyable_v<State>);
+
+}  // namespace omni::haptics
