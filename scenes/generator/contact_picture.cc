@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <stdexcept>
 
 #include "service/haptics/haptics.h"
+#include "service/haptics/state.h"
 #include "service/scene/load_scene.h"
 
 namespace omni::scenes {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kBall_m = 0.0009;
 const Vec kProxyColour(0.95, 0.80, 0.10), kTipColour(0.05, 0.07, 0.10), kArrowColour(0.80, 0.05, 0.04),
     kSpringColour(0.25, 0.27, 0.30), kPenColour(0.80, 0.82, 0.85);
@@ -28,7 +29,7 @@ DrawnMesh Revolved(const Vec& start, const Vec& axis, double length_m, const Vec
   for (int i = 0; i <= rings; ++i) {
     const double s = static_cast<double>(i) / rings;
     for (int j = 0; j < kSides; ++j) {
-      const double angle = 2 * kPi * j / kSides;
+      const double angle = 2 * std::numbers::pi * j / kSides;
       drawn.mesh.positions.push_back(start + axis * (s * length_m) +
                                      (u * std::cos(angle) + v * std::sin(angle)) * radius(s));
     }

@@ -1,5 +1,6 @@
 // The dragon: one closed surface of soft rubber.
 #include <cmath>
+#include <numbers>
 
 #include "scenes/generator/decimate.h"
 #include "scenes/generator/dragon_shape.h"
@@ -31,12 +32,11 @@ Mesh DragonMesh() {
 // The top of the base's hull, for the eye.
 Mesh DomeMesh() {
   constexpr int kAround = 64, kUp = 20;
-  constexpr double kPi = 3.14159265358979323846;
   Mesh mesh;
   for (int j = 0; j <= kUp; ++j) {
-    const double elevation = (0.22 + 0.78 * j / kUp) * kPi / 2;
+    const double elevation = (0.22 + 0.78 * j / kUp) * std::numbers::pi / 2;
     for (int i = 0; i < kAround; ++i) {
-      const double azimuth = 2 * kPi * i / kAround;
+      const double azimuth = 2 * std::numbers::pi * i / kAround;
       const double r = kDome_mm * 1e-3;
       mesh.positions.emplace_back(r * std::cos(elevation) * std::cos(azimuth),
                                   r * std::cos(elevation) * std::sin(azimuth), r * std::sin(elevation));

@@ -6,11 +6,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <numbers>
 
 namespace omni::scenes {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSkyDirections = 160;
 constexpr int kShadowSize = 640;
 constexpr double kGoldenAngle = 2.399963229728653;
@@ -83,7 +83,8 @@ class Painter {
     centre_ = (lower + upper) * 0.5;
     floor_ = lower.z - 1e-4;
     radius_ = glm::length(upper - lower) / 2;
-    const double a = options.view.azimuth_deg * kPi / 180, e = options.view.elevation_deg * kPi / 180;
+    const double a = options.view.azimuth_deg * std::numbers::pi / 180,
+                 e = options.view.elevation_deg * std::numbers::pi / 180;
     camera_ = Camera::Looking({std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)});
     camera_.width = options.width * options.supersampling;
     camera_.height = options.height * options.supersampling;

@@ -3,13 +3,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <iterator>
+#include <numbers>
 
 #include "scenes/generator/scene_models.h"
 
 namespace omni::scenes {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRoad_m = 0.047;  // height of the road's surface
 constexpr double kRoadHalfWidth_m = 0.0065;
 constexpr double kWallThickness_m = 0.0014, kWallHeight_m = 0.0042;
@@ -17,7 +17,7 @@ constexpr int kAround = 128;
 
 // Centre line: an ellipse with a waist and a bulge, all of one curvature's sign or gently of the other.
 Vec Centre(double turn) {
-  const double a = 2 * kPi * turn;
+  const double a = 2 * std::numbers::pi * turn;
   const double r = 1 - 0.13 * std::cos(3 * a + 0.6) - 0.05 * std::cos(2 * a);
   return {0.0395 * r * std::cos(a), 0.0240 * r * std::sin(a) - 0.001, kRoad_m};
 }
@@ -72,7 +72,7 @@ Mesh Wheel(const Vec& centre, double radius, double half_width) {
   constexpr int kSides = 14;
   Mesh mesh;
   for (int i = 0; i < kSides; ++i) {
-    const double a = 2 * kPi * i / kSides;
+    const double a = 2 * std::numbers::pi * i / kSides;
     for (const double y : {-half_width, half_width}) {
       mesh.positions.push_back(centre + Vec(radius * std::cos(a), y, radius * std::sin(a)));
     }
@@ -178,7 +178,7 @@ Mesh Ground() {
   constexpr int kSides = 96;
   Mesh mesh;
   for (int i = 0; i < kSides; ++i) {
-    const double a = 2 * kPi * i / kSides;
+    const double a = 2 * std::numbers::pi * i / kSides;
     const double c = std::cos(a), s = std::sin(a);
     // A superellipse of 112 x 84 mm.
     const double r = 1 / std::sqrt(std::sqrt(c * c * c * c + s * s * s * s));

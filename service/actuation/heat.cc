@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kHorizon_s = 5;    // h of docs/theory/thermal.md (4)
 constexpr double kHottest_C = 250;  // copper is insulated for less: beyond it the model only has to stay finite
-constexpr double kStepMax_s =
+constexpr double kHeatStep_s =
     0.25;  // stable for any pair of nodes this model is meant for; a longer gap counts as this
 
 double Resistance_ohm(const HeatConfig& config, std::size_t k, double copper_C) noexcept {
@@ -91,7 +91,7 @@ void UpdateHeat(const HeatConfig& config, const base::HallScan& scan,
     return;
   }
   const double elapsed_s = base::Elapsed_s(scan.t_ns, state.t_ns);
-  const double dt_s = std::clamp(elapsed_s, 0.0, kStepMax_s);
+  const double dt_s = std::clamp(elapsed_s, 0.0, kHeatStep_s);
   state.t_ns = scan.t_ns;
   std::array<double, base::kCoilCount> heating_A{};
   for (std::size_t k = 0; k < heating_A.size(); ++k) {

@@ -18,7 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kReadingsMin = 5;  // per sensor: a parabola and something left to judge it by
 
 // y = c0 + c1 s + c2 s^2 per axis; s in [-1, 1] over the window.
-struct SensorFit {
+struct WindowFit {
   bool valid = false;
   Matrix3d coefficients = Matrix3d::Zero();  // row: power, column: axis
   double scale = 0;                          // standard deviation of c0 in noise
@@ -31,7 +31,7 @@ std::int64_t SampleTime(const base::HallScan& scan, std::size_t i) { return scan
 
 Vector3d Powers(double s) { return {1, s, s * s}; }
 
-SensorFit FitSensor(const std::vector<base::HallScan>& scans, std::size_t i, std::int64_t middle_ns, double half_s,
+WindowFit FitWindow(const std::vector<base::HallScan>& scans, std::size_t i, std::int64_t middle_ns, double half_s,
                     const std::array<double, 3>& noise_T) {
   const auto place = [&](const base::HallScan& scan) {
     return 1e-9 * static_cast<double>(SampleTime(scan, i) - middle_ns) / half_s;
@@ -45,7 +45,7 @@ SensorFit FitSensor(const std::vector<base::HallScan>& scans, std::size_t i, std
     right += s * base::ToEigen(scan.field_sensor_T[i]).transpose();
     ++count;
   }
-  SensorFit fit;
+  WindowFit fit;
   if (count < kReadingsMin) return fit;
   const Eigen::LDLT<Matrix3d> solver(N);
   const Matrix3d inverse = solver.solve(Matrix3d::Identity());
@@ -99,7 +99,7 @@ std::optional<WindowResult> Window::Fit() const {
   sample.noise_scale = 0;
   double square = 0, dof = 0, slope_square = 0, field_square = 0, slope_noise = 0;
   for (std::size_t i = 0; i < base::kSensorCount; ++i) {
-    const SensorFit fit = FitSensor(scans_, i, middle_ns, half_s, noise_T_);
+    const WindowFit fit = FitWindow(scans_, i, middle_ns, half_s, noise_T_);
     std::array<double, 3> field{kNaN, kNaN, kNaN};
     for (std::size_t axis = 0; fit.valid && axis < 3; ++axis) {
       const int a = static_cast<int>(axis);

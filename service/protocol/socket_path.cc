@@ -14,7 +14,7 @@
 namespace omni::protocol {
 namespace {
 
-FolderCheck Refused(std::string problem) { return {FolderState::kRefused, std::move(problem)}; }
+FolderCheck RefusedFolder(std::string problem) { return {FolderState::kRefused, std::move(problem)}; }
 
 }  // namespace
 
@@ -48,23 +48,24 @@ FolderCheck CheckFolder(const std::string& folder) {
   struct stat info {};
   if (::lstat(folder.c_str(), &info) != 0) {
     if (errno == ENOENT) return {FolderState::kMissing, "folder " + folder + " does not exist"};
-    return Refused("folder " + folder + " cannot be examined: " + std::strerror(errno));
+    return RefusedFolder("folder " + folder + " cannot be examined: " + std::strerror(errno));
   }
   if (S_ISLNK(info.st_mode)) {
-    return Refused("folder " + folder + " is a symbolic link; remove it or set OMNI_SOCKET to a path in a real folder");
+    return RefusedFolder("folder " + folder +
+                         " is a symbolic link; remove it or set OMNI_SOCKET to a path in a real folder");
   }
   if (!S_ISDIR(info.st_mode)) {
-    return Refused(folder + " is not a folder; remove it or set OMNI_SOCKET to a path in another folder");
+    return RefusedFolder(folder + " is not a folder; remove it or set OMNI_SOCKET to a path in another folder");
   }
   if (info.st_uid != ::geteuid()) {
-    return Refused("folder " + folder + " belongs to user " + std::to_string(info.st_uid) + ", not to user " +
-                   std::to_string(::geteuid()) + "; set OMNI_SOCKET to a path in a folder of your own");
+    return RefusedFolder("folder " + folder + " belongs to user " + std::to_string(info.st_uid) + ", not to user " +
+                         std::to_string(::geteuid()) + "; set OMNI_SOCKET to a path in a folder of your own");
   }
   if ((info.st_mode & 077) != 0) {
     char mode[8];
     std::snprintf(mode, sizeof(mode), "%04o", info.st_mode & 07777u);
-    return Refused("folder " + folder + " has mode " + mode + ", open to other users; run `chmod 700 " + folder +
-                   "` or set OMNI_SOCKET to a path in a folder of its own");
+    return RefusedFolder("folder " + folder + " has mode " + mode + ", open to other users; run `chmod 700 " + folder +
+                         "` or set OMNI_SOCKET to a path in a folder of its own");
   }
   return {FolderState::kGood, {}};
 }

@@ -4,12 +4,11 @@
 #include <numbers>
 
 #include "service/sim/charge_kernel.h"
+#include "service/sim/constants.h"
 
 namespace omni::sim {
 namespace {
 
-constexpr double kMu0 = 4e-7 * std::numbers::pi;
-constexpr double kMu0Over4Pi = 1e-7;
 constexpr double kFarAway_m = 1e3;
 
 struct Node {

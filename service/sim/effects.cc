@@ -1,4 +1,5 @@
 #include "service/sim/effects.h"
+#include "service/sim/constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,6 @@
 namespace omni::sim {
 namespace {
 
-constexpr double kMu0 = 4e-7 * std::numbers::pi;
 constexpr double kSlowest_Hz = 0.0316;  // of the eddy poles, two per decade from here to 10 kHz
 
 }  // namespace

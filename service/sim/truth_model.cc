@@ -1,4 +1,5 @@
 #include "service/sim/truth_model.h"
+#include "service/sim/constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@ constexpr int kFineRings = 4, kFineSpokes = 12;      // 96 charges
 constexpr int kMirrorRings = 3, kMirrorSpokes = 12;  // 72 charges
 constexpr int kMediumRings = 4, kMediumSpokes = 10;  // 80 charges
 constexpr int kCoarseRings = 3, kCoarseSpokes = 8;   // 48 charges
-constexpr double kMu0Over4Pi = 1e-7;
 // A data sheet's linearity is the greatest deviation from the best line over 12 of 16 gauss.
 constexpr double kLinearShare = 0.75;
 

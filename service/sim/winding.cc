@@ -1,4 +1,5 @@
 #include "service/sim/winding.h"
+#include "service/sim/constants.h"
 
 #include <cmath>
 #include <numbers>
@@ -6,7 +7,6 @@
 namespace omni::sim {
 namespace {
 
-constexpr double kMu0 = 4e-7 * std::numbers::pi;
 constexpr double kReference_m = 0.04;  // of the series' scaling, near the radii of interest
 constexpr double kAxisBand = 1e-4;     // of the turn's radius: nearer to the axis B_rho is its linear term
 

@@ -23,7 +23,7 @@
 namespace omni::tools {
 namespace {
 
-constexpr const char* kCommand = "omni align";
+constexpr const char* kAlign = "omni align";
 constexpr const char* kMethods[] = {"touch", "sweep", "fingertip", "nudge"};
 constexpr const char* kPlacements[] = {"front-of-user", "calibrated", "off"};
 
@@ -56,7 +56,7 @@ class RawKeys {
 
 int NudgeStored(client::Connection& connection, const nlohmann::json& status, int number) {
   const auto chosen = ChooseAlignment(status, number);
-  if (!chosen.ok()) return Fail(kCommand, chosen.error());
+  if (!chosen.ok()) return Fail(kAlign, chosen.error());
   std::printf("headset      %s / %s, in its %s space\n", chosen->headset.runtime.c_str(),
               chosen->headset.system.c_str(), SpaceName(chosen->headset.space).c_str());
   Print("arrows: left, right, away, near; Page Up/Down: up, down; [ ]: turn; + -: step; u: undo all; q: done\n");
@@ -72,7 +72,7 @@ int NudgeStored(client::Connection& connection, const nlohmann::json& status, in
     outcome.rms_m = chosen->rms_m;
     connection.Poll(base::MonotonicNow_ns());
     const auto stored = AskPlacement(connection, StoreCommand(chosen->headset, outcome, "nudge"));
-    if (!stored.ok()) return Fail(kCommand, stored.error());
+    if (!stored.ok()) return Fail(kAlign, stored.error());
     std::printf("moved        %.1f mm and %.1f deg from where it was\n",
                 1e3 * alignment::Distance_m(nudge.placement(), chosen->base_space, {}),
                 57.29577951308232 * alignment::Angle_rad(nudge.placement(), chosen->base_space));
@@ -86,23 +86,23 @@ int ForgetStored(client::Connection& connection, const nlohmann::json& status, i
   command.action = protocol::PlacementAction::kForget;
   if (number > 0) {
     const auto chosen = ChooseAlignment(status, number);
-    if (!chosen.ok()) return Fail(kCommand, chosen.error());
+    if (!chosen.ok()) return Fail(kAlign, chosen.error());
     command = StoreCommand(chosen->headset, {}, "");
     command.action = protocol::PlacementAction::kForget;
   }
   const auto done = AskPlacement(connection, command);
-  if (!done.ok()) return Fail(kCommand, done.error());
+  if (!done.ok()) return Fail(kAlign, done.error());
   Print(*done + "\n");
   return kExitOk;
 }
 
 int RestoreStored(client::Connection& connection, const nlohmann::json& status, int number) {
   const auto chosen = ChooseAlignment(status, number);
-  if (!chosen.ok()) return Fail(kCommand, chosen.error());
+  if (!chosen.ok()) return Fail(kAlign, chosen.error());
   protocol::PlacementCommand command = StoreCommand(chosen->headset, {}, "");
   command.action = protocol::PlacementAction::kRestore;
   const auto done = AskPlacement(connection, command);
-  if (!done.ok()) return Fail(kCommand, done.error());
+  if (!done.ok()) return Fail(kAlign, done.error());
   std::printf("%s\n", done->c_str());
   return kExitOk;
 }
@@ -114,7 +114,7 @@ int SetPolicy(client::Connection& connection, const std::string& placement) {
     if (placement == kPlacements[i]) command.uncalibrated = static_cast<protocol::Uncalibrated>(i);
   }
   const auto done = AskPlacement(connection, command);
-  if (!done.ok()) return Fail(kCommand, done.error());
+  if (!done.ok()) return Fail(kAlign, done.error());
   Print(*done + "\n");
   return kExitOk;
 }
@@ -126,14 +126,14 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
   }
   if (!arguments.marks.empty()) {
     auto marks = config::LoadMarksFile(arguments.marks);
-    if (!marks.ok()) return Fail(kCommand, marks.error());
+    if (!marks.ok()) return Fail(kAlign, marks.error());
     arguments.run.session.marks = std::move(*marks);
   }
   const auto aligned = RunAlignment(connection, arguments.run);
-  if (!aligned.ok()) return Fail(kCommand, aligned.error());
+  if (!aligned.ok()) return Fail(kAlign, aligned.error());
   Print(AlignOutcomeText(arguments.run.session, aligned->outcome));
   const auto stored = AskPlacement(connection, StoreCommand(aligned->headset, aligned->outcome, arguments.method));
-  if (!stored.ok()) return Fail(kCommand, stored.error());
+  if (!stored.ok()) return Fail(kAlign, stored.error());
   std::printf("stored       %s; applications that run have it already\n", stored->c_str());
   return kExitOk;
 }
@@ -141,14 +141,14 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
 int Align(const AlignArguments& arguments) {
   auto connection = ConnectToService(arguments.socket, protocol::ClientRole::kTool);
   if (!connection.ok()) {
-    Fail(kCommand, connection.error());
+    Fail(kAlign, connection.error());
     return kExitNoService;
   }
   if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
   const bool stored = arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
   if (!stored) return Measure(**connection, arguments);
   const auto status = AskStatus(**connection);
-  if (!status.ok()) return Fail(kCommand, status.error());
+  if (!status.ok()) return Fail(kAlign, status.error());
   if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
   if (arguments.restore) return RestoreStored(**connection, *status, arguments.number);
   if (!arguments.show) return NudgeStored(**connection, *status, arguments.number);

@@ -23,7 +23,7 @@ namespace omni::tools {
 namespace {
 
 constexpr int kBarWidth = 30;
-constexpr const char* kCommand = "omni calibrate";
+constexpr const char* kCalibrate = "omni calibrate";
 
 struct Arguments {
   std::string device = "twin";
@@ -108,7 +108,7 @@ std::string PlaceProblem(const std::string& output, bool replace) {
 
 int Restore(const std::string& output, const config::ExpectedBase& of) {
   const base::Status restored = config::RestoreCalibrationFile(output, of);
-  if (!restored.ok()) return Fail(kCommand, restored.error());
+  if (!restored.ok()) return Fail(kCalibrate, restored.error());
   std::printf("restored     %s from %s; omnid uses it from its next start\n", output.c_str(),
               config::PreviousCalibration(output).c_str());
   return kExitOk;
@@ -116,7 +116,7 @@ int Restore(const std::string& output, const config::ExpectedBase& of) {
 
 int Measure(const Arguments& arguments, const std::string& output, config::ExpectedBase of) {
   if (const std::string problem = PlaceProblem(output, arguments.replace); !problem.empty()) {
-    return Fail(kCommand, problem);
+    return Fail(kCalibrate, problem);
   }
   of.serial = "twin-" + std::to_string(arguments.seed);
   std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
@@ -124,11 +124,11 @@ int Measure(const Arguments& arguments, const std::string& output, config::Expec
   Display display(arguments.session);
   const auto done = CalibrateTwin(of.device, arguments.seed, config::DefaultTwin(), arguments.session,
                                   [&](const CalibrationSession& session) { display.Show(session); });
-  if (!done.ok()) return Fail(kCommand, done.error());
+  if (!done.ok()) return Fail(kCalibrate, done.error());
   const calibration::Outcome& outcome = done->outcome;
   std::printf("%s", ReportText(outcome.report).c_str());
   const base::Status saved = config::SaveCalibrationFile(output, ToFile(outcome, of.serial), of, arguments.replace);
-  if (!saved.ok()) return Fail(kCommand, saved.error());
+  if (!saved.ok()) return Fail(kCalibrate, saved.error());
   std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
   return kExitOk;
 }
@@ -137,11 +137,11 @@ int Calibrate(const Arguments& arguments) {
   base::DeviceGeometry device = config::DefaultDevice();
   if (!arguments.device_file.empty()) {
     auto loaded = config::LoadDeviceFile(arguments.device_file);
-    if (!loaded.ok()) return Fail(kCommand, loaded.error());
+    if (!loaded.ok()) return Fail(kCalibrate, loaded.error());
     device = *loaded;
   }
   const std::string output = arguments.output.empty() ? config::UserCalibrationFile() : arguments.output;
-  if (output.empty()) return Fail(kCommand, "no home folder to write calibration.toml to; name a file with -o FILE");
+  if (output.empty()) return Fail(kCalibrate, "no home folder to write calibration.toml to; name a file with -o FILE");
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}};
   return arguments.restore ? Restore(output, of) : Measure(arguments, output, of);
 }

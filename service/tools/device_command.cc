@@ -43,7 +43,7 @@ struct ActionEntry {
   bool takes_serial;
   bool asks;
 };
-constexpr ActionEntry kActions[] = {
+constexpr ActionEntry kDeviceActions[] = {
     {"list", "all bases: serial, port, speed, firmware, who holds them", List, false, false},
     {"info", "one base: identity, limits, temperatures, faults and what to do, the fault it kept", Info, true, false},
     {"selftest", "looks at one base, arms it for a moment without current, and says what fails", SelfTest, true, true},
@@ -62,7 +62,7 @@ void AddDevice(Command& app) {
   auto arguments = std::make_shared<DeviceArguments>();
   Command device = app.AddCommand("device", "bases on USB");
   device.RequireCommand();
-  for (const ActionEntry& entry : kActions) {
+  for (const ActionEntry& entry : kDeviceActions) {
     Command action = device.AddCommand(entry.name, entry.about);
     if (entry.takes_serial) action.Add("serial", arguments->serial, "of the base, when there are several");
     if (entry.asks) action.Add("-y,--yes", arguments->yes, "do not ask");

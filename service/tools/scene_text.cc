@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/haptics/live/make_live.h"
+#include "service/haptics/scene.h"
 #include "service/protocol/text.h"
 #include "service/tools/material_table.h"
 #include "service/tools/scene_features.h"
@@ -81,7 +82,7 @@ std::string MaterialLine(const Material& material) {
   return text;
 }
 
-std::string Rows(const scene::LoadReport& load) {
+std::string LoadRows(const scene::LoadReport& load) {
   std::size_t widths[2] = {8, 5};
   for (const scene::ExplainRow& row : load.rows) {
     widths[0] = std::max(widths[0], row.pointer.size());
@@ -177,7 +178,7 @@ json RowsJson(const scene::LoadReport& load) {
 std::string SceneText(const std::string& path, const LoadedScene& loaded) {
   const scene::LoadReport& load = loaded.load;
   std::string text = path + ": " + Bytes(load.file_bytes) + ", " + Bytes(load.bytes_read) + " read\n";
-  text += Rows(load) + Summary(loaded);
+  text += LoadRows(load) + Summary(loaded);
   std::size_t index = 0;
   for (const Material& material : MaterialsOf(loaded.scene)) {
     text += "material " + Padded(std::to_string(index++), 2) + MaterialLine(material) + "\n";

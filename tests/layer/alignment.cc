@@ -10,7 +10,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_alignment {
 
 using layer::Pose;
 
@@ -224,5 +224,5 @@ TEST_F(Alignment, ANewServiceIsAskedAgain) {
   EXPECT_EQ(service->heard().placement_requests.size(), 1U);
 }
 
-}  // namespace
+}  // namespace test_alignment
 }  // namespace omni::test

@@ -9,7 +9,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_automation {
 
 constexpr const char* kExtension = XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME;
 const std::string kLayers = std::string(OMNI_BINARY_DIR) + "/share/openxr/1/api_layers/";
@@ -179,5 +179,5 @@ TEST_F(Automation, OnlyInTestMode) {
             XR_ERROR_FUNCTION_UNSUPPORTED);
 }
 
-}  // namespace
+}  // namespace test_automation
 }  // namespace omni::test

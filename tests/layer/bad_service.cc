@@ -15,7 +15,7 @@
 #include "tests/layer/force_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_bad_service {
 
 // Listens where omnid does; what it says to a client is for the test to choose.
 class OddService {
@@ -151,5 +151,5 @@ TEST_F(BadService, SilentServiceDelaysOneQueryOnly) {
   EXPECT_LT(next_ns, first_ns);
 }
 
-}  // namespace
+}  // namespace test_bad_service
 }  // namespace omni::test

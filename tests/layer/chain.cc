@@ -12,7 +12,7 @@
 #include "tests/layer/mini_loader/chain_app.h"
 
 namespace omni::test {
-namespace {
+namespace test_chain {
 
 class Chain : public testing::Test {
  protected:
@@ -219,5 +219,5 @@ TEST_F(OtherLayers, DummyInstanceThatStays) {
   Run({OmniLayer(), OtherLayer()});
 }
 
-}  // namespace
+}  // namespace test_chain
 }  // namespace omni::test

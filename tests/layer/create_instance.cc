@@ -10,7 +10,7 @@
 #include "tests/layer/mini_loader/mini_loader.h"
 
 namespace omni::test {
-namespace {
+namespace test_create_instance {
 
 // An application's structure, and what it points to.
 struct CreateInfo {
@@ -167,5 +167,5 @@ TEST(CreateInstance, MistakesThatALoaderStopsGiveTheRuntimesResult) {
   EXPECT_EQ(layered.CreateInstance(good.info, nullptr), alone.CreateInstance(good.info, nullptr));
 }
 
-}  // namespace
+}  // namespace test_create_instance
 }  // namespace omni::test

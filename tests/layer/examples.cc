@@ -14,7 +14,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::test {
-namespace {
+namespace test_examples {
 
 struct ExampleRun {
   int status = -1;
@@ -135,5 +135,5 @@ TEST(Examples, ForceRunsItsThreeParts) {
 }
 #endif
 
-}  // namespace
+}  // namespace test_examples
 }  // namespace omni::test

@@ -6,7 +6,7 @@
 #include "tests/layer/force_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_force {
 
 using protocol::ForceStanding;
 
@@ -339,5 +339,5 @@ TEST(ForceReconnect, ClaimAndConstraintsAreToldAgain) {
   }));
 }
 
-}  // namespace
+}  // namespace test_force
 }  // namespace omni::test

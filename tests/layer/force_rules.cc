@@ -6,7 +6,7 @@
 #include "tests/layer/force_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_force_rules {
 
 using protocol::ForceConstraints;
 using protocol::ForceStop;
@@ -245,5 +245,5 @@ TEST_F(ForceRules, ArgumentsAreCheckedWithoutAPlaceToo) {
   EXPECT_EQ(state.isForceValid, XR_FALSE);
 }
 
-}  // namespace
+}  // namespace test_force_rules
 }  // namespace omni::test

@@ -10,7 +10,7 @@
 #include "layer/src/force_state.h"
 
 namespace omni::layer {
-namespace {
+namespace test_force_shapes {
 
 using protocol::ForceConstraint;
 using protocol::ForceShape;
@@ -136,5 +136,5 @@ TEST(ForceStatus, FleetingBitsAreToldGoneAfterHalfASecond) {
   EXPECT_TRUE(watch.Step(calm, 4 * kSecond_ns + 1, told)) << "focus is told at once, both ways";
 }
 
-}  // namespace
+}  // namespace test_force_shapes
 }  // namespace omni::layer

@@ -6,7 +6,7 @@
 #include "tests/layer/scene_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_haptic_scene {
 
 TEST(HapticScene, FunctionsAreThereOnlyWhereBothExtensionsAre) {
   for (const bool force : {false, true}) {
@@ -313,5 +313,5 @@ TEST(HapticScene, WrongArgumentsAreRefused) {
   EXPECT_TRUE(story.service->heard().scene_places.empty());
 }
 
-}  // namespace
+}  // namespace test_haptic_scene
 }  // namespace omni::test

@@ -6,7 +6,7 @@
 #include "tests/layer/scene_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_haptic_scene_rules {
 
 constexpr XrPosef kHere{{0, 0, 0, 1}, {0, 0, 0}};
 
@@ -289,5 +289,5 @@ TEST(HapticSceneRules, FeltIsWhatTheServiceSays) {
   EXPECT_EQ(story.service->heard().scene_enables.back().enabled, 1u);
 }
 
-}  // namespace
+}  // namespace test_haptic_scene_rules
 }  // namespace omni::test

@@ -10,7 +10,7 @@
 #include "tests/layer/scene_story.h"
 
 namespace omni::test {
-namespace {
+namespace test_haptic_scene_shape {
 
 // In a space that is still it is told once; in one that moves, frame by frame with how it moves.
 TEST(HapticScene, APlacementFollowsItsSpace) {
@@ -165,5 +165,5 @@ TEST_F(SceneShape, InTheDocumentsMetresAtEveryScale) {
   ExpectTheDocuments();
 }
 
-}  // namespace
+}  // namespace test_haptic_scene_shape
 }  // namespace omni::test

@@ -6,7 +6,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_lifecycle {
 
 using protocol::SessionState;
 
@@ -179,5 +179,5 @@ TEST_F(Lifecycle, TimeConversionIsPrivate) {
               static_cast<double>(Now_ns() + kRuntimeOffset_ns), 1e9);
 }
 
-}  // namespace
+}  // namespace test_lifecycle
 }  // namespace omni::test

@@ -12,7 +12,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::test {
-namespace {
+namespace test_log {
 
 std::string Content(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
@@ -75,5 +75,5 @@ TEST_F(LayerLog, FifosAndFoldersAreRefused) {
   layer::Log("/dev/full").Line("four");
 }
 
-}  // namespace
+}  // namespace test_log
 }  // namespace omni::test

@@ -8,7 +8,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_own_names {
 
 namespace fs = std::filesystem;
 
@@ -38,5 +38,5 @@ TEST(OwnNames, AreThoseOfTheHeaders) {
   EXPECT_STREQ(name, "XR_TYPE_SPACE_LOCATION");
 }
 
-}  // namespace
+}  // namespace test_own_names
 }  // namespace omni::test

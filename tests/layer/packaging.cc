@@ -21,7 +21,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::test {
-namespace {
+namespace test_packaging {
 
 const std::string kBuild = OMNI_BINARY_DIR;
 
@@ -222,5 +222,5 @@ TEST(Packaging, PathsResolveByActionType) {
   EXPECT_EQ(click->identifier, "/user/hand/right/input/trigger") << "what priorities collide on";
 }
 
-}  // namespace
+}  // namespace test_packaging
 }  // namespace omni::test

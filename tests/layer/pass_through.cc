@@ -7,7 +7,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_pass_through {
 
 // A list of "call -> what came back", free of handles and times.
 class Transcript {
@@ -184,5 +184,5 @@ TEST(PassThrough, LeftHandStaysTheRuntimesWhileThePenOwnsTheRight) {
   EXPECT_TRUE(service.heard().haptics.empty());
 }
 
-}  // namespace
+}  // namespace test_pass_through
 }  // namespace omni::test

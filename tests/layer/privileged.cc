@@ -15,7 +15,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::test {
-namespace {
+namespace test_privileged {
 
 constexpr uid_t kNobody = 65534;
 constexpr const char* kChosenLine = "\nroot::0:0::/:/bin/sh\n";
@@ -99,5 +99,5 @@ TEST_F(Privileged, ProgramWithMoreRightsWritesNothingForItsCaller) {
   EXPECT_FALSE(std::filesystem::exists(temp.Path("new")));
 }
 
-}  // namespace
+}  // namespace test_privileged
 }  // namespace omni::test

@@ -4,7 +4,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_profiles {
 
 class Profiles : public testing::Test {
  protected:
@@ -256,5 +256,5 @@ TEST_F(Profiles, BoundSourcesAndNames) {
   EXPECT_EQ(xrGetInputSourceLocalizedName(app.session, &none, 0, &length, nullptr), XR_ERROR_VALIDATION_FAILURE);
 }
 
-}  // namespace
+}  // namespace test_profiles
 }  // namespace omni::test

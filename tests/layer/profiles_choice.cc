@@ -5,7 +5,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_profiles_choice {
 
 using protocol::InputIndex;
 
@@ -306,5 +306,5 @@ TEST_F(ProfilesChoice, ServiceMovesThePenToTheOtherHand) {
   EXPECT_EQ(app.CountEvents(XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED), 1) << "one event for both hands";
 }
 
-}  // namespace
+}  // namespace test_profiles_choice
 }  // namespace omni::test

@@ -9,7 +9,7 @@
 #include "layer/src/profile.h"
 
 namespace omni::test {
-namespace {
+namespace test_profiles_registry {
 
 // "trigger/value" is /input/trigger/value; poses grip and aim and the haptic output are on all of them.
 struct RegistryRow {
@@ -149,5 +149,5 @@ TEST(ProfilesRegistry, EveryProfileIsUsableWithAPen) {
   }
 }
 
-}  // namespace
+}  // namespace test_profiles_registry
 }  // namespace omni::test

@@ -15,7 +15,7 @@
 #include "tests/layer/mini_loader/chain_app.h"
 
 namespace omni::test {
-namespace {
+namespace test_robust {
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr bool kSanitized = true;
@@ -230,5 +230,5 @@ TEST_F(Robust, ForkedChildDoesNoHarm) {
   EXPECT_EQ(service.heard().gone, 0) << "the child's end is not the application's";
 }
 
-}  // namespace
+}  // namespace test_robust
 }  // namespace omni::test

@@ -6,7 +6,7 @@
 #include "tests/layer/states_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_rule_actions {
 
 using protocol::InputIndex;
 
@@ -176,5 +176,5 @@ TEST_F(RuleEvents, NoneForASessionThatEnded) {
   EXPECT_EQ(app.CountEvents(XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED), 0);
 }
 
-}  // namespace
+}  // namespace test_rule_actions
 }  // namespace omni::test

@@ -10,7 +10,7 @@
 #include <set>
 
 namespace omni::test {
-namespace {
+namespace test_rules {
 
 namespace fs = std::filesystem;
 
@@ -122,5 +122,5 @@ TEST(Faults, TheShippedLayerHasNone) {
   EXPECT_EQ(Printed("nm -C '" OMNI_BINARY_DIR "/lib/libXrApiLayer_omni.so'").find("FaultIs"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_rules
 }  // namespace omni::test

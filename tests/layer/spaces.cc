@@ -8,7 +8,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces {
 
 using layer::Motion;
 using Spaces = SpacesTest;
@@ -284,5 +284,5 @@ TEST_F(Spaces, ManyThreadsLocate) {
   EXPECT_GT(located, 100);
 }
 
-}  // namespace
+}  // namespace test_spaces
 }  // namespace omni::test

@@ -14,7 +14,7 @@ extern "C" XrResult xrNegotiateLoaderRuntimeInterface(const omni::runtime::Negot
                                                       omni::runtime::NegotiateRuntimeRequest* request);
 
 namespace omni::test {
-namespace {
+namespace test_spaces_1_1 {
 
 constexpr XrReferenceSpaceType kLocalFloorType = static_cast<XrReferenceSpaceType>(kReferenceSpaceTypeLocalFloor);
 
@@ -195,5 +195,5 @@ TEST_F(Spaces11, ExtensionNameNeedsTheExtension) {
   EXPECT_EQ(get_(instance_, "xrLocateHandJointsEXT", &found), XR_ERROR_FUNCTION_UNSUPPORTED);
 }
 
-}  // namespace
+}  // namespace test_spaces_1_1
 }  // namespace omni::test

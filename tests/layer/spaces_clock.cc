@@ -7,7 +7,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_clock {
 
 constexpr std::int64_t kMs_ns = 1'000'000;
 
@@ -118,5 +118,5 @@ TEST_F(SpacesTest, FramesTellTheTimeWhereNothingElseDoes) {
   EXPECT_LT(glm::length(seen.p() - truth.X.p), 0.36 * 0.012) << "a period at the path's greatest speed";
 }
 
-}  // namespace
+}  // namespace test_spaces_clock
 }  // namespace omni::test

@@ -8,7 +8,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_frame {
 
 using layer::Pose;
 
@@ -179,5 +179,5 @@ TEST_F(SpacesFrame, ErrorsAreTheRuntimes) {
   EXPECT_EQ(xrEndFrame(app->session, &info), XR_ERROR_TIME_INVALID);
 }
 
-}  // namespace
+}  // namespace test_spaces_frame
 }  // namespace omni::test

@@ -7,7 +7,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_lever {
 
 constexpr std::int64_t kStep_ns = 2'000'000;
 constexpr double kTwoSteps_s = 2e-9 * static_cast<double>(kStep_ns);
@@ -114,5 +114,5 @@ TEST_F(SpacesTest, UnknownVelocitiesBelowAreNotMadeUp) {
   EXPECT_EQ(glm::length(Locate(pen, view, t).v()), 0);
 }
 
-}  // namespace
+}  // namespace test_spaces_lever
 }  // namespace omni::test

@@ -6,7 +6,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_many {
 
 AppOptions ManyOptions() {
   AppOptions options;
@@ -132,5 +132,5 @@ TEST_F(SpacesMany, WithoutThePenTheCallGoesDownAsItIs) {
   EXPECT_EQ(std::memcmp(&answer.location[0].pose, &one.location.pose, sizeof(XrPosef)), 0);
 }
 
-}  // namespace
+}  // namespace test_spaces_many
 }  // namespace omni::test

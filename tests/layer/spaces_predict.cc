@@ -12,7 +12,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_predict {
 
 using layer::Motion;
 using layer::Prediction;
@@ -257,5 +257,5 @@ TEST_F(History, FutureIsHeldAfterTheHorizon) {
     EXPECT_EQ(At(-ahead).X_BT.X.p.x, held_m);
 }
 
-}  // namespace
+}  // namespace test_spaces_predict
 }  // namespace omni::test

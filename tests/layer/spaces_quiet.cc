@@ -16,7 +16,7 @@
 #endif
 
 namespace omni::test {
-namespace {
+namespace test_spaces_quiet {
 
 using SpacesQuiet = SpacesTest;
 
@@ -85,5 +85,5 @@ TEST_F(SpacesQuiet, NoSystemCall) {
 
 #endif
 
-}  // namespace
+}  // namespace test_spaces_quiet
 }  // namespace omni::test

@@ -11,7 +11,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_recentre {
 
 using layer::Placement;
 using layer::PlacementHistory;
@@ -170,5 +170,5 @@ TEST(PlacementOverTime, UnknownMoveIsCuredByANewPlacement) {
   EXPECT_TRUE(history.At(30).tracked);
 }
 
-}  // namespace
+}  // namespace test_spaces_recentre
 }  // namespace omni::test

@@ -10,7 +10,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_velocity {
 
 using layer::Motion;
 using SpacesVelocity = SpacesTest;
@@ -82,5 +82,5 @@ TEST_F(SpacesVelocity, PastTimesAreAsSureAsNow) {
   EXPECT_LT(past.angular.value(), 1.2 * now.angular.value());
 }
 
-}  // namespace
+}  // namespace test_spaces_velocity
 }  // namespace omni::test

@@ -6,7 +6,7 @@
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_spaces_views {
 
 using layer::Motion;
 
@@ -203,5 +203,5 @@ TEST_F(SpacesHands, ErrorsAndUnlocatableBase) {
   EXPECT_EQ(LocateHand(pen, ToXrTime(now)).result, XR_ERROR_HANDLE_INVALID);
 }
 
-}  // namespace
+}  // namespace test_spaces_views
 }  // namespace omni::test

@@ -13,7 +13,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_stack {
 
 namespace fs = std::filesystem;
 
@@ -153,5 +153,5 @@ TEST(StackChild, DISABLED_PlantsAnError) {
   EXPECT_EQ(xrLocateSpace(local, local, Now_ns() + kRuntimeOffset_ns, &wrong), XR_ERROR_VALIDATION_FAILURE);
 }
 
-}  // namespace
+}  // namespace test_stack
 }  // namespace omni::test

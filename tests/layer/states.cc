@@ -4,7 +4,7 @@
 #include "tests/layer/states_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_states {
 
 using protocol::InputIndex;
 
@@ -262,5 +262,5 @@ TEST_F(States, OldPressesAreNotReported) {
   EXPECT_FALSE(app.Bool(app.select, app.right).currentState);
 }
 
-}  // namespace
+}  // namespace test_states
 }  // namespace omni::test

@@ -12,7 +12,7 @@
 #include "tests/layer/action_model.h"
 
 namespace omni::test {
-namespace {
+namespace test_states_model {
 
 constexpr XrPath kPathOf[] = {XR_NULL_PATH, 11, 12};  // by At
 constexpr int kSequences = 8000;
@@ -315,5 +315,5 @@ TEST(StatesModel, RandomStoriesAgreeWithTheReferenceModel) {
   EXPECT_GT(seen.hand_overs, 1'000);
 }
 
-}  // namespace
+}  // namespace test_states_model
 }  // namespace omni::test

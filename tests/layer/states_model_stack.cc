@@ -16,7 +16,7 @@ extern "C" XrResult xrNegotiateLoaderRuntimeInterface(const omni::runtime::Negot
                                                       omni::runtime::NegotiateRuntimeRequest* request);
 
 namespace omni::test {
-namespace {
+namespace test_states_model_stack {
 
 using protocol::InputIndex;
 
@@ -360,5 +360,5 @@ TEST(StatesModelStack, RandomApplicationsOverTheWholeStackAgreeWithTheModel) {
   EXPECT_GT(changed, 100);
 }
 
-}  // namespace
+}  // namespace test_states_model_stack
 }  // namespace omni::test

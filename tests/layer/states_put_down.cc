@@ -8,7 +8,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_states_put_down {
 
 using protocol::InputIndex;
 
@@ -206,5 +206,5 @@ TEST_F(StatesPutDown, StillPenAfterTheServicesTime) {
   EXPECT_TRUE(app.WaitProfile(service, kTouch)) << "taken up";
 }
 
-}  // namespace
+}  // namespace test_states_put_down
 }  // namespace omni::test

@@ -4,7 +4,7 @@
 #include "tests/layer/states_fixture.h"
 
 namespace omni::test {
-namespace {
+namespace test_states_rules {
 
 using protocol::InputIndex;
 
@@ -287,5 +287,5 @@ TEST_F(StatesRules, ActionOfThePensHandOnlyDoesNotHearTheController) {
   EXPECT_TRUE(app.Bool(app.plain, XR_NULL_PATH).currentState) << "the pen's";
 }
 
-}  // namespace
+}  // namespace test_states_rules
 }  // namespace omni::test

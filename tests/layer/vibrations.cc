@@ -10,7 +10,7 @@
 #include "tests/layer/app.h"
 
 namespace omni::test {
-namespace {
+namespace test_vibrations {
 
 using protocol::WaveformKind;
 
@@ -299,5 +299,5 @@ TEST(PcmBacklog, BooksWhatFits) {
   }
 }
 
-}  // namespace
+}  // namespace test_vibrations
 }  // namespace omni::test

@@ -13,7 +13,7 @@
 #include "tests/layer/scene_messages.h"
 
 namespace omni::test {
-namespace {
+namespace test_layer_fuzz {
 
 int Sequences(int usual) {
   const char* asked = std::getenv("OMNI_FUZZ");
@@ -206,7 +206,7 @@ TEST_F(LayerFuzz, InvariantsHoldWithThePen) {
 
 TEST_F(LayerFuzz, GarbageInTheStateMemory) {
   const MiniLoader layered({OmniLayer()});
-  const int sequences = Sequences(150);
+  const int sequences = Sequences(60);
   GarbageService service;
   int met = 0;
   for (int seed = 0; seed < sequences && !testing::Test::HasFailure(); ++seed) {
@@ -225,5 +225,5 @@ TEST_F(LayerFuzz, GarbageInTheStateMemory) {
   RecordProperty("sequences", sequences);
 }
 
-}  // namespace
+}  // namespace test_layer_fuzz
 }  // namespace omni::test

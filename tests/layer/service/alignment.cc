@@ -11,7 +11,7 @@
 #include "tests/layer/service/child_app.h"
 
 namespace omni::test {
-namespace {
+namespace test_service_alignment {
 
 constexpr const char* kLying = R"({"name": "lying", "repeat": false, "waypoints": [
     {"s": 0, "tip_m": [0.01, 0.005, 0.06], "axis": [0, 0, -1]}, {"s": 600, "tip_m": [0.01, 0.005, 0.06], "axis": [0, 0, -1]}]})";
@@ -118,5 +118,5 @@ TEST(AlignmentStack, HoldsThroughRecentringAndRestarts) {
       recentring_mm, restart_mm, next_mm);
 }
 
-}  // namespace
+}  // namespace test_service_alignment
 }  // namespace omni::test

@@ -9,7 +9,7 @@
 #include "tests/layer/service/child_app.h"
 
 namespace omni::test {
-namespace {
+namespace test_service_force {
 
 constexpr XrDuration kLong_ns = XR_MAX_FORCE_DURATION_OMNIX1;
 
@@ -182,5 +182,5 @@ TEST(ForceStack, KilledApplicationEndsForceAndConstraint) {
   EXPECT_LE(ms, 50);
 }
 
-}  // namespace
+}  // namespace test_service_force
 }  // namespace omni::test

@@ -17,7 +17,7 @@
 #include "tests/support/box_document.h"
 
 namespace omni::test {
-namespace {
+namespace test_service_haptic_scene {
 
 // Pressed 8 mm into what has its top at 50 mm, for good.
 constexpr const char* kPressed = R"({"name": "pressed", "repeat": false, "waypoints": [
@@ -316,5 +316,5 @@ TEST(HapticSceneStack, AStoppedApplicationsForceFades) {
   EXPECT_LE(ms, 450);
 }
 
-}  // namespace
+}  // namespace test_service_haptic_scene
 }  // namespace omni::test

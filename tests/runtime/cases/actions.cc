@@ -5,7 +5,7 @@
 #include "tests/runtime/cases/fixture.h"
 
 namespace omni::runtime {
-namespace {
+namespace test_actions {
 
 constexpr auto kBoolean = XR_ACTION_TYPE_BOOLEAN_INPUT;
 constexpr auto kPose = XR_ACTION_TYPE_POSE_INPUT;
@@ -196,5 +196,5 @@ TEST_F(ActionTest, HooksRefuseWhatDoesNotExist) {
   EXPECT_EQ(omni_test_call_count("xrNobody"), -1);
 }
 
-}  // namespace
+}  // namespace test_actions
 }  // namespace omni::runtime

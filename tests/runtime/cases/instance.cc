@@ -9,7 +9,7 @@ extern "C" XrResult xrNegotiateLoaderRuntimeInterface(const omni::runtime::Negot
                                                       omni::runtime::NegotiateRuntimeRequest* request);
 
 namespace omni::runtime {
-namespace {
+namespace test_instance {
 
 using InstanceTest = RuntimeTest;
 
@@ -191,5 +191,5 @@ TEST_F(InstanceTest, LossIsAnnouncedThenFinal) {
   EXPECT_EQ(Attach({set_}), XR_ERROR_INSTANCE_LOST);
 }
 
-}  // namespace
+}  // namespace test_instance
 }  // namespace omni::runtime

@@ -3,7 +3,7 @@
 #include "tests/runtime/cases/fixture.h"
 
 namespace omni::runtime {
-namespace {
+namespace test_paths {
 
 class PathTest : public RuntimeTest {
  protected:
@@ -64,5 +64,5 @@ TEST_F(PathTest, AtomsDieWithTheirInstance) {
   EXPECT_EQ(xrPathToString(instance_, old, sizeof(text), &length, text), XR_ERROR_PATH_INVALID);
 }
 
-}  // namespace
+}  // namespace test_paths
 }  // namespace omni::runtime

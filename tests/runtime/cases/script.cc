@@ -12,7 +12,7 @@
 #include "tests/support/temp_folder.h"
 
 namespace omni::runtime {
-namespace {
+namespace test_script {
 
 class ScriptTest : public RuntimeTest {
  protected:
@@ -140,5 +140,5 @@ TEST_F(ScriptTest, TouchLeavesOnLossAndExit) {
   EXPECT_TRUE(ReportHas("\"errors\": []")) << Read("report.json");
 }
 
-}  // namespace
+}  // namespace test_script
 }  // namespace omni::runtime

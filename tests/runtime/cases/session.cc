@@ -5,7 +5,7 @@
 #include "tests/runtime/cases/fixture.h"
 
 namespace omni::runtime {
-namespace {
+namespace test_session {
 
 using States = std::vector<XrSessionState>;
 
@@ -170,5 +170,5 @@ TEST_F(SessionTest, EyesStandAtTheHead) {
             XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED);
 }
 
-}  // namespace
+}  // namespace test_session
 }  // namespace omni::runtime

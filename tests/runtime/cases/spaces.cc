@@ -8,7 +8,7 @@
 #include "tests/runtime/cases/fixture.h"
 
 namespace omni::runtime {
-namespace {
+namespace test_spaces {
 
 const std::string kLeftGrip = "/user/hand/left/input/grip/pose";
 const std::string kLeftAim = "/user/hand/left/input/aim/pose";
@@ -245,5 +245,5 @@ TEST_F(SpaceTest, ManyThreads) {
   EXPECT_EQ(wrong, 0);
 }
 
-}  // namespace
+}  // namespace test_spaces
 }  // namespace omni::runtime

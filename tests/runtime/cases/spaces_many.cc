@@ -8,7 +8,7 @@
 #include "tests/runtime/newer_openxr.h"
 
 namespace omni::runtime {
-namespace {
+namespace test_spaces_many {
 
 class ManySpacesTest : public RuntimeTest {
  protected:
@@ -195,5 +195,5 @@ TEST_F(ManySpacesTest, FramesAreRecordedAndChecked) {
   EXPECT_EQ(seen.display_time, frame.predictedDisplayTime);
 }
 
-}  // namespace
+}  // namespace test_spaces_many
 }  // namespace omni::runtime

@@ -5,7 +5,7 @@
 #include "tests/runtime/cases/fixture.h"
 
 namespace omni::runtime {
-namespace {
+namespace test_states {
 
 constexpr auto kBoolean = XR_ACTION_TYPE_BOOLEAN_INPUT;
 constexpr auto kFloat = XR_ACTION_TYPE_FLOAT_INPUT;
@@ -317,5 +317,5 @@ TEST_F(StateTest, HapticsReachTheBoundHandOnly) {
   EXPECT_EQ(xrStopHapticFeedback(session_, &info), XR_SESSION_NOT_FOCUSED);
 }
 
-}  // namespace
+}  // namespace test_states
 }  // namespace omni::runtime

@@ -12,7 +12,7 @@ extern "C" XrResult xrNegotiateLoaderRuntimeInterface(const omni::runtime::Negot
                                                       omni::runtime::NegotiateRuntimeRequest* request);
 
 namespace omni::runtime {
-namespace {
+namespace test_version_1_1 {
 
 class Version11Test : public RuntimeTest {
  protected:
@@ -85,5 +85,5 @@ TEST_F(Version11Test, HasLocateSpacesAndLocalFloor) {
   EXPECT_NEAR(local.pose.position.y, 1.6f, 1e-6f) << "LOCAL is at the eyes, LOCAL_FLOOR below it on the floor";
 }
 
-}  // namespace
+}  // namespace test_version_1_1
 }  // namespace omni::runtime
