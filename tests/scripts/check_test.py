@@ -1,7 +1,9 @@
 """scripts/check finds what it is there to find."""
 import importlib.machinery
 import importlib.util
+import json
 import pathlib
+import shutil
 import sys
 import tempfile
 import unittest
@@ -34,6 +36,33 @@ class Sources(unittest.TestCase):
     def test_all_that_fail_are_named(self):
         jobs = {name: ("/", ["sh", "-c", f"echo {name}; exit {status}"]) for name, status in (("a", 0), ("b", 1), ("c", 2))}
         self.assertEqual(check.each(jobs), {"b": "b\n", "c": "c\n"})
+
+
+class JoinedSources(unittest.TestCase):
+    BAD = "int Read() {\n  const int* p = nullptr;\n  return *p;\n}\n"
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "service/Unity").mkdir(parents=True)
+        (self.folder / "service/bad.cc").write_text(self.BAD)
+        joined = self.folder / "service/Unity/unity_0_cxx.cxx"
+        joined.write_text(f'#include "{self.folder}/service/bad.cc"\n')
+        self.entry = {"directory": str(self.folder), "file": str(joined),
+                      "command": f"c++ -include pch.h -fpch-preprocess -o one.o -c {joined}"}
+
+    def test_each_source_is_looked_at_once(self):
+        alone = {**self.entry, "file": str(self.folder / "service/bad.cc")}
+        self.assertEqual(len(check.joined_commands([self.entry, alone, self.entry], self.folder)), 1)
+
+    @unittest.skipUnless(shutil.which("clang-tidy"), "clang-tidy is not installed")
+    def test_the_analyzer_sees_into_joined_sources(self):
+        entries = check.joined_commands([self.entry], self.folder)
+        (self.folder / "compile_commands.json").write_text(json.dumps(entries))
+        words = check.tidy_words(self.folder)
+        failed = check.each({"one": (str(check.ROOT), words + [entries[0]["file"]])})
+        self.assertIn("clang-analyzer-core.NullDereference", failed["one"])
 
 
 if __name__ == "__main__":

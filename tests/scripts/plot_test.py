@@ -133,10 +133,10 @@ class PlotTest(unittest.TestCase):
         return subprocess.run([PLOT, *words], capture_output=True, text=True, check=False, cwd=self.folder,
                               env={**os.environ, **environment})
 
-    def draw(self, content, output="out"):
-        """Name -> text of every picture that comes of a document."""
+    def draw(self, *contents, output="out"):
+        """Name -> text of every picture that comes of these documents, all drawn by one process."""
         folder = os.path.join(self.folder, output)
-        done = self.plot(self.write(content), "-o", folder)
+        done = self.plot(*(self.write(content, f"{k}.json") for k, content in enumerate(contents)), "-o", folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "")
         pictures = {}
@@ -153,15 +153,18 @@ class PlotTest(unittest.TestCase):
             self.assertIn(part, done.stderr)
 
     def test_pictures_name_axes_series_and_origin(self):
-        for make in MAKERS:
-            pictures = self.draw(make())
-            self.assertEqual(set(pictures), {name for name, entry in WORDS.items() if entry[0] is make})
-            for name, svg in pictures.items():
-                lines = texts_of(svg)
-                for part in (*WORDS[name][1:], "omni-bench ", "commit c0ffee", "a test's machine"):
-                    self.assertTrue(any(part in line for line in lines), f"{name}: {part} is not in {lines}")
-                self.assertEqual(any("simulation" in line for line in lines), name not in NO_TWIN, name)
-                self.assertNotIn("nan", svg, name)
+        pictures = self.draw(*(make() for make in MAKERS))
+        self.assertEqual(set(pictures), set(WORDS))
+        for name, svg in pictures.items():
+            lines = texts_of(svg)
+            for part in (*WORDS[name][1:], "omni-bench ", "commit c0ffee", "a test's machine"):
+                self.assertTrue(any(part in line for line in lines), f"{name}: {part} is not in {lines}")
+            self.assertEqual(any("simulation" in line for line in lines), name not in NO_TWIN, name)
+            self.assertNotIn("nan", svg, name)
+
+    def test_a_document_gives_its_own_pictures(self):
+        for make in (align, paper):
+            self.assertEqual(set(self.draw(make())), {name for name, entry in WORDS.items() if entry[0] is make})
 
     def test_names_stand_once_in_a_legend(self):
         lines = texts_of(self.draw(layer())["layer"])
@@ -173,9 +176,8 @@ class PlotTest(unittest.TestCase):
         self.assertEqual(self.draw(rows), self.draw(only_lumps))
 
     def test_same_rows_give_the_same_bytes(self):
-        for make in MAKERS:
-            first, second = self.draw(make(), "first"), self.draw(make(), "second")
-            self.assertEqual(first, second)
+        first, second = (self.draw(*(make() for make in MAKERS), output=output) for output in ("first", "second"))
+        self.assertEqual(first, second)
 
     def test_dots_are_drawn(self):
         content = solver()
@@ -184,15 +186,15 @@ class PlotTest(unittest.TestCase):
         self.assertEqual(marks_of(self.draw(content)["solver"]), before + 1)
 
     def test_what_is_no_number_is_left_out(self):
-        for make in MAKERS:
-            content = make()
-            before = self.draw(content)
+        contents = [make() for make in MAKERS]
+        before = self.draw(*contents)
+        for content in contents:
             for rows in (content["rows"], *content["tables"].values()):
                 for like in rows[:1]:
                     keys = [key for key, value in like.items() if isinstance(value, (int, float))]
                     rows += [{**like, **{key: lacking for key in keys}} for lacking in LACKING if keys]
                 rows += [3, None, "row", [], {}]
-            self.assertEqual(self.draw(content), before)
+        self.assertEqual(self.draw(*contents), before)
 
     def test_words_of_formulas_are_plain_text(self):
         content = solver()
@@ -200,8 +202,7 @@ class PlotTest(unittest.TestCase):
         self.assertTrue(any("$x_1$ \\frac{1} & <b>" in line for line in texts_of(self.draw(content)["solver"])))
 
     def test_documents_without_usable_rows_are_refused(self):
-        for make in MAKERS:
-            content = make()
+        for content in (make() for make in MAKERS):
             empty = document(content["name"], [{"method": "omni", "us_median": None}])
             path = self.write(empty)
             self.assert_refused(self.plot(path), path, f"omni-bench {content['name']}")
