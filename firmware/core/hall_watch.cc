@@ -1,12 +1,12 @@
 #include "firmware/core/hall_watch.h"
 
 #include "firmware/core/fault_rules.h"
+#include "firmware/core/numbers.h"
 #include "firmware/wire/scaling.h"
 
 namespace omni::firmware {
 namespace {
 
-constexpr bool Bit(std::uint8_t mask, int i) noexcept { return ((mask >> i) & 1U) != 0; }
 constexpr std::uint8_t BitOf(int i) noexcept { return static_cast<std::uint8_t>(1U << i); }
 
 bool IsSaturated(std::int16_t counts, std::uint16_t full_scale) noexcept {

@@ -1,11 +1,11 @@
 #include "firmware/core/safety_monitor.h"
 
+#include "firmware/core/numbers.h"
+
 namespace omni::firmware {
 namespace {
 
 constexpr int kWhole = wire::kSensors;
-
-constexpr bool Bit(std::uint8_t mask, int i) noexcept { return ((mask >> i) & 1U) != 0; }
 
 }  // namespace
 

@@ -20,7 +20,7 @@ constexpr float kCoil_A = 1;
 constexpr int kDrive_steps = 30 * kStepsPerMs;    // 20 time constants
 constexpr int kMeasure_steps = 10 * kStepsPerMs;  // of them the last
 constexpr int kRest_steps = 10 * kStepsPerMs;
-constexpr float kResistanceTolerance = 0.2F;
+constexpr float kMeasuredTolerance = 0.2F;
 
 }  // namespace
 
@@ -146,7 +146,7 @@ void SelfTest::JudgeCoil(const Settings& settings, Step& step) noexcept {
   const float mean_V = voltage_sum_V_ / kMeasure_steps;
   const bool flows = mean_A > kOpenShare * kCoil_A;
   const float resistance_ohm = flows ? mean_V / mean_A : 0;
-  if (flows && Abs(resistance_ohm - expected_ohm) <= kResistanceTolerance * expected_ohm) {
+  if (flows && Abs(resistance_ohm - expected_ohm) <= kMeasuredTolerance * expected_ohm) {
     resistance_ohm_[coil_] = resistance_ohm;
     return Enter(Phase::kCoilRest);
   }

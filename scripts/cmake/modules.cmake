@@ -2,11 +2,11 @@
 # path of an #include names its module; tests/architecture checks every one against the table in
 # docs/architecture.md.
 
-# omni_module(NAME [JOINED] [DEPS targets...] [PRIVATE targets...]): static library omni_NAME from the *.cc of this folder and
-# its sub-folders (main.cc excepted); header-only folders become interface libraries. PRIVATE: libraries that stay
-# behind our headers. JOINED: omni_join.
+# omni_module(NAME [SEPARATE] [DEPS targets...] [PRIVATE targets...]): static library omni_NAME, joined (omni_join), from the
+# *.cc of this folder and its sub-folders (main.cc excepted); header-only folders become interface libraries. PRIVATE:
+# libraries that stay behind our headers. SEPARATE: not joined, for sources full of Eigen's expressions, which gain nothing.
 function(omni_module name)
-  cmake_parse_arguments(ARG "JOINED" "EXCLUDE" "DEPS;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "SEPARATE" "EXCLUDE" "DEPS;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc ${CMAKE_CURRENT_SOURCE_DIR}/*/*.cc)
   list(FILTER sources EXCLUDE REGEX "main\\.cc$")
   if(ARG_EXCLUDE)
@@ -16,7 +16,7 @@ function(omni_module name)
     add_library(omni_${name} STATIC ${sources})
     target_include_directories(omni_${name} PUBLIC ${CMAKE_SOURCE_DIR})
     target_link_libraries(omni_${name} PUBLIC ${ARG_DEPS} PRIVATE ${ARG_PRIVATE})
-    if(ARG_JOINED)
+    if(NOT ARG_SEPARATE)
       omni_join(omni_${name})
     endif()
   else()
@@ -26,8 +26,7 @@ function(omni_module name)
   endif()
 endfunction()
 
-# omni_join(TARGET): in fast builds its sources compile sixteen at a time, for most of their time goes to the same
-# headers; sources full of Eigen's expressions gain nothing by it.
+# omni_join(TARGET): in fast builds its sources compile sixteen at a time, for most of their time goes to the same headers.
 # Names in their unnamed namespaces must differ; tests have a namespace of their own each, test_ and the file's name.
 function(omni_join target)
   if(OMNI_FAST_BUILD)
@@ -62,11 +61,12 @@ function(omni_precompile_test target)
   endif()
 endfunction()
 
-# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [SERIAL] [REAL_TIME]): test_NAME from tests/*/NAME.cc and
-# tests/*/NAME_*.cc, registered with ctest test by test. SERIAL: nothing else runs meanwhile. REAL_TIME: needs the time that
-# it takes on a quiet machine without sanitizers (scripts/check leaves it out).
+# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [SERIAL [PATIENT suites...]] [REAL_TIME]): test_NAME from
+# tests/*/NAME.cc and tests/*/NAME_*.cc, registered with ctest test by test. SERIAL: nothing else runs meanwhile. PATIENT:
+# these suites wait for what happens, however late; of them one runs at a time, beside tests of other programs. REAL_TIME:
+# needs the time that it takes on a quiet machine without sanitizers (scripts/check leaves it out).
 function(omni_test name)
-  cmake_parse_arguments(ARG "SERIAL;REAL_TIME" "TIMEOUT" "DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;REAL_TIME" "TIMEOUT" "DEPS;LABELS;PATIENT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/unit/${name}.cc ${CMAKE_SOURCE_DIR}/tests/unit/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/property/${name}.cc ${CMAKE_SOURCE_DIR}/tests/property/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/scenario/${name}.cc ${CMAKE_SOURCE_DIR}/tests/scenario/${name}_*.cc)
@@ -86,11 +86,20 @@ function(omni_test name)
   if(ARG_LABELS)
     list(APPEND properties LABELS "${ARG_LABELS}")
   endif()
+  set(patient ${ARG_PATIENT})
+  list(TRANSFORM patient APPEND ".*")
+  list(JOIN patient ":" patient)
+  if(patient)
+    gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 TEST_FILTER "${patient}"
+                         TEST_LIST test_${name}_patient PROPERTIES ${properties} RESOURCE_LOCK ${name})
+    set(patient "-${patient}")
+  endif()
   if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
   endif()
   if(NOT ARG_REAL_TIME)
     set_property(GLOBAL APPEND PROPERTY OMNI_TIMELESS_TESTS ${name})
   endif()
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 TEST_FILTER "${patient}"
+                       PROPERTIES ${properties})
 endfunction()
