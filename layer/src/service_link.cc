@@ -24,6 +24,7 @@ void ServiceLink::Poll(std::int64_t now_ns) {
   next_poll_ns_.store(now_ns + kPollInterval_ns, std::memory_order_relaxed);
   connection_.Poll(now_ns);
   PublishReader();
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits
   if (std::memcmp(&connection_.settings(), &settings_, sizeof(settings_)) != 0) {
     const std::unique_lock settings_lock(reader_mutex_);
     settings_ = connection_.settings();

@@ -63,7 +63,9 @@ RestSurface::Cell RestSurface::CellOf(const Vec& p) const {
 }
 
 std::size_t RestSurface::IndexOf(const Cell& cell) const {
-  return static_cast<std::size_t>((cell.z * count_.y + cell.y) * count_.x + cell.x);
+  const auto row =
+      static_cast<std::size_t>(cell.z) * static_cast<std::size_t>(count_.y) + static_cast<std::size_t>(cell.y);
+  return row * static_cast<std::size_t>(count_.x) + static_cast<std::size_t>(cell.x);
 }
 
 // All cells within a reach that doubles until the nearest triangle found is within it.

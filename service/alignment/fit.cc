@@ -76,8 +76,8 @@ Outcome ToOutcome(const std::vector<Sample>& samples, const Problem& problem) {
   outcome.expected_error_m = ExpectedError(problem, covariance);
   outcome.rotation_sigma_rad = std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
   outcome.tip_sigma_m = std::sqrt(std::max(0.0, covariance.block<3, 3>(6, 6).trace()));
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) outcome.covariance[static_cast<std::size_t>(6 * i + j)] = covariance(i, j);
+  for (std::size_t k = 0; k < 36; ++k) {
+    outcome.covariance[k] = covariance(static_cast<Eigen::Index>(k / 6), static_cast<Eigen::Index>(k % 6));
   }
   return outcome;
 }

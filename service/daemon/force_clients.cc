@@ -46,7 +46,8 @@ void Obey(const protocol::ForceConstraints& set, std::int64_t now_ns, haptics::A
 }
 
 bool SameProperties(const protocol::ForceProperties& a, const protocol::ForceProperties& b) {
-  return std::memcmp(&a, &b, sizeof(a)) == 0;  // no padding: checked by the size in the header
+  // No padding: checked by the size in the header.
+  return std::memcmp(&a, &b, sizeof(a)) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): the same bits
 }
 
 }  // namespace

@@ -15,10 +15,13 @@ constexpr double kReachStep_m = 0.001;  // how near to the end of the reach the 
 // The 26 directions to a cube's corners, edges and faces.
 std::vector<base::Vec3> Directions() {
   std::vector<base::Vec3> all;
-  for (int i = 0; i < 27; ++i) {
-    const base::Vec3 d{static_cast<double>(i % 3 - 1), static_cast<double>(i / 3 % 3 - 1),
-                       static_cast<double>(i / 9 - 1)};
-    if (d != base::Vec3{}) all.push_back(d);
+  for (const double z : {-1, 0, 1}) {
+    for (const double y : {-1, 0, 1}) {
+      for (const double x : {-1, 0, 1}) {
+        const base::Vec3 d{x, y, z};
+        if (d != base::Vec3{}) all.push_back(d);
+      }
+    }
   }
   return all;
 }

@@ -179,7 +179,7 @@ bool DecodeRecord(const RecordView& view, Record& record) noexcept {
 
 #define OMNI_RECORD(Record)                                                 \
   template std::size_t EncodeRecord(const Record&, std::uint8_t*) noexcept; \
-  template bool DecodeRecord(const RecordView&, Record&) noexcept;
+  template bool DecodeRecord(const RecordView&, Record&) noexcept;  // NOLINT(bugprone-macro-parentheses): a type
 OMNI_RECORD(ScanRecord)
 OMNI_RECORD(CommandRecord)
 OMNI_RECORD(LossRecord)

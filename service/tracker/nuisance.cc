@@ -20,7 +20,8 @@ void PutAmbientColumns(BasicMeasurement<kCapacity>& result) noexcept {
 // C^T C from column `first` on.
 template <int kCapacity>
 void AddInformation(int first, BasicMeasurement<kCapacity>& result) noexcept {
-  const auto lanes = static_cast<std::size_t>((result.sensors + kBlockSensors - 1) / kBlockSensors * kBlockSensors);
+  const int blocks = (result.sensors + kBlockSensors - 1) / kBlockSensors;
+  const std::size_t lanes = static_cast<std::size_t>(blocks) * kBlockSensors;
   for (auto a = static_cast<std::size_t>(first); a < static_cast<std::size_t>(result.columns); ++a) {
     for (std::size_t b = 0; b <= a; ++b) {
       std::array<double, kBlockSensors> sums{};  // of every eighth sensor

@@ -80,6 +80,7 @@ class RandomHost : public UsbBench {
 
  private:
   int Pick(int count) { return static_cast<int>(random_() % static_cast<unsigned>(count)); }
+  std::size_t FrameSize() { return 4 + static_cast<std::size_t>(Pick(509)); }
   int SomeAddress() { return Pick(8) == 0 ? Pick(128) : host.address; }
 
   support::UsbRequest SomeRequest() {
@@ -150,13 +151,13 @@ class RandomHost : public UsbBench {
   void Work() {
     switch (Pick(5)) {
       case 0: {
-        const auto size = static_cast<std::size_t>(4 + Pick(509));
+        const auto size = FrameSize();
         return void(host.BulkOut(NumberedFrame(++from_host_, size), Pick(8) != 0));
       }
       case 1:
         return TakeFromDevice(host.BulkIn());
       case 2:
-        return void(Accept(NumberedFrame(++from_device_, static_cast<std::size_t>(4 + Pick(509)))));
+        return void(Accept(NumberedFrame(++from_device_, FrameSize())));
       case 3:
         return TakeFromHost(Receive());
       default:

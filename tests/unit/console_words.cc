@@ -32,7 +32,7 @@ TEST(NearestWord, SaysNothingWhereNothingIsNear) {
   for (const char* typed : {"", "x", "dance", "sculpture", "st", "--json"}) {
     EXPECT_EQ(base::NearestWord(typed, kWords), "") << typed;
   }
-  EXPECT_EQ(base::NearestWord(std::string(10'000'000, 's'), kWords), "");
+  EXPECT_EQ(base::NearestWord(std::string(10'000'000, 's'), kWords), "");  // NOLINT(bugprone-string-constructor)
   EXPECT_EQ(base::NearestWord("status", std::vector<std::string>{}), "");
 }
 

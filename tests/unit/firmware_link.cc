@@ -77,11 +77,14 @@ TEST_F(FirmwareLink, WhatIsTooLongIsRefused) {
 
 TEST_F(FirmwareLink, ReplayedAndDuplicatedCommandsAreRefused) {
   const Bytes frame = bench_.Encoded(bench_.CommandNow());
+  --bench_.seq;
+  bench_.SetAll(0.5F);
+  const Bytes other = bench_.Encoded(bench_.CommandNow());  // the same order, other contents: still refused
+  ASSERT_NE(other, frame);
   bench_.Receive(frame);
   bench_.RunMs(5);
-  Bytes again = frame;  // the same order, other contents: still refused
   bench_.Receive(frame);
-  bench_.Receive(again);
+  bench_.Receive(other);
   ExpectRefused(2);
 }
 

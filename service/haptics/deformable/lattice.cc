@@ -45,7 +45,8 @@ struct BccGrid {
     const std::uint32_t sx = centre ? nx : nx + 1;
     const std::uint32_t sy = centre ? ny : ny + 1;
     const double half = centre ? 0.5 : 0;
-    return origin + cell_m * Vec3{n % sx + half, n / sx % sy + half, n / (sx * sy) + half};
+    const std::uint32_t i = n % sx, j = n / sx % sy, k = n / (sx * sy);
+    return origin + cell_m * Vec3{i + half, j + half, k + half};
   }
   std::vector<TetCorners> Tets() const;
 };

@@ -86,7 +86,10 @@ struct TreeBins {
 
   // cost = A_left n_left + A_right n_right, n in packets, least over 3 axes x 15 planes   [Wald 2007]   (1.5)
   TreeSplit Best() const {
-    const auto packets = [](std::uint32_t n) { return static_cast<float>((n + kPacketSize - 1) / kPacketSize); };
+    const auto packets = [](std::uint32_t n) {
+      const std::uint32_t whole = (n + kPacketSize - 1) / kPacketSize;
+      return static_cast<float>(whole);
+    };
     TreeSplit best;
     for (int axis = 0; axis < 3; ++axis) {
       std::array<float, kBins> right_cost{};
