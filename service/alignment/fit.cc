@@ -157,13 +157,21 @@ base::Status CheckGeometry(const std::vector<Sample>& samples, const Limits& lim
     return base::Error{std::to_string(samples.size()) + " " + what + ", needed are " +
                        std::to_string(limits.samples_min) + " or more; go on"};
   }
-  Eigen::MatrixXd points(3, static_cast<Eigen::Index>(samples.size()));
+  Vector3d mean = Vector3d::Zero();
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (!Finite(samples[k])) return base::Error{"sample " + std::to_string(k) + " is no pose; measure again"};
-    points.col(static_cast<Eigen::Index>(k)) = ToEigen(samples[k].point_base_m);
+    mean += ToEigen(samples[k].point_base_m);
   }
-  const Vector3d mean = points.rowwise().mean();
-  const Vector3d sigma = (points.colwise() - mean).jacobiSvd().singularValues() / std::sqrt(points.cols());
+  const auto count = static_cast<double>(samples.size());
+  mean /= count;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Sample& sample : samples) {
+    const Vector3d d = ToEigen(sample.point_base_m) - mean;
+    scatter += d * d.transpose();
+  }
+  // Least first; rounding may take the least below zero.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(scatter / count, Eigen::EigenvaluesOnly);
+  const Vector3d sigma = spread.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
   if (!(2 * sigma(0) >= limits.extent_min_m)) {
     return base::Error{"the " + what + " are within " + Millimetres(2 * sigma(0)) + " of each other, needed are " +
                        Millimetres(limits.extent_min_m) + "; take them farther apart"};
