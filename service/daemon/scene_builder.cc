@@ -7,7 +7,6 @@
 #include "service/config/paths.h"
 #include "service/config/scene_name.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
 #include "service/scene/load_scene.h"
 
 namespace omni::daemon {

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "service/haptics/live/sculpted_scene.h"
-#include "service/haptics/scene.h"
 #include "service/ipc/sealed_memory.h"
 #include "service/scene/glb_save.h"
 

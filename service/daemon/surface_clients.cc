@@ -1,5 +1,4 @@
 #include "service/daemon/surface_clients.h"
-#include "service/haptics/scene.h"
 
 #include <utility>
 

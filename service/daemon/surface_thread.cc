@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "service/base/clock.h"
-#include "service/haptics/scene.h"
 
 namespace omni::daemon {
 namespace {

@@ -1,5 +1,4 @@
 #include "service/haptics/scene_block.h"
-#include "service/haptics/scene.h"
 
 #include <cstring>
 

@@ -9,7 +9,6 @@
 #include <span>
 
 #include "service/haptics/check_scene.h"
-#include "service/haptics/scene.h"
 #include "service/scene/json_reading.h"
 #include "service/scene/load_error.h"
 

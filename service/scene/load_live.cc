@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
 #include "service/scene/load_soft_body.h"
 
 namespace omni::scene {

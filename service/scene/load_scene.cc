@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "service/haptics/check_scene.h"
-#include "service/haptics/scene.h"
 #include "service/scene/build_stamp.h"
 #include "service/scene/cached_scene.h"
 #include "service/scene/scene_reader.h"

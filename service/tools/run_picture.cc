@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 
-#include "service/haptics/scene.h"
 #include "service/tools/svg.h"
 
 namespace omni::tools {

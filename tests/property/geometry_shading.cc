@@ -172,7 +172,7 @@ TEST(Shading, ClosedPathsGainLittle) {
   Random random(1304);
   const Scene scene = Built(SceneOf(Icosphere(2, {0.02, 0.02, 0.02})));
   const Surface surface(scene, {});
-  double worst_shaded = 0, worst_plain = 0, length_m = 0;
+  double worst_shaded = 0, worst_plain = 0;
   for (int path = 0; path < 40; ++path) {
     const Vec3 axis = Normalized(random.InBox(1)), u = Normalized(Cross(axis, random.InBox(1))), v = Cross(axis, u);
     const double cone = random.Uniform(0.1, 1.2), depth_m = random.Uniform(5e-4, 2e-3);
@@ -193,7 +193,6 @@ TEST(Shading, ClosedPathsGainLittle) {
       const Vec3 direction = (1 / now_m) * (proxy.closest.point - tip);
       plain_J += now_m * Dot(direction, step);
       shaded_J += now_m * Dot(ShadedDirection(surface, triangle, proxy.closest, direction), step);
-      length_m += Norm(step);
     }
     const double held_J = 0.5 * (depth_m + 5e-4) * (depth_m + 5e-4);
     worst_plain = std::max(worst_plain, std::abs(plain_J) / held_J);

@@ -51,7 +51,9 @@ std::vector<NamedSoup> Soups(std::uint64_t seed) {
     return i % 2 == 0 ? Corners{a, a, a} : Corners{a, b, a + 0.5 * (b - a)};
   }));
   soups.push_back(soup("flat", 0.05, 800, [](int i, Random&) {
-    const double x = 2e-3 * (i / 2 % 20) - 0.02, y = 2e-3 * (i / 2 / 20) - 0.02, d = 2e-3;
+    const int square = i / 2;
+    const int column = square % 20, row = square / 20;
+    const double x = 2e-3 * column - 0.02, y = 2e-3 * row - 0.02, d = 2e-3;
     return i % 2 == 0 ? Corners{Vec3{x, y, 0}, Vec3{x + d, y, 0}, Vec3{x + d, y + d, 0}}
                       : Corners{Vec3{x, y, 0}, Vec3{x + d, y + d, 0}, Vec3{x, y + d, 0}};
   }));

@@ -49,7 +49,7 @@ TEST(Detents, WithTheSpringStayWithinTheStiffnessLimit) {
     const double curvature_N_m = DetentCurvature_N_m(stick);
     Input input;
     const double limit_N_m = 110;
-    const Offer offer{limit_N_m, 1, 0};
+    const Offer offer{limit_N_m, 1, {}};
     for (int k = 0; k < 3000; ++k) {
       const Vec3 u = random.InBox(1.3 * stick.range_m), step = random.InBox(1e-6 * stick.range_m);
       Input moved = input;

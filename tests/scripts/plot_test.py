@@ -157,13 +157,14 @@ class PlotTest(unittest.TestCase):
         self.assertEqual(set(pictures), set(WORDS))
         for name, svg in pictures.items():
             lines = texts_of(svg)
-            for part in (*WORDS[name][1:], "omni-bench ", "commit c0ffee", "a test's machine"):
+            make, *words = WORDS[name]
+            for part in (*words, f"omni-bench {make()['name']} --seed 7", "commit c0ffee", "a test's machine"):
                 self.assertTrue(any(part in line for line in lines), f"{name}: {part} is not in {lines}")
             self.assertEqual(any("simulation" in line for line in lines), name not in NO_TWIN, name)
             self.assertNotIn("nan", svg, name)
 
-    def test_a_document_gives_its_own_pictures(self):
-        for make in (align, paper):
+    def test_a_document_alone_gives_its_own_pictures(self):
+        for make in MAKERS:
             self.assertEqual(set(self.draw(make())), {name for name, entry in WORDS.items() if entry[0] is make})
 
     def test_names_stand_once_in_a_legend(self):

@@ -1,7 +1,6 @@
 #include "tests/support/fresh_scene.h"
 
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
 
 namespace omni::test {
 

@@ -1,5 +1,4 @@
 #include "service/haptics/contact/texture.h"
-#include "service/haptics/scene.h"
 
 #include <algorithm>
 #include <cmath>

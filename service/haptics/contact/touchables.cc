@@ -1,7 +1,6 @@
 #include "service/haptics/contact/touchables.h"
 
 #include "service/haptics/deformable/soft_contact.h"
-#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 namespace {

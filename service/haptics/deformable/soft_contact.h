@@ -9,7 +9,6 @@
 #pragma once
 
 #include <span>
-#include <type_traits>
 
 #include "service/haptics/deformable/ball_give.h"
 #include "service/haptics/deformable/soft_body.h"

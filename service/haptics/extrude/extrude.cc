@@ -1,5 +1,4 @@
 #include "service/haptics/extrude/extrude.h"
-#include "service/haptics/scene.h"
 
 #include <numbers>
 

@@ -1,7 +1,6 @@
 #include "service/haptics/geometry/query.h"
 
 #include "service/haptics/geometry/query_in_tree.h"
-#include "service/haptics/scene.h"
 
 namespace omni::haptics {
 

@@ -1,5 +1,4 @@
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
 
 #include <algorithm>
 

@@ -1,5 +1,4 @@
 #include "service/haptics/vehicle/wall_map.h"
-#include "service/haptics/scene.h"
 
 #include <array>
 #include <optional>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "service/haptics/scene.h"
 #include "service/tools/hand/race_task.h"
 #include "service/tools/hand/touch_task.h"
 

@@ -1,5 +1,4 @@
 #include "service/tools/hand/touch_task.h"
-#include "service/haptics/scene.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -5,7 +5,6 @@
 #include <limits>
 #include <string>
 
-#include "service/haptics/scene.h"
 #include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::tools {

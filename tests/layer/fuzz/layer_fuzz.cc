@@ -206,7 +206,7 @@ TEST_F(LayerFuzz, InvariantsHoldWithThePen) {
 
 TEST_F(LayerFuzz, GarbageInTheStateMemory) {
   const MiniLoader layered({OmniLayer()});
-  const int sequences = Sequences(60);
+  const int sequences = Sequences(150);
   GarbageService service;
   int met = 0;
   for (int seed = 0; seed < sequences && !testing::Test::HasFailure(); ++seed) {
