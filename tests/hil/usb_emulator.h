@@ -20,10 +20,12 @@
 #include "tests/hil/usb_node.h"
 
 // umockdev's header stays in usb_emulator.cc.
+// NOLINTBEGIN(bugprone-reserved-identifier): its names
 struct _UMockdevTestbed;
 struct _UMockdevIoctlBase;
 struct _UMockdevIoctlClient;
 struct _UMockdevIoctlData;
+// NOLINTEND(bugprone-reserved-identifier)
 struct usbdevfs_urb;
 
 namespace omni::hil {

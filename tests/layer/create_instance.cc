@@ -45,7 +45,7 @@ Mistake Version(const char* what, XrVersion version) {
   return {what, [version](CreateInfo& create) { create.info.applicationInfo.apiVersion = version; }};
 }
 
-Mistake Extensions(const char* what, std::vector<const char*> names) {
+Mistake Extensions(const char* what, const std::vector<const char*>& names) {
   return {what, [names](CreateInfo& create) {
             create.extensions = names;
             create.UseExtensions();

@@ -77,7 +77,6 @@ TEST(SculptPin, AHeldPinKeepsItsGeneration) {
   EXPECT_GT(refused, 0U) << "with one generation pinned there is no room for more than kMaxTables";
   EXPECT_EQ(publisher.OldestInUse(), pinned->generation);
   for (std::size_t k = 0; k < content.size(); ++k) {
-    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits
     ASSERT_EQ(std::memcmp(&content[k], &pinned->pages[k]->content, sizeof(PageContent)), 0);
   }
   publisher.Unpin();

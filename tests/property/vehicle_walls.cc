@@ -156,7 +156,6 @@ TEST(Walls, EqualDrivesGiveEqualBits) {
     state.heading_rad = driver.state.heading_rad;
     state.hits = driver.state.hits;
   }
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits
   EXPECT_EQ(std::memcmp(&end[0], &end[1], sizeof(VehicleState)), 0);
 }
 

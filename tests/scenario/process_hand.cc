@@ -14,6 +14,9 @@
 namespace omni::test {
 namespace test_process_hand {
 
+constexpr const char* kScene = OMNI_SOURCE_DIR "/scenes/extrusion.glb";
+constexpr const char* kHandScript = OMNI_SOURCE_DIR "/scenes/extrusion.hand.json";
+
 class LedService {
  public:
   LedService() {
@@ -23,15 +26,14 @@ class LedService {
                   "application = \"process_test*\"\nscene = \"" OMNI_SOURCE_DIR "/scenes/extrusion.glb\"\n");
   }
   base::Result<test::ChildProcess> StartOmnid() const {
-    return test::ChildProcess::Start(
-        {Program("omnid"), "--device", "twin", "--twin-script", OMNI_SOURCE_DIR "/scenes/extrusion.hand.json",
-         "--twin-hand", hand_path(), "--log-level", "warn"},
-        environment());
+    return test::ChildProcess::Start({Program("omnid"), "--device", "twin", "--twin-script", kHandScript, "--twin-hand",
+                                      hand_path(), "--log-level", "warn"},
+                                     environment());
   }
   base::Result<test::ChildProcess> StartHand(const std::string& patience_s) const {
-    return test::ChildProcess::Start({Program("omni"), "twin", "hand", OMNI_SOURCE_DIR "/scenes/extrusion.glb",
-                                      "--hand", hand_path(), "--patience", patience_s},
-                                     environment(), output_path());
+    return test::ChildProcess::Start(
+        {Program("omni"), "twin", "hand", kScene, "--hand", hand_path(), "--patience", patience_s}, environment(),
+        output_path());
   }
   test::Environment environment() const {
     return {"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),

@@ -23,15 +23,15 @@ class ProcessReplay : public testing::Test {
     std::filesystem::permissions(folder_.Path("run"), std::filesystem::perms::owner_all);
   }
 
-  base::Result<test::ChildProcess> Start(std::vector<std::string> words, const std::string& output = {}) {
+  base::Result<test::ChildProcess> Start(const std::vector<std::string>& words, const std::string& output = {}) {
     return test::ChildProcess::Start(
         words, {"OMNI_SOCKET=" + folder_.Path("run/omnid.sock"), "XDG_CONFIG_HOME=" + folder_.Path("config")}, output);
   }
 
   // stdout of `words`, started and ended by itself; stderr is the test's.
-  std::string OutputOf(std::vector<std::string> words, int status) {
+  std::string OutputOf(const std::vector<std::string>& words, int status) {
     const std::string path = folder_.Path("output.txt");
-    auto child = Start(std::move(words), path);
+    auto child = Start(words, path);
     if (!child.ok()) return "";
     EXPECT_EQ(child->Wait(), status);
     std::ifstream file(path);

@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint32_t kGpio = 0x42000000, kSpi = 0x403A0000, kI2c = 0x403F0000, kPwm2 = 0x403E0000, kGpt = 0x401F0000,
                         kPit = 0x40084000, kDog = 0x400BC000, kAnalog = 0x400D8000, kUsb = 0x402E0000;
 constexpr std::uint8_t kAddresses[4] = {0x40, 0x41, 0x44, 0x45};
-constexpr std::uint32_t kNack = 1U << 10, kPinLow = 1U << 13, kStopSeen = 1U << 9, kErrors = 0x3C00;
+constexpr std::uint32_t kNack = 1U << 10, kPinLow = 1U << 13, kStopSeen = 1U << 9;
 
 }  // namespace
 

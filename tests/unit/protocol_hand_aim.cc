@@ -21,7 +21,6 @@ TEST(HandAim, IsReadAsItWasSent) {
   const HandAim sent{.present = 0, .tip_base_m = {0.01, -0.02, 0.06}, .axis_base = {0, 0.6, -0.8}};
   HandAim read;
   ASSERT_TRUE(ReadHandAim(&sent, sizeof(sent), read));
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits
   EXPECT_EQ(std::memcmp(&sent, &read, sizeof(sent)), 0);
 }
 

@@ -22,8 +22,8 @@ struct Shares {
   double angle[kLanes], num[kLanes], den[kLanes], rest[kLanes], least[kLanes];
 };
 
-__attribute__((target_clones("avx2", "default"), noinline)) void ShareOf(const Vec3& a, const Vec3& b, const Vec3& c,
-                                                                         const Lanes& p, Shares& s) {
+__attribute__((target_clones("avx2", "default"))) void ShareOf(const Vec3& a, const Vec3& b, const Vec3& c,
+                                                               const Lanes& p, Shares& s) {
   for (std::size_t k = 0; k < kLanes; ++k) {
     const double ax = a.x - p.x[k], ay = a.y - p.y[k], az = a.z - p.z[k];
     const double bx = b.x - p.x[k], by = b.y - p.y[k], bz = b.z - p.z[k];

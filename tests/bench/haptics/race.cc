@@ -86,7 +86,7 @@ base::Result<double> FeltPeak_N(const std::string& recording, const base::Vec3& 
 
 base::Result<HitRun> RunHit(const haptics::Scene& scene, double speed_m_s, std::uint64_t seed,
                             const std::string& recording) {
-  const base::DeviceGeometry device = config::DefaultDevice();
+  const base::DeviceGeometry& device = config::DefaultDevice();
   const loop::TickConfig config = loop::MakeTickConfig(device);
   sim::HandScript still;
   still.name = "still";

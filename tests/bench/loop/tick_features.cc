@@ -30,7 +30,8 @@ void AddImages(SceneInput& input) {
   haptics::InputImage& image = input.images.emplace_back();
   image.width = image.height = kSide;
   for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-    const double turns = static_cast<double>(i % kSide + i / kSide) / kSide;
+    const std::uint32_t column = i % kSide, row = i / kSide;
+    const double turns = static_cast<double>(column + row) / kSide;
     image.texels.push_back(static_cast<std::uint8_t>(191 + 64 * std::sin(2 * std::numbers::pi * turns)));
   }
   input.textures.emplace_back();

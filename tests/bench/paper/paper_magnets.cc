@@ -71,9 +71,10 @@ void AddSizes(const base::DeviceGeometry& device, const Sweep& law, const Sweep&
                   {"radius_mm", 1e3 * device.magnet.radius_m},
                   {"height_mm", 2e3 * device.magnet.half_height_m}});
   for (std::size_t i = 0; i < law.force_N.size(); ++i) {
+    const std::size_t radius = i / kSteps, height = i % kSteps;
     rows.push_back({{"table", "magnet sizes"},
-                    {"radius_mm", 1e3 * (kRadiusLow_m + kRadiusStep_m * static_cast<double>(i / kSteps))},
-                    {"height_mm", 1e3 * (kHeightLow_m + kHeightStep_m * static_cast<double>(i % kSteps))},
+                    {"radius_mm", 1e3 * (kRadiusLow_m + kRadiusStep_m * static_cast<double>(radius))},
+                    {"height_mm", 1e3 * (kHeightLow_m + kHeightStep_m * static_cast<double>(height))},
                     {"paper_law_N", law.force_N[i]},
                     {"twin_N", twin.force_N[i]},
                     {"ours_N", ours.force_N[i]}});

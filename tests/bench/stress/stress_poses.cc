@@ -122,11 +122,11 @@ base::Result<BenchRows> StressBasins(std::uint64_t solves, std::uint64_t seed) {
     const char* name;
     double offset_m, offset_rad;
   };
-  constexpr double kDegree = std::numbers::pi / 180;
+  constexpr double kDegree_rad = std::numbers::pi / 180;
   constexpr Start kStarts[] = {
-      {"warm, 1 mm + 1 deg", 1e-3, kDegree},        {"warm, 5 mm + 5 deg", 5e-3, 5 * kDegree},
-      {"warm, 10 mm + 10 deg", 1e-2, 10 * kDegree}, {"warm, 20 mm + 20 deg", 2e-2, 20 * kDegree},
-      {"warm, 40 mm + 40 deg", 4e-2, 40 * kDegree}, {"cold", 0, 0},
+      {"warm, 1 mm + 1 deg", 1e-3, kDegree_rad},        {"warm, 5 mm + 5 deg", 5e-3, 5 * kDegree_rad},
+      {"warm, 10 mm + 10 deg", 1e-2, 10 * kDegree_rad}, {"warm, 20 mm + 20 deg", 2e-2, 20 * kDegree_rad},
+      {"warm, 40 mm + 40 deg", 4e-2, 40 * kDegree_rad}, {"cold", 0, 0},
       {"cold, also below the base plane", 0, 0}};
   sim::Rig rig(config::DefaultDevice(), {.seed = seed, .sizes = sim::NoImperfections()});
   const tracker::Model model = tracker::MakeModel(rig.ExactCalibration());
@@ -136,7 +136,7 @@ base::Result<BenchRows> StressBasins(std::uint64_t solves, std::uint64_t seed) {
   BenchRows rows;
   for (const Start& start : kStarts) {
     const bool below = std::string_view(start.name).find("below") != std::string_view::npos;
-    const sim::PoseRange range{.elevation_min_rad = below ? -20 * kDegree : 0, .tilt_max_rad = std::numbers::pi};
+    const sim::PoseRange range{.elevation_min_rad = below ? -20 * kDegree_rad : 0, .tilt_max_rad = std::numbers::pi};
     std::uint64_t arrived = 0, refused = 0;
     for (std::uint64_t i = 0; i < solves; ++i) {
       const sim::MagnetPose truth = rig.DrawPose(range, random);
