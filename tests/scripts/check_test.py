@@ -6,6 +6,7 @@ import pathlib
 import shutil
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -22,7 +23,7 @@ class Sources(unittest.TestCase):
             source.write_text(text)
             words = ["ccache", "c++", "-std=c++20", "-Wall", "-Werror", "-MD", "-MT", "one.o", "-MF", "one.d", "-o",
                      "one.o", "-c", str(source)]
-            failed = check.each({"one.cc": (folder, check.syntax_words(words))})
+            failed, _ = check.each({"one.cc": (folder, check.syntax_words(words))})
             self.assertEqual([path.name for path in pathlib.Path(folder).iterdir()], ["one.cc"])  # nothing is written
             return failed
 
@@ -35,7 +36,11 @@ class Sources(unittest.TestCase):
 
     def test_all_that_fail_are_named(self):
         jobs = {name: ("/", ["sh", "-c", f"echo {name}; exit {status}"]) for name, status in (("a", 0), ("b", 1), ("c", 2))}
-        self.assertEqual(check.each(jobs), {"b": "b\n", "c": "c\n"})
+        self.assertEqual(check.each(jobs), ({"b": "b\n", "c": "c\n"}, 0))
+
+    def test_what_there_is_no_time_for_is_counted(self):
+        jobs = {name: ("/", ["false"]) for name in "abc"}
+        self.assertEqual(check.each(jobs, time.monotonic() - 1), ({}, 3))
 
 
 class JoinedSources(unittest.TestCase):
@@ -61,7 +66,7 @@ class JoinedSources(unittest.TestCase):
         entries = check.joined_commands([self.entry], self.folder)
         (self.folder / "compile_commands.json").write_text(json.dumps(entries))
         words = check.tidy_words(self.folder, [self.folder / "service/bad.cc"])
-        failed = check.each({"one": (str(check.ROOT), words + [entries[0]["file"]])})
+        failed, _ = check.each({"one": (str(check.ROOT), words + [entries[0]["file"]])})
         self.assertIn("clang-analyzer-core.NullDereference", failed["one"])
 
 
