@@ -61,12 +61,36 @@ function(omni_precompile_test target)
   endif()
 endfunction()
 
-# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [SERIAL [PATIENT suites...]] [REAL_TIME]): test_NAME from
-# tests/*/NAME.cc and tests/*/NAME_*.cc, registered with ctest test by test. SERIAL: nothing else runs meanwhile. PATIENT:
-# these suites wait for what happens, however late; of them one runs at a time, beside tests of other programs. REAL_TIME:
-# needs the time that it takes on a quiet machine without sanitizers (scripts/check leaves it out).
+# omni_discover(TARGET PREFIX [VIRTUAL_TIME [EXCEPT suites...]] [PROPERTIES ...]): registers a program's tests with ctest
+# one by one. VIRTUAL_TIME: they start real processes and wait for them: in virtual time (tests/hil/virtual_time_main.cc),
+# which a busy machine does not stretch; the suites of EXCEPT in real time, and nothing else runs meanwhile. Under a
+# sanitizer, which wants to be the first library of a program, all do that.
+function(omni_discover target prefix)
+  cmake_parse_arguments(ARG "VIRTUAL_TIME" "" "EXCEPT;PROPERTIES" ${ARGN})
+  set(real "*")
+  if(ARG_VIRTUAL_TIME AND NOT OMNI_SANITIZE)
+    list(TRANSFORM ARG_EXCEPT APPEND ".*" OUTPUT_VARIABLE real)
+    list(JOIN real ":" real)
+    set_target_properties(${target} PROPERTIES CROSSCOMPILING_EMULATOR ${CMAKE_BINARY_DIR}/tests/omni_virtual_time)
+    add_dependencies(${target} omni_virtual_time)
+    gtest_discover_tests(${target} TEST_PREFIX ${prefix}. DISCOVERY_TIMEOUT 60 TEST_FILTER "-${real}"
+                         TEST_LIST ${target}_virtual PROPERTIES ${ARG_PROPERTIES})
+    set_target_properties(${target} PROPERTIES CROSSCOMPILING_EMULATOR "")
+  endif()
+  if(ARG_VIRTUAL_TIME)
+    list(APPEND ARG_PROPERTIES RUN_SERIAL TRUE)
+  endif()
+  if(real)
+    gtest_discover_tests(${target} TEST_PREFIX ${prefix}. DISCOVERY_TIMEOUT 60 TEST_FILTER "${real}"
+                         PROPERTIES ${ARG_PROPERTIES})
+  endif()
+endfunction()
+
+# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [REAL_TIME] [VIRTUAL_TIME [EXCEPT suites...]]): test_NAME from
+# tests/*/NAME.cc and tests/*/NAME_*.cc. REAL_TIME: needs the time that it takes on a quiet machine without sanitizers
+# (scripts/check leaves it out, as what starts real processes). VIRTUAL_TIME: as above.
 function(omni_test name)
-  cmake_parse_arguments(ARG "SERIAL;REAL_TIME" "TIMEOUT" "DEPS;LABELS;PATIENT" ${ARGN})
+  cmake_parse_arguments(ARG "REAL_TIME;VIRTUAL_TIME" "TIMEOUT" "DEPS;LABELS;EXCEPT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/unit/${name}.cc ${CMAKE_SOURCE_DIR}/tests/unit/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/property/${name}.cc ${CMAKE_SOURCE_DIR}/tests/property/${name}_*.cc
        ${CMAKE_SOURCE_DIR}/tests/scenario/${name}.cc ${CMAKE_SOURCE_DIR}/tests/scenario/${name}_*.cc)
@@ -86,20 +110,12 @@ function(omni_test name)
   if(ARG_LABELS)
     list(APPEND properties LABELS "${ARG_LABELS}")
   endif()
-  set(patient ${ARG_PATIENT})
-  list(TRANSFORM patient APPEND ".*")
-  list(JOIN patient ":" patient)
-  if(patient)
-    gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 TEST_FILTER "${patient}"
-                         TEST_LIST test_${name}_patient PROPERTIES ${properties} RESOURCE_LOCK ${name})
-    set(patient "-${patient}")
-  endif()
-  if(ARG_SERIAL)
-    list(APPEND properties RUN_SERIAL TRUE)
-  endif()
-  if(NOT ARG_REAL_TIME)
+  if(NOT ARG_REAL_TIME AND NOT ARG_VIRTUAL_TIME)
     set_property(GLOBAL APPEND PROPERTY OMNI_TIMELESS_TESTS ${name})
   endif()
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 TEST_FILTER "${patient}"
-                       PROPERTIES ${properties})
+  set(time)
+  if(ARG_VIRTUAL_TIME)
+    set(time VIRTUAL_TIME EXCEPT ${ARG_EXCEPT})
+  endif()
+  omni_discover(test_${name} ${name} ${time} PROPERTIES ${properties})
 endfunction()

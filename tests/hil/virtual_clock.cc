@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -89,6 +90,15 @@ bool VirtualClock::AdvanceTo(std::int64_t t_ns) {
     FutexWake(process.wake);
   }
   return due;
+}
+
+bool VirtualClock::AdvanceToNext() {
+  std::int64_t next_ns = kNever_ns;
+  for (const ClockProcess& process : page_->processes) {
+    const std::int64_t due_ns = process.due_ns.load();
+    if (process.pid.load() != 0 && due_ns > now_ns()) next_ns = std::min(next_ns, due_ns);
+  }
+  return next_ns != kNever_ns && AdvanceTo(next_ns);
 }
 
 std::vector<pid_t> VirtualClock::Processes() const {

@@ -29,6 +29,8 @@ class VirtualClock {
 
   // Never back. True: somebody's timer came due, and he is being woken.
   bool AdvanceTo(std::int64_t t_ns);
+  // To the first timer that is not due yet. False: there is none.
+  bool AdvanceToNext();
 
   // The programs under the clock now.
   std::vector<pid_t> Processes() const;

@@ -169,6 +169,45 @@ TEST_F(VirtualClockTest, AWrongPageIsRefused) {
   EXPECT_EQ(started->Ended(), 127);
 }
 
+// omni_virtual_time, which goes on to the first timer by itself.
+class VirtualTime : public VirtualClockTest {
+ protected:
+  static std::optional<int> Run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), std::string(OMNI_BINARY_DIR) + "/tests/omni_virtual_time");
+    auto started = HostProcess::Start(arguments, {});
+    for (int i = 0; i < 600 && !started->Ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return started->Ended();
+  }
+};
+
+TEST_F(VirtualTime, EveryWaitOfTenSecondsEndsAtItsInstantAndIsOverAtOnce) {
+  const std::int64_t begin_ns = base::MonotonicNow_ns();
+  int waits = 0;
+  for (const Way& way : {Way{"sleep", 0}, Way{"sleep_until", 0}, Way{"poll", 0}, Way{"poll_data", 1}, Way{"epoll", 0},
+                         Way{"signal", -1}, Way{"timerfd", 9}, Way{"condition", 0}, Way{"fork", 7}}) {
+    ASSERT_EQ(Run({kProbe, way.name, folder_.Path("out")}), 0) << way.name;
+    EXPECT_DOUBLE_EQ(Outcome().first, 10'000) << way.name;
+    EXPECT_EQ(Outcome().second, way.result) << way.name;
+    ++waits;
+  }
+  EXPECT_LT(base::MonotonicNow_ns() - begin_ns, waits * 5'000'000'000) << "half of what they waited for";
+}
+
+TEST_F(VirtualTime, EndsAsItsProgramDoes) {
+  EXPECT_EQ(Run({kProbe, "work", folder_.Path("out")}), 0);
+  EXPECT_EQ(Outcome().first, 0) << "work takes no time";
+  EXPECT_EQ(Run({kProbe, "no such way"}), 2);
+  EXPECT_EQ(Run({"sh", "-c", "kill -9 $$"}), 128 + SIGKILL);
+  EXPECT_EQ(Run({"/nonexistent/program"}), 127);
+  EXPECT_EQ(Run({}), 127);
+}
+
+TEST_F(VirtualTime, AProgramOfAProgramIsInTheSameTime) {
+  const std::string out = folder_.Path("out");
+  ASSERT_EQ(Run({"sh", "-c", kProbe + " sleep " + out + " & wait"}), 0);
+  EXPECT_DOUBLE_EQ(Outcome().first, 10'000);
+}
+
 TEST_F(VirtualClockTest, WithoutAPageTimeIsReal) {
   auto started = StartElsewhere("work", "");
   ASSERT_TRUE(started.ok());

@@ -18,7 +18,7 @@
 namespace omni::hil {
 
 constexpr std::uint64_t kClockMagic = 0x31306B636F6C436FULL;  // "oClock01"
-constexpr std::size_t kClockProcessesMax = 16;
+constexpr std::size_t kClockProcessesMax = 64;
 constexpr std::int64_t kNever_ns = std::numeric_limits<std::int64_t>::max();
 constexpr const char* kClockVariable = "OMNI_HIL_CLOCK";  // environment: path of the page
 

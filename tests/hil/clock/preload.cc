@@ -38,6 +38,9 @@ constexpr std::size_t kKernelSigset = 8;  // bytes of a signal set in the kernel
 // Null: this process keeps the real time. Never freed: threads may still wait while the process ends.
 Timers* timers = nullptr;
 pthread_t server;
+ClockPage* clock_page = nullptr;
+bool outside = false;  // a child that has not asked for the time yet: most call exec at once
+int generation = 0;    // of children: what a thread made before the fork belongs to the parent
 
 [[noreturn]] void Refuse(const char* path, const char* why) {
   std::fprintf(stderr, "%s=%s: %s\n", kClockVariable, path, why);
@@ -72,8 +75,28 @@ void StartServer() {
   if (!started) Refuse("", "no thread for the clock");
 }
 
-// A child that never calls exec has no server: it keeps the real time.
-void ForgetInChild() { timers = nullptr; }
+void Join() {
+  ClockProcess* const place = TakePlace(*clock_page);
+  if (place == nullptr) Refuse(std::getenv(kClockVariable), "too many programs under one clock");
+  place->due_ns.store(kNever_ns);
+  timers = new Timers(*clock_page, *place);
+  StartServer();
+}
+
+// A fork has none of its parent's threads, hence no server.
+void ForgetInChild() {
+  timers = nullptr;
+  outside = true;
+  ++generation;
+}
+
+bool HasClock() {
+  if (outside) {
+    outside = false;
+    Join();
+  }
+  return timers != nullptr;
+}
 
 __attribute__((constructor)) void Enter() {
   const char* const path = std::getenv(kClockVariable);
@@ -83,19 +106,16 @@ __attribute__((constructor)) void Enter() {
   void* const memory = mmap(nullptr, sizeof(ClockPage), PROT_READ | PROT_WRITE, MAP_SHARED, static_cast<int>(fd), 0);
   if (memory == MAP_FAILED) Refuse(path, std::strerror(errno));
   syscall(SYS_close, fd);
-  auto& page = *static_cast<ClockPage*>(memory);
-  if (page.magic != kClockMagic) Refuse(path, "is no clock of this version");
-  ClockProcess* const place = TakePlace(page);
-  if (place == nullptr) Refuse(path, "too many programs under one clock");
-  place->due_ns.store(kNever_ns);
+  clock_page = static_cast<ClockPage*>(memory);
+  if (clock_page->magic != kClockMagic) Refuse(path, "is no clock of this version");
   pthread_atfork(nullptr, nullptr, &ForgetInChild);
-  timers = new Timers(page, *place);
-  StartServer();
+  Join();
 }
 
 bool IsVirtual(clockid_t clock) {
-  return timers != nullptr && (clock == CLOCK_MONOTONIC || clock == CLOCK_MONOTONIC_RAW ||
-                               clock == CLOCK_MONOTONIC_COARSE || clock == CLOCK_BOOTTIME);
+  const bool monotonic = clock == CLOCK_MONOTONIC || clock == CLOCK_MONOTONIC_RAW || clock == CLOCK_MONOTONIC_COARSE ||
+                         clock == CLOCK_BOOTTIME;
+  return monotonic && HasClock();
 }
 
 std::int64_t Nanoseconds(const timespec& time) {
@@ -114,22 +134,31 @@ std::int64_t After(std::int64_t after_ns) {
 // One for each thread that ever waits.
 class ThreadTimer {
  public:
-  ThreadTimer() { timer_.event_fd = static_cast<int>(syscall(SYS_eventfd2, 0, EFD_CLOEXEC | EFD_NONBLOCK)); }
+  ThreadTimer() = default;
   ~ThreadTimer() { syscall(SYS_close, timer_.event_fd); }
   ThreadTimer(const ThreadTimer&) = delete;
   ThreadTimer& operator=(const ThreadTimer&) = delete;
-  Timer& timer() { return timer_; }
+  Timer& timer() {
+    if (generation_ != generation) {
+      syscall(SYS_close, timer_.event_fd);
+      timer_.event_fd = static_cast<int>(syscall(SYS_eventfd2, 0, EFD_CLOEXEC | EFD_NONBLOCK));
+      generation_ = generation;
+    }
+    return timer_;
+  }
 
  private:
   Timer timer_;
+  int generation_ = -1;
 };
 
 // From its making to its end the calling thread has a deadline, and a descriptor that becomes readable then.
 class Deadline {
  public:
-  explicit Deadline(std::int64_t due_ns) : due_ns_(due_ns) {
+  explicit Deadline(std::int64_t due_ns, pthread_cond_t* condition = nullptr) : due_ns_(due_ns) {
     thread_local ThreadTimer own;
     timer_ = &own.timer();
+    timer_->condition = condition;
     timers->Start(*timer_, due_ns, 0);
   }
   ~Deadline() {
@@ -180,13 +209,14 @@ int SleepFor(const timespec& time, timespec* left) {
   return error;
 }
 
-// A condition variable can only be waited for in real time: in short pieces. Callers bear with early returns.
+// A condition variable is signalled when its time is over, which its waiters bear with. One that was not waited for yet
+// misses that: hence the short pieces of real time.
 constexpr std::int64_t kConditionPiece_ns = 2'000'000;
 using ClockWait = int (*)(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*);
 
 template <class Wait>
-int WaitInPieces(std::int64_t due_ns, Wait wait_until) {
-  const Deadline deadline(due_ns);
+int WaitInPieces(pthread_cond_t* condition, std::int64_t due_ns, Wait wait_until) {
+  const Deadline deadline(due_ns, condition);
   while (!deadline.passed()) {
     timespec real{};
     syscall(SYS_clock_gettime, CLOCK_MONOTONIC, &real);
@@ -314,7 +344,7 @@ unsigned sleep(unsigned seconds) {
 }
 
 int ppoll(pollfd* fds, nfds_t count, const timespec* timeout, const sigset_t* mask) {
-  if (timers == nullptr || timeout == nullptr || Nanoseconds(*timeout) <= 0) {
+  if (timeout == nullptr || Nanoseconds(*timeout) <= 0 || !HasClock()) {
     timespec rest = timeout != nullptr ? *timeout : timespec{};  // the kernel writes into it
     return RealPoll(fds, count, timeout != nullptr ? &rest : nullptr, mask);
   }
@@ -327,6 +357,7 @@ int poll(pollfd* fds, nfds_t count, int timeout_ms) {
 }
 
 // What _FORTIFY_SOURCE makes of the two where it knows how many descriptors there is room for.
+// NOLINTBEGIN(bugprone-reserved-identifier): the C library's names
 int __ppoll_chk(pollfd* fds, nfds_t count, const timespec* timeout, const sigset_t* mask, std::size_t room) {
   if (room / sizeof(pollfd) < count) std::abort();
   return ppoll(fds, count, timeout, mask);
@@ -336,12 +367,13 @@ int __poll_chk(pollfd* fds, nfds_t count, int timeout_ms, std::size_t room) {
   if (room / sizeof(pollfd) < count) std::abort();
   return poll(fds, count, timeout_ms);
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 int epoll_pwait(int epoll, epoll_event* events, int capacity, int timeout_ms, const sigset_t* mask) {
   const auto real = [&](int real_ms) {
     return static_cast<int>(syscall(SYS_epoll_pwait, epoll, events, capacity, real_ms, mask, kKernelSigset));
   };
-  if (timers == nullptr || timeout_ms <= 0) return real(timeout_ms);
+  if (timeout_ms <= 0 || !HasClock()) return real(timeout_ms);
   pollfd ready{epoll, POLLIN, 0};
   if (PollUntil(After(static_cast<std::int64_t>(timeout_ms) * 1'000'000), &ready, 1, mask) < 0) return -1;
   return real(0);
@@ -355,7 +387,7 @@ int sigtimedwait(const sigset_t* signals, siginfo_t* info, const timespec* timeo
   const auto real = [&](const timespec* real_timeout) {
     return static_cast<int>(syscall(SYS_rt_sigtimedwait, signals, info, real_timeout, kKernelSigset));
   };
-  if (timers == nullptr || timeout == nullptr || Nanoseconds(*timeout) <= 0) return real(timeout);
+  if (timeout == nullptr || Nanoseconds(*timeout) <= 0 || !HasClock()) return real(timeout);
   pollfd pending{signalfd(-1, signals, SFD_CLOEXEC), POLLIN, 0};
   if (pending.fd < 0) return -1;
   const int ready = PollUntil(After(Nanoseconds(*timeout)), &pending, 1, nullptr);
@@ -369,7 +401,7 @@ int sigtimedwait(const sigset_t* signals, siginfo_t* info, const timespec* timeo
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* until) {
   static const auto next = Next<ClockWait>("pthread_cond_clockwait");
   if (!IsVirtual(clock)) return next(condition, mutex, clock, until);
-  return WaitInPieces(Nanoseconds(*until),
+  return WaitInPieces(condition, Nanoseconds(*until),
                       [&](const timespec& piece) { return next(condition, mutex, clock, &piece); });
 }
 
@@ -377,8 +409,9 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
 int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex, const timespec* until) {
   static const auto next = Next<int (*)(pthread_cond_t*, pthread_mutex_t*, const timespec*)>("pthread_cond_timedwait");
   const bool monotonic = until->tv_sec < kSecond_ns;
-  if (timers == nullptr || !monotonic) return next(condition, mutex, until);
-  return WaitInPieces(Nanoseconds(*until), [&](const timespec& piece) { return next(condition, mutex, &piece); });
+  if (!monotonic || !HasClock()) return next(condition, mutex, until);
+  return WaitInPieces(condition, Nanoseconds(*until),
+                      [&](const timespec& piece) { return next(condition, mutex, &piece); });
 }
 
 int timerfd_create(clockid_t clock, int flags) noexcept {
@@ -387,7 +420,7 @@ int timerfd_create(clockid_t clock, int flags) noexcept {
 
 int timerfd_settime(int fd, int flags, const itimerspec* wanted, itimerspec* before) noexcept {
   const std::lock_guard lock(descriptors_mutex);
-  DescriptorTimer* const one = timers != nullptr ? FindDescriptor(fd) : nullptr;
+  DescriptorTimer* const one = HasClock() ? FindDescriptor(fd) : nullptr;
   if (one == nullptr) return static_cast<int>(syscall(SYS_timerfd_settime, fd, flags, wanted, before));
   if (!IsValid(wanted->it_value) || !IsValid(wanted->it_interval)) {
     errno = EINVAL;
@@ -400,7 +433,7 @@ int timerfd_settime(int fd, int flags, const itimerspec* wanted, itimerspec* bef
 
 int timerfd_gettime(int fd, itimerspec* schedule) noexcept {
   const std::lock_guard lock(descriptors_mutex);
-  const DescriptorTimer* const one = timers != nullptr ? FindDescriptor(fd) : nullptr;
+  const DescriptorTimer* const one = HasClock() ? FindDescriptor(fd) : nullptr;
   if (one == nullptr) return static_cast<int>(syscall(SYS_timerfd_gettime, fd, schedule));
   *schedule = Schedule(timers->Look(one->timer));
   return 0;

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/epoll.h>
 #include <sys/timerfd.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -94,12 +95,27 @@ int Work() {
   return 0;
 }
 
+// A child that never calls exec sleeps.
+int Fork() {
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::int64_t begin_ns = omni::base::MonotonicNow_ns();
+    const int result = Sleep();
+    _exit(result == 0 && omni::base::MonotonicNow_ns() - begin_ns == 10'000'000'000 ? 7 : 1);
+  }
+  int status = 0;
+  if (waitpid(child, &status, 0) != child) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -2;
+}
+
 constexpr struct {
   const char* name;
   int (*run)();
-} kWays[] = {{"sleep", &Sleep}, {"sleep_until", &SleepUntil}, {"poll", &Poll},           {"poll_data", &PollData},
-             {"epoll", &Epoll}, {"signal", &Signal},          {"condition", &Condition}, {"timerfd", &TimerDescriptor},
-             {"work", &Work}};
+} kWays[] = {{"sleep", &Sleep},         {"sleep_until", &SleepUntil},
+             {"poll", &Poll},           {"poll_data", &PollData},
+             {"epoll", &Epoll},         {"signal", &Signal},
+             {"condition", &Condition}, {"timerfd", &TimerDescriptor},
+             {"work", &Work},           {"fork", &Fork}};
 
 }  // namespace
 

@@ -48,6 +48,7 @@ void Timers::FireDue() {
       if (timer->due_ns <= now_ns) {
         const std::int64_t more = timer->period_ns > 0 ? (now_ns - timer->due_ns) / timer->period_ns : 0;
         Raise(timer->event_fd, static_cast<std::uint64_t>(more + 1));
+        if (timer->condition != nullptr) pthread_cond_broadcast(timer->condition);
         timer->due_ns = timer->period_ns > 0 ? timer->due_ns + (more + 1) * timer->period_ns : kNever_ns;
       }
       first_ns = std::min(first_ns, timer->due_ns);

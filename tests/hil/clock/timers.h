@@ -2,6 +2,8 @@
 // wait for it can be a wait for anything else too.
 #pragma once
 
+#include <pthread.h>
+
 #include <cstdint>
 #include <mutex>
 #include <vector>
@@ -14,6 +16,7 @@ struct Timer {
   std::int64_t due_ns = kNever_ns;
   std::int64_t period_ns = 0;  // 0: once
   int event_fd = -1;
+  pthread_cond_t* condition = nullptr;  // signalled too
 };
 
 class Timers {
