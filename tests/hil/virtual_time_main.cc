@@ -6,8 +6,10 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -26,17 +28,24 @@ constexpr std::int64_t kPatience_us = 1'000'000;
 constexpr auto kNap = std::chrono::milliseconds(1);  // of real time, while there is no timer to wait for
 constexpr int kCannotRun = 127;                      // as shells say it
 
-// Also those that are not under the clock yet, or never will be, and those whose parent has ended.
-void AddDescendants(const std::string& pid, std::vector<pid_t>& all) {
-  std::ifstream children("/proc/" + pid + "/task/" + pid + "/children");
-  for (pid_t child = 0; children >> child;) {
-    all.push_back(child);
-    AddDescendants(std::to_string(child), all);
+constexpr const char* kOwnChildren = "/proc/thread-self/children";
+
+// Also those that are not under the clock yet, or never will be, and those whose parent has ended. Each thread has
+// children of its own [proc(5)].
+void AddDescendants(pid_t pid, std::vector<pid_t>& all) {
+  std::error_code gone;
+  std::filesystem::directory_iterator thread("/proc/" + std::to_string(pid) + "/task", gone);
+  for (; !gone && thread != std::filesystem::directory_iterator(); thread.increment(gone)) {
+    std::ifstream children(thread->path() / "children");
+    for (pid_t child = 0; children >> child;) {
+      all.push_back(child);
+      AddDescendants(child, all);
+    }
   }
 }
 std::vector<pid_t> Descendants() {
   std::vector<pid_t> all;
-  AddDescendants(std::to_string(getpid()), all);
+  AddDescendants(getpid(), all);
   return all;
 }
 
@@ -47,6 +56,7 @@ int Run(const std::vector<std::string>& arguments) {
   };
   if (arguments.empty()) return fail("a program is missing: omni_virtual_time PROGRAM ARGUMENTS...");
   if (const omni::base::Status possible = QuietWatch::Possible(); !possible) return fail(possible.error());
+  if (access(kOwnChildren, R_OK) != 0) return fail(std::string("needs ") + kOwnChildren + " (CONFIG_PROC_CHILDREN)");
   if (prctl(PR_SET_CHILD_SUBREAPER, 1) != 0) return fail("orphans cannot be adopted");
   prctl(PR_SET_TIMERSLACK, kTimerSlack_ns);
   auto clock = VirtualClock::Create("");
