@@ -121,7 +121,6 @@ void Show(const std::string& name, const HilSession& session, const json& summar
 
 // The core in an emulated Cortex-M7 instead of this process.
 TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
-  OMNI_NEEDS_PRELOAD();
   OMNI_NEEDS_BOARD();
   HilSession session;
   const json summary = session.Run("silence", {"--board", "qemu"});
@@ -136,7 +135,6 @@ TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
 class HilScenario : public testing::TestWithParam<Expected> {};
 
 TEST_P(HilScenario, EndsAsItMust) {
-  OMNI_NEEDS_PRELOAD();
   HilSession session;
   const json summary = session.Run(GetParam().scenario);
   ASSERT_TRUE(summary.is_object()) << "no summary";

@@ -17,14 +17,6 @@ std::string NoBoardReason();
 
 }  // namespace omni::hil
 
-// For the first line of a test whose programs have libraries preloaded.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define OMNI_NEEDS_PRELOAD() \
-  GTEST_SKIP() << "a sanitizer wants to be the first library of a program, and here is another"
-#else
-#define OMNI_NEEDS_PRELOAD() static_cast<void>(0)
-#endif
-
 // For the first line of a test.
 #define OMNI_NEEDS_BOARD()                                                                                \
   do {                                                                                                    \

@@ -13,15 +13,10 @@
 #include "layer/src/event_queue.h"
 #include "tests/layer/app.h"
 #include "tests/layer/mini_loader/chain_app.h"
+#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_robust {
-
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 class Robust : public testing::Test {
  protected:

@@ -10,10 +10,7 @@
 #include <unistd.h>
 
 #include "tests/layer/spaces_fixture.h"
-
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-#define OMNI_SANITIZED 1
-#endif
+#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_spaces_quiet {
@@ -32,8 +29,6 @@ TEST_F(SpacesQuiet, OneCallDown) {
     EXPECT_EQ(omni_test_call_count("xrLocateSpace"), before + 1);
   }
 }
-
-#ifndef OMNI_SANITIZED
 
 // From here on any system call but exit_group kills this process with SIGSYS.
 bool ForbidSystemCalls() {
@@ -63,6 +58,7 @@ int WithoutSystemCalls(Body body) {
 }
 
 TEST_F(SpacesQuiet, NoSystemCall) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
   App app;
   Start(app);
   const XrSpace view = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
@@ -82,8 +78,6 @@ TEST_F(SpacesQuiet, NoSystemCall) {
             }),
             0);
 }
-
-#endif
 
 }  // namespace test_spaces_quiet
 }  // namespace omni::test

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "tests/layer/app.h"
+#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_stack {
@@ -53,9 +54,7 @@ std::string ReadAll(const fs::path& file) {
 class Stack : public testing::Test {
  protected:
   void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "Debian's layers are not instrumented";
-#endif
+    if (kSanitized) GTEST_SKIP() << "Debian's layers are not instrumented";
     folder_ = fs::path(std::getenv("OMNI_SOCKET")).parent_path() / "stack";
     fs::create_directories(folder_);
   }

@@ -10,13 +10,11 @@
 #include <exception>
 #include <fstream>
 
+#include "tests/support/sanitized.h"
+
 namespace omni::test {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kMemoryCounts = false;  // sanitizers take as much again, and terabytes of address space
-#else
-inline constexpr bool kMemoryCounts = true;
-#endif
+inline constexpr bool kMemoryCounts = !kSanitized;  // sanitizers take as much again, and terabytes of address space
 
 // Pages of this process: of its address space, and those in memory.
 struct PagesOfProcess {
