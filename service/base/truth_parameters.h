@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "service/base/room_parameters.h"
 #include "service/base/vec.h"
 
 namespace omni::base {
@@ -20,6 +21,13 @@ struct ImperfectionSizes {
   double current_offset_A = 2e-3;
   double coil_size = 0;            // relative, of a winding's radii and width at an equal number of turns
   double sensor_nonlinearity = 0;  // of full scale: greatest deviation from the best straight line, per axis
+  // Since the background was taken; per axis.
+  double sensor_offset_T = 0;
+  double sensor_offset_T_K = 0, sensor_gain_1_K = 0;  // per kelvin of TruthEffects::sensor_warming_K
+  double hull_radius_m = 0;
+  double core_offset_m = 0;  // per axis, of the core's centre from the hull's and the coils'
+  double core_size = 0;      // relative, of its radius
+  double magnet_size = 0;    // relative, of radius and height each, at an equal moment
 };
 
 // LIS3MDL: the quiet setting, ultra-high performance (at most 155 Hz), and the fast one, low power (1 kHz).
@@ -27,6 +35,7 @@ struct SensorParameters {
   std::array<double, 3> noise_uhp_T{3.2e-7, 3.2e-7, 4.1e-7};  // rms per axis
   std::array<double, 3> noise_lp_T{8e-7, 8e-7, 1e-6};
   double oscillator_spread = 0.005;  // sample rates differ by up to this much, relative
+  double flicker_T = 0;              // rms per axis of the noise that lasts .01, .1, 1, 10 and 100 s, each
 };
 
 // Two nodes: each coil's copper, and the body (core, plastic, table) that all three share.
@@ -48,10 +57,12 @@ struct TruthEffects {
   bool background_known = true;      // calibration has removed the constant part: only the drift is left
   double ambient_drift_T = 0;        // by which the background has changed after run_s, in a random direction
   double magnet_warming_K = 0;       // by which the magnet is warmer after run_s
+  double sensor_warming_K = 0;       // the same for the sensors
   double magnet_per_K = -1.2e-3;     // relative change of its moment
   double pwm_frequency_Hz = 0;       // current ripple at unsynchronised sampling
   double pwm_residual = 1;           // what a sensor's own averaging leaves of the ripple
   double run_s = 600;                // drift and warming are ramps over this time and stay there
+  RoomEffects room;                  // what stands and happens around the base
 };
 
 struct TruthParameters {

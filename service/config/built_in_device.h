@@ -1,4 +1,4 @@
-// The texts of manifests/device/omni.toml, twin.toml and marks.toml, put into the binary by CMake.
+// The texts of manifests/device/omni.toml, twin.toml, room.toml and marks.toml, put into the binary by CMake.
 #pragma once
 
 #include <cstdio>
@@ -12,6 +12,7 @@ namespace omni::config {
 
 extern const char* const kBuiltInDeviceText;
 extern const char* const kBuiltInTwinText;
+extern const char* const kBuiltInRoomText;
 extern const char* const kBuiltInMarksText;
 
 // What `parse` makes of one of them. A text that it refuses ends the program: a build that its own tests refuse.

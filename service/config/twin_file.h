@@ -1,4 +1,5 @@
-// manifests/device/twin.toml -> TruthParameters of the simulated base. Errors as in device_file.h.
+// manifests/device/twin.toml -> TruthParameters of the simulated base. Errors as in device_file.h. A file that says
+// `based_on = "ideal"` or "room" has only what is different.
 #pragma once
 
 #include <string>
@@ -13,7 +14,16 @@ base::Result<base::TruthParameters> LoadTwinFile(const std::string& path);
 // `name` stands for the file in messages.
 base::Result<base::TruthParameters> ParseTwin(const std::string& text, const std::string& name);
 
-// The parameters built into the binary: the same numbers as manifests/device/twin.toml.
-const base::TruthParameters& DefaultTwin();
+// "ideal", "room", or a file. A name wins over a file of that name: write ./room for that one.
+base::Result<base::TruthParameters> FindTwin(const std::string& name_or_file);
+inline constexpr const char* kTwinHelp =
+    "how the simulated base and its room are: ideal, room, or a file as of share/omni/device";
+
+// Built into the binary, the numbers of manifests/device/twin.toml: a well calibrated base with nothing near.
+const base::TruthParameters& IdealTwin();
+// manifests/device/room.toml: a base as a workshop makes it, in an ordinary room.
+const base::TruthParameters& RoomTwin();
+// What a user gets who asks for none.
+inline const base::TruthParameters& DefaultTwin() { return IdealTwin(); }
 
 }  // namespace omni::config

@@ -10,6 +10,7 @@
 #include "service/config/alignment_file.h"
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/daemon/open_device.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/hand.h"
@@ -25,6 +26,7 @@ std::string ErrorOf(const base::Result<T>& result) {
 }
 
 std::string ScriptProblem(const std::string& path) { return ErrorOf(sim::LoadHandScript(path)); }
+std::string TwinProblem(const std::string& name_or_file) { return ErrorOf(config::FindTwin(name_or_file)); }
 std::string AlignmentsProblem(const std::string& path) { return ErrorOf(config::LoadAlignmentFile(path)); }
 std::string DeviceFileProblem(const std::string& path) { return ErrorOf(config::LoadDeviceFile(path)); }
 
@@ -53,6 +55,7 @@ struct FileOption {
 constexpr FileOption kFileOptions[] = {
     {"--device-file", &RunOptions::device_file, DeviceFileProblem},
     {"--alignments", &RunOptions::alignment_path, AlignmentsProblem},
+    {"--twin", &RunOptions::twin, TwinProblem},
     {"--twin-script", &RunOptions::twin_script, ScriptProblem},
     {"--record", &RunOptions::record_path, WriteProblem},
     {"--record-device", &RunOptions::record_device_path, WriteProblem},
@@ -73,6 +76,7 @@ std::string CalibrationProblem(const RunOptions& options) {
 
 std::string OptionsProblem(const RunOptions& options) {
   const bool twin = IsTwin(options.device);
+  if (!twin && !options.twin.empty()) return "--twin: needs --device twin";
   if (!twin && !options.twin_script.empty()) return "--twin-script: needs --device twin";
   if (!twin && !options.twin_hand.empty()) return "--twin-hand: needs --device twin";
   if (!twin && !options.twin_record.empty()) return "--twin-record: needs --device twin";

@@ -2,6 +2,7 @@
 #include <exception>
 #include <string>
 
+#include "service/config/twin_file.h"
 #include "service/console/command.h"
 #include "service/daemon/check_options.h"
 #include "service/daemon/open_device.h"
@@ -26,6 +27,7 @@ int ParseAndRun(int argc, char** argv) {
   app.Add("--socket", options.socket_path, "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
   app.Add("--record", options.record_path, "CSV file with one line a tick");
   app.Add("--record-device", options.record_device_path, "file of all scans and commands, to replay");
+  app.Add("--twin", options.twin, omni::config::kTwinHelp);
   app.Add("--twin-script", options.twin_script, "hand script (.json) of the twin");
   app.Add("--twin-hand", options.twin_hand,
           "socket on which a program leads the twin's hand (omni twin hand), in a folder of mode 0700");

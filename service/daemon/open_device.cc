@@ -19,6 +19,7 @@ base::Result<OpenedDevice> OpenTwin(const RunOptions& options, const std::string
   const auto add = [&](const char* name, const std::string& value) {
     if (!value.empty()) arguments.insert(arguments.end(), {name, value});
   };
+  add("--twin", options.twin);
   add("--script", options.twin_script);
   add("--hand", options.twin_hand);
   add("--record", options.twin_record);

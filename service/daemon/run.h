@@ -15,6 +15,7 @@ struct RunOptions {
   std::string record_path;         // ticks, as CSV
   std::string record_device_path;  // scans and commands, for --device replay:FILE
   bool replay_fast = false;
+  std::string twin;  // "ideal", "room" or a file; empty: the default
   std::string twin_script;
   std::string twin_hand;  // socket on which the twin's hand is led; empty: the script is played
   std::string twin_record;

@@ -23,8 +23,8 @@ std::array<double, 3> MatchMoments(const std::array<double, 3>& moments) noexcep
 
 }  // namespace
 
-CoreImages::CoreImages(double core_radius_m, double core_kappa) noexcept
-    : radius_m_(core_radius_m), image_strength_(1) {
+CoreImages::CoreImages(double core_radius_m, double core_kappa, const Vec3& centre_base_m) noexcept
+    : radius_m_(core_radius_m), centre_base_m_(centre_base_m), image_strength_(1) {
   if (!(core_kappa < 1)) return;
   const double mu = (1 + 2 * core_kappa) / (1 - core_kappa);
   image_strength_ = (mu - 1) / (mu + 1);
@@ -38,13 +38,14 @@ void CoreImages::Place(const Charges& charges, Charges& images) const noexcept {
   const std::size_t count = charges.size();
   double centre = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const double r2 = charges.x[i] * charges.x[i] + charges.y[i] * charges.y[i] + charges.z[i] * charges.z[i];
+    const Vec3 from_centre = charges.position(i) - centre_base_m_;
+    const double r2 = Dot(from_centre, from_centre);
     const double scale = radius_m_ * radius_m_ / r2;
     const double q = -image_strength_ * charges.q[i] * radius_m_ / std::sqrt(r2);
     const auto put = [&](std::size_t at, double t, double weight) {
-      images.x[at] = t * scale * charges.x[i];
-      images.y[at] = t * scale * charges.y[i];
-      images.z[at] = t * scale * charges.z[i];
+      images.x[at] = centre_base_m_.x + t * scale * from_centre.x;
+      images.y[at] = centre_base_m_.y + t * scale * from_centre.y;
+      images.z[at] = centre_base_m_.z + t * scale * from_centre.z;
       images.q[at] = weight * q;
       centre -= weight * q;
     };
@@ -52,7 +53,9 @@ void CoreImages::Place(const Charges& charges, Charges& images) const noexcept {
     for (std::size_t j = 0; j < node_count_; ++j) put((1 + j) * count + i, kNodePlaces[j], weight_[j]);
   }
   const std::size_t last = image_count(count) - 1;
-  images.x[last] = images.y[last] = images.z[last] = 0;
+  images.x[last] = centre_base_m_.x;
+  images.y[last] = centre_base_m_.y;
+  images.z[last] = centre_base_m_.z;
   images.q[last] = centre;
 }
 

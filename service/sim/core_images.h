@@ -19,7 +19,7 @@ namespace omni::sim {
 class CoreImages {
  public:
   // core_kappa = (mu - 1) / (mu + 2) in [0, 1]; 1: infinitely permeable.
-  CoreImages(double core_radius_m, double core_kappa) noexcept;
+  CoreImages(double core_radius_m, double core_kappa, const Vec3& centre_base_m = {}) noexcept;
 
   // How many images `sources` charges have.
   std::size_t image_count(std::size_t sources) const noexcept { return sources * (1 + node_count_) + 1; }
@@ -29,6 +29,7 @@ class CoreImages {
  private:
   static constexpr std::size_t kNodes = 3;
   double radius_m_;
+  Vec3 centre_base_m_;
   double image_strength_;                // kappa_inf
   std::size_t node_count_ = 0;           // 0: infinitely permeable
   std::array<double, kNodes> weight_{};  // of the image's charge, at kNodePlaces of its distance from the centre

@@ -11,6 +11,27 @@ namespace {
 
 constexpr double kSlowest_Hz = 0.0316;  // of the eddy poles, two per decade from here to 10 kHz
 
+Vec3 DrawDirection(Random& random) noexcept {
+  const double z = random.Uniform(-1, 1);
+  const double angle = 2 * std::numbers::pi * random.Uniform();
+  const double rho = std::sqrt(1 - z * z);
+  return {rho * std::cos(angle), rho * std::sin(angle), z};
+}
+
+// Share of the time from `begin` to `end` that has passed; equal: all of it from then on.
+double Passed(double t_s, double begin_s, double end_s) noexcept {
+  return end_s > begin_s ? std::clamp((t_s - begin_s) / (end_s - begin_s), 0.0, 1.0) : t_s >= end_s ? 1.0 : 0.0;
+}
+
+// The earth's field stays where it is while the base turns under it. What was taken at start-up has been removed.
+Vec3 EarthField(const base::TruthEffects& effects, double t_s) noexcept {
+  const base::RoomEffects& room = effects.room;
+  const double turned_rad =
+      room.turn_rate_rad_s * room.turn_s * Passed(t_s, room.turn_from_s, room.turn_from_s + room.turn_s);
+  const Vec3 now_T = Rotated(effects.earth_field_base_T, Vec3{0, 0, -turned_rad});
+  return effects.background_known ? now_T - effects.earth_field_base_T : now_T;
+}
+
 }  // namespace
 
 // H(s) = (1 - sqrt(s/wc) / 2) / (1 + sqrt(s/wc)) = 1 + 3/2 (F - 1), F = 1 / (1 + sqrt(s/wc)),
@@ -73,20 +94,54 @@ std::array<double, 2> CoreMemory::EddyResponse(double frequency_Hz) const noexce
   return {h.real(), h.imag()};
 }
 
-Environment::Environment(const base::TruthEffects& effects, Random& random) noexcept : effects_(effects) {
-  const double z = random.Uniform(-1, 1);
-  const double angle = 2 * std::numbers::pi * random.Uniform();
-  const double rho = std::sqrt(1 - z * z);
-  drift_base_T_ = effects.ambient_drift_T * Vec3{rho * std::cos(angle), rho * std::sin(angle), z};
+Environment::Environment(const base::TruthEffects& effects, Random& random) : effects_(effects) {
+  drift_base_T_ = effects.ambient_drift_T * DrawDirection(random);
+  mains_base_ = DrawDirection(random);
+  for (double& phase_rad : mains_phase_rad_) phase_rad = 2 * std::numbers::pi * random.Uniform();
 }
 
 Surroundings Environment::At(double t_s) const noexcept {
   const double ramp = std::clamp(t_s / effects_.run_s, 0.0, 1.0);
+  const base::RoomEffects& room = effects_.room;
   Surroundings now;
-  now.background_base_T = ramp * drift_base_T_;
-  if (!effects_.background_known) now.background_base_T += effects_.earth_field_base_T;
+  now.background_base_T = ramp * drift_base_T_ + EarthField(effects_, t_s);
+  for (const base::FieldStep& step : room.steps) {
+    now.background_base_T += Passed(t_s, step.at_s, step.at_s + step.over_s) * step.change_base_T;
+  }
   now.magnet_scale = 1 + effects_.magnet_per_K * effects_.magnet_warming_K * ramp;
+  now.sensor_warming_K = effects_.sensor_warming_K * ramp;
+  for (std::size_t j = 0; j < room.steel.size(); ++j) {
+    if (t_s >= room.steel[j].from_s) now.steel_mask |= 1U << j;
+  }
+  now.magnet_count = room.magnets.size();
+  for (std::size_t j = 0; j < room.magnets.size(); ++j) {
+    const base::OtherMagnet& magnet = room.magnets[j];
+    const double share = Passed(t_s, magnet.leaves_s, magnet.arrives_s);
+    now.magnets[j] = {magnet.from_base_m + share * (magnet.to_base_m - magnet.from_base_m), magnet.moment_Am2};
+  }
   return now;
+}
+
+Vec3 Environment::Mains(double t_s) const noexcept {
+  const base::RoomEffects& room = effects_.room;
+  if (room.mains_T == 0) return {};
+  const std::array<double, 3> share{1, room.mains_third, room.mains_fifth};
+  double sum_T = 0;
+  for (std::size_t h = 0; h < share.size(); ++h) {
+    const double order = 2 * static_cast<double>(h) + 1;
+    sum_T +=
+        room.mains_T * share[h] * std::sin(2 * std::numbers::pi * order * room.mains_Hz * t_s + mains_phase_rad_[h]);
+  }
+  return sum_T * mains_base_;
+}
+
+const base::SensorFault* Environment::FaultOf(std::size_t sensor, double t_s) const noexcept {
+  for (const base::SensorFault& fault : effects_.room.faults) {
+    const bool is_other =
+        fault.kind == base::SensorFaultKind::kSwapped && static_cast<std::size_t>(fault.other) == sensor;
+    if (t_s >= fault.from_s && (static_cast<std::size_t>(fault.sensor) == sensor || is_other)) return &fault;
+  }
+  return nullptr;
 }
 
 // dI = V D (1 - D) / (f L), D the share of time that the supply is on the coil.

@@ -16,6 +16,14 @@ struct Surroundings {
   Vec3 core_moment_Am2;     // of the core beyond what tool, coils and background induce at once
   Vec3 background_base_T;   // uniform, as it would be without the core
   double magnet_scale = 1;  // of the tool's moment
+  double sensor_warming_K = 0;
+  std::uint32_t steel_mask = 0;  // pieces of steel that are there
+  // Other magnets, as dipoles.
+  struct Magnet {
+    Vec3 position_base_m, moment_Am2;
+  };
+  std::array<Magnet, base::kOtherMagnetsMax> magnets;
+  std::size_t magnet_count = 0;
 };
 
 // The core's moment lags behind what is induced at once (eddy currents) and keeps a part of it (hysteresis).
@@ -53,15 +61,21 @@ class CoreMemory {
 // Background and the magnet's temperature as functions of time.
 class Environment {
  public:
-  // Draws the direction of the drift.
-  Environment(const base::TruthEffects& effects, Random& random) noexcept;
+  // Draws the directions of drift and mains, and the phases of the mains.
+  Environment(const base::TruthEffects& effects, Random& random);
 
-  // Without the core's memory. `t_s` since the start of the run.
+  // Without the core's memory and the mains. `t_s` since the start of the run.
   Surroundings At(double t_s) const noexcept;
+  // Too fast for a tick: to be asked for at each sample's own instant.
+  Vec3 Mains(double t_s) const noexcept;
+  // What is wrong with a sensor; null: nothing. The first fault that names it counts.
+  const base::SensorFault* FaultOf(std::size_t sensor, double t_s) const noexcept;
 
  private:
   base::TruthEffects effects_;
   Vec3 drift_base_T_;
+  Vec3 mains_base_;  // unit
+  std::array<double, 3> mains_phase_rad_{};
 };
 
 // Ripple of a driver that switches `supply_V` at `frequency_Hz` onto a coil so that `current_A` flows, peak to peak.

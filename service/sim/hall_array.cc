@@ -12,6 +12,7 @@ namespace omni::sim {
 HallArray::HallArray(const base::DeviceGeometry& device, const base::SensorParameters& sensor_parameters,
                      std::int64_t start_ns, Random& random)
     : noise_T_(device.sensor_noise_T),
+      flicker_T_(sensor_parameters.flicker_T),
       lsb_T_(device.sensor_lsb_T),
       full_scale_(wire::ToCounts<std::uint16_t>(
           std::min(device.sensor_range_T, device.sensor_lsb_T * std::numeric_limits<std::int16_t>::max()),
@@ -35,6 +36,25 @@ bool HallArray::NextSample(std::size_t index, std::int64_t t_ns, std::int64_t& s
   return any;
 }
 
+// Processes of first order of equal strength, one a decade: together 1/f between the times of the fastest and slowest
+// [van der Ziel 1950].
+double HallArray::Flicker_T(Sensor& sensor, std::size_t axis, Random& random) const noexcept {
+  if (!(flicker_T_ > 0)) return 0;
+  double sum_T = 0;
+  for (std::size_t i = 0; i < kFlickerTimes_s.size(); ++i) {
+    const double keep = std::exp(-base::kTickPeriod_s / kFlickerTimes_s[i]);
+    double& process_T = sensor.flicker_T[axis][i];
+    process_T = keep * process_T + std::sqrt(1 - keep * keep) * flicker_T_ * random.Normal();
+    sum_T += process_T;
+  }
+  return sum_T;
+}
+
+void HallArray::Repeat(std::size_t index, std::int64_t sample_ns) noexcept {
+  sensors_[index].fresh = true;
+  sensors_[index].sampled_ns = sample_ns;
+}
+
 void HallArray::Sample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept {
   Sensor& sensor = sensors_[index];
   const std::array<double, 3> reading{reading_T.x, reading_T.y, reading_T.z};
@@ -42,7 +62,7 @@ void HallArray::Sample(std::size_t index, std::int64_t sample_ns, const Vec3& re
   sensor.fresh = true;
   sensor.sampled_ns = sample_ns;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double noisy_T = reading[axis] + noise_T_[axis] * random.Normal();
+    const double noisy_T = reading[axis] + noise_T_[axis] * random.Normal() + Flicker_T(sensor, axis, random);
     sensor.counts[axis] = wire::ToCounts<std::int16_t>(std::clamp(noisy_T, -full_scale_T, full_scale_T), lsb_T_);
   }
 }

@@ -25,6 +25,8 @@ class HallArray {
 
   // Takes that sample of the noise-free reading.
   void Sample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept;
+  // It is said to be new, and is the one before.
+  void Repeat(std::size_t index, std::int64_t sample_ns) noexcept;
 
   // What the chip's output registers hold, and when they were written.
   struct Registers {
@@ -38,16 +40,20 @@ class HallArray {
   }
 
  private:
+  static constexpr std::array<double, 5> kFlickerTimes_s{0.01, 0.1, 1, 10, 100};
   struct Sensor {
     std::int64_t period_ns = 0;
     std::int64_t next_ns = 0;
     std::int64_t sampled_ns = kNever_ns;
     bool fresh = false;
     std::array<std::int16_t, 3> counts{};
+    std::array<std::array<double, kFlickerTimes_s.size()>, 3> flicker_T{};  // per axis
   };
+  double Flicker_T(Sensor& sensor, std::size_t axis, Random& random) const noexcept;
 
   std::array<Sensor, base::kSensorCount> sensors_;
   std::array<double, 3> noise_T_;
+  double flicker_T_;
   double lsb_T_;
   std::uint16_t full_scale_;
 };

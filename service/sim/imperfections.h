@@ -17,6 +17,7 @@ struct SensorError {
   Vec3 rotation_rad;  // of the sensor's axes, in its own frame
   Vec3 gain{1, 1, 1};
   Vec3 nonlinearity;  // greatest deviation from the best line over full scale
+  Vec3 offset_T, offset_T_K, gain_1_K;
 };
 
 struct Imperfections {
@@ -27,9 +28,16 @@ struct Imperfections {
   std::array<double, base::kCoilCount> current_gain{1, 1, 1};
   std::array<double, base::kCoilCount> current_offset_A{};
   std::array<double, base::kCoilCount> coil_size{1, 1, 1};
+  double hull_radius_m = 0;  // more than drawn
+  Vec3 core_offset_base_m;
+  double core_size = 1;
+  double magnet_radius = 1, magnet_height = 1;
 };
 
 Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) noexcept;
+
+// The sizes of the base and pen themselves: hull, core and magnet. Strength, and all that has an axis, are not in it.
+base::DeviceGeometry TrueSizes(const base::DeviceGeometry& device, const Imperfections& imperfections) noexcept;
 
 // All zero: a base as drawn.
 ImperfectionSizes NoImperfections() noexcept;

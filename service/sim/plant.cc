@@ -41,10 +41,10 @@ Plant::Plant(const base::DeviceGeometry& device, const PlantOptions& options)
       bridge_(options.bridge),
       random_(options.seed),
       imperfections_(Draw(options, random_)),
-      truth_(device, imperfections_, options.flip_coil_sign),
+      truth_(device, imperfections_, options.flip_coil_sign, Effects(options).room.steel),
       coils_(device, options.truth.thermal),
       rail_(options.supply, device.supply_V),
-      hand_(options.script, device, random_, options.led),
+      hand_(options.script, TrueSizes(device, imperfections_), random_, options.led),
       motion_(options.motion),
       run_s_(options.run_s),
       pen_(Pen(0)),
@@ -87,7 +87,9 @@ void Plant::MovePen(double t_s) noexcept {
   const bool is_tick = step_++ % firmware::kStepsPerTick == 0;
   if (motion_ == nullptr) {
     if (is_tick) {
-      forces_ = hand_.present() ? truth_.ForcesAt(hand_.Predicted(t_s + 0.5 * base::kTickPeriod_s)) : ForceMap{};
+      forces_ = hand_.present()
+                    ? truth_.ForcesAt(hand_.Predicted(t_s + 0.5 * base::kTickPeriod_s), surroundings_.steel_mask)
+                    : ForceMap{};
     }
     hand_.Step(t_s, TickSampler::kSubStep_s, forces_.Force(coils_.current_A(), surroundings_));
   }

@@ -40,7 +40,8 @@ void TickSampler::Add(const Snapshot& state, const Surroundings& background) noe
   held_[++added_] = {state, memory_.moment_Am2()};
 }
 
-Surroundings TickSampler::Now(double run_s) const noexcept {
+Surroundings TickSampler::Now(double run_s) noexcept {
+  run_s_ = run_s;
   Surroundings now = environment_.At(run_s);
   now.core_moment_Am2 = memory_.moment_Am2();
   return now;
@@ -86,8 +87,23 @@ void TickSampler::Sample(const Surroundings& background, Random& random) noexcep
     const Held held = Between(sample_ns);
     Surroundings then = background;
     then.core_moment_Am2 = held.core_moment_Am2;
+    then.background_base_T += environment_.Mains(1e-9 * static_cast<double>(sample_ns));
     const CoilArray current_A = WithRipple(held.state.current_A, random);
-    hall_.Sample(i, sample_ns, truth_.SensorField(i, PoseOf(held.state), current_A, then), random);
+    const auto reading = [&](std::size_t sensor) {
+      return truth_.SensorField(sensor, PoseOf(held.state), current_A, then);
+    };
+    const base::SensorFault* fault = environment_.FaultOf(i, run_s_);
+    const auto is = [&](base::SensorFaultKind kind) { return fault != nullptr && fault->kind == kind; };
+    if (is(base::SensorFaultKind::kStuck)) {
+      hall_.Repeat(i, sample_ns);
+    } else if (is(base::SensorFaultKind::kHuge)) {
+      hall_.Sample(i, sample_ns, {fault->value, fault->value, fault->value}, random);
+    } else if (is(base::SensorFaultKind::kSwapped)) {
+      const int other = fault->sensor == static_cast<int>(i) ? fault->other : fault->sensor;
+      hall_.Sample(i, sample_ns, reading(static_cast<std::size_t>(other)), random);
+    } else if (!is(base::SensorFaultKind::kStopped)) {
+      hall_.Sample(i, sample_ns, (is(base::SensorFaultKind::kGain) ? fault->value : 1) * reading(i), random);
+    }
   }
 }
 

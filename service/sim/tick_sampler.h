@@ -33,8 +33,8 @@ class TickSampler {
   void Add(const Snapshot& state, const Surroundings& background) noexcept;
   void Sample(const Surroundings& background, Random& random) noexcept;
 
-  // Background and magnet's temperature, with the core's memory as it is now.
-  Surroundings Now(double run_s) const noexcept;
+  // Background and temperatures, with the core's memory as it is now. The run's time is kept for faults of sensors.
+  Surroundings Now(double run_s) noexcept;
 
   // The state at an instant of the last tick, linear between sub-steps: at 2 m/s and 50 m/s^2 within a micrometre.
   Snapshot At(std::int64_t t_ns) const noexcept;
@@ -61,6 +61,7 @@ class TickSampler {
   std::array<Held, kSubSteps + 1> held_;
   std::size_t added_ = 0;
   std::int64_t now_ns_;
+  double run_s_ = 0;
 };
 
 }  // namespace omni::sim

@@ -14,6 +14,7 @@ constexpr int kMediumRings = 4, kMediumSpokes = 10;  // 80 charges
 constexpr int kCoarseRings = 3, kCoarseSpokes = 8;   // 48 charges
 // A data sheet's linearity is the greatest deviation from the best line over 12 of 16 gauss.
 constexpr double kLinearShare = 0.75;
+constexpr std::array<Vec3, 3> kUnits{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
 base::MagnetGeometry WithStrength(base::MagnetGeometry magnet, double strength) {
   magnet.remanence_T *= strength;
@@ -27,7 +28,7 @@ CoilTruth MakeCoil(const base::DeviceGeometry& device, const Imperfections& impe
   coil.band_half_width_m *= imperfections.coil_size[k];
   const Vec3 axis = Rotated(Normalised(coil.axis_base), imperfections.coil_rotation_rad[k]);
   return CoilTruth(coil, static_cast<int>(k), axis, imperfections.coil_strength[k], device.core_radius_m,
-                   device.core_kappa);
+                   device.core_kappa, imperfections.core_offset_base_m);
 }
 
 void Accumulate(ForceAndTorque& sum, const Charges& charges, std::size_t i, const Vec3& centre_base_m,
@@ -35,13 +36,6 @@ void Accumulate(ForceAndTorque& sum, const Charges& charges, std::size_t i, cons
   const Vec3 force_N = charges.q[i] * field_T;
   sum.force_N += force_N;
   sum.torque_Nm += Cross(charges.position(i) - centre_base_m, force_N);
-}
-
-// B = mu0 / 4 pi (3 (m.n) n - m) / r^3 of a dipole at the origin [Jackson 3e, 5.56].
-Vec3 DipoleField(const Vec3& moment_Am2, const Vec3& point_m) noexcept {
-  const double r = Norm(point_m);
-  const Vec3 n = (1 / r) * point_m;
-  return (kMu0Over4Pi / (r * r * r)) * (3 * Dot(moment_Am2, n) * n - moment_Am2);
 }
 
 // The best line through t^3 on [-1, 1] is 3 t / 5, and 2/5 the greatest distance: at t = 1.
@@ -70,26 +64,35 @@ TruthModel::Sampled::Sampled(const base::MagnetGeometry& magnet, int rings, int 
   charges.Resize(faces.charge_count());
 }
 
-TruthModel::TruthModel(const base::DeviceGeometry& device, const Imperfections& imperfections, bool flip_coil_z)
-    : core_radius_m_(device.core_radius_m),
-      core_kappa_(device.core_kappa),
-      linear_range_T_(kLinearShare * device.sensor_range_T),
-      core_(device.core_radius_m, device.core_kappa),
-      coils_{MakeCoil(device, imperfections, 0), MakeCoil(device, imperfections, 1),
-             MakeCoil(device, imperfections, 2)},
-      fine_(WithStrength(device.magnet, imperfections.magnet_strength), kFineRings, kFineSpokes),
-      mirror_(WithStrength(device.magnet, imperfections.magnet_strength), kMirrorRings, kMirrorSpokes),
-      medium_(WithStrength(device.magnet, imperfections.magnet_strength), kMediumRings, kMediumSpokes),
-      coarse_(WithStrength(device.magnet, imperfections.magnet_strength), kCoarseRings, kCoarseSpokes) {
+TruthModel::TruthModel(const base::DeviceGeometry& drawn, const Imperfections& imperfections, bool flip_coil_z,
+                       std::span<const base::Steel> steel)
+    : TruthModel(Made{TrueSizes(drawn, imperfections)}, imperfections, flip_coil_z, steel) {}
+
+TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, bool flip_coil_z,
+                       std::span<const base::Steel> steel)
+    : core_radius_m_(made.device.core_radius_m),
+      core_kappa_(made.device.core_kappa),
+      core_centre_base_m_(imperfections.core_offset_base_m),
+      linear_range_T_(kLinearShare * made.device.sensor_range_T),
+      core_(made.device.core_radius_m, made.device.core_kappa, imperfections.core_offset_base_m),
+      coils_{MakeCoil(made.device, imperfections, 0), MakeCoil(made.device, imperfections, 1),
+             MakeCoil(made.device, imperfections, 2)},
+      fine_(WithStrength(made.device.magnet, imperfections.magnet_strength), kFineRings, kFineSpokes),
+      mirror_(WithStrength(made.device.magnet, imperfections.magnet_strength), kMirrorRings, kMirrorSpokes),
+      medium_(WithStrength(made.device.magnet, imperfections.magnet_strength), kMediumRings, kMediumSpokes),
+      coarse_(WithStrength(made.device.magnet, imperfections.magnet_strength), kCoarseRings, kCoarseSpokes) {
   if (flip_coil_z) polarity_[2] = -1;
   images_.Resize(core_.image_count(mirror_.charges.size()));
   coarse_images_.Resize(core_.image_count(coarse_.charges.size()));
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const SensorError& error = imperfections.sensors[i];
-    const base::SensorGeometry& nominal = device.sensors[i];
+    const base::SensorGeometry& nominal = made.device.sensors[i];
     Sensor& sensor = sensors_[i];
     sensor.position_base_m = nominal.position_base_m + error.position_base_m;
     sensor.nonlinearity = error.nonlinearity;
+    sensor.offset_T = error.offset_T;
+    sensor.offset_T_K = error.offset_T_K;
+    sensor.gain_1_K = error.gain_1_K;
     const std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
     const std::array<double, 3> gain{error.gain.x, error.gain.y, error.gain.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -102,6 +105,66 @@ TruthModel::TruthModel(const base::DeviceGeometry& device, const Imperfections& 
                                    Dot(sensor.rows[2], field_T)};
     }
   }
+  for (const base::Steel& one : steel) {
+    const SteelPiece& piece = steel_.emplace_back(one);
+    auto& at = steel_at_.emplace_back();
+    for (std::size_t i = 0; i < sensors_.size(); ++i) {
+      const Vec3& place = sensors_[i].position_base_m;
+      for (std::size_t k = 0; k < coils_.size(); ++k) {
+        at[i].coil_base_T_A[k] =
+            SteelField(piece, place, [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); });
+      }
+      for (std::size_t j = 0; j < kUnits.size(); ++j) {
+        at[i].core_base_T_Am2[j] = SteelField(piece, place, [&](const Vec3& p) { return CoreField(kUnits[j], p); });
+      }
+    }
+  }
+}
+
+// a^3 kappa 1e7 B.
+Vec3 TruthModel::CoreAnswer_Am2(const Vec3& field_T) const noexcept {
+  return (core_radius_m_ * core_radius_m_ * core_radius_m_ * core_kappa_ / kMu0Over4Pi) * field_T;
+}
+
+Vec3 TruthModel::CoreField(const Vec3& moment_Am2, const Vec3& at_base_m) const noexcept {
+  return DipoleField(moment_Am2, at_base_m - core_centre_base_m_);
+}
+
+template <class Field>
+Vec3 TruthModel::SteelField(const SteelPiece& piece, const Vec3& at_base_m, const Field& field_T) const noexcept {
+  const Vec3 at_core_T = piece.AnswerAt(core_centre_base_m_, field_T);
+  return piece.AnswerAt(at_base_m, field_T) + CoreField(CoreAnswer_Am2(at_core_T), at_base_m);
+}
+
+Vec3 TruthModel::OtherMagnets(const Surroundings& surroundings, const Vec3& at_base_m) const noexcept {
+  Vec3 field_T;
+  for (std::size_t j = 0; j < surroundings.magnet_count; ++j) {
+    const Surroundings::Magnet& magnet = surroundings.magnets[j];
+    field_T += DipoleField(magnet.moment_Am2, at_base_m - magnet.position_base_m);
+    const Vec3 at_core_T = DipoleField(magnet.moment_Am2, core_centre_base_m_ - magnet.position_base_m);
+    field_T += CoreField(CoreAnswer_Am2(at_core_T), at_base_m);
+  }
+  return field_T;
+}
+
+// Precondition: the tool is placed if `present`.
+Vec3 TruthModel::SteelField(std::size_t index, bool present, const CoilArray& current_A,
+                            const Surroundings& surroundings) const noexcept {
+  const auto of_tool_and_magnets = [&](const Vec3& p) {
+    Vec3 field_T = OtherMagnets(surroundings, p);
+    if (present) field_T += surroundings.magnet_scale * (FieldOf(mirror_.charges, p) + FieldOf(images_, p));
+    return field_T;
+  };
+  const Vec3& m = surroundings.core_moment_Am2;
+  Vec3 field_T;
+  for (std::size_t j = 0; j < steel_.size(); ++j) {
+    if (((surroundings.steel_mask >> j) & 1U) == 0) continue;
+    field_T += SteelField(steel_[j], sensors_[index].position_base_m, of_tool_and_magnets);
+    const SteelAtSensor& at = steel_at_[j][index];
+    field_T += m.x * at.core_base_T_Am2[0] + m.y * at.core_base_T_Am2[1] + m.z * at.core_base_T_Am2[2];
+    for (std::size_t k = 0; k < current_A.size(); ++k) field_T += current_A[k] * at.coil_base_T_A[k];
+  }
+  return field_T;
 }
 
 void TruthModel::PlaceTool(const MagnetPose& pose) noexcept {
@@ -113,10 +176,9 @@ void TruthModel::PlaceTool(const MagnetPose& pose) noexcept {
 // Columns of rows (I + dipole field of the core's answer a^3 kappa 1e7 B).
 std::array<Vec3, 3> TruthModel::UniformResponse(std::size_t index) const noexcept {
   const Sensor& sensor = sensors_[index];
-  const double answer = core_radius_m_ * core_radius_m_ * core_radius_m_ * core_kappa_ / kMu0Over4Pi;
   std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   for (Vec3& column : columns) {
-    const Vec3 b = column + DipoleField(answer * column, sensor.position_base_m);
+    const Vec3 b = column + CoreField(CoreAnswer_Am2(column), sensor.position_base_m);
     column = {Dot(sensor.rows[0], b), Dot(sensor.rows[1], b), Dot(sensor.rows[2], b)};
   }
   return columns;
@@ -126,15 +188,19 @@ Vec3 TruthModel::Reading(std::size_t index, bool present, const CoilArray& curre
                          const Surroundings& surroundings) const noexcept {
   const Sensor& sensor = sensors_[index];
   const Vec3& at = sensor.position_base_m;
-  const Vec3 answer_Am2 =
-      (core_radius_m_ * core_radius_m_ * core_radius_m_ * core_kappa_ / kMu0Over4Pi) * surroundings.background_base_T;
-  Vec3 field_T = surroundings.background_base_T + DipoleField(answer_Am2 + surroundings.core_moment_Am2, at);
+  const Vec3 answer_Am2 = CoreAnswer_Am2(surroundings.background_base_T);
+  Vec3 field_T = surroundings.background_base_T + CoreField(answer_Am2 + surroundings.core_moment_Am2, at);
+  if (surroundings.magnet_count > 0) field_T += OtherMagnets(surroundings, at);
+  if (surroundings.steel_mask != 0) field_T += SteelField(index, present, current_A, surroundings);
   if (present) field_T += surroundings.magnet_scale * (FieldOf(fine_.charges, at) + FieldOf(images_, at));
   Vec3 reading_T{Dot(sensor.rows[0], field_T), Dot(sensor.rows[1], field_T), Dot(sensor.rows[2], field_T)};
   for (std::size_t k = 0; k < current_A.size(); ++k) reading_T += current_A[k] * sensor.coil_sensor_T_A[k];
-  return {Bent(reading_T.x, sensor.nonlinearity.x, linear_range_T_),
-          Bent(reading_T.y, sensor.nonlinearity.y, linear_range_T_),
-          Bent(reading_T.z, sensor.nonlinearity.z, linear_range_T_)};
+  const Vec3 bent_T{Bent(reading_T.x, sensor.nonlinearity.x, linear_range_T_),
+                    Bent(reading_T.y, sensor.nonlinearity.y, linear_range_T_),
+                    Bent(reading_T.z, sensor.nonlinearity.z, linear_range_T_)};
+  const double warmer_K = surroundings.sensor_warming_K;
+  const Vec3 gain{1 + warmer_K * sensor.gain_1_K.x, 1 + warmer_K * sensor.gain_1_K.y, 1 + warmer_K * sensor.gain_1_K.z};
+  return Vec3{gain.x * bent_T.x, gain.y * bent_T.y, gain.z * bent_T.z} + sensor.offset_T + warmer_K * sensor.offset_T_K;
 }
 
 Vec3 TruthModel::SensorField(std::size_t index, const MagnetPose* pose, const CoilArray& current_A,
@@ -157,9 +223,9 @@ Vec3 TruthModel::InducedMoment(const MagnetPose* pose, const CoilArray& current_
   Vec3 field_T = surroundings.background_base_T;
   if (pose != nullptr) {
     coarse_.Place(*pose);
-    field_T += surroundings.magnet_scale * FieldOf(coarse_.charges, {0, 0, 0});
+    field_T += surroundings.magnet_scale * FieldOf(coarse_.charges, core_centre_base_m_);
   }
-  Vec3 moment_Am2 = (core_radius_m_ * core_radius_m_ * core_radius_m_ * core_kappa_ / kMu0Over4Pi) * field_T;
+  Vec3 moment_Am2 = CoreAnswer_Am2(field_T);
   for (std::size_t k = 0; k < coils_.size(); ++k) {
     moment_Am2 += (polarity_[k] * current_A[k] * coils_[k].core_moment_Am2()) * coils_[k].axis_base();
   }
@@ -167,7 +233,7 @@ Vec3 TruthModel::InducedMoment(const MagnetPose* pose, const CoilArray& current_
 }
 
 // F = sum q B(p), torque = sum (p - centre) x q B(p). Images follow the magnet, so their field is taken as it stands.
-ForceMap TruthModel::ForcesAt(const MagnetPose& pose) noexcept {
+ForceMap TruthModel::ForcesAt(const MagnetPose& pose, std::uint32_t steel_mask) noexcept {
   ForceMap map;
   medium_.Place(pose);
   for (std::size_t i = 0; i < medium_.charges.size(); ++i) {
@@ -178,15 +244,30 @@ ForceMap TruthModel::ForcesAt(const MagnetPose& pose) noexcept {
   }
   coarse_.Place(pose);
   core_.Place(coarse_.charges, coarse_images_);
-  const std::array<Vec3, 3> units{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   for (std::size_t i = 0; i < coarse_.charges.size(); ++i) {
     const Vec3 at = coarse_.charges.position(i);
     Accumulate(map.core, coarse_.charges, i, pose.centre_base_m, FieldOf(coarse_images_, at));
-    for (std::size_t j = 0; j < units.size(); ++j) {
-      Accumulate(map.dipole[j], coarse_.charges, i, pose.centre_base_m, DipoleField(units[j], at));
+    for (std::size_t j = 0; j < kUnits.size(); ++j) {
+      Accumulate(map.dipole[j], coarse_.charges, i, pose.centre_base_m, CoreField(kUnits[j], at));
     }
   }
+  for (std::size_t j = 0; j < steel_.size(); ++j) {
+    if (((steel_mask >> j) & 1U) != 0) AddSteel(steel_[j], pose.centre_base_m, map);
+  }
   return map;
+}
+
+// Precondition: the coarse magnet and its images are placed. Coils and tool; the core's extra moment is too weak.
+void TruthModel::AddSteel(const SteelPiece& piece, const Vec3& centre_base_m, ForceMap& map) const noexcept {
+  const auto of_tool = [&](const Vec3& p) { return FieldOf(coarse_.charges, p) + FieldOf(coarse_images_, p); };
+  for (std::size_t i = 0; i < coarse_.charges.size(); ++i) {
+    const Vec3 at = coarse_.charges.position(i);
+    Accumulate(map.core, coarse_.charges, i, centre_base_m, SteelField(piece, at, of_tool));
+    for (std::size_t k = 0; k < coils_.size(); ++k) {
+      const auto of_coil = [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); };
+      Accumulate(map.coil[k], coarse_.charges, i, centre_base_m, SteelField(piece, at, of_coil));
+    }
+  }
 }
 
 // In the magnet's own frame the hull's centre is at (rho, z); the nearest point of a cylinder to a point is its clamp.

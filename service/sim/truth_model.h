@@ -3,12 +3,15 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "service/base/device_geometry.h"
 #include "service/sim/charges.h"
 #include "service/sim/core_images.h"
 #include "service/sim/effects.h"
 #include "service/sim/imperfections.h"
+#include "service/sim/steel.h"
 #include "service/sim/winding.h"
 
 namespace omni::sim {
@@ -30,7 +33,9 @@ struct ForceMap {
 
 class TruthModel {
  public:
-  TruthModel(const base::DeviceGeometry& device, const Imperfections& imperfections, bool flip_coil_z);
+  // Steel stands outside the windings and never cuts the pen.
+  TruthModel(const base::DeviceGeometry& device, const Imperfections& imperfections, bool flip_coil_z,
+             std::span<const base::Steel> steel = {});
 
   // What sensor `index` would read without noise, in its own frame; `pose` null: no pen in reach.
   Vec3 SensorField(std::size_t index, const MagnetPose* pose, const CoilArray& current_A,
@@ -42,7 +47,8 @@ class TruthModel {
   // What the core's moment is at once, without memory.
   Vec3 InducedMoment(const MagnetPose* pose, const CoilArray& current_A, const Surroundings& surroundings) noexcept;
 
-  ForceMap ForcesAt(const MagnetPose& pose) noexcept;
+  // `steel_mask`: as Surroundings. Other magnets pull with a few millinewtons at 0.2 m and are left out.
+  ForceMap ForcesAt(const MagnetPose& pose, std::uint32_t steel_mask = 0) noexcept;
 
   const std::array<CoilTruth, base::kCoilCount>& coils() const noexcept { return coils_; }
 
@@ -52,23 +58,50 @@ class TruthModel {
     std::array<Vec3, 3> rows;                            // gain x R_SB
     std::array<Vec3, base::kCoilCount> coil_sensor_T_A;  // of the actual windings, fixed
     Vec3 nonlinearity;                                   // greatest deviation over full scale
+    Vec3 offset_T, offset_T_K, gain_1_K;                 // of what is read, with its warming
   };
   const Sensor& sensor(std::size_t index) const noexcept { return sensors_[index]; }
   // What a uniform field of 1 T gives there, core included: columns in the sensor's frame.
   std::array<Vec3, 3> UniformResponse(std::size_t index) const noexcept;
 
  private:
+  struct Made {
+    base::DeviceGeometry device;  // sizes as they are
+  };
+  TruthModel(const Made& made, const Imperfections& imperfections, bool flip_coil_z,
+             std::span<const base::Steel> steel);
+
+  // What a piece of steel and the core's answer to it add, fixed parts.
+  struct SteelAtSensor {
+    std::array<Vec3, base::kCoilCount> coil_base_T_A;
+    std::array<Vec3, 3> core_base_T_Am2;  // columns: of the core's own moment
+  };
+
   void PlaceTool(const MagnetPose& pose) noexcept;
+  // Of the core to a uniform field.
+  Vec3 CoreAnswer_Am2(const Vec3& field_T) const noexcept;
+  // Of a moment in the core.
+  Vec3 CoreField(const Vec3& moment_Am2, const Vec3& at_base_m) const noexcept;
+  // The piece's answer to a field of the base, and the core's to that.
+  template <class Field>
+  Vec3 SteelField(const SteelPiece& piece, const Vec3& at_base_m, const Field& field_T) const noexcept;
+  Vec3 SteelField(std::size_t index, bool present, const CoilArray& current_A,
+                  const Surroundings& surroundings) const noexcept;
+  void AddSteel(const SteelPiece& piece, const Vec3& centre_base_m, ForceMap& map) const noexcept;
+  Vec3 OtherMagnets(const Surroundings& surroundings, const Vec3& at_base_m) const noexcept;
   Vec3 Reading(std::size_t index, bool present, const CoilArray& current_A,
                const Surroundings& surroundings) const noexcept;
 
   double core_radius_m_;
   double core_kappa_;
+  Vec3 core_centre_base_m_;
   double linear_range_T_;
   CoreImages core_;
   std::array<CoilTruth, base::kCoilCount> coils_;
   std::array<double, base::kCoilCount> polarity_{1, 1, 1};
   std::array<Sensor, base::kSensorCount> sensors_;
+  std::vector<SteelPiece> steel_;
+  std::vector<std::array<SteelAtSensor, base::kSensorCount>> steel_at_;  // by piece
   // As many nodes as it takes to leave out less than 1e-7 of a reading (tests/unit/sim_core_series.cc) and 1e-4 of a
   // force (tests/unit/sim_fields.cc).
   struct Sampled {

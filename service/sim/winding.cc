@@ -144,8 +144,12 @@ Vec3 ZonalSeries::Field(const Vec3& point_base_m) const noexcept {
 }
 
 CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis_base, double strength,
-                     double core_radius_m, double core_kappa)
-    : turns_(WindTurns(coil, index)), axis_(axis_base), strength_(strength) {
+                     double core_radius_m, double core_kappa, const Vec3& core_centre_base_m)
+    : turns_(WindTurns(coil, index)),
+      axis_(axis_base),
+      strength_(strength),
+      core_centre_base_m_(core_centre_base_m),
+      core_is_centred_(core_centre_base_m == Vec3{}) {
   ZonalSeries::Parts parts = ZonalSeries::Expand(turns_, core_radius_m, core_kappa);
   for (std::size_t l = 0; l < parts.turns.size(); ++l) {
     parts.core[l] *= strength;
@@ -153,9 +157,16 @@ CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis
   }
   core_ = ZonalSeries(parts.core, axis_base);
   total_ = ZonalSeries(parts.turns, axis_base);
+  if (core_is_centred_) return;
+  constexpr double kStep_m = 1e-4;
+  const double scale = CoreFactor(2, core_kappa) * std::pow(core_radius_m, 5) / (2 * kStep_m);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const Vec3 step{j == 0 ? kStep_m : 0, j == 1 ? kStep_m : 0, j == 2 ? kStep_m : 0};
+    order_2_T_m4_[j] = scale * (FieldOfTurns(core_centre_base_m_ + step) - FieldOfTurns(core_centre_base_m_ - step));
+  }
 }
 
-Vec3 CoilTruth::FieldByTurns(const Vec3& point_base_m) const noexcept {
+Vec3 CoilTruth::FieldOfTurns(const Vec3& point_base_m) const noexcept {
   const double z = Dot(point_base_m, axis_);
   const Vec3 across = point_base_m - z * axis_;
   const double rho = Norm(across);
@@ -165,9 +176,24 @@ Vec3 CoilTruth::FieldByTurns(const Vec3& point_base_m) const noexcept {
     sum.rho_T += field.rho_T;
     sum.z_T += field.z_T;
   }
-  Vec3 b = (strength_ * sum.z_T) * axis_ + core_.Field(point_base_m);
+  Vec3 b = (strength_ * sum.z_T) * axis_;
   if (rho > 0) b += (strength_ * sum.rho_T / rho) * across;
   return b;
+}
+
+// Of a linear field G x: -kappa_2 a^5 (G x / r^5 - 5/2 (x.G x) x / r^7).
+Vec3 CoilTruth::CoreField(const Vec3& point_base_m) const noexcept {
+  const Vec3 x = point_base_m - core_centre_base_m_;
+  Vec3 field_T = core_.Field(x);
+  if (core_is_centred_) return field_T;
+  const double r2 = Dot(x, x);
+  const double inverse_r5 = 1 / (r2 * r2 * std::sqrt(r2));
+  const Vec3 gx = x.x * order_2_T_m4_[0] + x.y * order_2_T_m4_[1] + x.z * order_2_T_m4_[2];
+  return field_T + inverse_r5 * ((2.5 * Dot(x, gx) / r2) * x - gx);
+}
+
+Vec3 CoilTruth::FieldByTurns(const Vec3& point_base_m) const noexcept {
+  return FieldOfTurns(point_base_m) + CoreField(point_base_m);
 }
 
 }  // namespace omni::sim

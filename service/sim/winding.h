@@ -57,25 +57,36 @@ class ZonalSeries {
   double moment_ = 0;
 };
 
-// One coil as it really is: axis and strength may be off nominal.
+// One coil as it really is: axis and strength may be off nominal, and the core off its centre. To first order in the
+// offset the core's answer is then shifted, and the winding's field, which has no gradient in its own centre, has one
+// at the core's, which order 2 answers (order 4 is left out). docs/theory/truth.md (15)
 class CoilTruth {
  public:
   CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis_base, double strength, double core_radius_m,
-            double core_kappa);
+            double core_kappa, const Vec3& core_centre_base_m = {});
 
   // Sum over all turns + core series: exact everywhere outside the core, slow.
   Vec3 FieldByTurns(const Vec3& point_base_m) const noexcept;
   // Outside the windings only.
-  Vec3 FieldBySeries(const Vec3& point_base_m) const noexcept { return total_.Field(point_base_m); }
+  Vec3 FieldBySeries(const Vec3& point_base_m) const noexcept {
+    const Vec3 field_T = total_.Field(point_base_m);
+    return core_is_centred_ ? field_T : field_T + CoreField(point_base_m) - core_.Field(point_base_m);
+  }
   const ZonalSeries& series() const noexcept { return total_; }
   double moment_Am2() const noexcept { return total_.moment_Am2(); }
   double core_moment_Am2() const noexcept { return core_.moment_Am2(); }
   const Vec3& axis_base() const noexcept { return axis_; }
 
  private:
+  Vec3 FieldOfTurns(const Vec3& point_base_m) const noexcept;  // alone
+  Vec3 CoreField(const Vec3& point_base_m) const noexcept;
+
   std::vector<Turn> turns_;
   Vec3 axis_;
   double strength_;
+  Vec3 core_centre_base_m_;
+  bool core_is_centred_;
+  std::array<Vec3, 3> order_2_T_m4_;  // columns of kappa_2 a^5 times the gradient in the core's centre
   ZonalSeries core_;
   ZonalSeries total_;
 };

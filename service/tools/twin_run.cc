@@ -96,7 +96,7 @@ int RunTwin(const RunArguments& arguments) {
   const double seconds = arguments.seconds > 0 ? arguments.seconds : hand->duration_s();
   base::TruthParameters truth = config::DefaultTwin();
   if (!arguments.twin.empty()) {
-    base::Result<base::TruthParameters> parameters = config::LoadTwinFile(arguments.twin);
+    base::Result<base::TruthParameters> parameters = config::FindTwin(arguments.twin);
     if (!parameters.ok()) return Fail("omni twin run", parameters.error());
     truth = *parameters;
   }
@@ -163,7 +163,7 @@ void AddTwin(Command& app) {
   run.Add("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
   run.Add("--seconds", arguments->seconds, "default: the script's length");
   run.Add("--record", arguments->record, "CSV file of the twin's truth");
-  run.Add("--twin", arguments->twin, "imperfections and effects (.toml); default: the built-in twin.toml");
+  run.Add("--twin", arguments->twin, config::kTwinHelp);
   run.Add("--calibration", arguments->calibration,
           "calibration.toml of `omni calibrate` with the same seed; default: the drawing");
   run.Add("--fit", arguments->fit, "scale and move the model into reach");

@@ -61,7 +61,7 @@ int Serve(const ServeArguments& arguments) {
   sim::TwinOptions options{
       .seed = arguments.seed, .script = IdleHand(), .truth = config::DefaultTwin(), .recording_path = arguments.record};
   if (!arguments.twin.empty()) {
-    base::Result<base::TruthParameters> loaded = config::LoadTwinFile(arguments.twin);
+    base::Result<base::TruthParameters> loaded = config::FindTwin(arguments.twin);
     if (!loaded.ok()) return Fail(loaded.error());
     options.truth = *loaded;
   }
@@ -88,7 +88,7 @@ void AddOptions(console::Command& app, ServeArguments& arguments) {
   app.Add("--record", arguments.record, "CSV file of the true pose and the currents");
   app.Add("--linger", arguments.linger_s, "seconds to go on after the host is gone").Range(0.0, 3600.0).ShowDefault();
   app.Add("--device", arguments.device, "geometry and limits (.toml); default: the built-in omni.toml");
-  app.Add("--twin", arguments.twin, "imperfections and effects (.toml); default: the built-in twin.toml");
+  app.Add("--twin", arguments.twin, config::kTwinHelp);
 }
 
 int Run(int argc, const char* const* argv) {

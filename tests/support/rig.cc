@@ -48,7 +48,7 @@ Rig::Rig(const base::DeviceGeometry& device, const RigOptions& options)
       environment_(DrawEnvironment(options)),
       surroundings_(environment_.At(0)),
       memory_(options.effects, device.core_radius_m),
-      truth_(device, imperfections_, false) {
+      truth_(device, imperfections_, false, options.effects.room.steel) {
   device_.sensor_noise_T = NoiseOf_T(options.noise, options.sensor);
 }
 

@@ -33,6 +33,7 @@ TEST(DaemonOptions, EachFileThatCannotBeUsedIsNamedWithItsOption) {
   } rows[] = {{"--device-file: ", &RunOptions::device_file, true},
               {"--calibration: ", &RunOptions::calibration_path, true},
               {"--alignments: ", &RunOptions::alignment_path, true},
+              {"--twin: ", &RunOptions::twin, true},
               {"--twin-script: ", &RunOptions::twin_script, true},
               {"--record: ", &RunOptions::record_path, false},
               {"--record-device: ", &RunOptions::record_device_path, false},

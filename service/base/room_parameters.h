@@ -1,0 +1,71 @@
+// What stands and happens around a simulated base: steel, other magnets, a field that changes or turns, mains. All of
+// it absent by default. Equations: docs/theory/truth.md. SI, frame B.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "service/base/vec.h"
+
+namespace omni::base {
+
+inline constexpr std::size_t kSteelMax = 16;        // pieces
+inline constexpr std::size_t kOtherMagnetsMax = 4;  // beside the pen's
+inline constexpr std::size_t kFieldStepsMax = 16;
+inline constexpr std::size_t kSensorFaultsMax = 8;
+
+enum class SteelShape : std::uint8_t { kPlane, kBall, kBar };
+
+// Answers as iron of infinite permeability would, times its strength: a thin sheet is no perfect mirror.
+struct Steel {
+  SteelShape shape = SteelShape::kPlane;
+  Vec3 position_base_m;          // a point of the plane; the centre of a ball or bar
+  Vec3 direction_base{0, 0, 1};  // unit; a plane's normal, towards the base; a bar's axis
+  double radius_m = 0;           // of a ball; of a bar in its middle, which is a slender ellipsoid
+  double half_length_m = 0;      // of a bar
+  double strength = 1;           // [0, 1]
+  double from_s = 0;             // it is brought at this time of the run; 0: it stands there from the start
+};
+
+// At rest at `from`, then straight to `to` at constant speed, at rest there.
+struct OtherMagnet {
+  Vec3 moment_Am2;
+  Vec3 from_base_m, to_base_m;
+  double leaves_s = 0, arrives_s = 0;  // leaves_s < arrives_s, or equal: it stands at `to` from then on
+};
+
+// The ambient field changes by so much at an instant, or evenly over `over_s`.
+struct FieldStep {
+  Vec3 change_base_T;
+  double at_s = 0, over_s = 0;
+};
+
+// One sensor that is not as the others are.
+enum class SensorFaultKind : std::uint8_t {
+  kGain,     // reads `value` times what it should
+  kStuck,    // the same sample again and again, each said to be fresh
+  kHuge,     // reads `value` tesla on each axis
+  kSwapped,  // gives the readings of sensor `other`, and that one its
+  kStopped   // no sample is fresh any more
+};
+struct SensorFault {
+  SensorFaultKind kind = SensorFaultKind::kGain;
+  int sensor = 0, other = 0;  // [0, kSensorCount)
+  double value = 0;
+  double from_s = 0;
+};
+
+struct RoomEffects {
+  std::vector<Steel> steel;            // at most kSteelMax
+  std::vector<OtherMagnet> magnets;    // at most kOtherMagnetsMax
+  std::vector<FieldStep> steps;        // at most kFieldStepsMax
+  std::vector<SensorFault> faults;     // at most kSensorFaultsMax
+  double turn_rate_rad_s = 0;          // of the base about its z axis, in the earth's field, from turn_from_s ...
+  double turn_from_s = 0, turn_s = 0;  // ... for turn_s
+  double mains_T = 0;                  // amplitude at mains_Hz, in a random direction
+  double mains_Hz = 50;
+  double mains_third = 0, mains_fifth = 0;  // amplitudes of these harmonics, as shares of mains_T
+};
+
+}  // namespace omni::base
