@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <numbers>
+#include <span>
+#include <thread>
 
 namespace omni::scenes {
 namespace {
 
 constexpr int kSkyDirections = 160;
 constexpr int kShadowSize = 640;
+constexpr std::size_t kLightsAtOnce = 8;
 constexpr double kGoldenAngle = 2.399963229728653;
 
 // Orthographic camera: right, up, and towards the eye.
@@ -35,6 +39,14 @@ struct Camera {
     const Vec d = p - centre;
     return {width / 2.0 + glm::dot(d, right) * scale, height / 2.0 - glm::dot(d, up) * scale, glm::dot(d, eye)};
   }
+};
+
+// Distant, with its shadow map.
+struct Light {
+  Vec direction, radiance;
+  bool gloss = false;
+  Camera sun{};
+  std::vector<float> depth{};
 };
 
 struct Fragment {
@@ -70,6 +82,18 @@ void Rasterise(const Vec (&p)[3], int width, int height, Visit visit) {
   }
 }
 
+// task(0) ... task(count - 1), in no order, on all processors.
+template <class Task>
+void InParallel(std::size_t count, const Task& task) {
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) task(i);
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned k = 1; k < std::thread::hardware_concurrency(); ++k) threads.emplace_back(work);
+  work();
+}
+
 class Painter {
  public:
   Painter(const std::vector<DrawnMesh>& meshes, const PictureOptions& options) : meshes_(meshes), options_(options) {
@@ -93,8 +117,10 @@ class Painter {
 
   std::vector<std::uint8_t> Run() {
     DrawFragments();
+    surfaces_.reserve(fragments_.size());
+    for (std::size_t i = 0; i < fragments_.size(); ++i) surfaces_.push_back(At(i));
     light_.assign(fragments_.size(), Vec(0.0));
-    Ambient();
+    Shine(Lights());
     return Resolve();
   }
 
@@ -177,70 +203,83 @@ class Painter {
   }
 
   // Directions over the upper hemisphere (Fibonacci spiral), the sky bluish, one side warm and bright: the key light.
-  void Ambient() {
-    const Vec key = glm::normalize(camera_.right * -0.55 + camera_.eye * 0.50 + Vec(0, 0, 0.85));
-    surfaces_.reserve(fragments_.size());
-    for (std::size_t i = 0; i < fragments_.size(); ++i) surfaces_.push_back(At(i));
+  std::vector<Light> Lights() const {
+    std::vector<Light> lights;
     Vec sum(0.0);
     for (int k = 0; k < kSkyDirections; ++k) {
       const double z = 0.03 + 0.97 * (k + 0.5) / kSkyDirections, r = std::sqrt(1 - z * z);
       const Vec direction(r * std::cos(k * kGoldenAngle), r * std::sin(k * kGoldenAngle), z);
       const Vec sky = Vec(0.80, 0.90, 1.10) * (0.55 + 0.45 * z);
       sum += sky * z;
-      Add(direction, sky, false);
+      lights.push_back({direction, sky, false});
     }
     // Scaled so that an open horizontal surface gets about 0.75 from the sky; the key and its penumbra come on top.
-    for (Vec& light : light_) light *= 0.62 / (sum.y / 1.0);
+    for (Light& light : lights) light.radiance *= 0.62 / sum.y;
     constexpr int kKeyRays = 24;
+    const Vec key = glm::normalize(camera_.right * -0.55 + camera_.eye * 0.50 + Vec(0, 0, 0.85));
     const Camera aim = Camera::Looking(key);
     for (int k = 0; k < kKeyRays; ++k) {
       const double r = 0.09 * std::sqrt((k + 0.5) / kKeyRays);
       const Vec direction = glm::normalize(key + aim.right * (r * std::cos(k * kGoldenAngle)) +
                                            aim.up * (r * std::sin(k * kGoldenAngle)));
-      Add(direction, Vec(1.22, 1.08, 0.88) / static_cast<double>(kKeyRays), true);
+      lights.push_back({direction, Vec(1.22, 1.08, 0.88) / static_cast<double>(kKeyRays), true});
     }
     const Vec rim = glm::normalize(camera_.right * 0.7 - camera_.eye * 0.75 + Vec(0, 0, 0.55));
-    Add(rim, Vec(0.34, 0.42, 0.55), false);
+    lights.push_back({rim, Vec(0.34, 0.42, 0.55), false});
+    return lights;
   }
 
-  // One distant light, with its shadow map.
-  void Add(const Vec& direction, const Vec& radiance, bool gloss) {
-    Camera sun = Camera::Looking(direction);
-    sun.width = sun.height = kShadowSize;
-    sun.centre = centre_;
-    sun.scale = kShadowSize / (2.1 * radius_);
-    std::vector<float> depth(static_cast<std::size_t>(kShadowSize) * kShadowSize, -1e9F);
+  // A few lights at a time, since all surfaces pass through the processor's caches for each few.
+  void Shine(std::vector<Light> lights) {
+    for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
+      const std::span<Light> some = std::span(lights).subspan(first, std::min(kLightsAtOnce, lights.size() - first));
+      InParallel(some.size(), [&](std::size_t k) { DrawShadow(some[k]); });
+      InParallel(static_cast<std::size_t>(camera_.height), [&](std::size_t row) {
+        const auto width = static_cast<std::size_t>(camera_.width);
+        for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+          if (!surfaces_[i].hit) continue;
+          for (const Light& light : some) Add(light, surfaces_[i], light_[i]);
+        }
+      });
+      for (Light& light : some) light.depth = {};
+    }
+  }
+
+  void DrawShadow(Light& light) const {
+    light.sun = Camera::Looking(light.direction);
+    light.sun.width = light.sun.height = kShadowSize;
+    light.sun.centre = centre_;
+    light.sun.scale = kShadowSize / (2.1 * radius_);
+    light.depth.assign(std::size_t{kShadowSize} * kShadowSize, -1e9F);
     for (const DrawnMesh& drawn : meshes_) {
       if (drawn.overlay) continue;
       for (const Triangle& t : drawn.mesh.triangles) {
         Vec p[3];
-        for (std::size_t k = 0; k < 3; ++k) p[k] = sun.Project(drawn.mesh.positions[t[k]]);
-        Rasterise(p, sun.width, sun.height, [&](std::size_t i, double d, double, double) {
-          depth[i] = std::max(depth[i], static_cast<float>(d));
+        for (std::size_t k = 0; k < 3; ++k) p[k] = light.sun.Project(drawn.mesh.positions[t[k]]);
+        Rasterise(p, kShadowSize, kShadowSize, [&](std::size_t i, double d, double, double) {
+          light.depth[i] = std::max(light.depth[i], static_cast<float>(d));
         });
       }
     }
-    const Vec half = glm::normalize(direction + camera_.eye);
-    for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-      const Surface& s = surfaces_[i];
-      const double cosine = s.hit ? glm::dot(s.n, direction) : 0;
-      if (!(cosine > 0)) continue;
-      // Looked up a little off the surface, so that it does not shade itself.
-      const Vec q = sun.Project(s.p + s.n * (0.012 * radius_));
-      const int x = static_cast<int>(q.x), y = static_cast<int>(q.y);
-      if (!s.overlay && x >= 0 && y >= 0 && x < kShadowSize && y < kShadowSize &&
-          depth[static_cast<std::size_t>(y) * kShadowSize + static_cast<std::size_t>(x)] > q.z) {
-        continue;
-      }
-      Vec& light = light_[i];
-      light += radiance * cosine;
-      if (gloss && !s.floor) {
-        const double power = 12 + 70 * (1 - s.roughness);
-        const double shine = std::pow(std::max(glm::dot(s.n, half), 0.0), power) * (1 - s.roughness) * 0.8;
-        // Divided by the colour below, so that highlights stay white.
-        light += radiance * shine / glm::max(s.colour, Vec(0.04));
-      }
+  }
+
+  void Add(const Light& light, const Surface& s, Vec& sum) const {
+    const double cosine = glm::dot(s.n, light.direction);
+    if (!(cosine > 0)) return;
+    // Looked up a little off the surface, so that it does not shade itself.
+    const Vec q = light.sun.Project(s.p + s.n * (0.012 * radius_));
+    const int x = static_cast<int>(q.x), y = static_cast<int>(q.y);
+    if (!s.overlay && x >= 0 && y >= 0 && x < kShadowSize && y < kShadowSize &&
+        light.depth[static_cast<std::size_t>(y) * kShadowSize + static_cast<std::size_t>(x)] > q.z) {
+      return;
     }
+    sum += light.radiance * cosine;
+    if (!light.gloss || s.floor) return;
+    const double power = 12 + 70 * (1 - s.roughness);
+    const Vec half = glm::normalize(light.direction + camera_.eye);
+    const double shine = std::pow(std::max(glm::dot(s.n, half), 0.0), power) * (1 - s.roughness) * 0.8;
+    // Divided by the colour below, so that highlights stay white.
+    sum += light.radiance * shine / glm::max(s.colour, Vec(0.04));
   }
 
   Vec Background(std::size_t i) const {

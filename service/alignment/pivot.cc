@@ -63,7 +63,8 @@ base::Result<Pivot> SolvePivot(const std::vector<Rigid>& controller_space) {
         "the controller was turned too little, or about one axis only; swing it to all sides by 30 "
         "degrees, and twist it"};
   }
-  const Vector6 solution = H.ldlt().solve(g);
+  const Eigen::LLT<Matrix6> factors(H);
+  const Vector6 solution = factors.solve(g);
   std::vector<Vector3d> residuals;
   double ssr = 0;
   for (const Rigid& pose : controller_space) {
@@ -75,7 +76,7 @@ base::Result<Pivot> SolvePivot(const std::vector<Rigid>& controller_space) {
               .centre_space_m = base::FromEigen(solution.tail<3>()),
               .rms_m = std::sqrt(ssr / n)};
   const double freedom = std::max(1.0, 3 * n - 6);
-  const Matrix6 covariance = H.ldlt().solve(Matrix6::Identity()) * (ssr / freedom * Correlation(residuals, ssr));
+  const Matrix6 covariance = factors.solve(Matrix6::Identity()) * (ssr / freedom * Correlation(residuals, ssr));
   pivot.tip_sigma_m = std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
   if (!(pivot.rms_m <= kPivotRms_max_m)) {
     return base::Error{

@@ -123,7 +123,7 @@ Unknowns Problem::Descend(Unknowns x, int iterations) const {
     Linearise(x, H, g);
     Normal damped = H;
     damped.diagonal() *= 1 + damping;
-    const Step step = -damped.ldlt().solve(g);
+    const Step step = -damped.llt().solve(g);
     if (!step.allFinite()) break;
     const Unknowns y = Moved(x, step);
     const double moved = Cost(y);
@@ -251,7 +251,7 @@ Normal Problem::Covariance() const {
   }
   const Normal P = A - w_noise * data;
   const Normal S = w_noise / correlation_ * (data + lasting + lasting.transpose()) + P;
-  const Normal inverse = A.ldlt().solve(Normal::Identity());
+  const Normal inverse = A.llt().solve(Normal::Identity());
   return inverse * S * inverse;
 }
 

@@ -1,7 +1,6 @@
 #include "service/calibration/assess.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -61,14 +60,13 @@ bool IsCalibrated(const Parameters& parameters, int index) {
   return shared < 0 || shared == kMomentAt || (shared == kKappaAt && has_core);
 }
 
-// Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 says less than them.
-// (10)
+// Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 says less than them
+// (10). As many of D are negative as eigenvalues of I - 1 = L D L^T are [Sylvester's law of inertia].
 void DescribeObservability(const Adjustment& adjustment, Report& report) {
   const Parameters& parameters = adjustment.parameters;
   MatrixXd information = Eliminate(adjustment.system, 0).H;
-  information.diagonal().array() -= 1;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information, Eigen::EigenvaluesOnly);
-  report.weak_directions = static_cast<int>((eigen.eigenvalues().array() < 1).count());
+  information.diagonal().array() -= 2;
+  report.weak_directions = static_cast<int>((information.ldlt().vectorD().array() < 0).count());
   for (int e = 0; e < parameters.size(); ++e) {
     const double sigma = std::sqrt(adjustment.covariance(e, e));
     if (!IsCalibrated(parameters, e) || !(sigma > kUnfixed)) continue;
@@ -88,7 +86,7 @@ double FrameRotation(const Adjustment& adjustment) {
     inertia += s.transpose() * s;
     J.middleCols<3>(kSensorUnknowns * i + kPositionAt) = parameters.tolerances().sensor_position_m * s;
   }
-  J = inertia.ldlt().solve(J).eval();
+  J = (inertia.inverse() * J).eval();
   return std::sqrt((J * adjustment.covariance * J.transpose()).trace() / 3);
 }
 

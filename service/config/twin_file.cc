@@ -23,8 +23,9 @@ struct NumberKey {
   const char* key;
   double T::*field;
   Range range;
-  std::optional<double> fallback = {};  // without: the key is required
+  bool required = true;  // else it stays what it is
 };
+constexpr bool kOptional = false;
 
 constexpr NumberKey<ImperfectionSizes> kImperfectionKeys[] = {
     {"sensor_position_m", &ImperfectionSizes::sensor_position_m, {0, 0.01}},
@@ -37,13 +38,13 @@ constexpr NumberKey<ImperfectionSizes> kImperfectionKeys[] = {
     {"coil_size", &ImperfectionSizes::coil_size, {0, 0.02}},
     {"current_gain", &ImperfectionSizes::current_gain, {0, 0.2}},
     {"current_offset_A", &ImperfectionSizes::current_offset_A, {0, 1}},
-    {"sensor_offset_T", &ImperfectionSizes::sensor_offset_T, {0, 1e-4}, 0},
-    {"sensor_offset_T_K", &ImperfectionSizes::sensor_offset_T_K, {0, 1e-5}, 0},
-    {"sensor_gain_1_K", &ImperfectionSizes::sensor_gain_1_K, {0, 0.01}, 0},
-    {"hull_radius_m", &ImperfectionSizes::hull_radius_m, {0, 0.01}, 0},
-    {"core_offset_m", &ImperfectionSizes::core_offset_m, {0, 0.005}, 0},
-    {"core_size", &ImperfectionSizes::core_size, {0, 0.1}, 0},
-    {"magnet_size", &ImperfectionSizes::magnet_size, {0, 0.1}, 0},
+    {"sensor_offset_T", &ImperfectionSizes::sensor_offset_T, {0, 1e-4}, kOptional},
+    {"sensor_offset_T_K", &ImperfectionSizes::sensor_offset_T_K, {0, 1e-5}, kOptional},
+    {"sensor_gain_1_K", &ImperfectionSizes::sensor_gain_1_K, {0, 0.01}, kOptional},
+    {"hull_radius_m", &ImperfectionSizes::hull_radius_m, {0, 0.01}, kOptional},
+    {"core_offset_m", &ImperfectionSizes::core_offset_m, {0, 0.005}, kOptional},
+    {"core_size", &ImperfectionSizes::core_size, {0, 0.1}, kOptional},
+    {"magnet_size", &ImperfectionSizes::magnet_size, {0, 0.1}, kOptional},
 };
 constexpr NumberKey<ThermalParameters> kThermalKeys[] = {
     {"copper_J_K", &ThermalParameters::copper_J_K, {0.1, 1e5}},
@@ -72,38 +73,38 @@ constexpr NumberKey<TruthEffects> kDriverKeys[] = {
 };
 constexpr NumberKey<SensorParameters> kSensorKeys[] = {
     {"oscillator_spread", &SensorParameters::oscillator_spread, {0, 0.1}},
-    {"flicker_T", &SensorParameters::flicker_T, {0, 1e-4}, 0},
+    {"flicker_T", &SensorParameters::flicker_T, {0, 1e-4}, kOptional},
 };
 constexpr NumberKey<TruthEffects> kWarmingKeys[] = {
-    {"sensor_warming_K", &TruthEffects::sensor_warming_K, {-50, 100}, 0},
+    {"sensor_warming_K", &TruthEffects::sensor_warming_K, {-50, 100}, kOptional},
 };
 constexpr Range kTime_s{0, 1e6};
 constexpr NumberKey<RoomEffects> kRoomKeys[] = {
-    {"turn_rate_rad_s", &RoomEffects::turn_rate_rad_s, {-100, 100}, 0},
-    {"turn_from_s", &RoomEffects::turn_from_s, kTime_s, 0},
-    {"turn_s", &RoomEffects::turn_s, kTime_s, 0},
-    {"mains_T", &RoomEffects::mains_T, {0, 1e-3}, 0},
-    {"mains_Hz", &RoomEffects::mains_Hz, {1, 500}, 50},
-    {"mains_third", &RoomEffects::mains_third, {0, 1}, 0},
-    {"mains_fifth", &RoomEffects::mains_fifth, {0, 1}, 0},
+    {"turn_rate_rad_s", &RoomEffects::turn_rate_rad_s, {-100, 100}, kOptional},
+    {"turn_from_s", &RoomEffects::turn_from_s, kTime_s, kOptional},
+    {"turn_s", &RoomEffects::turn_s, kTime_s, kOptional},
+    {"mains_T", &RoomEffects::mains_T, {0, 1e-3}, kOptional},
+    {"mains_Hz", &RoomEffects::mains_Hz, {1, 500}, kOptional},
+    {"mains_third", &RoomEffects::mains_third, {0, 1}, kOptional},
+    {"mains_fifth", &RoomEffects::mains_fifth, {0, 1}, kOptional},
 };
 constexpr NumberKey<base::Steel> kSteelKeys[] = {
-    {"radius_m", &base::Steel::radius_m, {0, 1}, 0},
-    {"half_length_m", &base::Steel::half_length_m, {0, 5}, 0},
-    {"strength", &base::Steel::strength, {0, 1}, 1},
-    {"from_s", &base::Steel::from_s, kTime_s, 0},
+    {"radius_m", &base::Steel::radius_m, {0, 1}, kOptional},
+    {"half_length_m", &base::Steel::half_length_m, {0, 5}, kOptional},
+    {"strength", &base::Steel::strength, {0, 1}, kOptional},
+    {"from_s", &base::Steel::from_s, kTime_s, kOptional},
 };
 constexpr NumberKey<base::OtherMagnet> kMagnetKeys[] = {
-    {"leaves_s", &base::OtherMagnet::leaves_s, kTime_s, 0},
-    {"arrives_s", &base::OtherMagnet::arrives_s, kTime_s, 0},
+    {"leaves_s", &base::OtherMagnet::leaves_s, kTime_s, kOptional},
+    {"arrives_s", &base::OtherMagnet::arrives_s, kTime_s, kOptional},
 };
 constexpr NumberKey<base::FieldStep> kStepKeys[] = {
     {"at_s", &base::FieldStep::at_s, kTime_s},
-    {"over_s", &base::FieldStep::over_s, kTime_s, 0},
+    {"over_s", &base::FieldStep::over_s, kTime_s, kOptional},
 };
 constexpr NumberKey<base::SensorFault> kFaultKeys[] = {
-    {"value", &base::SensorFault::value, {-1e3, 1e3}, 0},
-    {"from_s", &base::SensorFault::from_s, kTime_s, 0},
+    {"value", &base::SensorFault::value, {-1e3, 1e3}, kOptional},
+    {"from_s", &base::SensorFault::from_s, kTime_s, kOptional},
 };
 constexpr Range kPlace_m{-10, 10};
 constexpr Range kMoment_Am2{-100, 100};
@@ -120,8 +121,9 @@ constexpr std::string_view kNames[] = {"ideal", "room"};
 template <class T, std::size_t N>
 void ReadNumbers(TableReader& reader, const NumberKey<T> (&keys)[N], T& into, bool complete = true) {
   for (const NumberKey<T>& entry : keys) {
-    const double before = into.*entry.field;
-    into.*entry.field = reader.Number(entry.key, entry.range, complete ? entry.fallback : before);
+    double& number = into.*entry.field;
+    number = reader.Number(entry.key, entry.range,
+                           complete && entry.required ? std::nullopt : std::optional<double>(number));
   }
 }
 
@@ -273,6 +275,7 @@ base::Result<base::TruthParameters> LoadTwinFile(const std::string& path) {
 }
 
 base::Result<base::TruthParameters> FindTwin(const std::string& name_or_file) {
+  if (name_or_file.empty()) return DefaultTwin();
   if (name_or_file == kNames[0]) return IdealTwin();
   if (name_or_file == kNames[1]) return RoomTwin();
   return LoadTwinFile(name_or_file);

@@ -14,7 +14,7 @@ base::Result<base::TruthParameters> LoadTwinFile(const std::string& path);
 // `name` stands for the file in messages.
 base::Result<base::TruthParameters> ParseTwin(const std::string& text, const std::string& name);
 
-// "ideal", "room", or a file. A name wins over a file of that name: write ./room for that one.
+// "ideal", "room", or a file; empty: the default. A name wins over a file of that name: write ./room for that one.
 base::Result<base::TruthParameters> FindTwin(const std::string& name_or_file);
 inline constexpr const char* kTwinHelp =
     "how the simulated base and its room are: ideal, room, or a file as of share/omni/device";

@@ -12,11 +12,14 @@ namespace omni::sim {
 HallArray::HallArray(const base::DeviceGeometry& device, const base::SensorParameters& sensor_parameters,
                      std::int64_t start_ns, Random& random)
     : noise_T_(device.sensor_noise_T),
-      flicker_T_(sensor_parameters.flicker_T),
       lsb_T_(device.sensor_lsb_T),
       full_scale_(wire::ToCounts<std::uint16_t>(
           std::min(device.sensor_range_T, device.sensor_lsb_T * std::numeric_limits<std::int16_t>::max()),
           device.sensor_lsb_T)) {
+  for (std::size_t i = 0; i < kFlickerTimes_s.size(); ++i) {
+    const double keep = flicker_keep_[i] = std::exp(-base::kTickPeriod_s / kFlickerTimes_s[i]);
+    flicker_new_T_[i] = std::sqrt(1 - keep * keep) * sensor_parameters.flicker_T;
+  }
   const double spread = sensor_parameters.oscillator_spread;
   for (Sensor& sensor : sensors_) {
     sensor.period_ns = std::llround(base::kTickPeriod_ns * (1 + random.Uniform(-spread, spread)));
@@ -39,12 +42,11 @@ bool HallArray::NextSample(std::size_t index, std::int64_t t_ns, std::int64_t& s
 // Processes of first order of equal strength, one a decade: together 1/f between the times of the fastest and slowest
 // [van der Ziel 1950].
 double HallArray::Flicker_T(Sensor& sensor, std::size_t axis, Random& random) const noexcept {
-  if (!(flicker_T_ > 0)) return 0;
+  if (!(flicker_new_T_[0] > 0)) return 0;
   double sum_T = 0;
   for (std::size_t i = 0; i < kFlickerTimes_s.size(); ++i) {
-    const double keep = std::exp(-base::kTickPeriod_s / kFlickerTimes_s[i]);
     double& process_T = sensor.flicker_T[axis][i];
-    process_T = keep * process_T + std::sqrt(1 - keep * keep) * flicker_T_ * random.Normal();
+    process_T = flicker_keep_[i] * process_T + flicker_new_T_[i] * random.Normal();
     sum_T += process_T;
   }
   return sum_T;

@@ -53,7 +53,7 @@ class HallArray {
 
   std::array<Sensor, base::kSensorCount> sensors_;
   std::array<double, 3> noise_T_;
-  double flicker_T_;
+  std::array<double, kFlickerTimes_s.size()> flicker_keep_{}, flicker_new_T_{};  // of each process, in one sample
   double lsb_T_;
   std::uint16_t full_scale_;
 };

@@ -17,22 +17,29 @@ class SteelPiece {
  public:
   explicit SteelPiece(const base::Steel& steel) noexcept;
 
-  // Where the field of the base is needed to know the answer at `point`: `field_T` is called there. Linear in it.
-  //   Vec3 field_T(const Vec3& point_base_m): of what stands at the base, as if there were no steel.
+  // To one field of what stands at the base, as if there were no steel: Vec3 field_T(const Vec3& point_base_m). Linear
+  // in it. What does not depend on the point is done once. Piece and field outlive it.
   template <class Field>
-  Vec3 AnswerAt(const Vec3& point_base_m, const Field& field_T) const noexcept {
-    if (steel_.shape == base::SteelShape::kPlane) {
-      return -steel_.strength * MirroredDirection(field_T(MirroredPoint(point_base_m)));
+  class Answer {
+   public:
+    Answer(const SteelPiece& piece, const Field& field_T) noexcept : piece_(piece), field_T_(field_T) {
+      for (std::size_t i = 0; i < piece.node_count_; ++i) mean_T_ += piece.share_[i] * field_T(piece.node_base_m_[i]);
     }
-    Vec3 along_T;  // mean field, weighed by the cross-section
-    for (std::size_t i = 0; i < node_count_; ++i) along_T += share_[i] * field_T(node_base_m_[i]);
-    return AnswerTo(along_T, point_base_m);
-  }
+    Vec3 At(const Vec3& point_base_m) const noexcept {
+      if (piece_.steel_.shape != base::SteelShape::kPlane) return piece_.AnswerTo(mean_T_, point_base_m);
+      const Vec3 mirrored_T = field_T_(piece_.MirroredPoint(point_base_m));
+      return -piece_.steel_.strength * piece_.MirroredDirection(mirrored_T);
+    }
 
-  Vec3 MirroredPoint(const Vec3& point_base_m) const noexcept;
+   private:
+    const SteelPiece& piece_;
+    const Field& field_T_;
+    Vec3 mean_T_;  // over a ball or bar, weighed by the cross-section
+  };
 
  private:
   static constexpr std::size_t kNodes = 9;
+  Vec3 MirroredPoint(const Vec3& point_base_m) const noexcept;
   Vec3 MirroredDirection(const Vec3& v) const noexcept;
   // Of a ball or bar in the mean field.
   Vec3 AnswerTo(const Vec3& mean_T, const Vec3& point_base_m) const noexcept;

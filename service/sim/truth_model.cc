@@ -14,7 +14,6 @@ constexpr int kMediumRings = 4, kMediumSpokes = 10;  // 80 charges
 constexpr int kCoarseRings = 3, kCoarseSpokes = 8;   // 48 charges
 // A data sheet's linearity is the greatest deviation from the best line over 12 of 16 gauss.
 constexpr double kLinearShare = 0.75;
-constexpr std::array<Vec3, 3> kUnits{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
 base::MagnetGeometry WithStrength(base::MagnetGeometry magnet, double strength) {
   magnet.remanence_T *= strength;
@@ -64,6 +63,23 @@ TruthModel::Sampled::Sampled(const base::MagnetGeometry& magnet, int rings, int 
   charges.Resize(faces.charge_count());
 }
 
+template <class Field>
+class TruthModel::SteelAndCore {
+ public:
+  SteelAndCore(const TruthModel& model, const SteelPiece& piece, const Field& field_T) noexcept
+      : model_(model),
+        answer_(piece, field_T),
+        core_Am2_(model.CoreAnswer_Am2(answer_.At(model.core_centre_base_m_))) {}
+  Vec3 At(const Vec3& point_base_m) const noexcept {
+    return answer_.At(point_base_m) + model_.CoreField(core_Am2_, point_base_m);
+  }
+
+ private:
+  const TruthModel& model_;
+  SteelPiece::Answer<Field> answer_;
+  Vec3 core_Am2_;
+};
+
 TruthModel::TruthModel(const base::DeviceGeometry& drawn, const Imperfections& imperfections, bool flip_coil_z,
                        std::span<const base::Steel> steel)
     : TruthModel(Made{TrueSizes(drawn, imperfections)}, imperfections, flip_coil_z, steel) {}
@@ -93,11 +109,10 @@ TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, boo
     sensor.offset_T = error.offset_T;
     sensor.offset_T_K = error.offset_T_K;
     sensor.gain_1_K = error.gain_1_K;
-    const std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
     const std::array<double, 3> gain{error.gain.x, error.gain.y, error.gain.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       sensor.rows[axis] =
-          gain[axis] * Rotated(Rotated(axes[axis], error.rotation_rad), nominal.orientation_base_sensor);
+          gain[axis] * Rotated(Rotated(kUnits[axis], error.rotation_rad), nominal.orientation_base_sensor);
     }
     for (std::size_t k = 0; k < coils_.size(); ++k) {
       const Vec3 field_T = polarity_[k] * coils_[k].FieldByTurns(sensor.position_base_m);
@@ -108,15 +123,15 @@ TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, boo
   for (const base::Steel& one : steel) {
     const SteelPiece& piece = steel_.emplace_back(one);
     auto& at = steel_at_.emplace_back();
-    for (std::size_t i = 0; i < sensors_.size(); ++i) {
-      const Vec3& place = sensors_[i].position_base_m;
-      for (std::size_t k = 0; k < coils_.size(); ++k) {
-        at[i].coil_base_T_A[k] =
-            SteelField(piece, place, [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); });
-      }
-      for (std::size_t j = 0; j < kUnits.size(); ++j) {
-        at[i].core_base_T_Am2[j] = SteelField(piece, place, [&](const Vec3& p) { return CoreField(kUnits[j], p); });
-      }
+    for (std::size_t k = 0; k < coils_.size(); ++k) {
+      const auto of_coil = [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); };
+      const SteelAndCore answer(*this, piece, of_coil);
+      for (std::size_t i = 0; i < at.size(); ++i) at[i].coil_base_T_A[k] = answer.At(sensors_[i].position_base_m);
+    }
+    for (std::size_t j = 0; j < kUnits.size(); ++j) {
+      const auto of_moment = [&](const Vec3& p) { return CoreField(kUnits[j], p); };
+      const SteelAndCore answer(*this, piece, of_moment);
+      for (std::size_t i = 0; i < at.size(); ++i) at[i].core_base_T_Am2[j] = answer.At(sensors_[i].position_base_m);
     }
   }
 }
@@ -128,12 +143,6 @@ Vec3 TruthModel::CoreAnswer_Am2(const Vec3& field_T) const noexcept {
 
 Vec3 TruthModel::CoreField(const Vec3& moment_Am2, const Vec3& at_base_m) const noexcept {
   return DipoleField(moment_Am2, at_base_m - core_centre_base_m_);
-}
-
-template <class Field>
-Vec3 TruthModel::SteelField(const SteelPiece& piece, const Vec3& at_base_m, const Field& field_T) const noexcept {
-  const Vec3 at_core_T = piece.AnswerAt(core_centre_base_m_, field_T);
-  return piece.AnswerAt(at_base_m, field_T) + CoreField(CoreAnswer_Am2(at_core_T), at_base_m);
 }
 
 Vec3 TruthModel::OtherMagnets(const Surroundings& surroundings, const Vec3& at_base_m) const noexcept {
@@ -159,7 +168,7 @@ Vec3 TruthModel::SteelField(std::size_t index, bool present, const CoilArray& cu
   Vec3 field_T;
   for (std::size_t j = 0; j < steel_.size(); ++j) {
     if (((surroundings.steel_mask >> j) & 1U) == 0) continue;
-    field_T += SteelField(steel_[j], sensors_[index].position_base_m, of_tool_and_magnets);
+    field_T += SteelAndCore(*this, steel_[j], of_tool_and_magnets).At(sensors_[index].position_base_m);
     const SteelAtSensor& at = steel_at_[j][index];
     field_T += m.x * at.core_base_T_Am2[0] + m.y * at.core_base_T_Am2[1] + m.z * at.core_base_T_Am2[2];
     for (std::size_t k = 0; k < current_A.size(); ++k) field_T += current_A[k] * at.coil_base_T_A[k];
@@ -176,7 +185,7 @@ void TruthModel::PlaceTool(const MagnetPose& pose) noexcept {
 // Columns of rows (I + dipole field of the core's answer a^3 kappa 1e7 B).
 std::array<Vec3, 3> TruthModel::UniformResponse(std::size_t index) const noexcept {
   const Sensor& sensor = sensors_[index];
-  std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  std::array<Vec3, 3> columns = kUnits;
   for (Vec3& column : columns) {
     const Vec3 b = column + CoreField(CoreAnswer_Am2(column), sensor.position_base_m);
     column = {Dot(sensor.rows[0], b), Dot(sensor.rows[1], b), Dot(sensor.rows[2], b)};
@@ -260,13 +269,15 @@ ForceMap TruthModel::ForcesAt(const MagnetPose& pose, std::uint32_t steel_mask) 
 // Precondition: the coarse magnet and its images are placed. Coils and tool; the core's extra moment is too weak.
 void TruthModel::AddSteel(const SteelPiece& piece, const Vec3& centre_base_m, ForceMap& map) const noexcept {
   const auto of_tool = [&](const Vec3& p) { return FieldOf(coarse_.charges, p) + FieldOf(coarse_images_, p); };
-  for (std::size_t i = 0; i < coarse_.charges.size(); ++i) {
-    const Vec3 at = coarse_.charges.position(i);
-    Accumulate(map.core, coarse_.charges, i, centre_base_m, SteelField(piece, at, of_tool));
-    for (std::size_t k = 0; k < coils_.size(); ++k) {
-      const auto of_coil = [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); };
-      Accumulate(map.coil[k], coarse_.charges, i, centre_base_m, SteelField(piece, at, of_coil));
+  const auto add = [&](const auto& field_T, ForceAndTorque& sum) {
+    const SteelAndCore answer(*this, piece, field_T);
+    for (std::size_t i = 0; i < coarse_.charges.size(); ++i) {
+      Accumulate(sum, coarse_.charges, i, centre_base_m, answer.At(coarse_.charges.position(i)));
     }
+  };
+  add(of_tool, map.core);
+  for (std::size_t k = 0; k < coils_.size(); ++k) {
+    add([&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); }, map.coil[k]);
   }
 }
 

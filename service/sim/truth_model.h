@@ -82,9 +82,9 @@ class TruthModel {
   Vec3 CoreAnswer_Am2(const Vec3& field_T) const noexcept;
   // Of a moment in the core.
   Vec3 CoreField(const Vec3& moment_Am2, const Vec3& at_base_m) const noexcept;
-  // The piece's answer to a field of the base, and the core's to that.
+  // A piece's answer to a field of the base, and the core's to that.
   template <class Field>
-  Vec3 SteelField(const SteelPiece& piece, const Vec3& at_base_m, const Field& field_T) const noexcept;
+  class SteelAndCore;
   Vec3 SteelField(std::size_t index, bool present, const CoilArray& current_A,
                   const Surroundings& surroundings) const noexcept;
   void AddSteel(const SteelPiece& piece, const Vec3& centre_base_m, ForceMap& map) const noexcept;

@@ -1,6 +1,7 @@
 // The few vector operations the twin needs, on the seam type itself.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "service/base/vec.h"
@@ -8,6 +9,8 @@
 namespace omni::sim {
 
 using base::Vec3;
+
+inline constexpr std::array<Vec3, 3> kUnits{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
 inline Vec3 operator+(const Vec3& a, const Vec3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vec3 operator-(const Vec3& a, const Vec3& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }

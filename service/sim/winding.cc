@@ -161,7 +161,7 @@ CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis
   constexpr double kStep_m = 1e-4;
   const double scale = CoreFactor(2, core_kappa) * std::pow(core_radius_m, 5) / (2 * kStep_m);
   for (std::size_t j = 0; j < 3; ++j) {
-    const Vec3 step{j == 0 ? kStep_m : 0, j == 1 ? kStep_m : 0, j == 2 ? kStep_m : 0};
+    const Vec3 step = kStep_m * kUnits[j];
     order_2_T_m4_[j] = scale * (FieldOfTurns(core_centre_base_m_ + step) - FieldOfTurns(core_centre_base_m_ - step));
   }
 }

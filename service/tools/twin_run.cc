@@ -94,19 +94,15 @@ int RunTwin(const RunArguments& arguments) {
   if (!hand.ok()) return Fail("omni twin run", hand.error());
   const base::DeviceGeometry& device = config::DefaultDevice();
   const double seconds = arguments.seconds > 0 ? arguments.seconds : hand->duration_s();
-  base::TruthParameters truth = config::DefaultTwin();
-  if (!arguments.twin.empty()) {
-    base::Result<base::TruthParameters> parameters = config::FindTwin(arguments.twin);
-    if (!parameters.ok()) return Fail("omni twin run", parameters.error());
-    truth = *parameters;
-  }
+  const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.twin);
+  if (!truth.ok()) return Fail("omni twin run", truth.error());
   const auto tick = ConfigFor(arguments, device);
   if (!tick.ok()) return Fail("omni twin run", tick.error());
   const TruthFile recording(arguments.record);
   auto twin = sim::MakeVirtualTwin(device,
                                    {.seed = arguments.seed,
                                     .script = *hand,
-                                    .truth = truth,
+                                    .truth = *truth,
                                     .flip_coil_sign = arguments.flip_coil_sign,
                                     .recording_path = recording.path()},
                                    seconds);

@@ -58,13 +58,10 @@ int Serve(const ServeArguments& arguments) {
     if (!loaded.ok()) return Fail(loaded.error());
     device = *loaded;
   }
+  const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.twin);
+  if (!truth.ok()) return Fail(truth.error());
   sim::TwinOptions options{
-      .seed = arguments.seed, .script = IdleHand(), .truth = config::DefaultTwin(), .recording_path = arguments.record};
-  if (!arguments.twin.empty()) {
-    base::Result<base::TruthParameters> loaded = config::FindTwin(arguments.twin);
-    if (!loaded.ok()) return Fail(loaded.error());
-    options.truth = *loaded;
-  }
+      .seed = arguments.seed, .script = IdleHand(), .truth = *truth, .recording_path = arguments.record};
   if (!arguments.script.empty()) {
     base::Result<sim::HandScript> loaded = sim::LoadHandScript(arguments.script);
     if (!loaded.ok()) return Fail(loaded.error());

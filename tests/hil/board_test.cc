@@ -105,6 +105,8 @@ TEST(QemuBoard, StoppedBoardTimesOut) {
   ASSERT_NE(board, nullptr);
   ASSERT_TRUE(board->Step(LockstepRequest{}).ok());
   kill(board->pid(), SIGSTOP);
+  siginfo_t stopped{};  // all its threads: until then it may still answer
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(board->pid()), &stopped, WSTOPPED | WNOWAIT), 0);
   const auto begin = std::chrono::steady_clock::now();
   const auto answer = board->Step(LockstepRequest{});
   const auto waited = std::chrono::steady_clock::now() - begin;

@@ -51,7 +51,7 @@ TEST(SimSteel, APlanesMirrorImageIsItsLayerOfCharge) {
       const SteelPiece plane({.position_base_m = {0.2, -0.1, h_m}, .strength = strength});
       for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{0.08, 0.03, -0.02}, Vec3{-0.05, 0.06, 0.09}}) {
         const Vec3 layer_T = strength * LayerField(h_m, p);
-        EXPECT_LT(Norm(plane.AnswerAt(p, OfDipole) - layer_T), 3e-3 * Norm(layer_T)) << h_m;
+        EXPECT_LT(Norm(SteelPiece::Answer(plane, OfDipole).At(p) - layer_T), 3e-3 * Norm(layer_T)) << h_m;
       }
     }
   }
@@ -62,7 +62,7 @@ TEST(SimSteel, APlaneTakesTheFieldsTangentialPartAway) {
   const SteelPiece wall({.position_base_m = {0, 0, -0.2}, .direction_base = normal});
   for (const double across_m : {-0.1, 0.0, 0.2}) {
     const Vec3 p = Vec3{0, 0, -0.2} + across_m * Perpendicular(normal);
-    const Vec3 total_T = OfDipole(p) + wall.AnswerAt(p, OfDipole);
+    const Vec3 total_T = OfDipole(p) + SteelPiece::Answer(wall, OfDipole).At(p);
     EXPECT_LT(Norm(total_T - Dot(total_T, normal) * normal), 1e-12 * Norm(total_T));
   }
 }
@@ -88,7 +88,7 @@ TEST(SimSteel, ABallAnswersAsASphereDoesFromAfar) {
   sphere.Place(charges, images);
   for (const Vec3& p : {Vec3{0, 0, 0.02}, Vec3{-0.03, 0.08, 0}, Vec3{0.2, 0.2, 0.1}}) {
     const Vec3 exact_T = FieldOf(images, p - centre_m);
-    EXPECT_LT(Norm(ball.AnswerAt(p, OfDipole) - exact_T), 0.03 * Norm(exact_T));
+    EXPECT_LT(Norm(SteelPiece::Answer(ball, OfDipole).At(p) - exact_T), 0.03 * Norm(exact_T));
   }
 }
 
@@ -119,7 +119,7 @@ TEST(SimSteel, ABarAnswersAsAnEllipsoid) {
         surface_T += (1e-7 * charge_Am / kSpokes / std::pow(Norm(d), 3)) * d;
       }
     }
-    EXPECT_LT(Norm(bar.AnswerAt(p, field) - surface_T), 0.01 * Norm(surface_T));
+    EXPECT_LT(Norm(SteelPiece::Answer(bar, field).At(p) - surface_T), 0.01 * Norm(surface_T));
   }
 }
 
@@ -163,8 +163,7 @@ TEST(SimSteel, SensorsSeeImagesOfToolAndCoils) {
   EXPECT_EQ(rig.Readings(&kPose, {})[3], ReadingsOf(with, &kPose, {})[3]);
 }
 
-// Steel under the base pulls the pen down, and less if it is farther away: as the fourth power of the distance to the
-// image, about.
+// Steel under the base attracts the pen, with about the inverse fourth power of the distance to the mirror image.
 TEST(SimSteel, PullsThePen) {
   const auto pull_N = [&](double z_m) {
     const std::vector<base::Steel> steel{{.position_base_m = {0, 0, z_m}}};

@@ -1,4 +1,4 @@
-// Bases that are not as drawn: hull, core and magnet of workshop tolerances.
+// A base and pen built within tolerances: radius of the hull, place and size of the core, size of the magnet.
 #include <gtest/gtest.h>
 
 #include <array>
