@@ -66,6 +66,8 @@ struct RoomEffects {
   double mains_T = 0;                  // amplitude at mains_Hz, in a random direction
   double mains_Hz = 50;
   double mains_third = 0, mains_fifth = 0;  // amplitudes of these harmonics, as shares of mains_T
+  double scan_lost = 0, scan_late = 0;      // shares of the base's scans: that never arrive; a tick late
+  double induction = 0;                     // of a moving pen in the coils; 1: as it is
 };
 
 }  // namespace omni::base

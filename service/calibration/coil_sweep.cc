@@ -19,7 +19,20 @@ constexpr double kWipeRatio = 0.7;
 constexpr double kStepMin_A = 0.1;  // less does not turn over what the core keeps
 constexpr double kNoise_T = 1e-6;   // for the two priors below
 constexpr double kKept_T = 3e-6;    // field that the core keeps, at a sensor
-constexpr double kLag_T = 2e-7;     // tail of the eddy currents at a sensor, a second after a step of 1 A
+constexpr double kLag_T = 3e-7;     // of one of the core's eddy currents at a sensor, after a step of 1 A
+constexpr double kEddy_s = 0.14;    // the slowest of them, in 15 mm of soft iron
+constexpr int kEddyTerms = 8;
+
+// How eddy currents die out in a solid sphere: like the root of time at first, exponentially in the end.
+//   sum_n exp(-(y_n / y_1)^2 t / tau),   y_n = (n + .43) pi about, the zeros of the spherical Bessel function j1
+double EddyTail(double t_s) {
+  double sum = 0;
+  for (int n = 1; n <= kEddyTerms; ++n) {
+    const double ratio = (n + 0.43) / 1.43;
+    sum += std::exp(-ratio * ratio * t_s / kEddy_s);
+  }
+  return sum;
+}
 
 }  // namespace
 
@@ -54,10 +67,9 @@ void CoilSweep::FollowSteps(const Vector3d& current_A) {
   settled_A_ = current_A;
 }
 
-// Eddy currents die out in solid iron like the root of time.
 CoilSweep::Regressor CoilSweep::MakeRegressor(const Vector3d& current_A) const {
   Vector3d lag = Vector3d::Zero();
-  for (const Step& step : steps_) lag -= step.change_A / std::sqrt((scan_ - step.scan) * base::kTickPeriod_s);
+  for (const Step& step : steps_) lag -= EddyTail((scan_ - step.scan) * base::kTickPeriod_s) * step.change_A;
   Regressor regressor;
   regressor << 1, current_A, -last_direction_, lag;
   return regressor;
@@ -118,7 +130,7 @@ base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
     return refused("coil " + std::string(1, "xyz"[k]) + " carried " + range +
                    ", at least -1 to 1 A are needed; check its driver and supply");
   }
-  // reading = constant + A I - K (direction of the last step) - E sum step / sqrt(time since it): what the core keeps
+  // reading = constant + A I - K (direction of the last step) - E sum step EddyTail(time since it): what the core keeps
   // lags behind the last step whatever its size, so that without K it would pass for a smaller A. The priors of K and
   // E decide where a plan does not tell them from A.
   Eigen::Matrix<double, kRegressors, kRegressors> N = N_;

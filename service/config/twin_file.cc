@@ -87,6 +87,9 @@ constexpr NumberKey<RoomEffects> kRoomKeys[] = {
     {"mains_Hz", &RoomEffects::mains_Hz, {1, 500}, kOptional},
     {"mains_third", &RoomEffects::mains_third, {0, 1}, kOptional},
     {"mains_fifth", &RoomEffects::mains_fifth, {0, 1}, kOptional},
+    {"scan_lost", &RoomEffects::scan_lost, {0, 0.9}, kOptional},
+    {"scan_late", &RoomEffects::scan_late, {0, 0.9}, kOptional},
+    {"induction", &RoomEffects::induction, {0, 1}, kOptional},
 };
 constexpr NumberKey<base::Steel> kSteelKeys[] = {
     {"radius_m", &base::Steel::radius_m, {0, 1}, kOptional},

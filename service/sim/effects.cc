@@ -9,7 +9,20 @@
 namespace omni::sim {
 namespace {
 
-constexpr double kSlowest_Hz = 0.0316;  // of the eddy poles, two per decade from here to 10 kHz
+constexpr std::size_t kSinglePoles = 8;  // the slowest; the faster ones in groups, each a fifth as many again
+constexpr double kGroupGrows = 1.2;
+
+// The nth pole of a sphere is where tan y = (mu - 1) y / (mu - 1 + y^2), n pi < y < (n + 1) pi.
+double EddyRoot(std::size_t n, double permeability) noexcept {
+  const double whole = std::numbers::pi * static_cast<double>(n);
+  double y = whole + 1;
+  for (int i = 0; i < 20; ++i) {
+    const double next = whole + std::atan((permeability - 1) * y / (permeability - 1 + y * y));
+    if (std::abs(next - y) < 1e-12 * y) break;
+    y = next;
+  }
+  return y;
+}
 
 Vec3 DrawDirection(Random& random) noexcept {
   const double z = random.Uniform(-1, 1);
@@ -34,24 +47,30 @@ Vec3 EarthField(const base::TruthEffects& effects, double t_s) noexcept {
 
 }  // namespace
 
-// H(s) = (1 - sqrt(s/wc) / 2) / (1 + sqrt(s/wc)) = 1 + 3/2 (F - 1), F = 1 / (1 + sqrt(s/wc)),
-// F = 1/pi int sqrt(u) / (1 + u) / (1 + s / (u wc)) d ln u: poles at u wc. Two per decade, each with the integral about
-// itself; those faster than 10 kHz act at once, so that H stays exact at low frequency.
+// A solid sphere of permeability mu and conductivity sigma in a uniform field [Wait 1951]: with p = s mu0 mu sigma a^2
+// its moment is D(p) / D(0) of the static one,
+//   D = (2 mu - g) / (mu + g),   g = 1 + x i1'(x) / i1(x),   x = sqrt(p),   i1: the modified spherical Bessel function,
+//   D(p) / D(0) = 1 + sum_n w_n (1 / (1 + p / y_n^2) - 1),   w_n = 6 mu / (y_n^2 + (mu - 1) (mu + 2)) / D(0)
+// Poles of a group become one of the same weight and mean time.
 CoreMemory::CoreMemory(const base::TruthEffects& effects, double core_radius_m) noexcept
-    : remanence_Am2_(effects.remanence_Am2), eddies_(effects.core_conductivity_S_m > 0) {
+    : remanence_Am2_(effects.remanence_Am2),
+      eddies_(effects.core_conductivity_S_m > 0 && effects.core_permeability > 1) {
   if (!eddies_) return;
-  const double corner_rad_s =
-      effects.core_permeability / (kMu0 * effects.core_conductivity_S_m * core_radius_m * core_radius_m);
-  const auto below = [](double u) { return 2 / std::numbers::pi * std::atan(std::sqrt(u)); };  // int_0^u
-  const double spacing = std::sqrt(10.0);
-  double rate_rad_s = 2 * std::numbers::pi * kSlowest_Hz;
-  double from = 0;  // the slowest pole stands for all below it
+  const double mu = effects.core_permeability;
+  const double unit_s = kMu0 * mu * effects.core_conductivity_S_m * core_radius_m * core_radius_m;
+  const double static_answer = 2 * (mu - 1) / (mu + 2);
+  std::size_t n = 1;
   for (Pole& pole : poles_) {
-    const double to = below(std::sqrt(spacing) * rate_rad_s / corner_rad_s);
-    pole.time_s = 1 / rate_rad_s;
-    pole.weight = 1.5 * (to - from);
-    from = to;
-    rate_rad_s *= spacing;
+    const std::size_t end =
+        n <= kSinglePoles ? n + 1 : static_cast<std::size_t>(std::ceil(kGroupGrows * static_cast<double>(n)));
+    double time_s = 0;
+    for (; n < end; ++n) {
+      const double y = EddyRoot(n, mu);
+      const double weight = 6 * mu / (y * y + (mu - 1) * (mu + 2)) / static_answer;
+      pole.weight += weight;
+      time_s += weight * unit_s / (y * y);
+    }
+    pole.time_s = time_s / pole.weight;
   }
 }
 

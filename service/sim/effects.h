@@ -49,7 +49,7 @@ class CoreMemory {
     double weight = 0;
     Vec3 lagged_Am2;
   };
-  static constexpr std::size_t kPoles = 12;
+  static constexpr std::size_t kPoles = 48;  // to far beyond what a sensor sees
 
   double remanence_Am2_;
   bool eddies_;

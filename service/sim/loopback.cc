@@ -5,6 +5,11 @@
 #include "service/device/command_life.h"
 
 namespace omni::sim {
+namespace {
+
+constexpr int kSilentTicksMax = 100;  // then the host sees the scan before once more
+
+}  // namespace
 
 Loopback::Loopback(const base::DeviceGeometry& device, const PlantOptions& options)
     : core_(device, options, kClockStart_ns) {
@@ -13,9 +18,11 @@ Loopback::Loopback(const base::DeviceGeometry& device, const PlantOptions& optio
 }
 
 void Loopback::Tick(base::HallScan& scan) noexcept {
-  SendArm();
-  core_.Tick();
-  TakeFrames(scan);
+  int ticks = 0;
+  do {
+    SendArm();
+    core_.Tick();
+  } while (!TakeFrames(scan) && ++ticks < kSilentTicksMax);
 }
 
 bool Loopback::Write(const base::CoilCurrents& currents) noexcept {
@@ -41,7 +48,8 @@ void Loopback::SendArm() noexcept {
   core_.Receive(frame.data(), encoded.size);
 }
 
-void Loopback::TakeFrames(base::HallScan& scan) noexcept {
+bool Loopback::TakeFrames(base::HallScan& scan) noexcept {
+  bool arrived = false;
   std::array<std::uint8_t, wire::kFrameSizeMax> frame;
   for (std::size_t size = 0; (size = core_.NextFrame(frame.data(), frame.size())) != 0;) {
     wire::FrameView view;
@@ -54,10 +62,12 @@ void Loopback::TakeFrames(base::HallScan& scan) noexcept {
       newest_device_us_ = view.header.t_device_us;
       scan = device::ScanFromTelemetry(device_, telemetry, newest_device_us_, core_.tick());
       scan.response_ns = response_.late_ns();
+      arrived = true;
     } else if (wire::Decode(view, arm) == wire::Status::kOk) {
       arming_.OnArm(arm, Now_ns());
     }
   }
+  return arrived;
 }
 
 }  // namespace omni::sim

@@ -19,7 +19,7 @@ class Loopback {
   static constexpr std::int64_t kClockStart_ns = 1'000'000'000;
   Loopback(const base::DeviceGeometry& device, const PlantOptions& options);
 
-  // Advances 1 ms.
+  // Advances by 1 ms, or until a scan arrives; the newest, if there are two.
   void Tick(base::HallScan& scan) noexcept;
 
   // False: refused, nothing sent.
@@ -33,7 +33,7 @@ class Loopback {
  private:
   std::int64_t Now_ns() const noexcept { return core_.now_ns() + core_.clock_offset_ns(); }
   void SendArm() noexcept;
-  void TakeFrames(base::HallScan& scan) noexcept;
+  bool TakeFrames(base::HallScan& scan) noexcept;  // false: no scan
 
   TwinCore core_;
   device::DeviceInfo device_;

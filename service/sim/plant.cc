@@ -51,7 +51,8 @@ Plant::Plant(const base::DeviceGeometry& device, const PlantOptions& options)
       sampler_(device, Effects(options), options.truth.sensor, truth_, pen_,
                options.environment_seed.value_or(~options.seed), options.start_ns, random_),
       surroundings_(sampler_.Now(run_s_)),
-      clock_zero_ns_(options.start_ns) {
+      clock_zero_ns_(options.start_ns),
+      induction_(Effects(options).room.induction) {
   Random gains(~options.seed ^ 0x5EED);
   for (double& gain : voltage_gain_) gain = options.imperfect ? 1 + kVoltageGainError * gains.Uniform(-1, 1) : 1;
   Report({});
@@ -93,7 +94,21 @@ void Plant::MovePen(double t_s) noexcept {
     }
     hand_.Step(t_s, TickSampler::kSubStep_s, forces_.Force(coils_.current_A(), surroundings_));
   }
+  const MagnetPose before = pen_.pose;
   pen_ = Pen(t_s + TickSampler::kSubStep_s);
+  Induce(before);
+}
+
+// What a coil's current does to the pen, the pen's motion does to the coil: power is kept.
+//   V_k = F_k . v + T_k . w   with F_k, T_k per ampere, w: the turn of the axis
+void Plant::Induce(const MagnetPose& before) noexcept {
+  if (induction_ == 0 || motion_ != nullptr) return;
+  const Vec3 turn_rad_s = (1 / TickSampler::kSubStep_s) * Cross(before.axis_base, pen_.pose.axis_base);
+  const double scale = pen_.present ? induction_ * surroundings_.magnet_scale : 0;
+  for (std::size_t k = 0; k < induced_V_.size(); ++k) {
+    const ForceAndTorque& of = forces_.coil[k];
+    induced_V_[k] = scale * (Dot(of.force_N, hand_.velocity_base_m_s()) + Dot(of.torque_Nm, turn_rad_s));
+  }
 }
 
 // Mean voltage duty * supply over a PWM period, the rest of it brakes: |duty| I flows out of the supply. A bridge that
@@ -110,7 +125,7 @@ void Plant::Drive(const firmware::Outputs& outputs) noexcept {
       mean_A_[k] = 0;
       coil_V_[k] = duty * supply_V;
     } else if (Bit(outputs.awake, k) && !faults_.bridge[k]) {
-      mean_A_[k] = coils_.Step(k, duty * supply_V, bridge_.on_ohm, TickSampler::kSubStep_s);
+      mean_A_[k] = coils_.Step(k, duty * supply_V - induced_V_[k], bridge_.on_ohm, TickSampler::kSubStep_s);
       coil_V_[k] = duty * supply_V - bridge_.on_ohm * mean_A_[k];
       load_A += duty * mean_A_[k];
     } else {

@@ -86,6 +86,7 @@ class Plant {
  private:
   Snapshot Pen(double t_s) const noexcept;
   void MovePen(double t_s) noexcept;
+  void Induce(const MagnetPose& before) noexcept;
   void Drive(const firmware::Outputs& outputs) noexcept;
   void Report(const firmware::Outputs& outputs) noexcept;
   void ReportHall(std::size_t i, bool test_field) noexcept;
@@ -112,6 +113,8 @@ class Plant {
   CoilArray mean_A_{}, coil_V_{};
   CoilArray voltage_gain_{};
   double fan_rpm_ = 0;
+  double induction_;
+  CoilArray induced_V_{};  // by the moving pen, against the current
 };
 
 }  // namespace omni::sim

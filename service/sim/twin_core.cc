@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "firmware/wire/scaling.h"
 
@@ -50,12 +51,41 @@ TwinCore::TwinCore(const base::DeviceGeometry& device, const PlantOptions& optio
     : plant_(device, StartedEarly(options)),
       core_(SettingsOf(device), firmware::ResetCause::kPower, kNonceSeed, record_),
       clock_offset_ns_(std::max(clock_offset_ns, kBoot_ns - options.start_ns)),
-      current_max_A_(static_cast<float>(device.current_max_A)) {
+      current_max_A_(static_cast<float>(device.current_max_A)),
+      scan_lost_(options.imperfect ? options.truth.effects.room.scan_lost : 0),
+      scan_late_(options.imperfect ? options.truth.effects.room.scan_late : 0),
+      way_(options.seed ^ 0x3A7) {
   std::uint8_t frame[wire::kFrameSizeMax];
   while (plant_.now_ns() < options.start_ns) {
     Step();
     while (core_.NextFrame(frame, sizeof frame) != 0) continue;
   }
+}
+
+std::size_t TwinCore::NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept {
+  if (late_size_ > 0 && late_tick_ < tick_ && late_size_ <= capacity) {
+    std::copy_n(late_.begin(), late_size_, frame);
+    return std::exchange(late_size_, 0);
+  }
+  std::size_t size = 0;
+  do size = core_.NextFrame(frame, capacity);
+  while (size > 0 && IsHeldUp(frame, size));
+  return size;
+}
+
+// Scans only: what is asked for is asked for again.
+bool TwinCore::IsHeldUp(const std::uint8_t* frame, std::size_t size) noexcept {
+  if (scan_lost_ + scan_late_ == 0) return false;
+  wire::FrameView view;
+  if (wire::OpenFrame(frame, size, view) != wire::Status::kOk) return false;
+  if (view.header.type != wire::MessageType::kTelemetry) return false;
+  const double chance = way_.Uniform();
+  if (chance < scan_lost_) return true;
+  if (!(chance < scan_lost_ + scan_late_) || size > late_.size()) return false;
+  std::copy_n(frame, size, late_.begin());
+  late_size_ = size;
+  late_tick_ = tick_;
+  return true;
 }
 
 void TwinCore::Step() noexcept {

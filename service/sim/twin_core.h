@@ -3,12 +3,15 @@
 // traces drive this class.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "firmware/core/core.h"
+#include "firmware/wire/messages.h"
 #include "service/base/device_geometry.h"
 #include "service/sim/plant.h"
+#include "service/sim/random.h"
 #include "service/sim/recording.h"
 #include "service/sim/twin.h"
 
@@ -25,8 +28,8 @@ class TwinCore {
 
   // A frame from the host; it is looked at in the next tick's first control step.
   void Receive(const std::uint8_t* frame, std::size_t size) noexcept;
-  // A frame to the host; 0: none is left.
-  std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept { return core_.NextFrame(frame, capacity); }
+  // A frame to the host; 0: none is left. Scans that are lost on the way are none.
+  std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept;
 
   // Precondition: options.led.
   void Aim(const HandAim& aim) noexcept { plant_.Aim(aim); }
@@ -46,6 +49,7 @@ class TwinCore {
  private:
   void Step() noexcept;
   void Peek(const std::uint8_t* frame, std::size_t size) noexcept;
+  bool IsHeldUp(const std::uint8_t* frame, std::size_t size) noexcept;
 
   Plant plant_;
   firmware::FaultRecord record_;
@@ -56,6 +60,12 @@ class TwinCore {
   HostView host_;  // for the recording
   std::int64_t command_ns_ = 0;
   float current_max_A_;
+  // The way to the host.
+  double scan_lost_, scan_late_;
+  Random way_;
+  std::array<std::uint8_t, wire::kFrameSizeMax> late_{};
+  std::size_t late_size_ = 0;
+  std::uint64_t late_tick_ = 0;
 };
 
 }  // namespace omni::sim
