@@ -11,6 +11,15 @@ namespace omni::loop {
 
 using Eigen::Vector3d;
 
+double PoseTrust(const ForceLimiterConfig& config, double error_m) noexcept {
+  const double place = error_m / kPoseError_step_m;
+  const std::size_t last = config.pose_trust.size() - 1;
+  if (!(place >= 0 && place <= static_cast<double>(last))) return 0;
+  const std::size_t i = std::min(static_cast<std::size_t>(place), last - 1);
+  const double share = place - static_cast<double>(i);
+  return (1 - share) * config.pose_trust[i] + share * config.pose_trust[i + 1];
+}
+
 // A longer tick counts as one period: what the scans that were lost would have allowed does not come at once.
 void NarrowLimit(const ForceLimiterConfig& config, double force_trust, double growth_s,
                  base::ForceLimit& limit) noexcept {

@@ -12,7 +12,7 @@
 namespace omni::loop {
 namespace {
 
-constexpr double kPoseTrust = 1;     // of the greatest force: a pose that fits is believed
+constexpr double kSigmas = 3;        // of a pose: its error is hardly ever larger
 constexpr double kMaxStep_s = 5e-3;  // a longer gap counts as this much: nothing integrates over a hole
 
 bool IsFinite(const base::Vec3& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -109,6 +109,10 @@ void RenderScene(const TickConfig& config, const SceneControl& control, const ha
   haptics::StepPlaced(config.haptics, scene, now.placement, now.leaps, input, state.haptics, output.haptics);
 }
 
+double PoseError_m(const base::ToolState& tool) noexcept {
+  return kSigmas * std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
+}
+
 // A single scan that does not fit (a current step, a spike) holds the last pose instead of dropping the contact.
 base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, LoopState& state) noexcept {
   state.lost_scans = tool.status == base::TrackingStatus::kTracking ? 0 : state.lost_scans + 1;
@@ -191,7 +195,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   base::ForceLimit limit = actuation::ComputeDeratedLimit(config.actuation, tool, state.actuation.heat);
   // A pose that is only held leads the force down, not up.
   const bool held = output.tool.status != base::TrackingStatus::kTracking;
-  NarrowLimit(config.limiter, kPoseTrust, held ? 0.0 : dt_s, limit);
+  NarrowLimit(config.limiter, PoseTrust(config.limiter, PoseError_m(tool)), held ? 0.0 : dt_s, limit);
   TellLimits(config, limit, output);
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
   const haptics::Input felt = MakeHapticInput(tool, limit, delay_s, dt_s, state);

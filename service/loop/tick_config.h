@@ -1,12 +1,17 @@
 // TickConfig from a device's geometry: everything the tick reads is prepared here, off the tick.
 #pragma once
 
+#include <algorithm>
+
 #include "service/actuation/force_trust.h"
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/loop/tick.h"
 
 namespace omni::loop {
+
+// A pose that counts as tracked, to 3 mm (3 sigma), is trusted like any other.
+inline constexpr double kTrackedError_m = 3e-3;
 
 // `force_trust`: how well the base is known, 0 to 1. The greatest force and its rise shrink with it.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const tracker::Config& tracker,
@@ -16,6 +21,11 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const track
   config.actuation = actuation;
   config.actuation.force_max_N *= force_trust;
   config.limiter.rise_N_s = force_trust * config.haptics.force_slew_N_s;
+  const double tracked = std::min(force_trust, actuation::ForceTrust(actuation.map, device, kTrackedError_m));
+  for (std::size_t i = 0; i < config.limiter.pose_trust.size() && tracked > 0; ++i) {
+    const double error_m = kPoseError_step_m * static_cast<double>(i);
+    config.limiter.pose_trust[i] = std::min(1.0, actuation::ForceTrust(actuation.map, device, error_m) / tracked);
+  }
   config.tip_offset_m = device.magnet.tip_offset_m;
   config.applied.force_slew_N_s = config.haptics.force_slew_N_s;
   config.applied.force_max_N = config.actuation.force_max_N;

@@ -10,6 +10,11 @@ namespace {
 
 constexpr std::size_t kStates = kDriftStates;
 constexpr std::size_t kMoment = kNuisancesMax;
+constexpr std::size_t kAmbient = base::kCoilCount;         // the first of three
+constexpr double kMemory = 0.1;                            // share of the newest innovation in the mean of those before
+constexpr double kMoves = 0.1, kModelLasts = 0.6;          // of that mean, squared: the wander grows ...
+constexpr double kWanderGrows = 2, kWanderShrinks = 0.98;  // ... by so much
+constexpr double kJump = 10;                               // of one innovation: once in a million, were it no jump
 
 using StateRow = DriftEvidence::Row;
 
@@ -93,19 +98,122 @@ bool AllowForCurrents(DriftEvidence& evidence) noexcept {
   return true;
 }
 
+// What a scan says of the ambient field alone: the other states eliminated, each known to its own variance.
+//   I_m = I_aa - I_ao (I_oo + D^-1)^-1 I_oa,   g_m = g_a - I_ao (I_oo + D^-1)^-1 g_o
+struct AmbientEvidence {
+  std::array<double, 9> information{};
+  std::array<double, 3> gradient{};
+};
+bool OfAmbient(const DriftEvidence& evidence, const DriftState& drift, AmbientEvidence& ambient) noexcept {
+  constexpr std::size_t kOthers = kStates - 3;
+  constexpr std::array<std::size_t, kOthers> others{0, 1, 2, kMoment};
+  std::array<double, kOthers * kOthers> S;
+  for (std::size_t a = 0; a < kOthers; ++a) {
+    for (std::size_t b = 0; b < kOthers; ++b) S[kOthers * a + b] = evidence.information[others[a]][others[b]];
+    S[(kOthers + 1) * a] += 1 / drift.covariance[others[a] * (kStates + 1)];
+  }
+  if (!InvertPositive<kOthers>(S.data(), kOthers)) return false;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const StateRow& row = evidence.information[kAmbient + a];
+    std::array<double, kOthers> weight{};  // I_ao (I_oo + D^-1)^-1
+    for (std::size_t c = 0; c < kOthers; ++c) {
+      for (std::size_t d = 0; d < kOthers; ++d) weight[c] += row[others[d]] * S[kOthers * d + c];
+    }
+    ambient.gradient[a] = evidence.gradient[kAmbient + a];
+    for (std::size_t c = 0; c < kOthers; ++c) ambient.gradient[a] -= weight[c] * evidence.gradient[others[c]];
+    for (std::size_t b = 0; b < 3; ++b) {
+      double sum = row[kAmbient + b];
+      for (std::size_t c = 0; c < kOthers; ++c) sum -= weight[c] * evidence.information[others[c]][kAmbient + b];
+      ambient.information[3 * a + b] = sum;
+    }
+  }
+  return true;
+}
+
+// Squared innovation over what is expected, mean of three components: with nu = I^-1 g the field's innovation,
+//   nu^T (I^-1 + P)^-1 nu / 3 = g^T (I + I P I)^-1 g / 3
+double Innovation(const AmbientEvidence& evidence, const DriftState& drift) noexcept {
+  const auto& I = evidence.information;
+  std::array<double, 9> S;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      double sum = I[3 * a + b];
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t d = 0; d < 3; ++d) {
+          sum += I[3 * a + c] * drift.covariance[(kAmbient + c) * kStates + kAmbient + d] * I[3 * d + b];
+        }
+      }
+      S[3 * a + b] = sum;
+    }
+  }
+  if (!InvertPositive<3>(S.data(), 3)) return 0;
+  double sum = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) sum += evidence.gradient[a] * S[3 * a + b] * evidence.gradient[b];
+  }
+  return std::isfinite(sum) ? sum / 3 : 0;
+}
+
+// A jump opens the field. Innovations that follow one another mean that it moves: their mean would be small. The
+// model's own error, which lasts too, is allowed for.
+void LearnWander(const DriftNoise& noise, const DriftEvidence& evidence, DriftState& drift) noexcept {
+  AmbientEvidence now;
+  if (!OfAmbient(evidence, drift, now)) return;
+  if (Innovation(now, drift) > kJump) return OpenAmbient(noise, drift);
+  AmbientEvidence recent{drift.recent_information, drift.recent_gradient};
+  for (std::size_t a = 0; a < 9; ++a) recent.information[a] += kMemory * (now.information[a] - recent.information[a]);
+  for (std::size_t a = 0; a < 3; ++a) recent.gradient[a] += kMemory * (now.gradient[a] - recent.gradient[a]);
+  drift.recent_information = recent.information;
+  drift.recent_gradient = recent.gradient;
+  const double lasting = Innovation(recent, drift) / (kMoves + kModelLasts * evidence.systematic_share);
+  double& wander = drift.ambient_wander_T2_s;
+  if (lasting > 1) {
+    wander = std::clamp(kWanderGrows * wander, 2 * noise.ambient_wander_min_T2_s, noise.ambient_wander_max_T2_s);
+  } else if (lasting < 0.5) {
+    wander *= kWanderShrinks;
+    if (wander < noise.ambient_wander_min_T2_s) wander = 0;
+  }
+}
+
+double AmbientVariance(const DriftState& drift, std::size_t axis) noexcept {
+  return drift.covariance[(kAmbient + axis) * (kStates + 1)];
+}
+
+bool IsAmbientOpen(const DriftNoise& noise, const DriftState& drift) noexcept {
+  const double worst_T2 = std::max({AmbientVariance(drift, 0), AmbientVariance(drift, 1), AmbientVariance(drift, 2)});
+  return worst_T2 > Square(noise.ambient_open_T);
+}
+
 }  // namespace
 
-Offsets OffsetsOf(const DriftState& drift) noexcept {
+bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept {
+  return drift.ambient_wander_T2_s > 0 || IsAmbientOpen(noise, drift);
+}
+
+void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept {
+  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) {
+    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] = drift.covariance[b * kStates + a] = 0;
+    drift.covariance[a * kStates + a] = Square(noise.ambient_jump_T);
+  }
+  drift.recent_information = {};
+  drift.recent_gradient = {};
+}
+
+Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {
   Offsets offsets;
   std::copy_n(drift.mean.begin(), 3, offsets.remanence_A.begin());
   std::copy_n(drift.mean.begin() + 3, 3, offsets.ambient_base_T.begin());
   for (std::size_t k = 0; k < 3; ++k) offsets.remanence_variance_A2[k] = drift.covariance[k * kStates + k];
+  if (IsAmbientOpen(noise, drift)) {
+    for (std::size_t c = 0; c < 3; ++c) offsets.ambient_variance_T2[c] = AmbientVariance(drift, c);
+  }
   return offsets;
 }
 
 double MomentScale(const DriftState& drift) noexcept { return 1 + drift.mean[kMoment]; }
 
-// x <- phi x, P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)   [Ornstein & Uhlenbeck 1930]
+// x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)
+// [Ornstein & Uhlenbeck 1930]
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   DriftState& drift) noexcept {
   const auto keep_of = [&](std::size_t state) {
@@ -113,10 +221,15 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   };
   const double remanence = keep_of(0), ambient = keep_of(3), moment = keep_of(kMoment);
   const std::array<double, kStates> keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
-  for (std::size_t a = 0; a < kStates; ++a) drift.mean[a] *= keep[a];
+  for (std::size_t a = 0; a < kStates; ++a) {
+    if (a < kAmbient || a >= kAmbient + 3) drift.mean[a] *= keep[a];
+  }
   for (std::size_t a = 0; a < kStates; ++a) {
     for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] *= keep[a] * keep[b];
     drift.covariance[a * kStates + a] += (1 - Square(keep[a])) * WanderOf(noise, a).variance;
+  }
+  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) {
+    drift.covariance[a * kStates + a] += std::max(dt_s, 0.0) * drift.ambient_wander_T2_s;
   }
   for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
     double& variance = drift.covariance[k * kStates + k];
@@ -133,6 +246,7 @@ DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measure
   DriftEvidence evidence;
   evidence.valid = EliminatePose(measurement, sums, evidence);
   evidence.share = EvidenceShare(noise, measurement, step_s);
+  evidence.systematic_share = measurement.systematic_share;
   evidence.current_variance_A2 = measurement.current_variance_A2;
   return evidence;
 }
@@ -141,6 +255,7 @@ DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measure
 // was linearised with the prior mean already taken off, so that the prior pulls towards no change.
 bool CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept {
   if (!evidence.valid || !AllowForCurrents(evidence)) return false;
+  LearnWander(noise, evidence, drift);
   auto P = drift.covariance;
   if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return false;
   for (std::size_t a = 0; a < kStates; ++a) {

@@ -18,6 +18,12 @@ struct DriftNoise {
   int every_scans = 4;                          // a scan that tells of them costs half as much again
   double remanence_A = 0.011, remanence_s = 1;  // 0: nothing is estimated
   double ambient_T = 5e-7, ambient_s = 100;
+  // A field that changes faster than that: the base is turned or carried, iron comes near. By how much it may have
+  // jumped when nothing else explains a scan; what it wanders, in T^2/s, is learnt between these from how far evidence
+  // is off.
+  double ambient_jump_T = 1e-4;
+  double ambient_wander_min_T2_s = 1e-15, ambient_wander_max_T2_s = 1e-9;
+  double ambient_open_T = 6e-7;      // known to less than this: an unknown of every scan
   double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
   double moment_max = 0.05;
@@ -27,8 +33,12 @@ struct DriftNoise {
 
 struct DriftState {
   bool valid = false;
-  std::int64_t t_ns = 0;                                  // of the last prediction
-  double step_s = 0;                                      // that it bridged
+  std::int64_t t_ns = 0;           // of the last prediction
+  double step_s = 0;               // that it bridged
+  double ambient_wander_T2_s = 0;  // beyond what DriftNoise says
+  // Of the ambient field, means over the last scans: what they say that it has moved, as information and gradient.
+  std::array<double, 9> recent_information{};
+  std::array<double, 3> recent_gradient{};
   std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
   std::array<double, kDriftStates> mean{};
   std::array<double, std::size_t{kDriftStates} * kDriftStates> covariance{};  // row-major
@@ -44,11 +54,12 @@ struct DriftEvidence {
   std::array<Row, kDriftStates> information{};
   Row gradient{};
   double share = 0;  // of both that counts
+  double systematic_share = 0;
   std::array<double, base::kCoilCount> current_variance_A2{};
 };
 static_assert(std::is_trivially_copyable_v<DriftEvidence>);
 
-Offsets OffsetsOf(const DriftState& drift) noexcept;
+Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept;
 double MomentScale(const DriftState& drift) noexcept;
 
 // Forgets for `dt_s`; a state that is not valid starts at zero with its full spread. current_step_A: since the last
@@ -59,6 +70,12 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
 // `sums`: of a fit of a measurement with the columns of AddAmbientColumns; step_s: since the evidence before.
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
                              double step_s) noexcept;
+
+// Anything up to noise.ambient_jump_T may have come; the wander is learnt anew.
+void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept;
+
+// The ambient field changes faster than DriftNoise says, or is hardly known: every scan is worth looking at.
+bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept;
 
 // Before the next PredictDrift. False: nothing usable, the state is unchanged.
 bool CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept;

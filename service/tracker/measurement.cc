@@ -94,6 +94,7 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
   double square_sum = 0;
   for (std::size_t i = 0; i < kSensors; ++i) {
     if (!(scan.age_ns[i] >= 0 && scan.age_ns[i] <= trust.age_max_ns)) continue;
+    if (((trust.sensors_out >> i) & 1u) != 0) continue;
     result.age_s[i] = 1e-9 * static_cast<double>(scan.age_ns[i]);
     CurrentInstant then = known ? currents.At(result.age_s[i]) : CurrentInstant{};
     for (std::size_t k = 0; k < base::kCoilCount; ++k) then.current_A[k] += offsets.remanence_A[k];
@@ -111,7 +112,9 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
   Currents variance_A2 = CurrentVariance(trust, scan.coil_current_A, currents.change_A(), change_error);
   result.current_variance_A2 = variance_A2;
   for (std::size_t k = 0; k < variance_A2.size(); ++k) variance_A2[k] += offsets.remanence_variance_A2[k];
-  SetNuisances(model, variance_A2, Square(trust.ambient_error_T), result);
+  std::array<double, 3> ambient_T2 = offsets.ambient_variance_T2;
+  for (double& variance : ambient_T2) variance += Square(trust.ambient_error_T);
+  SetNuisances(model, variance_A2, ambient_T2, result);
   return result;
 }
 
@@ -128,7 +131,8 @@ void MakeArrayMeasurement(const Model& model, const Trust& trust, const ArrayRea
                             CoilsAt(model, i, {current_A, {}}), i, result);
   }
   if (result.axes > 0) result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
-  SetNuisances(model, CurrentVariance(trust, current_A, {}, 0), Square(trust.ambient_error_T), result);
+  const double ambient_T2 = Square(trust.ambient_error_T);
+  SetNuisances(model, CurrentVariance(trust, current_A, {}, 0), {ambient_T2, ambient_T2, ambient_T2}, result);
 }
 
 }  // namespace omni::tracker

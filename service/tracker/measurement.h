@@ -21,6 +21,7 @@ struct Trust {
   double remanence_A = 0;                // field that the core keeps, as currents: it looks like theirs
   bool currents_hidden = false;          // currents are not known at all: three unknowns without a prior
   double ambient_error_T = 0;            // of a uniform field that came after the background was measured
+  std::uint32_t sensors_out = 0;         // bit i: sensor i is not used
   double age_error_s = 2e-5;             // of a sensor's age
   double current_age_s = 3.75e-4;        // mean currents: of the ends of 4 control steps, this long before the tick's
   double field_max_T = 5e-3;             // a larger value is no reading
@@ -64,7 +65,7 @@ using ArrayMeasurement = BasicMeasurement<kArraySensors>;  // of any array, off 
 // Offsets that were found to be in the readings.
 struct Offsets {
   std::array<double, base::kCoilCount> remanence_A{}, remanence_variance_A2{};
-  std::array<double, 3> ambient_base_T{};
+  std::array<double, 3> ambient_base_T{}, ambient_variance_T2{};  // no variance: it is known
 };
 
 // Subtracts coils and offsets, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.

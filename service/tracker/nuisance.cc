@@ -65,7 +65,7 @@ bool InvertLeading(int count, NuisanceMatrix& S) noexcept {
 
 template <int kCapacity>
 void SetNuisances(const Model& model, const std::array<double, base::kCoilCount>& current_variance_A2,
-                  double ambient_variance_T2, BasicMeasurement<kCapacity>& result) noexcept {
+                  const std::array<double, 3>& ambient_variance_T2, BasicMeasurement<kCapacity>& result) noexcept {
   const auto sensors = static_cast<std::size_t>(result.sensors);
   std::array<double, kNuisancesMax> precision{};
   int count = 0;
@@ -80,9 +80,9 @@ void SetNuisances(const Model& model, const std::array<double, base::kCoilCount>
     precision[static_cast<std::size_t>(count++)] = 1 / current_variance_A2[k];
   }
   result.columns = count;
-  if (ambient_variance_T2 > 0) {
+  if (ambient_variance_T2[0] > 0 && ambient_variance_T2[1] > 0 && ambient_variance_T2[2] > 0) {
     PutAmbientColumns(result);
-    for (std::size_t c = 0; c < 3; ++c) precision[static_cast<std::size_t>(count++)] = 1 / ambient_variance_T2;
+    for (const double variance : ambient_variance_T2) precision[static_cast<std::size_t>(count++)] = 1 / variance;
   }
   AddInformation(0, result);
   auto& S = result.nuisance_covariance;
@@ -103,8 +103,9 @@ void AddAmbientColumns(Measurement& result) noexcept {
   AddInformation(base::kCoilCount, result);
 }
 
-template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, double, Measurement&) noexcept;
-template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, double,
+template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, const std::array<double, 3>&,
+                           Measurement&) noexcept;
+template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, const std::array<double, 3>&,
                            ArrayMeasurement&) noexcept;
 
 }  // namespace omni::tracker

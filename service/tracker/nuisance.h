@@ -12,12 +12,12 @@ namespace omni::tracker {
 // projected out of what the usable axes see. Shapes that no usable axis sees cost nothing.
 template <int kCapacity>
 void SetNuisances(const Model& model, const std::array<double, base::kCoilCount>& current_variance_A2,
-                  double ambient_variance_T2, BasicMeasurement<kCapacity>& result) noexcept;
+                  const std::array<double, 3>& ambient_variance_T2, BasicMeasurement<kCapacity>& result) noexcept;
 
-extern template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, double,
-                                  Measurement&) noexcept;
-extern template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&, double,
-                                  ArrayMeasurement&) noexcept;
+extern template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&,
+                                  const std::array<double, 3>&, Measurement&) noexcept;
+extern template void SetNuisances(const Model&, const std::array<double, base::kCoilCount>&,
+                                  const std::array<double, 3>&, ArrayMeasurement&) noexcept;
 
 // To a scan whose unknowns are the three currents: the columns of an ambient field. Else nothing.
 void AddAmbientColumns(Measurement& result) noexcept;

@@ -7,11 +7,9 @@
 #include "service/base/eigen.h"
 #include "service/base/stamp.h"
 #include "service/magnetics/nominal.h"
-#include "service/tracker/cold_start.h"
+#include "service/tracker/fit_scan.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/nuisance.h"
-#include "service/tracker/solver.h"
-#include "service/tracker/static_solve.h"
 
 namespace omni::tracker {
 namespace {
@@ -21,67 +19,8 @@ using Eigen::Vector3d;
 constexpr double kPredictMax_s = 0.020;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
+constexpr double kCalibratedError = 0.01;    // of the model: with more, something else is wrong than the calibration
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
-constexpr double kModelErrorMax = 0.05;      // an uncalibrated base
-
-bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
-  return fit.converged &&
-         fit.chi2 <= ChiSquareGate(config.chi2_max, measurement.axes - measurement.fixed - kParameters);
-}
-
-bool IsInReach(const Config& config, const Pose& pose) noexcept {
-  const double r = pose.position_base_m.norm();
-  return r >= config.reach_min_m && r <= config.reach_max_m && pose.position_base_m.z() >= config.z_min_m;
-}
-
-struct Outcome {
-  bool good = false;       // fits, in reach
-  bool explained = false;  // some pose fits, in reach or not
-  bool cold = false;
-  Fit fit;
-};
-
-Precision PrecisionOf(const Config& config) noexcept {
-  return config.trust.currents_hidden ? Precision::kDouble : config.precision;
-}
-
-// Starts at the predicted pose; the filter's rates take each sensor back to its own instant.
-Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* sums,
-                Measurement& measurement) noexcept {
-  const Vector3d u = base::ToEigen(predicted.axis_base);
-  const Vector3d u_rate = base::ToEigen(predicted.angular_velocity_base_rad_s).cross(u);
-  const base::Vec3& v = predicted.velocity_base_m_s;
-  measurement.velocity_base_m_s = {v.x, v.y, v.z};
-  measurement.axis_rate_base_1_s = {u_rate.x(), u_rate.y(), u_rate.z()};
-  Outcome outcome;
-  outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u},
-                          {.precision = PrecisionOf(config), .iterations_max = config.iterations_max, .sums = sums});
-  outcome.explained = FitsReadings(config, measurement, outcome.fit);
-  outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose);
-  return outcome;
-}
-
-// Tries the best grid points in turn. A fit that passes the gate out of reach ends the search: the pen is elsewhere.
-Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
-  measurement.velocity_base_m_s = {};
-  measurement.axis_rate_base_1_s = {};
-  Outcome outcome;
-  outcome.cold = true;
-  const ColdCandidates candidates = RankGrid(config.model, measurement);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count); ++c) {
-    const int spent = outcome.fit.iterations;
-    outcome.fit = SolvePose(
-        config.model, measurement, candidates.poses[c],
-        {.precision = PrecisionOf(config), .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
-    outcome.fit.iterations += spent;
-    const bool fits = FitsReadings(config, measurement, outcome.fit);
-    outcome.explained = outcome.explained || fits;
-    outcome.good = fits && IsInReach(config, outcome.fit.pose);
-    // Far below or beyond the base the readings say little: only a fit well outside decides.
-    if (outcome.good || (fits && outcome.fit.pose.position_base_m.norm() > config.reach_max_m)) break;
-  }
-  return outcome;
-}
 
 PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
   PoseMeasurement measured{base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), {}};
@@ -215,7 +154,8 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
 // Every few scans all that drifts is an unknown. Hidden currents leave nothing to tell it by.
 bool IsWideScan(const Config& config, const State& state) noexcept {
   return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden &&
-         state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0;
+         (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
+          IsAmbientLively(config.drift, state.drift));
 }
 
 void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& drift) noexcept {
@@ -243,7 +183,7 @@ bool IsEarlyJump(const Config& config, const State& state, const FilterState& pr
 // which is what a calibration cannot tell of itself (sensors that are not straight).   docs/theory/tracking.md (3)
 double ModelErrorOf(const base::Calibration& calibration, double nominal) {
   if (!(calibration.expected_error_m > 0)) return nominal;
-  return std::clamp(3 * calibration.expected_error_m / kTypicalDistance_m, nominal, kModelErrorMax);
+  return std::max(nominal, 3 * calibration.expected_error_m / kTypicalDistance_m);
 }
 
 }  // namespace
@@ -251,7 +191,9 @@ double ModelErrorOf(const base::Calibration& calibration, double nominal) {
 Config MakeConfig(const base::Calibration& calibration) {
   Config config;
   config.model = MakeModel(calibration);
-  config.trust.model_error_relative = ModelErrorOf(calibration, config.trust.model_error_relative);
+  const double drawn = config.doubt.model_error_max;
+  config.doubt.model_error_start = std::min(ModelErrorOf(calibration, config.trust.model_error_relative), drawn);
+  config.doubt.model_error_max = std::max(kCalibratedError, config.doubt.model_error_start);
   return config;
 }
 
@@ -266,7 +208,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
     tool = state.published;
     return;
   }
-  ++state.scans;
+  if (state.scans++ == 0) state.doubt.model_error = config.doubt.model_error_start;
   const CurrentHistory currents = Remember(scan, state.currents);
   if (state.evidence.valid) {
     CorrectDrift(config.drift, state.evidence, state.drift);
@@ -274,11 +216,9 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   }
   const bool wide = IsWideScan(config, state);
   if (wide) ForgetDrift(config, scan, state.drift);
-  Measurement measurement = MakeMeasurement(config.model, config.trust, scan, state.currents, currents,
-                                            state.drift.valid ? OffsetsOf(state.drift) : Offsets{});
-  measurement.moment_scale = MomentScale(state.drift);
+  const ScanContext context{config, scan, state.currents, currents};
+  Measurement measurement = MeasureScan(context, state.drift, state.doubt);
   if (wide) AddAmbientColumns(measurement);
-  state.currents = currents;
 
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
   const bool continues = state.warm && dt_s >= 0 && dt_s <= config.coast_max_s;
@@ -287,15 +227,19 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
 
   Outcome outcome;
   KernelSums sums;
-  if (measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T) {
+  if (HasMagnet(config, measurement)) {
+    bool tried = state.warm;
     if (state.warm) {
       outcome = TryWarm(config, predicted, wide ? &sums : nullptr, measurement);
+      const bool explained = outcome.explained;
+      if (outcome.good) TryJump(context, predicted, state, measurement, outcome);
+      if (!outcome.good) TryOtherBeliefs(context, predicted, state, measurement, outcome);
+      outcome.explained = outcome.explained || explained;
     }
     const bool warm = outcome.good;
-    bool tried = state.warm;
     if (!warm && --state.cold_pause < 0) {
       const bool explained = outcome.explained;
-      outcome = TryCold(config, measurement);
+      outcome = TryColdBelief(context, state, measurement);
       outcome.explained = outcome.explained || explained;
       state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
       tried = true;
@@ -305,7 +249,9 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
     if (outcome.good && warm && outcome.fit.has_sums) {
       state.evidence = GatherEvidence(config.drift, measurement, sums, state.drift.step_s);
     }
+    if (outcome.good && warm) DoubtOn(context, predicted, measurement, outcome, state);
   }
+  state.currents = currents;
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);
   tool = state.published;

@@ -9,6 +9,7 @@
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/tool_state.h"
+#include "service/tracker/doubt.h"
 #include "service/tracker/drift.h"
 #include "service/tracker/filter.h"
 #include "service/tracker/measurement.h"
@@ -21,10 +22,12 @@ struct Config {
   Trust trust;                              // of the readings
   FilterNoise filter;                       // how a hand moves
   DriftNoise drift;                         // how fast offsets and moment change
+  DoubtOptions doubt;                       // when a sensor or the calibration is not believed
   Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
   double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
   double field_min_T = 4e-6;                // rms of the magnet's field over sensors below this: absent (0.5 m away)
   int axes_min = 9;                         // fewer usable readings: no pose
+  int dof_min = 6;                          // the same of degrees of freedom: a wrong pose would not show
   int iterations_max = 8;                   // warm
   int cold_iterations_max = 30;
   int cold_pause_scans = 8;    // between two cold starts in vain
@@ -51,6 +54,8 @@ struct State {
   std::uint32_t scans = 0;
   FilterState filter;
   DriftState drift;
+  Doubt doubt;
+  int belief = 0;          // of the next cold start
   DriftEvidence evidence;  // of the last scan: the next takes it up, so that no scan pays for both
   CurrentHistory currents;
   base::ToolState published;  // the last output

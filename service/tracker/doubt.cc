@@ -1,0 +1,51 @@
+#include "service/tracker/doubt.h"
+
+#include <algorithm>
+
+namespace omni::tracker {
+
+Trust TrustIn(const Doubt& doubt, Trust trust) noexcept {
+  trust.model_error_relative = std::max(trust.model_error_relative, doubt.model_error);
+  trust.coil_error_relative = std::max(trust.coil_error_relative, doubt.model_error);
+  if (doubt.left_out >= 0) trust.sensors_out |= 1u << doubt.left_out;
+  return trust;
+}
+
+int NextTrial(bool failing, Doubt& doubt) noexcept {
+  if (doubt.failing != failing) EndTrials(doubt);
+  doubt.failing = failing;
+  return doubt.trials % kSensors;
+}
+
+void AddTrial(double saved_chi2, Doubt& doubt) noexcept {
+  doubt.saved[static_cast<std::size_t>(doubt.trials % kSensors)] += saved_chi2;
+  ++doubt.trials;
+}
+
+Suspect WorstOf(const Doubt& doubt) noexcept {
+  const auto worst = std::max_element(doubt.saved.begin(), doubt.saved.end());
+  return {static_cast<int>(worst - doubt.saved.begin()), *worst * kSensors / std::max(doubt.trials, kSensors)};
+}
+
+void EndTrials(Doubt& doubt) noexcept {
+  doubt.trials = 0;
+  doubt.saved = {};
+}
+
+void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
+  const int needed = doubt.agree_needed == 0 ? options.agree_min : doubt.agree_needed;
+  if (sensor < 0 && doubt.left_out >= 0) doubt.agree_needed = std::min(2 * needed, options.agree_max);
+  doubt.left_out = sensor;
+  doubt.agreed = 0;
+  doubt.chi2_per_dof = 1;
+  EndTrials(doubt);
+}
+
+void LearnModelError(const DoubtOptions& options, double ratio, double model_error, Doubt& doubt) noexcept {
+  doubt.chi2_per_dof += options.memory * (ratio - doubt.chi2_per_dof);
+  if (doubt.chi2_per_dof >= options.lower_below || doubt.model_error == 0) return;
+  doubt.model_error *= options.lower_by;
+  if (doubt.model_error < model_error) doubt.model_error = 0;
+}
+
+}  // namespace omni::tracker

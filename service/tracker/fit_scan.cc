@@ -1,0 +1,204 @@
+#include "service/tracker/fit_scan.h"
+
+#include <algorithm>
+
+#include "service/base/eigen.h"
+#include "service/tracker/cold_start.h"
+#include "service/tracker/static_solve.h"
+
+namespace omni::tracker {
+namespace {
+
+using Eigen::Vector3d;
+
+// Beliefs of cold starts: as before; the ambient field may be anything; that and one sensor left out.
+constexpr int kColdBeliefs = 2 + kSensors;
+constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wrong, a pose known worse is none
+constexpr double kNoFit = 1e6;             // chi2
+
+bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
+  const int dof = DegreesOfFreedom(measurement);
+  return fit.converged && dof >= config.dof_min && fit.chi2 <= ChiSquareGate(config.chi2_max, dof);
+}
+
+bool IsInReach(const Config& config, const Pose& pose) noexcept {
+  const double r = pose.position_base_m.norm();
+  return r >= config.reach_min_m && r <= config.reach_max_m && pose.position_base_m.z() >= config.z_min_m;
+}
+
+Precision PrecisionOf(const Config& config) noexcept {
+  return config.trust.currents_hidden ? Precision::kDouble : config.precision;
+}
+
+// Tries the best grid points in turn. A fit that passes the gate out of reach ends the search: the pen is elsewhere.
+Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
+  measurement.velocity_base_m_s = {};
+  measurement.axis_rate_base_1_s = {};
+  Outcome outcome;
+  outcome.cold = true;
+  const ColdCandidates candidates = RankGrid(config.model, measurement);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count); ++c) {
+    const int spent = outcome.fit.iterations;
+    outcome.fit = SolvePose(
+        config.model, measurement, candidates.poses[c],
+        {.precision = PrecisionOf(config), .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
+    outcome.fit.iterations += spent;
+    const bool fits = FitsReadings(config, measurement, outcome.fit);
+    outcome.explained = outcome.explained || fits;
+    outcome.good = fits && IsInReach(config, outcome.fit.pose);
+    // Far below or beyond the base the readings say little: only a fit well outside decides.
+    if (outcome.good || (fits && outcome.fit.pose.position_base_m.norm() > config.reach_max_m)) break;
+  }
+  return outcome;
+}
+
+// Drift and doubts are learnt from currents that are measured.
+bool CanDoubt(const Config& config, const State& state) noexcept {
+  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden && state.drift.valid;
+}
+
+double Chi2Of(const Outcome& outcome, double otherwise) noexcept {
+  return outcome.fit.converged ? outcome.fit.chi2 : otherwise;
+}
+
+// What leaving out another sensor saves of `chi2`.
+void Try(const ScanContext& context, const FilterState& predicted, const DriftState& drift, bool failing, double chi2,
+         Doubt& doubt) noexcept {
+  Doubt trial = doubt;
+  trial.left_out = NextTrial(failing, doubt);
+  Measurement without = MeasureScan(context, drift, trial);
+  const Outcome outcome = TryWarm(context.config, predicted, nullptr, without);
+  AddTrial(std::max(0.0, chi2 - Chi2Of(outcome, chi2)), doubt);
+}
+
+// Does the sensor that is left out agree with the others?
+void CheckLeftOut(const ScanContext& context, const FilterState& predicted, double chi2, State& state) noexcept {
+  const DoubtOptions& options = context.config.doubt;
+  Doubt all = state.doubt;
+  all.left_out = -1;
+  Measurement with = MeasureScan(context, state.drift, all);
+  const bool agrees = Chi2Of(TryWarm(context.config, predicted, nullptr, with), kNoFit) - chi2 < options.agrees_below;
+  state.doubt.agreed = agrees ? state.doubt.agreed + 1 : 0;
+  if (state.doubt.agreed >= std::max(state.doubt.agree_needed, options.agree_min)) Blame(options, -1, state.doubt);
+}
+
+}  // namespace
+
+Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept {
+  Measurement measurement =
+      MakeMeasurement(context.config.model, TrustIn(doubt, context.config.trust), context.scan, context.before,
+                      context.now, drift.valid ? OffsetsOf(context.config.drift, drift) : Offsets{});
+  measurement.moment_scale = MomentScale(drift);
+  return measurement;
+}
+
+int DegreesOfFreedom(const Measurement& measurement) noexcept {
+  return measurement.axes - measurement.fixed - kParameters - (measurement.nuisances > base::kCoilCount ? 3 : 0);
+}
+
+bool HasMagnet(const Config& config, const Measurement& measurement) noexcept {
+  return measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T;
+}
+
+Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* sums,
+                Measurement& measurement) noexcept {
+  const Vector3d u = base::ToEigen(predicted.axis_base);
+  const Vector3d u_rate = base::ToEigen(predicted.angular_velocity_base_rad_s).cross(u);
+  const base::Vec3& v = predicted.velocity_base_m_s;
+  measurement.velocity_base_m_s = {v.x, v.y, v.z};
+  measurement.axis_rate_base_1_s = {u_rate.x(), u_rate.y(), u_rate.z()};
+  Outcome outcome;
+  outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u},
+                          {.precision = PrecisionOf(config), .iterations_max = config.iterations_max, .sums = sums});
+  outcome.explained = FitsReadings(config, measurement, outcome.fit);
+  outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose);
+  return outcome;
+}
+
+bool TryJump(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
+             Outcome& outcome) noexcept {
+  const Config& config = context.config;
+  const DoubtOptions& options = config.doubt;
+  const double expected = DegreesOfFreedom(measurement) * std::max(1.0, state.doubt.chi2_per_dof);
+  if (!CanDoubt(config, state) || !(outcome.fit.chi2 > options.odd_factor * expected)) return false;
+  DriftState open = state.drift;
+  OpenAmbient(config.drift, open);
+  Measurement free = MeasureScan(context, open, state.doubt);
+  const Outcome other = TryWarm(config, predicted, nullptr, free);
+  if (!other.good || other.fit.chi2 + options.jump_saves > outcome.fit.chi2) return false;
+  state.drift = open;
+  measurement = free;
+  outcome = other;
+  return true;
+}
+
+bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
+                     Outcome& outcome) noexcept {
+  const Config& config = context.config;
+  if (!CanDoubt(config, state)) return false;
+  const auto holds = [&](const DriftState& drift, const Doubt& doubt) {
+    measurement = MeasureScan(context, drift, doubt);
+    outcome = TryWarm(config, predicted, nullptr, measurement);
+    if (!outcome.good) return false;
+    state.drift = drift;
+    state.doubt = doubt;
+    return true;
+  };
+  DriftState open = state.drift;
+  OpenAmbient(config.drift, open);
+  if (holds(open, state.doubt)) return true;
+  const double chi2 = Chi2Of(outcome, kNoFit);
+  for (int k = 0; k < config.doubt.trials_a_scan; ++k) Try(context, predicted, open, true, chi2, state.doubt);
+  if (state.doubt.trials < kSensors) return false;
+  Doubt blaming = state.doubt;
+  Blame(config.doubt, WorstOf(state.doubt).sensor, blaming);
+  EndTrials(state.doubt);
+  return holds(open, blaming);
+}
+
+Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& measurement) noexcept {
+  const Config& config = context.config;
+  const int belief = CanDoubt(config, state) ? state.belief++ % kColdBeliefs : 0;
+  if (belief == 0) {
+    const Outcome outcome = TryCold(config, measurement);
+    if (outcome.good) state.belief = 0;
+    return outcome;
+  }
+  DriftState drift = state.drift;
+  OpenAmbient(config.drift, drift);
+  Doubt doubt = state.doubt;
+  Blame(config.doubt, belief > 1 ? belief - 2 : -1, doubt);
+  measurement = MeasureScan(context, drift, doubt);
+  Outcome outcome = TryCold(config, measurement);
+  outcome.good = outcome.good && outcome.fit.covariance.topLeftCorner<3, 3>().trace() <= kSurelyKnown_m2;
+  if (!outcome.good) return outcome;
+  state.drift = drift;
+  state.doubt = doubt;
+  state.belief = 0;
+  return outcome;
+}
+
+void DoubtOn(const ScanContext& context, const FilterState& predicted, const Measurement& measurement,
+             const Outcome& outcome, State& state) noexcept {
+  const Config& config = context.config;
+  if (!CanDoubt(config, state)) return;
+  Doubt& doubt = state.doubt;
+  const double chi2 = outcome.fit.chi2, model_error = config.trust.model_error_relative;
+  LearnModelError(config.doubt, chi2 / DegreesOfFreedom(measurement), model_error, doubt);
+  if (doubt.left_out >= 0) {
+    if (state.scans % static_cast<std::uint32_t>(config.doubt.check_every_scans) == 0) {
+      CheckLeftOut(context, predicted, chi2, state);
+    }
+  }
+  if (!(doubt.chi2_per_dof > config.doubt.raise_above)) return;
+  Try(context, predicted, state.drift, false, chi2, doubt);
+  if (doubt.trials < config.doubt.rounds * kSensors) return;
+  const Suspect suspect = WorstOf(doubt);
+  if (doubt.left_out < 0 && suspect.saved_chi2 > config.doubt.blame_saves)
+    return Blame(config.doubt, suspect.sensor, doubt);
+  doubt.model_error =
+      std::min(config.doubt.raise_by * std::max(doubt.model_error, model_error), config.doubt.model_error_max);
+  EndTrials(doubt);
+}
+
+}  // namespace omni::tracker
