@@ -20,6 +20,7 @@ struct BenchOptions {
   std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
   std::string mesh;               // collision: a .glb file instead of the bench's own bodies
   double hours = 10;              // stress: virtual time of the drift run
+  std::string condition;          // room: this one alone
 };
 
 // Benches that draw rigs and poses use three seeds; the same --seed gives the same ones.
@@ -66,6 +67,10 @@ base::Result<BenchRows> BenchLatency(const BenchOptions& options);
 // Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, hidden
 // currents.
 base::Result<BenchRows> BenchTracking(const BenchOptions& options);
+
+// Tracking outside a laboratory: condition, force, rigs, ticks, seed, tracked_fraction, coarse_fraction, mean_mm,
+// p95_mm, sigma_mm, silent_fraction, recovery_ms_p95, force_error_p95_pct; null where nothing was tracked.
+base::Result<BenchRows> BenchRoom(const BenchOptions& options);
 
 // Run time and error of solvers on the same poses; side table: ratios.
 base::Result<BenchRows> BenchSolver(const BenchOptions& options);

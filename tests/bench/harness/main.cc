@@ -27,6 +27,7 @@ constexpr Bench kBenches[] = {
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
     {"layer", "the OpenXR layer: cost of calls, memory, latency, error of predicted poses", BenchLayer},
     {"tracking", "error of the tracker against the twin", BenchTracking},
+    {"room", "tracking beside steel, magnets, bad sensors and in a field that changes (a simulation)", BenchRoom},
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
@@ -70,6 +71,7 @@ void AddBenches(Command& app) {
     sub.Add("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies").ExistingFile();
     sub.Add("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         .Range(std::uint64_t{1}, kMost);
+    sub.Add("--condition", options->condition, "room: this one alone");
     sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);
     sub.Run([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
   }
