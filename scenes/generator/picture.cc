@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <numbers>
 #include <span>
-#include <thread>
+
+#include "service/base/in_parallel.h"
 
 namespace omni::scenes {
 namespace {
@@ -80,18 +80,6 @@ void Rasterise(const Vec (&p)[3], int width, int height, Visit visit) {
       visit(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x), depth, u, v);
     }
   }
-}
-
-// task(0) ... task(count - 1), in no order, on all processors.
-template <class Task>
-void InParallel(std::size_t count, const Task& task) {
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) task(i);
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned k = 1; k < std::thread::hardware_concurrency(); ++k) threads.emplace_back(work);
-  work();
 }
 
 class Painter {
@@ -233,8 +221,8 @@ class Painter {
   void Shine(std::vector<Light> lights) {
     for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
       const std::span<Light> some = std::span(lights).subspan(first, std::min(kLightsAtOnce, lights.size() - first));
-      InParallel(some.size(), [&](std::size_t k) { DrawShadow(some[k]); });
-      InParallel(static_cast<std::size_t>(camera_.height), [&](std::size_t row) {
+      base::InParallel(some.size(), [&](std::size_t k) { DrawShadow(some[k]); });
+      base::InParallel(static_cast<std::size_t>(camera_.height), [&](std::size_t row) {
         const auto width = static_cast<std::size_t>(camera_.width);
         for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
           if (!surfaces_[i].hit) continue;

@@ -71,7 +71,7 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
                              double step_s) noexcept;
 
-// Anything up to noise.ambient_jump_T may have come; the wander is learnt anew.
+// The ambient field may have jumped: it is known to noise.ambient_jump_T, and what the last scans said is forgotten.
 void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept;
 
 // The ambient field changes faster than DriftNoise says, or is hardly known: every scan is worth looking at.

@@ -3,7 +3,6 @@
 // scans and judges.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -11,9 +10,9 @@
 #include <numbers>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "service/base/in_parallel.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/haptics/scene.h"
@@ -415,17 +414,8 @@ base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
   const auto scene = Box();
   if (!scene.ok()) return base::Error{scene.error()};
   std::vector<std::vector<std::array<Tally, 2>>> done(rigs);
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t r = next++; r < rigs; r = next++) {
-      done[r] = RunRig(conditions, 1000 * options.seed + 10 * r, run_s, *scene);
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (unsigned k = 1; k < std::thread::hardware_concurrency(); ++k) threads.emplace_back(work);
-    work();
-  }
+  base::InParallel(rigs,
+                   [&](std::size_t r) { done[r] = RunRig(conditions, 1000 * options.seed + 10 * r, run_s, *scene); });
   BenchRows rows;
   for (const bool force : {false, true}) {
     for (std::size_t c = 0; c < conditions.size(); ++c) {
