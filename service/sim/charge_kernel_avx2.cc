@@ -9,4 +9,9 @@ void ChargeSumAvx2(const double* x, const double* y, const double* z, const doub
   SumOfCharges(x, y, z, q, count, point, out);
 }
 
+void ZonalFieldsAvx2(const ZonalTerms& terms, const double* x, const double* y, const double* z, std::size_t count,
+                     double* bx, double* by, double* bz) noexcept {
+  FieldsOfZonal(terms, x, y, z, count, bx, by, bz);
+}
+
 }  // namespace omni::sim

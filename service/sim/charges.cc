@@ -51,6 +51,12 @@ void Charges::Resize(std::size_t count) {
   count_ = count;
 }
 
+void FieldArray::Resize(const Charges& charges) {
+  x.assign(charges.x.size(), 0);
+  y.assign(charges.x.size(), 0);
+  z.assign(charges.x.size(), 0);
+}
+
 Vec3 FieldOf(const Charges& charges, const Vec3& point_base_m) noexcept {
   static const ChargeSum sum = FastestChargeSum();
   const double point[3] = {point_base_m.x, point_base_m.y, point_base_m.z};

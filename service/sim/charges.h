@@ -29,6 +29,13 @@ struct Charges {
   std::size_t count_ = 0;
 };
 
+// A vector where each charge lies, with the charges' padding.
+struct FieldArray {
+  std::vector<double> x, y, z;
+  Vec3 operator[](std::size_t i) const noexcept { return {x[i], y[i], z[i]}; }
+  void Resize(const Charges& charges);
+};
+
 // B(p) = mu0 / 4 pi sum q d / |d|^3, d = p - charge.
 Vec3 FieldOf(const Charges& charges, const Vec3& point_base_m) noexcept;
 

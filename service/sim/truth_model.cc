@@ -100,6 +100,7 @@ TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, boo
   if (flip_coil_z) polarity_[2] = -1;
   images_.Resize(core_.image_count(mirror_.charges.size()));
   coarse_images_.Resize(core_.image_count(coarse_.charges.size()));
+  medium_fields_T_.Resize(medium_.charges);
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const SensorError& error = imperfections.sensors[i];
     const base::SensorGeometry& nominal = made.device.sensors[i];
@@ -245,10 +246,10 @@ Vec3 TruthModel::InducedMoment(const MagnetPose* pose, const CoilArray& current_
 ForceMap TruthModel::ForcesAt(const MagnetPose& pose, std::uint32_t steel_mask) noexcept {
   ForceMap map;
   medium_.Place(pose);
-  for (std::size_t i = 0; i < medium_.charges.size(); ++i) {
-    for (std::size_t k = 0; k < coils_.size(); ++k) {
-      const Vec3 field_T = polarity_[k] * coils_[k].FieldBySeries(medium_.charges.position(i));
-      Accumulate(map.coil[k], medium_.charges, i, pose.centre_base_m, field_T);
+  for (std::size_t k = 0; k < coils_.size(); ++k) {
+    coils_[k].FieldsBySeries(medium_.charges, medium_fields_T_);
+    for (std::size_t i = 0; i < medium_.charges.size(); ++i) {
+      Accumulate(map.coil[k], medium_.charges, i, pose.centre_base_m, polarity_[k] * medium_fields_T_[i]);
     }
   }
   coarse_.Place(pose);

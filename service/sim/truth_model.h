@@ -116,6 +116,7 @@ class TruthModel {
   Sampled medium_;  // force in the coils' field, whose sources lie outside the magnet's reach only by 5 mm
   Sampled coarse_;  // force of the core, all whose images are within 9 mm of the origin
   Charges coarse_images_;
+  FieldArray medium_fields_T_;
 };
 
 // Magnet against hull. gap > 0: apart. `normal` points from the hull's centre to the nearest point of the magnet;

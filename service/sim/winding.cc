@@ -26,6 +26,11 @@ std::array<double, ZonalSeries::kOrder + 1> Gegenbauer(double c) noexcept {
 // written with kappa = (mu-1) / (mu+2).
 double CoreFactor(int l, double kappa) noexcept { return 3 * l * kappa / (2 * l + 1 + kappa * (l - 1)); }
 
+ZonalFields Fields() noexcept {
+  static const ZonalFields fields = FastestZonalFields();
+  return fields;
+}
+
 }  // namespace
 
 Elliptic EllipticIntegrals(double m) noexcept {
@@ -98,49 +103,27 @@ ZonalSeries::Parts ZonalSeries::Expand(const std::vector<Turn>& turns, double co
   return parts;
 }
 
-ZonalSeries::ZonalSeries(const std::array<double, kOrder + 1>& q, const Vec3& axis_base) noexcept
-    : axis_(axis_base), moment_(q[1]) {
+ZonalSeries::ZonalSeries(const std::array<double, kOrder + 1>& q, const Vec3& axis_base) noexcept : moment_(q[1]) {
+  terms_.axis = {axis_base.x, axis_base.y, axis_base.z};
+  terms_.reference_m = kReference_m;
   for (std::size_t l = 1; l < q.size(); ++l) {
-    scaled_[l] = 1e-7 * q[l] / std::pow(kReference_m, static_cast<double>(l) + 2);
+    terms_.scaled[l] = 1e-7 * q[l] / std::pow(kReference_m, static_cast<double>(l) + 2);
   }
 }
 
 Vec3 ZonalSeries::Field(const Vec3& point_base_m) const noexcept {
-  static constexpr auto kRecurrence = [] {
-    std::array<std::array<double, 2>, kOrder + 1> table{};
-    for (std::size_t l = 0; l < table.size(); ++l) {
-      table[l][0] = static_cast<double>(2 * l + 1) / static_cast<double>(l + 1);
-      table[l][1] = static_cast<double>(l) / static_cast<double>(l + 1);
-    }
-    return table;
-  }();
-  const double inverse_r = 1 / Norm(point_base_m);
-  const Vec3 radial = inverse_r * point_base_m;
-  const double c = Dot(axis_, radial);
-  const double ratio = kReference_m * inverse_r;
-  const double ratio2 = ratio * ratio;
-  double power = ratio * ratio2;  // (reference / r)^(l+2)
-  double p_before = 1;            // P_{l-1}
-  double p = c;                   // P_l
-  double d_before = 0;            // P'_{l-1}
-  double d = 1;                   // P'_l
-  double along_r = 0;
-  double along_u = 0;
-  for (std::size_t l = 1;; l += 2) {
-    const double weight = scaled_[l] * power;
-    along_r += weight * static_cast<double>(l + 1) * p;
-    along_u += weight * d;
-    if (l + 2 > kOrder) break;
-    const double p_even = kRecurrence[l][0] * c * p - kRecurrence[l][1] * p_before;
-    const double d_even = d_before + static_cast<double>(2 * l + 1) * p;
-    const double p_odd = kRecurrence[l + 1][0] * c * p_even - kRecurrence[l + 1][1] * p;
-    d += static_cast<double>(2 * l + 3) * p_even;
-    p_before = p_even;
-    d_before = d_even;
-    p = p_odd;
-    power *= ratio2;
-  }
-  return (along_r + along_u * c) * radial - along_u * axis_;
+  std::array<std::array<double, kChargeLanes>, 3> at;
+  at[0].fill(point_base_m.x);
+  at[1].fill(point_base_m.y);
+  at[2].fill(point_base_m.z);
+  std::array<std::array<double, kChargeLanes>, 3> b;
+  Fields()(terms_, at[0].data(), at[1].data(), at[2].data(), kChargeLanes, b[0].data(), b[1].data(), b[2].data());
+  return {b[0][0], b[1][0], b[2][0]};
+}
+
+void ZonalSeries::FieldsAt(const Charges& charges, FieldArray& fields_T) const noexcept {
+  Fields()(terms_, charges.x.data(), charges.y.data(), charges.z.data(), charges.x.size(), fields_T.x.data(),
+           fields_T.y.data(), fields_T.z.data());
 }
 
 CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis_base, double strength,
@@ -163,6 +146,18 @@ CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis
   for (std::size_t j = 0; j < 3; ++j) {
     const Vec3 step = kStep_m * kUnits[j];
     order_2_T_m4_[j] = scale * (FieldOfTurns(core_centre_base_m_ + step) - FieldOfTurns(core_centre_base_m_ - step));
+  }
+}
+
+void CoilTruth::FieldsBySeries(const Charges& charges, FieldArray& fields_T) const noexcept {
+  total_.FieldsAt(charges, fields_T);
+  if (core_is_centred_) return;
+  for (std::size_t i = 0; i < charges.size(); ++i) {
+    const Vec3 at = charges.position(i);
+    const Vec3 moved_T = CoreField(at) - core_.Field(at);
+    fields_T.x[i] += moved_T.x;
+    fields_T.y[i] += moved_T.y;
+    fields_T.z[i] += moved_T.z;
   }
 }
 

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "service/base/device_geometry.h"
+#include "service/sim/charge_kernel.h"
+#include "service/sim/charges.h"
 #include "service/sim/vec3.h"
 
 namespace omni::sim {
@@ -36,7 +38,7 @@ std::vector<Turn> WindTurns(const base::CoilGeometry& coil, int index);
 // Outside the largest turn, B = sum_l 1e-7 q_l / r^(l+2) [(l+1) P_l(c) r^ - P_l'(c) (u - c r^)], c = u . r^.
 class ZonalSeries {
  public:
-  static constexpr int kOrder = 27;  // at contact the rest is below 1e-5 of the force (tests/unit/sim_fields.cc)
+  static constexpr int kOrder = kZonalOrder;
 
   // q_l of the turns [magnetics: exterior expansion of a loop] and of the core that they magnetise.
   struct Parts {
@@ -49,11 +51,12 @@ class ZonalSeries {
   ZonalSeries(const std::array<double, kOrder + 1>& q, const Vec3& axis_base) noexcept;
 
   Vec3 Field(const Vec3& point_base_m) const noexcept;
+  // The same where each charge lies, in a quarter of the time. `fields_T` is of the charges' size.
+  void FieldsAt(const Charges& charges, FieldArray& fields_T) const noexcept;
   double moment_Am2() const noexcept { return moment_; }
 
  private:
-  std::array<double, kOrder + 1> scaled_{};  // 1e-7 q_l / reference^(l+2)
-  Vec3 axis_{0, 0, 1};
+  ZonalTerms terms_;
   double moment_ = 0;
 };
 
@@ -72,6 +75,8 @@ class CoilTruth {
     const Vec3 field_T = total_.Field(point_base_m);
     return core_is_centred_ ? field_T : field_T + CoreField(point_base_m) - core_.Field(point_base_m);
   }
+  // The same where each charge lies. `fields_T` is of the charges' size.
+  void FieldsBySeries(const Charges& charges, FieldArray& fields_T) const noexcept;
   const ZonalSeries& series() const noexcept { return total_; }
   double moment_Am2() const noexcept { return total_.moment_Am2(); }
   double core_moment_Am2() const noexcept { return core_.moment_Am2(); }

@@ -231,5 +231,21 @@ TEST(SimChargeKernel, EveryProcessorSumsAlike) {
   }
 }
 
+TEST(SimChargeKernel, EveryProcessorHasTheSameCoilFields) {
+  Random random(34);
+  ZonalTerms terms{.axis = {0.6, 0, 0.8}, .reference_m = 0.04};
+  for (double& scaled : terms.scaled) scaled = random.Uniform(-1, 1);
+  std::array<std::array<double, 64>, 3> at;
+  for (auto& axis : at)
+    for (double& coordinate : axis) coordinate = random.Uniform(0.03, 0.08);
+  std::array<std::array<double, 64>, 3> baseline;
+  std::array<std::array<double, 64>, 3> fastest;
+  ZonalFieldsBaseline(terms, at[0].data(), at[1].data(), at[2].data(), 64, baseline[0].data(), baseline[1].data(),
+                      baseline[2].data());
+  FastestZonalFields()(terms, at[0].data(), at[1].data(), at[2].data(), 64, fastest[0].data(), fastest[1].data(),
+                       fastest[2].data());
+  EXPECT_EQ(baseline, fastest);
+}
+
 }  // namespace test_sim_core_series
 }  // namespace omni::sim

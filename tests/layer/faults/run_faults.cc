@@ -81,7 +81,7 @@ Outcome Run(const Job& job, const fs::path& report) {
   return outcome;
 }
 
-constexpr int kAtOnce = 5;  // these tests mostly wait
+constexpr int kAtOnce = 12;  // these tests mostly wait
 
 void RunAll(std::vector<Job>& jobs, const fs::path& folder) {
   std::atomic<std::size_t> next{0};

@@ -28,6 +28,10 @@ class GarbageService : private ipc::ServerHandler {
   void OnHapticStop(ipc::ClientId) override {}
   void OnSceneCommand(ipc::ClientId, const protocol::SceneCommand&) override {}
   void OnPeriod(std::int64_t) override {}
+  // Unknown; without an answer each application would wait for one.
+  void OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest&) override {
+    server_->SendPlacement(id, {});
+  }
   std::string StatusJson() override { return "{}"; }
 
   void Publish(const protocol::ToolSample& sample, const protocol::InputSnapshot& inputs);

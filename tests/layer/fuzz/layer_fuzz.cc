@@ -162,7 +162,7 @@ void NoteSuccesses(const Sequence& sequence, std::set<std::string>& calls) {
 // Syncs until the pen is the application's, as long as that can take with the service up.
 template <class KeepAlive>
 bool AwaitPen(const std::function<std::string()>& sync_and_profile, KeepAlive keep_alive) {
-  const std::int64_t end = Now_ns() + 1'000'000'000;
+  const std::int64_t end = Now_ns() + 250'000'000;
   while (Now_ns() < end) {
     keep_alive();
     if (sync_and_profile() == kTouch) return true;
