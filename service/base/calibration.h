@@ -33,6 +33,7 @@ struct Calibration {
   double moment_Am2 = 0;                   // > 0
   double core_radius_m = 0;                // 0: no core
   double core_kappa = 1;                   // (mu_r - 1) / (mu_r + 2)
+  Vec3 core_centre_base_m;                 // frame B is that of hull and windings
   double hull_radius_m = 0;                // 0: no hull
   double expected_error_m = 0;             // rms position error that the calibration says it leaves; 0: unknown
   // Where the magnet may be; equal corners: derived from hull or sensors.

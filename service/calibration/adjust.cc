@@ -10,7 +10,7 @@ namespace {
 constexpr double kDampingFirst = 1e-4;
 constexpr double kDampingMin = 1e-9;
 constexpr double kDampingMax = 1e6;
-constexpr double kDone = 0.1;         // expected decrease of the cost: far below what a parameter's deviation costs
+constexpr double kDone = 0.02;        // expected decrease of the cost: far below what a parameter's deviation costs
 constexpr double kEnough = 1e-3;      // of the cost: enough before the weights are settled
 constexpr int kRoundsMax = 4;         // of weights
 constexpr double kSettled = 0.1;      // largest change of a weight that needs no further round

@@ -54,10 +54,12 @@ void DescribeFit(const Problem& problem, const Adjustment& adjustment, Report& r
   if (system.map_readings > 0) report.map_chi2_per_reading = system.map_chi2 / system.map_readings;
 }
 
+bool IsCentre(int shared) { return shared >= kCentreAt && shared < kCentreAt + 3; }
+
 bool IsCalibrated(const Parameters& parameters, int index) {
   const int shared = index - parameters.shared_at();
   const bool has_core = parameters.nominal().core_radius_m > 0;
-  return shared < 0 || shared == kMomentAt || (shared == kKappaAt && has_core);
+  return shared < 0 || shared == kMomentAt || (has_core && (shared == kKappaAt || IsCentre(shared)));
 }
 
 // Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 says less than them
@@ -90,7 +92,8 @@ double FrameRotation(const Adjustment& adjustment) {
   return std::sqrt((J * adjustment.covariance * J.transpose()).trace() / 3);
 }
 
-// A pose follows the array as dp = -H_n^-1 C dx: the covariance of x gives the error that remains in poses. (12)
+// A pose follows the array as dp = -H_n^-1 C dx, and the core's centre, from which it is measured: the covariance of x
+// gives the error that remains in poses. (12)
 double ExpectedError(const Adjustment& adjustment) {
   const Parameters& parameters = adjustment.parameters;
   const auto& samples = adjustment.system.samples;
@@ -98,6 +101,7 @@ double ExpectedError(const Adjustment& adjustment) {
   double square_m2 = 0, count = 0;
   for (std::size_t n = 0; n < samples.size(); n += stride, ++count) {
     MatrixXd K = samples[n].H.llt().solve(samples[n].C).topRows<3>();
+    K.middleCols<3>(parameters.shared_at() + kCentreAt) -= parameters.tolerances().core_centre_m * Matrix3d::Identity();
     for (int e = 0; e < parameters.size(); ++e) {
       if (!IsCalibrated(parameters, e)) K.col(e).setZero();
     }

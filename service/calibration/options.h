@@ -13,6 +13,8 @@ struct Tolerances {
   double moment = 0.05;               // relative
   double moment_drift = 0.01;         // over the recording: a magnet that warms by 8 K
   double core_kappa = 0.01;
+  double hull_radius_m = 0.3e-3;
+  double core_centre_m = 0.3e-3;       // per axis, from the centre of hull and windings
   double ambient_T = 0.5e-6;           // common to all sensors, since the rest: offset and drift
   double remanence_A = 0.005;          // the core's memory, as a current of every sample in each coil
   double coil_strength = 5e-3;         // winding and current sensor

@@ -29,6 +29,10 @@ constexpr Label kSharedLabels[kShared] = {{"moment", "%", 1e2},
                                           {"ambient drift x", "uT", 1e6},
                                           {"ambient drift y", "uT", 1e6},
                                           {"ambient drift z", "uT", 1e6},
+                                          {"hull radius", "mm", 1e3},
+                                          {"core centre x", "mm", 1e3},
+                                          {"core centre y", "mm", 1e3},
+                                          {"core centre z", "mm", 1e3},
                                           {"coil x strength", "%", 1e2},
                                           {"coil y strength", "%", 1e2},
                                           {"coil z strength", "%", 1e2},
@@ -49,7 +53,9 @@ double SharedTolerance(const Tolerances& t, int at) {
   if (at == kMomentDriftAt) return t.moment_drift;
   if (at == kMomentBowAt) return kBowOfDrift * t.moment_drift;
   if (at == kKappaAt) return t.core_kappa;
-  if (at < kStrengthAt) return t.ambient_T;
+  if (at < kHullAt) return t.ambient_T;
+  if (at == kHullAt) return t.hull_radius_m;
+  if (at < kStrengthAt) return t.core_centre_m;
   return at < kTiltAt ? t.coil_strength : t.coil_axis_rad;
 }
 
@@ -99,6 +105,14 @@ double Parameters::Kappa() const { return nominal_.core_kappa + tolerances_.core
 Vector3d Parameters::Ambient_T(double tau) const {
   const auto x = x_.tail<kShared>();
   return tolerances_.ambient_T * (x.segment<3>(kAmbientAt) + tau * x.segment<3>(kAmbientDriftAt));
+}
+
+double Parameters::HullRadius_m() const {
+  return nominal_.hull_radius_m + tolerances_.hull_radius_m * x_.tail<kShared>()[kHullAt];
+}
+
+Vector3d Parameters::CoreCentre_m() const {
+  return tolerances_.core_centre_m * x_.tail<kShared>().segment<3>(kCentreAt);
 }
 
 double Parameters::CoilStrength(int coil) const {

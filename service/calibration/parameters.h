@@ -16,12 +16,13 @@ namespace omni::calibration {
 inline constexpr int kSensorUnknowns = 12;
 inline constexpr int kPositionAt = 0, kGainAt = 3, kRotationAt = 6, kSkewAt = 9;
 
-// Shared ones follow the sensors'. The first group acts on samples, the rest on current maps.
+// Shared ones follow the sensors'. The first group acts on samples, its last two on their touches; the rest, and the
+// core's centre, on current maps.
 inline constexpr int kMomentAt = 0, kMomentDriftAt = 1, kMomentBowAt = 2, kKappaAt = 3, kAmbientAt = 4,
-                     kAmbientDriftAt = 7;
-inline constexpr int kSampleShared = 10;
-inline constexpr int kStrengthAt = 10, kTiltAt = 13;  // coil: strength (3), tilt about two axes (3 x 2)
-inline constexpr int kShared = 19;
+                     kAmbientDriftAt = 7, kHullAt = 10, kCentreAt = 11;
+inline constexpr int kSampleShared = 14;
+inline constexpr int kStrengthAt = 14, kTiltAt = 17;  // coil: strength (3), tilt about two axes (3 x 2)
+inline constexpr int kShared = 23;
 
 inline constexpr double kBowOfDrift = 0.5;  // a warming that levels off bends by less than it drifts
 
@@ -49,6 +50,10 @@ class Parameters {
   double Moment_Am2(double tau) const;
   double Kappa() const;
   Eigen::Vector3d Ambient_T(double tau) const;
+  double HullRadius_m() const;
+  // Of the core, from the centre of hull and windings. Sensors and samples are measured from the core while they are
+  // adjusted: so their readings do not depend on it.
+  Eigen::Vector3d CoreCentre_m() const;
   double CoilStrength(int coil) const;                       // factor
   Eigen::Vector3d CoilTilt(int coil) const;                  // rotation vector, B
   Eigen::Matrix<double, 3, 2> CoilTiltAxes(int coil) const;  // perpendicular to the coil's axis

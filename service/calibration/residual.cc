@@ -41,6 +41,18 @@ Residual Compare(const Parameters& parameters, const ArrayState& array, std::siz
   shared.col(kKappaAt) = (t.core_kappa * m) * (sensor.gain * field.image);
   shared.middleCols<3>(kAmbientAt) = t.ambient_T * sensor.gain;
   shared.middleCols<3>(kAmbientDriftAt) = (t.ambient_T * tau) * sensor.gain;
+  shared.rightCols<kSampleShared - kHullAt>().setZero();
+  return out;
+}
+
+TouchResidual CompareTouch(const Parameters& parameters, const ToolFrame& frame) {
+  const Tolerances& t = parameters.tolerances();
+  ToolFrame from_hull = frame;
+  from_hull.position_base_m += parameters.CoreCentre_m();
+  const HullGap gap = GapToHull(parameters.nominal().magnet, parameters.HullRadius_m(), from_hull);
+  TouchResidual out{gap.gap_m, gap.by_pose, Eigen::Matrix<double, 1, kSampleShared>::Zero()};
+  out.by_shared[kHullAt] = -t.hull_radius_m;
+  out.by_shared.middleCols<3>(kCentreAt) = t.core_centre_m * gap.by_pose.leftCols<3>();
   return out;
 }
 

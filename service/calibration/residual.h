@@ -39,4 +39,12 @@ struct Residual {
 Residual Compare(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
                  const ToolFrame& frame, const Eigen::Vector3d& remanence, const Eigen::Vector3d& y);
 
+// The gap of a sample that touches the hull, m, with its derivatives by the pose and by the shared unknowns.
+struct TouchResidual {
+  double gap_m = 0;
+  Eigen::Matrix<double, 1, 5> by_pose;
+  Eigen::Matrix<double, 1, kSampleShared> by_shared;
+};
+TouchResidual CompareTouch(const Parameters& parameters, const ToolFrame& frame);
+
 }  // namespace omni::calibration

@@ -41,11 +41,13 @@ base::Calibration ToCalibration(const Problem& problem, const Parameters& parame
   for (int i = 0; i < parameters.sensors(); ++i) {
     const SensorState state = parameters.Sensor(i);
     base::SensorCalibration& sensor = calibration.sensors[static_cast<std::size_t>(i)];
-    sensor.position_base_m = base::FromEigen(state.position_base_m);
+    sensor.position_base_m = base::FromEigen(state.position_base_m + parameters.CoreCentre_m());
     Eigen::Map<RowMajor3d>(sensor.gain_sensor_base.data()) = state.gain;
   }
   calibration.moment_Am2 = parameters.Moment_Am2(0);
   calibration.core_kappa = parameters.Kappa();
+  calibration.core_centre_base_m = base::FromEigen(parameters.CoreCentre_m());
+  calibration.hull_radius_m = parameters.HullRadius_m();
   return calibration;
 }
 

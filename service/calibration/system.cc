@@ -22,6 +22,12 @@ struct LocalSums {
   SensorFit fit;
 };
 
+// Of all touches: what they say of the shared unknowns.
+struct SharedSums {
+  Eigen::Matrix<double, kSampleShared, kSampleShared> H = Eigen::Matrix<double, kSampleShared, kSampleShared>::Zero();
+  Eigen::Matrix<double, kSampleShared, 1> g = Eigen::Matrix<double, kSampleShared, 1>::Zero();
+};
+
 void Count(const Vector3d& residual_T, const Vector3d& inverse_sigma, double weight, SensorFit& fit) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!(inverse_sigma[axis] > 0)) continue;
@@ -32,20 +38,23 @@ void Count(const Vector3d& residual_T, const Vector3d& inverse_sigma, double wei
   }
 }
 
-void AddTouch(const base::Calibration& nominal, const ToolFrame& frame, double weight, double sigma_m,
-              SampleBlock& block) {
-  const HullGap gap = GapToHull(nominal.magnet, nominal.hull_radius_m, frame);
-  const double r = gap.gap_m / sigma_m;
-  const Eigen::Matrix<double, 5, 1> J = gap.by_pose.transpose() / sigma_m;
+void AddTouch(const Parameters& parameters, const ToolFrame& frame, double weight, double sigma_m, SampleBlock& block,
+              SharedSums& shared) {
+  const TouchResidual touch = CompareTouch(parameters, frame);
+  const double r = touch.gap_m / sigma_m;
+  const Eigen::Matrix<double, 5, 1> J = touch.by_pose.transpose() / sigma_m;
+  const Eigen::Matrix<double, kSampleShared, 1> S = touch.by_shared.transpose() / sigma_m;
   block.touch_chi2 = r * r;
   block.cost += weight * r * r;
   block.H.topLeftCorner<5, 5>() += weight * J * J.transpose();
   block.g.head<5>() += weight * r * J;
+  block.C.block<5, kSampleShared>(0, parameters.shared_at()) += weight * J * S.transpose();
+  shared.H += weight * S * S.transpose();
+  shared.g += weight * r * S;
 }
 
-SampleBlock AddSample(const Parameters& parameters, const base::Calibration& nominal, const ArrayState& array,
-                      const Observation& observation, const Instant& instant, double touch_sigma_m,
-                      std::vector<LocalSums>& sums) {
+SampleBlock AddSample(const Parameters& parameters, const ArrayState& array, const Observation& observation,
+                      const Instant& instant, double touch_sigma_m, std::vector<LocalSums>& sums, SharedSums& touches) {
   const ToolFrame frame = MakeToolFrame(instant.position_base_m, instant.axis_base);
   const int shared_at = parameters.shared_at();
   SampleBlock block;
@@ -75,7 +84,9 @@ SampleBlock AddSample(const Parameters& parameters, const base::Calibration& nom
     sums[i].g += J.transpose() * r;
     Count(residual.r, observation.inverse_sigma[i], observation.weight, sums[i].fit);
   }
-  if (observation.touches_hull) AddTouch(nominal, frame, observation.touch_weight, touch_sigma_m, block);
+  if (observation.touches_hull) {
+    AddTouch(parameters, frame, observation.touch_weight, touch_sigma_m, block, touches);
+  }
   return block;
 }
 
@@ -135,10 +146,8 @@ Problem::Problem(const base::Calibration& nominal, std::span<const base::CoilGeo
   }
   for (std::size_t k = 0; !recording.responses.empty() && k < coils.size(); ++k) {
     const auto winding = magnetics::MakeWinding(coils[k], static_cast<int>(k));
-    magnetics::CoilMoments moments = magnetics::WindingMoments(winding);
-    const magnetics::CoilMoments core = magnetics::CoreMoments(winding, nominal.core_radius_m, nominal.core_kappa);
-    for (std::size_t l = 0; l < moments.size(); ++l) moments[l] += core[l];
-    coil_moments_.push_back(moments);
+    coil_moments_.push_back({magnetics::WindingMoments(winding),
+                             magnetics::CoreMoments(winding, nominal.core_radius_m, nominal.core_kappa)});
   }
   double first_s = 0, last_s = 0;
   if (!recording.samples.empty()) {
@@ -169,43 +178,51 @@ void Problem::AddPriors(const Parameters& parameters, System& system) const {
   system.cost += kGaugeWeight * scale * scale;
 }
 
-// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis). (5)
+// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis). The windings are about the hull's
+// centre; what they induce in the core is about the core's, since a winding's field has no gradient in its middle. (5)
 void Problem::AddMaps(const Parameters& parameters, System& system) const {
-  constexpr int n = kSensorUnknowns;
+  constexpr int n = kSensorUnknowns, all = n + 6;
   const Tolerances& t = parameters.tolerances();
   const int shared_at = parameters.shared_at();
+  const Vector3d centre = parameters.CoreCentre_m();
   for (int k = 0; k < static_cast<int>(coil_moments_.size()); ++k) {
-    const auto& moments = coil_moments_[static_cast<std::size_t>(k)];
+    const auto& [winding, core] = coil_moments_[static_cast<std::size_t>(k)];
     const double strength = parameters.CoilStrength(k);
     const Vector3d axis = (parameters.CoilAxis(k) + parameters.CoilTilt(k).cross(parameters.CoilAxis(k))).normalized();
     const Eigen::Matrix<double, 3, 2> tilt = parameters.CoilTiltAxes(k);
     for (int i = 0; i < parameters.sensors(); ++i) {
       const SensorState sensor = parameters.Sensor(i);
-      const Vector3d B = magnetics::ZonalField(moments, axis, sensor.position_base_m);
-      const Matrix3d by_axis = magnetics::ZonalAxisDerivative(moments, axis, sensor.position_base_m);
+      const Vector3d& s = sensor.position_base_m;
+      const Vector3d from_winding = s + centre;
+      const Vector3d B = magnetics::ZonalField(winding, axis, from_winding) + magnetics::ZonalField(core, axis, s);
+      const Matrix3d by_axis =
+          magnetics::ZonalAxisDerivative(winding, axis, from_winding) + magnetics::ZonalAxisDerivative(core, axis, s);
+      const Matrix3d of_winding = magnetics::ZonalGradient(winding, axis, from_winding);
       const auto& map = nominal_.sensors[static_cast<std::size_t>(i)].current_map_T_A;
       const Vector3d measured = Eigen::Map<const RowMajor3d>(map.data()).col(k);
       const double sigma = std::hypot(map_error_T_A_[static_cast<std::size_t>(i)], t.coil_shape * measured.norm());
       const Vector3d r = (strength * (sensor.gain * B) - measured) / sigma;
-      Eigen::Matrix<double, 3, n + 3> J;
-      J.middleCols<3>(kPositionAt) = (strength * t.sensor_position_m) * sensor.gain *
-                                     magnetics::ZonalGradient(moments, axis, sensor.position_base_m);
+      Eigen::Matrix<double, 3, all> J;
+      J.middleCols<3>(kPositionAt) =
+          (strength * t.sensor_position_m) * sensor.gain * (of_winding + magnetics::ZonalGradient(core, axis, s));
       J.middleCols<9>(kGainAt) = parameters.GainJacobian(strength * (sensor.nominal * B));
       J.col(n) = t.coil_strength * (sensor.gain * B);
       for (int j = 0; j < 2; ++j) {
         J.col(n + 1 + j) = (strength * t.coil_axis_rad) * (sensor.gain * (by_axis * tilt.col(j).cross(axis)));
       }
+      J.rightCols<3>() = (strength * t.core_centre_m) * sensor.gain * of_winding;
       J /= sigma;
-      const Eigen::Matrix<double, n + 3, n + 3> H = J.transpose() * J;
-      const Eigen::Matrix<double, n + 3, 1> g = J.transpose() * r;
-      std::array<int, n + 3> at{};
+      const Eigen::Matrix<double, all, all> H = J.transpose() * J;
+      const Eigen::Matrix<double, all, 1> g = J.transpose() * r;
+      std::array<int, all> at{};
       for (int e = 0; e < n; ++e) at[static_cast<std::size_t>(e)] = n * i + e;
       at[n] = shared_at + kStrengthAt + k;
       at[n + 1] = shared_at + kTiltAt + 2 * k;
       at[n + 2] = at[n + 1] + 1;
-      for (int a = 0; a < n + 3; ++a) {
+      for (std::size_t e = 0; e < 3; ++e) at[n + 3 + e] = shared_at + kCentreAt + static_cast<int>(e);
+      for (int a = 0; a < all; ++a) {
         system.g[at[static_cast<std::size_t>(a)]] += g[a];
-        for (int b = 0; b < n + 3; ++b)
+        for (int b = 0; b < all; ++b)
           system.H(at[static_cast<std::size_t>(a)], at[static_cast<std::size_t>(b)]) += H(a, b);
       }
       system.map_chi2 += r.squaredNorm();
@@ -221,13 +238,16 @@ System Problem::Linearise(const Parameters& parameters, std::span<const Instant>
   system.H.setZero(parameters.size(), parameters.size());
   system.g.setZero(parameters.size());
   std::vector<LocalSums> sums(array.sensors.size());
+  SharedSums touches;
   system.samples.reserve(observations_.size());
   for (std::size_t n = 0; n < observations_.size(); ++n) {
     system.samples.push_back(
-        AddSample(parameters, nominal_, array, observations_[n], instants[n], touch_sigma_m_, sums));
+        AddSample(parameters, array, observations_[n], instants[n], touch_sigma_m_, sums, touches));
     system.cost += system.samples.back().cost;
   }
   Scatter(sums, parameters.shared_at(), system);
+  system.H.block<kSampleShared, kSampleShared>(parameters.shared_at(), parameters.shared_at()) += touches.H;
+  system.g.segment<kSampleShared>(parameters.shared_at()) += touches.g;
   AddPriors(parameters, system);
   AddMaps(parameters, system);
   return system;

@@ -87,8 +87,11 @@ class Problem {
   double touch_sigma_m_;
   double remanence_A_;
   std::vector<Observation> observations_;
-  std::vector<double> map_error_T_A_;                 // per sensor; empty: maps as drawn
-  std::vector<magnetics::CoilMoments> coil_moments_;  // winding and core, per coil
+  std::vector<double> map_error_T_A_;  // per sensor; empty: maps as drawn
+  struct CoilShape {
+    magnetics::CoilMoments winding, core;
+  };
+  std::vector<CoilShape> coil_moments_;  // per coil
 };
 
 inline constexpr double kGaugeWeight = 1e6;  // the mean gain is 1 within 1e-3 tolerances

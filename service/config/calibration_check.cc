@@ -92,7 +92,7 @@ std::optional<ImplausibleValue> FindInSensor(int index, const SensorCalibration&
       {"current_map_T_A", MapProblem(drawn.current_map_T_A, found.current_map_T_A)},
       {"background_sensor_T", BackgroundProblem(found.background_sensor_T)}};
   for (const auto& [key, what] : problems) {
-    if (!what.empty()) return ImplausibleValue{index, key, what};
+    if (!what.empty()) return ImplausibleValue{index, "sensors", key, what};
   }
   return std::nullopt;
 }
@@ -103,13 +103,21 @@ std::optional<ImplausibleValue> FindImplausible(const base::Calibration& drawing
   const double ratio = found.moment_Am2 / drawing.moment_Am2;
   if (!(ratio >= kScaleMin && ratio <= kScaleMax)) {
     return ImplausibleValue{
-        -1, "moment_Am2",
+        -1, "magnet", "moment_Am2",
         Format("is %.3g of the drawing's %.3g, must be in [%g, %g]", ratio, drawing.moment_Am2, kScaleMin, kScaleMax)};
   }
   if (const double off = std::abs(found.core_kappa - drawing.core_kappa); !(off <= kKappaMax)) {
     return ImplausibleValue{
-        -1, "core_kappa",
+        -1, "magnet", "core_kappa",
         Format("is %.3g from the drawing's %.3g, allowed are %g", off, drawing.core_kappa, kKappaMax)};
+  }
+  if (const double off_m = std::abs(found.hull_radius_m - drawing.hull_radius_m); !(off_m <= kSizeMax_m)) {
+    return ImplausibleValue{-1, "base", "hull_radius_m",
+                            Format("is %.1f mm from the drawing's, allowed are %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
+  }
+  if (const double off_m = NormOf(found.core_centre_base_m); !(off_m <= kSizeMax_m)) {
+    return ImplausibleValue{-1, "base", "core_centre_base_m",
+                            Format("is %.1f mm from the hull's, allowed are %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
   }
   for (std::size_t i = 0; i < found.sensors.size(); ++i) {
     auto value = FindInSensor(static_cast<int>(i), drawing.sensors[i], found.sensors[i]);

@@ -20,12 +20,14 @@ inline constexpr double kCoilScaleMin = 0.7;   // of a coil's field along the dr
 inline constexpr double kCoilScaleMax = 1.4;   //
 inline constexpr double kCoilAcrossMax = 0.5;  // share of a coil's field across the drawing's: turned by 27 degrees
 inline constexpr double kKappaMax = 0.1;       // from the drawing: ten tolerances
+inline constexpr double kSizeMax_m = 3e-3;     // of hull and core's place: ten tolerances
 inline constexpr double kBackgroundMax_T = 3e-4;  // four times the earth's field: a magnet was near
 
 struct ImplausibleValue {
-  int sensor = -1;       // index; -1: the magnet
-  const char* key = "";  // in the file
-  std::string what;      // "axis y points 41.0 degrees away from the drawing, allowed are 20"
+  int sensor = -1;                // index; -1: of no sensor, but of ...
+  const char* table = "sensors";  // ... this table of the file
+  const char* key = "";
+  std::string what;  // "axis y points 41.0 degrees away from the drawing, allowed are 20"
 };
 
 // The first one; none: fine. Precondition: as many sensors as the drawing.

@@ -27,6 +27,7 @@ constexpr Range kMap_T_A{-1e-2, 1e-2};
 constexpr Range kBackground_T{-1e-3, 1e-3};
 constexpr Range kMoment_Am2{1e-3, 1e3};
 constexpr Range kKappa{0, 1.2};
+constexpr Range kHullRadius_m{0, 0.5};
 
 std::string Hex(std::uint64_t value) {
   char text[17];
@@ -103,6 +104,15 @@ void ReadMagnet(FileProblem& problem, TableReader& root, Calibration& calibratio
   reader.Finish();
 }
 
+void ReadBase(FileProblem& problem, TableReader& root, Calibration& calibration) {
+  const toml::table* table = root.Table("base");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "base");
+  calibration.hull_radius_m = reader.Number("hull_radius_m", kHullRadius_m);
+  calibration.core_centre_base_m = reader.Vector("core_centre_base_m", kPosition_m);
+  reader.Finish();
+}
+
 std::string SensorName(std::size_t i) { return "sensors[" + std::to_string(i) + "]"; }
 
 void ReadSensors(FileProblem& problem, TableReader& root, std::size_t count, Calibration& calibration) {
@@ -143,7 +153,9 @@ std::string Content(const CalibrationFile& file, const DeviceGeometry& device) {
   text += "touches = " + std::to_string(quality.touches) + "\n";
   text += "unfixed = " + std::to_string(quality.unfixed) + "\n\n[magnet]\n";
   text += "moment_Am2 = " + TomlFloat(file.calibration.moment_Am2) + "\n";
-  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n";
+  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n\n[base]\n";
+  text += "hull_radius_m = " + TomlFloat(file.calibration.hull_radius_m) + "\n";
+  text += "core_centre_base_m = " + List(file.calibration.core_centre_base_m) + "\n";
   for (const SensorCalibration& sensor : file.calibration.sensors) {
     text += "\n[[sensors]]\nposition_base_m = " + List(sensor.position_base_m) + "\n";
     text += "gain_sensor_base = " + List(sensor.gain_sensor_base) + "\n";
@@ -176,11 +188,11 @@ void CheckSense(FileProblem& problem, const toml::table& root, const Calibration
   if (!problem.ok()) return;
   const std::optional<ImplausibleValue> implausible = FindImplausible(drawing, found);
   if (!implausible) return;
-  const bool magnet = implausible->sensor < 0;
-  const auto index = static_cast<std::size_t>(magnet ? 0 : implausible->sensor);
-  const auto table = magnet ? root["magnet"] : root["sensors"][index];
-  problem.Report(table[implausible->key].node(), (magnet ? "magnet" : SensorName(index)) + "." + implausible->key +
-                                                     " " + implausible->what +
+  const bool of_sensor = implausible->sensor >= 0;
+  const auto index = static_cast<std::size_t>(of_sensor ? implausible->sensor : 0);
+  const auto table = of_sensor ? root["sensors"][index] : root[implausible->table];
+  problem.Report(table[implausible->key].node(), (of_sensor ? SensorName(index) : implausible->table) + "." +
+                                                     implausible->key + " " + implausible->what +
                                                      ": no base of this drawing is like that" + kMeasureAgain);
 }
 
@@ -221,6 +233,7 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   if (!problem.ok()) return base::Error{problem.message()};  // of another device or version the rest says nothing
   ReadQuality(problem, root, file.quality);
   ReadMagnet(problem, root, file.calibration);
+  ReadBase(problem, root, file.calibration);
   ReadSensors(problem, root, expected.device.sensors.size(), file.calibration);
   CheckChecksum(problem, root, expected.device, file);
   root.Finish();
@@ -231,7 +244,6 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   file.calibration.sensor_range_T = expected.device.sensor_range_T;
   file.calibration.magnet = expected.device.magnet;
   file.calibration.core_radius_m = expected.device.core_radius_m;
-  file.calibration.hull_radius_m = expected.device.hull_radius_m;
   return file;
 }
 

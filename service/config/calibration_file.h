@@ -15,7 +15,7 @@
 
 namespace omni::config {
 
-inline constexpr int kCalibrationFormat = 1;
+inline constexpr int kCalibrationFormat = 2;
 
 // What the adjustment said of itself.
 struct CalibrationQuality {

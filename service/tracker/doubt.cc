@@ -1,6 +1,7 @@
 #include "service/tracker/doubt.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace omni::tracker {
 
@@ -41,9 +42,15 @@ void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
   EndTrials(doubt);
 }
 
-void LearnModelError(const DoubtOptions& options, double ratio, double model_error, Doubt& doubt) noexcept {
+void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,
+                     Doubt& doubt) noexcept {
   doubt.chi2_per_dof += options.memory * (ratio - doubt.chi2_per_dof);
   if (doubt.chi2_per_dof >= options.lower_below || doubt.model_error == 0) return;
+  const base::Vec3& place = doubt.place_base_m;
+  const double moved_m =
+      std::hypot(position_base_m.x - place.x, position_base_m.y - place.y, position_base_m.z - place.z);
+  if (moved_m < options.place_m) return;
+  doubt.place_base_m = position_base_m;
   doubt.model_error *= options.lower_by;
   if (doubt.model_error < model_error) doubt.model_error = 0;
 }

@@ -10,26 +10,28 @@
 namespace omni::tracker {
 
 struct DoubtOptions {
-  double model_error_max = 0.05;    // relative: of an uncalibrated base; MakeConfig sets less for a calibrated one
+  double model_error_max = 0.01;    // relative; MakeConfig sets more for an uncalibrated base
   double model_error_start = 2e-3;  // until scans have told
   double memory = 0.01;             // share of the newest scan in the mean of chi2 per degree of freedom
   // Of that mean. Above: a sensor is blamed, or the model's error grows; below: it shrinks to what the calibration
   // says.
   double raise_above = 1.2, lower_below = 0.9;
-  double raise_by = 1.25, lower_by = 0.995;  // factors a round of trials, a scan
-  double odd_factor = 2.2;                   // a scan whose chi2 is larger than its mean by that: has the field jumped?
-  double jump_saves = 25;                    // of chi2, what an ambient field that has jumped explains
-  int trials_a_scan = 2;                     // with a sensor left out, of a scan that does not fit; else one
-  int rounds = 4;                            // of trials, of scans that fit badly
-  double blame_saves = 15;               // of chi2, mean over the scans: what leaving out the right sensor must save
-  int check_every_scans = 16;            // of a sensor left out: does it agree again?
-  double agrees_below = 12;              // of chi2, what its three readings then add
-  int agree_min = 32, agree_max = 2048;  // checks in a row; twice as many after each time that it was wrong again
+  double raise_by = 1.25, lower_by = 0.98;  // factors a round of trials, a place
+  double place_m = 3e-3;                    // so far apart: a pen at rest cannot tell what is wrong elsewhere
+  double odd_factor = 2.2;                  // a scan whose chi2 is larger than its mean by that: has the field jumped?
+  double jump_saves = 25;                   // of chi2, what an ambient field that has jumped explains
+  int trials_a_scan = 2;                    // with a sensor left out, of a scan that does not fit; else one
+  int rounds = 4;                           // of trials, of scans that fit badly
+  double blame_saves = 15;                  // of chi2, mean over the scans: what leaving out the right sensor must save
+  int check_every_scans = 16;               // of a sensor left out: does it agree again?
+  double agrees_below = 12;                 // of chi2, what its three readings then add
+  int agree_min = 32, agree_max = 2048;     // checks in a row; twice as many after each time that it was wrong again
 };
 
 struct Doubt {
   double model_error = 0;   // relative; the trust's holds where it is larger
   double chi2_per_dof = 1;  // mean over the last scans that fitted
+  base::Vec3 place_base_m;  // of the pen when the model's error last shrank
   int left_out = -1;        // sensor
   int agreed = 0;           // checks in a row
   int agree_needed = 0;     // 0: DoubtOptions::agree_min
@@ -58,7 +60,8 @@ void EndTrials(Doubt& doubt) noexcept;
 // Sensor `sensor` is left out from now on; -1: all count again.
 void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept;
 
-// A scan fitted with chi2 per degree of freedom `ratio`; model_error: that of the calibration.
-void LearnModelError(const DoubtOptions& options, double ratio, double model_error, Doubt& doubt) noexcept;
+// A scan fitted there with chi2 per degree of freedom `ratio`; model_error: that of the calibration.
+void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,
+                     Doubt& doubt) noexcept;
 
 }  // namespace omni::tracker

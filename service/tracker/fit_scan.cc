@@ -184,7 +184,8 @@ void DoubtOn(const ScanContext& context, const FilterState& predicted, const Mea
   if (!CanDoubt(config, state)) return;
   Doubt& doubt = state.doubt;
   const double chi2 = outcome.fit.chi2, model_error = config.trust.model_error_relative;
-  LearnModelError(config.doubt, chi2 / DegreesOfFreedom(measurement), model_error, doubt);
+  LearnModelError(config.doubt, chi2 / DegreesOfFreedom(measurement), base::FromEigen(outcome.fit.pose.position_base_m),
+                  model_error, doubt);
   if (doubt.left_out >= 0) {
     if (state.scans % static_cast<std::uint32_t>(config.doubt.check_every_scans) == 0) {
       CheckLeftOut(context, predicted, chi2, state);

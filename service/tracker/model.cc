@@ -83,10 +83,23 @@ ToolSource<float> Narrow(const ToolSource<double>& tool) {
   return narrow;
 }
 
+// The same with everything measured from the core's centre.
+base::Calibration FromCore(base::Calibration calibration) {
+  const base::Vec3& c = calibration.core_centre_base_m;
+  const auto move = [&](base::Vec3& at) { at = {at.x - c.x, at.y - c.y, at.z - c.z}; };
+  for (base::SensorCalibration& sensor : calibration.sensors) move(sensor.position_base_m);
+  move(calibration.volume_min_base_m);
+  move(calibration.volume_max_base_m);
+  return calibration;
+}
+
 }  // namespace
 
-Model MakeModel(const base::Calibration& calibration, Rung rung) {
+Model MakeModel(const base::Calibration& in_base, Rung rung) {
+  const base::Calibration calibration = FromCore(in_base);
   Model model;
+  const base::Vec3& centre = in_base.core_centre_base_m;
+  model.core_centre_base_m = {centre.x, centre.y, centre.z};
   PlaceSensors(calibration, model);
   model.tool = MakeTool(calibration, rung);
   model.tool_float = Narrow(model.tool);

@@ -1,6 +1,7 @@
 // The measurement model: what Hall sensors should read for a pose of the tool. Any array of base::kArraySensorsMin ..
 // kArraySensorsMax sensors, with or without core and coils. Prepared once from a base::Calibration; read-only then.
-// Arrays are laid out sensor by sensor in the last index and hold no Eigen type. docs/theory/tracking.md
+// Its origin is the core's centre. Arrays are laid out sensor by sensor in the last index and hold no Eigen type.
+// docs/theory/tracking.md
 #pragma once
 
 #include <array>
@@ -44,6 +45,7 @@ struct Model {
   double magnet_radius_m = 0;
   double magnet_half_height_m = 0;
   double hull_radius_m = 0;
+  std::array<double, 3> core_centre_base_m{};  // from here poses of the model and of its fits are measured
   double tip_offset_m = 0;
   ColdGrid grid;
 };

@@ -133,7 +133,8 @@ StaticPose StaticSolver::Solve(std::span<const ArrayReading> readings,
     return result.status == StaticStatus::kFound;
   };
   solve.iterations_max = options_.warm_iterations_max;
-  const bool found = start.has_value() && attempt(*start);
+  const Eigen::Vector3d centre(model_.core_centre_base_m.data());
+  const bool found = start.has_value() && attempt({start->position_base_m - centre, start->axis_base});
   if (!found && options_.parameters == kParameters) {
     result.cold = true;
     solve.iterations_max = options_.cold_iterations_max;
@@ -145,6 +146,7 @@ StaticPose StaticSolver::Solve(std::span<const ArrayReading> readings,
   }
   if (result.status == StaticStatus::kFound || result.status == StaticStatus::kPoorFit) {
     Explain(model_, measurement, result);
+    result.pose.position_base_m += centre;
   }
   return result;
 }

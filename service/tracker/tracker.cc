@@ -20,6 +20,7 @@ constexpr double kPredictMax_s = 0.020;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
 constexpr double kCalibratedError = 0.01;    // of the model: with more, something else is wrong than the calibration
+constexpr double kDrawnError = 0.05;         // of a workshop's base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 
 PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
@@ -68,7 +69,8 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
   tool.t_ns = scan.t_ns;
   tool.status = base::TrackingStatus::kTracking;
   tool.ever_tracked = true;
-  tool.position_base_m = filter.position_base_m;
+  tool.position_base_m =
+      base::FromEigen(base::ToEigen(filter.position_base_m) + Vector3d(model.core_centre_base_m.data()));
   tool.axis_base = filter.axis_base;
   tool.velocity_base_m_s = filter.velocity_base_m_s;
   tool.angular_velocity_base_rad_s = filter.angular_velocity_base_rad_s;
@@ -191,13 +193,16 @@ double ModelErrorOf(const base::Calibration& calibration, double nominal) {
 Config MakeConfig(const base::Calibration& calibration) {
   Config config;
   config.model = MakeModel(calibration);
-  const double drawn = config.doubt.model_error_max;
-  config.doubt.model_error_start = std::min(ModelErrorOf(calibration, config.trust.model_error_relative), drawn);
+  config.doubt.model_error_start = std::min(ModelErrorOf(calibration, config.trust.model_error_relative), kDrawnError);
   config.doubt.model_error_max = std::max(kCalibratedError, config.doubt.model_error_start);
   return config;
 }
 
-Config MakeConfig(const base::DeviceGeometry& device) { return MakeConfig(magnetics::NominalCalibration(device)); }
+Config MakeConfig(const base::DeviceGeometry& device) {
+  Config config = MakeConfig(magnetics::NominalCalibration(device));
+  config.doubt.model_error_start = config.doubt.model_error_max = kDrawnError;
+  return config;
+}
 
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
   const bool old = state.currents.valid && scan.t_ns == state.currents.t_ns;

@@ -82,7 +82,8 @@ base::Calibration Rig::ExactCalibration() const {
                      device_.magnet.half_height_m / (4e-7 * std::numbers::pi);
   exact.core_radius_m = device_.core_radius_m;
   exact.core_kappa = device_.core_kappa;
-  exact.hull_radius_m = device_.hull_radius_m;
+  exact.core_centre_base_m = imperfections_.core_offset_base_m;
+  exact.hull_radius_m = TrueSizes(device_, imperfections_).hull_radius_m;
   exact.expected_error_m = kExactError_m;
   return exact;
 }

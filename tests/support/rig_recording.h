@@ -21,11 +21,12 @@ struct RigRecordingOptions {
 inline sim::MagnetPose OnHull(const sim::Rig& rig, sim::MagnetPose pose, double gap_m) {
   using sim::operator*;  // of base::Vec3
   const base::Vec3 outwards = sim::Normalised(pose.centre_base_m);
+  const base::DeviceGeometry made = sim::TrueSizes(rig.device(), rig.imperfections());
   double low_m = 0, high_m = 0.2;
   for (int i = 0; i < 60; ++i) {
     const double middle_m = 0.5 * (low_m + high_m);
     pose.centre_base_m = middle_m * outwards;
-    (sim::GapToHull(rig.device().magnet, rig.device().hull_radius_m, pose).gap_m < gap_m ? low_m : high_m) = middle_m;
+    (sim::GapToHull(made.magnet, made.hull_radius_m, pose).gap_m < gap_m ? low_m : high_m) = middle_m;
   }
   return pose;
 }

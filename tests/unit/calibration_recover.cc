@@ -7,6 +7,7 @@
 #include "service/base/eigen.h"
 #include "service/calibration/self_calibration.h"
 #include "service/magnetics/nominal.h"
+#include "tests/support/calibration_error.h"
 #include "tests/support/nominal_device.h"
 #include "tests/support/rig_recording.h"
 
@@ -71,6 +72,35 @@ TEST(CalibrationRecover, SensorsComeBackFromAlmostCleanReadings) {
     const double product = outcome->calibration.moment_Am2 * MeanGain(outcome->calibration);
     EXPECT_NEAR(product / (exact.moment_Am2 * MeanGain(exact)), 1, 2e-3);
     EXPECT_LT(outcome->report.chi2_per_dof, 1.2);
+  }
+}
+
+// The hull .3 mm larger and the core .5 mm off its centre: found from touches and current maps, and no error of poses.
+TEST(CalibrationRecover, HullAndCoreAreWhereTheyAre) {
+  const base::DeviceGeometry device = Device();
+  const base::Calibration nominal = magnetics::NominalCalibration(device);
+  for (const std::uint64_t seed : {51u, 52u, 53u}) {
+    sim::RigOptions options = Uncalibrated(seed, sim::NoiseMode::kUltraHigh);
+    options.sizes.hull_radius_m = 3e-4;
+    options.sizes.core_offset_m = 3e-4;
+    sim::Rig rig(device, options);
+    const base::Calibration exact = rig.ExactCalibration();
+    const Recording recording = test::MakeRecording(rig, {.waves = 300, .touches = 100, .touch_sigma_m = 5e-5});
+    const auto outcome = SelfCalibrate(nominal, device.coils, recording);
+    ASSERT_TRUE(outcome.ok()) << outcome.error();
+    const base::Calibration& found = outcome->calibration;
+    const Vector3d centre = base::ToEigen(found.core_centre_base_m) - base::ToEigen(exact.core_centre_base_m);
+    EXPECT_LT(centre.norm(), 0.15e-3);
+    EXPECT_NEAR(found.hull_radius_m, exact.hull_radius_m, 0.1e-3);
+    const auto error = test::MeasureCalibrationError(rig, found, {.noise = false});
+    ASSERT_TRUE(error.ok()) << error.error();
+    EXPECT_LT(error->raw_mm, 0.2);
+    EXPECT_LT(error->raw_mm, 2e3 * outcome->report.expected_error_m);
+    Options drawn;
+    drawn.tolerances.hull_radius_m = drawn.tolerances.core_centre_m = 1e-7;
+    const auto believed = SelfCalibrate(nominal, device.coils, recording, drawn);
+    if (!believed.ok()) continue;
+    EXPECT_GT(test::MeasureCalibrationError(rig, believed->calibration, {.noise = false})->raw_mm, 2 * error->raw_mm);
   }
 }
 

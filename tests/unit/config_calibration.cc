@@ -60,17 +60,19 @@ TEST(ConfigCalibration, ComesBackToTheLastBit) {
   }
   EXPECT_EQ(read->calibration.moment_Am2, written.calibration.moment_Am2);
   EXPECT_EQ(read->calibration.core_kappa, written.calibration.core_kappa);
+  EXPECT_EQ(read->calibration.hull_radius_m, written.calibration.hull_radius_m);
+  EXPECT_EQ(read->calibration.core_centre_base_m.z, written.calibration.core_centre_base_m.z);
   EXPECT_EQ(read->quality.touches, 100);
   EXPECT_EQ(read->quality.expected_error_mm, 0.08);
   EXPECT_EQ(read->date, written.date);
   // Not in the file: as the device has them.
   EXPECT_EQ(read->calibration.magnet.radius_m, device.magnet.radius_m);
-  EXPECT_EQ(read->calibration.hull_radius_m, device.hull_radius_m);
+  EXPECT_EQ(read->calibration.core_radius_m, device.core_radius_m);
   EXPECT_EQ(read->calibration.sensor_noise_T, device.sensor_noise_T);
 }
 
 TEST(ConfigCalibration, BelongsToOneGeometryOneBaseAndOneFormat) {
-  ExpectMentions(ErrorOf(Changed("format = 1", "format = 2")), {"test.toml", "format = 2", "omni calibrate"});
+  ExpectMentions(ErrorOf(Changed("format = 2", "format = 3")), {"test.toml", "format = 3", "omni calibrate"});
   ExpectMentions(ErrorOf(Text(), "twin-4"), {"serial", "twin-3", "twin-4", "omni calibrate"});
   ExpectedBase other = NominalBase();
   other.device.sensors[2].position_base_m.z += 1e-4;
@@ -153,7 +155,9 @@ TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
        {"sensors[5].background_sensor_T", "allowed are 300", "a magnet was near"}},
       {[](base::Calibration& c) { c.moment_Am2 *= 1.3; }, {"magnet.moment_Am2", "[0.7, 1.3]"}},
       {[](base::Calibration& c) { c.moment_Am2 *= 0.68; }, {"magnet.moment_Am2", "[0.7, 1.3]"}},
-      {[](base::Calibration& c) { c.core_kappa = 0.8; }, {"magnet.core_kappa", "allowed are 0.1"}}};
+      {[](base::Calibration& c) { c.core_kappa = 0.8; }, {"magnet.core_kappa", "allowed are 0.1"}},
+      {[](base::Calibration& c) { c.hull_radius_m = 0.0415; }, {"base.hull_radius_m", "4.0 mm", "allowed are 3 mm"}},
+      {[](base::Calibration& c) { c.core_centre_base_m.y = -0.01; }, {"base.core_centre_base_m", "10.0 mm"}}};
   for (const auto& [change, words] : cases) {
     CalibrationFile file = ExampleCalibration();
     change(file.calibration);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "service/magnetics/nominal.h"
 #include "service/tracker/tracker.h"
 #include "tests/support/nominal_device.h"
 #include "tests/support/same_bits.h"
@@ -34,7 +35,7 @@ bool IsFinite(const base::ToolState& tool) {
 
 class TrackerUpdate : public testing::Test {
  protected:
-  Config config = MakeConfig(support::NominalDevice());
+  Config config = MakeConfig(magnetics::NominalCalibration(support::NominalDevice()));
   State state;
   base::ToolState tool;
   support::Rng rng{7};
@@ -480,7 +481,7 @@ TEST_F(TrackerUpdate, SaysHowStrongTheMagnetIsAndThatNoPoseExplainsIt) {
     sensor.position_base_m.z += 3e-3 * side;
     side = -side;
   }
-  Config wrong = MakeConfig(other);
+  Config wrong = MakeConfig(magnetics::NominalCalibration(other));
   state = {};
   for (int i = 0; i < 200; ++i) {
     Update(wrong, NextScan(), state, tool);

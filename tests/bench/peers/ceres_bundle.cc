@@ -132,7 +132,7 @@ class SampleCost final : public ceres::CostFunction {
     r.segment<3>(prior_at) = instant.remanence;
     double* own = jacobians == nullptr ? nullptr : jacobians[sensors + 1];
     if (own != nullptr) Eigen::Map<RowMajor<kAmbient>>(own, rows, kAmbient).block<3, 3>(prior_at, 6).setIdentity();
-    if (observation_.touches_hull) AddTouch(frame, r, own);
+    if (observation_.touches_hull) AddTouch(frame, r, own, jacobians == nullptr ? nullptr : jacobians[sensors]);
     return r.allFinite();
   }
 
@@ -163,12 +163,15 @@ class SampleCost final : public ceres::CostFunction {
     }
   }
 
-  void AddTouch(const calibration::ToolFrame& frame, Eigen::Map<Eigen::VectorXd>& r, double* own) const {
-    const base::Calibration& nominal = blocks_.problem().nominal();
-    const calibration::HullGap gap = calibration::GapToHull(nominal.magnet, nominal.hull_radius_m, frame);
+  void AddTouch(const calibration::ToolFrame& frame, Eigen::Map<Eigen::VectorXd>& r, double* own,
+                double* shared) const {
+    const calibration::TouchResidual gap = calibration::CompareTouch(blocks_.parameters(), frame);
     const double scale = std::sqrt(observation_.touch_weight) / blocks_.problem().touch_sigma_m();
     const int rows = num_residuals();
     r[rows - 1] = scale * gap.gap_m;
+    if (shared != nullptr) {
+      Eigen::Map<RowMajor<kSampleShared>>(shared, rows, kSampleShared).row(rows - 1) = scale * gap.by_shared;
+    }
     if (own == nullptr) return;
     auto row = Eigen::Map<RowMajor<kAmbient>>(own, rows, kAmbient).row(rows - 1);
     row.leftCols<3>() = scale * gap.by_pose.leftCols<3>();
