@@ -10,7 +10,7 @@
 namespace omni::tracker {
 
 struct DoubtOptions {
-  double model_error_max = 0.01;    // relative; MakeConfig sets more for an uncalibrated base
+  double model_error_max = 0.01;    // relative; MakeConfig sets more for a poor calibration
   double model_error_start = 2e-3;  // until scans have told
   double memory = 0.01;             // share of the newest scan in the mean of chi2 per degree of freedom
   // Of that mean. Above: a sensor is blamed, or the model's error grows; below: it shrinks to what the calibration

@@ -198,11 +198,7 @@ Config MakeConfig(const base::Calibration& calibration) {
   return config;
 }
 
-Config MakeConfig(const base::DeviceGeometry& device) {
-  Config config = MakeConfig(magnetics::NominalCalibration(device));
-  config.doubt.model_error_start = config.doubt.model_error_max = kDrawnError;
-  return config;
-}
+Config MakeConfig(const base::DeviceGeometry& device) { return MakeConfig(magnetics::NominalCalibration(device)); }
 
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
   const bool old = state.currents.valid && scan.t_ns == state.currents.t_ns;
