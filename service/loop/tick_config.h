@@ -21,7 +21,7 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const track
   config.actuation = actuation;
   config.actuation.force_max_N *= force_trust;
   config.limiter.rise_N_s = force_trust * config.haptics.force_slew_N_s;
-  const double tracked = std::min(force_trust, actuation::ForceTrust(actuation.map, device, kTrackedError_m));
+  const double tracked = actuation::ForceTrust(actuation.map, device, kTrackedError_m);
   for (std::size_t i = 0; i < config.limiter.pose_trust.size() && tracked > 0; ++i) {
     const double error_m = kPoseError_step_m * static_cast<double>(i);
     config.limiter.pose_trust[i] = std::min(1.0, actuation::ForceTrust(actuation.map, device, error_m) / tracked);

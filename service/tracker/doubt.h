@@ -12,6 +12,7 @@ namespace omni::tracker {
 struct DoubtOptions {
   double model_error_max = 0.01;    // relative; MakeConfig sets more for a poor calibration
   double model_error_start = 2e-3;  // until scans have told
+  double cold_error_max = 0;        // up to which a cold start raises it when nothing else holds
   double memory = 0.01;             // share of the newest scan in the mean of chi2 per degree of freedom
   // Of that mean. Above: a sensor is blamed, or the model's error grows; below: it shrinks to what the calibration
   // says.

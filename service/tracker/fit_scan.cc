@@ -1,6 +1,7 @@
 #include "service/tracker/fit_scan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "service/base/eigen.h"
 #include "service/tracker/cold_start.h"
@@ -11,8 +12,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Beliefs of cold starts: as before; the ambient field may be anything; that and one sensor left out.
-constexpr int kColdBeliefs = 2 + kSensors;
+// Beliefs of cold starts: as before; the ambient field may be anything; that and one sensor left out; then all sensors
+// with the model's error doubled time and again, as a base wants that is known from its drawing only.
+constexpr int kFirstLeftOut = 2, kFirstDoubled = kFirstLeftOut + kSensors;
 constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wrong, a pose known worse is none
 constexpr double kNoFit = 1e6;             // chi2
 
@@ -158,7 +160,7 @@ bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, S
 
 Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& measurement) noexcept {
   const Config& config = context.config;
-  const int belief = CanDoubt(config, state) ? state.belief++ % kColdBeliefs : 0;
+  const int belief = CanDoubt(config, state) ? state.belief++ : 0;
   if (belief == 0) {
     const Outcome outcome = TryCold(config, measurement);
     if (outcome.good) state.belief = 0;
@@ -167,7 +169,12 @@ Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& mea
   DriftState drift = state.drift;
   OpenAmbient(config.drift, drift);
   Doubt doubt = state.doubt;
-  Blame(config.doubt, belief > 1 ? belief - 2 : -1, doubt);
+  if (belief >= kFirstDoubled) {
+    const double error = std::max(doubt.model_error, config.trust.model_error_relative);
+    doubt.model_error = std::min(std::ldexp(error, belief - kFirstDoubled + 1), config.doubt.cold_error_max);
+  }
+  if (belief + 1 >= kFirstDoubled && doubt.model_error >= config.doubt.cold_error_max) state.belief = 0;
+  Blame(config.doubt, belief < kFirstDoubled ? belief - kFirstLeftOut : -1, doubt);
   measurement = MeasureScan(context, drift, doubt);
   Outcome outcome = TryCold(config, measurement);
   outcome.good = outcome.good && outcome.fit.covariance.topLeftCorner<3, 3>().trace() <= kSurelyKnown_m2;

@@ -20,6 +20,7 @@ constexpr double kPredictMax_s = 0.020;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
 constexpr double kCalibratedError = 0.01;    // of the model: with more, something else is wrong than the calibration
+constexpr double kCalibratedCoils = 1e-3;    // of the coils' field, whose maps were measured
 constexpr double kDrawnError = 0.05;         // of a workshop's base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 
@@ -193,12 +194,19 @@ double ModelErrorOf(const base::Calibration& calibration, double nominal) {
 Config MakeConfig(const base::Calibration& calibration) {
   Config config;
   config.model = MakeModel(calibration);
+  config.trust.coil_error_relative = kCalibratedCoils;
   config.doubt.model_error_start = std::min(ModelErrorOf(calibration, config.trust.model_error_relative), kDrawnError);
   config.doubt.model_error_max = std::max(kCalibratedError, config.doubt.model_error_start);
   return config;
 }
 
-Config MakeConfig(const base::DeviceGeometry& device) { return MakeConfig(magnetics::NominalCalibration(device)); }
+// As drawn: its readings tell how well it is built.
+Config MakeConfig(const base::DeviceGeometry& device) {
+  Config config = MakeConfig(magnetics::NominalCalibration(device));
+  config.trust.coil_error_relative = Trust{}.coil_error_relative;
+  config.doubt.model_error_max = config.doubt.cold_error_max = kDrawnError;
+  return config;
+}
 
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
   const bool old = state.currents.valid && scan.t_ns == state.currents.t_ns;

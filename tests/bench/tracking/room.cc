@@ -201,7 +201,9 @@ TruthParameters Calibrating(const Condition& condition) {
 
 struct Tally {
   std::size_t ticks = 0, tracked = 0, coarse = 0, silent = 0, refused = 0;
-  std::vector<double> error_mm, sigma_mm, recovery_ms, force_error_pct;  // the first two of tracked poses
+  std::vector<double> error_mm, sigma_mm;  // of tracked poses
+  std::vector<double> coarse_mm;           // error of coarse poses
+  std::vector<double> recovery_ms, force_error_pct;
 
   void Add(const Tally& other) {
     ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, silent += other.silent;
@@ -211,6 +213,7 @@ struct Tally {
     };
     append(error_mm, other.error_mm);
     append(sigma_mm, other.sigma_mm);
+    append(coarse_mm, other.coarse_mm);
     append(recovery_ms, other.recovery_ms);
     append(force_error_pct, other.force_error_pct);
   }
@@ -230,8 +233,11 @@ class Judge {
     if (!posed) return;
     const double error_mm = 1e3 * sim::Norm(tool.position_base_m - true_centre_m);
     tally_.silent += error_mm > kSilentSigmas * sigma_mm ? 1 : 0;
-    tally_.coarse += tracked ? 0 : 1;
-    if (!tracked) return;
+    if (!tracked) {
+      ++tally_.coarse;
+      tally_.coarse_mm.push_back(error_mm);
+      return;
+    }
     ++tally_.tracked;
     tally_.error_mm.push_back(error_mm);
     tally_.sigma_mm.push_back(sigma_mm);
@@ -396,6 +402,7 @@ nlohmann::ordered_json Row(const Condition& condition, bool force, const Tally& 
           {"silent_fraction",
            poses == 0 ? nlohmann::ordered_json(nullptr)
                       : nlohmann::ordered_json(static_cast<double>(tally.silent) / static_cast<double>(poses))},
+          {"coarse_mean_mm", measured(tally.coarse_mm, tools::Mean(tally.coarse_mm))},
           {"recovery_ms_p95", measured(tally.recovery_ms, tools::Quantile(tally.recovery_ms, 0.95))},
           {"force_error_p95_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.95))},
           {"calibrations_refused", tally.refused}};
