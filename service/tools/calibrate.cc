@@ -1,17 +1,20 @@
 // omni calibrate: guides a person through a self-calibration and writes calibration.toml. With the twin a scripted hand
-// of the simulation does what the person would.
+// of the simulation does what the person would, in virtual time.
 #include <cerrno>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "service/base/whole_file.h"
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/paths.h"
 #include "service/config/twin_file.h"
+#include "service/daemon/open_device.h"
 #include "service/magnetics/nominal.h"
+#include "service/tools/calibrate_device.h"
+#include "service/tools/calibrate_kept.h"
 #include "service/tools/calibrate_session.h"
 #include "service/tools/calibrate_text.h"
 #include "service/tools/calibrate_twin.h"
@@ -26,12 +29,10 @@ constexpr int kBarWidth = 30;
 constexpr const char* kCalibrate = "omni calibrate";
 
 struct Arguments {
-  std::string device = "twin";
-  std::string device_file;
+  daemon::RunOptions run;  // which device
   std::string output;
   bool replace = false;
   bool restore = false;
-  std::uint64_t seed = 1;
   SessionOptions session;
 };
 
@@ -73,29 +74,6 @@ class Display {
   int percent_ = -1;
 };
 
-std::string Now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
-config::CalibrationFile ToFile(const calibration::Outcome& outcome, const std::string& serial) {
-  const calibration::Report& report = outcome.report;
-  return {.calibration = outcome.calibration,
-          .serial = serial,
-          .date = Now(),
-          .quality = {.expected_error_mm = 1e3 * report.expected_error_m,
-                      .frame_rotation_deg = 57.29577951308232 * report.frame_rotation_rad,
-                      .chi2_per_dof = report.chi2_per_dof,
-                      .coverage = report.coverage,
-                      .samples = report.samples,
-                      .touches = report.touches,
-                      .unfixed = static_cast<int>(report.unfixed.size())}};
-}
-
 // Asked before anybody waves a pen for two minutes; empty: the result can be kept.
 std::string PlaceProblem(const std::string& output, bool replace) {
   const int error = base::TryWholeFile(output, {.replace = replace, .make_folder = true});
@@ -114,20 +92,52 @@ int Restore(const std::string& output, const config::ExpectedBase& of) {
   return kExitOk;
 }
 
+struct Measured {
+  std::string serial;
+  calibration::Outcome outcome;
+};
+
+base::Result<Measured> MeasureTwin(const Arguments& arguments, const base::DeviceGeometry& device,
+                                   const SessionObserver& observer) {
+  const std::uint64_t seed = arguments.run.twin_seed;
+  const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.run.twin);
+  if (!truth.ok()) return base::Error{truth.error()};
+  std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
+              static_cast<unsigned long long>(seed));
+  auto done = CalibrateTwin(device, seed, *truth, arguments.session, observer);
+  if (!done.ok()) return base::Error{done.error()};
+  return Measured{"twin-" + std::to_string(seed), std::move(done->outcome)};
+}
+
+base::Result<Measured> MeasureBase(const Arguments& arguments, const base::DeviceGeometry& device,
+                                   const SessionObserver& observer) {
+  base::Result<daemon::OpenedDevice> opened = daemon::OpenDevice(arguments.run);
+  if (!opened.ok()) return base::Error{opened.error()};
+  const device::TransportInfo& info = opened->transport->info();
+  std::printf("device       %s, serial %s%s\n", info.name.c_str(), opened->serial.c_str(),
+              info.simulation ? " (a simulation)" : "");
+  CalibrationSession session(device, arguments.session);
+  if (const base::Status ran = RunSession(*opened->transport, session, observer); !ran.ok()) {
+    return base::Error{ran.error()};
+  }
+  auto outcome = session.Finish();
+  if (!outcome.ok()) return base::Error{outcome.error()};
+  return Measured{opened->serial, std::move(*outcome)};
+}
+
 int Measure(const Arguments& arguments, const std::string& output, config::ExpectedBase of) {
   if (const std::string problem = PlaceProblem(output, arguments.replace); !problem.empty()) {
     return Fail(kCalibrate, problem);
   }
-  of.serial = "twin-" + std::to_string(arguments.seed);
-  std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
-              static_cast<unsigned long long>(arguments.seed));
+  const EndSignals signals;
   Display display(arguments.session);
-  const auto done = CalibrateTwin(of.device, arguments.seed, config::DefaultTwin(), arguments.session,
-                                  [&](const CalibrationSession& session) { display.Show(session); });
+  const auto measure = daemon::IsTwin(arguments.run.device) ? MeasureTwin : MeasureBase;
+  const auto done = measure(arguments, of.device, [&](const CalibrationSession& session) { display.Show(session); });
   if (!done.ok()) return Fail(kCalibrate, done.error());
-  const calibration::Outcome& outcome = done->outcome;
-  std::printf("%s", ReportText(outcome.report).c_str());
-  const base::Status saved = config::SaveCalibrationFile(output, ToFile(outcome, of.serial), of, arguments.replace);
+  of.serial = done->serial;
+  std::printf("%s", ReportText(done->outcome.report).c_str());
+  const base::Status saved =
+      config::SaveCalibrationFile(output, CalibrationFileOf(done->outcome, of.serial), of, arguments.replace);
   if (!saved.ok()) return Fail(kCalibrate, saved.error());
   std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
   return kExitOk;
@@ -135,8 +145,8 @@ int Measure(const Arguments& arguments, const std::string& output, config::Expec
 
 int Calibrate(const Arguments& arguments) {
   base::DeviceGeometry device = config::DefaultDevice();
-  if (!arguments.device_file.empty()) {
-    auto loaded = config::LoadDeviceFile(arguments.device_file);
+  if (!arguments.run.device_file.empty()) {
+    auto loaded = config::LoadDeviceFile(arguments.run.device_file);
     if (!loaded.ok()) return Fail(kCalibrate, loaded.error());
     device = *loaded;
   }
@@ -151,9 +161,12 @@ int Calibrate(const Arguments& arguments) {
 void AddCalibrate(Command& app) {
   auto arguments = std::make_shared<Arguments>();
   Command calibrate = app.AddCommand("calibrate", "measure this base: sweep, wave, touch; writes calibration.toml");
-  calibrate.Add("--device", arguments->device, "twin: the digital twin (a simulation)").OneOf({"twin"}).ShowDefault();
-  calibrate.Add("--device-file", arguments->device_file, "geometry (default: the built-in omni.toml)");
-  calibrate.Add("--seed", arguments->seed, "of the twin: the same base as `omnid --twin-seed`").ShowDefault();
+  calibrate.Add("--device", arguments->run.device, daemon::DeviceHelp())
+      .Check("DEVICE", daemon::DeviceProblem)
+      .ShowDefault();
+  calibrate.Add("--device-file", arguments->run.device_file, "geometry (default: the built-in omni.toml)");
+  calibrate.Add("--seed", arguments->run.twin_seed, "of the twin: the same base as `omnid --twin-seed`").ShowDefault();
+  calibrate.Add("--twin", arguments->run.twin, config::kTwinHelp);
   calibrate.Add("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
   Option replace = calibrate.Add("--replace", arguments->replace,
                                  "measure again; the file that is there is kept as calibration.previous.toml");

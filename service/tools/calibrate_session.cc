@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "service/base/limits.h"
 #include "service/magnetics/nominal.h"
@@ -42,9 +43,12 @@ base::CoilCurrents CalibrationSession::Add(const base::HallScan& scan) {
 }
 
 void CalibrationSession::AddClear(const base::HallScan& scan) {
-  const bool clear = std::all_of(scan.field_sensor_T.begin(), scan.field_sensor_T.end(),
-                                 [](const base::Vec3& B) { return Size(B) <= kClear_T; });
-  clear_scans_ = clear ? clear_scans_ + 1 : 0;
+  const auto& fields = scan.field_sensor_T;
+  const auto strongest = std::max_element(fields.begin(), fields.end(),
+                                          [](const base::Vec3& a, const base::Vec3& b) { return Size(a) < Size(b); });
+  strongest_ = static_cast<int>(strongest - fields.begin());
+  strongest_T_ = Size(*strongest);
+  clear_scans_ = strongest_T_ <= kClear_T ? clear_scans_ + 1 : 0;
   if (clear_scans_ >= kClearScans) step_ = CalibrationStep::kSweep;
 }
 
@@ -130,6 +134,27 @@ double CalibrationSession::progress() const {
       break;
   }
   return 1;
+}
+
+std::string CalibrationSession::Hint() const {
+  switch (step_) {
+    case CalibrationStep::kClear: {
+      char text[160];
+      std::snprintf(
+          text, sizeof text,
+          "Sensor %d still reads %.0f uT, at most %.0f are let pass: is the pen away, a phone, a loudspeaker?",
+          strongest_, 1e6 * strongest_T_, 1e6 * kClear_T);
+      return text;
+    }
+    case CalibrationStep::kWave:
+      return "No pen was found: wave it within a hand's breadth of the hull.";
+    case CalibrationStep::kTouch:
+      return "No touch was found: put the pen's end on the hull and hold it still for a third of a second.";
+    case CalibrationStep::kSweep:
+    case CalibrationStep::kDone:
+      break;
+  }
+  return {};
 }
 
 base::Result<calibration::Outcome> CalibrationSession::Finish() const {

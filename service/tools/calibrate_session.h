@@ -37,6 +37,8 @@ class CalibrationSession {
   CalibrationStep step() const { return step_; }
   double progress() const;                                 // of this step, 0 to 1
   const std::string& problem() const { return problem_; }  // why it ended before its time; empty: it did not
+  std::string Hint() const;                                // what holds this step up, for the person
+  const SessionOptions& options() const { return options_; }
   const calibration::Coverage& coverage() const { return coverage_; }
   const calibration::Recording& recording() const { return recording_; }
 
@@ -64,6 +66,8 @@ class CalibrationSession {
   CalibrationStep step_ = CalibrationStep::kClear;
   std::string problem_;
   int clear_scans_ = 0;
+  int strongest_ = 0;  // sensor, and what it read last while the pen was to be away
+  double strongest_T_ = 0;
   std::size_t sweep_step_ = 0;
   int sweep_scans_ = 0;  // of this sweep step
   int sweep_scans_all_ = 0;

@@ -2,7 +2,6 @@
 
 #include "service/sim/twin.h"
 #include "service/tools/calibrate_hand.h"
-#include "service/tools/calibrate_text.h"
 
 namespace omni::tools {
 namespace {
@@ -14,21 +13,14 @@ constexpr double kClockStart_s = 1;     // of the twin's stamps
 
 base::Result<TwinCalibration> CalibrateTwin(const base::DeviceGeometry& device, std::uint64_t seed,
                                             const base::TruthParameters& truth, const SessionOptions& options,
-                                            const std::function<void(const CalibrationSession&)>& observer) {
+                                            const SessionObserver& observer) {
   // A little more than asked for: some windows are too jerky to count, and some touches too short.
   const CalibratingHand hand{
       .wave_s = 1.1 * options.wave_s + 1, .touches = options.touches * 4 / 3 + 5, .seed = seed + 1};
   const sim::TwinOptions twin{.seed = seed, .script = MakeCalibratingHand(device, hand), .truth = truth};
   const auto transport = sim::MakeVirtualTwin(device, twin, kDurationMax_s);
   CalibrationSession session(device, options);
-  base::HallScan scan;
-  while (session.step() != CalibrationStep::kDone && transport->Read(scan, 0) == device::ReadStatus::kScan) {
-    transport->Write(session.Add(scan));
-    if (observer) observer(session);
-  }
-  if (session.step() != CalibrationStep::kDone) {
-    return base::Error{"the recording ended before this was done: " + StepText(session.step(), options)};
-  }
+  if (const base::Status ran = RunSession(*transport, session, observer); !ran.ok()) return base::Error{ran.error()};
   auto outcome = session.Finish();
   if (!outcome.ok()) return base::Error{outcome.error()};
   const auto& samples = session.recording().samples;

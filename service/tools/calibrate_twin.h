@@ -3,12 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/base/truth_parameters.h"
 #include "service/calibration/self_calibration.h"
+#include "service/tools/calibrate_device.h"
 #include "service/tools/calibrate_session.h"
 
 namespace omni::tools {
@@ -21,6 +21,6 @@ struct TwinCalibration {
 // `device`: its sensor_noise_T is the twin's. `observer` sees the session after every scan.
 base::Result<TwinCalibration> CalibrateTwin(const base::DeviceGeometry& device, std::uint64_t seed,
                                             const base::TruthParameters& truth, const SessionOptions& options = {},
-                                            const std::function<void(const CalibrationSession&)>& observer = {});
+                                            const SessionObserver& observer = {});
 
 }  // namespace omni::tools

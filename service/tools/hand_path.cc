@@ -44,8 +44,15 @@ std::string WriteHandScript(const sim::HandScript& script) {
     const base::Vec3& p = point.tip_base_m;
     const base::Vec3& u = point.axis_base;
     waypoints.push_back({{"s", point.duration_s}, {"tip_m", {p.x, p.y, p.z}}, {"axis", {u.x, u.y, u.z}}});
+    if (!point.present) waypoints.back()["present"] = false;
   }
-  return nlohmann::json{{"name", script.name}, {"repeat", script.repeat}, {"waypoints", waypoints}}.dump(2) + "\n";
+  const nlohmann::json hand{{"stiffness_N_m", script.stiffness_N_m},
+                            {"damping_Ns_m", script.damping_Ns_m},
+                            {"mass_kg", script.mass_kg},
+                            {"tremor_m", script.tremor_m}};
+  return nlohmann::json{{"name", script.name}, {"repeat", script.repeat}, {"hand", hand}, {"waypoints", waypoints}}
+             .dump(2) +
+         "\n";
 }
 
 }  // namespace omni::tools

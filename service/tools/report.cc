@@ -95,18 +95,29 @@ base::Status ReadApp(const RunFiles& files, const RunFileEntry& entry, RunReport
   return base::Ok{};
 }
 
+constexpr double kSilentSigmas = 5;
+
 }  // namespace
 
 TrackingErrors CompareTracking(const std::vector<TrackedPosition>& tracked, const CsvTable& table) {
   const Truth truth{table, table["t_ns"]};
-  std::vector<double> errors_mm;
+  std::vector<double> errors_mm, sigmas_mm;
+  std::size_t silent = 0;
   for (const TrackedPosition& estimate : tracked) {
     double p[3];
     if (!truth.At(estimate.t_ns, p)) continue;
     const base::Vec3& q = estimate.magnet_base_m;
     errors_mm.push_back(1e3 * std::hypot(q.x - p[0], q.y - p[1], q.z - p[2]));
+    if (!(estimate.sigma_m > 0)) continue;
+    sigmas_mm.push_back(1e3 * estimate.sigma_m);
+    if (errors_mm.back() > kSilentSigmas * sigmas_mm.back()) ++silent;
   }
-  return {errors_mm.size(), Mean(errors_mm), Quantile(errors_mm, 0.95), Quantile(errors_mm, 1.0)};
+  return {.compared_ticks = errors_mm.size(),
+          .mean_mm = Mean(errors_mm),
+          .p95_mm = Quantile(errors_mm, 0.95),
+          .max_mm = Quantile(errors_mm, 1.0),
+          .sigma_median_mm = Quantile(sigmas_mm, 0.5),
+          .silent_share = sigmas_mm.empty() ? 0 : static_cast<double>(silent) / static_cast<double>(sigmas_mm.size())};
 }
 
 base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& files, RunData& data) {

@@ -19,12 +19,15 @@ constexpr double kContact_N = 0.010;  // rendered force of a tick that counts as
 struct TrackedPosition {
   double t_ns = 0;
   base::Vec3 magnet_base_m;
+  double sigma_m = 0;  // published standard deviation of the whole vector; 0: unknown
 };
 
 // |magnet centre - truth|, base frame, not aligned, each estimate against the truth at its own stamp.
 struct TrackingErrors {
   std::uint64_t compared_ticks = 0;  // tracked ticks with a true pose to compare with
   double mean_mm = 0, p95_mm = 0, max_mm = 0;
+  double sigma_median_mm = 0;  // published
+  double silent_share = 0;     // of ticks that are wrong by more than five published standard deviations
 };
 // Precondition: `truth` is a recording of the twin.
 TrackingErrors CompareTracking(const std::vector<TrackedPosition>& tracked, const CsvTable& truth);

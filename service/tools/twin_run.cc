@@ -1,6 +1,7 @@
 // omni twin run: the whole loop against the twin in this process, in virtual time. Deterministic: prints a hash. The
 // truth is recorded by the twin and compared when the run is over.
 // omni twin path: a hand script for any scene.
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +19,8 @@
 #include "service/loop/tick_config.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/twin.h"
+#include "service/tools/calibrate_hand.h"
+#include "service/tools/calibrate_kept.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/hand_path.h"
@@ -35,6 +38,7 @@ struct RunArguments {
   std::string calibration;
   std::uint64_t seed = 1;
   double seconds = 0;
+  bool as_drawn = false;
   bool fit = false;
   bool touch_all = false;
   bool flip_coil_sign = false;
@@ -42,6 +46,7 @@ struct RunArguments {
 
 struct PathArguments {
   std::string scene, output;
+  bool calibration = false;
   bool fit = false, touch_all = false;
 };
 
@@ -76,7 +81,12 @@ class TruthFile {
 };
 
 base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const base::DeviceGeometry& device) {
-  if (arguments.calibration.empty()) return loop::MakeTickConfig(device);
+  if (arguments.as_drawn) return loop::MakeTickConfig(device);
+  if (arguments.calibration.empty()) {
+    const auto kept = KeptTwinCalibration(device, arguments.seed, arguments.twin);
+    if (!kept.ok()) return base::Error{kept.error()};
+    return loop::MakeTickConfig(device, *kept);
+  }
   auto file = config::LoadCalibrationFile(
       arguments.calibration, {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}});
   if (!file.ok()) return base::Error{file.error()};
@@ -110,7 +120,8 @@ int RunTwin(const RunArguments& arguments) {
   const daemon::VirtualRunSummary summary =
       daemon::RunVirtual(*tick, *twin, loaded->scene, {}, [&](const base::HallScan& scan, const loop::TickOutput& out) {
         if (out.tool.status != base::TrackingStatus::kTracking) return;
-        tracked.push_back({static_cast<double>(scan.t_ns), out.tool.position_base_m});
+        const auto& C = out.tool.covariance;
+        tracked.push_back({static_cast<double>(scan.t_ns), out.tool.position_base_m, std::sqrt(C[0] + C[6] + C[12])});
       });
   twin.reset();  // the recording is complete then
   const auto table = CsvTable::Read(recording.path());
@@ -129,18 +140,31 @@ int RunTwin(const RunArguments& arguments) {
   std::printf("peak force       %.3f N\n", summary.peak_force_N);
   std::printf("tracking error   mean %.3f mm, p95 %.3f mm, max %.3f mm over %llu ticks\n", errors.mean_mm,
               errors.p95_mm, errors.max_mm, static_cast<unsigned long long>(errors.compared_ticks));
+  std::printf("published sigma  median %.3f mm; error above 5 sigma in %.2g of the ticks\n", errors.sigma_median_mm,
+              errors.silent_share);
   std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
   return 0;
 }
 
-int WritePath(const PathArguments& arguments) {
+// A base that has just been plugged in arms and is swept before the pen comes.
+constexpr CalibratingHand kCalibratingHand{.away_s = 12};
+
+base::Result<sim::HandScript> PathFor(const PathArguments& arguments) {
+  if (arguments.calibration) return MakeCalibratingHand(config::DefaultDevice(), kCalibratingHand);
+  if (arguments.scene.empty()) return base::Error{"a scene is missing, or --calibration"};
   const base::Result<std::string> found = FindScene(arguments.scene);
-  if (!found.ok()) return Fail("omni twin path", found.error());
+  if (!found.ok()) return base::Error{found.error()};
   const std::string& path = *found;
   auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
-  if (!loaded.ok()) return Fail("omni twin path", loaded.error());
+  if (!loaded.ok()) return base::Error{loaded.error()};
   auto hand = MakeHandPath(loaded->scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
-  if (!hand.ok()) return Fail("omni twin path", path + ": " + hand.error());
+  if (!hand.ok()) return base::Error{path + ": " + hand.error()};
+  return hand;
+}
+
+int WritePath(const PathArguments& arguments) {
+  const base::Result<sim::HandScript> hand = PathFor(arguments);
+  if (!hand.ok()) return Fail("omni twin path", hand.error());
   std::ofstream file(arguments.output);
   file << WriteHandScript(*hand);
   file.close();
@@ -160,16 +184,18 @@ void AddTwin(Command& app) {
   run.Add("--seconds", arguments->seconds, "default: the script's length");
   run.Add("--record", arguments->record, "CSV file of the twin's truth");
   run.Add("--twin", arguments->twin, config::kTwinHelp);
-  run.Add("--calibration", arguments->calibration,
-          "calibration.toml of `omni calibrate` with the same seed; default: the drawing");
+  Option calibration = run.Add("--calibration", arguments->calibration,
+                               "calibration.toml of `omni calibrate` with the same seed; default: made once and kept");
+  run.Add("--as-drawn", arguments->as_drawn, "not calibrated").Excludes(calibration);
   run.Add("--fit", arguments->fit, "scale and move the model into reach");
   run.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
   run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
   run.Run(arguments, RunTwin);
 
   auto path_arguments = std::make_shared<PathArguments>();
-  Command path = twin.AddCommand("path", "write a hand script that touches a scene");
-  path.Add("scene", path_arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  Command path = twin.AddCommand("path", "write a hand script that touches a scene or calibrates the base");
+  path.Add("scene", path_arguments->scene, "a .glb or .gltf file, or the name of a shipped scene");
+  path.Add("--calibration", path_arguments->calibration, "what a person does for omni calibrate instead; no scene");
   path.Add("--output,-o", path_arguments->output, "hand script to write").Required();
   path.Add("--fit", path_arguments->fit, "scale and move the model into reach");
   path.Add("--touch-all", path_arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");

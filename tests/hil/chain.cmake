@@ -39,6 +39,8 @@ if(UMOCKDEV_FOUND AND LIBUSB_FOUND AND NOT OMNI_SANITIZE)
   target_link_libraries(hil_app PRIVATE omni_client)
   omni_hil_test(scenarios DEPS omni_support omni_hil_board omni_wire nlohmann_json::nlohmann_json)
   add_dependencies(test_hil_scenarios omni_hil omnid hil_app)
+  omni_hil_test(calibrate TIMEOUT 300 DEPS omni_support omni_tools nlohmann_json::nlohmann_json)
+  add_dependencies(test_hil_calibrate omni_hil omni)
 endif()
 
 # omni_deep: a base on a USB port of an emulated computer (scripts/test --deep).

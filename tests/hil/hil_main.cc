@@ -27,8 +27,7 @@ int Fail(const std::string& message) {
 int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std::string>> programs) {
   HilOptions options;
   options.programs = std::move(programs);
-  options.plant.truth = omni::config::DefaultTwin();
-  std::string script;
+  std::string script, twin;
   bool fast = false;
   omni::console::Program app(
       "omni_hil", "omni_hil: a simulated base with its firmware behind an emulated USB plug, and programs on it");
@@ -38,6 +37,7 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
           "socket on which a program leads the hand (omni twin hand); of the script only the first waypoint and "
           "the hand itself count then");
   app.Add("--seed", options.plant.seed, "of noise and imperfections").ShowDefault();
+  app.Add("--twin", twin, omni::config::kTwinHelp);
   app.Add("--record", options.record_path, "CSV file of the true pose and the currents");
   app.Add("--summary", options.summary_path, "JSON file (default: standard output)");
   std::vector<std::string> scenarios;
@@ -56,6 +56,9 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
     return omni::console::kExitUsage;
   }
   options.paced = !fast;
+  const auto truth = omni::config::FindTwin(twin);
+  if (!truth.ok()) return Fail(truth.error());
+  options.plant.truth = *truth;
   if (!script.empty()) {
     auto loaded = omni::sim::LoadHandScript(script);
     if (!loaded) return Fail(loaded.error());

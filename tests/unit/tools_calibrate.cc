@@ -6,13 +6,19 @@
 #include <fstream>
 #include <iterator>
 
+#include "firmware/wire/messages.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
+#include "service/tools/calibrate_device.h"
+#include "service/tools/calibrate_hand.h"
+#include "service/tools/calibrate_kept.h"
 #include "service/tools/calibrate_text.h"
 #include "service/tools/calibrate_twin.h"
+#include "service/tools/hand_path.h"
 #include "tests/support/calibration_error.h"
 #include "tests/support/omni_command.h"
 #include "tests/support/rig.h"
+#include "tests/support/scoped_variable.h"
 #include "tests/support/temp_folder.h"
 
 namespace omni::tools {
@@ -90,13 +96,107 @@ TEST(ToolsCalibrate, ShowsProgressCoverageAndResult) {
   EXPECT_EQ(QualityWord(std::nan("")), "poor");
 }
 
+// A base that sends what the rig reads, until something goes wrong with it.
+class FailingBase final : public device::Transport {
+ public:
+  explicit FailingBase(int good_scans) : good_scans_(good_scans) {}
+  device::ReadStatus Read(base::HallScan& scan, std::int64_t /*timeout_ns*/) noexcept override {
+    if (tick_ >= good_scans_) return end;
+    scan = ScanAt(tick_++, rig_, pen, {}, random_);
+    return device::ReadStatus::kScan;
+  }
+  bool Write(const base::CoilCurrents& currents) noexcept override {
+    last = currents;
+    return true;
+  }
+  const device::TransportInfo& info() const noexcept override { return info_; }
+  device::TransportCounters counters() const noexcept override { return {}; }
+  device::TransportState state() const noexcept override { return says; }
+
+  device::ReadStatus end = device::ReadStatus::kGone;
+  device::TransportState says;
+  const sim::MagnetPose* pen = nullptr;
+  base::CoilCurrents last{{1, 1, 1}};
+
+ private:
+  int good_scans_, tick_ = 0;
+  sim::Rig rig_{config::DefaultDevice(), {.seed = 3, .noise = sim::NoiseMode::kLowPower}};
+  sim::Random random_{4};
+  device::TransportInfo info_{.name = "failing (a simulation)", .serial = "x", .simulation = true};
+};
+
+TEST(ToolsCalibrate, SaysWhyTheBaseCannotBeMeasuredAndLeavesItsCoilsAtZero) {
+  constexpr int kLong = 200'000;
+  const sim::MagnetPose near{{0, 0, 0.05}, {0, 0, -1}};
+  const auto state = [](wire::State is, bool waits) {
+    return device::TransportState{.state = static_cast<std::uint8_t>(is), .waits_for_person = waits};
+  };
+  struct Row {
+    int good_scans;
+    device::ReadStatus end;
+    device::TransportState says;
+    const sim::MagnetPose* pen;
+    std::vector<const char*> mentions;
+  };
+  using device::ReadStatus;
+  const Row rows[] = {
+      {500, ReadStatus::kGone, {}, nullptr, {"the base is gone", "cable"}},
+      {500, ReadStatus::kTimeout, {}, nullptr, {"sends nothing", "plug it in"}},
+      {500, ReadStatus::kEnd, {}, nullptr, {"ended before this was done", "coils are swept"}},
+      {kLong, ReadStatus::kGone, state(wire::State::kFault, true), nullptr, {"fault", "selftest"}},
+      {kLong, ReadStatus::kGone, state(wire::State::kIdle, false), nullptr, {"does not switch its coils"}},
+      {kLong, ReadStatus::kGone, {}, &near, {"two minutes", "metre away", "Sensor", "uT"}}};
+  for (const Row& row : rows) {
+    FailingBase failing(row.good_scans);
+    failing.end = row.end;
+    failing.says = row.says;
+    failing.pen = row.pen;
+    CalibrationSession session(config::DefaultDevice(), {});
+    const base::Status ran = RunSession(failing, session, {});
+    ASSERT_FALSE(ran.ok());
+    for (const char* words : row.mentions) EXPECT_NE(ran.error().find(words), std::string::npos) << ran.error();
+    for (const double current_A : failing.last.current_A) EXPECT_EQ(current_A, 0);
+  }
+}
+
+TEST(ToolsCalibrate, ASimulatedBaseIsCalibratedOnceAndKept) {
+  const test::TempFolder folder;
+  const test::ScopedVariable cache("XDG_CACHE_HOME", folder.Path("cache"));
+  const std::string twin = folder.Write("short.toml", "based_on = \"ideal\"\n");
+  const auto made = KeptTwinCalibration(config::DefaultDevice(), 4, twin);
+  ASSERT_TRUE(made.ok()) << made.error();
+  const auto kept = KeptTwinCalibration(config::DefaultDevice(), 4, twin);
+  ASSERT_TRUE(kept.ok()) << kept.error();
+  EXPECT_NEAR(kept->moment_Am2, made->moment_Am2, 1e-9 * made->moment_Am2);
+  EXPECT_NEAR(kept->sensors[5].position_base_m.x, made->sensors[5].position_base_m.x, 1e-9);
+  const std::filesystem::directory_iterator files(folder.Path("cache/omni/twins"));
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+  EXPECT_FALSE(KeptTwinCalibration(config::DefaultDevice(), 4, folder.Path("none.toml")).ok());
+}
+
+TEST(ToolsCalibrate, ItsHandIsWrittenAsItIs) {
+  const test::TempFolder folder;
+  const sim::HandScript hand = MakeCalibratingHand(config::DefaultDevice(), {.wave_s = 3, .touches = 4});
+  const auto read = sim::LoadHandScript(folder.Write("hand.json", WriteHandScript(hand)));
+  ASSERT_TRUE(read.ok()) << read.error();
+  ASSERT_EQ(read->waypoints.size(), hand.waypoints.size());
+  for (std::size_t i = 0; i < hand.waypoints.size(); ++i) {
+    EXPECT_EQ(read->waypoints[i].present, hand.waypoints[i].present) << i;
+    EXPECT_EQ(read->waypoints[i].duration_s, hand.waypoints[i].duration_s) << i;
+  }
+  EXPECT_EQ(read->stiffness_N_m, hand.stiffness_N_m);
+  EXPECT_EQ(read->damping_Ns_m, hand.damping_Ns_m);
+  EXPECT_EQ(read->mass_kg, hand.mass_kg);
+  EXPECT_EQ(read->tremor_m, hand.tremor_m);
+}
+
 std::string ContentOf(const std::string& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
 test::Outcome CalibrateTo(const std::string& path, std::vector<std::string> more) {
-  more.insert(more.begin(), {"calibrate", "--wave-seconds", "6", "--touches", "20", "-o", path});
+  more.insert(more.begin(), {"calibrate", "--device", "twin", "--wave-seconds", "6", "--touches", "20", "-o", path});
   return test::RunOmni(more);
 }
 
