@@ -24,6 +24,12 @@ struct SensorCalibration {
   Vec3 background_sensor_T;
 };
 
+// What lies under the base and answers like a mirror: a steel desk. docs/theory/tracking.md (21)
+struct SteelPlane {
+  double strength = 0;       // 0: none; 1: of much iron
+  double height_base_m = 0;  // z of the plane, < 0
+};
+
 struct Calibration {
   std::string device;                      // name of the device it belongs to
   std::vector<SensorCalibration> sensors;  // kArraySensorsMin .. kArraySensorsMax
@@ -35,7 +41,8 @@ struct Calibration {
   double core_kappa = 1;                   // (mu_r - 1) / (mu_r + 2)
   Vec3 core_centre_base_m;                 // frame B is that of hull and windings
   double hull_radius_m = 0;                // 0: no hull
-  double expected_error_m = 0;             // rms position error that the calibration says it leaves; 0: unknown
+  SteelPlane steel;
+  double expected_error_m = 0;  // rms position error that the calibration says it leaves; 0: unknown
   // Where the magnet may be; equal corners: derived from hull or sensors.
   Vec3 volume_min_base_m, volume_max_base_m;
 };

@@ -59,6 +59,7 @@ bool IsCentre(int shared) { return shared >= kCentreAt && shared < kCentreAt + 3
 bool IsCalibrated(const Parameters& parameters, int index) {
   const int shared = index - parameters.shared_at();
   const bool has_core = parameters.nominal().core_radius_m > 0;
+  if (shared == kSteelAt || shared == kSteelDepthAt) return true;
   return shared < 0 || shared == kMomentAt || (has_core && (shared == kKappaAt || IsCentre(shared)));
 }
 
@@ -71,7 +72,8 @@ void DescribeObservability(const Adjustment& adjustment, Report& report) {
   report.weak_directions = static_cast<int>((information.ldlt().vectorD().array() < 0).count());
   for (int e = 0; e < parameters.size(); ++e) {
     const double sigma = std::sqrt(adjustment.covariance(e, e));
-    if (!IsCalibrated(parameters, e) || !(sigma > kUnfixed)) continue;
+    const bool of_steel = e >= parameters.shared_at() + kSteelAt && e <= parameters.shared_at() + kSteelDepthAt;
+    if (!IsCalibrated(parameters, e) || of_steel || !(sigma > kUnfixed)) continue;
     const double tolerance = parameters.ToleranceInUnit(e);
     report.unfixed.push_back({parameters.Name(e), sigma * tolerance, tolerance, parameters.Unit(e)});
   }

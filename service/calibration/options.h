@@ -15,6 +15,8 @@ struct Tolerances {
   double core_kappa = 0.01;
   double hull_radius_m = 0.3e-3;
   double core_centre_m = 0.3e-3;       // per axis, from the centre of hull and windings
+  double steel_strength = 0.5;         // of a plane under the base, 1: of much iron ...
+  double steel_depth = 0.5;            // ... and its depth, natural logarithm of the ratio to kSteelDepth_m
   double ambient_T = 0.5e-6;           // common to all sensors, since the rest: offset and drift
   double remanence_A = 0.005;          // the core's memory, as a current of every sample in each coil
   double coil_strength = 5e-3;         // winding and current sensor
@@ -39,7 +41,7 @@ struct Limits {
 struct Options {
   Tolerances tolerances;
   Limits limits;
-  int iterations_max = 30;
+  int iterations_max = 60;
 };
 
 }  // namespace omni::calibration

@@ -1,5 +1,7 @@
 #include "service/calibration/parameters.h"
 
+#include <cmath>
+
 #include "service/base/eigen.h"
 #include "service/magnetics/disc_magnet.h"
 
@@ -33,6 +35,8 @@ constexpr Label kSharedLabels[kShared] = {{"moment", "%", 1e2},
                                           {"core centre x", "mm", 1e3},
                                           {"core centre y", "mm", 1e3},
                                           {"core centre z", "mm", 1e3},
+                                          {"steel strength", "%", 1e2},
+                                          {"steel depth", "%", 1e2},
                                           {"coil x strength", "%", 1e2},
                                           {"coil y strength", "%", 1e2},
                                           {"coil z strength", "%", 1e2},
@@ -55,7 +59,8 @@ double SharedTolerance(const Tolerances& t, int at) {
   if (at == kKappaAt) return t.core_kappa;
   if (at < kHullAt) return t.ambient_T;
   if (at == kHullAt) return t.hull_radius_m;
-  if (at < kStrengthAt) return t.core_centre_m;
+  if (at < kSteelAt) return t.core_centre_m;
+  if (at < kStrengthAt) return at == kSteelAt ? t.steel_strength : t.steel_depth;
   return at < kTiltAt ? t.coil_strength : t.coil_axis_rad;
 }
 
@@ -113,6 +118,12 @@ double Parameters::HullRadius_m() const {
 
 Vector3d Parameters::CoreCentre_m() const {
   return tolerances_.core_centre_m * x_.tail<kShared>().segment<3>(kCentreAt);
+}
+
+base::SteelPlane Parameters::Steel() const {
+  const auto x = x_.tail<kShared>();
+  return {tolerances_.steel_strength * x[kSteelAt],
+          -kSteelDepth_m * std::exp(tolerances_.steel_depth * x[kSteelDepthAt])};
 }
 
 double Parameters::CoilStrength(int coil) const {

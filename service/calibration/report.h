@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "service/base/calibration.h"
+
 namespace omni::calibration {
 
 struct SensorReport {
@@ -34,6 +36,7 @@ struct Report {
   double moment_sigma = 0;          // relative
   double moment_drift = 0;          // relative, over half the recording
   double frame_rotation_rad = 0;    // how well the frame's rotation about the core is known, per axis
+  base::SteelPlane steel;           // under the base; strength 0: none was seen
   double expected_error_m = 0;      // rms position error that this calibration leaves, noise apart
   int weak_directions = 0;          // combinations of unknowns of which the tolerances say more than the recording
   std::vector<Unfixed> unfixed;

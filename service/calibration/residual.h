@@ -22,6 +22,9 @@ using LocalJacobian = Eigen::Matrix<double, 3, kLocal>;
 struct ArrayState {
   std::vector<SensorState> sensors;
   std::vector<FieldAtSensor> fields;
+  base::SteelPlane steel;                  // from the core's centre
+  std::vector<FieldAtSensor> mirrored;     // at the sensors' images in the steel ...
+  std::vector<FieldAtSensor> centre;       // ... and at that of the core's centre: one
   std::vector<Eigen::Matrix3d> remanence;  // reading per unit of remanence, T
   magnetics::DiscMagnet unit;
   double kappa = 0;
@@ -29,7 +32,7 @@ struct ArrayState {
 // remanence_A: its unit, Tolerances::remanence_A.
 ArrayState MakeArrayState(const Parameters& parameters, const base::Calibration& nominal, double remanence_A);
 
-// r = E N (m (direct + kappa image) + ambient) + map remanence - y, T. (1)
+// r = E N (m (direct + kappa image + steel) + ambient) + map remanence - y, T. (1)
 struct Residual {
   Eigen::Vector3d r;
   Eigen::Matrix<double, 3, kOwn> own;

@@ -1,6 +1,7 @@
 #include "service/calibration/self_calibration.h"
 
 #include <chrono>
+#include <cmath>
 #include <vector>
 
 #include "service/base/eigen.h"
@@ -15,6 +16,7 @@ namespace {
 
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
+constexpr double kSteelSigmas = 3;   // steel that is seen with less is none
 constexpr double kLostWeight = 0.3;  // a sample below counts as rejected
 
 // What was kept of a recording: samples with a pose.
@@ -36,7 +38,17 @@ Kept KeepFound(const Recording& recording, const std::vector<ColdPose>& poses) {
   return kept;
 }
 
-base::Calibration ToCalibration(const Problem& problem, const Parameters& parameters) {
+base::SteelPlane FoundSteel(const Adjustment& adjustment) {
+  const int at = adjustment.parameters.shared_at() + kSteelAt;
+  const double sigmas = std::abs(adjustment.parameters.x()[at]) / std::sqrt(adjustment.covariance(at, at));
+  if (!(sigmas > kSteelSigmas)) return {};
+  base::SteelPlane steel = adjustment.parameters.Steel();
+  steel.height_base_m += adjustment.parameters.CoreCentre_m().z();
+  return steel;
+}
+
+base::Calibration ToCalibration(const Problem& problem, const Adjustment& adjustment) {
+  const Parameters& parameters = adjustment.parameters;
   base::Calibration calibration = problem.nominal();  // maps and background: as measured
   for (int i = 0; i < parameters.sensors(); ++i) {
     const SensorState state = parameters.Sensor(i);
@@ -48,6 +60,7 @@ base::Calibration ToCalibration(const Problem& problem, const Parameters& parame
   calibration.core_kappa = parameters.Kappa();
   calibration.core_centre_base_m = base::FromEigen(parameters.CoreCentre_m());
   calibration.hull_radius_m = parameters.HullRadius_m();
+  calibration.steel = FoundSteel(adjustment);
   return calibration;
 }
 
@@ -92,8 +105,9 @@ base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<
   Problem problem(nominal, coils, kept.recording, options.tolerances);
   const Adjustment adjustment = Adjust(problem, StartAt(problem.nominal(), coils, options.tolerances),
                                        std::move(kept.instants), options.iterations_max);
-  Outcome outcome{ToCalibration(problem, adjustment.parameters), Assess(problem, adjustment)};
+  Outcome outcome{ToCalibration(problem, adjustment), Assess(problem, adjustment)};
   CountSamples(recording, problem, outcome.report);
+  outcome.report.steel = outcome.calibration.steel;
   outcome.calibration.expected_error_m = outcome.report.expected_error_m;
   outcome.report.coverage = kept.coverage.share();
   outcome.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

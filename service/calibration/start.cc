@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kChi2Max = 171;  // at 19 degrees of freedom: three standard deviations of tolerance on every reading
 
+constexpr double kAmbient_T =
+    2e-5;  // a steel desk answers the pen with a field that is the same all over the base, nearly
+
 // How far a reading may be off before calibration, relative to the tool's field: a displacement d of a sensor at
 // distance L changes a dipole's field by 3 d/L.
 double ToleranceOfField(const base::Calibration& nominal, const Tolerances& t) {
@@ -27,6 +30,7 @@ double ToleranceOfField(const base::Calibration& nominal, const Tolerances& t) {
 base::Result<ColdStart> ColdStart::Make(const base::Calibration& nominal, const Tolerances& tolerances) {
   tracker::StaticOptions options;
   options.trust.model_error_relative = ToleranceOfField(nominal, tolerances);
+  options.trust.ambient_error_T = kAmbient_T;
   options.chi2_max = kChi2Max;
   auto solver = tracker::StaticSolver::Make(nominal, options);
   if (!solver.ok()) return base::Error{solver.error()};

@@ -5,6 +5,7 @@
 
 #include "service/base/eigen.h"
 #include "service/calibration/residual.h"
+#include "service/calibration/steel_plane.h"
 #include "service/calibration/tool_field.h"
 #include "service/magnetics/zonal.h"
 
@@ -178,39 +179,69 @@ void Problem::AddPriors(const Parameters& parameters, System& system) const {
   system.cost += kGaugeWeight * scale * scale;
 }
 
-// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis). The windings are about the hull's
-// centre; what they induce in the core is about the core's, since a winding's field has no gradient in its middle. (5)
+namespace {
+
+constexpr int kCoilUnknowns = 5;  // tilt (2), the core's centre (3)
+
+// Of one coil at a place that is measured from the core: the windings are about the hull's centre; what they induce in
+// the core is about the core's, since a winding's field has no gradient in its middle. (5)
+struct CoilAt {
+  const magnetics::CoilMoments& winding;
+  const magnetics::CoilMoments& core;
+  Vector3d axis;
+  Eigen::Matrix<double, 3, 2> tilt_axes;
+  Vector3d centre_m;  // of the core
+
+  PlacedField<kCoilUnknowns> operator()(const Vector3d& place_m) const {
+    const Vector3d from_winding = place_m + centre_m;
+    const Matrix3d of_winding = magnetics::ZonalGradient(winding, axis, from_winding);
+    const Matrix3d by_axis = magnetics::ZonalAxisDerivative(winding, axis, from_winding) +
+                             magnetics::ZonalAxisDerivative(core, axis, place_m);
+    PlacedField<kCoilUnknowns> field;
+    field.B = magnetics::ZonalField(winding, axis, from_winding) + magnetics::ZonalField(core, axis, place_m);
+    for (int j = 0; j < 2; ++j) field.by.col(j) = by_axis * tilt_axes.col(j).cross(axis);
+    field.by.rightCols<3>() = of_winding;
+    field.by_place = of_winding + magnetics::ZonalGradient(core, axis, place_m);
+    return field;
+  }
+};
+
+}  // namespace
+
+// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis), B_k with what steel answers. (5)
 void Problem::AddMaps(const Parameters& parameters, System& system) const {
-  constexpr int n = kSensorUnknowns, all = n + 6;
+  constexpr int n = kSensorUnknowns, all = n + 1 + kCoilUnknowns + 2;
   const Tolerances& t = parameters.tolerances();
   const int shared_at = parameters.shared_at();
-  const Vector3d centre = parameters.CoreCentre_m();
+  const base::SteelPlane steel = parameters.Steel();
   for (int k = 0; k < static_cast<int>(coil_moments_.size()); ++k) {
     const auto& [winding, core] = coil_moments_[static_cast<std::size_t>(k)];
     const double strength = parameters.CoilStrength(k);
     const Vector3d axis = (parameters.CoilAxis(k) + parameters.CoilTilt(k).cross(parameters.CoilAxis(k))).normalized();
-    const Eigen::Matrix<double, 3, 2> tilt = parameters.CoilTiltAxes(k);
+    const CoilAt coil_at{winding, core, axis, parameters.CoilTiltAxes(k), parameters.CoreCentre_m()};
+    const PlacedField<kCoilUnknowns> centre = coil_at(MirroredPlace(steel.height_base_m, Vector3d::Zero()));
     for (int i = 0; i < parameters.sensors(); ++i) {
       const SensorState sensor = parameters.Sensor(i);
       const Vector3d& s = sensor.position_base_m;
-      const Vector3d from_winding = s + centre;
-      const Vector3d B = magnetics::ZonalField(winding, axis, from_winding) + magnetics::ZonalField(core, axis, s);
-      const Matrix3d by_axis =
-          magnetics::ZonalAxisDerivative(winding, axis, from_winding) + magnetics::ZonalAxisDerivative(core, axis, s);
-      const Matrix3d of_winding = magnetics::ZonalGradient(winding, axis, from_winding);
+      const SteelAnswer<kCoilUnknowns> answer = AnswerOfSteel(s, nominal_.core_radius_m, parameters.Kappa(),
+                                                              coil_at(MirroredPlace(steel.height_base_m, s)), centre);
+      PlacedField<kCoilUnknowns> field = coil_at(s);
+      field.B += steel.strength * answer.field.B;
+      field.by += steel.strength * answer.field.by;
+      field.by_place += steel.strength * answer.field.by_place;
       const auto& map = nominal_.sensors[static_cast<std::size_t>(i)].current_map_T_A;
       const Vector3d measured = Eigen::Map<const RowMajor3d>(map.data()).col(k);
       const double sigma = std::hypot(map_error_T_A_[static_cast<std::size_t>(i)], t.coil_shape * measured.norm());
-      const Vector3d r = (strength * (sensor.gain * B) - measured) / sigma;
+      const Vector3d r = (strength * (sensor.gain * field.B) - measured) / sigma;
       Eigen::Matrix<double, 3, all> J;
-      J.middleCols<3>(kPositionAt) =
-          (strength * t.sensor_position_m) * sensor.gain * (of_winding + magnetics::ZonalGradient(core, axis, s));
-      J.middleCols<9>(kGainAt) = parameters.GainJacobian(strength * (sensor.nominal * B));
-      J.col(n) = t.coil_strength * (sensor.gain * B);
-      for (int j = 0; j < 2; ++j) {
-        J.col(n + 1 + j) = (strength * t.coil_axis_rad) * (sensor.gain * (by_axis * tilt.col(j).cross(axis)));
-      }
-      J.rightCols<3>() = (strength * t.core_centre_m) * sensor.gain * of_winding;
+      J.middleCols<3>(kPositionAt) = (strength * t.sensor_position_m) * sensor.gain * field.by_place;
+      J.middleCols<9>(kGainAt) = parameters.GainJacobian(strength * (sensor.nominal * field.B));
+      J.col(n) = t.coil_strength * (sensor.gain * field.B);
+      J.middleCols<2>(n + 1) = (strength * t.coil_axis_rad) * sensor.gain * field.by.leftCols<2>();
+      J.middleCols<3>(n + 3) = (strength * t.core_centre_m) * sensor.gain * field.by.rightCols<3>();
+      J.col(n + 6) = (strength * t.steel_strength) * (sensor.gain * answer.field.B);
+      J.col(n + 7) =
+          (strength * steel.strength * t.steel_depth * steel.height_base_m) * (sensor.gain * answer.by_height);
       J /= sigma;
       const Eigen::Matrix<double, all, all> H = J.transpose() * J;
       const Eigen::Matrix<double, all, 1> g = J.transpose() * r;
@@ -220,6 +251,8 @@ void Problem::AddMaps(const Parameters& parameters, System& system) const {
       at[n + 1] = shared_at + kTiltAt + 2 * k;
       at[n + 2] = at[n + 1] + 1;
       for (std::size_t e = 0; e < 3; ++e) at[n + 3 + e] = shared_at + kCentreAt + static_cast<int>(e);
+      at[n + 6] = shared_at + kSteelAt;
+      at[n + 7] = shared_at + kSteelDepthAt;
       for (int a = 0; a < all; ++a) {
         system.g[at[static_cast<std::size_t>(a)]] += g[a];
         for (int b = 0; b < all; ++b)

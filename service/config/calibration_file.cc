@@ -28,6 +28,8 @@ constexpr Range kBackground_T{-1e-3, 1e-3};
 constexpr Range kMoment_Am2{1e-3, 1e3};
 constexpr Range kKappa{0, 1.2};
 constexpr Range kHullRadius_m{0, 0.5};
+constexpr Range kSteelStrength{-2, 2};
+constexpr Range kSteelHeight_m{-2, -0.03};
 
 std::string Hex(std::uint64_t value) {
   char text[17];
@@ -113,6 +115,17 @@ void ReadBase(FileProblem& problem, TableReader& root, Calibration& calibration)
   reader.Finish();
 }
 
+// A base without steel under it says nothing of it.
+void ReadSteel(FileProblem& problem, TableReader& root, Calibration& calibration) {
+  if (!root.table().contains("steel")) return;
+  const toml::table* table = root.Table("steel");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "steel");
+  calibration.steel.strength = reader.Number("strength", kSteelStrength);
+  calibration.steel.height_base_m = reader.Number("height_base_m", kSteelHeight_m);
+  reader.Finish();
+}
+
 std::string SensorName(std::size_t i) { return "sensors[" + std::to_string(i) + "]"; }
 
 void ReadSensors(FileProblem& problem, TableReader& root, std::size_t count, Calibration& calibration) {
@@ -156,6 +169,10 @@ std::string Content(const CalibrationFile& file, const DeviceGeometry& device) {
   text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n\n[base]\n";
   text += "hull_radius_m = " + TomlFloat(file.calibration.hull_radius_m) + "\n";
   text += "core_centre_base_m = " + List(file.calibration.core_centre_base_m) + "\n";
+  if (const base::SteelPlane& steel = file.calibration.steel; steel.strength != 0) {
+    text += "\n[steel]\nstrength = " + TomlFloat(steel.strength) + "\n";
+    text += "height_base_m = " + TomlFloat(steel.height_base_m) + "\n";
+  }
   for (const SensorCalibration& sensor : file.calibration.sensors) {
     text += "\n[[sensors]]\nposition_base_m = " + List(sensor.position_base_m) + "\n";
     text += "gain_sensor_base = " + List(sensor.gain_sensor_base) + "\n";
@@ -234,6 +251,7 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   ReadQuality(problem, root, file.quality);
   ReadMagnet(problem, root, file.calibration);
   ReadBase(problem, root, file.calibration);
+  ReadSteel(problem, root, file.calibration);
   ReadSensors(problem, root, expected.device.sensors.size(), file.calibration);
   CheckChecksum(problem, root, expected.device, file);
   root.Finish();

@@ -86,6 +86,10 @@ std::string ReportText(const calibration::Report& report) {
                  report.chi2_per_dof, report.dof, report.map_chi2_per_reading, 1e3 * report.touch_rms_m);
   text += Format("magnet       moment %+.2f +- %.2f %% of the drawing, drift %+.2f %%\n", 100 * report.moment_relative,
                  100 * report.moment_sigma, 200 * report.moment_drift);
+  if (report.steel.strength != 0) {
+    text += Format("steel        about %.0f mm below the base's centre, %.2f of an iron plate; known from now on\n",
+                   -1e3 * report.steel.height_base_m, report.steel.strength);
+  }
   text +=
       Format("frame        rotation about the core known to %.3f deg\n", 57.29577951308232 * report.frame_rotation_rad);
   for (std::size_t i = 0; i < report.sensors.size(); ++i) {

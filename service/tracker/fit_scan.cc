@@ -6,6 +6,7 @@
 #include "service/base/eigen.h"
 #include "service/tracker/cold_start.h"
 #include "service/tracker/static_solve.h"
+#include "service/tracker/steel.h"
 
 namespace omni::tracker {
 namespace {
@@ -32,8 +33,17 @@ Precision PrecisionOf(const Config& config) noexcept {
   return config.trust.currents_hidden ? Precision::kDouble : config.precision;
 }
 
+Fit SolveCold(const Config& config, const Measurement& measurement, const Pose& start) noexcept {
+  return SolvePose(
+      config.model, measurement, start,
+      {.precision = PrecisionOf(config), .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
+}
+
 // Tries the best grid points in turn. A fit that passes the gate out of reach ends the search: the pen is elsewhere.
-Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
+// What steel answers is known once there is a pose: then each is fitted again.
+Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt& doubt,
+                Measurement& measurement) noexcept {
+  const Config& config = context.config;
   measurement.velocity_base_m_s = {};
   measurement.axis_rate_base_1_s = {};
   Outcome outcome;
@@ -41,9 +51,14 @@ Outcome TryCold(const Config& config, Measurement& measurement) noexcept {
   const ColdCandidates candidates = RankGrid(config.model, measurement);
   for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count); ++c) {
     const int spent = outcome.fit.iterations;
-    outcome.fit = SolvePose(
-        config.model, measurement, candidates.poses[c],
-        {.precision = PrecisionOf(config), .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
+    outcome.fit = SolveCold(config, measurement, candidates.poses[c]);
+    if (HasSteel(config.model) && outcome.fit.pose.position_base_m.allFinite()) {
+      const int first = outcome.fit.iterations;
+      const LocalField steel_T = SteelField(config.model, outcome.fit.pose, MomentScale(drift));
+      measurement = MeasureScan({config, context.scan, context.before, context.now, &steel_T}, drift, doubt);
+      outcome.fit = SolveCold(config, measurement, outcome.fit.pose);
+      outcome.fit.iterations += first;
+    }
     outcome.fit.iterations += spent;
     const bool fits = FitsReadings(config, measurement, outcome.fit);
     outcome.explained = outcome.explained || fits;
@@ -87,9 +102,10 @@ void CheckLeftOut(const ScanContext& context, const FilterState& predicted, doub
 }  // namespace
 
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept {
-  Measurement measurement =
-      MakeMeasurement(context.config.model, TrustIn(doubt, context.config.trust), context.scan, context.before,
-                      context.now, drift.valid ? OffsetsOf(context.config.drift, drift) : Offsets{});
+  Offsets offsets = drift.valid ? OffsetsOf(context.config.drift, drift) : Offsets{};
+  offsets.local_base_T = context.local;
+  Measurement measurement = MakeMeasurement(context.config.model, TrustIn(doubt, context.config.trust), context.scan,
+                                            context.before, context.now, offsets);
   measurement.moment_scale = MomentScale(drift);
   return measurement;
 }
@@ -162,7 +178,7 @@ Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& mea
   const Config& config = context.config;
   const int belief = CanDoubt(config, state) ? state.belief++ : 0;
   if (belief == 0) {
-    const Outcome outcome = TryCold(config, measurement);
+    const Outcome outcome = TryCold(context, state.drift, state.doubt, measurement);
     if (outcome.good) state.belief = 0;
     return outcome;
   }
@@ -176,7 +192,7 @@ Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& mea
   if (belief + 1 >= kFirstDoubled && doubt.model_error >= config.doubt.cold_error_max) state.belief = 0;
   Blame(config.doubt, belief < kFirstDoubled ? belief - kFirstLeftOut : -1, doubt);
   measurement = MeasureScan(context, drift, doubt);
-  Outcome outcome = TryCold(config, measurement);
+  Outcome outcome = TryCold(context, drift, doubt, measurement);
   outcome.good = outcome.good && outcome.fit.covariance.topLeftCorner<3, 3>().trace() <= kSurelyKnown_m2;
   if (!outcome.good) return outcome;
   state.drift = drift;

@@ -21,6 +21,7 @@ struct ScanContext {
   const base::HallScan& scan;
   const CurrentHistory& before;
   const CurrentHistory& now;
+  const LocalField* local = nullptr;  // known at each sensor; null: none
 };
 
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept;

@@ -99,8 +99,9 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
     CurrentInstant then = known ? currents.At(result.age_s[i]) : CurrentInstant{};
     for (std::size_t k = 0; k < base::kCoilCount; ++k) then.current_A[k] += offsets.remanence_A[k];
     CoilField coils = CoilsAt(model, i, then);
-    for (std::size_t e = 0; e < 9; ++e)
-      coils.field_T[e / 3] += model.gain_sensor_base[e][i] * offsets.ambient_base_T[e % 3];
+    std::array<double, 3> offset_T = offsets.ambient_base_T;
+    for (std::size_t c = 0; c < 3 && offsets.local_base_T != nullptr; ++c) offset_T[c] += (*offsets.local_base_T)[c][i];
+    for (std::size_t e = 0; e < 9; ++e) coils.field_T[e / 3] += model.gain_sensor_base[e][i] * offset_T[e % 3];
     square_sum +=
         AddSensor(model, trust, scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7u, coils, i, result);
   }

@@ -62,10 +62,14 @@ struct BasicMeasurement {
 using Measurement = BasicMeasurement<kSensors>;            // of the base, in the tick
 using ArrayMeasurement = BasicMeasurement<kArraySensors>;  // of any array, off the tick
 
+// By component of B and sensor, T.
+using LocalField = std::array<std::array<double, kSensors>, 3>;
+
 // Offsets that were found to be in the readings.
 struct Offsets {
   std::array<double, base::kCoilCount> remanence_A{}, remanence_variance_A2{};
   std::array<double, 3> ambient_base_T{}, ambient_variance_T2{};  // no variance: it is known
+  const LocalField* local_base_T = nullptr;                       // known, and different at every sensor; null: none
 };
 
 // Subtracts coils and offsets, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.

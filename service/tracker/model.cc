@@ -25,6 +25,20 @@ void PlaceSensor(const base::Calibration& calibration, const Vector3d& s, std::s
   places.image_potential_gain_1_m[lane] = r > 0 ? calibration.core_kappa * ratio / r : 0.0;
 }
 
+// s' = M s + (0, 0, 2 height), M = diag(1, 1, -1). `calibration`: from the core's centre.
+SteelMirror MirrorSensors(const base::Calibration& calibration) {
+  SteelMirror mirror;
+  mirror.strength = calibration.sensors.size() == kSensors ? calibration.steel.strength : 0.0;
+  if (mirror.strength == 0) return mirror;
+  const Vector3d centre(0, 0, 2 * calibration.steel.height_base_m);
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    const base::Vec3& s = calibration.sensors[i].position_base_m;
+    PlaceSensor(calibration, centre + Vector3d(s.x, s.y, -s.z), i, mirror.sensors);
+    PlaceSensor(calibration, centre, i, mirror.centre);
+  }
+  return mirror;
+}
+
 template <std::size_t kRows>
 void Narrow(const double (&from)[kRows][kBlockSensors], float (&to)[kRows][kBlockSensors]) {
   for (std::size_t row = 0; row < kRows; ++row) {
@@ -88,6 +102,7 @@ base::Calibration FromCore(base::Calibration calibration) {
   const base::Vec3& c = calibration.core_centre_base_m;
   const auto move = [&](base::Vec3& at) { at = {at.x - c.x, at.y - c.y, at.z - c.z}; };
   for (base::SensorCalibration& sensor : calibration.sensors) move(sensor.position_base_m);
+  calibration.steel.height_base_m -= c.z;
   move(calibration.volume_min_base_m);
   move(calibration.volume_max_base_m);
   return calibration;
@@ -111,6 +126,7 @@ Model MakeModel(const base::Calibration& in_base, Rung rung) {
                                    : calibration.magnet.half_height_m;
   model.hull_radius_m = calibration.hull_radius_m;
   model.tip_offset_m = calibration.magnet.tip_offset_m;
+  model.steel = MirrorSensors(calibration);
   model.grid = MakeColdGrid(calibration);
   return model;
 }

@@ -29,6 +29,13 @@ enum class Rung : std::uint8_t {
   kFull         // octupole and l = 5 of the magnet and of its image
 };
 
+// A steel plane under the base of an Omni: the images in it of its sensors and of the core's centre, the latter in
+// every lane. docs/theory/tracking.md (21)
+struct SteelMirror {
+  double strength = 0;  // 0: none
+  SensorPlaces<double> sensors{}, centre{};
+};
+
 // Prepared once from a Calibration.
 struct Model {
   int sensors = 0;
@@ -47,6 +54,7 @@ struct Model {
   double hull_radius_m = 0;
   std::array<double, 3> core_centre_base_m{};  // from here poses of the model and of its fits are measured
   double tip_offset_m = 0;
+  SteelMirror steel;
   ColdGrid grid;
 };
 

@@ -10,6 +10,7 @@
 #include "service/tracker/fit_scan.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/nuisance.h"
+#include "service/tracker/steel.h"
 
 namespace omni::tracker {
 namespace {
@@ -225,14 +226,19 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   }
   const bool wide = IsWideScan(config, state);
   if (wide) ForgetDrift(config, scan, state.drift);
-  const ScanContext context{config, scan, state.currents, currents};
-  Measurement measurement = MeasureScan(context, state.drift, state.doubt);
-  if (wide) AddAmbientColumns(measurement);
-
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
   const bool continues = state.warm && dt_s >= 0 && dt_s <= config.coast_max_s;
   FilterState predicted = state.filter;
   if (continues) PredictFilter(config.filter, dt_s, predicted);
+  ScanContext context{config, scan, state.currents, currents};
+  LocalField steel_T;
+  if (state.warm && HasSteel(config.model)) {
+    const Pose pose{base::ToEigen(predicted.position_base_m), base::ToEigen(predicted.axis_base)};
+    steel_T = SteelField(config.model, pose, MomentScale(state.drift));
+    context.local = &steel_T;
+  }
+  Measurement measurement = MeasureScan(context, state.drift, state.doubt);
+  if (wide) AddAmbientColumns(measurement);
 
   Outcome outcome;
   KernelSums sums;

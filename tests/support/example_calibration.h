@@ -28,6 +28,7 @@ inline config::CalibrationFile ExampleCalibration() {
   file.calibration.core_kappa = 0.9765625;
   file.calibration.hull_radius_m += 1e-3 / 3;
   file.calibration.core_centre_base_m = {1e-4, -1e-3 / 7, 2e-4};
+  file.calibration.steel = {1.0 / 3, -0.2};
   for (std::size_t i = 0; i < file.calibration.sensors.size(); ++i) {
     base::SensorCalibration& sensor = file.calibration.sensors[i];
     sensor.position_base_m.x += 1e-3 / 3 * static_cast<double>(i);

@@ -62,13 +62,17 @@ inline calibration::Recording MakeRecording(sim::Rig& rig, const RigRecordingOpt
     recording.samples.back().touches_hull = true;
   }
   if (!options.responses) return recording;
-  const base::Calibration exact = rig.ExactCalibration();
-  for (const base::SensorCalibration& sensor : exact.sensors) {
+  const sim::SensorFields rest = rig.Readings(nullptr, {});
+  const std::array<sim::SensorFields, 3> coils{rig.Readings(nullptr, {1, 0, 0}), rig.Readings(nullptr, {0, 1, 0}),
+                                               rig.Readings(nullptr, {0, 0, 1})};
+  for (std::size_t i = 0; i < rest.size(); ++i) {
     calibration::CoilResponse response;
-    response.background_sensor_T = sensor.background_sensor_T;
+    response.background_sensor_T = rest[i];
     response.map_error_T_A = kMapError_T_A;
     for (std::size_t e = 0; e < 9; ++e) {
-      response.map_sensor_T_A[e] = sensor.current_map_T_A[e] + kMapError_T_A * random.Normal();
+      const base::Vec3 &with = coils[e % 3][i], &without = rest[i];
+      const std::array<double, 3> T_A{with.x - without.x, with.y - without.y, with.z - without.z};
+      response.map_sensor_T_A[e] = T_A[e / 3] + kMapError_T_A * random.Normal();
     }
     recording.responses.push_back(response);
   }

@@ -62,6 +62,8 @@ TEST(ConfigCalibration, ComesBackToTheLastBit) {
   EXPECT_EQ(read->calibration.core_kappa, written.calibration.core_kappa);
   EXPECT_EQ(read->calibration.hull_radius_m, written.calibration.hull_radius_m);
   EXPECT_EQ(read->calibration.core_centre_base_m.z, written.calibration.core_centre_base_m.z);
+  EXPECT_EQ(read->calibration.steel.strength, written.calibration.steel.strength);
+  EXPECT_EQ(read->calibration.steel.height_base_m, written.calibration.steel.height_base_m);
   EXPECT_EQ(read->quality.touches, 100);
   EXPECT_EQ(read->quality.expected_error_mm, 0.08);
   EXPECT_EQ(read->date, written.date);

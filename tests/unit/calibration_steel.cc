@@ -1,0 +1,146 @@
+// A steel plane under the base: what the tracker holds it for, and what calibration makes of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "service/base/eigen.h"
+#include "service/calibration/self_calibration.h"
+#include "service/calibration/steel_plane.h"
+#include "service/magnetics/nominal.h"
+#include "service/tracker/steel.h"
+#include "service/tracker/tracker.h"
+#include "tests/support/calibration_error.h"
+#include "tests/support/nominal_device.h"
+#include "tests/support/rig.h"
+#include "tests/support/rig_recording.h"
+
+namespace omni {
+namespace {
+
+base::Steel PlaneAt(double z_m, double strength) {
+  return {.shape = base::SteelShape::kPlane, .position_base_m = {0, 0, z_m}, .strength = strength};
+}
+
+// Judged by the truth model: mirror images of charges, not of dipoles.
+TEST(CalibrationSteel, AnswerIsThatOfTheMirror) {
+  const base::DeviceGeometry device = support::NominalDevice();
+  for (const double z_m : {-0.115, -0.2, -0.4}) {
+    sim::RigOptions options;
+    sim::Rig without(device, options);
+    options.effects.room.steel = {PlaneAt(z_m, 0.7)};
+    sim::Rig with(device, options);
+    base::Calibration exact = with.ExactCalibration();
+    exact.steel = {0.7, z_m};
+    const tracker::Model model = tracker::MakeModel(exact);
+    sim::Random random(4);
+    for (int n = 0; n < 20; ++n) {
+      const sim::MagnetPose pose = with.DrawPose({}, random);
+      const sim::SensorFields all = with.Readings(&pose, {}), direct = without.Readings(&pose, {});
+      const tracker::LocalField steel_T =
+          tracker::SteelField(model, {base::ToEigen(pose.centre_base_m), base::ToEigen(pose.axis_base)}, 1);
+      double error = 0, size = 0;
+      for (std::size_t i = 0; i < base::kSensorCount; ++i) {
+        const Eigen::Matrix3d gain =
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(exact.sensors[i].gain_sensor_base.data());
+        const Eigen::Vector3d expected = base::ToEigen(all[i]) - base::ToEigen(direct[i]);
+        const Eigen::Vector3d field(steel_T[0][i], steel_T[1][i], steel_T[2][i]);
+        error += (gain * field - expected).squaredNorm();
+        size += expected.squaredNorm();
+      }
+      EXPECT_LT(std::sqrt(error / size), 0.01) << z_m << " pose " << n;
+    }
+  }
+}
+
+// Refused on any steel before there was an unknown for it. -115 mm: a steel top right under the base.
+TEST(CalibrationSteel, PlaneUnderTheBaseIsFound) {
+  base::DeviceGeometry device = support::NominalDevice();
+  device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);
+  const base::Calibration nominal = magnetics::NominalCalibration(device);
+  for (const double z_m : {-0.115, -0.15, -0.2, -0.3}) {
+    sim::RigOptions options{.seed = 51, .noise = sim::NoiseMode::kUltraHigh};
+    options.sizes.sensor_position_m = 1e-3;
+    options.sizes.sensor_gain = 0.015;
+    options.sizes.core_offset_m = 3e-4;
+    options.effects.room.steel = {PlaneAt(z_m, 1)};
+    sim::Rig rig(device, options);
+    const auto outcome = calibration::SelfCalibrate(
+        nominal, device.coils, test::MakeRecording(rig, {.waves = 300, .touches = 100, .touch_sigma_m = 5e-5}));
+    ASSERT_TRUE(outcome.ok()) << z_m << ": " << outcome.error();
+    EXPECT_LT(outcome->report.chi2_per_dof, 1.2);
+    // Far away strength and height say the same; the field is what matters.
+    base::Calibration exact = rig.ExactCalibration();
+    exact.steel = {1, z_m};
+    const tracker::Model found = tracker::MakeModel(outcome->calibration), true_model = tracker::MakeModel(exact);
+    ASSERT_TRUE(tracker::HasSteel(found));
+    const tracker::Pose pose{{0.03, 0.02, 0.06}, Eigen::Vector3d(-0.3, -0.2, -1).normalized()};
+    const tracker::LocalField is = tracker::SteelField(found, pose, 1), was = tracker::SteelField(true_model, pose, 1);
+    double error = 0, size = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t i = 0; i < base::kSensorCount; ++i) {
+        error += (is[c][i] - was[c][i]) * (is[c][i] - was[c][i]);
+        size += was[c][i] * was[c][i];
+      }
+    }
+    EXPECT_LT(std::sqrt(error / size), 0.05) << z_m;
+  }
+}
+
+TEST(CalibrationSteel, WithoutSteelThereIsNone) {
+  const base::DeviceGeometry device = support::NominalDevice();
+  const base::Calibration nominal = magnetics::NominalCalibration(device);
+  int found = 0;
+  for (const std::uint64_t seed : {61u, 62u, 63u, 64u}) {
+    sim::RigOptions options{.seed = seed, .noise = sim::NoiseMode::kUltraHigh};
+    options.sizes.sensor_position_m = 1e-3;
+    sim::Rig rig(device, options);
+    const auto outcome = calibration::SelfCalibrate(nominal, device.coils, test::MakeRecording(rig, {.seed = seed}));
+    ASSERT_TRUE(outcome.ok()) << outcome.error();
+    found += outcome->calibration.steel.strength != 0 ? 1 : 0;
+  }
+  EXPECT_LE(found, 1);  // three standard deviations
+}
+
+// Every derivative of what steel answers against differences of it.
+TEST(CalibrationSteel, DerivativesAreThoseOfDifferences) {
+  const base::Calibration nominal = magnetics::NominalCalibration(support::NominalDevice());
+  using Eigen::Vector3d;
+  const magnetics::DiscMagnet unit = magnetics::MakeDiscMagnet(nominal.magnet, 1);
+  const double kappa = nominal.core_kappa, a = nominal.core_radius_m;
+  const calibration::ToolFrame tool =
+      calibration::MakeToolFrame({0.02, -0.01, 0.07}, Vector3d(0.2, 0.1, -1).normalized());
+  const auto at = [&](const Vector3d& place, const calibration::ToolFrame& frame) {
+    const calibration::ToolField field = calibration::FieldAtSensor(place, a).Evaluate(unit, kappa, frame);
+    calibration::PlacedField<5> whole;
+    whole.B = field.direct + kappa * field.image;
+    whole.by = field.by_pose;
+    whole.by_place = field.by_sensor;
+    return whole;
+  };
+  const auto answer = [&](const Vector3d& s, double height, const calibration::ToolFrame& frame) {
+    return calibration::AnswerOfSteel(s, a, kappa, at(calibration::MirroredPlace(height, s), frame),
+                                      at(calibration::MirroredPlace(height, Vector3d::Zero()), frame));
+  };
+  const Vector3d s(0.03, 0.035, -0.01);
+  const double height = -0.12, step = 1e-6;
+  const auto analytic = answer(s, height, tool);
+  const double size = analytic.field.by_place.norm();
+  for (int c = 0; c < 3; ++c) {
+    const Vector3d move = step * Vector3d::Unit(c);
+    const Vector3d by_place =
+        (answer(s + move, height, tool).field.B - answer(s - move, height, tool).field.B) / (2 * step);
+    EXPECT_LT((by_place - analytic.field.by_place.col(c)).norm(), 1e-5 * size);
+    calibration::ToolFrame ahead = tool, behind = tool;
+    ahead.position_base_m += move;
+    behind.position_base_m -= move;
+    const Vector3d by_pose = (answer(s, height, ahead).field.B - answer(s, height, behind).field.B) / (2 * step);
+    EXPECT_LT((by_pose - analytic.field.by.col(c)).norm(), 1e-5 * size);
+  }
+  const Vector3d by_height =
+      (answer(s, height + step, tool).field.B - answer(s, height - step, tool).field.B) / (2 * step);
+  EXPECT_LT((by_height - analytic.by_height).norm(), 1e-5 * size);
+}
+
+}  // namespace
+}  // namespace omni
