@@ -16,6 +16,7 @@ constexpr int kRoundsMax = 4;         // of weights
 constexpr double kSettled = 0.1;      // largest change of a weight that needs no further round
 constexpr double kTouchGate = 9;      // chi2 of a touch that keeps its full weight
 constexpr double kTouchDoubt = 1e-3;  // weight of touches at first: a rest in the air must not bend the array
+constexpr double kSteelSigmas = 3;    // steel that is seen with less is none
 constexpr double kLeapMax_m = 0.02, kLeapMax_rad = 0.5;
 constexpr int kStack = 32;  // samples eliminated at a time
 
@@ -116,6 +117,11 @@ bool Minimise(const Problem& problem, double enough, int iterations_max, Adjustm
   return false;
 }
 
+Eigen::MatrixXd Covariance(const System& system) {
+  const Eigen::Index size = system.H.rows();
+  return Eliminate(system, 0).H.llt().solve(Eigen::MatrixXd::Identity(size, size));
+}
+
 }  // namespace
 
 // S = H - sum C^T H_n^-1 C, s = g - sum C^T H_n^-1 g_n, with H_n = L L^T and V = L^-1 C.
@@ -142,6 +148,11 @@ Reduced Eliminate(const System& system, double damping) {
   return reduced;
 }
 
+bool SeesSteel(const Adjustment& adjustment) {
+  const int at = adjustment.parameters.shared_at() + kSteelAt;
+  return std::abs(adjustment.parameters.x()[at]) > kSteelSigmas * std::sqrt(adjustment.covariance(at, at));
+}
+
 Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector<Instant> instants,
                       int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
@@ -152,6 +163,7 @@ Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector
 
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
+  state.parameters.FreeSteelDepth(true);
   for (Observation& observation : problem.observations()) observation.touch_weight = kTouchDoubt;
   state.system = problem.Linearise(state.parameters, state.instants);
   for (int round = 0; round < kRoundsMax; ++round) {
@@ -161,8 +173,13 @@ Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> 
     state.system = problem.Linearise(state.parameters, state.instants);
     ++state.iterations;
   }
-  const Eigen::Index size = state.parameters.size();
-  state.covariance = Eliminate(state.system, 0).H.llt().solve(Eigen::MatrixXd::Identity(size, size));
+  state.covariance = Covariance(state.system);
+  if (!state.converged || SeesSteel(state)) return state;
+  state.parameters.FreeSteelDepth(false);
+  state.system = problem.Linearise(state.parameters, state.instants);
+  ++state.iterations;
+  state.converged = Minimise(problem, 0.0, iterations_max, state);
+  state.covariance = Covariance(state.system);
   return state;
 }
 

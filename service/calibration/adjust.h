@@ -21,7 +21,11 @@ struct Adjustment {
 // One round: least squares with the weights that the observations have. Without covariance.
 Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
 
-// Rounds until the weights settle. `problem`: weights of its observations are changed.
+// Three standard deviations. `adjustment`: with covariance.
+bool SeesSteel(const Adjustment& adjustment);
+
+// Rounds until the weights settle, the steel's depth free; a last one with the depth held if no steel is seen.
+// `problem`: weights of its observations are changed.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
 
 // H and g with the samples eliminated; damping multiplies the diagonals. (7)

@@ -126,6 +126,15 @@ base::SteelPlane Parameters::Steel() const {
           -kSteelDepth_m * std::exp(tolerances_.steel_depth * x[kSteelDepthAt])};
 }
 
+void Parameters::FreeSteelDepth(bool free) {
+  steel_depth_free_ = free;
+  if (!free) x_.tail<kShared>()[kSteelDepthAt] = 0;
+}
+
+double Parameters::SteelHeightStep_m() const {
+  return steel_depth_free_ ? tolerances_.steel_depth * Steel().height_base_m : 0.0;
+}
+
 double Parameters::CoilStrength(int coil) const {
   return 1 + tolerances_.coil_strength * x_.tail<kShared>()[kStrengthAt + coil];
 }

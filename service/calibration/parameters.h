@@ -55,7 +55,10 @@ class Parameters {
   // Of the core, from the centre of hull and windings. Sensors and samples are measured from the core while they are
   // adjusted: so their readings do not depend on it.
   Eigen::Vector3d CoreCentre_m() const;
-  base::SteelPlane Steel() const;                            // height above the core's centre
+  base::SteelPlane Steel() const;  // height above the core's centre
+  // Held at kSteelDepth_m, as at first, the depth is no unknown: steel of no strength has no place.
+  void FreeSteelDepth(bool free);
+  double SteelHeightStep_m() const;                          // derivative of Steel()'s height by its unknown
   double CoilStrength(int coil) const;                       // factor
   Eigen::Vector3d CoilTilt(int coil) const;                  // rotation vector, B
   Eigen::Matrix<double, 3, 2> CoilTiltAxes(int coil) const;  // perpendicular to the coil's axis
@@ -77,6 +80,7 @@ class Parameters {
   Tolerances tolerances_;
   int sensors_;
   Eigen::VectorXd x_;
+  bool steel_depth_free_ = false;
   std::array<Eigen::Vector3d, base::kCoilCount> coil_axes_{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
                                                            Eigen::Vector3d::UnitZ()};
 };

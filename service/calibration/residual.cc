@@ -73,7 +73,7 @@ Residual Compare(const Parameters& parameters, const ArrayState& array, std::siz
   shared.middleCols<kSteelAt - kHullAt>(kHullAt).setZero();
   shared.col(kSteelAt) = (t.steel_strength * m) * (sensor.gain * steel.field.B);
   shared.col(kSteelDepthAt) =
-      (t.steel_depth * array.steel.height_base_m * array.steel.strength * m) * (sensor.gain * steel.by_height);
+      (parameters.SteelHeightStep_m() * array.steel.strength * m) * (sensor.gain * steel.by_height);
   return out;
 }
 

@@ -16,7 +16,6 @@ namespace {
 
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kSteelSigmas = 3;   // steel that is seen with less is none
 constexpr double kLostWeight = 0.3;  // a sample below counts as rejected
 
 // What was kept of a recording: samples with a pose.
@@ -39,9 +38,7 @@ Kept KeepFound(const Recording& recording, const std::vector<ColdPose>& poses) {
 }
 
 base::SteelPlane FoundSteel(const Adjustment& adjustment) {
-  const int at = adjustment.parameters.shared_at() + kSteelAt;
-  const double sigmas = std::abs(adjustment.parameters.x()[at]) / std::sqrt(adjustment.covariance(at, at));
-  if (!(sigmas > kSteelSigmas)) return {};
+  if (!SeesSteel(adjustment)) return {};
   base::SteelPlane steel = adjustment.parameters.Steel();
   steel.height_base_m += adjustment.parameters.CoreCentre_m().z();
   return steel;

@@ -2,11 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 
 #include "service/base/eigen.h"
 #include "service/calibration/self_calibration.h"
 #include "service/calibration/steel_plane.h"
+#include "service/calibration/tool_field.h"
+#include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/steel.h"
 #include "service/tracker/tracker.h"
