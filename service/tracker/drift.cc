@@ -62,17 +62,6 @@ bool EliminatePose(const Measurement& measurement, const KernelSums& sums, Drift
   return true;
 }
 
-// So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.
-//   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md
-//   (18)
-double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
-  const auto norm = [](const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
-  const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +
-                            norm(measurement.axis_rate_base_1_s) / noise.same_error_rad + 1 / noise.same_error_s;
-  const double repeats = std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
-  return 1 / (1 + (repeats - 1) * measurement.systematic_share);
-}
-
 // A scan sees its three currents' own errors, variance V, on top of the states that look like them: their share is
 // not evidence of the states.   docs/theory/tracking.md (17)
 //   I' = I - I_c (I_cc + V^-1)^-1 I_c^T,   g' = g - I_c (I_cc + V^-1)^-1 g_c
@@ -197,6 +186,17 @@ void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept {
   }
   drift.recent_information = {};
   drift.recent_gradient = {};
+}
+
+// So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.
+//   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md
+//   (18)
+double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
+  const auto norm = [](const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
+  const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +
+                            norm(measurement.axis_rate_base_1_s) / noise.same_error_rad + 1 / noise.same_error_s;
+  const double repeats = std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
+  return 1 / (1 + (repeats - 1) * measurement.systematic_share);
 }
 
 Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {

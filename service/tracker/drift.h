@@ -67,6 +67,9 @@ double MomentScale(const DriftState& drift) noexcept;
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   DriftState& drift) noexcept;
 
+// Of what a scan says, how much is new: the model's own error is in the scans before too.
+double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;
+
 // `sums`: of a fit of a measurement with the columns of AddAmbientColumns; step_s: since the evidence before.
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
                              double step_s) noexcept;

@@ -55,7 +55,8 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
     if (HasSteel(config.model) && outcome.fit.pose.position_base_m.allFinite()) {
       const int first = outcome.fit.iterations;
       const LocalField steel_T = SteelField(config.model, outcome.fit.pose, MomentScale(drift));
-      measurement = MeasureScan({config, context.scan, context.before, context.now, &steel_T}, drift, doubt);
+      measurement =
+          MeasureScan({config, context.scan, context.before, context.now, &steel_T, context.stray}, drift, doubt);
       outcome.fit = SolveCold(config, measurement, outcome.fit.pose);
       outcome.fit.iterations += first;
     }
@@ -99,11 +100,30 @@ void CheckLeftOut(const ScanContext& context, const FilterState& predicted, doub
   if (state.doubt.agreed >= std::max(state.doubt.agree_needed, options.agree_min)) Blame(options, -1, state.doubt);
 }
 
+// Begins with a doubt, or when the ambient field moves as it does when a magnet comes nearer.
+void WatchStray(const ScanContext& context, const Measurement& measurement, const Outcome& outcome,
+                State& state) noexcept {
+  const Config& config = context.config;
+  const StrayOptions& options = config.stray;
+  if (!options.enabled) return;
+  if (!state.stray.on) {
+    const bool doubtful = state.doubt.chi2_per_dof > config.doubt.raise_above;
+    if (!doubtful && !IsAmbientLively(config.drift, state.drift)) return;
+    StartStray(options, config.model, state.stray);
+  }
+  const double share = EvidenceShare(config.drift, measurement, options.every_scans * base::kTickPeriod_s);
+  LearnStray(options, config.model, state.drift, measurement, outcome.fit.pose, share, state.stray);
+}
+
 }  // namespace
 
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept {
   Offsets offsets = drift.valid ? OffsetsOf(context.config.drift, drift) : Offsets{};
   offsets.local_base_T = context.local;
+  if (context.stray != nullptr && context.stray->believed) {
+    offsets.reading_T = &context.stray->mean_T;
+    offsets.reading_variance_T2 = &context.stray->variance_T2;
+  }
   Measurement measurement = MakeMeasurement(context.config.model, TrustIn(doubt, context.config.trust), context.scan,
                                             context.before, context.now, offsets);
   measurement.moment_scale = MomentScale(drift);
@@ -165,13 +185,24 @@ bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, S
   DriftState open = state.drift;
   OpenAmbient(config.drift, open);
   if (holds(open, state.doubt)) return true;
+  if (state.stray.believed) {
+    LoosenStray(config.stray, config.model, state.stray);
+    if (holds(open, state.doubt)) return true;
+  }
   const double chi2 = Chi2Of(outcome, kNoFit);
   for (int k = 0; k < config.doubt.trials_a_scan; ++k) Try(context, predicted, open, true, chi2, state.doubt);
   if (state.doubt.trials < kSensors) return false;
   Doubt blaming = state.doubt;
   Blame(config.doubt, WorstOf(state.doubt).sensor, blaming);
   EndTrials(state.doubt);
-  return holds(open, blaming);
+  if (holds(open, blaming)) return true;
+  if (!state.stray.on || state.stray.believed) return false;
+  // It was moving already; what has come all of a sudden is no magnet that is laid down.
+  LoosenStray(config.stray, config.model, state.stray);
+  state.stray.believed = true;
+  if (holds(open, state.doubt)) return true;
+  state.stray.believed = false;
+  return false;
 }
 
 Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& measurement) noexcept {
@@ -214,6 +245,7 @@ void DoubtOn(const ScanContext& context, const FilterState& predicted, const Mea
       CheckLeftOut(context, predicted, chi2, state);
     }
   }
+  WatchStray(context, measurement, outcome, state);
   if (!(doubt.chi2_per_dof > config.doubt.raise_above)) return;
   Try(context, predicted, state.drift, false, chi2, doubt);
   if (doubt.trials < config.doubt.rounds * kSensors) return;

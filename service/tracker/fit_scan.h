@@ -22,6 +22,7 @@ struct ScanContext {
   const CurrentHistory& before;
   const CurrentHistory& now;
   const LocalField* local = nullptr;  // known at each sensor; null: none
+  const StrayField* stray = nullptr;  // null: none
 };
 
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept;

@@ -32,7 +32,8 @@ CoilField CoilsAt(const Model& model, std::size_t i, const CurrentInstant& coils
 //   systematic = (eps |y_i|)^2 + (eps_c |A_i I|)^2 + (|A_i dI/dt| age error)^2          docs/theory/tracking.md (3)
 template <int kCapacity>
 double AddSensor(const Model& model, const Trust& trust, const base::Vec3& B, unsigned saturated_axes,
-                 const CoilField& coils, std::size_t i, BasicMeasurement<kCapacity>& result) noexcept {
+                 const CoilField& coils, const std::array<double, 3>& offset_variance_T2, std::size_t i,
+                 BasicMeasurement<kCapacity>& result) noexcept {
   const std::array<double, 3> field_T{B.x, B.y, B.z};
   std::array<double, 3> tool_T{};
   std::array<bool, 3> usable{};
@@ -48,7 +49,7 @@ double AddSensor(const Model& model, const Trust& trust, const base::Vec3& B, un
                             Square(trust.coil_error_relative) * coil_square + Square(trust.age_error_s) * rate_square;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!usable[axis]) continue;
-    const double inverse_sigma = 1 / std::sqrt(Square(model.noise_T[axis]) + systematic);
+    const double inverse_sigma = 1 / std::sqrt(Square(model.noise_T[axis]) + systematic + offset_variance_T2[axis]);
     for (std::size_t column = 0; column < 3; ++column) {
       result.weight[3 * axis + column][i] = inverse_sigma * model.gain_sensor_base[3 * axis + column][i];
     }
@@ -102,8 +103,13 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
     std::array<double, 3> offset_T = offsets.ambient_base_T;
     for (std::size_t c = 0; c < 3 && offsets.local_base_T != nullptr; ++c) offset_T[c] += (*offsets.local_base_T)[c][i];
     for (std::size_t e = 0; e < 9; ++e) coils.field_T[e / 3] += model.gain_sensor_base[e][i] * offset_T[e % 3];
-    square_sum +=
-        AddSensor(model, trust, scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7u, coils, i, result);
+    std::array<double, 3> variance_T2{};
+    for (std::size_t axis = 0; axis < 3 && offsets.reading_T != nullptr; ++axis) {
+      coils.field_T[axis] += (*offsets.reading_T)[kSensors * axis + i];
+      variance_T2[axis] = (*offsets.reading_variance_T2)[kSensors * axis + i];
+    }
+    square_sum += AddSensor(model, trust, scan.field_sensor_T[i], (scan.saturated_mask >> (3 * i)) & 7u, coils,
+                            variance_T2, i, result);
   }
   if (result.axes > 0) {
     result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
@@ -129,7 +135,7 @@ void MakeArrayMeasurement(const Model& model, const Trust& trust, const ArrayRea
   double square_sum = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(model.sensors); ++i) {
     square_sum += AddSensor(model, trust, readings[i].field_sensor_T, readings[i].saturated_axes,
-                            CoilsAt(model, i, {current_A, {}}), i, result);
+                            CoilsAt(model, i, {current_A, {}}), {}, i, result);
   }
   if (result.axes > 0) result.field_rms_T = std::sqrt(3 * square_sum / result.axes);
   const double ambient_T2 = Square(trust.ambient_error_T);

@@ -65,11 +65,17 @@ using ArrayMeasurement = BasicMeasurement<kArraySensors>;  // of any array, off 
 // By component of B and sensor, T.
 using LocalField = std::array<std::array<double, kSensors>, 3>;
 
+// By reading, 8 axis + sensor.
+using ReadingLanes = std::array<double, kReadings>;
+using ReadingMatrix = std::array<double, std::size_t{kReadings} * kReadings>;
+
 // Offsets that were found to be in the readings.
 struct Offsets {
   std::array<double, base::kCoilCount> remanence_A{}, remanence_variance_A2{};
   std::array<double, 3> ambient_base_T{}, ambient_variance_T2{};  // no variance: it is known
   const LocalField* local_base_T = nullptr;                       // known, and different at every sensor; null: none
+  const ReadingLanes* reading_T = nullptr;                        // in the sensors' axes; null: none
+  const ReadingLanes* reading_variance_T2 = nullptr;              // of it, not null then
 };
 
 // Subtracts coils and offsets, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "service/base/eigen.h"
+#include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
 
 namespace omni::tracker {
@@ -37,6 +38,49 @@ SteelMirror MirrorSensors(const base::Calibration& calibration) {
     PlaceSensor(calibration, centre, i, mirror.centre);
   }
   return mirror;
+}
+
+using ReadingVector = Eigen::Matrix<double, kReadings, 1>;
+
+// What a dipole makes of the readings, without what it makes at all sensors alike.
+ReadingVector UnevenReadings(const base::Calibration& calibration, const Vector3d& at_m, const Vector3d& moment_Am2) {
+  Eigen::Matrix<double, 3, kSensors> field_T;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    field_T.col(static_cast<int>(i)) =
+        magnetics::DipoleField(moment_Am2, base::ToEigen(calibration.sensors[i].position_base_m) - at_m);
+  }
+  const Vector3d mean_T = field_T.rowwise().mean();
+  field_T.colwise() -= mean_T;
+  ReadingVector readings_T;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> gain(
+        calibration.sensors[i].gain_sensor_base.data());
+    const Vector3d sensor_T = gain * field_T.col(static_cast<int>(i));
+    for (int axis = 0; axis < 3; ++axis) readings_T[kSensors * axis + static_cast<int>(i)] = sensor_T[axis];
+  }
+  return readings_T;
+}
+
+// Dipoles as strong as the pen all around at two distances, and a little of anything:   K = mean b b^T + sigma^2
+StrayPrior MakeStrayPrior(const base::Calibration& calibration) {
+  constexpr int kDirections = 64;
+  constexpr std::array<double, 2> kDistances_m{0.2, 0.3};
+  constexpr double kAnything_T = 2e-6, kGoldenAngle_rad = 2.39996322972865332;
+  StrayPrior prior;
+  if (calibration.sensors.size() != kSensors) return prior;
+  Eigen::Map<Eigen::Matrix<double, kReadings, kReadings>> K(prior.covariance_T2.data());
+  for (const double distance_m : kDistances_m) {
+    for (int n = 0; n < kDirections; ++n) {
+      const double z = 1 - (2 * n + 1.0) / kDirections, rho = std::sqrt(1 - z * z), angle = kGoldenAngle_rad * n;
+      const Vector3d at_m = distance_m * Vector3d(rho * std::cos(angle), rho * std::sin(angle), z);
+      for (int axis = 0; axis < 3; ++axis) {
+        const ReadingVector b = UnevenReadings(calibration, at_m, calibration.moment_Am2 * Vector3d::Unit(axis));
+        K += b * b.transpose() / (kDirections * kDistances_m.size());
+      }
+    }
+  }
+  K.diagonal().array() += kAnything_T * kAnything_T;
+  return prior;
 }
 
 template <std::size_t kRows>
@@ -127,6 +171,7 @@ Model MakeModel(const base::Calibration& in_base, Rung rung) {
   model.hull_radius_m = calibration.hull_radius_m;
   model.tip_offset_m = calibration.magnet.tip_offset_m;
   model.steel = MirrorSensors(calibration);
+  model.stray = MakeStrayPrior(calibration);
   model.grid = MakeColdGrid(calibration);
   return model;
 }

@@ -36,6 +36,12 @@ struct SteelMirror {
   SensorPlaces<double> sensors{}, centre{};
 };
 
+// What may stand near the base of an Omni, as far as its field is not uniform: K of readings 8 axis + sensor.
+// docs/theory/tracking.md (22)
+struct StrayPrior {
+  std::array<double, std::size_t{kReadings} * kReadings> covariance_T2{};
+};
+
 // Prepared once from a Calibration.
 struct Model {
   int sensors = 0;
@@ -55,6 +61,7 @@ struct Model {
   std::array<double, 3> core_centre_base_m{};  // from here poses of the model and of its fits are measured
   double tip_offset_m = 0;
   SteelMirror steel;
+  StrayPrior stray;
   ColdGrid grid;
 };
 

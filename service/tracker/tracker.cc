@@ -206,6 +206,7 @@ Config MakeConfig(const base::DeviceGeometry& device) {
   Config config = MakeConfig(magnetics::NominalCalibration(device));
   config.trust.coil_error_relative = Trust{}.coil_error_relative;
   config.doubt.model_error_max = config.doubt.cold_error_max = kDrawnError;
+  config.stray.enabled = false;  // its own errors would pass for a magnet
   return config;
 }
 
@@ -237,6 +238,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
     steel_T = SteelField(config.model, pose, MomentScale(state.drift));
     context.local = &steel_T;
   }
+  context.stray = &state.stray;
   Measurement measurement = MeasureScan(context, state.drift, state.doubt);
   if (wide) AddAmbientColumns(measurement);
 
@@ -265,6 +267,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
       state.evidence = GatherEvidence(config.drift, measurement, sums, state.drift.step_s);
     }
     if (outcome.good && warm) DoubtOn(context, predicted, measurement, outcome, state);
+    if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
   }
   state.currents = currents;
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);

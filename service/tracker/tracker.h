@@ -14,6 +14,7 @@
 #include "service/tracker/filter.h"
 #include "service/tracker/measurement.h"
 #include "service/tracker/model.h"
+#include "service/tracker/stray_field.h"
 
 namespace omni::tracker {
 
@@ -23,6 +24,7 @@ struct Config {
   FilterNoise filter;                       // how a hand moves
   DriftNoise drift;                         // how fast offsets and moment change
   DoubtOptions doubt;                       // when a sensor or the calibration is not believed
+  StrayOptions stray;                       // when a magnet nearby is believed
   Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
   double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
   double field_min_T = 4e-6;                // rms of the magnet's field over sensors below this: absent (0.5 m away)
@@ -55,6 +57,7 @@ struct State {
   FilterState filter;
   DriftState drift;
   Doubt doubt;
+  StrayField stray;
   int belief = 0;          // of the next cold start
   DriftEvidence evidence;  // of the last scan: the next takes it up, so that no scan pays for both
   CurrentHistory currents;

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "service/loop/probe/alloc_probe.h"
+#include "service/magnetics/dipole.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/tracker.h"
 #include "tests/support/nominal_device.h"
@@ -22,15 +23,19 @@ base::Calibration Exact() { return magnetics::NominalCalibration(support::Nomina
 
 class TrackerDoubt : public testing::TestWithParam<std::uint64_t> {
  protected:
+  base::DeviceGeometry device = support::NominalDevice();
   Config config = MakeConfig(Exact());
   Model world = config.model;  // what the readings are made with
   Vector3d ambient_base_T = Vector3d::Zero();
+  double other_pen_away_m = 0;  // 0: there is none
+  Vector3d other_pen_direction = Vector3d::UnitX(), other_pen_Am2 = Vector3d::Zero();
   std::function<void(base::HallScan&)> fault = [](base::HallScan&) {};
   State state;
   base::ToolState tool;
   support::Rng rng{GetParam()};
   Pose pose;
   int tick = 0;
+  bool pen_is_there = true;
 
   // Circles over the base, tilting.
   void Move() {
@@ -41,13 +46,19 @@ class TrackerDoubt : public testing::TestWithParam<std::uint64_t> {
   base::HallScan NextScan() {
     const std::int64_t t_ns = 1'000'000'000 + 1'000'000LL * ++tick;
     Move();
-    base::HallScan scan = support::MakeScan(world, pose, t_ns, rng, {1, {}});
+    const Pose far{{0, 0, 1e3}, Vector3d::UnitZ()};
+    base::HallScan scan = support::MakeScan(world, pen_is_there ? pose : far, t_ns, rng, {1, {}});
     scan.coil_current_A = {};
     for (std::size_t i = 0; i < kSensors; ++i) {
+      Vector3d field_T = ambient_base_T;
+      if (other_pen_away_m > 0) {
+        const Vector3d from = base::ToEigen(device.sensors[i].position_base_m) - other_pen_away_m * other_pen_direction;
+        field_T += magnetics::DipoleField(other_pen_Am2, from);
+      }
       const auto axis = [&](std::size_t row) {
         double sum_T = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-          sum_T += world.gain_sensor_base[3 * row + c][i] * ambient_base_T[static_cast<Eigen::Index>(c)];
+          sum_T += world.gain_sensor_base[3 * row + c][i] * field_T[static_cast<Eigen::Index>(c)];
         }
         return sum_T;
       };
@@ -64,6 +75,18 @@ class TrackerDoubt : public testing::TestWithParam<std::uint64_t> {
     Update(config, scan, state, tool);
     EXPECT_EQ(probe.count(), 0u);
     return tool.status == TrackingStatus::kTracking;
+  }
+  // From one distance to another in a second.
+  void CarryOtherPen(double from_m, double to_m) {
+    for (int i = 1; i <= 1000; ++i) {
+      other_pen_away_m = from_m + 1e-3 * i * (to_m - from_m);
+      Feed();
+    }
+  }
+  void DrawOtherPen() {
+    const double angle = std::uniform_real_distribution(0.0, 2 * std::numbers::pi)(rng);
+    other_pen_direction = {std::cos(angle), std::sin(angle), 0};
+    other_pen_Am2 = world.moment_Am2 * Direction();
   }
   double Error_m() const { return (base::ToEigen(tool.position_base_m) - pose.position_base_m).norm(); }
   double Sigma_m() const { return std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]); }
@@ -165,6 +188,57 @@ TEST_P(TrackerDoubt, ASensorThatIsWrongIsLeftOutUntilItIsRightAgain) {
   }
 }
 
+TEST_P(TrackerDoubt, NothingNearbyIsNotBelieved) {
+  Run(5000);
+  ambient_base_T = 2e-5 * Direction();
+  Run(5000);
+  EXPECT_FALSE(state.stray.believed);
+}
+
+TEST_P(TrackerDoubt, AnotherPenNearbyIsTakenOff) {
+  for (const double away_m : {0.35, 0.3}) {
+    SCOPED_TRACE(away_m);
+    const double undisturbed_m = Run(2000).mean_m;
+    DrawOtherPen();
+    const auto beside_it = [&](bool learns) {
+      config.stray.enabled = learns;
+      CarryOtherPen(1, away_m);
+      Run(1000);
+      return Run(4000);
+    };
+    const State before = state;
+    const support::Rng drawn = rng;
+    const int started = tick;
+    const Outcome unlearnt = beside_it(false);
+    state = before, rng = drawn, tick = started;
+    const Outcome learnt = beside_it(true);
+    EXPECT_TRUE(state.stray.believed);
+    EXPECT_EQ(learnt.lost, 0);
+    EXPECT_EQ(learnt.silent, 0);
+    EXPECT_LT(learnt.mean_m, 6e-3);
+    EXPECT_TRUE(unlearnt.lost > 0 || learnt.mean_m < 0.5 * unlearnt.mean_m);
+    CarryOtherPen(away_m, 1);
+    other_pen_away_m = 0;
+    Run(6000);
+    const Outcome gone = Run(1000);
+    EXPECT_EQ(gone.lost, 0);
+    EXPECT_EQ(gone.silent, 0);
+    EXPECT_LT(gone.mean_m, 3 * undisturbed_m);
+  }
+}
+
+// An imaginary one would be worse than none.
+TEST_P(TrackerDoubt, AMagnetNearbyIsNoPen) {
+  pen_is_there = false;
+  for (const double away_m : {0.5, 0.3}) {
+    SCOPED_TRACE(away_m);
+    DrawOtherPen();
+    other_pen_away_m = away_m;
+    EXPECT_EQ(Run(2000).silent, 0);
+    EXPECT_NE(tool.status, TrackingStatus::kTracking);
+  }
+}
+
 // A fifth of what a workshop leaves, which the calibration says nothing of.
 TEST_P(TrackerDoubt, ACalibrationThatIsWorseThanItSaysIsTrackedAndToldOf) {
   base::Calibration built = Exact();
@@ -174,7 +248,6 @@ TEST_P(TrackerDoubt, ACalibrationThatIsWorseThanItSaysIsTrackedAndToldOf) {
     for (double& gain : sensor.gain_sensor_base) gain *= 1 + 0.003 * Normal();
   }
   world = MakeModel(built);
-  Run(1000);
   const Outcome outcome = Run(4000);
   EXPECT_EQ(outcome.lost, 0);
   EXPECT_LT(outcome.mean_m, 1.5e-3);

@@ -1,0 +1,73 @@
+// The field of what stands near the base, another pen, a phone, a laptop, as far as it is not uniform: one offset for
+// every reading, estimated from scans whose pose is eliminated. docs/theory/tracking.md (22) - (24)
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "service/tracker/drift.h"
+#include "service/tracker/measurement.h"
+#include "service/tracker/solver.h"
+
+namespace omni::tracker {
+
+// K: StrayPrior::covariance_T2.
+struct StrayOptions {
+  bool enabled = true;
+  int every_scans = 4;   // of which one is gathered ...
+  int cycle_scans = 16;  // ... until the estimate is renewed
+  // Of K: what is not known when a doubt begins; what more when a scan fits no pose, up to as much.
+  double start = 1e-4, lost = 0.02, lost_max = 1;
+  double wander_start_1_s = 1e-3, wander_min_1_s = 1e-6, wander_max_1_s = 4;  // of K: what it changes, learnt
+  double wander_grows = 2, wander_shrinks = 0.8;                              // a cycle
+  // Surprise over what is expected, which allows for a model that is wrong too: the field is steady; it moves; it has
+  // moved by more than was thought possible.
+  double steady = 0.3, moves = 0.5, jumps = 1, jumps_max = 10;
+  // While it wanders faster than that, and until the pen has been at so many places so far apart, a pose's covariance
+  // is multiplied: what one place says of the field is what K says, and no magnet is as K on the average.
+  double moving_1_s = 0.01, place_m = 0.02, few_places_factor = 9;
+  int places_min = 3;
+  // The mean's own chi2 and size (rms over the readings) above which it is believed: less is the calibration's error.
+  // Below, nothing may be there; so many cycles in a row, and nothing is.
+  double something_chi2 = 40, something_T = 8e-7, nothing_chi2 = 25;
+  int nothing_cycles = 128;
+};
+
+struct StrayField {
+  bool on = false;         // it is being learnt
+  bool believed = false;   // `mean_T` is taken off every scan
+  bool inverted = false;   // `inverse_1_T2` is of this cycle
+  int scan = 0;            // of the cycle
+  int nothing_cycles = 0;  // in a row
+  int places = 0;          // of the pen since the field moved
+  base::Vec3 place_base_m;
+  double wander_1_s = 0;  // of K
+  double widened = 0;     // of K, since the start
+  ReadingLanes mean_T{};  // in the sensors' axes
+  ReadingMatrix covariance_T2{};
+  ReadingLanes variance_T2{};  // its diagonal
+  // Of a pose, since the mean is not known better; of the axis: rad^2, each way.
+  std::array<double, 9> position_covariance_m2{};
+  double axis_variance = 0;
+  // Of the cycle: what scans say about the mean; the covariance's inverse; how a pose answers, dp = -gain x.
+  ReadingMatrix information_1_T2{}, inverse_1_T2{};
+  ReadingLanes gradient_1_T{};
+  std::array<ReadingLanes, kParameters> gain{};
+};
+static_assert(std::is_trivially_copyable_v<StrayField>);
+
+// Nothing is found yet.
+void StartStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept;
+
+// A scan fits no pose: the field may have changed.
+void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept;
+
+// After each scan that fitted at `pose`: gathers what it says, or renews the estimate, or finds that nothing is there.
+// share: of what the scan says, what is new.
+void LearnStray(const StrayOptions& options, const Model& model, const DriftState& drift,
+                const Measurement& measurement, const Pose& pose, double share, StrayField& stray) noexcept;
+
+// Adds to a fit what is not known of the stray field.
+void AddStrayCovariance(const StrayField& stray, Fit& fit) noexcept;
+
+}  // namespace omni::tracker
