@@ -95,7 +95,9 @@ void CheckLeftOut(const ScanContext& context, const FilterState& predicted, doub
   Doubt all = state.doubt;
   all.left_out = -1;
   Measurement with = MeasureScan(context, state.drift, all);
-  const bool agrees = Chi2Of(TryWarm(context.config, predicted, nullptr, with), kNoFit) - chi2 < options.agrees_below;
+  const bool frozen = state.repetition.times[static_cast<std::size_t>(state.doubt.left_out)] >= options.frozen_scans;
+  const bool agrees =
+      !frozen && Chi2Of(TryWarm(context.config, predicted, nullptr, with), kNoFit) - chi2 < options.agrees_below;
   state.doubt.agreed = agrees ? state.doubt.agreed + 1 : 0;
   if (state.doubt.agreed >= std::max(state.doubt.agree_needed, options.agree_min)) Blame(options, -1, state.doubt);
 }
@@ -151,6 +153,11 @@ Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* 
   outcome.explained = FitsReadings(config, measurement, outcome.fit);
   outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose);
   return outcome;
+}
+
+void BlameFrozen(const Config& config, const base::HallScan& scan, State& state) noexcept {
+  const int frozen = FindFrozen(scan, config.doubt.frozen_scans, state.repetition);
+  if (frozen >= 0 && state.doubt.left_out < 0 && CanDoubt(config, state)) Blame(config.doubt, frozen, state.doubt);
 }
 
 bool TryJump(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,

@@ -35,6 +35,9 @@ bool HasMagnet(const Config& config, const Measurement& measurement) noexcept;
 Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* sums,
                 Measurement& measurement) noexcept;
 
+// A sensor that says the same again and again is left out before it is wrong.
+void BlameFrozen(const Config& config, const base::HallScan& scan, State& state) noexcept;
+
 // The scan fits much worse than the ones before: has the ambient field jumped? True: `state` holds that now,
 // `measurement` and `outcome` are of it.
 bool TryJump(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,

@@ -225,6 +225,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
     CorrectDrift(config.drift, state.evidence, state.drift);
     state.evidence.valid = false;
   }
+  BlameFrozen(config, scan, state);
   const bool wide = IsWideScan(config, state);
   if (wide) ForgetDrift(config, scan, state.drift);
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);

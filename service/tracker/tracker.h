@@ -12,6 +12,7 @@
 #include "service/tracker/doubt.h"
 #include "service/tracker/drift.h"
 #include "service/tracker/filter.h"
+#include "service/tracker/frozen.h"
 #include "service/tracker/measurement.h"
 #include "service/tracker/model.h"
 #include "service/tracker/stray_field.h"
@@ -57,6 +58,7 @@ struct State {
   FilterState filter;
   DriftState drift;
   Doubt doubt;
+  Repetition repetition;
   StrayField stray;
   int belief = 0;          // of the next cold start
   DriftEvidence evidence;  // of the last scan: the next takes it up, so that no scan pays for both

@@ -188,6 +188,25 @@ TEST_P(TrackerDoubt, ASensorThatIsWrongIsLeftOutUntilItIsRightAgain) {
   }
 }
 
+TEST_P(TrackerDoubt, ASensorThatRepeatsItselfIsLeftOutBeforeItIsWrong) {
+  Run(1000);
+  const auto sensor = static_cast<std::size_t>(GetParam()) % kSensors;
+  const base::Vec3 held = NextScan().field_sensor_T[sensor];
+  fault = [&](base::HallScan& scan) { scan.field_sensor_T[sensor] = held; };
+  const Outcome outcome = Run(1000);
+  EXPECT_EQ(outcome.lost, 0);
+  EXPECT_EQ(outcome.silent, 0);
+  EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+}
+
+TEST_P(TrackerDoubt, SensorsThatAllRepeatThemselvesAreNotFrozen) {
+  Run(1000);
+  const base::HallScan held = NextScan();
+  fault = [&](base::HallScan& scan) { scan.field_sensor_T = held.field_sensor_T; };
+  Run(100);
+  EXPECT_EQ(state.doubt.left_out, -1);
+}
+
 TEST_P(TrackerDoubt, NothingNearbyIsNotBelieved) {
   Run(5000);
   ambient_base_T = 2e-5 * Direction();
