@@ -22,11 +22,12 @@ class SteelPiece {
   template <class Field>
   class Answer {
    public:
-    Answer(const SteelPiece& piece, const Field& field_T) noexcept : piece_(piece), field_T_(field_T) {
-      for (std::size_t i = 0; i < piece.node_count_; ++i) mean_T_ += piece.share_[i] * field_T(piece.node_base_m_[i]);
-    }
+    Answer(const SteelPiece& piece, const Field& field_T) noexcept : Answer(piece, field_T, piece.MeanField(field_T)) {}
+    // mean_T = piece.MeanField(field_T), known already.
+    Answer(const SteelPiece& piece, const Field& field_T, const Vec3& mean_T) noexcept
+        : piece_(piece), field_T_(field_T), mean_T_(mean_T) {}
     Vec3 At(const Vec3& point_base_m) const noexcept {
-      if (piece_.steel_.shape != base::SteelShape::kPlane) return piece_.AnswerTo(mean_T_, point_base_m);
+      if (!piece_.IsPlane()) return piece_.AnswerTo(mean_T_, point_base_m);
       const Vec3 mirrored_T = field_T_(piece_.MirroredPoint(point_base_m));
       return -piece_.steel_.strength * piece_.MirroredDirection(mirrored_T);
     }
@@ -34,15 +35,24 @@ class SteelPiece {
    private:
     const SteelPiece& piece_;
     const Field& field_T_;
-    Vec3 mean_T_;  // over a ball or bar, weighed by the cross-section
+    Vec3 mean_T_;
   };
+
+  bool IsPlane() const noexcept { return steel_.shape == base::SteelShape::kPlane; }
+  // Over a ball or bar, weighed by the cross-section; zero of a plane.
+  template <class Field>
+  Vec3 MeanField(const Field& field_T) const noexcept {
+    Vec3 mean_T;
+    for (std::size_t i = 0; i < node_count_; ++i) mean_T += share_[i] * field_T(node_base_m_[i]);
+    return mean_T;
+  }
+  // Of a ball or bar in that mean field.
+  Vec3 AnswerTo(const Vec3& mean_T, const Vec3& point_base_m) const noexcept;
 
  private:
   static constexpr std::size_t kNodes = 9;
   Vec3 MirroredPoint(const Vec3& point_base_m) const noexcept;
   Vec3 MirroredDirection(const Vec3& v) const noexcept;
-  // Of a ball or bar in the mean field.
-  Vec3 AnswerTo(const Vec3& mean_T, const Vec3& point_base_m) const noexcept;
 
   base::Steel steel_;
   double along_Am2_T_ = 0, across_Am2_T_ = 0;  // moment per field, along the bar's axis and across

@@ -12,6 +12,7 @@ constexpr int kFineRings = 4, kFineSpokes = 12;      // 96 charges
 constexpr int kMirrorRings = 3, kMirrorSpokes = 12;  // 72 charges
 constexpr int kMediumRings = 4, kMediumSpokes = 10;  // 80 charges
 constexpr int kCoarseRings = 3, kCoarseSpokes = 8;   // 48 charges
+constexpr int kFarRings = 1, kFarSpokes = 4;         // 8 charges: exact to third order in size over distance
 // A data sheet's linearity is the greatest deviation from the best line over 12 of 16 gauss.
 constexpr double kLinearShare = 0.75;
 
@@ -70,6 +71,10 @@ class TruthModel::SteelAndCore {
       : model_(model),
         answer_(piece, field_T),
         core_Am2_(model.CoreAnswer_Am2(answer_.At(model.core_centre_base_m_))) {}
+  SteelAndCore(const TruthModel& model, const SteelPiece& piece, const Field& field_T, const Vec3& mean_T) noexcept
+      : model_(model),
+        answer_(piece, field_T, mean_T),
+        core_Am2_(model.CoreAnswer_Am2(answer_.At(model.core_centre_base_m_))) {}
   Vec3 At(const Vec3& point_base_m) const noexcept {
     return answer_.At(point_base_m) + model_.CoreField(core_Am2_, point_base_m);
   }
@@ -96,10 +101,12 @@ TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, boo
       fine_(WithStrength(made.device.magnet, imperfections.magnet_strength), kFineRings, kFineSpokes),
       mirror_(WithStrength(made.device.magnet, imperfections.magnet_strength), kMirrorRings, kMirrorSpokes),
       medium_(WithStrength(made.device.magnet, imperfections.magnet_strength), kMediumRings, kMediumSpokes),
-      coarse_(WithStrength(made.device.magnet, imperfections.magnet_strength), kCoarseRings, kCoarseSpokes) {
+      coarse_(WithStrength(made.device.magnet, imperfections.magnet_strength), kCoarseRings, kCoarseSpokes),
+      far_(WithStrength(made.device.magnet, imperfections.magnet_strength), kFarRings, kFarSpokes) {
   if (flip_coil_z) polarity_[2] = -1;
   images_.Resize(core_.image_count(mirror_.charges.size()));
   coarse_images_.Resize(core_.image_count(coarse_.charges.size()));
+  far_images_.Resize(core_.image_count(far_.charges.size()));
   medium_fields_T_.Resize(medium_.charges);
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const SensorError& error = imperfections.sensors[i];
@@ -124,15 +131,20 @@ TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, boo
   for (const base::Steel& one : steel) {
     const SteelPiece& piece = steel_.emplace_back(one);
     auto& at = steel_at_.emplace_back();
+    SteelInCoils& in_coils_T_A = steel_in_coils_.emplace_back();
     for (std::size_t k = 0; k < coils_.size(); ++k) {
       const auto of_coil = [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); };
-      const SteelAndCore answer(*this, piece, of_coil);
+      in_coils_T_A[k] = piece.MeanField(of_coil);
+      const SteelAndCore answer(*this, piece, of_coil, in_coils_T_A[k]);
       for (std::size_t i = 0; i < at.size(); ++i) at[i].coil_base_T_A[k] = answer.At(sensors_[i].position_base_m);
     }
     for (std::size_t j = 0; j < kUnits.size(); ++j) {
       const auto of_moment = [&](const Vec3& p) { return CoreField(kUnits[j], p); };
       const SteelAndCore answer(*this, piece, of_moment);
       for (std::size_t i = 0; i < at.size(); ++i) at[i].core_base_T_Am2[j] = answer.At(sensors_[i].position_base_m);
+      if (piece.IsPlane()) continue;
+      const SteelAndCore of_mean(*this, piece, of_moment, kUnits[j]);
+      for (std::size_t i = 0; i < at.size(); ++i) at[i].mean_base_T_T[j] = of_mean.At(sensors_[i].position_base_m);
     }
   }
 }
@@ -162,15 +174,20 @@ Vec3 TruthModel::SteelField(std::size_t index, bool present, const CoilArray& cu
                             const Surroundings& surroundings) const noexcept {
   const auto of_tool_and_magnets = [&](const Vec3& p) {
     Vec3 field_T = OtherMagnets(surroundings, p);
-    if (present) field_T += surroundings.magnet_scale * (FieldOf(mirror_.charges, p) + FieldOf(images_, p));
+    if (present) field_T += surroundings.magnet_scale * (FieldOf(far_.charges, p) + FieldOf(far_images_, p));
     return field_T;
   };
   const Vec3& m = surroundings.core_moment_Am2;
   Vec3 field_T;
   for (std::size_t j = 0; j < steel_.size(); ++j) {
     if (((surroundings.steel_mask >> j) & 1U) == 0) continue;
-    field_T += SteelAndCore(*this, steel_[j], of_tool_and_magnets).At(sensors_[index].position_base_m);
     const SteelAtSensor& at = steel_at_[j][index];
+    const Vec3 mean_T = steel_[j].MeanField(of_tool_and_magnets);
+    if (steel_[j].IsPlane()) {
+      field_T += SteelAndCore(*this, steel_[j], of_tool_and_magnets, mean_T).At(sensors_[index].position_base_m);
+    } else {
+      field_T += mean_T.x * at.mean_base_T_T[0] + mean_T.y * at.mean_base_T_T[1] + mean_T.z * at.mean_base_T_T[2];
+    }
     field_T += m.x * at.core_base_T_Am2[0] + m.y * at.core_base_T_Am2[1] + m.z * at.core_base_T_Am2[2];
     for (std::size_t k = 0; k < current_A.size(); ++k) field_T += current_A[k] * at.coil_base_T_A[k];
   }
@@ -181,6 +198,9 @@ void TruthModel::PlaceTool(const MagnetPose& pose) noexcept {
   fine_.Place(pose);
   mirror_.Place(pose);
   core_.Place(mirror_.charges, images_);
+  if (steel_.empty()) return;
+  far_.Place(pose);
+  core_.Place(far_.charges, far_images_);
 }
 
 // Columns of rows (I + dipole field of the core's answer a^3 kappa 1e7 B).
@@ -261,24 +281,28 @@ ForceMap TruthModel::ForcesAt(const MagnetPose& pose, std::uint32_t steel_mask) 
       Accumulate(map.dipole[j], coarse_.charges, i, pose.centre_base_m, CoreField(kUnits[j], at));
     }
   }
+  if (steel_mask == 0) return map;
+  far_.Place(pose);
+  core_.Place(far_.charges, far_images_);
   for (std::size_t j = 0; j < steel_.size(); ++j) {
-    if (((steel_mask >> j) & 1U) != 0) AddSteel(steel_[j], pose.centre_base_m, map);
+    if (((steel_mask >> j) & 1U) != 0) AddSteel(j, pose.centre_base_m, map);
   }
   return map;
 }
 
-// Precondition: the coarse magnet and its images are placed. Coils and tool; the core's extra moment is too weak.
-void TruthModel::AddSteel(const SteelPiece& piece, const Vec3& centre_base_m, ForceMap& map) const noexcept {
-  const auto of_tool = [&](const Vec3& p) { return FieldOf(coarse_.charges, p) + FieldOf(coarse_images_, p); };
-  const auto add = [&](const auto& field_T, ForceAndTorque& sum) {
-    const SteelAndCore answer(*this, piece, field_T);
-    for (std::size_t i = 0; i < coarse_.charges.size(); ++i) {
-      Accumulate(sum, coarse_.charges, i, centre_base_m, answer.At(coarse_.charges.position(i)));
+// Precondition: the far magnet and its images are placed. Coils and tool; the core's extra moment is too weak.
+void TruthModel::AddSteel(std::size_t j, const Vec3& centre_base_m, ForceMap& map) const noexcept {
+  const auto add = [&](const auto& field_T, const Vec3& mean_T, ForceAndTorque& sum) {
+    const SteelAndCore answer(*this, steel_[j], field_T, mean_T);
+    for (std::size_t i = 0; i < far_.charges.size(); ++i) {
+      Accumulate(sum, far_.charges, i, centre_base_m, answer.At(far_.charges.position(i)));
     }
   };
-  add(of_tool, map.core);
+  const auto of_tool = [&](const Vec3& p) { return FieldOf(far_.charges, p) + FieldOf(far_images_, p); };
+  add(of_tool, steel_[j].MeanField(of_tool), map.core);
   for (std::size_t k = 0; k < coils_.size(); ++k) {
-    add([&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); }, map.coil[k]);
+    const auto of_coil = [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); };
+    add(of_coil, steel_in_coils_[j][k], map.coil[k]);
   }
 }
 

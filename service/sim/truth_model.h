@@ -75,7 +75,9 @@ class TruthModel {
   struct SteelAtSensor {
     std::array<Vec3, base::kCoilCount> coil_base_T_A;
     std::array<Vec3, 3> core_base_T_Am2;  // columns: of the core's own moment
+    std::array<Vec3, 3> mean_base_T_T;    // columns: of the mean field in a ball or bar
   };
+  using SteelInCoils = std::array<Vec3, base::kCoilCount>;  // mean field in a ball or bar, T/A
 
   void PlaceTool(const MagnetPose& pose) noexcept;
   // Of the core to a uniform field.
@@ -87,7 +89,7 @@ class TruthModel {
   class SteelAndCore;
   Vec3 SteelField(std::size_t index, bool present, const CoilArray& current_A,
                   const Surroundings& surroundings) const noexcept;
-  void AddSteel(const SteelPiece& piece, const Vec3& centre_base_m, ForceMap& map) const noexcept;
+  void AddSteel(std::size_t j, const Vec3& centre_base_m, ForceMap& map) const noexcept;
   Vec3 OtherMagnets(const Surroundings& surroundings, const Vec3& at_base_m) const noexcept;
   Vec3 Reading(std::size_t index, bool present, const CoilArray& current_A,
                const Surroundings& surroundings) const noexcept;
@@ -102,6 +104,7 @@ class TruthModel {
   std::array<Sensor, base::kSensorCount> sensors_;
   std::vector<SteelPiece> steel_;
   std::vector<std::array<SteelAtSensor, base::kSensorCount>> steel_at_;  // by piece
+  std::vector<SteelInCoils> steel_in_coils_;                             // by piece
   // As many nodes as it takes to leave out less than 1e-7 of a reading (tests/unit/sim_core_series.cc) and 1e-4 of a
   // force (tests/unit/sim_fields.cc).
   struct Sampled {
@@ -116,6 +119,8 @@ class TruthModel {
   Sampled medium_;  // force in the coils' field, whose sources lie outside the magnet's reach only by 5 mm
   Sampled coarse_;  // force of the core, all whose images are within 9 mm of the origin
   Charges coarse_images_;
+  Sampled far_;  // where steel stands, which is never near
+  Charges far_images_;
   FieldArray medium_fields_T_;
 };
 
