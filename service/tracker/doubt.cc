@@ -45,14 +45,14 @@ void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
 void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,
                      Doubt& doubt) noexcept {
   doubt.chi2_per_dof += options.memory * (ratio - doubt.chi2_per_dof);
-  if (doubt.chi2_per_dof >= options.lower_below || doubt.model_error == 0) return;
+  if (doubt.chi2_per_dof >= options.lower_below || doubt.model_error <= model_error) return;
   const base::Vec3& place = doubt.place_base_m;
   const double moved_m =
       std::hypot(position_base_m.x - place.x, position_base_m.y - place.y, position_base_m.z - place.z);
   if (moved_m < options.place_m) return;
   doubt.place_base_m = position_base_m;
   doubt.model_error *= options.lower_by;
-  if (doubt.model_error < model_error) doubt.model_error = 0;
+  doubt.model_error = std::max(doubt.model_error, model_error);
 }
 
 }  // namespace omni::tracker

@@ -73,6 +73,13 @@ Matrix3d PositionCovariance(const PoseMeasurement& measured) {
       .topLeftCorner<3, 3>();
 }
 
+// A mean with memory m over residuals of variance R has variance R m / (2 - m).
+void WatchLag(const FilterNoise& noise, const Vector3d& ahead_m, const Matrix3d& R_white, FilterState& state) {
+  const Vector3d lag_m = base::ToEigen(state.lag_m) + noise.lag_memory * (ahead_m - base::ToEigen(state.lag_m));
+  state.lag_m = base::FromEigen(lag_m);
+  state.lags = lag_m.dot(R_white.inverse() * lag_m) > kManoeuvreGate * noise.lag_memory / (2 - noise.lag_memory);
+}
+
 // False: the measured position cannot follow from the prediction.
 bool CorrectPosition(const FilterNoise& noise, const PoseMeasurement& measured, double dt, FilterState& state) {
   const Matrix3d R = PositionCovariance(measured);
@@ -97,6 +104,7 @@ bool CorrectPosition(const FilterNoise& noise, const PoseMeasurement& measured, 
   Store(Symmetric(pp - K_p * pp), state.covariance_pp);
   Store(pv - K_p * pv, state.covariance_pv);
   Store(Symmetric(vv - K_v * pv), state.covariance_vv);
+  WatchLag(noise, innovation - K_p * innovation, R_white, state);
   return true;
 }
 

@@ -20,6 +20,7 @@ struct FilterNoise {
   double white_min = 0.01;        // least share of a fit's variance that is taken for white
   double white_time_s = 0.05;     // over which it is learnt
   double manoeuvre_factor = 100;  // on both while the pen starts, stops or hits something
+  double lag_memory = 0.2;        // share of the newest scan in what the filter is behind by
 };
 
 // How much the pen's motion deviates from a straight one, learnt from whether innovations follow one another.
@@ -43,6 +44,8 @@ struct FilterState {
   double variance_angle = 0, covariance_angle_rate = 0, variance_rate = 0;  // per tangent
   Liveliness position_liveliness, axis_liveliness;
   Whiteness position_whiteness, axis_whiteness;
+  base::Vec3 lag_m;   // mean of what the last positions were ahead of the filter
+  bool lags = false;  // by more than noise can make
 };
 static_assert(std::is_trivially_copyable_v<FilterState>);
 

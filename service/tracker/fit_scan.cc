@@ -54,10 +54,12 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
     outcome.fit = SolveCold(config, measurement, candidates.poses[c]);
     if (HasSteel(config.model) && outcome.fit.pose.position_base_m.allFinite()) {
       const int first = outcome.fit.iterations;
-      const LocalField steel_T = SteelField(config.model, outcome.fit.pose, MomentScale(drift));
+      const Pose expected = outcome.fit.pose;
+      const SteelAnswer steel = AnswerOfSteel(config.model, expected, MomentScale(drift));
       measurement =
-          MeasureScan({config, context.scan, context.before, context.now, &steel_T, context.stray}, drift, doubt);
-      outcome.fit = SolveCold(config, measurement, outcome.fit.pose);
+          MeasureScan({config, context.scan, context.before, context.now, &steel.field_T, context.stray}, drift, doubt);
+      outcome.fit = SolveCold(config, measurement, expected);
+      CorrectForSteel(config.model, measurement, expected, steel, outcome.fit);
       outcome.fit.iterations += first;
     }
     outcome.fit.iterations += spent;
@@ -244,7 +246,8 @@ void DoubtOn(const ScanContext& context, const FilterState& predicted, const Mea
   const Config& config = context.config;
   if (!CanDoubt(config, state)) return;
   Doubt& doubt = state.doubt;
-  const double chi2 = outcome.fit.chi2, model_error = config.trust.model_error_relative;
+  const double chi2 = outcome.fit.chi2;
+  const double model_error = state.stray.believed ? config.doubt.model_error_start : config.trust.model_error_relative;
   LearnModelError(config.doubt, chi2 / DegreesOfFreedom(measurement), base::FromEigen(outcome.fit.pose.position_base_m),
                   model_error, doubt);
   if (doubt.left_out >= 0) {
@@ -259,8 +262,8 @@ void DoubtOn(const ScanContext& context, const FilterState& predicted, const Mea
   const Suspect suspect = WorstOf(doubt);
   if (doubt.left_out < 0 && suspect.saved_chi2 > config.doubt.blame_saves)
     return Blame(config.doubt, suspect.sensor, doubt);
-  doubt.model_error =
-      std::min(config.doubt.raise_by * std::max(doubt.model_error, model_error), config.doubt.model_error_max);
+  doubt.model_error = std::min(config.doubt.raise_by * std::max(doubt.model_error, config.doubt.model_error_start),
+                               config.doubt.model_error_max);
   EndTrials(doubt);
 }
 

@@ -170,6 +170,7 @@ Model MakeModel(const base::Calibration& in_base, Rung rung) {
                                    : calibration.magnet.half_height_m;
   model.hull_radius_m = calibration.hull_radius_m;
   model.tip_offset_m = calibration.magnet.tip_offset_m;
+  model.expected_error_m = calibration.expected_error_m;
   model.steel = MirrorSensors(calibration);
   model.stray = MakeStrayPrior(calibration);
   model.grid = MakeColdGrid(calibration);

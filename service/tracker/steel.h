@@ -8,7 +8,18 @@ namespace omni::tracker {
 
 inline bool HasSteel(const Model& model) noexcept { return model.steel.strength != 0; }
 
-// At each sensor; `moment_scale`: of the model's moment. Precondition: HasSteel.
-LocalField SteelField(const Model& model, const Pose& pose, double moment_scale) noexcept;
+// At each sensor, and how it changes with the pose: position, turn about the tangents of its axis.
+struct SteelAnswer {
+  LocalField field_T{};
+  std::array<LocalField, kParameters> derivative{};
+};
+
+// `moment_scale`: of the model's moment. Precondition: HasSteel.
+SteelAnswer AnswerOfSteel(const Model& model, const Pose& pose, double moment_scale) noexcept;
+
+// To a fit of readings from which the answer at the pose `expected` was taken off: where the pen is with the answer at
+// that place, and how well that is known.
+void CorrectForSteel(const Model& model, const Measurement& measurement, const Pose& expected,
+                     const SteelAnswer& answer, Fit& fit) noexcept;
 
 }  // namespace omni::tracker

@@ -24,6 +24,8 @@ constexpr double kCalibratedError = 0.01;    // of the model: with more, somethi
 constexpr double kCalibratedCoils = 1e-3;    // of the coils' field, whose maps were measured
 constexpr double kDrawnError = 0.05;         // of a workshop's base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
+constexpr double kTypicalRadius_m = 0.065;   // from the pen to the core
+constexpr double kModelErrorMin = 1.5e-3;    // of a calibrated base, once its readings have told
 
 PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
   PoseMeasurement measured{base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), {}};
@@ -63,6 +65,20 @@ base::PointNoise NoiseAlong(const FilterState& filter) noexcept {
   return {along(filter.covariance_pp), along(filter.covariance_pv), along(filter.covariance_vv)};
 }
 
+// To a pose's covariance, what no scan tells of: what the calibration leaves, and what the filter is behind by.
+void AddUnseen(const Model& model, const FilterState& filter, std::array<double, 25>& covariance) noexcept {
+  const double calibration_m = model.expected_error_m;
+  for (const std::size_t i : {0U, 6U, 12U}) covariance[i] += calibration_m * calibration_m / 3;
+  for (const std::size_t i : {18U, 24U}) {
+    covariance[i] += calibration_m * calibration_m / (3 * kTypicalRadius_m * kTypicalRadius_m);
+  }
+  if (!filter.lags) return;
+  const std::array<double, 3> lag_m{filter.lag_m.x, filter.lag_m.y, filter.lag_m.z};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) covariance[5 * row + column] += lag_m[row] * lag_m[column];
+  }
+}
+
 // Published is what is known: the filter's covariance, and the share of the fit's that no filtering takes away.
 base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const PoseMeasurement& measured,
                               const FilterState& filter) noexcept {
@@ -88,6 +104,7 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
   for (const std::size_t i : {18U, 24U}) {
     tool.covariance[i] = filter.variance_angle + (1 - filter.axis_whiteness.share) * measured.covariance[i];
   }
+  AddUnseen(model, filter, tool.covariance);
   tool.device_point_noise = NoiseOfPoint(filter, model.tip_offset_m);
   tool.device_point_noise_along = NoiseAlong(filter);
   return tool;
@@ -175,6 +192,10 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& d
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
 }
 
+Pose PoseOf(const FilterState& filter) noexcept {
+  return {base::ToEigen(filter.position_base_m), base::ToEigen(filter.axis_base)};
+}
+
 // No hand carries a pen there within a scan: more likely this scan is wrong and happens to fit. A pen that stays there
 // is believed.
 bool IsEarlyJump(const Config& config, const State& state, const FilterState& predicted,
@@ -196,7 +217,8 @@ Config MakeConfig(const base::Calibration& calibration) {
   Config config;
   config.model = MakeModel(calibration);
   config.trust.coil_error_relative = kCalibratedCoils;
-  config.doubt.model_error_start = std::min(ModelErrorOf(calibration, config.trust.model_error_relative), kDrawnError);
+  config.trust.model_error_relative = kModelErrorMin;
+  config.doubt.model_error_start = std::min(ModelErrorOf(calibration, Trust{}.model_error_relative), kDrawnError);
   config.doubt.model_error_max = std::max(kCalibratedError, config.doubt.model_error_start);
   return config;
 }
@@ -204,7 +226,7 @@ Config MakeConfig(const base::Calibration& calibration) {
 // As drawn: its readings tell how well it is built.
 Config MakeConfig(const base::DeviceGeometry& device) {
   Config config = MakeConfig(magnetics::NominalCalibration(device));
-  config.trust.coil_error_relative = Trust{}.coil_error_relative;
+  config.trust = Trust{};
   config.doubt.model_error_max = config.doubt.cold_error_max = kDrawnError;
   config.stray.enabled = false;  // its own errors would pass for a magnet
   return config;
@@ -233,11 +255,10 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   FilterState predicted = state.filter;
   if (continues) PredictFilter(config.filter, dt_s, predicted);
   ScanContext context{config, scan, state.currents, currents};
-  LocalField steel_T;
+  SteelAnswer steel;
   if (state.warm && HasSteel(config.model)) {
-    const Pose pose{base::ToEigen(predicted.position_base_m), base::ToEigen(predicted.axis_base)};
-    steel_T = SteelField(config.model, pose, MomentScale(state.drift));
-    context.local = &steel_T;
+    steel = AnswerOfSteel(config.model, PoseOf(predicted), MomentScale(state.drift));
+    context.local = &steel.field_T;
   }
   context.stray = &state.stray;
   Measurement measurement = MeasureScan(context, state.drift, state.doubt);
@@ -266,6 +287,9 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
     if (continues && IsEarlyJump(config, state, predicted, outcome)) outcome.good = false;
     if (outcome.good && warm && outcome.fit.has_sums) {
       state.evidence = GatherEvidence(config.drift, measurement, sums, state.drift.step_s);
+    }
+    if (outcome.good && warm && HasSteel(config.model)) {
+      CorrectForSteel(config.model, measurement, PoseOf(predicted), steel, outcome.fit);
     }
     if (outcome.good && warm) DoubtOn(context, predicted, measurement, outcome, state);
     if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
