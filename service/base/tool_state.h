@@ -24,7 +24,8 @@ enum ToolLimit : std::uint32_t {
   // A magnet is there, but no pose fits, be it out of reach: a second magnet, a stuck, swapped or broken sensor, the
   // calibration of another base.
   kToolContradicted = 16,
-  kToolRepeated = 32  // the scan's stamp did not move: the state is that of the scan before
+  kToolRepeated = 32,  // the scan's stamp did not move: the state is that of the scan before
+  kToolFrozen = 64     // the stamp moves, but every sensor says the same again and again: nothing is measured
 };
 
 // How uncertain a point of the tool is along one direction: variances of position and velocity, and their covariance.
@@ -57,6 +58,12 @@ struct ToolState {
   int dof = 0;
   int iterations = 0;
   double field_rms_T = 0;  // |B| of the tool over this scan's usable readings, root mean square
+  // What the tracker holds to be wrong since the base was calibrated. For people; poses allow for it already.
+  std::uint32_t sensors_left_out = 0;  // bit i: sensor i is not believed ...
+  std::uint32_t sensors_disagree = 0;  // ... and said something else than the others when it was asked last
+  Vec3 ambient_base_T;                 // uniform field that came since, known while tracking
+  double stray_rms_T = 0;              // of what magnets nearby add to readings, root mean square; 0: none is believed
+  double model_error_relative = 0;     // of the tool's field: what readings show that the calibration gets wrong
 };
 static_assert(std::is_trivially_copyable_v<ToolState>);
 

@@ -18,4 +18,14 @@ int FindFrozen(const base::HallScan& scan, int times_min, Repetition& repetition
   return repeating == 1 && changed > 0 ? frozen : -1;
 }
 
+bool IsAllFrozen(const base::HallScan& scan, int times_min, const Repetition& repetition) noexcept {
+  bool some = false;
+  for (std::size_t i = 0; i < repetition.times.size(); ++i) {
+    if (((scan.fresh_mask >> i) & 1u) == 0) continue;
+    if (repetition.times[i] < times_min) return false;
+    some = true;
+  }
+  return some;
+}
+
 }  // namespace omni::tracker

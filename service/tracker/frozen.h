@@ -15,7 +15,10 @@ struct Repetition {
 static_assert(std::is_trivially_copyable_v<Repetition>);
 
 // The sensor that has repeated itself `times_min` times while all others that are fresh have just changed; -1: none.
-// Noise never repeats three axes for long; without noise a pen at rest repeats all of them.
+// Noise never repeats three axes for long.
 int FindFrozen(const base::HallScan& scan, int times_min, Repetition& repetition) noexcept;
+
+// After FindFrozen: all that are fresh have repeated themselves so often. The base sends what it measured long ago.
+bool IsAllFrozen(const base::HallScan& scan, int times_min, const Repetition& repetition) noexcept;
 
 }  // namespace omni::tracker

@@ -7,6 +7,7 @@
 #include "service/base/eigen.h"
 #include "service/base/stamp.h"
 #include "service/magnetics/nominal.h"
+#include "service/tracker/findings.h"
 #include "service/tracker/fit_scan.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/nuisance.h"
@@ -248,6 +249,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
     state.evidence.valid = false;
   }
   BlameFrozen(config, scan, state);
+  const bool frozen = IsAllFrozen(scan, config.doubt.frozen_scans, state.repetition);
   const bool wide = IsWideScan(config, state);
   if (wide) ForgetDrift(config, scan, state.drift);
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
@@ -266,7 +268,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
 
   Outcome outcome;
   KernelSums sums;
-  if (HasMagnet(config, measurement)) {
+  if (!frozen && HasMagnet(config, measurement)) {
     bool tried = state.warm;
     if (state.warm) {
       outcome = TryWarm(config, predicted, wide ? &sums : nullptr, measurement);
@@ -297,6 +299,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   state.currents = currents;
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);
+  TellFindings(state, frozen, state.published);
   tool = state.published;
 }
 

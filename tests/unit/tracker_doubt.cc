@@ -199,12 +199,36 @@ TEST_P(TrackerDoubt, ASensorThatRepeatsItselfIsLeftOutBeforeItIsWrong) {
   EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
 }
 
-TEST_P(TrackerDoubt, SensorsThatAllRepeatThemselvesAreNotFrozen) {
+// The stamp goes on, but nothing is measured: no single sensor is to blame, and no pose is believed.
+TEST_P(TrackerDoubt, WhatAllSensorsRepeatIsNoPose) {
   Run(1000);
   const base::HallScan held = NextScan();
   fault = [&](base::HallScan& scan) { scan.field_sensor_T = held.field_sensor_T; };
-  Run(100);
-  EXPECT_EQ(state.doubt.left_out, -1);
+  const Outcome frozen = Run(config.doubt.frozen_scans + config.lost_after_scans);
+  EXPECT_GT(frozen.lost, 0);
+  EXPECT_EQ(tool.status, TrackingStatus::kAbsent);
+  EXPECT_NE(tool.limits & base::kToolFrozen, 0U);
+  EXPECT_EQ(tool.sensors_left_out, 0U);
+  fault = [](base::HallScan&) {};
+  EXPECT_LE(Run(100).lost, 20);
+  EXPECT_EQ(tool.limits & base::kToolFrozen, 0U);
+}
+
+TEST_P(TrackerDoubt, WhatIsFoundIsTold) {
+  Run(1000);
+  EXPECT_EQ(tool.sensors_left_out, 0U);
+  EXPECT_EQ(tool.stray_rms_T, 0);
+  ambient_base_T = 2e-5 * Direction();
+  Run(500);
+  EXPECT_NEAR(base::ToEigen(tool.ambient_base_T).norm(), 2e-5, 2e-6);
+  const int sensor = static_cast<int>(GetParam());
+  fault = [&](base::HallScan& scan) {
+    base::Vec3& B = scan.field_sensor_T[static_cast<std::size_t>(sensor)];
+    B = {1.1 * B.x, 1.1 * B.y, 1.1 * B.z};
+  };
+  Run(1000);
+  EXPECT_EQ(tool.sensors_left_out, 1U << sensor);
+  EXPECT_EQ(tool.sensors_disagree, 1U << sensor);
 }
 
 TEST_P(TrackerDoubt, NothingNearbyIsNotBelieved) {

@@ -1,0 +1,26 @@
+#include "service/tracker/findings.h"
+
+#include <cmath>
+
+namespace omni::tracker {
+namespace {
+
+double RootMeanSquare(const ReadingLanes& values) noexcept {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+void TellFindings(const State& state, bool frozen, base::ToolState& tool) noexcept {
+  const Doubt& doubt = state.doubt;
+  if (frozen) tool.limits |= base::kToolFrozen;
+  tool.sensors_left_out = doubt.left_out >= 0 ? 1u << doubt.left_out : 0;
+  tool.sensors_disagree = doubt.agreed == 0 ? tool.sensors_left_out : 0;
+  tool.ambient_base_T = {state.drift.mean[3], state.drift.mean[4], state.drift.mean[5]};
+  tool.stray_rms_T = state.stray.believed ? RootMeanSquare(state.stray.mean_T) : 0;
+  tool.model_error_relative = doubt.model_error;
+}
+
+}  // namespace omni::tracker

@@ -1,0 +1,12 @@
+// What the tracker found to be wrong, told beside the pose. docs/theory/tracking.md, Doubt
+#pragma once
+
+#include "service/base/tool_state.h"
+#include "service/tracker/tracker.h"
+
+namespace omni::tracker {
+
+// frozen: every sensor repeats itself. After the scan's pose is in `tool`.
+void TellFindings(const State& state, bool frozen, base::ToolState& tool) noexcept;
+
+}  // namespace omni::tracker
