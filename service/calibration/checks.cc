@@ -15,6 +15,8 @@ using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kBackgroundMax_T = 3e-4;  // the earth's field is at most 65 uT
 constexpr double kMapRatioMin = 0.7, kMapRatioMax = 1.4;
+constexpr double kLikeAnother = 0.35;  // a map is off another sensor's drawing by less ...
+constexpr double kUnlikeOwn = 2;       // ... and off its own by more than so many times that: it is that one's
 
 std::string Number(double value, const char* format = "%.3g") {
   char text[32];
@@ -73,6 +75,29 @@ std::string ResponseProblem(const base::SensorCalibration& drawn, const CoilResp
   return {};
 }
 
+// Of the drawing's size, how far the map of sensor `measured` is off the drawing of `drawn`.
+double MapError(const base::Calibration& nominal, const std::vector<CoilResponse>& responses, std::size_t measured,
+                std::size_t drawn) {
+  const RowMajor3d map = Eigen::Map<const RowMajor3d>(responses[measured].map_sensor_T_A.data());
+  const RowMajor3d drawing = Eigen::Map<const RowMajor3d>(nominal.sensors[drawn].current_map_T_A.data());
+  return drawing.norm() > 0 ? (map - drawing).norm() / drawing.norm() : 0;
+}
+
+std::string SwapProblem(const base::Calibration& nominal, const std::vector<CoilResponse>& responses) {
+  const auto is_of = [&](std::size_t measured, std::size_t drawn) {
+    const double other = MapError(nominal, responses, measured, drawn);
+    return other < kLikeAnother && MapError(nominal, responses, measured, measured) > kUnlikeOwn * other;
+  };
+  for (std::size_t a = 0; a < responses.size(); ++a) {
+    for (std::size_t b = a + 1; b < responses.size(); ++b) {
+      if (!is_of(a, b) || !is_of(b, a)) continue;
+      return "sensors " + std::to_string(a) + " and " + std::to_string(b) +
+             " are swapped: each reads the coils as the other should; exchange their cables or addresses";
+    }
+  }
+  return {};
+}
+
 std::string CoverageProblem(const std::vector<ColdPose>& poses, const Limits& limits) {
   Coverage coverage;
   for (const ColdPose& pose : poses) {
@@ -85,6 +110,18 @@ std::string CoverageProblem(const std::vector<ColdPose>& poses, const Limits& li
 
 }  // namespace
 
+std::string ResponsesProblem(const base::Calibration& nominal, const std::vector<CoilResponse>& responses) {
+  const std::size_t sensors = nominal.sensors.size();
+  if (!responses.empty() && responses.size() != sensors) {
+    return std::to_string(responses.size()) + " current maps for " + std::to_string(sensors) + " sensors; sweep anew";
+  }
+  if (auto problem = SwapProblem(nominal, responses); !problem.empty()) return problem;
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    if (auto problem = ResponseProblem(nominal.sensors[i], responses[i], i); !problem.empty()) return problem;
+  }
+  return {};
+}
+
 std::string RecordingProblem(const base::Calibration& nominal, const Recording& recording, const Limits& limits) {
   const std::size_t sensors = nominal.sensors.size();
   if (!(sensors >= base::kArraySensorsMin && sensors <= base::kArraySensorsMax)) {
@@ -93,13 +130,7 @@ std::string RecordingProblem(const base::Calibration& nominal, const Recording& 
   for (const double noise : nominal.sensor_noise_T) {
     if (!(noise > 0)) return "sensor_noise_T must be above 0 to weigh readings; correct the device file";
   }
-  if (!recording.responses.empty() && recording.responses.size() != sensors) {
-    return std::to_string(recording.responses.size()) + " current maps for " + std::to_string(sensors) +
-           " sensors; sweep anew";
-  }
-  for (std::size_t i = 0; i < recording.responses.size(); ++i) {
-    if (auto problem = ResponseProblem(nominal.sensors[i], recording.responses[i], i); !problem.empty()) return problem;
-  }
+  if (auto problem = ResponsesProblem(nominal, recording.responses); !problem.empty()) return problem;
   std::size_t incomplete = 0, touches = 0;
   for (std::size_t n = 0; n < recording.samples.size(); ++n) {
     if (auto problem = SampleProblem(recording.samples[n], n, sensors); !problem.empty()) return problem;

@@ -8,9 +8,13 @@
 #include "service/calibration/adjust.h"
 #include "service/calibration/options.h"
 #include "service/calibration/report.h"
+#include "service/calibration/samples.h"
 #include "service/calibration/start.h"
 
 namespace omni::calibration {
+
+// What the coils did at each sensor: two sensors that are swapped, a coil that is backwards or weak, a magnet near.
+std::string ResponsesProblem(const base::Calibration& nominal, const std::vector<CoilResponse>& responses);
 
 // Sizes and numbers: sensors, currents, maps, noise.
 std::string RecordingProblem(const base::Calibration& nominal, const Recording& recording, const Limits& limits);

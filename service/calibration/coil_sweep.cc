@@ -22,6 +22,8 @@ constexpr double kKept_T = 3e-6;    // field that the core keeps, at a sensor
 constexpr double kLag_T = 3e-7;     // of one of the core's eddy currents at a sensor, after a step of 1 A
 constexpr double kEddy_s = 0.14;    // the slowest of them, in 15 mm of soft iron
 constexpr int kEddyTerms = 8;
+constexpr std::int64_t kAgeMax_ns = 5'000'000;  // an older sample is none
+constexpr double kMostly = 0.9;                 // of the scans
 
 // How eddy currents die out in a solid sphere: like the root of time at first, exponentially in the end.
 //   sum_n exp(-(y_n / y_1)^2 t / tau),   y_n = (n + .43) pi about, the zeros of the spherical Bessel function j1
@@ -85,6 +87,7 @@ void CoilSweep::Add(const base::HallScan& scan, bool rest) {
   if (change_A > kSteady_A && steady_scans_ > 0) step_scan_ = scan_ - 1;
   steady_scans_ = change_A <= kSteady_A ? steady_scans_ + 1 : 0;
   if (steady_scans_ < kSettleScans) return;
+  LookAtSensors(scan);
   Eigen::Matrix<double, kReadings, 1> reading;
   for (std::size_t i = 0; i < base::kSensorCount; ++i) {
     const base::Vec3& B = scan.field_sensor_T[i];
@@ -113,8 +116,33 @@ void CoilSweep::Add(const base::HallScan& scan, bool rest) {
   }
 }
 
+void CoilSweep::LookAtSensors(const base::HallScan& scan) {
+  ++looks_;
+  for (std::size_t i = 0; i < base::kSensorCount; ++i) {
+    const base::Vec3& B = scan.field_sensor_T[i];
+    const bool silent = !std::isfinite(B.x + B.y + B.z) || scan.age_ns[i] > kAgeMax_ns;
+    silent_[i] += silent ? 1 : 0;
+    repeats_[i] += B == last_T_[i] ? 1 : 0;
+    last_T_[i] = B;
+  }
+}
+
+// A sensor that says nothing of the coils; where all repeat themselves, they have no noise.
+std::string CoilSweep::SensorProblem() const {
+  const auto mostly = [this](int scans) { return scans > 0 && scans > kMostly * looks_; };
+  const bool all = std::all_of(repeats_.begin(), repeats_.end(), mostly);
+  for (std::size_t i = 0; i < base::kSensorCount; ++i) {
+    const char* what = mostly(silent_[i])            ? " gives nothing (not a number, or too old)"
+                       : !all && mostly(repeats_[i]) ? " repeats itself"
+                                                     : nullptr;
+    if (what != nullptr) return "sensor " + std::to_string(i) + what + "; look at its cable and address";
+  }
+  return {};
+}
+
 base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
   const auto refused = [](const std::string& why) { return base::Error{"coil sweep refused: " + why}; };
+  if (const std::string why = SensorProblem(); !why.empty()) return refused(why);
   if (!(bad_scans_ <= 0.05 * (scans_ + rest_scans_))) {
     return refused(std::to_string(bad_scans_) +
                    " scans were saturated or not a number; take the pen and other magnets away and sweep anew");

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <string>
 #include <vector>
 
 #include "service/base/hall_scan.h"
@@ -49,6 +51,8 @@ class CoilSweep {
     Eigen::Vector3d change_A = Eigen::Vector3d::Zero();
   };
 
+  void LookAtSensors(const base::HallScan& scan);
+  std::string SensorProblem() const;
   void FollowSteps(const Eigen::Vector3d& current_A);
   Regressor MakeRegressor(const Eigen::Vector3d& current_A) const;
 
@@ -67,6 +71,10 @@ class CoilSweep {
   std::array<double, base::kCoilCount> highest_A_{}, lowest_A_{};
   double scans_ = 0, rest_scans_ = 0;
   int bad_scans_ = 0;  // saturated or not a number
+  // Of all steady scans, by sensor: without a number or stale; the same again.
+  std::array<int, base::kSensorCount> silent_{}, repeats_{};
+  std::array<base::Vec3, base::kSensorCount> last_T_{};
+  int looks_ = 0;
 };
 
 }  // namespace omni::calibration

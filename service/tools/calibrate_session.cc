@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 #include "service/base/limits.h"
+#include "service/calibration/checks.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/gap.h"
 
@@ -70,6 +72,10 @@ void CalibrationSession::FinishSweep() {
   const auto responses = sweep_.Finish();
   if (!responses.ok()) {
     problem_ = responses.error();
+    return;
+  }
+  if (const std::string why = calibration::ResponsesProblem(nominal_, *responses); !why.empty()) {
+    problem_ = "calibration refused: " + why;
     return;
   }
   recording_.responses = *responses;

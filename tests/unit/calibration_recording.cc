@@ -154,7 +154,25 @@ TEST(CalibrationRecording, SweepRefusesWhatTellsNothing) {
       broken.Add(scan, step.rest);
     }
   }
-  EXPECT_NE(broken.Finish().error().find("not a number"), std::string::npos);
+  EXPECT_NE(broken.Finish().error().find("sensor 2 gives nothing (not a number"), std::string::npos);
+}
+
+TEST(CalibrationRecording, SweepNamesASensorThatIsStuckOrSilent) {
+  sim::Rig rig(support::NominalDevice(), {.seed = 5});
+  sim::Random random(6);
+  CoilSweep stuck, silent;
+  const base::Vec3 held = rig.Scan(nullptr, {}, random).field_sensor_T[6];
+  for (const SweepStep& step : MakeSweep({})) {
+    for (int i = 0; i < step.scans; ++i) {
+      base::HallScan scan = rig.Scan(nullptr, step.current_A, random);
+      scan.field_sensor_T[6] = held;
+      stuck.Add(scan, step.rest);
+      scan.age_ns[6] = 20'000'000;
+      silent.Add(scan, step.rest);
+    }
+  }
+  EXPECT_NE(stuck.Finish().error().find("sensor 6 repeats itself; look at its cable"), std::string::npos);
+  EXPECT_NE(silent.Finish().error().find("sensor 6 gives nothing"), std::string::npos);
 }
 
 TEST(CalibrationRecording, CoverageCountsCellsOfEqualArea) {

@@ -137,6 +137,18 @@ TEST_F(CalibrationRefuse, CoilWiredBackwardsWeakOrAMagnetAtRest) {
   Expect(Why(), {"7 current maps for 8 sensors"});
 }
 
+TEST_F(CalibrationRefuse, SwappedSensorsAreNamedByTheirMaps) {
+  const Recording original = recording_;
+  for (std::size_t a = 0; a < 8; ++a) {
+    for (std::size_t b = a + 1; b < 8; ++b) {
+      std::swap(recording_.responses[a], recording_.responses[b]);
+      Expect(Why(), {("sensors " + std::to_string(a) + " and " + std::to_string(b) + " are swapped").c_str(),
+                     "exchange their cables or addresses"});
+      recording_ = original;
+    }
+  }
+}
+
 TEST_F(CalibrationRefuse, WhatIsNoNumber) {
   Recording original = recording_;
   recording_.samples[7].t_s = std::numeric_limits<double>::infinity();
