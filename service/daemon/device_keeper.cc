@@ -1,5 +1,6 @@
 #include "service/daemon/device_keeper.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "service/daemon/fit_watch.h"
 #include "service/daemon/force_properties.h"
 #include "service/daemon/recorder.h"
+#include "service/daemon/room_watch.h"
 #include "service/daemon/transport_tick_source.h"
 #include "service/magnetics/nominal.h"
 
@@ -31,12 +33,23 @@ std::string MisfitText(const std::string& path, double share) {
          again;
 }
 
+// Of `findings`, what `others` do not have.
+void LogNew(const std::vector<RoomFinding>& findings, const std::vector<RoomFinding>& others,
+            spdlog::level::level_enum level, const char* before) {
+  for (const RoomFinding& finding : findings) {
+    const auto same = [&](const RoomFinding& o) { return o.kind == finding.kind && o.sensors == finding.sensors; };
+    if (std::none_of(others.begin(), others.end(), same)) spdlog::log(level, "room: {}{}", before, RoomText(finding));
+  }
+}
+
 }  // namespace
 
 // One opened device with its loop; destroyed in reverse order.
 struct DeviceKeeper::Session {
-  Session(OpenedDevice device, const loop::TickConfig& config, const RunOptions& options, loop::TickSink& sink)
+  Session(OpenedDevice device, const loop::TickConfig& config, const base::Calibration* calibration,
+          const RunOptions& options, loop::TickSink& sink)
       : opened(std::move(device)),
+        room(calibration),
         source(*opened.transport),
         loop(config, {.realtime = WantsRealtime(options), .telemetry = !options.record_path.empty()}, source, sink) {}
 
@@ -46,11 +59,13 @@ struct DeviceKeeper::Session {
   }
 
   OpenedDevice opened;
+  RoomWatch room;
   TransportTickSource source;
   loop::TickThread loop;
   std::unique_ptr<Recorder> recorder;
   FaultLog faults;
   FitWatch fit;
+  bool misfit_told = false;
   bool recording_failed = false;  // and told
 };
 
@@ -74,7 +89,8 @@ bool DeviceKeeper::Open() {
   if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   const loop::TickConfig config = Calibrated(opened->serial);
   Record(*opened);
-  session_ = std::make_unique<Session>(std::move(*opened), config, options_, sink_);
+  session_ =
+      std::make_unique<Session>(std::move(*opened), config, calibration_ ? &*calibration_ : nullptr, options_, sink_);
   if (!options_.record_path.empty()) {
     auto recorder = Recorder::Open(options_.record_path, session_->loop.telemetry());
     if (recorder.ok()) {
@@ -104,19 +120,31 @@ loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
   if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
   service_.SetCalibration(choice);
   calibration_path_ = choice.file ? choice.path : std::string();
+  calibration_ = choice.file ? std::optional(choice.file->calibration) : std::nullopt;
   return choice.file ? loop::MakeTickConfig(device_, choice.file->calibration) : loop::MakeTickConfig(device_);
+}
+
+void DeviceKeeper::WatchRoom() {
+  RoomWatch& room = session_->room;
+  const std::vector<RoomFinding> before = room.findings();
+  if (!room.Add(session_->loop.room().Read())) return;
+  LogNew(room.findings(), before, spdlog::level::warn, "");
+  LogNew(before, room.findings(), spdlog::level::info, "no longer: ");
+  service_.SetRoom(room.findings());
 }
 
 void DeviceKeeper::WatchFit() {
   const loop::FitStatistics& fit = session_->loop.statistics().fit;
-  if (!session_->fit.Update(fit.explained.load(), fit.contradicted.load(), base::MonotonicNow_ns())) return;
-  const std::string misfit =
-      session_->fit.misfit() ? MisfitText(calibration_path_, session_->fit.share()) : std::string();
-  service_.SetMisfit(misfit);
-  if (misfit.empty()) {
+  session_->fit.Update(fit.explained.load(), fit.contradicted.load(), base::MonotonicNow_ns());
+  const bool misfit = session_->fit.misfit() && !session_->room.explains_misfit();
+  if (misfit == session_->misfit_told) return;
+  session_->misfit_told = misfit;
+  const std::string text = misfit ? MisfitText(calibration_path_, session_->fit.share()) : std::string();
+  service_.SetMisfit(text);
+  if (misfit) {
+    spdlog::error("calibration: {}", text);
+  } else if (!session_->fit.misfit()) {
     spdlog::info("calibration: what the sensors read is explained again");
-  } else {
-    spdlog::error("calibration: {}", misfit);
   }
 }
 
@@ -154,6 +182,7 @@ void DeviceKeeper::WatchRecording() {
 bool DeviceKeeper::Watch() {
   WatchRecording();
   if (session_ != nullptr) TellFaults();
+  if (session_ != nullptr) WatchRoom();
   if (session_ != nullptr) WatchFit();
   if (session_ != nullptr && session_->loop.finished()) {
     if (session_->loop.end_status() == loop::WaitStatus::kEnd) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/daemon/end_watch.h"
 #include "service/daemon/open_device.h"
@@ -31,6 +33,7 @@ class DeviceKeeper {
  private:
   struct Session;
   loop::TickConfig Calibrated(const std::string& serial);
+  void WatchRoom();
   void WatchFit();
   void Record(OpenedDevice& opened);
   void WatchRecording();
@@ -43,8 +46,9 @@ class DeviceKeeper {
   Service& service_;
   EndWatch& end_;
   std::unique_ptr<Session> session_;
-  std::string calibration_path_;  // in use; empty: the drawing
-  std::string told_;              // the last error, which is not told again every second
+  std::string calibration_path_;                  // in use; empty: the drawing
+  std::optional<base::Calibration> calibration_;  // in use
+  std::string told_;                              // the last error, which is not told again every second
   int opened_ = 0;
   int polls_ = 0;  // since it was lost
 };

@@ -431,8 +431,10 @@ std::string Service::StatusJson() {
   const std::lock_guard lock(loop_mutex_);
   input.calibration = calibration_;
   input.misfit = misfit_;
+  input.room = room_;
   if (!calibration_.problem.empty()) input.problems.push_back("calibration: " + calibration_.problem);
   if (!misfit_.empty()) input.problems.push_back("calibration: " + misfit_);
+  for (const RoomFinding& finding : room_) input.problems.push_back("room: " + RoomText(finding));
   input.loop = loop_;
   input.transport = transport_;
   input.device_absent_why = device_absent_why_;

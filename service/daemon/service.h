@@ -19,6 +19,7 @@
 #include "service/daemon/owner.h"
 #include "service/daemon/placement_writer.h"
 #include "service/daemon/placements.h"
+#include "service/daemon/room_finding.h"
 #include "service/daemon/scene_builder.h"
 #include "service/daemon/sculpt_thread.h"
 #include "service/daemon/surface_clients.h"
@@ -60,6 +61,8 @@ class Service : public ipc::ServerHandler {
   // Any thread: that a magnet is near, but no pose explains the sensors' readings, for people; empty: it is not so.
   // Until the next SetCalibration.
   void SetMisfit(std::string misfit);
+  // Any thread: what is wrong with sensors or the room. Until the next SetCalibration.
+  void SetRoom(std::vector<RoomFinding> findings);
   // Any thread: what the device that is attached, or about to be, can push. Detach takes it back.
   void SetForceProperties(const protocol::ForceProperties& properties);
   // Any thread: keys have changed.
@@ -132,6 +135,7 @@ class Service : public ipc::ServerHandler {
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;
   std::string misfit_;
+  std::vector<RoomFinding> room_;
   protocol::ForceProperties force_properties_;
   std::string device_absent_why_ = "not opened yet";
   base::KeyStates key_states_;

@@ -53,11 +53,17 @@ void Service::SetCalibration(config::CalibrationChoice choice) {
   const std::lock_guard lock(loop_mutex_);
   calibration_ = std::move(choice);
   misfit_.clear();
+  room_.clear();
 }
 
 void Service::SetMisfit(std::string misfit) {
   const std::lock_guard lock(loop_mutex_);
   misfit_ = std::move(misfit);
+}
+
+void Service::SetRoom(std::vector<RoomFinding> findings) {
+  const std::lock_guard lock(loop_mutex_);
+  room_ = std::move(findings);
 }
 
 void Service::SetForceProperties(const protocol::ForceProperties& properties) {

@@ -68,6 +68,15 @@ json Calibration(const config::CalibrationChoice& choice) {
           {"expected_error_mm", choice.file->quality.expected_error_mm}};
 }
 
+json Room(const std::vector<RoomFinding>& findings) {
+  json rows = json::array();
+  for (const RoomFinding& finding : findings) {
+    rows.push_back(
+        {{"kind", finding.kind}, {"sensors", finding.sensors}, {"what", finding.what}, {"fix", finding.fix}});
+  }
+  return rows;
+}
+
 json Ticks(const loop::TickThread& loop) {
   const loop::TickStatistics& s = loop.statistics();
   const loop::RealtimeStatus& realtime = loop.realtime();
@@ -198,6 +207,7 @@ std::string WriteStatus(const StatusInput& input) {
       {"calibration", Calibration(input.calibration)},
       {"calibration_refused", TextOrNull(input.calibration.problem)},
       {"calibration_misfit", TextOrNull(input.misfit)},
+      {"room", Room(input.room)},
       {"clients", Clients(input)},
       {"inputs", Inputs(input)},
       {"scene",

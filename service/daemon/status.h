@@ -8,6 +8,7 @@
 #include "service/config/alignment_file.h"
 #include "service/config/calibration_file.h"
 #include "service/daemon/key_thread.h"
+#include "service/daemon/room_finding.h"
 #include "service/daemon/scene_builder.h"
 #include "service/device/transport.h"
 #include "service/loop/tick_thread.h"
@@ -34,7 +35,8 @@ struct StatusInput {
   double uptime_s = 0;
   std::vector<std::string> problems;
   config::CalibrationChoice calibration;
-  std::string misfit;  // Service::SetMisfit
+  std::string misfit;             // Service::SetMisfit
+  std::vector<RoomFinding> room;  // Service::SetRoom
   bool aligned = false;
   config::AlignmentFile alignments;
   std::vector<ClientRow> clients;

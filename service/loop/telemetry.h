@@ -71,6 +71,13 @@ struct FitStatistics {
   }
 };
 
+// One scan and what became of it, for those who watch the room: now and then, as often without a client as with one.
+struct RoomSample {
+  static constexpr std::int64_t kEvery_ns = 15'500'000;  // every sixteenth scan, on the base's clock
+  base::HallScan scan;
+  base::ToolState tool;
+};
+
 struct TickStatistics {
   Histogram tick_time;  // Tick alone
   Histogram latency;    // Hall sample -> currents sent

@@ -66,6 +66,12 @@ void TickThread::WriteSurfaces(std::int64_t t_ns) noexcept {
   surfaces_written_ns_ = t_ns;
 }
 
+void TickThread::WriteRoom(const base::HallScan& scan) noexcept {
+  if (base::StampDifference_ns(scan.t_ns, room_written_ns_) < RoomSample::kEvery_ns) return;
+  room_written_ns_ = scan.t_ns;
+  room_.WriteWith([&](RoomSample& sample) { sample = {scan, record_.output.tool}; });
+}
+
 void TickThread::Once(const base::HallScan& scan) noexcept {
   const Commands& commands = commands_.Read();
   const bool at_zero = state_.gate == 0 && record_.output.currents.current_A == base::CoilCurrents{}.current_A;
@@ -93,6 +99,7 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
     if (!telemetry_->TryPush(record_)) statistics_->dropped_records.fetch_add(1, std::memory_order_relaxed);
   }
   WriteSurfaces(scan.t_ns);
+  WriteRoom(scan);
   if (record_.output.wants_scene) TakeScene(commands);
 }
 

@@ -57,6 +57,7 @@ class TickThread {
   base::Latest<VibrationSamples>& vibration() noexcept { return *vibration_; }
   const TickStatistics& statistics() const noexcept { return *statistics_; }
   TelemetryRing& telemetry() noexcept { return *telemetry_; }
+  base::Latest<RoomSample>& room() noexcept { return room_; }
   const RealtimeStatus& realtime() const noexcept { return realtime_; }  // after Start
 
   // Whether somebody draws surfaces: only then are snapshots written. Any thread.
@@ -68,6 +69,7 @@ class TickThread {
   void Once(const base::HallScan& scan) noexcept;
   void TakeScene(const Commands& commands) noexcept;
   void WriteSurfaces(std::int64_t t_ns) noexcept;
+  void WriteRoom(const base::HallScan& scan) noexcept;
 
   const TickConfig config_;
   const Options options_;
@@ -76,6 +78,7 @@ class TickThread {
   base::Latest<Commands> commands_;
   base::Latest<SceneRef> scenes_;
   base::Latest<base::KeyStates> keys_;
+  base::Latest<RoomSample> room_;
   std::unique_ptr<base::Latest<VibrationSamples>> vibration_;
   std::unique_ptr<TickStatistics> statistics_;
   std::unique_ptr<TelemetryRing> telemetry_;
@@ -94,7 +97,7 @@ class TickThread {
   const haptics::Scene* scene_ = &empty_;
   std::uint64_t build_ = 0;  // of scene_
   const std::unique_ptr<SceneMemory> memory_ = std::make_unique<SceneMemory>();
-  std::int64_t surfaces_written_ns_ = 0;
+  std::int64_t surfaces_written_ns_ = 0, room_written_ns_ = 0;
 };
 
 }  // namespace omni::loop

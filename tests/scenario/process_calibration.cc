@@ -5,6 +5,10 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -37,17 +41,18 @@ config::CalibrationFile CalibrationOf(const sim::ImperfectionSizes& sizes, std::
 // omnid on the twin with this calibration; its log in a file.
 class ProcessCalibration : public testing::Test {
  protected:
-  void Start(const config::CalibrationFile& calibration, const std::string& hand) {
+  void Start(const config::CalibrationFile& calibration, const std::string& hand, const std::string& twin = {}) {
     const base::DeviceGeometry& device = config::DefaultDevice();
     const auto saved = config::SaveCalibrationFile(
         Calibration(), calibration, {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}},
         false);
     ASSERT_TRUE(saved.ok()) << saved.error();
-    Run(hand);
+    Run(hand, twin);
   }
-  void Run(const std::string& hand) {
+  void Run(const std::string& hand, const std::string& twin = {}) {
+    const std::string in = twin.empty() ? twin : " --twin " + folder_.Write("twin.toml", twin);
     const std::string command =
-        "exec \"$0\" --device twin --twin-script " + folder_.Write("hand.json", hand) + " 2>" + Log();
+        "exec \"$0\" --device twin --twin-script " + folder_.Write("hand.json", hand) + in + " 2>" + Log();
     auto started = test::ChildProcess::Start({"/bin/sh", "-c", command, std::string(OMNI_BINARY_DIR) + "/bin/omnid"},
                                              {"OMNI_SOCKET=" + Socket(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
                                               "XDG_CACHE_HOME=" + folder_.Path("cache")});
@@ -92,7 +97,7 @@ class ProcessCalibration : public testing::Test {
   std::unique_ptr<test::ChildProcess> omnid_;
 };
 
-void ExpectMentions(const std::string& text, std::initializer_list<const char*> words) {
+void ExpectMentions(const std::string& text, const std::vector<const char*>& words) {
   for (const char* word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " not in: " << text;
 }
 
@@ -125,6 +130,65 @@ TEST_F(ProcessCalibration, OneThatFitsIsNotDoubted) {
   ASSERT_TRUE(WaitFor(20, IsTracked)) << LogText();
   EXPECT_FALSE(WaitFor(5, IsMisfit)) << LogText();
   ExpectMentions(Row("calibration"), {"\"ok\"", "calibration.toml"});
+}
+
+// [[...]] of a twin file, and what is said of it.
+struct RoomEvent {
+  const char* name;
+  const char* hand;
+  const char* toml;
+  const char* kind;
+  std::vector<const char*> words;
+};
+
+void PrintTo(const RoomEvent& event, std::ostream* out) { *out << event.name; }
+
+class ProcessRoom : public ProcessCalibration, public testing::WithParamInterface<RoomEvent> {};
+INSTANTIATE_TEST_SUITE_P(
+    Events, ProcessRoom,
+    testing::Values(RoomEvent{"gain",
+                              kNear,
+                              "[[sensor_faults]]\nkind = \"gain\"\nsensor = 3\nvalue = 1.1\nfrom_s = 3",
+                              "sensor-doubtful",
+                              {"sensor 3, or a magnet near it", "take magnets and steel away"}},
+                    RoomEvent{"stuck",
+                              kAway,
+                              "[[sensor_faults]]\nkind = \"stuck\"\nsensor = 5\nfrom_s = 3",
+                              "sensor-repeats",
+                              {"sensor 5 repeats itself", "omni device selftest"}},
+                    RoomEvent{"swapped",
+                              kNear,
+                              "[[sensor_faults]]\nkind = \"swapped\"\nsensor = 1\nother = 6\nfrom_s = 3",
+                              "sensors-swapped",
+                              {"sensors 1 and 6 are swapped", "exchange their cables"}},
+                    RoomEvent{
+                        "second_pen",
+                        kNear,
+                        "[[magnets]]\nmoment_Am2 = [0.7, 0.5, 0.3]\nfrom_base_m = [1, 0, 0]\nto_base_m = [0.2, 0, 0]\n"
+                        "leaves_s = 3\narrives_s = 4",
+                        "magnet-near",
+                        {"another magnet is near", "take it away"}},
+                    RoomEvent{"turned",
+                              kAway,
+                              "[[field_steps]]\nchange_base_T = [4e-5, 3e-5, 3.3e-5]\nat_s = 3",
+                              "field-changed",
+                              {"uT: it was carried or turned", "omni calibrate --zero"}}),
+    [](const auto& event) { return std::string(event.param.name); });
+
+TEST_P(ProcessRoom, WhatHappensToSensorsAndRoomIsTold) {
+  const RoomEvent& event = GetParam();
+  const std::string twin = std::string("based_on = \"ideal\"\n") + event.toml + "\n";
+  ASSERT_NO_FATAL_FAILURE(Start(CalibrationOf(sim::NoImperfections(), 1), event.hand, twin));
+  const auto is_told = [&](const nlohmann::json& status) {
+    return !status["room"].empty() && status["room"][0]["kind"] == event.kind;
+  };
+  ASSERT_TRUE(WaitFor(20, is_told)) << LogText();
+  ExpectMentions(Status()["room"].dump(), event.words);
+  ExpectMentions(Status()["problems"].dump(), {"room: "});
+  ExpectMentions(RunOmni({"status", "--socket", Socket()}).out, {"problem    room: "});
+  ExpectMentions(Row("room"), event.words);
+  ExpectMentions(LogText(), {"room: "});
+  EXPECT_FALSE(IsMisfit(Status()));
 }
 
 TEST_F(ProcessCalibration, ARefusedOneLeavesTheBaseAsDrawnAndIsNamed) {

@@ -257,6 +257,20 @@ TEST_F(Doctor, CalibrationNoneRefusedMisfitOrFine) {
   Expect(LookAtCalibration(there_), Verdict::kFail, {"does not fit", "omni calibrate --replace"});
 }
 
+TEST_F(Doctor, TheRoomIsFineOrEveryFindingIsNamedWithWhatToDo) {
+  Expect(LookAtRoom(there_), Verdict::kWarn, {"omnid does not run"});
+  there_.service = {.running = true, .error = {}, .status = {{"device", {{"name", nullptr}}}}};
+  Expect(LookAtRoom(there_), Verdict::kWarn, {"without a device"});
+  nlohmann::json& status = there_.service.status;
+  status = {{"device", {{"name", "twin"}}}};
+  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is wrong"});
+  status["room"] = nlohmann::json::array();
+  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is wrong"});
+  status["room"] = {{{"kind", "magnet-near"}, {"what", "another magnet"}, {"fix", "take it away"}},
+                    {{"kind", "sensor-silent"}, {"what", "sensor 3 gives nothing"}, {"fix", "its cable"}}};
+  Expect(LookAtRoom(there_), Verdict::kFail, {"another magnet; sensor 3 gives nothing", "take it away; its cable"});
+}
+
 TEST_F(Doctor, RealtimeIsWhatTheServiceGot) {
   there_.service = {
       .running = true, .error = {}, .status = {{"tick", {{"realtime", true}, {"late", 2}, {"count", 9}}}}};

@@ -28,6 +28,7 @@ constexpr DiagnosisEntry kDiagnoses[] = {
     {"service", LookForService},
     {"device", LookForDevice},
     {"calibration", LookAtCalibration},
+    {"room", LookAtRoom},
     {"real-time", LookAtRealtime},
     {"applications", LookAtApplications},
     {"alignment", LookAtAlignment},

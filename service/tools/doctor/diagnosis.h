@@ -70,6 +70,7 @@ Finding LookAtSocketFolder(const Surroundings& surroundings);
 Finding LookForService(const Surroundings& surroundings);
 Finding LookForDevice(const Surroundings& surroundings);
 Finding LookAtCalibration(const Surroundings& surroundings);
+Finding LookAtRoom(const Surroundings& surroundings);
 Finding LookAtRealtime(const Surroundings& surroundings);
 Finding LookAtApplications(const Surroundings& surroundings);
 Finding LookAtAlignment(const Surroundings& surroundings);

@@ -1,0 +1,28 @@
+// Is a sensor wrong, another magnet near, or the room another than when the base was calibrated?
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "service/tools/doctor/diagnosis.h"
+#include "service/tools/json_text.h"
+
+namespace omni::tools {
+
+Finding LookAtRoom(const Surroundings& surroundings) {
+  const auto& status = surroundings.service.status;
+  if (!surroundings.service.running) {
+    return {Verdict::kWarn, "unknown while omnid does not run", "mend \"service\" first"};
+  }
+  if (DeviceName(status) == "-") return {Verdict::kWarn, "unknown without a device", "mend \"device\" first"};
+  const auto& rows = ArrayAt(status, "/room");
+  if (rows.empty()) return {Verdict::kOk, "no sensor is wrong, no other magnet is near", {}};
+  Finding finding{Verdict::kFail, {}, {}};
+  for (const auto& row : rows) {
+    const char* join = finding.what.empty() ? "" : "; ";
+    finding.what += join + TextAt(row, "/what");
+    finding.fix += join + TextAt(row, "/fix");
+  }
+  return finding;
+}
+
+}  // namespace omni::tools
