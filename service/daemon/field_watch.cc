@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-
-#include <Eigen/LU>
+#include <utility>
 
 #include "service/base/eigen.h"
 

@@ -6,9 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "service/base/calibration.h"
+#include "service/base/eigen.h"
 #include "service/base/limits.h"
 #include "service/daemon/room_finding.h"
 #include "service/daemon/verdict.h"
