@@ -122,6 +122,25 @@ Eigen::MatrixXd Covariance(const System& system) {
   return Eliminate(system, 0).H.llt().solve(Eigen::MatrixXd::Identity(size, size));
 }
 
+bool SettleWeights(Problem& problem, int iterations_max, Adjustment& state) {
+  state.system = problem.Linearise(state.parameters, state.instants);
+  for (int round = 0; round < kRoundsMax; ++round) {
+    if (!Minimise(problem, round == 0 ? kEnough : 0.0, iterations_max, state)) return false;
+    if (Reweigh(state.system, problem.observations()) < kSettled && round > 0) break;
+    state.system = problem.Linearise(state.parameters, state.instants);
+    ++state.iterations;
+  }
+  return true;
+}
+
+// From where `state` is, in so many more iterations. True: converged, and steel is seen.
+bool Settle(Problem& problem, bool free_depth, int iterations_max, Adjustment& state) {
+  state.parameters.FreeSteelDepth(free_depth);
+  state.converged = SettleWeights(problem, state.iterations + iterations_max, state);
+  state.covariance = Covariance(state.system);
+  return state.converged && SeesSteel(state);
+}
+
 }  // namespace
 
 // S = H - sum C^T H_n^-1 C, s = g - sum C^T H_n^-1 g_n, with H_n = L L^T and V = L^-1 C.
@@ -161,26 +180,18 @@ Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector
   return state;
 }
 
+// With the steel's depth free the way may end in a valley in which a weak plane has no depth, with it held far from a
+// plane that is near: what sees steel counts.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
-  state.parameters.FreeSteelDepth(true);
   for (Observation& observation : problem.observations()) observation.touch_weight = kTouchDoubt;
-  state.system = problem.Linearise(state.parameters, state.instants);
-  for (int round = 0; round < kRoundsMax; ++round) {
-    state.converged = Minimise(problem, round == 0 ? kEnough : 0.0, iterations_max, state);
-    const bool settled = Reweigh(state.system, problem.observations()) < kSettled;
-    if (!state.converged || (settled && round > 0)) break;
-    state.system = problem.Linearise(state.parameters, state.instants);
-    ++state.iterations;
-  }
-  state.covariance = Covariance(state.system);
-  if (!state.converged || SeesSteel(state)) return state;
-  state.parameters.FreeSteelDepth(false);
-  state.system = problem.Linearise(state.parameters, state.instants);
-  ++state.iterations;
-  state.converged = Minimise(problem, 0.0, iterations_max, state);
-  state.covariance = Covariance(state.system);
-  return state;
+  if (Settle(problem, true, iterations_max / 2, state)) return state;
+  if (!Settle(problem, false, iterations_max, state)) return state;
+  const Adjustment held = state;
+  const std::vector<Observation> weights = problem.observations();
+  if (Settle(problem, true, iterations_max, state)) return state;
+  problem.observations() = weights;
+  return held;
 }
 
 }  // namespace omni::calibration

@@ -24,7 +24,7 @@ Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector
 // Three standard deviations. `adjustment`: with covariance.
 bool SeesSteel(const Adjustment& adjustment);
 
-// Rounds until the weights settle, the steel's depth free; a last one with the depth held if no steel is seen.
+// Rounds until the weights settle, the steel's depth free; with the depth held if no steel is seen so.
 // `problem`: weights of its observations are changed.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
 

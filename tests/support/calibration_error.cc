@@ -64,10 +64,13 @@ base::Result<CalibrationError> MeasureCalibrationError(sim::Rig& rig, const base
   }
   const Vector3d w = BestRotation(pairs);
   error.rotation_deg = kDegrees * w.norm();
+  double square_mm2 = 0;
   for (const Pair& pair : pairs) {
+    square_mm2 += 1e6 * pair.error.squaredNorm() / options.poses;
     error.raw_mm += 1e3 * pair.error.norm() / options.poses;
     error.aligned_mm += 1e3 * (pair.error - w.cross(pair.truth)).norm() / options.poses;
   }
+  error.raw_rms_mm = std::sqrt(square_mm2);
   return error;
 }
 

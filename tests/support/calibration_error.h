@@ -11,6 +11,7 @@ namespace omni::test {
 
 struct CalibrationError {
   double raw_mm = 0;      // mean |estimate - truth|, frame B
+  double raw_rms_mm = 0;  // the same, rms
   double aligned_mm = 0;  // the same after the best common rotation about the core's centre is taken out
   double rotation_deg = 0;
   double orientation_deg = 0;  // mean angle between the axes
