@@ -184,6 +184,7 @@ Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector
 // plane that is near: what sees steel counts.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
+  problem.FollowCore(state.parameters, state.instants);
   for (Observation& observation : problem.observations()) observation.touch_weight = kTouchDoubt;
   if (Settle(problem, true, iterations_max / 2, state)) return state;
   if (!Settle(problem, false, iterations_max, state)) return state;

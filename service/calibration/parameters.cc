@@ -37,6 +37,8 @@ constexpr Label kSharedLabels[kShared] = {{"moment", "%", 1e2},
                                           {"core centre z", "mm", 1e3},
                                           {"steel strength", "%", 1e2},
                                           {"steel depth", "%", 1e2},
+                                          {"core memory", "mA", 1e3},
+                                          {"core memory at rest", "mA", 1e3},
                                           {"coil x strength", "%", 1e2},
                                           {"coil y strength", "%", 1e2},
                                           {"coil z strength", "%", 1e2},
@@ -60,6 +62,7 @@ double SharedTolerance(const Tolerances& t, int at) {
   if (at < kHullAt) return t.ambient_T;
   if (at == kHullAt) return t.hull_radius_m;
   if (at < kSteelAt) return t.core_centre_m;
+  if (at == kKeptAt || at == kKeptAt + 1) return t.core_kept_A;
   if (at < kStrengthAt) return at == kSteelAt ? t.steel_strength : t.steel_depth;
   return at < kTiltAt ? t.coil_strength : t.coil_axis_rad;
 }
@@ -118,6 +121,10 @@ double Parameters::HullRadius_m() const {
 
 Vector3d Parameters::CoreCentre_m() const {
   return tolerances_.core_centre_m * x_.tail<kShared>().segment<3>(kCentreAt);
+}
+
+Eigen::Vector2d Parameters::Kept() const {
+  return tolerances_.core_kept_A / tolerances_.remanence_A * x_.tail<kShared>().segment<2>(kKeptAt);
 }
 
 base::SteelPlane Parameters::Steel() const {

@@ -19,10 +19,10 @@ inline constexpr int kPositionAt = 0, kGainAt = 3, kRotationAt = 6, kSkewAt = 9;
 // Shared ones follow the sensors'. The first group acts on samples, hull and centre on their touches; the rest, the
 // core's centre and steel on current maps.
 inline constexpr int kMomentAt = 0, kMomentDriftAt = 1, kMomentBowAt = 2, kKappaAt = 3, kAmbientAt = 4,
-                     kAmbientDriftAt = 7, kHullAt = 10, kCentreAt = 11, kSteelAt = 14, kSteelDepthAt = 15;
-inline constexpr int kSampleShared = 16;
-inline constexpr int kStrengthAt = 16, kTiltAt = 19;  // coil: strength (3), tilt about two axes (3 x 2)
-inline constexpr int kShared = 25;
+                     kAmbientDriftAt = 7, kHullAt = 10, kCentreAt = 11, kSteelAt = 14, kSteelDepthAt = 15, kKeptAt = 16;
+inline constexpr int kSampleShared = 18;
+inline constexpr int kStrengthAt = 18, kTiltAt = 21;  // coil: strength (3), tilt about two axes (3 x 2)
+inline constexpr int kShared = 27;
 
 inline constexpr double kSteelDepth_m = 0.18;  // where steel is looked for at first, below the core's centre
 inline constexpr double kBowOfDrift = 0.5;     // a warming that levels off bends by less than it drifts
@@ -55,6 +55,7 @@ class Parameters {
   // Of the core, from the centre of hull and windings. Sensors and samples are measured from the core while they are
   // adjusted: so their readings do not depend on it.
   Eigen::Vector3d CoreCentre_m() const;
+  Eigen::Vector2d Kept() const;    // by the core of a motion, in units of Tolerances::remanence_A
   base::SteelPlane Steel() const;  // height above the core's centre
   // Held at kSteelDepth_m, as at first, the depth is no unknown: steel of no strength has no place.
   void FreeSteelDepth(bool free);

@@ -40,7 +40,8 @@ PlacedField<kToolUnknowns> WholeField(const FieldAtSensor& place, const ArraySta
 }  // namespace
 
 Residual Compare(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
-                 const ToolFrame& frame, const Vector3d& remanence, const Vector3d& y) {
+                 const ToolFrame& frame, const Vector3d& remanence, const Eigen::Matrix<double, 3, 2>& kept,
+                 const Vector3d& y) {
   const Tolerances& t = parameters.tolerances();
   const SensorState& sensor = array.sensors[i];
   const double m = parameters.Moment_Am2(tau);
@@ -58,7 +59,7 @@ Residual Compare(const Parameters& parameters, const ArrayState& array, std::siz
   const Vector3d b = sensor.nominal * (m * shape + parameters.Ambient_T(tau));
   const Vector3d by_moment = m_drawn * (sensor.gain * shape);
   Residual out;
-  out.r = sensor.error * b + array.remanence[i] * remanence - y;
+  out.r = sensor.error * b + array.remanence[i] * (remanence + kept * parameters.Kept()) - y;
   out.own.leftCols<5>() = m * sensor.gain * field.by.leftCols<5>();
   out.own.rightCols<3>() = array.remanence[i];
   out.array.middleCols<3>(kPositionAt) = (t.sensor_position_m * m) * sensor.gain * field.by_place;
@@ -74,6 +75,7 @@ Residual Compare(const Parameters& parameters, const ArrayState& array, std::siz
   shared.col(kSteelAt) = (t.steel_strength * m) * (sensor.gain * steel.field.B);
   shared.col(kSteelDepthAt) =
       (parameters.SteelHeightStep_m() * array.steel.strength * m) * (sensor.gain * steel.by_height);
+  shared.middleCols<2>(kKeptAt) = (t.core_kept_A / t.remanence_A) * (array.remanence[i] * kept);
   return out;
 }
 

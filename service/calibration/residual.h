@@ -32,15 +32,17 @@ struct ArrayState {
 // remanence_A: its unit, Tolerances::remanence_A.
 ArrayState MakeArrayState(const Parameters& parameters, const base::Calibration& nominal, double remanence_A);
 
-// r = E N (m (direct + kappa image + steel) + ambient) + map remanence - y, T. (1)
+// r = E N (m (direct + kappa image + steel) + ambient) + map (remanence + kept) - y, T. (1)
 struct Residual {
   Eigen::Vector3d r;
   Eigen::Matrix<double, 3, kOwn> own;
   LocalJacobian array;
 };
-// Of sensor i; `tau` in [-1, 1] over the recording; `remanence` in its unit; y: the reading, T.
+// Of sensor i; `tau` in [-1, 1] over the recording; `remanence` in its unit; `kept`: Observation::kept; y: the reading,
+// T.
 Residual Compare(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
-                 const ToolFrame& frame, const Eigen::Vector3d& remanence, const Eigen::Vector3d& y);
+                 const ToolFrame& frame, const Eigen::Vector3d& remanence, const Eigen::Matrix<double, 3, 2>& kept,
+                 const Eigen::Vector3d& y);
 
 // The gap of a sample that touches the hull, m, with its derivatives by the pose and by the shared unknowns.
 struct TouchResidual {

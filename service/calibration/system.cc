@@ -68,8 +68,8 @@ SampleBlock AddSample(const Parameters& parameters, const ArrayState& array, con
   block.cost = instant.remanence.squaredNorm();
   const double root_weight = std::sqrt(observation.weight);
   for (std::size_t i = 0; i < array.sensors.size(); ++i) {
-    const Residual residual =
-        Compare(parameters, array, i, observation.tau, frame, instant.remanence, observation.tool_sensor_T[i]);
+    const Residual residual = Compare(parameters, array, i, observation.tau, frame, instant.remanence, observation.kept,
+                                      observation.tool_sensor_T[i]);
     const Vector3d scale = root_weight * observation.inverse_sigma[i];
     const Vector3d r = scale.cwiseProduct(residual.r);
     const Eigen::Matrix<double, 3, kOwn> own = scale.asDiagonal() * residual.own;
@@ -158,6 +158,7 @@ Problem::Problem(const base::Calibration& nominal, std::span<const base::CoilGeo
   }
   for (const Sample& sample : recording.samples) {
     Observation observation;
+    observation.t_s = sample.t_s;
     observation.tau = last_s > first_s ? 2 * (sample.t_s - first_s) / (last_s - first_s) - 1 : 0.0;
     observation.touches_hull = sample.touches_hull && nominal.hull_radius_m > 0;
     for (std::size_t i = 0; i < nominal_.sensors.size(); ++i) {
@@ -262,6 +263,44 @@ void Problem::AddMaps(const Parameters& parameters, System& system) const {
     }
   }
   system.cost += system.map_chi2;
+}
+
+namespace {
+
+constexpr double kUnbroken_s = 0.06;  // from window to window: the way between them is known
+constexpr double kTurned = 0.02;      // change of the core's moment that turns what it keeps, of that at contact
+
+// Of the core in the magnet's field, relative to that at contact.
+Vector3d CoreMoment(const Instant& instant, double contact_m) {
+  const double r_m = instant.position_base_m.norm();
+  const Vector3d n = instant.position_base_m / r_m;
+  const double size = contact_m / r_m * (contact_m / r_m) * (contact_m / r_m);
+  return size * (3 * n.dot(instant.axis_base) * n - instant.axis_base);
+}
+
+}  // namespace
+
+// A touch comes from outside: the core's moment has grown.
+void Problem::FollowCore(const Parameters& parameters, std::span<const Instant> instants) {
+  const double contact_m = nominal_.hull_radius_m > 0 ? nominal_.hull_radius_m : nominal_.core_radius_m;
+  if (!(contact_m > 0 && nominal_.core_radius_m > 0)) return;
+  Matrix3d axes;
+  for (int k = 0; k < 3; ++k) axes.row(k) = parameters.CoilAxis(k).transpose();
+  for (std::size_t n = 0; n < observations_.size(); ++n) {
+    const auto joined = [&](std::size_t a, std::size_t b) {
+      return !observations_[b].touches_hull && observations_[b].t_s - observations_[a].t_s <= kUnbroken_s;
+    };
+    Vector3d change = Vector3d::Zero();
+    if (observations_[n].touches_hull) {
+      change = CoreMoment(instants[n], contact_m);
+    } else {
+      const std::size_t from = n > 0 && joined(n - 1, n) ? n - 1 : n;
+      const std::size_t to = n + 1 < observations_.size() && joined(n, n + 1) ? n + 1 : n;
+      change = CoreMoment(instants[to], contact_m) - CoreMoment(instants[from], contact_m);
+    }
+    const Vector3d kept = -axes * change / (change.norm() + kTurned);
+    observations_[n].kept.col(observations_[n].touches_hull ? 1 : 0) = kept;
+  }
 }
 
 System Problem::Linearise(const Parameters& parameters, std::span<const Instant> instants) const {

@@ -32,6 +32,10 @@ struct Observation {
   double weight = 1;        // robust: of the readings ...
   double touch_weight = 1;  // ... and of the touch
   int readings = 0;         // usable axes
+  double t_s = 0;
+  // By the core, as currents, against the last motion, length 1: of a pen that moves, and of one that rests and
+  // trembles.
+  Eigen::Matrix<double, 3, 2> kept = Eigen::Matrix<double, 3, 2>::Zero();
   std::vector<Eigen::Vector3d> tool_sensor_T;
   std::vector<Eigen::Vector3d> inverse_sigma;  // 0: not used
 };
@@ -76,6 +80,9 @@ class Problem {
   double touch_sigma_m() const { return touch_sigma_m_; }
   double remanence_A() const { return remanence_A_; }
   bool has_coils() const { return !coil_moments_.empty(); }
+
+  // What the core keeps trails behind the magnet's way, which is that of these instants.
+  void FollowCore(const Parameters& parameters, std::span<const Instant> instants);
 
   System Linearise(const Parameters& parameters, std::span<const Instant> instants) const;
 

@@ -121,9 +121,12 @@ struct Small {
 
 TEST(CalibrationDerivatives, GradientOfTheCostByEveryUnknown) {
   const Small small(5);
-  const Problem problem(small.nominal, small.device.coils, small.recording, small.tolerances);
+  Problem problem(small.nominal, small.device.coils, small.recording, small.tolerances);
   Parameters parameters(problem.nominal(), small.tolerances);
   parameters.FreeSteelDepth(true);
+  problem.FollowCore(parameters, small.instants);
+  EXPECT_GT(problem.observations().front().kept.col(0).norm(), 0.1);
+  EXPECT_GT(problem.observations().back().kept.col(1).norm(), 0.1);
   std::mt19937 rng(4);
   std::normal_distribution<double> normal(0, 0.5);
   for (double& x : parameters.x()) x = normal(rng);

@@ -38,6 +38,7 @@ inline base::Result<AdjustmentStart> MakeAdjustmentStart(const base::DeviceGeome
   }
   calibration::Problem problem(nominal, {}, found, tolerances);
   calibration::Parameters parameters(problem.nominal(), tolerances);
+  problem.FollowCore(parameters, instants);
   return AdjustmentStart{std::move(problem), std::move(parameters), std::move(instants)};
 }
 

@@ -140,8 +140,9 @@ class SampleCost final : public ceres::CostFunction {
   void AddSensor(std::size_t i, const calibration::Instant& instant, const calibration::ToolFrame& frame,
                  Eigen::Map<Eigen::VectorXd>& r, double** jacobians) const {
     const int at = 3 * static_cast<int>(i), rows = num_residuals();
-    const calibration::Residual one = calibration::Compare(blocks_.parameters(), blocks_.array(), i, observation_.tau,
-                                                           frame, instant.remanence, observation_.tool_sensor_T[i]);
+    const calibration::Residual one =
+        calibration::Compare(blocks_.parameters(), blocks_.array(), i, observation_.tau, frame, instant.remanence,
+                             observation_.kept, observation_.tool_sensor_T[i]);
     const Vector3d scale = std::sqrt(observation_.weight) * observation_.inverse_sigma[i];
     r.segment<3>(at) = scale.cwiseProduct(one.r);
     if (jacobians == nullptr) return;
