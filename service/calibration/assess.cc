@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "service/base/eigen.h"
+#include "service/calibration/residual.h"
+#include "service/calibration/tool_field.h"
 
 namespace omni::calibration {
 namespace {
@@ -112,6 +114,31 @@ double ExpectedError(const Adjustment& adjustment) {
   return count > 0 ? std::sqrt(square_m2 / count) : 0.0;
 }
 
+// Of every touch as if the fit had not used it, in standard deviations, rms: r / sqrt(1 - leverage), which a linear fit
+// without it would give. (12a)
+double HeldOutTouches(const Problem& problem, const Adjustment& adjustment) {
+  const Parameters& parameters = adjustment.parameters;
+  const double sigma_m = problem.touch_sigma_m();
+  double square = 0, count = 0;
+  for (std::size_t n = 0; n < adjustment.instants.size(); ++n) {
+    const Observation& observation = problem.observations()[n];
+    if (!observation.touches_hull) continue;
+    const Instant& instant = adjustment.instants[n];
+    const SampleBlock& block = adjustment.system.samples[n];
+    const TouchResidual touch = CompareTouch(parameters, MakeToolFrame(instant.position_base_m, instant.axis_base));
+    OwnVector by_own = OwnVector::Zero();
+    by_own.head<5>() = touch.by_pose.transpose();
+    const OwnVector solved = block.H.llt().solve(by_own);
+    Eigen::RowVectorXd by_array = -solved.transpose() * block.C;
+    by_array.segment<kSampleShared>(parameters.shared_at()) += touch.by_shared;
+    const double fitted_m2 = by_own.dot(solved) + by_array * adjustment.covariance * by_array.transpose();
+    const double leverage = std::min(0.99, observation.touch_weight * fitted_m2 / (sigma_m * sigma_m));
+    square += observation.touch_weight * block.touch_chi2 / (1 - leverage);
+    count += observation.touch_weight;
+  }
+  return count > 0 ? std::sqrt(square / count) : 0.0;
+}
+
 }  // namespace
 
 Report Assess(const Problem& problem, const Adjustment& adjustment) {
@@ -125,7 +152,9 @@ Report Assess(const Problem& problem, const Adjustment& adjustment) {
   report.moment_sigma = parameters.tolerances().moment * std::sqrt(adjustment.covariance(moment, moment));
   report.moment_drift = parameters.tolerances().moment_drift * parameters.x()[parameters.shared_at() + kMomentDriftAt];
   report.frame_rotation_rad = FrameRotation(adjustment);
-  report.expected_error_m = ExpectedError(adjustment);
+  // Whatever says that the model leaves something out makes the error larger, nothing makes it smaller.
+  const double misfit = std::sqrt(report.chi2_per_dof);
+  report.expected_error_m = std::max({1.0, misfit, HeldOutTouches(problem, adjustment)}) * ExpectedError(adjustment);
   report.iterations = adjustment.iterations;
   return report;
 }
