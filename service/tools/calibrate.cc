@@ -13,11 +13,13 @@
 #include "service/config/twin_file.h"
 #include "service/daemon/open_device.h"
 #include "service/magnetics/nominal.h"
+#include "service/sim/twin.h"
 #include "service/tools/calibrate_device.h"
 #include "service/tools/calibrate_kept.h"
 #include "service/tools/calibrate_session.h"
 #include "service/tools/calibrate_text.h"
 #include "service/tools/calibrate_twin.h"
+#include "service/tools/calibrate_zero.h"
 #include "service/tools/command_line.h"
 #include "service/tools/commands.h"
 #include "service/tools/terminal.h"
@@ -33,6 +35,7 @@ struct Arguments {
   std::string output;
   bool replace = false;
   bool restore = false;
+  bool zero = false;
   SessionOptions session;
 };
 
@@ -117,7 +120,7 @@ base::Result<Measured> MeasureBase(const Arguments& arguments, const base::Devic
   std::printf("device       %s, serial %s%s\n", info.name.c_str(), opened->serial.c_str(),
               info.simulation ? " (a simulation)" : "");
   CalibrationSession session(device, arguments.session);
-  if (const base::Status ran = RunSession(*opened->transport, session, observer); !ran.ok()) {
+  if (const base::Status ran = RunSession(*opened->transport, session, [&] { observer(session); }); !ran.ok()) {
     return base::Error{ran.error()};
   }
   auto outcome = session.Finish();
@@ -143,6 +146,45 @@ int Measure(const Arguments& arguments, const std::string& output, config::Expec
   return kExitOk;
 }
 
+constexpr double kTwinZero_s = 10;  // more than it takes
+
+// The twin's pen is nowhere.
+base::Result<daemon::OpenedDevice> OpenForZero(const Arguments& arguments, const base::DeviceGeometry& device) {
+  if (!daemon::IsTwin(arguments.run.device)) return daemon::OpenDevice(arguments.run);
+  const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.run.twin);
+  if (!truth.ok()) return base::Error{truth.error()};
+  daemon::OpenedDevice opened;
+  opened.transport = sim::MakeVirtualTwin(device, {.seed = arguments.run.twin_seed, .truth = *truth}, kTwinZero_s);
+  opened.serial = "twin-" + std::to_string(arguments.run.twin_seed);
+  return opened;
+}
+
+// What the sensors read without a pen, again; everything else of the file stays.
+int Zero(const Arguments& arguments, const std::string& output, config::ExpectedBase of) {
+  if (const std::string problem = PlaceProblem(output, true); !problem.empty()) return Fail(kCalibrate, problem);
+  auto file = config::LoadCalibrationFile(output, of);
+  if (!file.ok()) return Fail(kCalibrate, file.error() + "; --zero changes a calibration that is there");
+  const EndSignals signals;
+  auto opened = OpenForZero(arguments, of.device);
+  if (!opened.ok()) return Fail(kCalibrate, opened.error());
+  of.serial = opened->serial;
+  if (file = config::LoadCalibrationFile(output, of); !file.ok()) return Fail(kCalibrate, file.error());
+  ZeroSession session(file->calibration);
+  std::printf("%s\n", session.Instruction().c_str());
+  if (const base::Status ran = RunSession(*opened->transport, session, {}); !ran.ok()) {
+    return Fail(kCalibrate, ran.error());
+  }
+  const base::Result<Zeroed> zeroed = session.Finish();
+  if (!zeroed.ok()) return Fail(kCalibrate, zeroed.error());
+  file->calibration = zeroed->calibration;
+  const base::Status saved = config::SaveCalibrationFile(output, *file, of, true);
+  if (!saved.ok()) return Fail(kCalibrate, saved.error());
+  std::printf("zeroed       the field had changed by %.1f uT, sensors by themselves by up to %.1f uT\n",
+              1e6 * zeroed->uniform_T, 1e6 * zeroed->own_T);
+  std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
+  return kExitOk;
+}
+
 int Calibrate(const Arguments& arguments) {
   base::DeviceGeometry device = config::DefaultDevice();
   if (!arguments.run.device_file.empty()) {
@@ -153,7 +195,8 @@ int Calibrate(const Arguments& arguments) {
   const std::string output = arguments.output.empty() ? config::UserCalibrationFile() : arguments.output;
   if (output.empty()) return Fail(kCalibrate, "no home folder to write calibration.toml to; name a file with -o FILE");
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}};
-  return arguments.restore ? Restore(output, of) : Measure(arguments, output, of);
+  if (arguments.restore) return Restore(output, of);
+  return arguments.zero ? Zero(arguments, output, of) : Measure(arguments, output, of);
 }
 
 }  // namespace
@@ -170,8 +213,13 @@ void AddCalibrate(Command& app) {
   calibrate.Add("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
   Option replace = calibrate.Add("--replace", arguments->replace,
                                  "measure again; the file that is there is kept as calibration.previous.toml");
-  calibrate.Add("--restore", arguments->restore, "take the previous file back; it and the present one change places")
-      .Excludes(replace);
+  Option restore =
+      calibrate
+          .Add("--restore", arguments->restore, "take the previous file back; it and the present one change places")
+          .Excludes(replace);
+  calibrate.Add("--zero", arguments->zero, "two seconds: measure again only what the sensors read without the pen")
+      .Excludes(replace)
+      .Excludes(restore);
   calibrate.Add("--wave-seconds", arguments->session.wave_s, "how long to wave the pen").Range(3.0, 60.0).ShowDefault();
   calibrate.Add("--touches", arguments->session.touches, "how many places to touch").Range(20, 150).ShowDefault();
   calibrate.Run(arguments, Calibrate);

@@ -4,7 +4,6 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/stamp.h"
-#include "service/tools/calibrate_text.h"
 #include "service/tools/terminal.h"
 
 namespace omni::tools {
@@ -24,9 +23,9 @@ bool IsArming(const device::TransportState& base) {
 class Progress {
  public:
   // Seconds since.
-  double Waited_s(const CalibrationSession& session, std::int64_t t_ns) {
-    if (t_ns_ == 0 || session.step() != step_ || session.progress() > reached_) {
-      step_ = session.step();
+  double Waited_s(const GuidedSession& session, std::int64_t t_ns) {
+    if (t_ns_ == 0 || session.step_number() != step_ || session.progress() > reached_) {
+      step_ = session.step_number();
       reached_ = session.progress();
       t_ns_ = t_ns;
     }
@@ -34,12 +33,12 @@ class Progress {
   }
 
  private:
-  CalibrationStep step_ = CalibrationStep::kClear;
+  int step_ = 0;
   double reached_ = 0;
   std::int64_t t_ns_ = 0;
 };
 
-std::string ReadProblem(device::ReadStatus status, const CalibrationSession& session) {
+std::string ReadProblem(device::ReadStatus status, const GuidedSession& session) {
   switch (status) {
     case device::ReadStatus::kScan:
       return {};
@@ -50,7 +49,7 @@ std::string ReadProblem(device::ReadStatus status, const CalibrationSession& ses
     case device::ReadStatus::kEnd:
       break;
   }
-  return "the recording ended before this was done: " + StepText(session.step(), session.options());
+  return "the recording ended before this was done: " + session.Instruction();
 }
 
 std::string StateProblem(const device::TransportState& state, double arming_s) {
@@ -61,12 +60,12 @@ std::string StateProblem(const device::TransportState& state, double arming_s) {
 
 }  // namespace
 
-base::Status RunSession(device::Transport& transport, CalibrationSession& session, const SessionObserver& observer) {
+base::Status RunSession(device::Transport& transport, GuidedSession& session, const std::function<void()>& observer) {
   Progress progress;
   std::string problem;
   base::HallScan scan;
   std::int64_t first_ns = 0;
-  while (problem.empty() && session.step() != CalibrationStep::kDone) {
+  while (problem.empty() && !session.done()) {
     problem = EndSignals::asked() ? "ended by a signal; nothing was written"
                                   : ReadProblem(transport.Read(scan, kSilence_ns), session);
     if (!problem.empty()) break;
@@ -78,10 +77,9 @@ base::Status RunSession(device::Transport& transport, CalibrationSession& sessio
       continue;
     }
     transport.Write(session.Add(scan));
-    if (observer) observer(session);
+    if (observer) observer();
     if (progress.Waited_s(session, scan.t_ns) > kPatience_s) {
-      problem = "two minutes without anything new in step " + StepText(session.step(), session.options()) + " " +
-                session.Hint();
+      problem = "two minutes without anything new in step " + session.Instruction() + " " + session.Hint();
     }
   }
   transport.Write({});

@@ -8,6 +8,7 @@
 #include "service/base/limits.h"
 #include "service/calibration/checks.h"
 #include "service/magnetics/nominal.h"
+#include "service/tools/calibrate_text.h"
 #include "service/tracker/gap.h"
 
 namespace omni::tools {
@@ -141,6 +142,8 @@ double CalibrationSession::progress() const {
   }
   return 1;
 }
+
+std::string CalibrationSession::Instruction() const { return StepText(step_, options_); }
 
 std::string CalibrationSession::Hint() const {
   switch (step_) {

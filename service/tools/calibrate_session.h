@@ -16,6 +16,7 @@
 #include "service/calibration/start.h"
 #include "service/calibration/touches.h"
 #include "service/calibration/window.h"
+#include "service/tools/guided_session.h"
 
 namespace omni::tools {
 
@@ -27,17 +28,20 @@ struct SessionOptions {
   calibration::SweepPlan sweep;
 };
 
-class CalibrationSession {
+class CalibrationSession final : public GuidedSession {
  public:
   CalibrationSession(const base::DeviceGeometry& device, const SessionOptions& options);
 
   // Every scan in turn; returns the currents to set next.
-  base::CoilCurrents Add(const base::HallScan& scan);
+  base::CoilCurrents Add(const base::HallScan& scan) override;
 
   CalibrationStep step() const { return step_; }
-  double progress() const;                                 // of this step, 0 to 1
+  bool done() const override { return step_ == CalibrationStep::kDone; }
+  int step_number() const override { return static_cast<int>(step_); }
+  double progress() const override;
+  std::string Instruction() const override;
   const std::string& problem() const { return problem_; }  // why it ended before its time; empty: it did not
-  std::string Hint() const;                                // what holds this step up, for the person
+  std::string Hint() const override;
   const SessionOptions& options() const { return options_; }
   const calibration::Coverage& coverage() const { return coverage_; }
   const calibration::Recording& recording() const { return recording_; }

@@ -1,6 +1,7 @@
 #include "service/tools/calibrate_twin.h"
 
 #include "service/sim/twin.h"
+#include "service/tools/calibrate_device.h"
 #include "service/tools/calibrate_hand.h"
 
 namespace omni::tools {
@@ -20,7 +21,10 @@ base::Result<TwinCalibration> CalibrateTwin(const base::DeviceGeometry& device, 
   const sim::TwinOptions twin{.seed = seed, .script = MakeCalibratingHand(device, hand), .truth = truth};
   const auto transport = sim::MakeVirtualTwin(device, twin, kDurationMax_s);
   CalibrationSession session(device, options);
-  if (const base::Status ran = RunSession(*transport, session, observer); !ran.ok()) return base::Error{ran.error()};
+  const auto seen = [&] {
+    if (observer) observer(session);
+  };
+  if (const base::Status ran = RunSession(*transport, session, seen); !ran.ok()) return base::Error{ran.error()};
   auto outcome = session.Finish();
   if (!outcome.ok()) return base::Error{outcome.error()};
   const auto& samples = session.recording().samples;

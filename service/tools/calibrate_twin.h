@@ -4,14 +4,17 @@
 
 #include <cstdint>
 
+#include <functional>
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/base/truth_parameters.h"
 #include "service/calibration/self_calibration.h"
-#include "service/tools/calibrate_device.h"
 #include "service/tools/calibrate_session.h"
 
 namespace omni::tools {
+
+// Sees the session after every scan.
+using SessionObserver = std::function<void(const CalibrationSession&)>;
 
 struct TwinCalibration {
   calibration::Outcome outcome;
