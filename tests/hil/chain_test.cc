@@ -25,7 +25,7 @@ constexpr double kZeroWithin_ms = 20;
 
 sim::PlantOptions Options() {
   sim::PlantOptions options;
-  options.truth = config::DefaultTwin();
+  options.truth = config::IdealTwin();
   options.script.name = "holding";
   options.script.waypoints = {{0, {0, 0, 0.06}, {0, 0, -1}, true}};
   return options;

@@ -34,9 +34,9 @@ class HilSession {
   // Runs the scenario to its end with an application that is focused and alive; its summary. Null: there is none.
   nlohmann::json Run(const std::string& scenario, const std::vector<std::string>& options = {}) {
     const std::string bin = std::string(OMNI_BINARY_DIR) + "/bin/";
-    std::vector<std::string> arguments{
-        bin + "omni_hil",          "--fast",   "--scenario", scenario,    "--script",
-        folder_.Path("hand.json"), "--record", truth_path(), "--summary", folder_.Path("summary.json")};
+    std::vector<std::string> arguments{bin + "omni_hil", "--twin",     "ideal",     "--fast",
+                                       "--scenario",     scenario,     "--script",  folder_.Path("hand.json"),
+                                       "--record",       truth_path(), "--summary", folder_.Path("summary.json")};
     arguments.insert(arguments.end(), options.begin(), options.end());
     const std::vector<std::string> programs{"--",   bin + "omnid", "--device",      "usb",     "--log-level",
                                             "warn", "--",          bin + "hil_app", "hil_test"};

@@ -17,7 +17,7 @@ namespace test_calibration_sweep {
 // Scale of map column k against the exact one, less the current sensor's gain (which tracking needs to be in it).
 std::array<double, base::kCoilCount> ScaleErrors(std::uint64_t seed) {
   const base::DeviceGeometry& device = config::DefaultDevice();
-  const base::TruthParameters& truth = config::DefaultTwin();
+  const base::TruthParameters& truth = config::IdealTwin();
   sim::Rig rig(device, {.seed = seed,
                         .sizes = truth.imperfections,
                         .noise = sim::NoiseMode::kLowPower,

@@ -50,7 +50,7 @@ class ProcessCalibration : public testing::Test {
     Run(hand, twin);
   }
   void Run(const std::string& hand, const std::string& twin = {}) {
-    const std::string in = twin.empty() ? twin : " --twin " + folder_.Write("twin.toml", twin);
+    const std::string in = " --twin " + (twin.empty() ? "ideal" : folder_.Write("twin.toml", twin));
     const std::string command =
         "exec \"$0\" --device twin --twin-script " + folder_.Write("hand.json", hand) + in + " 2>" + Log();
     auto started = test::ChildProcess::Start({"/bin/sh", "-c", command, std::string(OMNI_BINARY_DIR) + "/bin/omnid"},

@@ -26,8 +26,8 @@ class LedService {
                   "application = \"process_test*\"\nscene = \"" OMNI_SOURCE_DIR "/scenes/extrusion.glb\"\n");
   }
   base::Result<test::ChildProcess> StartOmnid() const {
-    return test::ChildProcess::Start({Program("omnid"), "--device", "twin", "--twin-script", kHandScript, "--twin-hand",
-                                      hand_path(), "--log-level", "warn"},
+    return test::ChildProcess::Start({Program("omnid"), "--device", "twin", "--twin", "ideal", "--twin-script",
+                                      kHandScript, "--twin-hand", hand_path(), "--log-level", "warn"},
                                      environment());
   }
   base::Result<test::ChildProcess> StartHand(const std::string& patience_s) const {

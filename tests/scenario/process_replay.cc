@@ -41,8 +41,8 @@ class ProcessReplay : public testing::Test {
 
   // Until the recording has several hundred scans, which takes a busy machine longer; then `signal`.
   void Record(int signal) {
-    auto omnid =
-        Start({kOmnid, "--device", "twin", "--record-device", recording_, "--twin-seed", "3", "--log-level", "warn"});
+    auto omnid = Start({kOmnid, "--device", "twin", "--twin", "ideal", "--record-device", recording_, "--twin-seed",
+                        "3", "--log-level", "warn"});
     ASSERT_TRUE(omnid.ok()) << omnid.error();
     std::error_code error;
     for (int i = 0; i < 300 && !(std::filesystem::file_size(recording_, error) > 400'000 && !error); ++i) SleepMs(100);

@@ -151,8 +151,8 @@ TEST(ProcessSafety, SecondServiceIsRefused) {
 TEST(ProcessSafety, FullDiskDoesNotStopTheService) {
   ServiceProcess service;
   auto started =
-      test::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-script",
-                                 service.hand_path(), "--record", "/dev/full", "--log-level", "off"},
+      test::ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin", "ideal",
+                                 "--twin-script", service.hand_path(), "--record", "/dev/full", "--log-level", "off"},
                                 {"OMNI_SOCKET=" + service.socket_path()});
   ASSERT_TRUE(started.ok());
   TestApplication app(service);

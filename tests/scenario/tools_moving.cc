@@ -26,7 +26,7 @@ struct Outcome {
 // The twin with every effect, the loop with exactly its base's parameters: what is left is the tracker's own.
 Outcome RunRacetrack(std::uint64_t seed, double seconds) {
   const base::DeviceGeometry& device = config::DefaultDevice();
-  const base::TruthParameters& truth = config::DefaultTwin();
+  const base::TruthParameters& truth = config::IdealTwin();
   const sim::Rig rig(device, {.seed = seed,
                               .sizes = truth.imperfections,
                               .noise = sim::NoiseMode::kLowPower,

@@ -67,7 +67,7 @@ class LedStory {
         service_stalls_(conditions.service_stall_s, random_),
         config_(loop::MakeTickConfig(config::DefaultDevice())),
         twin_(sim::MakeVirtualTwin(config::DefaultDevice(),
-                                   {.seed = seed, .script = hand, .guide = guide_, .truth = config::DefaultTwin()},
+                                   {.seed = seed, .script = hand, .guide = guide_, .truth = config::IdealTwin()},
                                    3600)),
         state_(std::make_unique<loop::LoopState>()),
         output_(std::make_unique<loop::TickOutput>()),

@@ -59,6 +59,8 @@ class ServiceProcess {
     std::vector<std::string> words{std::string(OMNI_BINARY_DIR) + "/bin/omnid",
                                    "--device",
                                    "twin",
+                                   "--twin",
+                                   "ideal",
                                    "--twin-script",
                                    hand_path(),
                                    "--twin-record",

@@ -25,7 +25,7 @@ TEST(ConfigTwin, ReadsTheManifest) {
   EXPECT_DOUBLE_EQ(twin->effects.earth_field_base_T.z, -4.4e-5);
   EXPECT_TRUE(twin->effects.background_known);
   EXPECT_DOUBLE_EQ(twin->sensor.noise_uhp_T[2], 4.1e-7);
-  EXPECT_DOUBLE_EQ(DefaultTwin().effects.pwm_frequency_Hz, twin->effects.pwm_frequency_Hz);
+  EXPECT_DOUBLE_EQ(IdealTwin().effects.pwm_frequency_Hz, twin->effects.pwm_frequency_Hz);
 }
 
 TEST(ConfigTwin, RawBackgroundIsAChoice) {

@@ -55,7 +55,7 @@ TEST(SimTwin, EqualInputsGiveEqualBits) {
   other.flip_coil_sign = true;
   EXPECT_NE(hash, RunHash(other));
   other = options;
-  other.truth = config::DefaultTwin();
+  other.truth = config::IdealTwin();
   const std::uint64_t with_effects = RunHash(other);
   EXPECT_NE(hash, with_effects);
   EXPECT_EQ(with_effects, RunHash(other));

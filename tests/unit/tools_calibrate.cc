@@ -53,7 +53,7 @@ TEST(ToolsCalibrate, WaitsUntilThePenIsAwayAndRefusesASweepWithoutCurrents) {
 
 TEST(ToolsCalibrate, AScriptedHandCalibratesTheTwin) {
   const base::DeviceGeometry& device = config::DefaultDevice();
-  base::TruthParameters truth = config::DefaultTwin();
+  base::TruthParameters truth = config::IdealTwin();
   truth.imperfections = sim::UncalibratedImperfections();
   CalibrationStep last = CalibrationStep::kClear;
   const auto done = CalibrateTwin(device, 5, truth, {.wave_s = 6, .touches = 20}, [&](const CalibrationSession& now) {
@@ -196,7 +196,8 @@ std::string ContentOf(const std::string& path) {
 }
 
 test::Outcome CalibrateTo(const std::string& path, std::vector<std::string> more) {
-  more.insert(more.begin(), {"calibrate", "--device", "twin", "--wave-seconds", "6", "--touches", "20", "-o", path});
+  more.insert(more.begin(), {"calibrate", "--device", "twin", "--twin", "ideal", "--wave-seconds", "6", "--touches",
+                             "20", "-o", path});
   return test::RunOmni(more);
 }
 

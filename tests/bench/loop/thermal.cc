@@ -116,7 +116,7 @@ nlohmann::ordered_json ConstantForce(const base::DeviceGeometry& device, std::si
   constexpr int kHeldTicks = 900'000;
   sim::PlantOptions options;
   options.seed = seed;
-  options.truth = config::DefaultTwin();
+  options.truth = config::IdealTwin();
   options.script.waypoints = {{.tip_base_m = {0, 0, device.hull_radius_m + 0.020}}};
   options.script.stiffness_N_m = 1e5;
   options.script.damping_Ns_m = 200;

@@ -24,10 +24,11 @@ base::Result<std::unique_ptr<LayerStage>> LayerStage::Open(std::uint64_t seed) {
   std::error_code error;
   fs::create_directory(stage->work_ / "run", error);
   fs::permissions(stage->work_ / "run", fs::perms::owner_all, error);
-  auto service = test::ChildProcess::Start(
-      {(stage->build_ / "bin/omnid").string(), "--device", "twin", "--twin-seed", std::to_string(seed), "--twin-script",
-       tools::FindHandScript(tools::ShippedScene("extrusion")), "--log-level", "error"},
-      stage->MakeEnvironment(false));
+  auto service =
+      test::ChildProcess::Start({(stage->build_ / "bin/omnid").string(), "--device", "twin", "--twin", "ideal",
+                                 "--twin-seed", std::to_string(seed), "--twin-script",
+                                 tools::FindHandScript(tools::ShippedScene("extrusion")), "--log-level", "error"},
+                                stage->MakeEnvironment(false));
   if (!service.ok()) return base::Error{service.error()};
   stage->service_.emplace(std::move(*service));
   return stage;

@@ -46,7 +46,7 @@ constexpr int kWaves = 500, kTouches = 100;
 constexpr double kTouchSigma_m = 0.1e-3;
 
 sim::ImperfectionSizes RigSizes(double factor) {
-  sim::ImperfectionSizes sizes = config::DefaultTwin().imperfections;  // coils, magnet, current sensors
+  sim::ImperfectionSizes sizes = config::IdealTwin().imperfections;  // coils, magnet, current sensors
   sizes.sensor_position_m = factor * 1e-3;
   sizes.sensor_gain = factor * 0.015;
   sizes.sensor_rotation_rad = factor * 1.15 * kDegree;
@@ -77,7 +77,7 @@ double Deviation(const std::vector<double>& values) {
 }
 
 sim::Rig MakeRig(const base::DeviceGeometry& device, double factor, std::uint64_t seed) {
-  const base::TruthParameters twin = config::DefaultTwin();
+  const base::TruthParameters twin = config::IdealTwin();
   return {device, {.seed = seed, .sizes = RigSizes(factor), .effects = twin.effects, .sensor = twin.sensor}};
 }
 

@@ -30,7 +30,7 @@ constexpr double kUncalibrated = 0.05;  // model error that a solver must allow 
 // A base that nobody has calibrated, and everything that happens to the twin, faster than usual: over the hundred
 // seconds of the recording the pen warms by 10 K and the background drifts by 5 mG.
 base::TruthParameters HardTruth() {
-  base::TruthParameters truth = config::DefaultTwin();
+  base::TruthParameters truth = config::IdealTwin();
   const double nonlinearity = truth.imperfections.sensor_nonlinearity;
   truth.imperfections = sim::UncalibratedImperfections();
   truth.imperfections.sensor_nonlinearity = nonlinearity;

@@ -164,7 +164,7 @@ base::Result<bool> RunDeep(const DeepOptions& options) {
 int ParseAndRun(const std::vector<std::string>& own, std::vector<std::string> emulator) {
   DeepOptions options;
   options.emulator = std::move(emulator);
-  options.plant.truth = config::DefaultTwin();
+  options.plant.truth = config::IdealTwin();
   std::string script;
   console::Program app("omni_deep", "omni_deep: a simulated base on a USB port of an emulated computer");
   app.Add("--board", options.board, "where the control core runs").OneOf({"host", "qemu"}).ShowDefault();
