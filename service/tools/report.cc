@@ -37,14 +37,34 @@ struct Truth {
   }
 };
 
+constexpr const char* kSigma = "sigma_m";  // recordings of older versions have none
+
+bool IsTracked(const CsvTable& loop, std::size_t i) {
+  return loop["status"][i] == static_cast<double>(base::TrackingStatus::kTracking);
+}
+
 std::vector<TrackedPosition> TrackedOf(const CsvTable& loop) {
   const std::vector<double>&x = loop["magnet_x_m"], &y = loop["magnet_y_m"], &z = loop["magnet_z_m"];
   std::vector<TrackedPosition> tracked;
   for (std::size_t i = 0; i < loop.rows(); ++i) {
-    if (loop["status"][i] != static_cast<double>(base::TrackingStatus::kTracking)) continue;
-    tracked.push_back({loop["t_ns"][i], {x[i], y[i], z[i]}});
+    if (!IsTracked(loop, i)) continue;
+    tracked.push_back({loop["t_ns"][i], {x[i], y[i], z[i]}, loop.Has(kSigma) ? loop[kSigma][i] : 0});
   }
   return tracked;
+}
+
+void CountTracked(const CsvTable& loop, const CsvTable& table, RunReport& report) {
+  const Truth truth{table, table["t_ns"]};
+  std::size_t there = 0, tracked = 0, coarse = 0;
+  for (std::size_t i = 0; loop.Has(kSigma) && i < loop.rows(); ++i) {
+    double p[3];
+    if (!truth.At(loop["t_ns"][i], p)) continue;
+    ++there;
+    if (!IsTracked(loop, i)) continue;
+    ++(3 * loop[kSigma][i] <= kTracked_m ? tracked : coarse);
+  }
+  report.tracked_fraction = static_cast<double>(tracked) / static_cast<double>(there);
+  report.coarse_fraction = static_cast<double>(coarse) / static_cast<double>(there);
 }
 
 void CountTicks(const CsvTable& loop, RunReport& report) {
@@ -117,7 +137,7 @@ TrackingErrors CompareTracking(const std::vector<TrackedPosition>& tracked, cons
           .p95_mm = Quantile(errors_mm, 0.95),
           .max_mm = Quantile(errors_mm, 1.0),
           .sigma_median_mm = Quantile(sigmas_mm, 0.5),
-          .silent_share = sigmas_mm.empty() ? 0 : static_cast<double>(silent) / static_cast<double>(sigmas_mm.size())};
+          .silent_share = static_cast<double>(silent) / static_cast<double>(sigmas_mm.size())};
 }
 
 base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& files, RunData& data) {
@@ -131,6 +151,7 @@ base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& fil
   data = {.loop = std::move(*loop), .truth = std::move(*truth)};
   RunReport report{.scene = scene};
   report.tracking = CompareTracking(TrackedOf(data.loop), data.truth);
+  CountTracked(data.loop, data.truth, report);
   CountTicks(data.loop, report);
   const base::Status app = ReadApp(files, app_entry, report);
   if (!app.ok()) return base::Error{app.error()};
@@ -144,6 +165,8 @@ json ToJson(const RunReport& r) {
           {"ticks", r.ticks},
           {"late_ticks", r.late_ticks},
           {"compared_ticks", r.tracking.compared_ticks},
+          {"tracked_fraction", r.tracked_fraction},
+          {"coarse_fraction", r.coarse_fraction},
           {"tracking_mean_mm", r.tracking.mean_mm},
           {"tracking_p95_mm", r.tracking.p95_mm},
           {"tracking_max_mm", r.tracking.max_mm},

@@ -13,6 +13,7 @@
 
 namespace omni::tools {
 
+constexpr double kTracked_m = 0.003;
 constexpr double kContact_N = 0.010;  // rendered force of a tick that counts as contact
 
 // A pose that the tracker published while tracking.
@@ -25,6 +26,7 @@ struct TrackedPosition {
 // |magnet centre - truth|, base frame, not aligned, each estimate against the truth at its own stamp.
 struct TrackingErrors {
   std::uint64_t compared_ticks = 0;  // tracked ticks with a true pose to compare with
+  // Not measured: NaN.
   double mean_mm = 0, p95_mm = 0, max_mm = 0;
   double sigma_median_mm = 0;  // published
   double silent_share = 0;     // of ticks that are wrong by more than five published standard deviations
@@ -39,6 +41,9 @@ struct RunReport {
   std::uint64_t ticks = 0;
   std::uint64_t late_ticks = 0;
   TrackingErrors tracking;
+  // Of the ticks with the pen there: tracked with three published standard deviations of at most kTracked_m, and
+  // tracked less well. NaN: the recording tells no standard deviations.
+  double tracked_fraction = 0, coarse_fraction = 0;
   std::uint64_t contact_ticks = 0;  // rendered force over kContact_N
   double peak_force_N = 0;          // commanded
   std::uint64_t haptic_pulses = 0;  // that reached the coil command

@@ -94,9 +94,9 @@ int ShowTable(const std::string& path) {
   Rows rows;
   for (const json& row : (*summary)["scenes"]) {
     nlohmann::ordered_json line;
-    for (const char* key :
-         {"scene", "profile", "ticks", "late_ticks", "tracking_mean_mm", "tracking_p95_mm", "contact_ticks",
-          "peak_force_N", "select_edges", "haptic_pulses", "pose_valid_fraction", "locate_ns_median"}) {
+    for (const char* key : {"scene", "profile", "ticks", "late_ticks", "tracked_fraction", "coarse_fraction",
+                            "tracking_mean_mm", "tracking_p95_mm", "contact_ticks", "peak_force_N", "select_edges",
+                            "haptic_pulses", "pose_valid_fraction", "locate_ns_median"}) {
       line[key] = row.value(key, json());
     }
     rows.push_back(line);

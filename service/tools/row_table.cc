@@ -3,6 +3,7 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -45,12 +46,33 @@ std::string Cell(const nlohmann::ordered_json& value) {
   if (value.is_string()) return value;
   if (value.is_null()) return "-";
   if (!value.is_number_float()) return value.dump();
+  if (!std::isfinite(value.get<double>())) return "-";
   char text[32];
   std::snprintf(text, sizeof(text), "%.3f", value.get<double>());
   return text;
 }
 
+// What tells a row from others.
+std::string WordsOf(const nlohmann::ordered_json& row) {
+  std::string words;
+  for (const auto& [key, value] : row.items()) {
+    if (value.is_string()) words += (words.empty() ? "" : ", ") + value.get<std::string>();
+  }
+  return words;
+}
+
 }  // namespace
+
+std::vector<std::string> NotMeasured(const Rows& rows) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) {
+    for (const auto& [key, value] : row.items()) {
+      if (!value.is_number_float() || std::isfinite(value.get<double>())) continue;
+      names.push_back(key + " of " + WordsOf(row));
+    }
+  }
+  return names;
+}
 
 std::vector<std::pair<std::string, Rows>> TakeSideTables(Rows& rows) {
   std::vector<std::pair<std::string, Rows>> tables;

@@ -1,17 +1,21 @@
-// Order statistics for reports and benchmarks.
+// Order statistics for reports and benchmarks. Of no values they are NaN, which is null in JSON and "-" in a table:
+// what was not measured is no zero.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <vector>
 
 namespace omni::tools {
 
-// q-quantile by the nearest rank, q in [0, 1]; 0 when empty.
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+// q-quantile by the nearest rank, q in [0, 1].
 inline double Quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
+  if (values.empty()) return kNotMeasured;
   const auto rank = static_cast<std::ptrdiff_t>(
       std::clamp(std::ceil(q * static_cast<double>(values.size())) - 1, 0.0, static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
@@ -19,7 +23,8 @@ inline double Quantile(std::vector<double> values, double q) {
 }
 
 inline double Mean(const std::vector<double>& values) {
-  return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  if (values.empty()) return kNotMeasured;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 }  // namespace omni::tools

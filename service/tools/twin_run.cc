@@ -93,6 +93,17 @@ base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const ba
   return loop::MakeTickConfig(device, file->calibration);
 }
 
+std::string ErrorsText(const TrackingErrors& errors) {
+  if (errors.compared_ticks == 0) return "tracking error   not measured\n";
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "tracking error   mean %.3f mm, p95 %.3f mm, max %.3f mm over %llu ticks\n"
+                "published sigma  median %.3f mm; error above 5 sigma in %.2g of the ticks\n",
+                errors.mean_mm, errors.p95_mm, errors.max_mm, static_cast<unsigned long long>(errors.compared_ticks),
+                errors.sigma_median_mm, errors.silent_share);
+  return text;
+}
+
 int RunTwin(const RunArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return Fail("omni twin run", found.error());
@@ -138,12 +149,10 @@ int RunTwin(const RunArguments& arguments) {
   std::printf("contact ticks    %llu\n", static_cast<unsigned long long>(summary.contact_ticks));
   std::printf("select presses   %llu\n", static_cast<unsigned long long>(summary.select_presses));
   std::printf("peak force       %.3f N\n", summary.peak_force_N);
-  std::printf("tracking error   mean %.3f mm, p95 %.3f mm, max %.3f mm over %llu ticks\n", errors.mean_mm,
-              errors.p95_mm, errors.max_mm, static_cast<unsigned long long>(errors.compared_ticks));
-  std::printf("published sigma  median %.3f mm; error above 5 sigma in %.2g of the ticks\n", errors.sigma_median_mm,
-              errors.silent_share);
+  std::printf("%s", ErrorsText(errors).c_str());
   std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
-  return 0;
+  if (errors.compared_ticks > 0) return kExitOk;
+  return Fail("omni twin run", "the pen was tracked in no tick, so there is no error to tell");
 }
 
 // A base that has just been plugged in arms and is swept before the pen comes.

@@ -4,13 +4,14 @@
 
 #include <chrono>
 #include <cmath>
-#include <iostream>
 
 #include <nlohmann/json.hpp>
 
 #include "service/haptics/sculpt/check_manifold.h"
 #include "service/haptics/sculpt/handover.h"
+#include "service/tools/statistics.h"
 #include "tests/bench/arguments.h"
+#include "tests/bench/printed_rows.h"
 #include "tests/support/sculpt_hand.h"
 
 namespace omni::haptics::sculpt {
@@ -30,18 +31,8 @@ long Switches() {
   return usage.ru_nivcsw;
 }
 
-double Quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<std::ptrdiff_t>(std::lround(q * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
-
-double Mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
+using tools::Mean;
+using tools::Quantile;
 
 struct Options {
   std::uint64_t seed = 1;
@@ -292,6 +283,6 @@ int main(int argc, char** argv) {
                                                  {{"--quick", &options.quick}, {"--seed", nullptr, &seed}});
   if (ended) return *ended;
   options.seed = omni::bench::Number(seed);
-  std::cout << omni::haptics::sculpt::Run(options).dump() << "\n";
+  omni::bench::PrintRows(omni::haptics::sculpt::Run(options));
   return 0;
 }

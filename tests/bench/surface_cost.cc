@@ -2,7 +2,6 @@
 // Prints a JSON array of rows: step, vertices, triangles, us_median, us_p99, n.
 #include <algorithm>
 #include <chrono>
-#include <iostream>
 #include <string>
 
 #include <unistd.h>
@@ -17,6 +16,7 @@
 #include "service/ipc/surface_publisher.h"
 #include "service/loop/surface_snapshot.h"
 #include "tests/bench/arguments.h"
+#include "tests/bench/printed_rows.h"
 #include "tests/support/sculpt_body.h"
 
 namespace omni::haptics {
@@ -149,6 +149,6 @@ int main(int argc, char** argv) {
   if (quick) timing.repeats = 20;
   omni::haptics::TimeSoft(quick ? omni::haptics::kFineQuick : omni::haptics::kFine, timing);
   omni::haptics::TimeSculpted(quick ? omni::haptics::kFineQuick : omni::haptics::kFine, timing);
-  std::cout << timing.rows.dump(2) << "\n";
+  omni::bench::PrintRows(timing.rows);
   return 0;
 }

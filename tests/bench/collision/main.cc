@@ -12,6 +12,7 @@
 #include "tests/bench/collision/judge.h"
 #include "tests/bench/collision/path.h"
 #include "tests/bench/collision/timing.h"
+#include "tests/bench/printed_rows.h"
 
 namespace omni::collision {
 namespace {
@@ -68,10 +69,6 @@ void TimeEngines(const Oracle& oracle, const std::vector<std::vector<Vec3>>& pat
   }
 }
 
-ordered_json Number(const std::vector<double>& values, double q) {
-  return values.empty() ? ordered_json() : ordered_json(Quantile(values, q));
-}
-
 std::vector<double> All(const Timed& timed, std::vector<double> Times::*member) {
   std::vector<double> all;
   for (const Times& times : timed.styles) all.insert(all.end(), (times.*member).begin(), (times.*member).end());
@@ -83,9 +80,9 @@ ordered_json Row(const Body& body, const Timed& timed, const Verdict* verdict) {
   ordered_json row{{"engine", timed.engine->name()},
                    {"mesh", body.name},
                    {"triangles", body.triangles.size()},
-                   {"us_median", Number(All(timed, &Times::median_us), 0.5)},
-                   {"us_p99", Number(All(timed, &Times::p99_us), 0.5)},
-                   {"us_p999", Number(All(timed, &Times::p999_us), 0.5)},
+                   {"us_median", Quantile(All(timed, &Times::median_us), 0.5)},
+                   {"us_p99", Quantile(All(timed, &Times::p99_us), 0.5)},
+                   {"us_p999", Quantile(All(timed, &Times::p999_us), 0.5)},
                    {"build_ms", Quantile(timed.build_ms, 0.5)},
                    {"bytes_per_triangle", timed.cost.tree_bytes / n},
                    {"missed", nullptr},
@@ -109,9 +106,9 @@ ordered_json StyleRow(const Body& body, const Timed& timed, std::size_t s) {
           {"mesh", body.name},
           {"triangles", body.triangles.size()},
           {"path", kStyles[s].name},
-          {"us_median", Number(timed.styles[s].median_us, 0.5)},
-          {"us_p99", Number(timed.styles[s].p99_us, 0.5)},
-          {"us_p999", Number(timed.styles[s].p999_us, 0.5)}};
+          {"us_median", Quantile(timed.styles[s].median_us, 0.5)},
+          {"us_p99", Quantile(timed.styles[s].p99_us, 0.5)},
+          {"us_p999", Quantile(timed.styles[s].p999_us, 0.5)}};
 }
 
 // Mean cost of a whole Step far from everything, or without a scene, ns.
@@ -341,7 +338,7 @@ int Main(int count, char** words) {
   for (const Body& body : bodies) {
     if (!bench.Run(body, options.ticks / bodies.size())) return 1;
   }
-  std::cout << ordered_json(bench.rows()).dump(1) << std::endl;
+  bench::PrintRows(bench.rows());
   return 0;
 }
 

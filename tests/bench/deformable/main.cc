@@ -7,6 +7,7 @@
 
 #include "tests/bench/arguments.h"
 #include "tests/bench/deformable/rows.h"
+#include "tests/bench/printed_rows.h"
 
 namespace {
 
@@ -44,6 +45,6 @@ int main(int argc, char** argv) {
   for (const Part& part : kParts) {
     if (only.empty() || only == part.name) part.add(settings, rows);
   }
-  std::cout << nlohmann::ordered_json(rows).dump(1) << "\n";
+  omni::bench::PrintRows(rows);
   return 0;
 }

@@ -1,4 +1,5 @@
 // omni-bench collision: runs omni_bench_collision, which is built with the peers and stands alone because of them.
+#include "service/tools/statistics.h"
 #include "tests/bench/harness/program.h"
 
 namespace omni::bench {
@@ -6,7 +7,7 @@ namespace {
 
 // What this bench is about: ratios within the run.
 nlohmann::ordered_json Ratio(const char* what, double a, double b) {
-  return {{"table", "ratios"}, {"what", what}, {"ratio", b > 0 ? nlohmann::ordered_json(a / b) : nullptr}};
+  return {{"table", "ratios"}, {"what", what}, {"ratio", a / b}};
 }
 
 double Value(const BenchRows& rows, const std::string& engine, std::uint64_t triangles, const char* key) {
@@ -14,7 +15,7 @@ double Value(const BenchRows& rows, const std::string& engine, std::uint64_t tri
     if (row.contains("table") || row.value("mesh", "") != "lump" || row.value("engine", "") != engine) continue;
     if (row.value("triangles", std::uint64_t{0}) == triangles && row.at(key).is_number()) return row.at(key);
   }
-  return 0;
+  return tools::kNotMeasured;
 }
 
 void AddRatios(BenchRows& rows) {

@@ -1,12 +1,14 @@
 // Errors of estimated poses against the twin's truth, collected for a row of a benchmark.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "service/base/tool_state.h"
 #include "service/base/vec.h"
 #include "service/sim/charges.h"
 #include "service/sim/vec3.h"
@@ -17,6 +19,11 @@ namespace omni::bench {
 // A pose farther off than this, or of the wrong polarity, is no estimate but a failure.
 inline constexpr double kFailure_m = 0.010;
 inline constexpr double kFailure_rad = 0.5 * std::numbers::pi;
+
+// An error that a person sees, counted wherever poses are.
+inline constexpr double kLarge_m = 0.002;
+// An error beyond so many published standard deviations was not told.
+inline constexpr double kSilentSigmas = 5;
 
 struct PoseError {
   double position_m = 0;
@@ -34,6 +41,11 @@ inline PoseError ErrorOf(const sim::MagnetPose& truth, const base::Vec3& positio
           std::atan2(Norm(Cross(axis, truth.axis_base)), Dot(axis, truth.axis_base))};
 }
 
+inline bool IsSilent(const PoseError& error, const base::ToolState& tool) noexcept {
+  const double sigma_m = std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
+  return !(error.position_m <= kSilentSigmas * sigma_m);
+}
+
 struct ErrorSet {
   std::vector<double> position_mm;
   std::vector<double> axis_deg;
@@ -44,6 +56,10 @@ struct ErrorSet {
     axis_deg.push_back(error.axis_rad * 180 / std::numbers::pi);
     failures += error.failed() ? 1 : 0;
   }
+  std::size_t LargerThan(double size_m) const {
+    return static_cast<std::size_t>(
+        std::count_if(position_mm.begin(), position_mm.end(), [&](double mm) { return mm > 1e3 * size_m; }));
+  }
   // A scan without any estimate.
   void AddMissing() { ++failures; }
 };
@@ -51,7 +67,7 @@ struct ErrorSet {
 inline double Rms(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value * value;
-  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
+  return values.empty() ? tools::kNotMeasured : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
 inline std::string SeedText(const std::vector<std::uint64_t>& seeds) {

@@ -51,9 +51,7 @@ int RunBench(const Bench& bench, const BenchOptions& options, const std::string&
   const auto tables = tools::TakeSideTables(own);
   std::cout << tools::RowTable(own);
   for (const auto& [name, side] : tables) std::cout << "\n" << name << "\n" << tools::RowTable(side);
-  if (json_path.empty()) return tools::kExitOk;
-  const std::string problem = tools::WriteText(json_path, tools::RowDocument(bench.name, *rows).dump(2) + "\n");
-  return problem.empty() ? tools::kExitOk : tools::Fail("omni-bench", problem);
+  return KeepRows(bench.name, *rows, json_path);
 }
 
 constexpr std::uint64_t kMost = 1'000'000'000;  // of ticks and cold starts

@@ -7,6 +7,7 @@
 
 #include "service/tools/json_file.h"
 #include "service/tools/row_table.h"
+#include "tests/bench/printed_rows.h"
 #include "tests/support/child_process.h"
 
 namespace omni::bench {
@@ -32,8 +33,9 @@ base::Result<BenchRows> RunBenchProgram(const std::string& name, const BenchOpti
   fs::remove(output, ignored);
   if (!child.ok()) return base::Error{child.error()};
   if (status != 0) return base::Error{name + " ended with status " + std::to_string(status)};
-  const auto rows = text.ok() ? nlohmann::ordered_json::parse(*text) : nlohmann::ordered_json();
+  auto rows = text.ok() ? nlohmann::ordered_json::parse(*text) : nlohmann::ordered_json();
   if (!rows.is_array()) return base::Error{name + " printed no rows"};
+  ReadNotMeasured(rows);
   return BenchRows(rows.begin(), rows.end());
 }
 

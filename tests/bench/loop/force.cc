@@ -158,8 +158,8 @@ nlohmann::ordered_json TimingRow(const std::string& stage, const QuietTiming& ti
           {"n", timing.quiet_batches * kBatch},
           {"seeds", nullptr},
           {"stage", stage},
-          {"us_median", timing.quiet_batches > 0 ? nlohmann::ordered_json(timing.us_median) : nullptr},
-          {"us_p99", timing.quiet_batches > 0 ? nlohmann::ordered_json(timing.us_p99) : nullptr}};
+          {"us_median", timing.us_median},
+          {"us_p99", timing.us_p99}};
 }
 
 // False: a stage gave something that is not finite.

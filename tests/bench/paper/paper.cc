@@ -47,9 +47,7 @@ int RunPaper(const PaperArguments& arguments) {
       all.push_back(flat);
     }
   }
-  if (arguments.json.empty()) return tools::kExitOk;
-  const std::string problem = tools::WriteText(arguments.json, tools::RowDocument("paper", all).dump(2) + "\n");
-  return problem.empty() ? tools::kExitOk : tools::Fail("omni-bench paper", problem);
+  return KeepRows("paper", all, arguments.json);
 }
 
 }  // namespace

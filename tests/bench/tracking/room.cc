@@ -24,6 +24,7 @@
 #include "service/tools/statistics.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
+#include "tests/bench/harness/errors.h"
 #include "tests/support/trace.h"
 
 namespace omni::bench {
@@ -39,7 +40,6 @@ constexpr std::size_t kRigs = 10;
 constexpr double kRun_s = 60;
 constexpr double kSettle_s = 0.2;      // from no pen to the first pose, and the filter's own time
 constexpr double kTracked_mm = 3;      // 3 sigma of a pose that counts as tracked
-constexpr double kSilentSigmas = 5;    // an error beyond so many published sigmas was not told
 constexpr double kRecovered_s = 0.05;  // tracked for so long
 constexpr double kForce_N = 0.3;       // a smaller one is not judged
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
@@ -355,7 +355,7 @@ std::string SurroundingsOf(const Condition& condition) {
 std::vector<std::array<Tally, 2>> RunRig(const std::vector<Condition>& conditions, std::uint64_t seed, double run_s,
                                          const haptics::Scene& scene) {
   base::DeviceGeometry device = config::DefaultDevice();
-  device.sensor_noise_T = config::DefaultTwin().sensor.noise_lp_T;
+  device.sensor_noise_T = config::IdealTwin().sensor.noise_lp_T;
   std::map<std::string, std::optional<loop::TickConfig>> configs{{"none", loop::MakeTickConfig(device)}};
   std::vector<std::array<Tally, 2>> tallies;
   for (const Condition& condition : conditions) {

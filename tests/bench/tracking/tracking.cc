@@ -30,12 +30,6 @@ nlohmann::ordered_json TrackingRow(const TrackingConditions& conditions, const E
                              {"orientation_max_deg", tools::Quantile(errors.axis_deg, 1)},
                              {"failures", errors.failures},
                              {"seeds", SeedText(seeds)}};
-  if (errors.position_mm.empty()) {  // nothing was found: no figure, rather than zero
-    for (const char* key :
-         {"mean_mm", "median_mm", "p95_mm", "max_mm", "orientation_mean_deg", "orientation_max_deg"}) {
-      row[key] = nullptr;
-    }
-  }
   if (efficiency) {
     row["mse_over_crlb"] = efficiency->position;
     row["orientation_mse_over_crlb"] = efficiency->orientation;
