@@ -11,6 +11,7 @@
 #include "service/config/device_file.h"
 #include "service/loop/denormals.h"
 #include "service/sim/vec3.h"
+#include "service/tracker/doubt.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
@@ -87,11 +88,12 @@ std::size_t FindSingleStep(const std::vector<SolverMethod>& methods) {
 
 // The search for a failure takes poses of any tilt, drawn in pieces that fit in memory.
 nlohmann::ordered_json SearchColdFailures(const SolverMethod& cold, const CallTimer& timer, sim::Rig& rig,
-                                          const tracker::Model& model, std::uint64_t solves, std::uint64_t seed) {
+                                          const tracker::Config& product, std::uint64_t solves, std::uint64_t seed) {
   ErrorSet all;
   for (std::uint64_t done = 0, piece = 0; done < solves; ++piece) {
     const std::size_t count = std::min<std::uint64_t>(kColdChunk, solves - done);
-    const ErrorSet errors = Judge(cold, DrawSolverCases(rig, model, {kAnyTilt, count, seed + 1'000'000 * (piece + 1)}));
+    const ErrorSet errors =
+        Judge(cold, DrawSolverCases(rig, product, {kAnyTilt, count, seed + 1'000'000 * (piece + 1)}));
     all.failures += errors.failures;
     all.position_mm.insert(all.position_mm.end(), errors.position_mm.begin(), errors.position_mm.end());
     done += count;
@@ -102,16 +104,23 @@ nlohmann::ordered_json SearchColdFailures(const SolverMethod& cold, const CallTi
   return Row(any_tilt, timer, all, solves, seed);
 }
 
+// Of the first scan after the start, as tracker::Update has it.
+tracker::Trust FirstTrust(const tracker::Config& config) {
+  return TrustIn(tracker::Doubt{.model_error = config.doubt.model_error_start}, config.trust);
+}
+
 }  // namespace
 
-std::vector<SolverCase> DrawSolverCases(sim::Rig& rig, const tracker::Model& model, const SolverPoses& poses) {
+std::vector<SolverCase> DrawSolverCases(sim::Rig& rig, const tracker::Config& config, const SolverPoses& poses) {
+  const tracker::Trust trust = FirstTrust(config);
   sim::Random random(poses.seed);
   std::vector<SolverCase> cases;
   cases.reserve(poses.count);
   for (std::size_t i = 0; i < poses.count; ++i) {
     const sim::MagnetPose truth = rig.DrawPose(poses.range, random);
     SolverCase one{.truth = truth, .scan = rig.Scan(&truth, {}, random)};
-    one.measurement = tracker::MakeMeasurement(model, tracker::NoiseOnly(), one.scan, {}, {});
+    one.measurement = tracker::MakeMeasurement(config.model, tracker::NoiseOnly(), one.scan, {}, {});
+    one.product = tracker::MakeMeasurement(config.model, trust, one.scan, {}, {});
     one.peer = peers::MakePeerScan(one.measurement);
     using sim::operator+;
     const base::Vec3 turn = random.NormalVector(kWarmOffset_rad);
@@ -128,16 +137,16 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options) {
   const std::uint64_t seed = ThreeSeeds(options.seed).front();
   sim::Rig rig(config::DefaultDevice(), {.seed = seed, .sizes = sim::NoImperfections()});
   const base::Calibration calibration = rig.ExactCalibration();
-  const tracker::Model model = tracker::MakeModel(calibration);
-  std::vector<SolverMethod> methods = OmniSolvers(calibration);
+  const tracker::Config product = tracker::MakeConfig(calibration);
+  std::vector<SolverMethod> methods = OmniSolvers(calibration, product);
   const std::size_t single_step = FindSingleStep(methods);
   const std::size_t ours = methods.size();
   for (SolverMethod& peer : PeerSolvers(calibration)) methods.push_back(std::move(peer));
   for (SolverMethod& paper : PaperSolvers(calibration)) methods.push_back(std::move(paper));
 
   std::cerr << "poses ...\n";
-  const auto cases = DrawSolverCases(rig, model, {{}, kCases, seed});
-  const auto more = DrawSolverCases(rig, model, {{}, std::max<std::size_t>(512, kAccuracyCases / share), seed + 1});
+  const auto cases = DrawSolverCases(rig, product, {{}, kCases, seed});
+  const auto more = DrawSolverCases(rig, product, {{}, std::max<std::size_t>(512, kAccuracyCases / share), seed + 1});
   std::cerr << "timing " << methods.size() << " methods ...\n";
   std::vector<CallTimer> timers(methods.size());
   TimeInTurns(methods, cases, std::max<std::size_t>(4, kRounds / share), timers);
@@ -148,7 +157,7 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options) {
     rows.push_back(Row(methods[m], timers[m], Judge(methods[m], more), more.size(), seed));
   }
   const std::uint64_t solves = options.cold_solves > 0 ? options.cold_solves : kColdSolves / share;
-  rows.push_back(SearchColdFailures(methods[1], timers[1], rig, model, solves, seed));
+  rows.push_back(SearchColdFailures(methods[1], timers[1], rig, product, solves, seed));
   for (std::size_t m = ours; m < methods.size(); ++m) {
     if (methods[m].start != std::string_view("warm")) continue;
     AddRatio("to the product's warm solve", methods[m], timers[m], methods[0], timers[0], rows);

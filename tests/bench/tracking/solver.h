@@ -9,6 +9,7 @@
 #include "service/base/calibration.h"
 #include "service/base/hall_scan.h"
 #include "service/tracker/solver.h"
+#include "service/tracker/tracker.h"
 #include "tests/bench/peers/peer.h"
 #include "tests/support/rig.h"
 
@@ -17,7 +18,8 @@ namespace omni::bench {
 struct SolverCase {
   sim::MagnetPose truth;
   base::HallScan scan;
-  tracker::Measurement measurement;  // whitened once: no method pays for it
+  tracker::Measurement measurement;  // whitened once, with the sensors' noise alone: no method pays for it
+  tracker::Measurement product;      // as the product trusts its readings
   peers::PeerScan peer;
   tracker::Pose warm;  // off by .3 mm per axis and .5 deg
 };
@@ -28,8 +30,8 @@ struct SolverPoses {
   std::uint64_t seed = 0;
 };
 
-// Scans at rest of the twin, 0 A, whitened with the sensors' noise alone.
-std::vector<SolverCase> DrawSolverCases(sim::Rig& rig, const tracker::Model& model, const SolverPoses& poses);
+// Scans at rest of the twin, 0 A. `config`: the product's.
+std::vector<SolverCase> DrawSolverCases(sim::Rig& rig, const tracker::Config& config, const SolverPoses& poses);
 
 struct SolverAnswer {
   base::Vec3 position_base_m;
@@ -45,8 +47,9 @@ struct SolverMethod {
   std::function<std::optional<SolverAnswer>(const SolverCase&)> solve;
 };
 
-// Ours: rungs, precisions, iterations, warm and cold. The first two are the product's warm and cold solve.
-std::vector<SolverMethod> OmniSolvers(const base::Calibration& calibration);
+// Ours: rungs, precisions, iterations, warm and cold. The first two, called default, are the product's warm and cold
+// solve with its own trust in its readings; all others, like the peers, believe in nothing but the sensors' noise.
+std::vector<SolverMethod> OmniSolvers(const base::Calibration& calibration, const tracker::Config& product);
 // Ceres and TinySolver on our problem.
 std::vector<SolverMethod> PeerSolvers(const base::Calibration& calibration);
 // The paper's method on its own.

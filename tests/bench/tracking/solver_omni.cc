@@ -9,8 +9,6 @@ namespace {
 using tracker::Precision;
 using tracker::Rung;
 
-constexpr Precision kProduct = Precision::kFloat;  // of tracker::Update
-
 struct RungName {
   Rung rung;
   const char* name;
@@ -44,18 +42,32 @@ SolverMethod Warm(const char* model_name, const std::shared_ptr<const tracker::M
           }};
 }
 
+SolverMethod ProductWarm(const std::shared_ptr<const tracker::Config>& config) {
+  const tracker::SolveOptions options{.precision = config->precision, .iterations_max = config->iterations_max};
+  return {.method = "omni",
+          .model = "default",
+          .start = "warm",
+          .precision = NameOf(config->precision),
+          .variant = "n steps",
+          .solve = [config, options](const SolverCase& one) -> std::optional<SolverAnswer> {
+            const tracker::Fit fit = SolvePose(config->model, one.product, one.warm, options);
+            return Answer(fit.pose);
+          }};
+}
+
 constexpr double kColdDamping = 1e-2;
 constexpr int kColdIterations = 30;
 constexpr double kChi2Max = 80;
 
 // The tick's search: the grid's best places in turn until a fit passes the gate.
-std::optional<SolverAnswer> SolveCold(const tracker::Model& model, const SolverCase& one, Precision precision) {
+std::optional<SolverAnswer> SolveCold(const tracker::Model& model, const tracker::Measurement& measurement,
+                                      Precision precision) {
   const tracker::SolveOptions options{
       .precision = precision, .iterations_max = kColdIterations, .damping = kColdDamping};
-  const tracker::ColdCandidates candidates = RankGrid(model, one.measurement, tracker::kColdCandidates);
-  const double gate = tracker::ChiSquareGate(kChi2Max, one.measurement.axes - tracker::kParameters);
+  const tracker::ColdCandidates candidates = RankGrid(model, measurement, tracker::kColdCandidates);
+  const double gate = tracker::ChiSquareGate(kChi2Max, measurement.axes - tracker::kParameters);
   for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count); ++c) {
-    const tracker::Fit fit = SolvePose(model, one.measurement, candidates.poses[c], options);
+    const tracker::Fit fit = SolvePose(model, measurement, candidates.poses[c], options);
     if (fit.converged && fit.chi2 <= gate) return Answer(fit.pose);
   }
   return std::nullopt;
@@ -67,14 +79,25 @@ SolverMethod Cold(const char* model_name, const std::shared_ptr<const tracker::M
           .start = "cold",
           .precision = NameOf(precision),
           .variant = "global",
-          .solve = [model, precision](const SolverCase& one) { return SolveCold(*model, one, precision); }};
+          .solve = [model, precision](const SolverCase& one) { return SolveCold(*model, one.measurement, precision); }};
+}
+
+SolverMethod ProductCold(const std::shared_ptr<const tracker::Config>& config) {
+  return {
+      .method = "omni",
+      .model = "default",
+      .start = "cold",
+      .precision = NameOf(config->precision),
+      .variant = "global",
+      .solve = [config](const SolverCase& one) { return SolveCold(config->model, one.product, config->precision); }};
 }
 
 }  // namespace
 
-std::vector<SolverMethod> OmniSolvers(const base::Calibration& calibration) {
+std::vector<SolverMethod> OmniSolvers(const base::Calibration& calibration, const tracker::Config& product) {
+  const auto config = std::make_shared<const tracker::Config>(product);
   const auto full = std::make_shared<const tracker::Model>(tracker::MakeModel(calibration));
-  std::vector<SolverMethod> methods{Warm("default", full, kProduct, 0), Cold("default", full, kProduct)};
+  std::vector<SolverMethod> methods{ProductWarm(config), ProductCold(config)};
   for (const RungName& rung : kRungs) {
     const auto model = std::make_shared<const tracker::Model>(tracker::MakeModel(calibration, rung.rung));
     for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {

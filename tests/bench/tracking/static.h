@@ -1,11 +1,14 @@
-// Static scans through the tracker's static solver, judged against the truth.
+// Static scans through the product's tracker, or through its static solver with a trust of one's own, judged against
+// the truth.
 #pragma once
 
 #include <array>
 
 #include "service/base/eigen.h"
 #include "service/base/hall_scan.h"
+#include "service/base/tool_state.h"
 #include "service/tracker/static_solve.h"
+#include "service/tracker/tracker.h"
 #include "tests/bench/harness/errors.h"
 
 namespace omni::bench {
@@ -21,6 +24,19 @@ inline tracker::StaticPose SolveScan(const tracker::StaticSolver& solver, const 
 
 inline bool HasPose(const tracker::StaticPose& solved) noexcept {
   return solved.status == tracker::StaticStatus::kFound || solved.status == tracker::StaticStatus::kPoorFit;
+}
+
+// One scan alone, as the first that omnid sees of a pen. kNoFit: not tracked.
+inline tracker::StaticPose TrackScan(const tracker::Config& config, const base::HallScan& scan) {
+  tracker::State state;
+  base::ToolState tool;
+  tracker::Update(config, scan, state, tool);
+  tracker::StaticPose pose;
+  if (tool.status != base::TrackingStatus::kTracking) return pose;
+  pose.status = tracker::StaticStatus::kFound;
+  pose.pose = {base::ToEigen(tool.position_base_m), base::ToEigen(tool.axis_base)};
+  pose.covariance = Eigen::Map<const Eigen::Matrix<double, 5, 5, Eigen::RowMajor>>(tool.covariance.data());
+  return pose;
 }
 
 inline PoseError ErrorOf(const sim::MagnetPose& truth, const tracker::Pose& pose) noexcept {

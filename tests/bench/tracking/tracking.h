@@ -14,7 +14,9 @@
 namespace omni::bench {
 
 struct TrackingConditions {
-  std::string model = "default";      // or a rung of its own name
+  // default: the product, tracker::Update as omnid calls it, with its own trust in its readings. All others are studies
+  // with the static solver: noise-only believes in nothing but the sensors' noise, a rung is that with a simpler model.
+  std::string model = "default";
   std::string noise = "UHP";          // UHP | LP | none
   double actuation_A = 0;             // greatest current of each coil
   std::string currents = "measured";  // measured | hidden
@@ -38,11 +40,11 @@ struct TrackingPlan {
   std::size_t share = 1;  // --quick: the work divided by this
 };
 
-// Scans without noise at any tilt, contact included: what the model itself leaves. One row per rung.
+// Scans without noise at any tilt, contact included: what the model itself leaves. The product, and one row per rung.
 base::Result<BenchRows> ModelErrors(const TrackingPlan& plan);
 // Against the Cramer-Rao bound; side table: the bound by radius.
 base::Result<BenchRows> Efficiencies(const TrackingPlan& plan);
-// Static scans under current, measured and hidden.
+// Static scans under current: measured, the product; hidden, a study.
 base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan);
 // The paper's protocol: a waved pen and sawtooth currents, self-calibrated and exact.
 base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan);

@@ -3,12 +3,10 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <string_view>
 
 #include "service/base/eigen.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
-#include "service/magnetics/nominal.h"
 #include "service/sim/vec3.h"
 #include "service/tools/calibrate_twin.h"
 #include "service/tracker/tracker.h"
@@ -27,13 +25,12 @@ constexpr std::size_t kRigsPerSeed = 4;  // 12 in all
 constexpr double kMovingTrace_s = 60;
 constexpr double kCalibrating_s = 100;
 constexpr double kSettle_s = 0.2;
-constexpr double kUncalibrated = 0.05;  // error of the model that the tracker must allow then, or nothing would fit
 constexpr double kSawtooth_s = 0.5;
 
 // A base as it comes from the workshop, and everything that happens to the twin, faster than usual: the pen warms by 10
 // K and the background drifts by its 5 mG within the run; while it is calibrated, within a hundred seconds.
 base::TruthParameters HardTruth(double run_s) {
-  base::TruthParameters truth = config::DefaultTwin();
+  base::TruthParameters truth = config::IdealTwin();
   const double nonlinearity = truth.imperfections.sensor_nonlinearity;
   truth.imperfections = sim::UncalibratedImperfections();
   truth.imperfections.sensor_nonlinearity = nonlinearity;
@@ -103,10 +100,12 @@ void TrackTrace(const tracker::Config& config, const std::vector<sim::TraceRow>&
 constexpr std::array<const char*, 3> kKnowledge{"self", "exact", "none"};
 constexpr std::array<double, 2> kAmplitudes_A{4, 0};
 
-base::Result<std::array<base::Calibration, 3>> Calibrations(const sim::Rig& rig, std::uint64_t seed) {
+// The product's.
+base::Result<std::array<tracker::Config, kKnowledge.size()>> Configs(const sim::Rig& rig, std::uint64_t seed) {
   const auto self = tools::CalibrateTwin(FastDevice(), seed, HardTruth(kCalibrating_s));
   if (!self.ok()) return base::Error{"rig " + std::to_string(seed) + ": " + self.error()};
-  return std::array{self->outcome.calibration, rig.ExactCalibration(), magnetics::NominalCalibration(FastDevice())};
+  return std::array{tracker::MakeConfig(self->outcome.calibration), tracker::MakeConfig(rig.ExactCalibration()),
+                    tracker::MakeConfig(FastDevice())};
 }
 
 }  // namespace
@@ -124,19 +123,15 @@ base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan) {
                                   .noise = sim::NoiseMode::kLowPower,
                                   .effects = truth.effects,
                                   .sensor = truth.sensor});
-      const auto calibrations = Calibrations(rig, rig_seed);
-      if (!calibrations.ok()) return base::Error{calibrations.error()};
+      const auto configs = Configs(rig, rig_seed);
+      if (!configs.ok()) return base::Error{configs.error()};
       for (std::size_t a = 0; a < kAmplitudes_A.size(); ++a) {
         sim::TraceOptions options{.duration_s = duration_s, .seed = rig_seed};
         options.motion.seed = rig_seed;
         options.currents = sim::StaggeredSawtooth(kAmplitudes_A[a], kSawtooth_s);
         const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
         for (std::size_t k = 0; k < kKnowledge.size(); ++k) {
-          tracker::Config config = tracker::MakeConfig((*calibrations)[k]);
-          if (kKnowledge[k] == std::string_view("none")) {
-            config.trust.model_error_relative = config.trust.coil_error_relative = kUncalibrated;
-          }
-          TrackTrace(config, trace, all[k][a]);
+          TrackTrace((*configs)[k], trace, all[k][a]);
         }
       }
     }

@@ -77,6 +77,29 @@ double Nees(const sim::MagnetPose& truth, const tracker::StaticPose& fit) {
 
 double Square(double x) { return x * x; }
 
+class EfficiencySum {
+ public:
+  void Add(sim::Rig& rig, const sim::MagnetPose& truth, const tracker::StaticPose& solved) {
+    const sim::BoundOptions known{.noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh)};
+    const auto bound = CramerRao(rig, truth, known);
+    if (!HasPose(solved) || !bound) return;
+    const PoseError error = ErrorOf(truth, solved.pose);
+    ++found_;
+    sum_.position += Square(error.position_m) / bound->position_m2;
+    sum_.orientation += Square(error.axis_rad) / bound->orientation_rad2;
+    sum_.nees += Nees(truth, solved);
+  }
+  // Of nothing: NaN.
+  Efficiency Mean() const {
+    const auto n = static_cast<double>(found_);
+    return {sum_.position / n, sum_.orientation / n, sum_.nees / n};
+  }
+
+ private:
+  Efficiency sum_;
+  std::size_t found_ = 0;
+};
+
 // The least possible rms error at each radius, by what else is unknown, mm; median / p95 over poses.
 BenchRows BoundByRadius(const TrackingPlan& plan) {
   struct Unknown {
@@ -124,63 +147,62 @@ BenchRows BoundByRadius(const TrackingPlan& plan) {
 }  // namespace
 
 base::Result<BenchRows> ModelErrors(const TrackingPlan& plan) {
-  struct Named {
+  struct Study {
     const char* name;
-    Rung rung;
+    std::optional<Rung> rung;  // none: the product
     std::size_t poses;
   };
-  const Named rungs[] = {{"default", Rung::kFull, kModelPoses},
-                         {"dipole-core", Rung::kDipoleCore, kModelPoses / 10},
-                         {"dipole", Rung::kDipole, kModelPoses / 10}};
+  const Study studies[] = {{"default", {}, kModelPoses},
+                           {"noise-only", Rung::kFull, kModelPoses},
+                           {"dipole-core", Rung::kDipoleCore, kModelPoses / 10},
+                           {"dipole", Rung::kDipole, kModelPoses / 10}};
   BenchRows rows;
-  for (const Named& rung : rungs) {
+  for (const Study& study : studies) {
     ErrorSet errors;
-    const std::size_t count = rung.poses / plan.share;
+    const std::size_t count = study.poses / plan.share;
     for (const std::uint64_t seed : plan.seeds) {
       sim::Rig rig = ExactRig(seed, sim::NoiseMode::kNone, false);
       base::Calibration calibration = rig.ExactCalibration();
       calibration.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);  // only weighs the axes
-      const auto solver = tracker::StaticSolver::Make(calibration, {.rung = rung.rung});
+      const auto solver = tracker::StaticSolver::Make(calibration, {.rung = study.rung.value_or(Rung::kFull)});
       if (!solver.ok()) return base::Error{solver.error()};
+      const tracker::Config product = tracker::MakeConfig(calibration);
       sim::Random random(seed);
       for (std::size_t i = 0; i < count; ++i) {
         sim::MagnetPose truth = rig.DrawPose(kAnyTilt, random);
         if (random.Uniform() < kContactShare) truth = Touching(rig, truth);
-        AddSolved(truth, SolveScan(*solver, rig.Scan(&truth, {}, random)), errors);
+        const base::HallScan scan = rig.Scan(&truth, {}, random);
+        AddSolved(truth, study.rung ? SolveScan(*solver, scan) : TrackScan(product, scan), errors);
       }
     }
-    rows.push_back(TrackingRow({.model = rung.name, .noise = "none"}, errors, count * plan.seeds.size(), plan.seeds));
+    rows.push_back(TrackingRow({.model = study.name, .noise = "none"}, errors, count * plan.seeds.size(), plan.seeds));
   }
   return rows;
 }
 
 base::Result<BenchRows> Efficiencies(const TrackingPlan& plan) {
-  ErrorSet errors;
-  Efficiency sum;
-  std::size_t found = 0;
-  const std::size_t count = kEfficiencyPoses / plan.share;
-  const sim::BoundOptions known{.noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh)};
-  for (const std::uint64_t seed : plan.seeds) {
-    sim::Rig rig = ExactRig(seed, sim::NoiseMode::kUltraHigh, true);
-    const auto solver = tracker::StaticSolver::Make(rig.ExactCalibration(), {});
-    if (!solver.ok()) return base::Error{solver.error()};
-    sim::Random random(seed);
-    for (std::size_t i = 0; i < count; ++i) {
-      const sim::MagnetPose truth = rig.DrawPose({}, random);
-      const auto bound = CramerRao(rig, truth, known);
-      const tracker::StaticPose solved = SolveScan(*solver, rig.Scan(&truth, {}, random));
-      AddSolved(truth, solved, errors);
-      if (!HasPose(solved) || !bound) continue;
-      const PoseError error = ErrorOf(truth, solved.pose);
-      ++found;
-      sum.position += Square(error.position_m) / bound->position_m2;
-      sum.orientation += Square(error.axis_rad) / bound->orientation_rad2;
-      sum.nees += Nees(truth, solved);
+  BenchRows rows;
+  for (const char* model : {"default", "noise-only"}) {
+    const bool is_product = rows.empty();
+    ErrorSet errors;
+    EfficiencySum sum;
+    const std::size_t count = kEfficiencyPoses / plan.share;
+    for (const std::uint64_t seed : plan.seeds) {
+      sim::Rig rig = ExactRig(seed, sim::NoiseMode::kUltraHigh, true);
+      const auto solver = tracker::StaticSolver::Make(rig.ExactCalibration(), {});
+      if (!solver.ok()) return base::Error{solver.error()};
+      const tracker::Config product = tracker::MakeConfig(rig.ExactCalibration());
+      sim::Random random(seed);
+      for (std::size_t i = 0; i < count; ++i) {
+        const sim::MagnetPose truth = rig.DrawPose({}, random);
+        const base::HallScan scan = rig.Scan(&truth, {}, random);
+        const tracker::StaticPose solved = is_product ? TrackScan(product, scan) : SolveScan(*solver, scan);
+        AddSolved(truth, solved, errors);
+        sum.Add(rig, truth, solved);
+      }
     }
+    rows.push_back(TrackingRow({.model = model}, errors, count * plan.seeds.size(), plan.seeds, sum.Mean()));
   }
-  const auto n = static_cast<double>(std::max<std::size_t>(1, found));
-  BenchRows rows{TrackingRow({}, errors, count * plan.seeds.size(), plan.seeds,
-                             Efficiency{sum.position / n, sum.orientation / n, sum.nees / n})};
   const BenchRows table = BoundByRadius(plan);
   rows.insert(rows.end(), table.begin(), table.end());
   return rows;
@@ -192,7 +214,7 @@ base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan) {
     sim::NoiseMode noise;
   };
   const Case cases[] = {
-      {{.noise = "UHP", .actuation_A = 15, .currents = "hidden"}, sim::NoiseMode::kUltraHigh},
+      {{.model = "noise-only", .noise = "UHP", .actuation_A = 15, .currents = "hidden"}, sim::NoiseMode::kUltraHigh},
       {{.noise = "UHP", .actuation_A = 15}, sim::NoiseMode::kUltraHigh},
       {{.noise = "UHP", .actuation_A = 4}, sim::NoiseMode::kUltraHigh},
       {{.noise = "LP", .actuation_A = 0}, sim::NoiseMode::kLowPower},
@@ -211,11 +233,10 @@ base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan) {
       options.sizes.current_offset_A = sim::ImperfectionSizes{}.current_offset_A;
       sim::Rig rig(config::DefaultDevice(), options);
       tracker::Trust trust = tracker::NoiseOnly();
-      trust.currents_hidden = hidden;
-      trust.current_error_A = options.sizes.current_offset_A;
-      trust.current_error_relative = options.sizes.current_gain;
+      trust.currents_hidden = true;
       const auto solver = tracker::StaticSolver::Make(rig.ExactCalibration(), {.trust = trust});
       if (!solver.ok()) return base::Error{solver.error()};
+      const tracker::Config product = tracker::MakeConfig(rig.ExactCalibration());
       sim::Random random(seed);
       for (std::size_t i = 0; i < count; ++i) {
         const sim::MagnetPose truth = rig.DrawPose({}, random);
@@ -223,7 +244,7 @@ base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan) {
         for (double& current : current_A) current = random.Uniform(-limit_A, limit_A);
         base::HallScan scan = rig.Scan(&truth, current_A, random);
         if (hidden) scan.coil_current_A = {};
-        AddSolved(truth, SolveScan(*solver, scan), errors);
+        AddSolved(truth, hidden ? SolveScan(*solver, scan) : TrackScan(product, scan), errors);
       }
     }
     rows.push_back(TrackingRow(one.conditions, errors, count * plan.seeds.size(), plan.seeds));
