@@ -1,8 +1,10 @@
 // Bad input in small: what `omni-bench stress` counts by the million must be zero by the thousand as well.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
+#include "service/sim/vec3.h"
 #include "tests/bench/stress/stress.h"
 #include "tests/support/scan_faults.h"
 
@@ -22,6 +24,25 @@ TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
   EXPECT_EQ(all["allocations"], 0);
   EXPECT_EQ(rows->front()["fault"], "none");
   EXPECT_GT(rows->front()["tracking"], 0.9 * rows->front()["ticks"].get<double>());
+}
+
+// Ten hours of it are no minute that is played again and again.
+TEST(Stress, TheRoomOfTheLongRunChanges) {
+  const RoomCourse course = MakeRoomCourse(600, 5);
+  ASSERT_EQ(course.size(), 601U);
+  double field_T = 0, step_T = 0, hottest_K = 0, coolest_K = 100;
+  for (std::size_t i = 1; i < course.size(); ++i) {
+    using sim::operator-;
+    field_T = std::max(field_T, sim::Norm(course[i].ambient_base_T));
+    step_T = std::max(step_T, sim::Norm(course[i].ambient_base_T - course[i - 1].ambient_base_T));
+    hottest_K = std::max(hottest_K, course[i].magnet_K);
+    if (i > 100) coolest_K = std::min(coolest_K, course[i].magnet_K);
+  }
+  EXPECT_GT(field_T, 5e-6);
+  EXPECT_LT(field_T, 50e-6);
+  EXPECT_LT(step_T, 6e-6) << "slowly";
+  EXPECT_NEAR(hottest_K, 10, 0.1);
+  EXPECT_NEAR(coolest_K, 0, 0.1) << "and cools down again";
 }
 
 TEST(Stress, EveryFaultChangesTheScan) {

@@ -28,7 +28,9 @@ base::Result<BenchRows> BenchStress(const BenchOptions& options) {
   std::cerr << "singular poses ...\n";
   Append(StressSingularPoses(seed), *rows);
   std::cerr << "hours of virtual time ...\n";
-  Append(StressDrift(options.hours / static_cast<double>(share), seed), *rows);
+  auto drift = StressDrift(options.hours / static_cast<double>(share), seed);
+  if (!drift.ok()) return drift;
+  Append(*drift, *rows);
   return rows;
 }
 

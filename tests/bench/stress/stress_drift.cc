@@ -1,13 +1,21 @@
-// Hours of virtual time: the same motion again and again through Tick. Whatever the loop remembers (filter, moment,
-// clock, gate, temperatures) must not wander: every hour has the errors of the first.
+// Hours in a room that changes: the ambient field wanders, magnet and sensors warm up and cool down. In every minute
+// the pen is waved for some seconds, each time on another way; while it is away nobody looks, and one loop goes on
+// through all of it. Whatever it remembers (filter, moment, ambient field, doubts, clock, gate) must follow and must
+// not wander off. The base is a workshop's, calibrated by the whole of `omni calibrate` before the hours begin. A
+// simulation.
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
+#include "service/sim/vec3.h"
+#include "service/tools/calibrate_twin.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/stress/stress.h"
 #include "tests/support/trace.h"
@@ -15,61 +23,135 @@
 namespace omni::bench {
 namespace {
 
-constexpr double kDriftTrace_s = 60;
+using sim::operator+;
+using sim::operator-;
+using sim::operator*;
+
 constexpr double kHour_s = 3600;
 constexpr int kRowsMax = 10;
-constexpr int kSettleTicks = 50;  // after the jump from the trace's end to its start
+constexpr double kWaved_s = 5;      // of each minute; the twin takes a fifth of a second for one
+constexpr int kSettleTicks = 200;   // after the jump from the end of one way to the start of the next
+constexpr double kWander_T = 1e-6;  // of the ambient field, per axis, within a step ...
+constexpr double kForget_s = 3600;  // ... which it forgets after so long: 6 uT rms in all
+constexpr double kMagnetPeriod_s = 2.5 * kHour_s, kMagnet_K = 10;
+constexpr double kSensorPeriod_s = 3.5 * kHour_s, kSensor_K = 6;
+constexpr double kSensorOffset_T_K = 5e-7, kSensorGain_1_K = 1e-4;  // per axis and sensor, each its own; assumptions
+
+constexpr auto kStepTicks = static_cast<std::uint64_t>(kCourseStep_s / base::kTickPeriod_s + 0.5);
+
+// From 0 up to `size` and back.
+double Swing(double size, double t_s, double period_s) {
+  return 0.5 * size * (1 - std::cos(2 * std::numbers::pi * t_s / period_s));
+}
+
+base::TruthParameters DriftingRoom() {
+  base::TruthParameters truth = config::RoomTwin();
+  truth.imperfections.sensor_offset_T_K = kSensorOffset_T_K;
+  truth.imperfections.sensor_gain_1_K = kSensorGain_1_K;
+  return truth;
+}
+
+// The room at one step of its course: the field moves on through all of it, the temperature is that of its middle.
+base::TruthParameters RoomAt(const RoomCourse& course, std::size_t step) {
+  base::TruthParameters truth = DriftingRoom();
+  base::TruthEffects& effects = truth.effects;
+  const RoomMoment &from = course[step], &to = course[step + 1];
+  effects.ambient_drift_T = 0;
+  effects.run_s = 1e-3;  // warm from the start
+  effects.magnet_warming_K = 0.5 * (from.magnet_K + to.magnet_K);
+  effects.sensor_warming_K = 0.5 * (from.sensor_K + to.sensor_K);
+  effects.earth_field_base_T = effects.earth_field_base_T + from.ambient_base_T;
+  effects.room.steps.push_back({.change_base_T = to.ambient_base_T - from.ambient_base_T, .over_s = kCourseStep_s});
+  return truth;
+}
+
+std::vector<sim::TraceRow> RecordStep(const base::DeviceGeometry& device, const base::TruthParameters& truth,
+                                      std::uint64_t rig_seed, std::uint64_t step) {
+  sim::Rig rig(device, {.seed = rig_seed,
+                        .sizes = truth.imperfections,
+                        .noise = sim::NoiseMode::kLowPower,
+                        .effects = truth.effects,
+                        .sensor = truth.sensor});
+  sim::TraceOptions options{.duration_s = kWaved_s, .start_s = 1e-3, .seed = rig_seed + step};
+  options.motion = {.seed = rig_seed + step, .radius_max_m = 0.09, .tilt_max_rad = std::numbers::pi / 4};
+  options.currents = sim::StaggeredSawtooth(4, 0.5);
+  return sim::RecordTrace(rig, options);
+}
+
+struct DriftTally {
+  ErrorSet errors;
+  std::size_t ticks = 0, tracked = 0, silent = 0;
+
+  void Add(const base::ToolState& tool, const sim::MagnetPose& truth) {
+    ++ticks;
+    if (tool.status != base::TrackingStatus::kTracking) return;
+    ++tracked;
+    const PoseError error = ErrorOf(truth, tool.position_base_m, tool.axis_base);
+    errors.Add(error);
+    silent += IsSilent(error, tool) ? 1 : 0;
+  }
+};
+
+nlohmann::ordered_json Row(double hours, const RoomMoment& room, const DriftTally& tally, std::uint64_t seed) {
+  return {{"table", "drift"},
+          {"hours", hours},
+          {"ticks", tally.ticks},
+          {"ambient_change_uT", 1e6 * sim::Norm(room.ambient_base_T)},
+          {"magnet_K", room.magnet_K},
+          {"sensor_K", room.sensor_K},
+          {"tracked_fraction", static_cast<double>(tally.tracked) / static_cast<double>(tally.ticks)},
+          {"mean_mm", tools::Mean(tally.errors.position_mm)},
+          {"p95_mm", tools::Quantile(tally.errors.position_mm, 0.95)},
+          {"max_mm", tools::Quantile(tally.errors.position_mm, 1)},
+          {"orientation_mean_deg", tools::Mean(tally.errors.axis_deg)},
+          {"over_2mm", tally.errors.LargerThan(kLarge_m)},
+          {"silent", tally.silent},
+          {"failures", tally.errors.failures},
+          {"seed", seed}};
+}
 
 }  // namespace
 
-BenchRows StressDrift(double hours, std::uint64_t seed) {
+RoomCourse MakeRoomCourse(std::size_t steps, std::uint64_t seed) {
+  sim::Random random(seed);
+  RoomCourse course(steps + 1);
+  for (std::size_t i = 1; i < course.size(); ++i) {
+    const double t_s = kCourseStep_s * static_cast<double>(i);
+    course[i] = {(1 - kCourseStep_s / kForget_s) * course[i - 1].ambient_base_T + random.NormalVector(kWander_T),
+                 Swing(kMagnet_K, t_s, kMagnetPeriod_s), Swing(kSensor_K, t_s, kSensorPeriod_s)};
+  }
+  return course;
+}
+
+base::Result<BenchRows> StressDrift(double hours, std::uint64_t seed) {
   loop::FlushDenormals();
   const base::DeviceGeometry& device = config::DefaultDevice();
-  sim::Rig rig(device, {.seed = seed, .sizes = sim::NoImperfections(), .noise = sim::NoiseMode::kLowPower});
-  loop::TickConfig config = loop::MakeTickConfig(device);
-  config.tracker = tracker::MakeConfig(rig.ExactCalibration());
-  sim::TraceOptions options{.duration_s = kDriftTrace_s, .seed = seed};
-  options.motion.seed = seed;
-  options.currents = sim::StaggeredSawtooth(4, 0.5);
-  const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
-
+  const auto calibrated = tools::CalibrateTwin(device, seed, DriftingRoom());
+  if (!calibrated.ok()) return base::Error{calibrated.error()};
+  const loop::TickConfig config = loop::MakeTickConfig(device, calibrated->outcome.calibration);
   const auto state = std::make_unique<loop::LoopState>();
   const auto output = std::make_unique<loop::TickOutput>();
   const haptics::Scene scene;
   loop::EnterScene(scene, 1, *state);
-  const auto passes = static_cast<std::uint64_t>(std::ceil(hours * kHour_s / kDriftTrace_s));
-  const std::uint64_t passes_per_row = std::max<std::uint64_t>(1, passes / kRowsMax);
+  const auto steps = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(hours * kHour_s / kCourseStep_s)));
+  const std::size_t steps_per_row = (steps + kRowsMax - 1) / kRowsMax;
+  const RoomCourse course = MakeRoomCourse(steps, seed);
   BenchRows rows;
-  ErrorSet errors;
-  for (std::uint64_t pass = 0; pass < passes; ++pass) {
+  DriftTally tally;
+  for (std::size_t step = 0; step < steps; ++step) {
+    const std::vector<sim::TraceRow> trace = RecordStep(device, RoomAt(course, step), seed, step);
     for (std::size_t i = 0; i < trace.size(); ++i) {
       base::HallScan scan = trace[i].scan;
-      scan.t_ns += static_cast<std::int64_t>(pass * trace.size()) * base::kTickPeriod_ns;
-      scan.sequence += pass * trace.size();
+      scan.t_ns += static_cast<std::int64_t>(step * kStepTicks) * base::kTickPeriod_ns;
+      scan.sequence += step * kStepTicks;
       const loop::Commands commands{
           .t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
       loop::Tick(config, scan, commands, scene, *state, *output);
-      const base::ToolState& tool = output->tool;
-      if (i < kSettleTicks) continue;
-      if (tool.status == base::TrackingStatus::kTracking) {
-        // One pass per row is enough for its statistics; the others only count failures.
-        const PoseError error = ErrorOf(trace[i].pose, tool.position_base_m, tool.axis_base);
-        if (pass % passes_per_row == 0) errors.Add(error);
-        if (pass % passes_per_row != 0 && error.failed()) ++errors.failures;
-      } else {
-        errors.AddMissing();
-      }
+      if (i >= kSettleTicks) tally.Add(output->tool, trace[i].pose);
     }
-    if ((pass + 1) % passes_per_row != 0) continue;
-    rows.push_back({{"table", "drift"},
-                    {"hours", static_cast<double>(pass + 1) * kDriftTrace_s / kHour_s},
-                    {"mean_mm", tools::Mean(errors.position_mm)},
-                    {"p95_mm", tools::Quantile(errors.position_mm, 0.95)},
-                    {"max_mm", tools::Quantile(errors.position_mm, 1)},
-                    {"orientation_mean_deg", tools::Mean(errors.axis_deg)},
-                    {"failures", errors.failures},
-                    {"seed", seed}});
-    errors = {};
+    if ((step + 1) % steps_per_row != 0 && step + 1 < steps) continue;
+    rows.push_back(Row(static_cast<double>(step + 1) * kCourseStep_s / kHour_s, course[step + 1], tally, seed));
+    tally = {};
   }
   return rows;
 }

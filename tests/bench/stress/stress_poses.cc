@@ -182,6 +182,7 @@ BenchRows StressSingularPoses(std::uint64_t seed) {
                     {"n", kPosesPerKind},
                     {"max_mm", tools::Quantile(tally.errors.position_mm, 1)},
                     {"orientation_max_deg", tools::Quantile(tally.errors.axis_deg, 1)},
+                    {"over_2mm", tally.errors.LargerThan(kLarge_m)},
                     {"failures", tally.errors.failures},
                     {"bad_currents", tally.bad_currents},
                     {"current_max_A", tally.current_max_A},

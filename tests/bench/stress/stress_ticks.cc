@@ -43,6 +43,7 @@ bool IsFinite(const loop::TickOutput& out) {
 
 struct Tally {
   std::uint64_t ticks = 0, not_finite = 0, over_limit = 0, allocations = 0, tracking = 0, wrong = 0, silent = 0;
+  std::uint64_t over_2mm = 0, over_2mm_silent = 0;  // of a pen that is there
   double current_max_A = 0;
   int recovery_ticks_max = 0;  // after an episode, until a right pose is published
 };
@@ -152,11 +153,19 @@ class StressRun {
     const bool wrong = tracking && (sim::ScanFaults()[fault_].pen_is_there ? !right : episode_ticks_ > kGraceTicks);
     tally.wrong += wrong ? 1 : 0;
     tally.silent += wrong && output_->tool.limits == 0 ? 1 : 0;
+    if (tracking && sim::ScanFaults()[fault_].pen_is_there) CountLarge(row, tally);
     if (fault_ != 0 || after_ == 0) return;
     ++recovery_ticks_;
     if (!right) return;
     tallies_[after_].recovery_ticks_max = std::max(tallies_[after_].recovery_ticks_max, recovery_ticks_);
     after_ = 0;
+  }
+
+  void CountLarge(const sim::TraceRow& row, Tally& tally) const {
+    const PoseError error = ErrorOf(row.pose, output_->tool.position_base_m, output_->tool.axis_base);
+    if (error.position_m <= kLarge_m) return;
+    ++tally.over_2mm;
+    tally.over_2mm_silent += IsSilent(error, output_->tool) ? 1 : 0;
   }
 
   static constexpr std::string_view kTwoMagnets = "two magnets";
@@ -186,6 +195,8 @@ nlohmann::ordered_json Row(const char* fault, const Tally& tally, std::uint64_t 
           {"tracking", tally.tracking},
           {"wrong", tally.wrong},
           {"silent", tally.silent},
+          {"over_2mm", tally.over_2mm},
+          {"over_2mm_silent", tally.over_2mm_silent},
           {"current_max_A", tally.current_max_A},
           {"recovery_ms", tally.recovery_ticks_max},
           {"seed", seed}};
@@ -225,6 +236,8 @@ base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed) {
     sum.tracking += tally.tracking;
     sum.wrong += tally.wrong;
     sum.silent += tally.silent;
+    sum.over_2mm += tally.over_2mm;
+    sum.over_2mm_silent += tally.over_2mm_silent;
     sum.current_max_A = std::max(sum.current_max_A, tally.current_max_A);
     sum.recovery_ticks_max = std::max(sum.recovery_ticks_max, tally.recovery_ticks_max);
   }
