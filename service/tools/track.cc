@@ -111,9 +111,13 @@ void PrintFits(const std::vector<TrackedRow>& rows, TrackCurrents currents) {
   std::printf("poses            %zu: %zu found, %zu with a poor fit, %zu without an answer\n", rows.size(), found, poor,
               rows.size() - found - poor);
   std::printf("cold = warm      %zu of %zu (within 0.01 mm and 0.01 deg)\n", same, rows.size());
-  std::printf("residual         %.3g uT rms (median of the poses), chi2/dof %.3g (median)\n", Quantile(rms_uT, 0.5),
-              Quantile(chi2_per_dof, 0.5));
-  std::printf("cold start       %.3g evaluations (median)\n", Quantile(iterations, 0.5));
+  if (iterations.empty()) {
+    std::printf("residual         not measured\n");
+  } else {
+    std::printf("residual         %.3g uT rms (median of the poses), chi2/dof %.3g (median)\n", Quantile(rms_uT, 0.5),
+                Quantile(chi2_per_dof, 0.5));
+    std::printf("cold start       %.3g evaluations (median)\n", Quantile(iterations, 0.5));
+  }
   if (currents == TrackCurrents::kHidden) std::printf("currents         not told to the tracker\n");
 }
 

@@ -131,6 +131,20 @@ TEST(ToolsCommandLine, ScenesAreFoundWithAndWithoutExtensionWhereverOneIsNamed) 
   }
 }
 
+TEST(ToolsCommandLine, ATwinRunThatTracksNothingHasNoErrorAndFails) {
+  const test::TempFolder folder;
+  const std::string scene = folder.Write("pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600}})"));
+  const std::string away = folder.Write(
+      "away.json",
+      R"({"name": "away", "waypoints": [{"s": 0, "tip_m": [0, 0, 0.09], "axis": [0, 0, -1], "present": false}]})");
+  const Outcome ran =
+      RunOmni({"twin", "run", scene, "--hand", away, "--as-drawn", "--twin", "ideal", "--seconds", "0.1"});
+  EXPECT_EQ(ran.status, kExitFailed);
+  EXPECT_NE(ran.out.find("tracking error   not measured\n"), std::string::npos) << ran.out;
+  EXPECT_EQ(ran.out.find("nan"), std::string::npos) << ran.out;
+  ExpectOneLine(ran.err, {"omni twin run:", "tracked in no tick"});
+}
+
 // What a run of one millisecond leaves for `omni report`.
 struct RunFiles {
   explicit RunFiles(const test::TempFolder& folder)
