@@ -119,7 +119,7 @@ constexpr std::string_view kFaultKinds[] = {"gain", "stuck", "huge", "swapped", 
 constexpr Range kNoise_T{0, 1e-3};
 constexpr Range kBackground_T{-1e-3, 1e-3};
 constexpr std::string_view kBackgrounds[] = {"known", "raw"};
-constexpr std::string_view kNames[] = {"ideal", "room"};
+constexpr std::string_view kNames[] = {kIdeal, "room"};
 
 template <class T, std::size_t N>
 void ReadNumbers(TableReader& reader, const NumberKey<T> (&keys)[N], T& into, bool complete = true) {
@@ -282,6 +282,16 @@ base::Result<base::TruthParameters> FindTwin(const std::string& name_or_file) {
   if (name_or_file == kNames[0]) return IdealTwin();
   if (name_or_file == kNames[1]) return RoomTwin();
   return LoadTwinFile(name_or_file);
+}
+
+// The room says only what is different, and a file may.
+base::Result<std::string> TextOfTwin(const std::string& name_or_file) {
+  const std::string room = std::string(kBuiltInTwinText) + kBuiltInRoomText;
+  if (name_or_file == kNames[0]) return std::string(kBuiltInTwinText);
+  if (name_or_file.empty() || name_or_file == kNames[1]) return room;
+  base::Result<std::string> text = ReadTextFile(name_or_file);
+  if (!text.ok()) return base::Error{text.error()};
+  return room + *text;
 }
 
 const base::TruthParameters& IdealTwin() {

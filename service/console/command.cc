@@ -152,6 +152,12 @@ Option Option::Excludes(const Option& other) { return Option(option_->excludes(o
 
 bool Option::given() const { return option_->count() > 0; }
 
+Option Command::AddShort(const std::string& name, std::string& value, const std::string& word,
+                         const std::string& about) {
+  return Option(app_->add_flag_callback(
+      name, [&value, word] { value = word; }, about));
+}
+
 Command Command::AddCommand(const std::string& name, const std::string& about) {
   return Command(app_->add_subcommand(name, about));
 }

@@ -70,6 +70,8 @@ class Command {
   Option Add(const std::string& name, double& value, const std::string& about = "");
   Option Add(const std::string& name, std::vector<std::string>& value, const std::string& about = "");
   Option Add(const std::string& name, std::vector<double>& value, const std::string& about = "");
+  // A flag that is short for a value of another option.
+  Option AddShort(const std::string& name, std::string& value, const std::string& word, const std::string& about);
 
   // What the command does, once all words are right. Its result is the program's exit status.
   void Run(std::function<int()> action);

@@ -74,9 +74,14 @@ std::string CalibrationProblem(const RunOptions& options) {
 
 }  // namespace
 
+std::string TwinChoiceProblem(const RunOptions& options) {
+  if (options.twin.empty() || IsTwin(options.device)) return {};
+  return "--twin, --ideal: need --device twin";
+}
+
 std::string OptionsProblem(const RunOptions& options) {
   const bool twin = IsTwin(options.device);
-  if (!twin && !options.twin.empty()) return "--twin: needs --device twin";
+  if (const std::string problem = TwinChoiceProblem(options); !problem.empty()) return problem;
   if (!twin && !options.twin_script.empty()) return "--twin-script: needs --device twin";
   if (!twin && !options.twin_hand.empty()) return "--twin-hand: needs --device twin";
   if (!twin && !options.twin_record.empty()) return "--twin-record: needs --device twin";

@@ -11,4 +11,7 @@ namespace omni::daemon {
 // options of the twin without the twin. Empty: nothing. Makes no file and opens no device.
 std::string OptionsProblem(const RunOptions& options);
 
+// Of that alone: how the twin is, for a device that is none.
+std::string TwinChoiceProblem(const RunOptions& options);
+
 }  // namespace omni::daemon

@@ -27,7 +27,8 @@ int ParseAndRun(int argc, char** argv) {
   app.Add("--socket", options.socket_path, "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
   app.Add("--record", options.record_path, "CSV file with one line a tick");
   app.Add("--record-device", options.record_device_path, "file of all scans and commands, to replay");
-  app.Add("--twin", options.twin, omni::config::kTwinHelp);
+  const omni::console::Option twin = app.Add("--twin", options.twin, omni::config::kTwinHelp);
+  app.AddShort("--ideal", options.twin, omni::config::kIdeal, omni::config::kIdealHelp).Excludes(twin);
   app.Add("--twin-script", options.twin_script, "hand script (.json) of the twin");
   app.Add("--twin-hand", options.twin_hand,
           "socket on which a program leads the twin's hand (omni twin hand), in a folder of mode 0700");

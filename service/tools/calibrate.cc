@@ -11,6 +11,7 @@
 #include "service/config/device_file.h"
 #include "service/config/paths.h"
 #include "service/config/twin_file.h"
+#include "service/daemon/check_options.h"
 #include "service/daemon/open_device.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/twin.h"
@@ -186,6 +187,9 @@ int Zero(const Arguments& arguments, const std::string& output, config::Expected
 }
 
 int Calibrate(const Arguments& arguments) {
+  if (const std::string problem = daemon::TwinChoiceProblem(arguments.run); !problem.empty()) {
+    return Refuse(kCalibrate, problem);
+  }
   base::DeviceGeometry device = config::DefaultDevice();
   if (!arguments.run.device_file.empty()) {
     auto loaded = config::LoadDeviceFile(arguments.run.device_file);
@@ -209,7 +213,8 @@ void AddCalibrate(Command& app) {
       .ShowDefault();
   calibrate.Add("--device-file", arguments->run.device_file, "geometry (default: the built-in omni.toml)");
   calibrate.Add("--seed", arguments->run.twin_seed, "of the twin: the same base as `omnid --twin-seed`").ShowDefault();
-  calibrate.Add("--twin", arguments->run.twin, config::kTwinHelp);
+  const Option twin = calibrate.Add("--twin", arguments->run.twin, config::kTwinHelp);
+  calibrate.AddShort("--ideal", arguments->run.twin, config::kIdeal, config::kIdealHelp).Excludes(twin);
   calibrate.Add("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
   Option replace = calibrate.Add("--replace", arguments->replace,
                                  "measure again; the file that is there is kept as calibration.previous.toml");

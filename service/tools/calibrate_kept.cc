@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "service/config/paths.h"
-#include "service/config/text_file.h"
 #include "service/config/twin_file.h"
 #include "service/magnetics/nominal.h"
 #include "service/tools/calibrate_twin.h"
@@ -44,9 +43,10 @@ base::Result<base::Calibration> KeptTwinCalibration(const base::DeviceGeometry& 
   if (!truth.ok()) return base::Error{truth.error()};
   const std::string serial = "twin-" + std::to_string(seed);
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = serial};
-  const auto text = config::ReadTextFile(twin);  // fails for a name
+  const auto text = config::TextOfTwin(twin);
+  if (!text.ok()) return base::Error{text.error()};
   char known_by[32];
-  std::snprintf(known_by, sizeof known_by, "%016zx", std::hash<std::string>{}(text.ok() ? *text : twin));
+  std::snprintf(known_by, sizeof known_by, "%016zx", std::hash<std::string>{}(*text));
   const std::string folder = config::CacheFolder();
   const std::string path = folder + "/twins/" + serial + "-" + known_by + "-" OMNI_VERSION ".toml";
   if (!folder.empty()) {

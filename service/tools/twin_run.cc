@@ -192,7 +192,8 @@ void AddTwin(Command& app) {
   run.Add("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
   run.Add("--seconds", arguments->seconds, "default: the script's length");
   run.Add("--record", arguments->record, "CSV file of the twin's truth");
-  run.Add("--twin", arguments->twin, config::kTwinHelp);
+  const Option twin_option = run.Add("--twin", arguments->twin, config::kTwinHelp);
+  run.AddShort("--ideal", arguments->twin, config::kIdeal, config::kIdealHelp).Excludes(twin_option);
   Option calibration = run.Add("--calibration", arguments->calibration,
                                "calibration.toml of `omni calibrate` with the same seed; default: made once and kept");
   run.Add("--as-drawn", arguments->as_drawn, "not calibrated").Excludes(calibration);

@@ -22,13 +22,14 @@
 #include "service/daemon/publish.h"
 #include "service/daemon/virtual_run.h"
 #include "service/haptics/scene.h"
-#include "service/loop/tick_config.h"
 #include "service/sim/twin.h"
 #include "service/tools/csv_table.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/statistics.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/harness/work_folder.h"
+#include "tests/bench/printed_rows.h"
+#include "tests/support/loop_replay.h"
 
 namespace omni::bench {
 namespace {
@@ -115,29 +116,25 @@ using SaidByHorizon = std::array<std::vector<Said>, kHorizons_ms.size()>;
 
 base::Result<SaidByHorizon> Play(const Motion& motion, std::uint64_t seed, const std::string& record) {
   const base::DeviceGeometry& device = config::DefaultDevice();
-  // A base that is calibrated perfectly: the noise is the sensors', the lag the tracker's.
-  auto twin = sim::MakeVirtualTwin(device,
-                                   {.seed = seed,
-                                    .script = motion.hand,
-                                    .imperfect = false,
-                                    .truth = config::DefaultTwin(),
-                                    .recording_path = record},
-                                   motion.hand.duration_s());
+  const auto config = test::CalibratedTick(seed);
+  if (!config.ok()) return base::Error{config.error()};
+  auto twin = sim::MakeVirtualTwin(
+      device, {.seed = seed, .script = motion.hand, .truth = config::DefaultTwin(), .recording_path = record},
+      motion.hand.duration_s());
   Memory memory;
   if (!memory.reader) return base::Error{"the state memory cannot be mapped"};
   daemon::PublishSink sink(*memory.publisher);
   SaidByHorizon said;
-  daemon::RunVirtual(loop::MakeTickConfig(device), *twin, motion.scene, {},
-                     [&](const base::HallScan& scan, const loop::TickOutput& output) {
-                       sink.Publish(output);
-                       if (output.tool.status != base::TrackingStatus::kTracking) return;
-                       const layer::ToolMotion now = layer::ToolMotionAt(*memory.reader, scan.t_ns, scan.t_ns);
-                       for (std::size_t h = 0; h < kHorizons_ms.size(); ++h) {
-                         const std::int64_t t_ns = scan.t_ns + kHorizons_ms[h] * kMillisecond_ns;
-                         const layer::ToolMotion then = layer::ToolMotionAt(*memory.reader, t_ns, scan.t_ns);
-                         if (now.valid && then.valid) said[h].push_back({t_ns, then.X_BT.X.p, now.X_BT.X.p});
-                       }
-                     });
+  daemon::RunVirtual(*config, *twin, motion.scene, {}, [&](const base::HallScan& scan, const loop::TickOutput& output) {
+    sink.Publish(output);
+    if (output.tool.status != base::TrackingStatus::kTracking) return;
+    const layer::ToolMotion now = layer::ToolMotionAt(*memory.reader, scan.t_ns, scan.t_ns);
+    for (std::size_t h = 0; h < kHorizons_ms.size(); ++h) {
+      const std::int64_t t_ns = scan.t_ns + kHorizons_ms[h] * kMillisecond_ns;
+      const layer::ToolMotion then = layer::ToolMotionAt(*memory.reader, t_ns, scan.t_ns);
+      if (now.valid && then.valid) said[h].push_back({t_ns, then.X_BT.X.p, now.X_BT.X.p});
+    }
+  });
   return said;
 }
 
@@ -233,7 +230,7 @@ int Run(std::uint64_t seed, bool quick) {
     }
   }
   for (ordered_json& row : side) rows.push_back(std::move(row));
-  std::cout << rows.dump(1) << "\n";
+  PrintRows(rows);
   return 0;
 }
 

@@ -37,7 +37,8 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
           "socket on which a program leads the hand (omni twin hand); of the script only the first waypoint and "
           "the hand itself count then");
   app.Add("--seed", options.plant.seed, "of noise and imperfections").ShowDefault();
-  app.Add("--twin", twin, omni::config::kTwinHelp);
+  const auto which = app.Add("--twin", twin, omni::config::kTwinHelp);
+  app.AddShort("--ideal", twin, omni::config::kIdeal, omni::config::kIdealHelp).Excludes(which);
   app.Add("--record", options.record_path, "CSV file of the true pose and the currents");
   app.Add("--summary", options.summary_path, "JSON file (default: standard output)");
   std::vector<std::string> scenarios;

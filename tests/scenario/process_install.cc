@@ -128,7 +128,7 @@ TEST_F(Installed, LayerIsEnabledByItsPlaceOfNow) {
 
 TEST_F(Installed, DemoRunsFromThere) {
   const Ran ran = Run("'" OMNI_SOURCE_DIR "/scripts/demo' --prefix \"$P\" --built '" + kBuildTree + "' --out '" +
-                      folder_->Path("demo") + "' --scene \"$P/share/omni/scenes/extrusion.glb\"");
+                      folder_->Path("demo") + "' --ideal --scene \"$P/share/omni/scenes/extrusion.glb\"");
   EXPECT_EQ(ran.status, 0) << ran.text;
   EXPECT_NE(ran.text.find("demo: ok"), std::string::npos) << ran.text;
 }

@@ -11,15 +11,25 @@
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin.h"
+#include "service/tools/calibrate_kept.h"
 #include "service/tools/scene_source.h"
 
 namespace omni::test {
 
+base::Result<loop::TickConfig> CalibratedTick(std::uint64_t seed) {
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  const auto calibration = tools::KeptTwinCalibration(device, seed, "");
+  if (!calibration.ok()) return base::Error{calibration.error()};
+  return loop::MakeTickConfig(device, *calibration);
+}
+
 base::Result<std::vector<base::HallScan>> RecordScans(const loop::TickConfig& config, const haptics::Scene& scene,
-                                                      const std::string& scene_path, std::uint64_t seed) {
+                                                      const std::string& scene_path, std::uint64_t seed,
+                                                      const base::TruthParameters& truth) {
   auto hand = sim::LoadHandScript(tools::FindHandScript(scene_path));
   if (!hand.ok()) return base::Error{hand.error()};
-  const auto twin = sim::MakeVirtualTwin(config::DefaultDevice(), {.seed = seed, .script = *hand}, hand->duration_s());
+  const auto twin = sim::MakeVirtualTwin(config::DefaultDevice(), {.seed = seed, .script = *hand, .truth = truth},
+                                         hand->duration_s());
   const haptics::Scene fresh = haptics::FreshCopy(scene);
   std::vector<base::HallScan> scans;
   daemon::RunVirtual(config, *twin, fresh, {},

@@ -8,14 +8,21 @@
 #include <vector>
 
 #include "service/base/hall_scan.h"
+#include "service/base/result.h"
+#include "service/base/truth_parameters.h"
 #include "service/loop/tick.h"
+#include "service/loop/tick_config.h"
 #include "tests/support/fresh_scene.h"
 
 namespace omni::test {
 
-// The hand script beside `scene_path` (a .glb) plays on the twin while `scene` is touched.
+// omnid's on the default twin with this seed, calibrated as omni does it: once, then from the cache folder.
+base::Result<loop::TickConfig> CalibratedTick(std::uint64_t seed);
+
+// The hand script beside `scene_path` (a .glb) plays on this twin while `scene` is touched.
 base::Result<std::vector<base::HallScan>> RecordScans(const loop::TickConfig& config, const haptics::Scene& scene,
-                                                      const std::string& scene_path, std::uint64_t seed);
+                                                      const std::string& scene_path, std::uint64_t seed,
+                                                      const base::TruthParameters& truth);
 
 struct ReplayTiming {
   std::vector<double> us;  // of each tick

@@ -6,6 +6,7 @@
 
 #include "service/config/twin_file.h"
 #include "tests/support/manifest_text.h"
+#include "tests/support/temp_folder.h"
 
 namespace omni::config {
 namespace test_config_twin {
@@ -61,6 +62,26 @@ TEST(ConfigTwin, IdealAndRoomAreFoundByName) {
   ASSERT_TRUE(file.ok()) << file.error();
   EXPECT_DOUBLE_EQ(file->effects.room.mains_T, room->effects.room.mains_T);
   EXPECT_NE(FindTwin("/nowhere/x.toml").error().find("/nowhere/x.toml"), std::string::npos);
+}
+
+// Whoever asks for nothing stands in a room.
+TEST(ConfigTwin, TheDefaultIsTheRoom) {
+  EXPECT_FALSE(DefaultTwin().effects.background_known);
+  EXPECT_FALSE(FindTwin("")->effects.background_known);
+  EXPECT_EQ(FindTwin("")->effects.room.steel.size(), RoomTwin().effects.room.steel.size());
+}
+
+TEST(ConfigTwin, WhatIsKeptOfATwinIsKnownByAllThatItSays) {
+  const test::TempFolder folder;
+  const std::string path = folder.Write("mine.toml", "based_on = \"room\"\n[pen]\nmagnet_warming_K = 7\n");
+  const std::string mine = *TextOfTwin(path);
+  EXPECT_EQ(*TextOfTwin(""), *TextOfTwin("room"));
+  EXPECT_NE(*TextOfTwin("ideal"), *TextOfTwin("room"));
+  EXPECT_NE(mine, *TextOfTwin("room"));
+  EXPECT_NE(mine.find(*TextOfTwin("room")), std::string::npos) << "what it is based on counts too";
+  folder.Write("mine.toml", "based_on = \"room\"\n[pen]\nmagnet_warming_K = 8\n");
+  EXPECT_NE(*TextOfTwin(path), mine);
+  EXPECT_FALSE(TextOfTwin("/nowhere/x.toml").ok());
 }
 
 TEST(ConfigTwin, AFileSaysOnlyWhatIsDifferent) {
@@ -127,7 +148,7 @@ TEST(ConfigTwin, ReadsARoom) {
   ASSERT_EQ(room.faults.size(), 1U);
   EXPECT_EQ(room.faults[0].kind, base::SensorFaultKind::kSwapped);
   EXPECT_EQ(room.faults[0].other, 6);
-  EXPECT_TRUE(DefaultTwin().effects.room.steel.empty());
+  EXPECT_TRUE(IdealTwin().effects.room.steel.empty());
 }
 
 TEST(ConfigTwin, MistakesInARoomNameTheTable) {

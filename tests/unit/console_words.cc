@@ -169,6 +169,7 @@ TEST(Parse, CommandsGetTheirArguments) {
     std::uint64_t seed = 2;
     std::vector<double> place;
     std::vector<std::string> names;
+    std::string colour;
   };
   const auto run = [](std::vector<std::string> words) {
     Program tool("tool", "tool: does things");
@@ -179,11 +180,13 @@ TEST(Parse, CommandsGetTheirArguments) {
     Option count = paint.Add("-c,--count", arguments->count).Range(1, 9);
     paint.Add("--seed", arguments->seed).Needs(count);
     paint.Add("--place", arguments->place).Numbers(2).Excludes(count);
+    Option colour = paint.Add("--colour", arguments->colour);
+    paint.AddShort("--red", arguments->colour, "red", "short for --colour red").Excludes(colour);
     paint.Add("names", arguments->names);
     paint.Run(arguments, [](const Arguments& given) {
       const double sum = given.place.empty() ? 0 : given.place[0] + given.place[1];
       return static_cast<int>(sum) + (given.quiet ? 1000 : 0) + 100 * given.count + 10 * static_cast<int>(given.seed) +
-             static_cast<int>(given.names.size());
+             (given.colour == "red" ? 5000 : 0) + static_cast<int>(given.names.size());
     });
     tool.AddHidden("draw").Run([count] { return count.given() ? 1 : 7; });
     return tool.Parse(std::move(words));
@@ -191,15 +194,19 @@ TEST(Parse, CommandsGetTheirArguments) {
   EXPECT_EQ(run({"paint"}), 1120);
   EXPECT_EQ(run({"paint", "a", "-c", "9", "b", "--seed", "3", "--loud"}), 932);
   EXPECT_EQ(run({"paint", "--place", "1.5", "2.5"}), 1124);
+  EXPECT_EQ(run({"paint", "--red"}), 6120);
+  EXPECT_EQ(run({"paint", "--colour", "red"}), 6120);
   EXPECT_EQ(run({"draw", "--anything", "at", "--help"}), 7);
   testing::internal::CaptureStderr();
   EXPECT_EQ(run({"paint", "-c", "10"}), kExitUsage);
   EXPECT_EQ(run({"paint", "--seed", "3"}), kExitUsage);
   EXPECT_EQ(run({"paint", "-c", "3", "--place", "1", "2"}), kExitUsage);
+  EXPECT_EQ(run({"paint", "--red", "--colour", "blue"}), kExitUsage);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
             "tool paint: --count: Value 10 not in range 1 to 9\n"
             "tool paint: --seed requires --count; see 'tool paint --help'\n"
-            "tool paint: --count excludes --place; see 'tool paint --help'\n");
+            "tool paint: --count excludes --place; see 'tool paint --help'\n"
+            "tool paint: --colour excludes --red; see 'tool paint --help'\n");
 }
 
 }  // namespace test_console_words

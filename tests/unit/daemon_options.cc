@@ -59,6 +59,10 @@ TEST(DaemonOptions, OptionsOfTheTwinNeedTheTwin) {
   for (const char* device : {"usb", "usb:A17", "replay:file"}) {
     options.device = device;
     EXPECT_NE(OptionsProblem(options).find("--twin-script: needs --device twin"), std::string::npos) << device;
+    RunOptions ideal{.device = device};
+    EXPECT_EQ(OptionsProblem(ideal), "") << device;
+    ideal.twin = "ideal";
+    EXPECT_EQ(OptionsProblem(ideal), "--twin, --ideal: need --device twin") << device;
   }
 }
 

@@ -1,9 +1,8 @@
-// omni-bench loop: the whole tick on the shipped scenes.
+// omni-bench loop: the whole tick on the shipped scenes, of a calibrated base in a room.
 #include <vector>
 
-#include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/loop/denormals.h"
-#include "service/loop/tick_config.h"
 #include "service/tools/scene_source.h"
 #include "service/tools/statistics.h"
 #include "tests/bench/harness/bench.h"
@@ -19,16 +18,17 @@ constexpr std::uint64_t kTicks = 1'000'000;  // per scene
 
 base::Result<BenchRows> BenchLoop(const BenchOptions& options) {
   loop::FlushDenormals();
-  const loop::TickConfig config = loop::MakeTickConfig(config::DefaultDevice());
+  const auto config = test::CalibratedTick(options.seed);
+  if (!config.ok()) return base::Error{config.error()};
   const std::uint64_t ticks = options.ticks > 0 ? options.ticks : kTicks;
   BenchRows rows;
   for (const char* name : kScenes) {
     const std::string path = tools::ShippedScene(name);
     auto loaded = tools::LoadLiveScene(path, {});
     if (!loaded.ok()) return base::Error{loaded.error()};
-    auto scans = test::RecordScans(config, loaded->scene, path, options.seed);
+    auto scans = test::RecordScans(*config, loaded->scene, path, options.seed, config::DefaultTwin());
     if (!scans.ok()) return base::Error{scans.error()};
-    const test::ReplayTiming timing = test::ReplayTicks(config, loaded->scene, *scans, ticks);
+    const test::ReplayTiming timing = test::ReplayTicks(*config, loaded->scene, *scans, ticks);
     rows.push_back({{"scene", name},
                     {"ticks", ticks},
                     {"us_median", tools::Quantile(timing.us, 0.5)},

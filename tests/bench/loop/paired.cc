@@ -1,4 +1,5 @@
-// omni-bench paired: the tick's time before and after a change. Both programs replay the same recorded scans; of each
+// omni-bench paired: the tick's time before and after a change, on a base as drawn that is nearly so and has no room
+// about it: programs of before know no other. Both programs replay the same recorded scans; of each
 // tick the least of many replays counts, which leaves out what the machine did besides: two builds of the same commit
 // differ by a few hundredths of a microsecond, where the 99th percentile of single runs jumps by a half.
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "service/base/truth_parameters.h"
 #include "service/config/device_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
@@ -95,7 +97,7 @@ int RunPaired(const PairedArguments& arguments) {
     const std::string file = ScansFile(arguments.folder, name);
     if (arguments.record) {
       const auto config = loop::MakeTickConfig(config::DefaultDevice());
-      const auto scans = test::RecordScans(config, loaded->scene, path, arguments.seed);
+      const auto scans = test::RecordScans(config, loaded->scene, path, arguments.seed, base::TruthParameters{});
       if (!scans.ok()) return tools::Fail(kCommand, scans.error());
       if (const std::string problem = Write(file, *scans); !problem.empty()) return tools::Fail(kCommand, problem);
       continue;
@@ -106,9 +108,7 @@ int RunPaired(const PairedArguments& arguments) {
   }
   if (arguments.record) return tools::kExitOk;
   std::cout << tools::RowTable(rows);
-  if (arguments.json.empty()) return tools::kExitOk;
-  const std::string problem = tools::WriteText(arguments.json, tools::RowDocument("paired", rows).dump(2) + "\n");
-  return problem.empty() ? tools::kExitOk : tools::Fail(kCommand, problem);
+  return KeepRows("paired", rows, arguments.json);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "service/base/limits.h"
-#include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
@@ -161,7 +161,7 @@ int SoftBodiesOf(const haptics::Scene& scene) {
 
 class TickBench {
  public:
-  TickBench(const BenchOptions& options) : options_(options), config_(loop::MakeTickConfig(config::DefaultDevice())) {}
+  TickBench(const BenchOptions& options, const loop::TickConfig& config) : options_(options), config_(config) {}
 
   base::Result<BenchRows> Run() {
     for (const char* name : {"extrusion", "dragon", "racetrack"}) {
@@ -180,7 +180,7 @@ class TickBench {
 
  private:
   base::Status Add(const std::string& name, const haptics::Scene& scene, const std::string& path) {
-    auto scans = test::RecordScans(config_, scene, path, options_.seed);
+    auto scans = test::RecordScans(config_, scene, path, options_.seed, config::DefaultTwin());
     if (!scans.ok()) return base::Error{scans.error()};
     const QuietTiming timing = TimePlayer(config_, scene, *scans, options_.quick ? 5 : 60);
     const test::ReplayTiming replay = test::ReplayTicks(config_, scene, *scans, scans->size());
@@ -205,7 +205,7 @@ class TickBench {
     auto scene = Build(input);
     if (!scene.ok()) return base::Error{scene.error()};
     if (const auto status = Add("rigid dragon, subdivided", *scene, path); !status.ok()) return status;
-    auto scans = test::RecordScans(config_, *scene, path, options_.seed);
+    auto scans = test::RecordScans(config_, *scene, path, options_.seed, config::DefaultTwin());
     if (!scans.ok()) return base::Error{scans.error()};
     AddLateness(*scene, *scans);
     return AddFeatures(input, *scene, *scans);
@@ -243,7 +243,9 @@ class TickBench {
 
 base::Result<BenchRows> BenchTick(const BenchOptions& options) {
   loop::FlushDenormals();
-  return TickBench(options).Run();
+  const auto config = test::CalibratedTick(options.seed);
+  if (!config.ok()) return base::Error{config.error()};
+  return TickBench(options, *config).Run();
 }
 
 }  // namespace omni::bench

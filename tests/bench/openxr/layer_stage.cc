@@ -24,14 +24,25 @@ base::Result<std::unique_ptr<LayerStage>> LayerStage::Open(std::uint64_t seed) {
   std::error_code error;
   fs::create_directory(stage->work_ / "run", error);
   fs::permissions(stage->work_ / "run", fs::perms::owner_all, error);
+  if (const base::Status done = stage->Calibrate(seed); !done.ok()) return base::Error{done.error()};
   auto service =
-      test::ChildProcess::Start({(stage->build_ / "bin/omnid").string(), "--device", "twin", "--twin", "ideal",
-                                 "--twin-seed", std::to_string(seed), "--twin-script",
+      test::ChildProcess::Start({(stage->build_ / "bin/omnid").string(), "--device", "twin", "--twin-seed",
+                                 std::to_string(seed), "--calibration", stage->calibration(), "--twin-script",
                                  tools::FindHandScript(tools::ShippedScene("extrusion")), "--log-level", "error"},
                                 stage->MakeEnvironment(false));
   if (!service.ok()) return base::Error{service.error()};
   stage->service_.emplace(std::move(*service));
   return stage;
+}
+
+// As a person does once.
+base::Status LayerStage::Calibrate(std::uint64_t seed) const {
+  auto calibrating = test::ChildProcess::Start({(build_ / "bin/omni").string(), "calibrate", "--device", "twin",
+                                                "--seed", std::to_string(seed), "-o", calibration()},
+                                               {}, (work_ / "calibration.txt").string());
+  if (!calibrating.ok()) return base::Error{calibrating.error()};
+  if (calibrating->Wait() != 0) return base::Error{"omni calibrate failed"};
+  return base::Ok{};
 }
 
 test::Environment LayerStage::MakeEnvironment(bool layer) const {

@@ -1,5 +1,5 @@
-// Where OpenXR calls are measured: an omnid on the twin, and programs over the in-repo headless runtime, with the layer
-// and without. All of this build tree.
+// Where OpenXR calls are measured: an omnid on the twin, calibrated, in its room, and programs over the in-repo
+// headless runtime, with the layer and without. All of this build tree.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +34,8 @@ class LayerStage {
 
  private:
   LayerStage() = default;
+  base::Status Calibrate(std::uint64_t seed) const;
+  std::string calibration() const { return (work_ / "calibration.toml").string(); }
   test::Environment MakeEnvironment(bool layer) const;
   std::string Program() const { return (build_ / "bin/omni_bench_layer").string(); }
 
