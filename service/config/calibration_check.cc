@@ -52,8 +52,9 @@ std::string GainProblem(const Matrix& drawn, const Matrix& found) {
   return {};
 }
 
-// Columns of a current map are the coils' fields at the sensor.
-std::string MapProblem(const Matrix& drawn, const Matrix& found) {
+// Columns of a current map are the coils' fields at the sensor; steel under the base adds its answer to them.
+std::string MapProblem(const Matrix& drawn, const Matrix& found, double steel_strength) {
+  const double across_max = kCoilAcrossMax + kSteelAcross * std::fmin(1, std::fabs(steel_strength));
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 was = Column(drawn, k), is = Column(found, k);
     const double size = NormOf(was);
@@ -64,8 +65,8 @@ std::string MapProblem(const Matrix& drawn, const Matrix& found) {
                     kCoilScaleMax);
     }
     const double across = NormOf({is.x - along * was.x, is.y - along * was.y, is.z - along * was.z}) / size;
-    if (!(across <= kCoilAcrossMax)) {
-      return Format("has %.3g of coil %c across the drawing's field, allowed are %g", across, kAxes[k], kCoilAcrossMax);
+    if (!(across <= across_max)) {
+      return Format("has %.3g of coil %c across the drawing's field, allowed are %g", across, kAxes[k], across_max);
     }
   }
   return {};
@@ -84,12 +85,12 @@ std::string BackgroundProblem(const Vec3& found) {
   return {};
 }
 
-std::optional<ImplausibleValue> FindInSensor(int index, const SensorCalibration& drawn,
-                                             const SensorCalibration& found) {
+std::optional<ImplausibleValue> FindInSensor(int index, const SensorCalibration& drawn, const SensorCalibration& found,
+                                             double steel_strength) {
   const std::pair<const char*, std::string> problems[] = {
       {"position_base_m", PlaceProblem(drawn.position_base_m, found.position_base_m)},
       {"gain_sensor_base", GainProblem(drawn.gain_sensor_base, found.gain_sensor_base)},
-      {"current_map_T_A", MapProblem(drawn.current_map_T_A, found.current_map_T_A)},
+      {"current_map_T_A", MapProblem(drawn.current_map_T_A, found.current_map_T_A, steel_strength)},
       {"background_sensor_T", BackgroundProblem(found.background_sensor_T)}};
   for (const auto& [key, what] : problems) {
     if (!what.empty()) return ImplausibleValue{index, "sensors", key, what};
@@ -120,7 +121,7 @@ std::optional<ImplausibleValue> FindImplausible(const base::Calibration& drawing
                             Format("is %.1f mm from the hull's, allowed are %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
   }
   for (std::size_t i = 0; i < found.sensors.size(); ++i) {
-    auto value = FindInSensor(static_cast<int>(i), drawing.sensors[i], found.sensors[i]);
+    auto value = FindInSensor(static_cast<int>(i), drawing.sensors[i], found.sensors[i], found.steel.strength);
     if (value) return value;
   }
   return std::nullopt;

@@ -19,6 +19,7 @@ inline constexpr double kMovedMax_m = 0.01;    // a sensor's place: 5 mm along e
 inline constexpr double kCoilScaleMin = 0.7;   // of a coil's field along the drawing's: what calibration allows itself
 inline constexpr double kCoilScaleMax = 1.4;   //
 inline constexpr double kCoilAcrossMax = 0.5;  // share of a coil's field across the drawing's: turned by 27 degrees
+inline constexpr double kSteelAcross = 0.25;   // more of it beside a steel plane of strength 1, at 115 mm
 inline constexpr double kKappaMax = 0.1;       // from the drawing: ten tolerances
 inline constexpr double kSizeMax_m = 3e-3;     // of hull and core's place: ten tolerances
 inline constexpr double kBackgroundMax_T = 3e-4;  // four times the earth's field: a magnet was near

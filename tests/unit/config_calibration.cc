@@ -172,6 +172,19 @@ TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
   }
 }
 
+// A steel top at 115 mm turns a coil's field at the sensors by up to 28 degrees (simulated).
+TEST(ConfigCalibration, SteelMayTurnTheCoilsFields) {
+  CalibrationFile file = ExampleCalibration();
+  file.calibration = NominalBase().drawing;
+  auto& map = file.calibration.sensors[6].current_map_T_A;
+  const double x = map[2], z = map[8];  // of coil z
+  map[2] += 0.6 * z;
+  map[8] -= 0.6 * x;
+  EXPECT_NE(ErrorOf(Written(file)).find("across the drawing's field"), std::string::npos);
+  file.calibration.steel = {1, -0.115};
+  EXPECT_TRUE(ParseCalibration(Written(file), "test.toml", NominalBase()).ok());
+}
+
 base::SensorCalibration Built(base::SensorCalibration sensor, double tolerances, std::mt19937& random) {
   std::normal_distribution<double> normal;
   const auto within = [&](double tolerance) {
