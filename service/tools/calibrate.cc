@@ -175,7 +175,7 @@ int Zero(const Arguments& arguments, const std::string& output, config::Expected
   if (const base::Status ran = RunSession(*opened->transport, session, {}); !ran.ok()) {
     return Fail(kCalibrate, ran.error());
   }
-  const base::Result<Zeroed> zeroed = session.Finish();
+  const base::Result<calibration::Zeroed> zeroed = session.Finish();
   if (!zeroed.ok()) return Fail(kCalibrate, zeroed.error());
   file->calibration = zeroed->calibration;
   const base::Status saved = config::SaveCalibrationFile(output, *file, of, true);

@@ -7,17 +7,10 @@
 #include "service/base/calibration.h"
 #include "service/base/limits.h"
 #include "service/base/result.h"
-#include "service/base/vec.h"
+#include "service/calibration/zero.h"
 #include "service/tools/guided_session.h"
 
 namespace omni::tools {
-
-// `before` with the new background.
-struct Zeroed {
-  base::Calibration calibration;
-  double uniform_T = 0;  // by which the field around the base has changed
-  double own_T = 0;      // the greatest change of one sensor beside it
-};
 
 class ZeroSession final : public GuidedSession {
  public:
@@ -31,19 +24,14 @@ class ZeroSession final : public GuidedSession {
   std::string Hint() const override { return {}; }
 
   // Refuses, with the reason, what is no background: a pen or magnet near, readings that move or do not come.
-  base::Result<Zeroed> Finish() const;
+  base::Result<calibration::Zeroed> Finish() const;
 
  private:
-  static constexpr int kBlocks = 8;  // of a quarter of a second: whole periods of any mains
-  struct Sum {
-    std::array<base::Vec3, kBlocks> block_sensor_T;
-    int fresh = 0;
-  };
-
   base::Calibration before_;
   int scans_ = 0;
   bool bad_ = false;  // saturated or no number
-  std::array<Sum, base::kSensorCount> sums_{};
+  std::array<calibration::ZeroReadings, base::kSensorCount> readings_{};
+  std::array<int, base::kSensorCount> fresh_{};  // samples
 };
 
 }  // namespace omni::tools

@@ -26,8 +26,8 @@ base::Calibration CalibratedIn(const base::TruthParameters& truth) {
       .ExactCalibration();
 }
 
-base::Result<Zeroed> ZeroIn(const base::TruthParameters& truth, const base::Calibration& before,
-                            const sim::HandScript& hand = {}) {
+base::Result<calibration::Zeroed> ZeroIn(const base::TruthParameters& truth, const base::Calibration& before,
+                                         const sim::HandScript& hand = {}) {
   const auto twin = sim::MakeVirtualTwin(config::DefaultDevice(), {.seed = 4, .script = hand, .truth = truth}, 20);
   ZeroSession session(before);
   if (const base::Status ran = RunSession(*twin, session, {}); !ran.ok()) return base::Error{ran.error()};

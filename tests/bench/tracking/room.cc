@@ -13,13 +13,16 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
+#include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick_config.h"
+#include "service/magnetics/nominal.h"
 #include "service/sim/loopback.h"
 #include "service/sim/ordinary_hand.h"
 #include "service/sim/vec3.h"
+#include "service/tools/calibrate_kept.h"
 #include "service/tools/calibrate_twin.h"
 #include "service/tools/statistics.h"
 #include "service/tracker/tracker.h"
@@ -351,6 +354,18 @@ std::string SurroundingsOf(const Condition& condition) {
   return condition.ideal ? "ideal" : "room";
 }
 
+// As omnid has it after `omni calibrate`: from a file that one writes and the other takes. Nothing: it was refused.
+std::optional<loop::TickConfig> CalibratedConfig(const base::DeviceGeometry& device, std::uint64_t seed,
+                                                 const TruthParameters& truth) {
+  const auto done = tools::CalibrateTwin(device, seed, truth);
+  if (!done.ok()) return std::nullopt;
+  const std::string text = config::WriteCalibration(tools::CalibrationFileOf(done->outcome, "twin"), device);
+  const auto file = config::ParseCalibration(
+      text, "room", {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "twin"});
+  if (!file.ok()) return std::nullopt;
+  return loop::MakeTickConfig(device, file->calibration);
+}
+
 // One base in all conditions. Waved without forces, and pressing under them.
 std::vector<std::array<Tally, 2>> RunRig(const std::vector<Condition>& conditions, std::uint64_t seed, double run_s,
                                          const haptics::Scene& scene) {
@@ -362,8 +377,7 @@ std::vector<std::array<Tally, 2>> RunRig(const std::vector<Condition>& condition
     TruthParameters truth = Calibrating(condition);
     const auto [config, fresh] = configs.try_emplace(SurroundingsOf(condition));
     if (fresh) {
-      const auto done = tools::CalibrateTwin(device, seed, truth);
-      if (done.ok()) config->second = loop::MakeTickConfig(device, done->outcome.calibration);
+      config->second = CalibratedConfig(device, seed, truth);
     }
     if (!config->second) {
       Tally refused;
