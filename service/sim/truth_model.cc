@@ -68,9 +68,7 @@ template <class Field>
 class TruthModel::SteelAndCore {
  public:
   SteelAndCore(const TruthModel& model, const SteelPiece& piece, const Field& field_T) noexcept
-      : model_(model),
-        answer_(piece, field_T),
-        core_Am2_(model.CoreAnswer_Am2(answer_.At(model.core_centre_base_m_))) {}
+      : SteelAndCore(model, piece, field_T, piece.MeanField(field_T)) {}
   SteelAndCore(const TruthModel& model, const SteelPiece& piece, const Field& field_T, const Vec3& mean_T) noexcept
       : model_(model),
         answer_(piece, field_T, mean_T),
@@ -198,7 +196,10 @@ void TruthModel::PlaceTool(const MagnetPose& pose) noexcept {
   fine_.Place(pose);
   mirror_.Place(pose);
   core_.Place(mirror_.charges, images_);
-  if (steel_.empty()) return;
+  if (!steel_.empty()) PlaceFar(pose);
+}
+
+void TruthModel::PlaceFar(const MagnetPose& pose) noexcept {
   far_.Place(pose);
   core_.Place(far_.charges, far_images_);
 }
@@ -282,8 +283,7 @@ ForceMap TruthModel::ForcesAt(const MagnetPose& pose, std::uint32_t steel_mask) 
     }
   }
   if (steel_mask == 0) return map;
-  far_.Place(pose);
-  core_.Place(far_.charges, far_images_);
+  PlaceFar(pose);
   for (std::size_t j = 0; j < steel_.size(); ++j) {
     if (((steel_mask >> j) & 1U) != 0) AddSteel(j, pose.centre_base_m, map);
   }

@@ -80,6 +80,7 @@ class TruthModel {
   using SteelInCoils = std::array<Vec3, base::kCoilCount>;  // mean field in a ball or bar, T/A
 
   void PlaceTool(const MagnetPose& pose) noexcept;
+  void PlaceFar(const MagnetPose& pose) noexcept;  // as steel sees it
   // Of the core to a uniform field.
   Vec3 CoreAnswer_Am2(const Vec3& field_T) const noexcept;
   // Of a moment in the core.

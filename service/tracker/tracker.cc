@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "service/base/eigen.h"
 #include "service/base/stamp.h"
@@ -257,10 +258,10 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   FilterState predicted = state.filter;
   if (continues) PredictFilter(config.filter, dt_s, predicted);
   ScanContext context{config, scan, state.currents, currents};
-  SteelAnswer steel;
+  std::optional<SteelAnswer> steel;
   if (state.warm && HasSteel(config.model)) {
     steel = AnswerOfSteel(config.model, PoseOf(predicted), MomentScale(state.drift));
-    context.local = &steel.field_T;
+    context.local = &steel->field_T;
   }
   context.stray = &state.stray;
   Measurement measurement = MeasureScan(context, state.drift, state.doubt);
@@ -290,8 +291,8 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
     if (outcome.good && warm && outcome.fit.has_sums) {
       state.evidence = GatherEvidence(config.drift, measurement, sums, state.drift.step_s);
     }
-    if (outcome.good && warm && HasSteel(config.model)) {
-      CorrectForSteel(config.model, measurement, PoseOf(predicted), steel, outcome.fit);
+    if (outcome.good && warm && steel) {
+      CorrectForSteel(config.model, measurement, PoseOf(predicted), *steel, outcome.fit);
     }
     if (outcome.good && warm) DoubtOn(context, predicted, measurement, outcome, state);
     if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
