@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace omni::tracker {
+namespace {
+
+constexpr double kRatioMax = 10;  // of one scan, in the shorter mean
+
+}  // namespace
 
 Trust TrustIn(const Doubt& doubt, Trust trust) noexcept {
   trust.model_error_relative = std::max(trust.model_error_relative, doubt.model_error);
@@ -42,8 +47,22 @@ void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
   EndTrials(doubt);
 }
 
+void Clear(double model_error, Doubt& doubt) noexcept {
+  doubt.model_error = std::min(doubt.model_error, model_error);
+  doubt.left_out = -1;
+  doubt.agreed = 0;
+  doubt.chi2_per_dof = doubt.chi2_lately = 1;
+  EndTrials(doubt);
+}
+
+double Unsureness(const DoubtOptions& options, const Doubt& doubt) noexcept {
+  const double chi2 = std::max(doubt.chi2_per_dof, doubt.chi2_lately);
+  return chi2 > options.unsure_above ? 1 + options.unsure_by * (chi2 - 1) : 1;
+}
+
 void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,
                      Doubt& doubt) noexcept {
+  doubt.chi2_lately += options.memory_lately * (std::min(ratio, kRatioMax) - doubt.chi2_lately);
   doubt.chi2_per_dof += options.memory * (ratio - doubt.chi2_per_dof);
   if (doubt.chi2_per_dof >= options.lower_below || doubt.model_error <= model_error) return;
   const base::Vec3& place = doubt.place_base_m;

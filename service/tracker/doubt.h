@@ -14,6 +14,9 @@ struct DoubtOptions {
   double model_error_start = 2e-3;  // until scans have told
   double cold_error_max = 0;        // up to which a cold start raises it when nothing else holds
   double memory = 0.01;             // share of the newest scan in the mean of chi2 per degree of freedom
+  double memory_lately = 0.05;      // the same of a shorter mean
+  // Of the larger of the two: above, poses are known worse; its excess is as so many standard deviations.
+  double unsure_above = 1.25, unsure_by = 2;
   // Of that mean. Above: a sensor is blamed, or the model's error grows; below: it shrinks to what the calibration
   // says.
   double raise_above = 1.2, lower_below = 0.9;
@@ -33,6 +36,7 @@ struct DoubtOptions {
 struct Doubt {
   double model_error = 0;   // relative; the trust's holds where it is larger
   double chi2_per_dof = 1;  // mean over the last scans that fitted
+  double chi2_lately = 1;   // over fewer of them
   base::Vec3 place_base_m;  // of the pen when the model's error last shrank
   int left_out = -1;        // sensor
   int agreed = 0;           // checks in a row
@@ -61,6 +65,12 @@ void EndTrials(Doubt& doubt) noexcept;
 
 // Sensor `sensor` is left out from now on; -1: all count again.
 void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept;
+
+// A magnet nearby explains what did not fit: no sensor is wrong, and the calibration is no worse than model_error.
+void Clear(double model_error, Doubt& doubt) noexcept;
+
+// How much more than the fit says is not known of a pose while scans fit badly: factor of its standard deviation.
+double Unsureness(const DoubtOptions& options, const Doubt& doubt) noexcept;
 
 // A scan fitted there with chi2 per degree of freedom `ratio`; model_error: that of the calibration.
 void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,

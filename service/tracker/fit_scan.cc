@@ -116,7 +116,9 @@ void WatchStray(const ScanContext& context, const Measurement& measurement, cons
     StartStray(options, config.model, state.stray);
   }
   const double share = EvidenceShare(config.drift, measurement, options.every_scans * base::kTickPeriod_s);
+  const bool found = state.stray.dipole.found;
   LearnStray(options, config.model, state.drift, measurement, outcome.fit.pose, share, state.stray);
+  if (state.stray.dipole.found && !found) Clear(config.doubt.model_error_start, state.doubt);
 }
 
 }  // namespace

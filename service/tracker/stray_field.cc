@@ -10,118 +10,24 @@ namespace omni::tracker {
 namespace {
 
 constexpr std::size_t kRows = kReadings;
-constexpr std::size_t kCoils = base::kCoilCount;
-// What is eliminated of each scan: pose, currents, ambient field, moment.
-constexpr std::size_t kAmbient = kParameters + kCoils, kMoment = kAmbient + 3;
-constexpr std::size_t kEliminated = kMoment + 1;
-constexpr double kCurrentMin_A2 = 1e-12, kMomentMin = 1e-8;  // variances of what is known well
-constexpr double kWhiteMin = 1e-3;  // of a reading's variance: what is its own, where the stray field is unknown
 
 using Rows = ReadingLanes;
 
-// One scan, linearised at its pose and whitened without the stray field's variance.
-struct LinearScan {
-  Rows inverse_sigma{}, residual{};
-  std::array<Rows, kEliminated> columns{};
-};
-
-LinearScan LineariseScan(const Model& model, const Measurement& measurement, const Pose& pose,
-                         const StrayField& stray) noexcept {
-  LinearScan scan;
-  const KernelPose at = ToKernel(MakePosePoint(pose), measurement.velocity_base_m_s, measurement.axis_rate_base_1_s);
-  BlockField field;
-  ActiveKernel().field(model.places[0], model.tool, at, field);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < kSensors; ++i) {
-      const std::size_t row = kSensors * axis + i;
-      const double with_stray = measurement.inverse_sigma[axis][i];
-      if (with_stray == 0) continue;
-      const double unknown_T2 = stray.believed ? stray.variance_T2[row] : 0.0;
-      const double raise = 1 / std::sqrt(std::max(kWhiteMin, 1 - unknown_T2 * with_stray * with_stray));
-      scan.inverse_sigma[row] = raise * with_stray;
-      double tool = 0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double weight = raise * measurement.weight[3 * axis + c][i];
-        const double of_tool = weight * measurement.moment_scale;
-        tool += of_tool * field.B_T[c][i];
-        for (std::size_t k = 0; k < kParameters; ++k) scan.columns[k][row] += of_tool * field.derivative[k][c][i];
-        scan.columns[kAmbient + c][row] = weight;
-      }
-      for (std::size_t k = 0; k < kCoils; ++k) {
-        scan.columns[kParameters + k][row] = scan.inverse_sigma[row] * model.coil_map_T_A[(3 * i + axis) * kCoils + k];
-      }
-      scan.columns[kMoment][row] = tool;
-      scan.residual[row] = tool - raise * measurement.whitened[axis][i];
-      if (!stray.believed) scan.residual[row] += scan.inverse_sigma[row] * stray.mean_T[row];
-      for (std::size_t k = 0; k < kParameters; ++k) {
-        scan.residual[row] -= measurement.age_s[i] * at.rate_1_s[k] * scan.columns[k][row];
-      }
-    }
+void SetGain(const StrayScan& scan, StrayField& stray) noexcept {
+  for (std::size_t k = 0; k < kParameters; ++k) {
+    for (std::size_t a = 0; a < kRows; ++a) stray.gain[k][a] = scan.gain[k][a] * scan.inverse_sigma[a];
   }
-  return scan;
 }
 
-// (A^T A + prior)^-1 A^T, a row for each unknown that is eliminated. No prior of pose and ambient field: what is known
-// of that field was learnt with the stray field taken for known.
-bool Eliminator(const Measurement& measurement, const DriftState& drift, const LinearScan& scan,
-                std::array<Rows, kEliminated>& result) noexcept {
-  std::array<double, kEliminated * kEliminated> H;
-  for (std::size_t a = 0; a < kEliminated; ++a) {
-    for (std::size_t b = 0; b <= a; ++b) {
-      double sum = 0;
-      for (std::size_t row = 0; row < kRows; ++row) sum += scan.columns[a][row] * scan.columns[b][row];
-      H[a * kEliminated + b] = H[b * kEliminated + a] = sum;
-    }
-  }
-  const auto drift_variance = [&](std::size_t state) { return drift.covariance[state * (kDriftStates + 1)]; };
-  for (std::size_t k = 0; k < kCoils; ++k) {
-    const double variance_A2 = measurement.current_variance_A2[k] + drift_variance(k);
-    H[(kParameters + k) * (kEliminated + 1)] += 1 / std::max(variance_A2, kCurrentMin_A2);
-  }
-  H[kMoment * (kEliminated + 1)] += 1 / std::max(drift_variance(kNuisancesMax), kMomentMin);
-  SmallCholesky<kEliminated> factors;
-  if (!factors.Factor(H.data(), kEliminated, 0)) return false;
-  result = scan.columns;
-  factors.SolveSides(result);
-  return true;
-}
-
-// With A, r of the linear scan, D = diag(1 / sigma):
-//   I += share D P D,   g -= share D P r,   P = 1 - A (A^T A + prior)^-1 A^T
-void Gather(const Model& model, const DriftState& drift, const Measurement& measurement, const Pose& pose, double share,
-            StrayField& stray) noexcept {
-  const LinearScan scan = LineariseScan(model, measurement, pose, stray);
-  std::array<Rows, kEliminated> gain;
-  if (!Eliminator(measurement, drift, scan, gain)) return;
-  Rows rest = scan.residual;
-  for (std::size_t e = 0; e < kEliminated; ++e) {
-    double size = 0;
-    for (std::size_t a = 0; a < kRows; ++a) size += gain[e][a] * scan.residual[a];
-    for (std::size_t a = 0; a < kRows; ++a) rest[a] -= scan.columns[e][a] * size;
-  }
-  for (Rows& row : gain) {
-    for (std::size_t a = 0; a < kRows; ++a) row[a] *= scan.inverse_sigma[a];
-  }
-  for (std::size_t a = 0; a < kRows; ++a) {
-    const double weight = share * scan.inverse_sigma[a];
-    Rows eliminated{};
-    for (std::size_t e = 0; e < kEliminated; ++e) {
-      const double factor = weight * scan.columns[e][a];
-      for (std::size_t b = 0; b < kRows; ++b) eliminated[b] += factor * gain[e][b];
-    }
-    double* row = &stray.information_1_T2[a * kRows];
-    for (std::size_t b = 0; b < kRows; ++b) row[b] -= eliminated[b];
-    row[a] += weight * scan.inverse_sigma[a];
-    stray.gradient_1_T[a] -= weight * rest[a];
-  }
-  std::copy_n(gain.begin(), kParameters, stray.gain.begin());
+void SetVariance(StrayField& stray) noexcept {
+  for (std::size_t a = 0; a < kRows; ++a) stray.variance_T2[a] = stray.covariance_T2[a * (kRows + 1)];
 }
 
 void Widen(const Model& model, double share, StrayField& stray) noexcept {
   for (std::size_t e = 0; e < stray.covariance_T2.size(); ++e) {
     stray.covariance_T2[e] += share * model.stray.covariance_T2[e];
   }
-  for (std::size_t a = 0; a < kRows; ++a) stray.variance_T2[a] = stray.covariance_T2[a * (kRows + 1)];
+  SetVariance(stray);
   stray.widened += share;
 }
 
@@ -141,6 +47,7 @@ double SquareSum(const Rows& values) noexcept {
   for (const double value : values) sum += value * value;
   return sum;
 }
+double RootMeanSquare(const Rows& values) noexcept { return std::sqrt(SquareSum(values) / kRows); }
 
 // gain P gain^T
 void SetPoseCovariance(const StrayOptions& options, StrayField& stray) noexcept {
@@ -175,8 +82,8 @@ double Chi2OfMean(const StrayField& stray) noexcept {
 }
 
 void Forget(StrayField& stray) noexcept {
-  stray.information_1_T2 = {};
-  stray.gradient_1_T = {};
+  stray.cycle = {};
+  stray.share = stray.systematic = 0;
   stray.scan = 0;
 }
 
@@ -184,18 +91,20 @@ void Forget(StrayField& stray) noexcept {
 // right. More surprise than that: x moves. Far more: P was too small, and x stays as it is until P has grown.
 void Correct(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   ReadingMatrix P;
+  const double share = stray.share / stray.cycle.scans;
   double expected = 0, surprise = 0;
   for (std::size_t e = 0; e < P.size(); ++e) {
-    expected += stray.covariance_T2[e] * stray.information_1_T2[e];
-    P[e] = stray.inverse_1_T2[e] + stray.information_1_T2[e];
+    const double information = share * stray.cycle.information_1_T2[e];
+    expected += stray.covariance_T2[e] * information;
+    P[e] = stray.inverse_1_T2[e] + information;
   }
   if (!InvertPositive<kReadings>(P.data(), kReadings)) return;
   Rows mean_T = stray.mean_T;
   for (std::size_t a = 0; a < kRows; ++a) {
     double step_T = 0;
-    for (std::size_t b = 0; b < kRows; ++b) step_T += P[a * kRows + b] * stray.gradient_1_T[b];
+    for (std::size_t b = 0; b < kRows; ++b) step_T += P[a * kRows + b] * share * stray.cycle.gradient_1_T[b];
     mean_T[a] += step_T;
-    surprise += step_T * stray.gradient_1_T[a];
+    surprise += step_T * share * stray.cycle.gradient_1_T[a];
   }
   if (!std::isfinite(surprise)) return;
   if (surprise > options.jumps * expected) {
@@ -221,6 +130,47 @@ void Renew(const StrayOptions& options, const Model& model, StrayField& stray) n
   SetPoseCovariance(options, stray);
 }
 
+// Of scans that have the model's error in common: f = 1 / (1 + (n - 1) s)   docs/theory/tracking.md (18)
+double RepeatsOf(double share, double systematic) noexcept {
+  return systematic > 0 ? 1 + (1 / share - 1) / systematic : 1;
+}
+
+double SystematicShare(const Measurement& measurement) noexcept {
+  return std::clamp(measurement.systematic_share, 0.0, 1.0);
+}
+
+void TakeDipole(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  OffsetsOfDipole(options.dipole, model, stray.dipole, stray.mean_T, stray.covariance_T2);
+  SetVariance(stray);
+  stray.believed = true;
+  stray.places = options.places_min;
+  SetPoseCovariance(options, stray);
+}
+
+void JudgeCycle(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  const double scans = stray.cycle.scans, systematic = stray.systematic / scans;
+  JudgeDipole(options.dipole, model, AboutZero(stray.cycle, stray.mean_T), RepeatsOf(stray.share / scans, systematic),
+              systematic, stray.dipole);
+}
+
+// What was found last is where offsets begin if it is no dipole any more.
+void Follow(const StrayOptions& options, const Model& model, const Measurement& measurement, const StrayScan& scan,
+            double share, StrayField& stray) noexcept {
+  const double systematic = SystematicShare(measurement);
+  FollowDipole(options.dipole, model, scan, RepeatsOf(share, systematic), systematic,
+               options.every_scans * base::kTickPeriod_s, stray.dipole);
+  SetGain(scan, stray);
+  if (stray.dipole.found) {
+    TakeDipole(options, model, stray);
+    stray.nothing_cycles = RootMeanSquare(stray.mean_T) < options.something_T ? stray.nothing_cycles + 1 : 0;
+    return;
+  }
+  stray.widened = ShareOfPrior(model, SquareSum(stray.mean_T));
+  Widen(model, options.lost, stray);
+  SetPoseCovariance(options, stray);
+  Forget(stray);
+}
+
 }  // namespace
 
 void StartStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
@@ -239,18 +189,31 @@ void LoosenStray(const StrayOptions& options, const Model& model, StrayField& st
 
 void LearnStray(const StrayOptions& options, const Model& model, const DriftState& drift,
                 const Measurement& measurement, const Pose& pose, double share, StrayField& stray) noexcept {
-  // The two inversions take turns with the scans that are gathered.
-  const int scan = ++stray.scan;
-  if (scan < options.cycle_scans - 1) {
-    if (scan % options.every_scans == 1) Gather(model, drift, measurement, pose, share, stray);
+  // The search and the two inversions take turns with the scans that are gathered.
+  const int number = ++stray.scan;
+  if (!stray.dipole.found && options.dipole.enabled) SearchDipole(options.dipole, model, stray.dipole);
+  if (stray.dipole.found || number < options.cycle_scans - 1) {
+    if (number % options.every_scans != 1) return;
+    StrayScan scan;
+    const Rows* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
+    if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
+    if (stray.dipole.found) {
+      Follow(options, model, measurement, scan, share, stray);
+      if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
+      return;
+    }
+    AddScan(scan, stray.cycle);
+    stray.share += share;
+    stray.systematic += SystematicShare(measurement);
+    SetGain(scan, stray);
     return;
   }
-  if (scan < options.cycle_scans) {
+  if (number < options.cycle_scans) {
     stray.inverse_1_T2 = stray.covariance_T2;
     stray.inverted = InvertPositive<kReadings>(stray.inverse_1_T2.data(), kReadings);
     const double chi2 = stray.inverted ? Chi2OfMean(stray) : 0;
-    const double size_T = std::sqrt(SquareSum(stray.mean_T) / kRows);
-    stray.believed = stray.believed || (chi2 > options.something_chi2 && size_T > options.something_T);
+    stray.believed =
+        stray.believed || (chi2 > options.something_chi2 && RootMeanSquare(stray.mean_T) > options.something_T);
     stray.nothing_cycles = chi2 < options.nothing_chi2 ? stray.nothing_cycles + 1 : 0;
     return;
   }
@@ -258,7 +221,14 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
     stray.place_base_m = base::FromEigen(pose.position_base_m);
     ++stray.places;
   }
-  if (stray.inverted) Renew(options, model, stray);
+  if (stray.inverted && stray.cycle.scans > 0) {
+    JudgeCycle(options, model, stray);
+    if (stray.dipole.found) {
+      TakeDipole(options, model, stray);
+    } else {
+      Renew(options, model, stray);
+    }
+  }
   Forget(stray);
   if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
 }

@@ -1,13 +1,13 @@
 // The field of what stands near the base, another pen, a phone, a laptop, as far as it is not uniform: one offset for
-// every reading, estimated from scans whose pose is eliminated. docs/theory/tracking.md (22) - (24)
+// every reading, estimated from scans whose pose is eliminated. One magnet, once it is found, is followed as a dipole.
+// docs/theory/tracking.md (22) - (26)
 #pragma once
 
 #include <array>
 #include <type_traits>
 
-#include "service/tracker/drift.h"
-#include "service/tracker/measurement.h"
-#include "service/tracker/solver.h"
+#include "service/tracker/stray_dipole.h"
+#include "service/tracker/stray_scan.h"
 
 namespace omni::tracker {
 
@@ -30,7 +30,9 @@ struct StrayOptions {
   // The mean's own chi2 and size (rms over the readings) above which it is believed: less is the calibration's error.
   // Below, nothing may be there; so many cycles in a row, and nothing is.
   double something_chi2 = 40, something_T = 8e-7, nothing_chi2 = 25;
+  double max_T = 6e-5;  // of that size; more is a wrong pose: a pen at 200 mm makes 2e-5 to 4e-5
   int nothing_cycles = 128;
+  DipoleOptions dipole;
 };
 
 struct StrayField {
@@ -49,10 +51,13 @@ struct StrayField {
   // Of a pose, since the mean is not known better; of the axis: rad^2, each way.
   std::array<double, 9> position_covariance_m2{};
   double axis_variance = 0;
-  // Of the cycle: what scans say about the mean; the covariance's inverse; how a pose answers, dp = -gain x.
-  ReadingMatrix information_1_T2{}, inverse_1_T2{};
-  ReadingLanes gradient_1_T{};
+  // Of the cycle: what scans say about the mean; sums over them of what of it is new, and of the share of their
+  // variance that is the model's error; the covariance's inverse; how a pose answers, dp = -gain x.
+  StrayEvidence cycle;
+  double share = 0, systematic = 0;
+  ReadingMatrix inverse_1_T2{};
   std::array<ReadingLanes, kParameters> gain{};
+  StrayDipole dipole;
 };
 static_assert(std::is_trivially_copyable_v<StrayField>);
 

@@ -137,6 +137,8 @@ void Describe(const Config& config, const base::HallScan& scan, const Measuremen
   tool.limits = LimitsOf(config, scan, measurement, outcome, explained, tool);
 }
 
+double Square(double x) noexcept { return x * x; }
+
 base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
 
 // Holds the last pose while the velocities fade.
@@ -179,6 +181,23 @@ bool IsWideScan(const Config& config, const State& state) noexcept {
   return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden &&
          (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
           IsAmbientLively(config.drift, state.drift));
+}
+
+// No room is like that: a wrong pose is explained by fields that are not there.
+bool IsAbsurd(const Config& config, const State& state) noexcept {
+  const double* ambient_T = &state.drift.mean[base::kCoilCount];
+  const double ambient_square_T2 = Square(ambient_T[0]) + Square(ambient_T[1]) + Square(ambient_T[2]);
+  double stray_square_T2 = 0;
+  for (const double x_T : state.stray.mean_T) stray_square_T2 += x_T * x_T / kReadings;
+  return !(ambient_square_T2 <= Square(config.ambient_max_T) && stray_square_T2 <= Square(config.stray.max_T));
+}
+
+// Nothing is known of room and pose; what was found of sensors and calibration stays.
+void StartAnew(State& state) noexcept {
+  state.drift = {};
+  state.stray = {};
+  state.evidence = {};
+  state.warm = false;
 }
 
 void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& drift) noexcept {
@@ -295,7 +314,12 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
       CorrectForSteel(config.model, measurement, PoseOf(predicted), *steel, outcome.fit);
     }
     if (outcome.good && warm) DoubtOn(context, predicted, measurement, outcome, state);
+    if (outcome.good && IsAbsurd(config, state)) {
+      StartAnew(state);
+      outcome.good = false;
+    }
     if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
+    if (outcome.good) outcome.fit.covariance *= Square(Unsureness(config.doubt, state.doubt));
   }
   state.currents = currents;
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);

@@ -29,6 +29,7 @@ struct Config {
   Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
   double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
   double field_min_T = 4e-6;                // rms of the magnet's field over sensors below this: absent (0.5 m away)
+  double ambient_max_T = 2e-4;              // of the field's change since calibration; more is a wrong pose
   int axes_min = 9;                         // fewer usable readings: no pose
   int dof_min = 6;                          // the same of degrees of freedom: a wrong pose would not show
   int iterations_max = 8;                   // warm

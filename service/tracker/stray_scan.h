@@ -1,0 +1,50 @@
+// What scans say of offsets in their readings, pose, currents, ambient field and moment eliminated.
+// docs/theory/tracking.md (23)
+#pragma once
+
+#include <array>
+
+#include "service/tracker/drift.h"
+#include "service/tracker/measurement.h"
+#include "service/tracker/solver.h"
+
+namespace omni::tracker {
+
+// One scan, linearised at its pose about offsets x0 of the readings and whitened. A: columns, r: residual,
+// D = diag(inverse_sigma); Q = 1 - A (A^T A + prior)^-1 A^T takes out what a column explains.
+struct StrayScan {
+  static constexpr std::size_t kAmbient = kParameters + base::kCoilCount, kMoment = kAmbient + 3;
+  static constexpr std::size_t kEliminated = kMoment + 1;
+
+  ReadingLanes inverse_sigma{};     // 1/T; 0: not used
+  ReadingLanes residual{}, rest{};  // r, Q r
+  std::array<ReadingLanes, kEliminated> columns{};
+  std::array<ReadingLanes, kEliminated> gain{};  // (A^T A + prior)^-1 A^T
+
+  ReadingLanes Eliminate(const ReadingLanes& column) const noexcept;  // Q
+  double Misfit() const noexcept;                                     // r^T Q r
+};
+
+// offset_T: x0, and the variance with which it was taken off the measurement; null: none was.
+// False: nothing usable.
+bool MakeStrayScan(const Model& model, const DriftState& drift, const Measurement& measurement, const Pose& pose,
+                   const ReadingLanes& offset_T, const ReadingLanes* variance_T2, StrayScan& scan) noexcept;
+
+// Misfit of offsets x:   misfit - 2 gradient^T (x - x0) + (x - x0)^T information (x - x0)
+struct StrayEvidence {
+  ReadingMatrix information_1_T2{};
+  ReadingLanes gradient_1_T{};
+  double misfit = 0;
+  double scans = 0;
+};
+
+//   information += D Q D,   gradient -= D Q r,   misfit += r^T Q r
+void AddScan(const StrayScan& scan, StrayEvidence& evidence) noexcept;
+
+// The same evidence about x instead of x - x0.
+StrayEvidence AboutZero(const StrayEvidence& evidence, const ReadingLanes& offset_T) noexcept;
+
+// sum = keep sum + share evidence
+void AddEvidence(double keep, double share, const StrayEvidence& evidence, StrayEvidence& sum) noexcept;
+
+}  // namespace omni::tracker
