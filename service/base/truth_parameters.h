@@ -28,6 +28,7 @@ struct ImperfectionSizes {
   double core_offset_m = 0;  // per axis, of the core's centre from the hull's and the coils'
   double core_size = 0;      // relative, of its radius
   double magnet_size = 0;    // relative, of radius and height each, at an equal moment
+  double tip_offset_m = 0;   // of the pen's tip along its axis
 };
 
 // LIS3MDL: the quiet setting, ultra-high performance (at most 155 Hz), and the fast one, low power (1 kHz).

@@ -45,6 +45,7 @@ constexpr NumberKey<ImperfectionSizes> kImperfectionKeys[] = {
     {"core_offset_m", &ImperfectionSizes::core_offset_m, {0, 0.005}, kOptional},
     {"core_size", &ImperfectionSizes::core_size, {0, 0.1}, kOptional},
     {"magnet_size", &ImperfectionSizes::magnet_size, {0, 0.1}, kOptional},
+    {"tip_offset_m", &ImperfectionSizes::tip_offset_m, {0, 0.01}, kOptional},
 };
 constexpr NumberKey<ThermalParameters> kThermalKeys[] = {
     {"copper_J_K", &ThermalParameters::copper_J_K, {0.1, 1e5}},

@@ -58,6 +58,7 @@ class Hand {
   MagnetPose Predicted(double t_s) const noexcept;
 
   const MagnetPose& pose() const noexcept { return pose_; }
+  const base::MagnetGeometry& magnet() const noexcept { return magnet_; }
   const Vec3& velocity_base_m_s() const noexcept { return velocity_; }
   bool present() const noexcept { return present_; }
   double gap_m() const noexcept { return GapToHull(magnet_, hull_radius_m_, pose_).gap_m; }

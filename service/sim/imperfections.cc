@@ -33,6 +33,7 @@ Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) 
     drawn.magnet_radius = 1 + sizes.magnet_size * random.Normal();
     drawn.magnet_height = 1 + sizes.magnet_size * random.Normal();
   }
+  if (sizes.tip_offset_m > 0) drawn.tip_offset_m = sizes.tip_offset_m * random.Normal();
   return drawn;
 }
 
@@ -43,11 +44,12 @@ base::DeviceGeometry TrueSizes(const base::DeviceGeometry& device, const Imperfe
   made.core_radius_m *= imperfections.core_size;
   made.magnet.radius_m *= imperfections.magnet_radius;
   made.magnet.half_height_m *= imperfections.magnet_height;
+  made.magnet.tip_offset_m += imperfections.tip_offset_m;
   made.magnet.remanence_T /= imperfections.magnet_radius * imperfections.magnet_radius * imperfections.magnet_height;
   return made;
 }
 
-ImperfectionSizes NoImperfections() noexcept { return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; }
+ImperfectionSizes NoImperfections() noexcept { return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; }
 
 ImperfectionSizes UncalibratedImperfections() noexcept {
   ImperfectionSizes sizes;

@@ -32,11 +32,13 @@ struct Imperfections {
   Vec3 core_offset_base_m;
   double core_size = 1;
   double magnet_radius = 1, magnet_height = 1;
+  double tip_offset_m = 0;  // more than drawn
 };
 
 Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) noexcept;
 
-// The sizes of the base and pen themselves: hull, core and magnet. Strength, and all that has an axis, are not in it.
+// The sizes of the base and pen themselves: hull, core, magnet and tip. Strength, and all that has an axis, are not in
+// it.
 base::DeviceGeometry TrueSizes(const base::DeviceGeometry& device, const Imperfections& imperfections) noexcept;
 
 // All zero: a base as drawn.

@@ -191,7 +191,7 @@ TruthRow Plant::Truth(const HostView& host, std::int64_t clock_offset_ns) const 
   row.present = pen_.present;
   row.magnet_m = pen_.pose.centre_base_m;
   row.axis = pen_.pose.axis_base;
-  row.tip_m = row.magnet_m + device_.magnet.tip_offset_m * row.axis;
+  row.tip_m = row.magnet_m + hand_.magnet().tip_offset_m * row.axis;
   row.velocity_m_s = hand_.velocity_base_m_s();
   row.current_A = ToVec3(coils_.current_A());
   row.set_point_A = ToVec3(host.set_point_A);

@@ -77,13 +77,15 @@ base::Calibration Rig::ExactCalibration() const {
   exact.sensor_noise_T = device_.sensor_noise_T;
   exact.sensor_range_T = device_.sensor_range_T;
   exact.magnet = device_.magnet;
+  const base::DeviceGeometry made = TrueSizes(device_, imperfections_);
+  exact.magnet.tip_offset_m = made.magnet.tip_offset_m;
   const double R = device_.magnet.radius_m;
   exact.moment_Am2 = imperfections_.magnet_strength * device_.magnet.remanence_T * std::numbers::pi * R * R * 2 *
                      device_.magnet.half_height_m / (4e-7 * std::numbers::pi);
   exact.core_radius_m = device_.core_radius_m;
   exact.core_kappa = device_.core_kappa;
   exact.core_centre_base_m = imperfections_.core_offset_base_m;
-  exact.hull_radius_m = TrueSizes(device_, imperfections_).hull_radius_m;
+  exact.hull_radius_m = made.hull_radius_m;
   exact.expected_error_m = kExactError_m;
   return exact;
 }

@@ -112,14 +112,17 @@ TEST(SimTolerances, SizesAreDrawnAndKeepTheMoment) {
   sizes.core_offset_m = 2e-4;
   sizes.core_size = 0.01;
   sizes.magnet_size = 0.02;
+  sizes.tip_offset_m = 1e-3;
   Random random(8);
-  double hull_m2 = 0, offset_m2 = 0;
+  double hull_m2 = 0, offset_m2 = 0, tip_m2 = 0;
   constexpr int kDraws = 2000;
   for (int i = 0; i < kDraws; ++i) {
     const Imperfections drawn = DrawImperfections(sizes, random);
     hull_m2 += drawn.hull_radius_m * drawn.hull_radius_m / kDraws;
     offset_m2 += Dot(drawn.core_offset_base_m, drawn.core_offset_base_m) / kDraws;
+    tip_m2 += drawn.tip_offset_m * drawn.tip_offset_m / kDraws;
     const base::DeviceGeometry made = TrueSizes(device, drawn);
+    ASSERT_EQ(made.magnet.tip_offset_m, device.magnet.tip_offset_m + drawn.tip_offset_m);
     const auto moment = [](const base::MagnetGeometry& m) {
       return m.remanence_T * m.radius_m * m.radius_m * m.half_height_m;
     };
@@ -129,6 +132,7 @@ TEST(SimTolerances, SizesAreDrawnAndKeepTheMoment) {
   }
   EXPECT_NEAR(std::sqrt(hull_m2), 3e-4, 2e-5);
   EXPECT_NEAR(std::sqrt(offset_m2), std::sqrt(3.0) * 2e-4, 2e-5);
+  EXPECT_NEAR(std::sqrt(tip_m2), 1e-3, 7e-5);
 }
 
 }  // namespace test_sim_tolerances
