@@ -14,6 +14,8 @@ using base::Vec3;
 using Matrix = std::array<double, 9>;  // row-major
 
 constexpr const char* kAxes = "xyz";
+constexpr const char* kMeasureTip =
+    "if this is another pen, delete this line and the checksum's, then: omni calibrate --tip";
 
 template <class... Arguments>
 std::string Format(const char* format, Arguments... arguments) {
@@ -111,6 +113,12 @@ std::optional<ImplausibleValue> FindImplausible(const base::Calibration& drawing
     return ImplausibleValue{
         -1, "magnet", "core_kappa",
         Format("is %.3g from the drawing's %.3g, allowed are %g", off, drawing.core_kappa, kKappaMax)};
+  }
+  const double tip_m = found.magnet.tip_offset_m - drawing.magnet.tip_offset_m;
+  if (!(std::abs(tip_m) <= kTipMax_m)) {
+    return ImplausibleValue{-1, "magnet", "tip_offset_m",
+                            Format("is %+.1f mm from the drawing's, allowed are %g mm", 1e3 * tip_m, 1e3 * kTipMax_m),
+                            kMeasureTip};
   }
   if (const double off_m = std::abs(found.hull_radius_m - drawing.hull_radius_m); !(off_m <= kSizeMax_m)) {
     return ImplausibleValue{-1, "base", "hull_radius_m",

@@ -22,6 +22,7 @@ inline constexpr double kCoilAcrossMax = 0.5;  // share of a coil's field across
 inline constexpr double kSteelAcross = 0.25;   // more of it beside a steel plane of strength 1, at 115 mm
 inline constexpr double kKappaMax = 0.1;       // from the drawing: ten tolerances
 inline constexpr double kSizeMax_m = 3e-3;     // of hull and core's place: ten tolerances
+inline constexpr double kTipMax_m = 0.01;      // of the pen's tip: ten tolerances
 inline constexpr double kBackgroundMax_T = 3e-4;  // four times the earth's field: a magnet was near
 
 struct ImplausibleValue {
@@ -29,6 +30,7 @@ struct ImplausibleValue {
   const char* table = "sensors";  // ... this table of the file
   const char* key = "";
   std::string what;  // "axis y points 41.0 degrees away from the drawing, allowed are 20"
+  const char* remedy = "no base of this drawing is like that; measure this base: omni calibrate --replace";
 };
 
 // The first one; none: fine. Precondition: as many sensors as the drawing.

@@ -6,6 +6,7 @@
 
 #include "service/base/whole_file.h"
 #include "service/config/calibration_check.h"
+#include "service/config/device_file.h"
 #include "service/config/paths.h"
 #include "service/config/text_file.h"
 #include "service/config/toml_reader.h"
@@ -27,6 +28,7 @@ constexpr Range kMap_T_A{-1e-2, 1e-2};
 constexpr Range kBackground_T{-1e-3, 1e-3};
 constexpr Range kMoment_Am2{1e-3, 1e3};
 constexpr Range kKappa{0, 1.2};
+constexpr Range kTipOffset_m{0, kTipOffsetMax_m};
 constexpr Range kHullRadius_m{0, 0.5};
 constexpr Range kSteelStrength{-2, 2};
 constexpr Range kSteelHeight_m{-2, -0.03};
@@ -97,12 +99,17 @@ void ReadQuality(FileProblem& problem, TableReader& root, CalibrationQuality& qu
   reader.Finish();
 }
 
-void ReadMagnet(FileProblem& problem, TableReader& root, Calibration& calibration) {
+// A pen whose tip nobody has measured has the drawing's, and its file says nothing of it.
+void ReadMagnet(FileProblem& problem, TableReader& root, CalibrationFile& file) {
   const toml::table* table = root.Table("magnet");
   if (table == nullptr) return;
   TableReader reader(problem, *table, "magnet");
+  Calibration& calibration = file.calibration;
   calibration.moment_Am2 = reader.Number("moment_Am2", kMoment_Am2);
   calibration.core_kappa = reader.Number("core_kappa", kKappa);
+  file.tip_measured = table->contains("tip_offset_m");
+  double& tip_offset_m = calibration.magnet.tip_offset_m;
+  tip_offset_m = reader.Number("tip_offset_m", kTipOffset_m, tip_offset_m);
   reader.Finish();
 }
 
@@ -166,7 +173,9 @@ std::string Content(const CalibrationFile& file, const DeviceGeometry& device) {
   text += "touches = " + std::to_string(quality.touches) + "\n";
   text += "unfixed = " + std::to_string(quality.unfixed) + "\n\n[magnet]\n";
   text += "moment_Am2 = " + TomlFloat(file.calibration.moment_Am2) + "\n";
-  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n\n[base]\n";
+  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n";
+  if (file.tip_measured) text += "tip_offset_m = " + TomlFloat(file.calibration.magnet.tip_offset_m) + "\n";
+  text += "\n[base]\n";
   text += "hull_radius_m = " + TomlFloat(file.calibration.hull_radius_m) + "\n";
   text += "core_centre_base_m = " + List(file.calibration.core_centre_base_m) + "\n";
   if (const base::SteelPlane& steel = file.calibration.steel; steel.strength != 0) {
@@ -209,8 +218,8 @@ void CheckSense(FileProblem& problem, const toml::table& root, const Calibration
   const auto index = static_cast<std::size_t>(of_sensor ? implausible->sensor : 0);
   const auto table = of_sensor ? root["sensors"][index] : root[implausible->table];
   problem.Report(table[implausible->key].node(), (of_sensor ? SensorName(index) : implausible->table) + "." +
-                                                     implausible->key + " " + implausible->what +
-                                                     ": no base of this drawing is like that" + kMeasureAgain);
+                                                     implausible->key + " " + implausible->what + ": " +
+                                                     implausible->remedy);
 }
 
 }  // namespace
@@ -246,10 +255,11 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   FileProblem problem(name);
   TableReader root(problem, *parsed, "");
   CalibrationFile file;
+  file.calibration.magnet = expected.device.magnet;
   CheckHeader(problem, root, expected, file);
   if (!problem.ok()) return base::Error{problem.message()};  // of another device or version the rest says nothing
   ReadQuality(problem, root, file.quality);
-  ReadMagnet(problem, root, file.calibration);
+  ReadMagnet(problem, root, file);
   ReadBase(problem, root, file.calibration);
   ReadSteel(problem, root, file.calibration);
   ReadSensors(problem, root, expected.device.sensors.size(), file.calibration);
@@ -260,7 +270,6 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   file.calibration.expected_error_m = 1e-3 * file.quality.expected_error_mm;
   file.calibration.sensor_noise_T = expected.device.sensor_noise_T;
   file.calibration.sensor_range_T = expected.device.sensor_range_T;
-  file.calibration.magnet = expected.device.magnet;
   file.calibration.core_radius_m = expected.device.core_radius_m;
   return file;
 }

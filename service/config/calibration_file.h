@@ -1,5 +1,6 @@
 // calibration.toml: what self-calibration found of one particular base. Errors name file, key, value and remedy.
-// Sizes that calibration does not measure (magnet, core, hull, noise) come from the device's geometry.
+// Sizes that calibration does not measure (magnet, core, noise) come from the device's geometry, as does the pen's tip
+// until `omni calibrate --tip` has measured it.
 //
 // A file carries a checksum of what it says (not of its layout and comments). With a wrong one it is refused; without
 // one, as older versions wrote it or as a person leaves it who has edited it on purpose, it is used and that is said.
@@ -33,6 +34,7 @@ struct CalibrationFile {
   std::string serial;  // of the base
   std::string date;    // ISO 8601, UTC
   CalibrationQuality quality;
+  bool tip_measured = false;  // calibration.magnet.tip_offset_m is this pen's; else it is the drawing's and not written
   bool has_checksum = false;  // as read
 };
 

@@ -28,7 +28,7 @@ constexpr NumberKey<MagnetGeometry> kMagnetKeys[] = {
     {"half_height_m", &MagnetGeometry::half_height_m, {2e-4, 0.05}},
     {"remanence_T", &MagnetGeometry::remanence_T, {0.1, 1.6}},
     {"mass_kg", &MagnetGeometry::mass_kg, {1e-3, 1}},
-    {"tip_offset_m", &MagnetGeometry::tip_offset_m, {0, 0.2}},
+    {"tip_offset_m", &MagnetGeometry::tip_offset_m, {0, kTipOffsetMax_m}},
 };
 constexpr NumberKey<DeviceGeometry> kCoreKeys[] = {
     {"core_radius_m", &DeviceGeometry::core_radius_m, {1e-3, 0.1}},

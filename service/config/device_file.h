@@ -8,6 +8,8 @@
 
 namespace omni::config {
 
+inline constexpr double kTipOffsetMax_m = 0.2;  // of any pen, drawn or measured
+
 base::Result<base::DeviceGeometry> LoadDeviceFile(const std::string& path);
 
 // `name` stands for the file in messages.

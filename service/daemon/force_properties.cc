@@ -27,12 +27,12 @@ std::vector<base::Vec3> Directions() {
 }
 
 // Above the centre of the base, pointing at it.
-base::ToolState PointingDown(const base::DeviceGeometry& device, double device_point_m) {
+base::ToolState PointingDown(const base::DeviceGeometry& device, double tip_offset_m, double device_point_m) {
   base::ToolState tool;
   tool.status = base::TrackingStatus::kTracking;
   tool.ever_tracked = true;
   tool.axis_base = {0, 0, -1};
-  tool.position_base_m = {0, 0, device_point_m + device.magnet.tip_offset_m};
+  tool.position_base_m = {0, 0, device_point_m + tip_offset_m};
   tool.device_point_base_m = {0, 0, device_point_m};
   tool.gap_m = tool.position_base_m.z - device.magnet.half_height_m - device.hull_radius_m;
   return tool;
@@ -97,16 +97,18 @@ protocol::ForceProperties DescribeForce(const loop::TickConfig& config, const ba
   properties.max_stiffness_N_m = config.haptics.stiffness_max_N_m;
   properties.max_damping_Ns_m = config.haptics.hand_damping_Ns_m;
   properties.update_rate_Hz = 1 / base::kTickPeriod_s;
-  const double beyond_magnet_m = device.magnet.tip_offset_m - device.magnet.half_height_m;
+  const double tip_offset_m = config.tracker.model.tip_offset_m;
+  const double beyond_magnet_m = tip_offset_m - device.magnet.half_height_m;
   properties.inner_radius_m = device.hull_radius_m + std::max(0.0, -beyond_magnet_m);
   properties.outer_radius_m = device.hull_radius_m + config.actuation.gap_max_m - beyond_magnet_m;
   properties.continuous_force_N =
-      ContinuousForce_N(config.actuation, PointingDown(device, properties.inner_radius_m + kReachStep_m));
+      ContinuousForce_N(config.actuation, PointingDown(device, tip_offset_m, properties.inner_radius_m + kReachStep_m));
   const double last_m = properties.outer_radius_m - kReachStep_m;
   for (std::uint32_t i = 0; i < protocol::kMaxForceReach; ++i) {
     const double share = static_cast<double>(i) / (protocol::kMaxForceReach - 1);
     const double distance_m = properties.inner_radius_m + share * (last_m - properties.inner_radius_m);
-    properties.reach[i] = {distance_m, WeakestForce_N(config.actuation, PointingDown(device, distance_m))};
+    properties.reach[i] = {distance_m,
+                           WeakestForce_N(config.actuation, PointingDown(device, tip_offset_m, distance_m))};
   }
   properties.reach_count = protocol::kMaxForceReach;
   return properties;

@@ -34,7 +34,6 @@ struct TickConfig {
   haptics::Config haptics;
   haptics::AppliedConfig applied;
   InputConfig inputs;
-  double tip_offset_m = 0;       // device point = magnet centre + tip_offset_m * axis
   double open_ramp_s = 0.100;    // force fades in over this when an owner appears or a scene becomes current
   double gate_ramp_s = 0.010;    // force fades to zero over this when the owner is gone or hands over
   double silent_ramp_s = 0.100;  // fade after an owner gave no sign of life for 250 ms

@@ -26,7 +26,6 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const track
     const double error_m = kPoseError_step_m * static_cast<double>(i);
     config.limiter.pose_trust[i] = std::min(1.0, actuation::ForceTrust(actuation.map, device, error_m) / tracked);
   }
-  config.tip_offset_m = device.magnet.tip_offset_m;
   config.applied.force_slew_N_s = config.haptics.force_slew_N_s;
   config.applied.force_max_N = config.actuation.force_max_N;
   const actuation::HeatConfig& heat = actuation.heat;

@@ -73,6 +73,46 @@ TEST(ConfigCalibration, ComesBackToTheLastBit) {
   EXPECT_EQ(read->calibration.sensor_noise_T, device.sensor_noise_T);
 }
 
+CalibrationFile WithTip(double tip_offset_m) {
+  CalibrationFile file = ExampleCalibration();
+  file.tip_measured = true;
+  file.calibration.magnet.tip_offset_m = tip_offset_m;
+  return file;
+}
+
+TEST(ConfigCalibration, TheTipIsThePensOnceItWasMeasured) {
+  const double drawn_m = NominalDevice().magnet.tip_offset_m;
+  const auto before = ParseCalibration(Text(), "test.toml", NominalBase());
+  ASSERT_TRUE(before.ok()) << before.error();
+  EXPECT_EQ(Text().find("tip_offset_m"), std::string::npos) << "as older versions wrote it";
+  EXPECT_FALSE(before->tip_measured);
+  EXPECT_EQ(before->calibration.magnet.tip_offset_m, drawn_m);
+  for (const double tip_m : {drawn_m + 1e-3 / 3, drawn_m}) {
+    const auto read = ParseCalibration(Written(WithTip(tip_m)), "test.toml", NominalBase());
+    ASSERT_TRUE(read.ok()) << read.error();
+    EXPECT_TRUE(read->tip_measured);
+    EXPECT_EQ(read->calibration.magnet.tip_offset_m, tip_m);
+    EXPECT_EQ(read->calibration.magnet.radius_m, NominalDevice().magnet.radius_m);
+  }
+}
+
+TEST(ConfigCalibration, ATipIsChecked) {
+  const auto error_of = [](const std::string& value, bool checksum) {
+    std::string text = Written(WithTip(0.006));
+    const std::size_t at = text.find("tip_offset_m"), sum = text.find("checksum");
+    text.replace(at, text.find('\n', at) - at, "tip_offset_m = " + value);
+    if (!checksum) text.erase(sum, text.find('\n', sum) + 1 - sum);
+    return ErrorOf(text);
+  };
+  ExpectMentions(error_of("0.0061", true), {"checksum", "edited"});
+  ExpectMentions(error_of("-0.001", false), {"test.toml:", "magnet.tip_offset_m", "-0.001", "[0, 0.2]"});
+  ExpectMentions(error_of("nan", false), {"magnet.tip_offset_m"});
+  ExpectMentions(error_of("0.0151", false), {"test.toml:", "magnet.tip_offset_m", "+10.1 mm from the drawing",
+                                             "allowed are 10 mm", "delete this line", "omni calibrate --tip"});
+  const test::TempFolder folder;
+  EXPECT_FALSE(SaveCalibrationFile(folder.Path("c.toml"), WithTip(0.02), NominalBase(), false).ok());
+}
+
 TEST(ConfigCalibration, BelongsToOneGeometryOneBaseAndOneFormat) {
   ExpectMentions(ErrorOf(Changed("format = 2", "format = 3")), {"test.toml", "format = 3", "omni calibrate"});
   ExpectMentions(ErrorOf(Text(), "twin-4"), {"serial", "twin-3", "twin-4", "omni calibrate"});

@@ -9,6 +9,7 @@
 #include "service/daemon/force_clients.h"
 #include "service/daemon/force_properties.h"
 #include "service/loop/tick_config.h"
+#include "service/magnetics/nominal.h"
 
 namespace omni::daemon {
 namespace test_daemon_force {
@@ -176,6 +177,15 @@ TEST(ForceProperties, OfTheDeviceAsDrawn) {
     EXPECT_LE(can.reach[i].force_N, can.reach[i - 1].force_N + 1e-3) << i;
   }
   EXPECT_GT(can.reach[0].force_N, 0.5);
+}
+
+TEST(ForceProperties, ReachFollowsTheTipThatWasMeasured) {
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  base::Calibration calibration = magnetics::NominalCalibration(device);
+  const auto outer_m = [&] { return DescribeForce(loop::MakeTickConfig(device, calibration), device).outer_radius_m; };
+  const double drawn_m = outer_m();
+  calibration.magnet.tip_offset_m += 1e-3;
+  EXPECT_NEAR(outer_m(), drawn_m - 1e-3, 1e-12) << "a longer pen's tip is nearer for the same magnet";
 }
 
 // At the continuous force, with the heat model run for an hour, no copper passes its aim.
