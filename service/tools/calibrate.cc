@@ -2,6 +2,7 @@
 // of the simulation does what the person would, in virtual time.
 #include <cerrno>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -16,9 +17,11 @@
 #include "service/magnetics/nominal.h"
 #include "service/sim/twin.h"
 #include "service/tools/calibrate_device.h"
+#include "service/tools/calibrate_hand.h"
 #include "service/tools/calibrate_kept.h"
 #include "service/tools/calibrate_session.h"
 #include "service/tools/calibrate_text.h"
+#include "service/tools/calibrate_tip.h"
 #include "service/tools/calibrate_twin.h"
 #include "service/tools/calibrate_zero.h"
 #include "service/tools/command_line.h"
@@ -37,46 +40,52 @@ struct Arguments {
   bool replace = false;
   bool restore = false;
   bool zero = false;
+  bool tip = false;
   SessionOptions session;
 };
 
 // On a terminal one line that changes, else a line per step.
 class Display {
  public:
-  explicit Display(const SessionOptions& options) : options_(options), live_(CanDraw()) {}
-
-  void Show(const CalibrationSession& session) {
-    if (session.step() != step_ || first_) {
-      if (live_ && !first_) {
-        Draw(session, 1);
-        std::printf("\n");
-      }
-      std::printf("%s\n", StepText(session.step(), options_).c_str());
-      step_ = session.step();
+  // `beside`: of a step, what stands beside its bar.
+  void Show(const GuidedSession& session, const std::function<std::string(int step)>& beside = {}) {
+    const bool next = session.step_number() != step_;
+    if (live_ && step_ != kNone && (next || session.done())) {
+      Draw(1, beside);
+      std::printf("\n");
+    }
+    if (next) {
+      std::printf("%s\n", session.Instruction().c_str());
+      step_ = session.step_number();
       percent_ = -1;
-      first_ = false;
     }
     const int percent = static_cast<int>(100 * session.progress());
-    if (!live_ || percent == percent_ || step_ == CalibrationStep::kDone) return;
+    if (!live_ || percent == percent_ || session.done()) return;
     percent_ = percent;
-    Draw(session, session.progress());
+    Draw(session.progress(), beside);
   }
 
  private:
-  void Draw(const CalibrationSession& session, double progress) const {
-    std::printf("\r     %s", ProgressBar(progress, kBarWidth).c_str());
-    if (step_ == CalibrationStep::kWave || step_ == CalibrationStep::kTouch) {
-      std::printf("  top %s rim", CoverageText(session.coverage()).c_str());
-    }
+  static constexpr int kNone = -1;
+
+  void Draw(double progress, const std::function<std::string(int step)>& beside) const {
+    std::printf("\r     %s%s", ProgressBar(progress, kBarWidth).c_str(), beside ? beside(step_).c_str() : "");
     std::fflush(stdout);
   }
 
-  SessionOptions options_;
-  bool live_;
-  bool first_ = true;
-  CalibrationStep step_ = CalibrationStep::kClear;
+  bool live_ = CanDraw();
+  int step_ = kNone;
   int percent_ = -1;
 };
+
+// The hemisphere while the pen goes round it.
+void ShowCoverage(Display& display, const CalibrationSession& session) {
+  display.Show(session, [&](int step) {
+    const bool round =
+        step == static_cast<int>(CalibrationStep::kWave) || step == static_cast<int>(CalibrationStep::kTouch);
+    return round ? "  top " + CoverageText(session.coverage()) + " rim" : std::string();
+  });
+}
 
 // Asked before anybody waves a pen for two minutes; empty: the result can be kept.
 std::string PlaceProblem(const std::string& output, bool replace) {
@@ -129,61 +138,110 @@ base::Result<Measured> MeasureBase(const Arguments& arguments, const base::Devic
   return Measured{opened->serial, std::move(*outcome)};
 }
 
+// The pen is the one of the file that is replaced.
+void KeepTip(const std::string& output, const config::ExpectedBase& of, config::CalibrationFile& file) {
+  const auto before = config::LoadCalibrationFile(output, of);
+  if (!before.ok() || !before->tip_measured) return;
+  file.tip_measured = true;
+  file.calibration.magnet.tip_offset_m = before->calibration.magnet.tip_offset_m;
+  std::printf("tip          %.2f mm from the magnet's centre, as before; another pen: omni calibrate --tip\n",
+              1e3 * file.calibration.magnet.tip_offset_m);
+}
+
 int Measure(const Arguments& arguments, const std::string& output, config::ExpectedBase of) {
   if (const std::string problem = PlaceProblem(output, arguments.replace); !problem.empty()) {
     return Fail(kCalibrate, problem);
   }
   const EndSignals signals;
-  Display display(arguments.session);
+  Display display;
   const auto measure = daemon::IsTwin(arguments.run.device) ? MeasureTwin : MeasureBase;
-  const auto done = measure(arguments, of.device, [&](const CalibrationSession& session) { display.Show(session); });
+  const auto done =
+      measure(arguments, of.device, [&](const CalibrationSession& session) { ShowCoverage(display, session); });
   if (!done.ok()) return Fail(kCalibrate, done.error());
   of.serial = done->serial;
   std::printf("%s", ReportText(done->outcome.report).c_str());
-  const base::Status saved =
-      config::SaveCalibrationFile(output, CalibrationFileOf(done->outcome, of.serial), of, arguments.replace);
+  config::CalibrationFile file = CalibrationFileOf(done->outcome, of.serial);
+  KeepTip(output, of, file);
+  const base::Status saved = config::SaveCalibrationFile(output, file, of, arguments.replace);
   if (!saved.ok()) return Fail(kCalibrate, saved.error());
   std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
   return kExitOk;
 }
 
-constexpr double kTwinZero_s = 10;  // more than it takes
+constexpr double kTwinChange_s = 60;  // more than it takes
 
-// The twin's pen is nowhere.
-base::Result<daemon::OpenedDevice> OpenForZero(const Arguments& arguments, const base::DeviceGeometry& device) {
+// `hand`: what the twin's does, as a person would.
+base::Result<daemon::OpenedDevice> OpenForChange(const Arguments& arguments, const base::DeviceGeometry& device,
+                                                 const sim::HandScript& hand) {
   if (!daemon::IsTwin(arguments.run.device)) return daemon::OpenDevice(arguments.run);
   const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.run.twin);
   if (!truth.ok()) return base::Error{truth.error()};
   daemon::OpenedDevice opened;
-  opened.transport = sim::MakeVirtualTwin(device, {.seed = arguments.run.twin_seed, .truth = *truth}, kTwinZero_s);
+  const sim::TwinOptions twin{.seed = arguments.run.twin_seed, .script = hand, .truth = *truth};
+  opened.transport = sim::MakeVirtualTwin(device, twin, kTwinChange_s);
   opened.serial = "twin-" + std::to_string(arguments.run.twin_seed);
   return opened;
 }
 
-// What the sensors read without a pen, again; everything else of the file stays.
-int Zero(const Arguments& arguments, const std::string& output, config::ExpectedBase of) {
+// What an option measures again of a calibration that is there; everything else of the file stays.
+template <class Session>
+struct Change {
+  const char* option = "";
+  sim::HandScript hand;
+  std::function<Session(const base::Calibration&)> begin;
+  // Puts what was found into the file; what to tell of it.
+  std::function<base::Result<std::string>(const Session&, config::CalibrationFile&)> finish;
+};
+
+template <class Session>
+int Apply(const Change<Session>& change, const Arguments& arguments, const std::string& output,
+          config::ExpectedBase of) {
   if (const std::string problem = PlaceProblem(output, true); !problem.empty()) return Fail(kCalibrate, problem);
   auto file = config::LoadCalibrationFile(output, of);
-  if (!file.ok()) return Fail(kCalibrate, file.error() + "; --zero changes a calibration that is there");
+  if (!file.ok()) return Fail(kCalibrate, file.error() + "; " + change.option + " changes a calibration that is there");
   const EndSignals signals;
-  auto opened = OpenForZero(arguments, of.device);
+  auto opened = OpenForChange(arguments, of.device, change.hand);
   if (!opened.ok()) return Fail(kCalibrate, opened.error());
   of.serial = opened->serial;
   if (file = config::LoadCalibrationFile(output, of); !file.ok()) return Fail(kCalibrate, file.error());
-  ZeroSession session(file->calibration);
-  std::printf("%s\n", session.Instruction().c_str());
-  if (const base::Status ran = RunSession(*opened->transport, session, {}); !ran.ok()) {
-    return Fail(kCalibrate, ran.error());
-  }
-  const base::Result<calibration::Zeroed> zeroed = session.Finish();
-  if (!zeroed.ok()) return Fail(kCalibrate, zeroed.error());
-  file->calibration = zeroed->calibration;
+  Session session = change.begin(file->calibration);
+  Display display;
+  display.Show(session);
+  const base::Status ran = RunSession(*opened->transport, session, [&] { display.Show(session); });
+  if (!ran.ok()) return Fail(kCalibrate, ran.error());
+  const base::Result<std::string> found = change.finish(session, *file);
+  if (!found.ok()) return Fail(kCalibrate, found.error());
   const base::Status saved = config::SaveCalibrationFile(output, *file, of, true);
   if (!saved.ok()) return Fail(kCalibrate, saved.error());
-  std::printf("zeroed       the field had changed by %.1f uT, sensors by themselves by up to %.1f uT\n",
-              1e6 * zeroed->uniform_T, 1e6 * zeroed->own_T);
-  std::printf("written      %s; omnid uses it from its next start\n", output.c_str());
+  std::printf("%s\nwritten      %s; omnid uses it from its next start\n", found->c_str(), output.c_str());
   return kExitOk;
+}
+
+// What the sensors read without a pen.
+Change<ZeroSession> ZeroChange() {
+  return {.option = "--zero",
+          .hand = {},
+          .begin = [](const base::Calibration& before) { return ZeroSession(before); },
+          .finish = [](const ZeroSession& session, config::CalibrationFile& file) -> base::Result<std::string> {
+            const base::Result<calibration::Zeroed> zeroed = session.Finish();
+            if (!zeroed.ok()) return base::Error{zeroed.error()};
+            file.calibration = zeroed->calibration;
+            return ZeroText(*zeroed);
+          }};
+}
+
+// Where the pen's tip is.
+Change<TipSession> TipChange(double drawn_m, std::uint64_t twin_seed) {
+  return {.option = "--tip",
+          .hand = MakePivotingHand({.seed = twin_seed + 1}),
+          .begin = [drawn_m](const base::Calibration& before) { return TipSession(before, drawn_m); },
+          .finish = [drawn_m](const TipSession& session, config::CalibrationFile& file) -> base::Result<std::string> {
+            const base::Result<calibration::Tip> tip = session.Finish();
+            if (!tip.ok()) return base::Error{tip.error()};
+            file.tip_measured = true;
+            file.calibration.magnet.tip_offset_m = tip->tip_offset_m;
+            return TipText(*tip, drawn_m);
+          }};
 }
 
 int Calibrate(const Arguments& arguments) {
@@ -200,7 +258,11 @@ int Calibrate(const Arguments& arguments) {
   if (output.empty()) return Fail(kCalibrate, "no home folder to write calibration.toml to; name a file with -o FILE");
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}};
   if (arguments.restore) return Restore(output, of);
-  return arguments.zero ? Zero(arguments, output, of) : Measure(arguments, output, of);
+  if (arguments.zero) return Apply(ZeroChange(), arguments, output, of);
+  if (arguments.tip) {
+    return Apply(TipChange(device.magnet.tip_offset_m, arguments.run.twin_seed), arguments, output, of);
+  }
+  return Measure(arguments, output, of);
 }
 
 }  // namespace
@@ -222,9 +284,15 @@ void AddCalibrate(Command& app) {
       calibrate
           .Add("--restore", arguments->restore, "take the previous file back; it and the present one change places")
           .Excludes(replace);
-  calibrate.Add("--zero", arguments->zero, "two seconds: measure again only what the sensors read without the pen")
+  Option zero =
+      calibrate.Add("--zero", arguments->zero, "two seconds: measure again only what the sensors read without the pen")
+          .Excludes(replace)
+          .Excludes(restore);
+  calibrate
+      .Add("--tip", arguments->tip, "ten seconds: measure only where the pen's tip is, by leaning the pen about it")
       .Excludes(replace)
-      .Excludes(restore);
+      .Excludes(restore)
+      .Excludes(zero);
   calibrate.Add("--wave-seconds", arguments->session.wave_s, "how long to wave the pen").Range(3.0, 60.0).ShowDefault();
   calibrate.Add("--touches", arguments->session.touches, "how many places to touch").Range(20, 150).ShowDefault();
   calibrate.Run(arguments, Calibrate);

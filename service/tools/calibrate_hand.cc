@@ -19,8 +19,11 @@ constexpr double kWaveLeg_s = 0.45;  // from turn to turn; far ones reach about 
 constexpr double kWaveFar_m = 0.105;
 constexpr double kWaveTilt_rad = 1.0;
 constexpr double kTouchTilt_rad = 0.12;
-constexpr double kApproach_m = 0.012;  // above the hull
-constexpr double kPress_m = 0.002;     // into it, against the hand's spring
+constexpr double kApproach_m = 0.012;                    // above the hull
+constexpr double kPress_m = 0.002;                       // into it, against the hand's spring
+constexpr double kDimple_N_m = 5000, kDimple_Ns_m = 40;  // what holds the tip is the desk
+constexpr double kDimpleTremor_m = 0.05e-3;              // play in the dimple
+constexpr double kLift_m = 0.03, kSwing_s = 0.6;
 constexpr double kLift_s = 0.12, kMove_s = 0.3, kPress_s = 0.15, kHold_s = 0.3;
 
 Vec3 DrawOutwards(Random& random) {
@@ -78,6 +81,22 @@ sim::HandScript MakeCalibratingHand(const base::DeviceGeometry& device, const Ca
     script.waypoints.push_back(At(device, place, contact_m - kPress_m, kPress_s));
     script.waypoints.push_back(At(device, place, contact_m - kPress_m, kHold_s));
     script.waypoints.push_back(At(device, place, contact_m + kApproach_m, kLift_s));
+  }
+  return script;
+}
+
+sim::HandScript MakePivotingHand(const PivotingHand& options) {
+  Random random(options.seed);
+  const Vec3 down{0, 0, -1};
+  const Vec3 above = options.dimple_base_m + kLift_m * Vec3{0, 0, 1};
+  sim::HandScript script;
+  script.name = "pivot";
+  script.stiffness_N_m = kDimple_N_m;
+  script.damping_Ns_m = kDimple_Ns_m;
+  script.tremor_m = kDimpleTremor_m;
+  script.waypoints = {{0, above, down}, {1, options.dimple_base_m, down}, {1, options.dimple_base_m, down}};
+  for (double t_s = 0; t_s < options.swing_s; t_s += kSwing_s) {
+    script.waypoints.push_back({kSwing_s, options.dimple_base_m, DrawAxis({0, 0, 1}, options.tilt_rad, random)});
   }
   return script;
 }

@@ -18,4 +18,14 @@ struct CalibratingHand {
 
 sim::HandScript MakeCalibratingHand(const base::DeviceGeometry& device, const CalibratingHand& options);
 
+// Rests the tip in a dimple and swings the pen about it: `omni calibrate --tip`.
+struct PivotingHand {
+  base::Vec3 dimple_base_m{0, -0.07, 0.01};
+  double tilt_rad = 0.6;  // greatest, from upright
+  double swing_s = 12;
+  std::uint64_t seed = 1;
+};
+
+sim::HandScript MakePivotingHand(const PivotingHand& options);
+
 }  // namespace omni::tools

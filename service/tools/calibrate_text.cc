@@ -76,6 +76,17 @@ std::string QualityWord(double expected_error_m) {
   return expected_error_m <= 0.5e-3 ? "fair" : "poor";
 }
 
+std::string ZeroText(const calibration::Zeroed& zeroed) {
+  return Format("zeroed       the field had changed by %.1f uT, sensors by themselves by up to %.1f uT",
+                1e6 * zeroed.uniform_T, 1e6 * zeroed.own_T);
+}
+
+std::string TipText(const calibration::Tip& tip, double drawn_m) {
+  return Format(
+      "tip          %.2f +- %.2f mm from the magnet's centre, %+.2f mm from the drawing; it moved by %.2f mm rms",
+      1e3 * tip.tip_offset_m, 1e3 * tip.sigma_m, 1e3 * (tip.tip_offset_m - drawn_m), 1e3 * tip.rms_m);
+}
+
 std::string ReportText(const calibration::Report& report) {
   std::string text;
   text += Format("quality      %s: %.2f mm rms of position error remain, noise apart\n",

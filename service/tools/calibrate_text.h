@@ -6,6 +6,8 @@
 #include "service/base/result.h"
 #include "service/calibration/coverage.h"
 #include "service/calibration/report.h"
+#include "service/calibration/tip.h"
+#include "service/calibration/zero.h"
 #include "service/tools/calibrate_session.h"
 
 namespace omni::tools {
@@ -19,6 +21,9 @@ std::string ProgressBar(double progress, int width);
 std::string CoverageText(const calibration::Coverage& coverage);
 // Residuals, what was not fixed, and one word for the whole.
 std::string ReportText(const calibration::Report& report);
+// What was measured again, one line.
+std::string ZeroText(const calibration::Zeroed& zeroed);
+std::string TipText(const calibration::Tip& tip, double drawn_m);
 // "excellent", "good", "fair" or "poor", by the error that the calibration leaves.
 std::string QualityWord(double expected_error_m);
 

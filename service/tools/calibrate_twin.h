@@ -26,4 +26,8 @@ base::Result<TwinCalibration> CalibrateTwin(const base::DeviceGeometry& device, 
                                             const base::TruthParameters& truth, const SessionOptions& options = {},
                                             const SessionObserver& observer = {});
 
+// The drawing with the tip of the pen that the twin's hand holds, as a person knows what is in the hand.
+base::DeviceGeometry WithHeldTip(const base::DeviceGeometry& device, std::uint64_t seed,
+                                 const base::TruthParameters& truth);
+
 }  // namespace omni::tools
