@@ -94,7 +94,8 @@ sim::HandScript MakePivotingHand(const PivotingHand& options) {
   script.stiffness_N_m = kDimple_N_m;
   script.damping_Ns_m = kDimple_Ns_m;
   script.tremor_m = kDimpleTremor_m;
-  script.waypoints = {{0, above, down}, {1, options.dimple_base_m, down}, {1, options.dimple_base_m, down}};
+  script.waypoints = {
+      {0, above, down}, {1, options.dimple_base_m, down}, {options.rest_s, options.dimple_base_m, down}};
   for (double t_s = 0; t_s < options.swing_s; t_s += kSwing_s) {
     script.waypoints.push_back({kSwing_s, options.dimple_base_m, DrawAxis({0, 0, 1}, options.tilt_rad, random)});
   }

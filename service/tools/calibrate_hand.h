@@ -21,6 +21,7 @@ sim::HandScript MakeCalibratingHand(const base::DeviceGeometry& device, const Ca
 // Rests the tip in a dimple and swings the pen about it: `omni calibrate --tip`.
 struct PivotingHand {
   base::Vec3 dimple_base_m{0, -0.07, 0.01};
+  double rest_s = 1;      // upright, before it is leaned
   double tilt_rad = 0.6;  // greatest, from upright
   double swing_s = 12;
   std::uint64_t seed = 1;

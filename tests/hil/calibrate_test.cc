@@ -2,6 +2,8 @@
 // would.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "service/config/twin_file.h"
 #include "service/magnetics/nominal.h"
 #include "service/tools/calibrate_hand.h"
+#include "service/tools/calibrate_twin.h"
 #include "service/tools/hand_path.h"
 #include "tests/support/calibration_error.h"
 #include "tests/support/child_process.h"
@@ -23,36 +26,31 @@ namespace {
 
 constexpr std::uint64_t kSeed = 7;
 
-// omni_hil with `omni calibrate --device usb` on its base, and a hand that waves for 7 s and touches.
+// omni_hil with `omni calibrate --device usb` on its base, and a hand that does what is asked.
 class HilCalibrate : public testing::Test {
  protected:
-  int Run(int touches, const std::string& asked) {
-    const auto hand = tools::MakeCalibratingHand(config::DefaultDevice(),
-                                                 {.away_s = 12, .wave_s = 6.5, .touches = touches, .seed = kSeed + 1});
+  int Run(const sim::HandScript& hand, const std::string& twin, const std::vector<std::string>& more) {
     folder_.Write("hand.json", tools::WriteHandScript(hand));
     const std::string bin = std::string(OMNI_BINARY_DIR) + "/bin/";
-    auto started = test::ChildProcess::Start({bin + "omni_hil",
-                                              "--fast",
-                                              "--twin",
-                                              "room",
-                                              "--seed",
-                                              std::to_string(kSeed),
-                                              "--script",
-                                              folder_.Path("hand.json"),
-                                              "--summary",
-                                              folder_.Path("summary.json"),
-                                              "--",
-                                              bin + "omni",
-                                              "calibrate",
-                                              "--device",
-                                              "usb",
-                                              "--wave-seconds",
-                                              "5",
-                                              "--touches",
-                                              asked,
-                                              "-o",
-                                              Calibration()},
-                                             {"XDG_CONFIG_HOME=" + folder_.Path("config")});
+    std::vector<std::string> words{bin + "omni_hil",
+                                   "--fast",
+                                   "--twin",
+                                   twin,
+                                   "--seed",
+                                   std::to_string(kSeed),
+                                   "--script",
+                                   folder_.Path("hand.json"),
+                                   "--summary",
+                                   folder_.Path("summary.json"),
+                                   "--",
+                                   bin + "omni",
+                                   "calibrate",
+                                   "--device",
+                                   "usb",
+                                   "-o",
+                                   Calibration()};
+    words.insert(words.end(), more.begin(), more.end());
+    auto started = test::ChildProcess::Start(words, {"XDG_CONFIG_HOME=" + folder_.Path("config")});
     if (!started.ok()) {
       ADD_FAILURE() << started.error();
       return -1;
@@ -66,13 +64,13 @@ class HilCalibrate : public testing::Test {
   }
   std::string Calibration() const { return folder_.Path("calibration.toml"); }
 
- private:
   const test::TempFolder folder_;
 };
 
 TEST_F(HilCalibrate, MeasuresTheBaseThatIsPluggedIn) {
-  ASSERT_EQ(Run(31, "20"), 0);
   const base::DeviceGeometry& device = config::DefaultDevice();
+  const auto hand = tools::MakeCalibratingHand(device, {.away_s = 12, .wave_s = 6.5, .touches = 31, .seed = kSeed + 1});
+  ASSERT_EQ(Run(hand, "room", {"--wave-seconds", "5", "--touches", "20"}), 0);
   const auto file = config::LoadCalibrationFile(
       Calibration(), {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "omni"});
   ASSERT_TRUE(file.ok()) << file.error();
@@ -86,6 +84,30 @@ TEST_F(HilCalibrate, MeasuresTheBaseThatIsPluggedIn) {
   if (before.ok()) {
     EXPECT_LT(after->raw_mm, 0.5 * before->raw_mm);
   }
+}
+
+TEST_F(HilCalibrate, MeasuresThePensTip) {
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "omni"};
+  base::TruthParameters room = config::RoomTwin();
+  room.imperfections.tip_offset_m = 1e-3;
+  const sim::Rig rig(device, {.seed = kSeed, .sizes = room.imperfections, .effects = room.effects});
+  config::CalibrationFile file;
+  file.calibration = rig.ExactCalibration();
+  file.serial = of.serial;
+  file.date = "2026-11-21T09:00:00Z";
+  file.quality.expected_error_mm = 0.1;
+  const base::Status saved = config::SaveCalibrationFile(Calibration(), file, of, false);
+  ASSERT_TRUE(saved.ok()) << saved.error();
+  const std::string twin = folder_.Write("twin.toml", "based_on = \"room\"\n[imperfections]\ntip_offset_m = 1.0e-3\n");
+  ASSERT_EQ(Run(tools::MakePivotingHand({.rest_s = 8, .swing_s = 14, .seed = kSeed}), twin, {"--tip"}), 0);
+  const auto now = config::LoadCalibrationFile(Calibration(), of);
+  ASSERT_TRUE(now.ok()) << now.error();
+  ASSERT_TRUE(now->tip_measured);
+  const double error_m =
+      now->calibration.magnet.tip_offset_m - tools::WithHeldTip(device, kSeed, room).magnet.tip_offset_m;
+  std::printf("[ figure   ] tip measured over USB: error %+.3f mm\n", 1e3 * error_m);
+  EXPECT_LT(std::abs(error_m), 0.3e-3);
 }
 
 }  // namespace
