@@ -72,8 +72,7 @@ base::Result<Tip> FindTip(std::span<const PivotPose> poses, double drawn_m, doub
   if (!(tip.tip_offset_m >= 0 && std::abs(tip.tip_offset_m - drawn_m) <= kFromDrawing_m)) {
     return Refused(
         "it is %.2f mm from the magnet's centre, the drawing says %.2f, allowed are %.0f more or less: rest the tip, "
-        "and "
-        "nothing else of the pen, in the dimple; a pen of another length needs a drawing of its own "
+        "and nothing else of the pen, in the dimple; a pen of another length needs a drawing of its own "
         "(magnet.tip_offset_m of omni calibrate --device-file)",
         1e3 * tip.tip_offset_m, 1e3 * drawn_m, 1e3 * kFromDrawing_m);
   }
