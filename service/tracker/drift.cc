@@ -168,9 +168,21 @@ double AmbientVariance(const DriftState& drift, std::size_t axis) noexcept {
   return drift.covariance[(kAmbient + axis) * (kStates + 1)];
 }
 
+double WorstAmbientVariance(const DriftState& drift) noexcept {
+  return std::max({AmbientVariance(drift, 0), AmbientVariance(drift, 1), AmbientVariance(drift, 2)});
+}
+
 bool IsAmbientOpen(const DriftNoise& noise, const DriftState& drift) noexcept {
-  const double worst_T2 = std::max({AmbientVariance(drift, 0), AmbientVariance(drift, 1), AmbientVariance(drift, 2)});
-  return worst_T2 > Square(noise.ambient_open_T);
+  return WorstAmbientVariance(drift) > Square(noise.ambient_open_T);
+}
+
+void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
+  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) {
+    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] = drift.covariance[b * kStates + a] = 0;
+    drift.covariance[a * kStates + a] = variance_T2;
+  }
+  drift.recent_information = {};
+  drift.recent_gradient = {};
 }
 
 }  // namespace
@@ -180,12 +192,16 @@ bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept 
 }
 
 void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept {
-  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] = drift.covariance[b * kStates + a] = 0;
-    drift.covariance[a * kStates + a] = Square(noise.ambient_jump_T);
-  }
-  drift.recent_information = {};
-  drift.recent_gradient = {};
+  SetAmbientVariance(Square(noise.ambient_jump_T), drift);
+}
+
+void SetAmbient(const std::array<double, 3>& ambient_base_T, double variance_T2, DriftState& drift) noexcept {
+  std::copy(ambient_base_T.begin(), ambient_base_T.end(), drift.mean.begin() + kAmbient);
+  SetAmbientVariance(variance_T2, drift);
+}
+
+void WidenAmbient(double variance_T2, DriftState& drift) noexcept {
+  if (WorstAmbientVariance(drift) < variance_T2) SetAmbientVariance(variance_T2, drift);
 }
 
 // So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.

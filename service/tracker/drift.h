@@ -74,6 +74,10 @@ double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, do
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
                              double step_s) noexcept;
 
+// The ambient field is that, or may be off by so much more, each way.
+void SetAmbient(const std::array<double, 3>& ambient_base_T, double variance_T2, DriftState& drift) noexcept;
+void WidenAmbient(double variance_T2, DriftState& drift) noexcept;
+
 // The ambient field may have jumped: it is known to noise.ambient_jump_T, and what the last scans said is forgotten.
 void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept;
 

@@ -17,7 +17,12 @@ using Eigen::Vector3d;
 // with the model's error doubled time and again, as a base wants that is known from its drawing only.
 constexpr int kFirstLeftOut = 2, kFirstDoubled = kFirstLeftOut + kSensors;
 constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wrong, a pose known worse is none
-constexpr double kNoFit = 1e6;             // chi2
+// A first pose by which nothing is wrong is known so well (trace); where its chi2 is so many times what it should be,
+// any other ambient field saves less than that.
+constexpr double kKnown_m2 = 225e-6, kOddly = 1.5, kFieldSaves = 22;
+constexpr double kNoFit = 1e6;  // chi2
+
+double PositionVariance(const Fit& fit) noexcept { return fit.covariance.topLeftCorner<3, 3>().trace(); }
 
 bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
   const int dof = DegreesOfFreedom(measurement);
@@ -75,6 +80,16 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
 // Drift and doubts are learnt from currents that are measured.
 bool CanDoubt(const Config& config, const State& state) noexcept {
   return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden && state.drift.valid;
+}
+
+// Another ambient field than believed lets a pen far away pass for one in reach, but badly: any field explains more.
+bool IsOfAnotherField(const ScanContext& context, const State& state, const Measurement& measurement,
+                      const Fit& fit) noexcept {
+  const Config& config = context.config;
+  if (fit.chi2 <= kOddly * DegreesOfFreedom(measurement)) return false;
+  DriftState open = state.drift;
+  OpenAmbient(config.drift, open);
+  return SolveCold(config, MeasureScan(context, open, state.doubt), fit.pose).chi2 + kFieldSaves < fit.chi2;
 }
 
 double Chi2Of(const Outcome& outcome, double otherwise) noexcept {
@@ -220,7 +235,11 @@ Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& mea
   const Config& config = context.config;
   const int belief = CanDoubt(config, state) ? state.belief++ : 0;
   if (belief == 0) {
-    const Outcome outcome = TryCold(context, state.drift, state.doubt, measurement);
+    Outcome outcome = TryCold(context, state.drift, state.doubt, measurement);
+    if (CanDoubt(config, state)) {
+      outcome.good = outcome.good && PositionVariance(outcome.fit) <= kKnown_m2 &&
+                     !IsOfAnotherField(context, state, measurement, outcome.fit);
+    }
     if (outcome.good) state.belief = 0;
     return outcome;
   }
@@ -235,7 +254,7 @@ Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& mea
   Blame(config.doubt, belief < kFirstDoubled ? belief - kFirstLeftOut : -1, doubt);
   measurement = MeasureScan(context, drift, doubt);
   Outcome outcome = TryCold(context, drift, doubt, measurement);
-  outcome.good = outcome.good && outcome.fit.covariance.topLeftCorner<3, 3>().trace() <= kSurelyKnown_m2;
+  outcome.good = outcome.good && PositionVariance(outcome.fit) <= kSurelyKnown_m2;
   if (!outcome.good) return outcome;
   state.drift = drift;
   state.doubt = doubt;

@@ -176,11 +176,15 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   return true;
 }
 
-// Every few scans all that drifts is an unknown. Hidden currents leave nothing to tell it by.
+// Hidden currents leave nothing to tell a drift by.
+bool LearnsDrift(const Config& config) noexcept {
+  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden;
+}
+
+// Every few scans all that drifts is an unknown.
 bool IsWideScan(const Config& config, const State& state) noexcept {
-  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden &&
-         (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
-          IsAmbientLively(config.drift, state.drift));
+  return LearnsDrift(config) && (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
+                                 IsAmbientLively(config.drift, state.drift));
 }
 
 // No room is like that: a wrong pose is explained by fields that are not there.
@@ -211,6 +215,18 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& d
   PredictDrift(config.drift, std::clamp(base::Elapsed_s(scan.t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, drift);
   drift.t_ns = scan.t_ns;
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
+}
+
+void Start(const Config& config, const base::HallScan& scan, State& state) noexcept {
+  state.doubt.model_error = config.doubt.model_error_start;
+  StartAway(config.away, scan.t_ns, state.away);
+  if (LearnsDrift(config)) ForgetDrift(config, scan, state.drift);
+}
+
+// A scan without a pose, or with one. A magnet nearby that leaves no trace in what is left has gone.
+void LearnAway(const Config& config, const base::HallScan& scan, bool away, State& state) noexcept {
+  if (!away || !config.away.enabled || !LearnsDrift(config)) return EndAwayWindow(state.away);
+  if (WatchAway(config.away, config.model, scan, state.drift, state.away)) state.stray = {};
 }
 
 Pose PoseOf(const FilterState& filter) noexcept {
@@ -253,23 +269,25 @@ Config MakeConfig(const base::DeviceGeometry& device) {
   return config;
 }
 
-void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept {
-  const bool old = state.currents.valid && scan.t_ns == state.currents.t_ns;
+void Update(const Config& config, const base::HallScan& as_read, State& state, base::ToolState& tool) noexcept {
+  const bool old = state.currents.valid && as_read.t_ns == state.currents.t_ns;
   state.old_scans = old ? std::min(state.old_scans + 1, config.lost_after_scans) : 0;
   if (old) {
-    if (state.old_scans >= config.lost_after_scans) Hold(config, scan, state);
+    if (state.old_scans >= config.lost_after_scans) Hold(config, as_read, state);
     state.published.limits |= base::kToolRepeated;
     tool = state.published;
     return;
   }
-  if (state.scans++ == 0) state.doubt.model_error = config.doubt.model_error_start;
+  if (state.scans++ == 0) Start(config, as_read, state);
+  BlameFrozen(config, as_read, state);
+  const bool frozen = IsAllFrozen(as_read, config.doubt.frozen_scans, state.repetition);
+  base::HallScan scan = as_read;
+  if (state.away.learnt) TakeOffZeros(state.away, scan);
   const CurrentHistory currents = Remember(scan, state.currents);
   if (state.evidence.valid) {
     CorrectDrift(config.drift, state.evidence, state.drift);
     state.evidence.valid = false;
   }
-  BlameFrozen(config, scan, state);
-  const bool frozen = IsAllFrozen(scan, config.doubt.frozen_scans, state.repetition);
   const bool wide = IsWideScan(config, state);
   if (wide) ForgetDrift(config, scan, state.drift);
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
@@ -323,6 +341,7 @@ void Update(const Config& config, const base::HallScan& scan, State& state, base
   }
   state.currents = currents;
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
+  LearnAway(config, scan, state.published.status == base::TrackingStatus::kAbsent && !frozen, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);
   TellFindings(state, frozen, state.published);
   tool = state.published;

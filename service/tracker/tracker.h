@@ -9,6 +9,7 @@
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/tool_state.h"
+#include "service/tracker/away.h"
 #include "service/tracker/doubt.h"
 #include "service/tracker/drift.h"
 #include "service/tracker/filter.h"
@@ -26,6 +27,7 @@ struct Config {
   DriftNoise drift;                         // how fast offsets and moment change
   DoubtOptions doubt;                       // when a sensor or the calibration is not believed
   StrayOptions stray;                       // when a magnet nearby is believed
+  AwayOptions away;                         // what is learnt while no pen is near
   Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
   double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
   double field_min_T = 4e-6;                // rms of the magnet's field over sensors below this: absent (0.5 m away)
@@ -61,6 +63,7 @@ struct State {
   Doubt doubt;
   Repetition repetition;
   StrayField stray;
+  Away away;
   int belief = 0;          // of the next cold start
   DriftEvidence evidence;  // of the last scan: the next takes it up, so that no scan pays for both
   CurrentHistory currents;

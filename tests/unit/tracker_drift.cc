@@ -127,8 +127,10 @@ TEST_F(TrackerDrift, LimitsAreTold) {
   pose = {{0, 0, 0.075}, Vector3d(1, 0, 0.05).normalized()};
   for (int i = 0; i < 3; ++i) Feed(NextScan());
   EXPECT_EQ(tool.limits & base::kToolTilted, base::kToolTilted);
-  pose = {{0.1, 0, 0.19}, Vector3d(0, 0, -1)};
-  for (int i = 0; i < 3; ++i) Feed(NextScan());
+  for (int i = 0; i <= 100; ++i) {  // away, not at once: a first pose is none there
+    pose = {{0.001 * i, 0, 0.09 + 0.001 * i}, Vector3d(0, 0, -1)};
+    Feed(NextScan());
+  }
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
   EXPECT_EQ(tool.limits & base::kToolCoarse, base::kToolCoarse);
   pose = {{0.01, -0.005, 0.060}, Vector3d(0, 0, -1)};

@@ -196,6 +196,7 @@ TEST_F(TrackerUpdate, ChangingCurrentsAreTakenAtEachSensorsInstant) {
 // each sensor sampled, up to two ticks back; its mean would be wrong by amperes.
 TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
   noise_scale = 0;
+  Run(20);  // currents that change like this are no beginning
   const auto knot_A = [](std::int64_t j) {
     return std::array<double, 3>{j % 2 != 0 ? 5.0 : 0.0, static_cast<double>(j % 3) - 1, 2.0};
   };
