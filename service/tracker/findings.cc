@@ -1,17 +1,6 @@
 #include "service/tracker/findings.h"
 
-#include <cmath>
-
 namespace omni::tracker {
-namespace {
-
-double RootMeanSquare(const ReadingLanes& values) noexcept {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-}  // namespace
 
 void TellFindings(const State& state, bool frozen, base::ToolState& tool) noexcept {
   const Doubt& doubt = state.doubt;

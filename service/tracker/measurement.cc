@@ -76,6 +76,12 @@ Currents CurrentVariance(const Trust& trust, const Currents& current_A, const Cu
 
 }  // namespace
 
+double RootMeanSquare(const ReadingLanes& values) noexcept {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
 Trust NoiseOnly() noexcept {
   Trust trust;
   trust.model_error_relative = trust.coil_error_relative = trust.age_error_s = 0;

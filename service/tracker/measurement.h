@@ -67,6 +67,7 @@ using LocalField = std::array<std::array<double, kSensors>, 3>;
 
 // By reading, 8 axis + sensor.
 using ReadingLanes = std::array<double, kReadings>;
+double RootMeanSquare(const ReadingLanes& values) noexcept;
 using ReadingMatrix = std::array<double, std::size_t{kReadings} * kReadings>;
 
 // Offsets that were found to be in the readings.

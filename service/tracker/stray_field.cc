@@ -43,11 +43,9 @@ double Sum(const Rows& values) noexcept {
   return sum;
 }
 double SquareSum(const Rows& values) noexcept {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return sum;
+  const double rms = RootMeanSquare(values);
+  return kRows * rms * rms;
 }
-double RootMeanSquare(const Rows& values) noexcept { return std::sqrt(SquareSum(values) / kRows); }
 
 // gain P gain^T
 void SetPoseCovariance(const StrayOptions& options, StrayField& stray) noexcept {

@@ -137,8 +137,6 @@ void Describe(const Config& config, const base::HallScan& scan, const Measuremen
   tool.limits = LimitsOf(config, scan, measurement, outcome, explained, tool);
 }
 
-double Square(double x) noexcept { return x * x; }
-
 base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
 
 // Holds the last pose while the velocities fade.
@@ -190,10 +188,8 @@ bool IsWideScan(const Config& config, const State& state) noexcept {
 // No room is like that: a wrong pose is explained by fields that are not there.
 bool IsAbsurd(const Config& config, const State& state) noexcept {
   const double* ambient_T = &state.drift.mean[base::kCoilCount];
-  const double ambient_square_T2 = Square(ambient_T[0]) + Square(ambient_T[1]) + Square(ambient_T[2]);
-  double stray_square_T2 = 0;
-  for (const double x_T : state.stray.mean_T) stray_square_T2 += x_T * x_T / kReadings;
-  return !(ambient_square_T2 <= Square(config.ambient_max_T) && stray_square_T2 <= Square(config.stray.max_T));
+  const double size_T = std::hypot(ambient_T[0], ambient_T[1], ambient_T[2]);
+  return !(size_T <= config.ambient_max_T && RootMeanSquare(state.stray.mean_T) <= config.stray.max_T);
 }
 
 // Nothing is known of room and pose; what was found of sensors and calibration stays.
@@ -337,7 +333,8 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       outcome.good = false;
     }
     if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
-    if (outcome.good) outcome.fit.covariance *= Square(Unsureness(config.doubt, state.doubt));
+    const double unsure = Unsureness(config.doubt, state.doubt);
+    outcome.fit.covariance *= unsure * unsure;
   }
   state.currents = currents;
   if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
