@@ -77,7 +77,7 @@ TEST_F(HilCalibrate, MeasuresTheBaseThatIsPluggedIn) {
   const base::TruthParameters& room = config::RoomTwin();
   sim::Rig rig(device, {.seed = kSeed, .sizes = room.imperfections, .effects = room.effects, .sensor = room.sensor});
   const auto before = test::MeasureCalibrationError(rig, magnetics::NominalCalibration(device), {.poses = 100});
-  const auto after = test::MeasureCalibrationError(rig, file->calibration, {.poses = 100});
+  const auto after = test::MeasureCalibrationError(rig, file->calibration, {.poses = 100, .swept = true});
   ASSERT_TRUE(after.ok()) << after.error();
   std::printf("[ figure   ] calibrated over USB: mean error %.2f mm\n", after->raw_mm);
   EXPECT_LT(after->raw_mm, 0.6);

@@ -52,6 +52,7 @@ base::Result<CalibrationError> MeasureCalibrationError(sim::Rig& rig, const base
   for (int n = 0; n < options.poses; ++n) {
     const sim::MagnetPose truth = rig.DrawPose(options.range, random);
     base::HallScan scan = rig.Scan(&truth, {}, random);
+    if (options.swept) scan.coil_current_A = rig.CurrentsAtRest_A();
     if (!options.noise) {
       scan.field_sensor_T = rig.Readings(&truth, {});
       scan.saturated_mask = 0;

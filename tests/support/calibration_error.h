@@ -20,7 +20,8 @@ struct CalibrationError {
 struct ErrorOptions {
   int poses = 1000;
   sim::PoseRange range;
-  bool noise = true;                   // of the rig; false: its field itself
+  bool noise = true;   // of the rig; false: its field itself
+  bool swept = false;  // the calibration's background is from a sweep of the base: Rig::CurrentsAtRest_A
   double model_error_relative = 2e-4;  // what the solver allows the calibration to be wrong by, beside noise
   std::uint64_t seed = 1;
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "firmware/wire/scaling.h"
+
 namespace omni::sim {
 namespace {
 
@@ -109,6 +111,14 @@ MagnetPose Rig::DrawPose(const PoseRange& range, Random& random) const noexcept 
 
 SensorFields Rig::Readings(const MagnetPose* pose, const CoilArray& current_A) noexcept {
   return truth_.AllSensorFields(pose, current_A, surroundings_);
+}
+
+CoilArray Rig::CurrentsAtRest_A() const noexcept {
+  CoilArray read_A{};
+  for (std::size_t k = 0; k < read_A.size(); ++k) {
+    read_A[k] = wire::kCurrentUnit_A * std::round(imperfections_.current_offset_A[k] / wire::kCurrentUnit_A);
+  }
+  return read_A;
 }
 
 base::HallScan Rig::Scan(const MagnetPose* pose, const CoilArray& current_A, Random& random) noexcept {

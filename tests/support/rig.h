@@ -52,6 +52,10 @@ class Rig {
   // samples are of one instant, long after pose and currents have come to rest. The core remembers the scan before.
   base::HallScan Scan(const MagnetPose* pose, const CoilArray& current_A, Random& random) noexcept;
 
+  // What the base's current sensors say of coils that are off: their offsets, which Scan() leaves out. A background
+  // that a sweep of the base has taken is right beside them only.
+  CoilArray CurrentsAtRest_A() const noexcept;
+
   // Background and magnet as they are `t_s` after the start of the run; 0 at first.
   void SetTime(double t_s) noexcept { surroundings_ = environment_.At(t_s); }
   const Environment& environment() const noexcept { return environment_; }

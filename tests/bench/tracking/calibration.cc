@@ -83,9 +83,11 @@ base::Result<nlohmann::ordered_json> Row(int number, std::uint64_t seed, const c
   const auto before = test::MeasureCalibrationError(
       done.rig, nominal, {.poses = 300, .model_error_relative = kUncalibrated, .seed = seed + 2});
   if (!before.ok()) return base::Error{before.error()};
-  const auto after = test::MeasureCalibrationError(done.rig, calibrated, {.poses = 1500, .seed = seed + 3});
-  const auto systematic =
-      test::MeasureCalibrationError(done.rig, calibrated, {.poses = 700, .noise = false, .seed = seed + 4});
+  const bool swept = std::string(recording) == "moving";
+  const auto after =
+      test::MeasureCalibrationError(done.rig, calibrated, {.poses = 1500, .swept = swept, .seed = seed + 3});
+  const auto systematic = test::MeasureCalibrationError(
+      done.rig, calibrated, {.poses = 700, .noise = false, .swept = swept, .seed = seed + 4});
   base::Calibration exact = done.rig.ExactCalibration();
   exact.moment_Am2 *= done.moment_scale;
   const auto best = test::MeasureCalibrationError(done.rig, exact, {.poses = 1500, .seed = seed + 3});
