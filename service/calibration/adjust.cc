@@ -127,6 +127,7 @@ bool SettleWeights(Problem& problem, int iterations_max, Adjustment& state) {
   for (int round = 0; round < kRoundsMax; ++round) {
     if (!Minimise(problem, round == 0 ? kEnough : 0.0, iterations_max, state)) return false;
     if (Reweigh(state.system, problem.observations()) < kSettled && round > 0) break;
+    problem.FollowCore(state.parameters, state.instants);
     state.system = problem.Linearise(state.parameters, state.instants);
     ++state.iterations;
   }

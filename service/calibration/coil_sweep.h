@@ -20,7 +20,7 @@ struct SweepPlan {
   int plateau_scans = 150;
   int repeats = 2;            // of each amplitude
   double small_share = 0.15;  // what the core keeps (hysteresis) does not grow with the current: two amplitudes show it
-  int wipe_steps = 12;        // of alternating sign, each at 0.7 of the one before
+  int wipe_steps = 24;        // of alternating sign, each at 0.7 of the one before: to less than turns the core over
   int wipe_scans = 30;
   int rest_scans = 1000;
 };

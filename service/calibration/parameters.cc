@@ -127,6 +127,8 @@ Eigen::Vector2d Parameters::Kept() const {
   return tolerances_.core_kept_A / tolerances_.remanence_A * x_.tail<kShared>().segment<2>(kKeptAt);
 }
 
+double Parameters::Kept_A() const { return tolerances_.core_kept_A * x_.tail<kShared>()[kKeptAt]; }
+
 base::SteelPlane Parameters::Steel() const {
   const auto x = x_.tail<kShared>();
   return {tolerances_.steel_strength * x[kSteelAt],

@@ -56,6 +56,7 @@ class Parameters {
   // adjusted: so their readings do not depend on it.
   Eigen::Vector3d CoreCentre_m() const;
   Eigen::Vector2d Kept() const;    // by the core of a motion, in units of Tolerances::remanence_A
+  double Kept_A() const;           // of a pen that moves
   base::SteelPlane Steel() const;  // height above the core's centre
   // Held at kSteelDepth_m, as at first, the depth is no unknown: steel of no strength has no place.
   void FreeSteelDepth(bool free);

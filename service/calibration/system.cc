@@ -7,6 +7,7 @@
 #include "service/calibration/residual.h"
 #include "service/calibration/steel_plane.h"
 #include "service/calibration/tool_field.h"
+#include "service/magnetics/dipole.h"
 #include "service/magnetics/zonal.h"
 
 namespace omni::calibration {
@@ -139,6 +140,7 @@ Instant Moved(const Instant& instant, const OwnVector& step) {
 Problem::Problem(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
                  const Recording& recording, const Tolerances& tolerances)
     : nominal_(nominal), touch_sigma_m_(tolerances.touch_m), remanence_A_(tolerances.remanence_A) {
+  MakeCoreCurrents(coils);
   for (std::size_t i = 0; i < recording.responses.size(); ++i) {
     const CoilResponse& response = recording.responses[i];
     nominal_.sensors[i].background_sensor_T = response.background_sensor_T;
@@ -267,40 +269,92 @@ void Problem::AddMaps(const Parameters& parameters, System& system) const {
 
 namespace {
 
-constexpr double kUnbroken_s = 0.06;  // from window to window: the way between them is known
-constexpr double kTurned = 0.02;      // change of the core's moment that turns what it keeps, of that at contact
+constexpr double kUnbroken_s = 0.06;                   // from window to window: the way between them is known
+constexpr int kWayParts = 16;                          // of the way from one to the next
+constexpr double kKeptMin_A = 5e-3, kKeptMax_A = 0.1;  // that a core may keep, while that is looked for
+constexpr double kTurned_A = 0.02;                     // change of the core's moment that turns what it keeps
 
-// Of the core in the magnet's field, relative to that at contact.
-Vector3d CoreMoment(const Instant& instant, double contact_m) {
-  const double r_m = instant.position_base_m.norm();
-  const Vector3d n = instant.position_base_m / r_m;
-  const double size = contact_m / r_m * (contact_m / r_m) * (contact_m / r_m);
-  return size * (3 * n.dot(instant.axis_base) * n - instant.axis_base);
+// From b to c, share s of the way that goes through a, b, c, d [Catmull, Rom 1974].
+Vector3d OnTheWay(const std::array<Vector3d, 4>& p, double s) {
+  const Vector3d at_b = 0.5 * (p[2] - p[0]), at_c = 0.5 * (p[3] - p[1]), whole = p[2] - p[1];
+  return p[1] + s * (at_b + s * (3 * whole - 2 * at_b - at_c + s * (at_b + at_c - 2 * whole)));
+}
+
+struct Way {
+  std::vector<double> t_s;
+  std::vector<Vector3d> moment_A;
+};
+
+bool IsJoined(const Way& way, std::size_t k) {
+  return k + 1 < way.t_s.size() && way.t_s[k + 1] - way.t_s[k] <= kUnbroken_s;
+}
+
+// What is drawn behind the way on a string, from the way to it. Over a gap nothing is known but its ends.
+std::vector<Vector3d> DrawnBehind(const Way& way, double string_A) {
+  std::vector<Vector3d> behind_A;
+  Vector3d stone_A = way.moment_A.empty() ? Vector3d(Vector3d::Zero()) : way.moment_A.front();
+  for (std::size_t k = 0; k < way.moment_A.size(); ++k) {
+    const Vector3d& from = way.moment_A[k];
+    behind_A.push_back(stone_A - from);
+    if (k + 1 == way.moment_A.size()) break;
+    const Vector3d& to = way.moment_A[k + 1];
+    const bool known = IsJoined(way, k);
+    const Vector3d before = known && k > 0 && IsJoined(way, k - 1) ? way.moment_A[k - 1] : Vector3d(2 * from - to);
+    const Vector3d after = known && IsJoined(way, k + 1) ? way.moment_A[k + 2] : Vector3d(2 * to - from);
+    for (int part = 1; part <= kWayParts; ++part) {
+      const Vector3d at = OnTheWay({before, from, to, after}, static_cast<double>(part) / kWayParts);
+      const Vector3d string = stone_A - at;
+      stone_A = at + string * std::min(1.0, string_A / std::max(string.norm(), string_A));
+    }
+  }
+  return behind_A;
 }
 
 }  // namespace
 
-// A touch comes from outside: the core's moment has grown.
-void Problem::FollowCore(const Parameters& parameters, std::span<const Instant> instants) {
-  const double contact_m = nominal_.hull_radius_m > 0 ? nominal_.hull_radius_m : nominal_.core_radius_m;
-  if (!(contact_m > 0 && nominal_.core_radius_m > 0)) return;
-  Matrix3d axes;
-  for (int k = 0; k < 3; ++k) axes.row(k) = parameters.CoilAxis(k).transpose();
-  for (std::size_t n = 0; n < observations_.size(); ++n) {
-    const auto joined = [&](std::size_t a, std::size_t b) {
-      return !observations_[b].touches_hull && observations_[b].t_s - observations_[a].t_s <= kUnbroken_s;
-    };
-    Vector3d change = Vector3d::Zero();
-    if (observations_[n].touches_hull) {
-      change = CoreMoment(instants[n], contact_m);
-    } else {
-      const std::size_t from = n > 0 && joined(n - 1, n) ? n - 1 : n;
-      const std::size_t to = n + 1 < observations_.size() && joined(n, n + 1) ? n + 1 : n;
-      change = CoreMoment(instants[to], contact_m) - CoreMoment(instants[from], contact_m);
+// A dipole with the field of the drawn map's column, by least squares: moment of each coil per ampere. The core's in
+// the magnet's field is m_n = a^3 kappa m (3 (u.n) n - u) / r^3; as currents, of the coils with their moments.
+void Problem::MakeCoreCurrents(std::span<const base::CoilGeometry> coils) {
+  core_current_A_m3_.setZero();
+  const double core_Am5 = std::pow(nominal_.core_radius_m, 3) * nominal_.core_kappa * nominal_.moment_Am2;
+  for (std::size_t k = 0; k < coils.size() && k < base::kCoilCount; ++k) {
+    const Vector3d axis = base::ToEigen(coils[k].axis_base).normalized();
+    double along = 0, square = 0;
+    for (const base::SensorCalibration& sensor : nominal_.sensors) {
+      const Vector3d s = base::ToEigen(sensor.position_base_m), n = s.normalized();
+      const Vector3d dipole_T = magnetics::kMu0Over4Pi / std::pow(s.norm(), 3) * (3 * n.dot(axis) * n - axis);
+      const Vector3d unit = Eigen::Map<const RowMajor3d>(sensor.gain_sensor_base.data()) * dipole_T;
+      along += unit.dot(Eigen::Map<const RowMajor3d>(sensor.current_map_T_A.data()).col(static_cast<int>(k)));
+      square += unit.squaredNorm();
     }
-    const Vector3d kept = -axes * change / (change.norm() + kTurned);
-    observations_[n].kept.col(observations_[n].touches_hull ? 1 : 0) = kept;
+    if (along != 0) core_current_A_m3_.row(static_cast<int>(k)) = (core_Am5 * square / along) * axis.transpose();
   }
+}
+
+Vector3d Problem::CoreCurrents_A(const Instant& instant) const {
+  const double r_m = instant.position_base_m.norm();
+  const Vector3d n = instant.position_base_m / r_m;
+  return core_current_A_m3_ * (3 * n.dot(instant.axis_base) * n - instant.axis_base) / (r_m * r_m * r_m);
+}
+
+// What the core keeps is drawn behind its moment like a stone on a string whose length is what it keeps at most. (1a)
+void Problem::FollowCore(const Parameters& parameters, std::span<const Instant> instants) {
+  if (core_current_A_m3_.isZero()) return;
+  Way way;
+  std::vector<std::size_t> moving;
+  for (std::size_t n = 0; n < observations_.size(); ++n) {
+    const Vector3d now_A = CoreCurrents_A(instants[n]);
+    if (observations_[n].touches_hull) {
+      observations_[n].kept.col(1) = -now_A / (now_A.norm() + kTurned_A);
+      continue;
+    }
+    moving.push_back(n);
+    way.t_s.push_back(observations_[n].t_s);
+    way.moment_A.push_back(now_A);
+  }
+  const double string_A = std::clamp(parameters.Kept_A(), kKeptMin_A, kKeptMax_A);
+  const std::vector<Vector3d> behind_A = DrawnBehind(way, string_A);
+  for (std::size_t k = 0; k < moving.size(); ++k) observations_[moving[k]].kept.col(0) = behind_A[k] / string_A;
 }
 
 System Problem::Linearise(const Parameters& parameters, std::span<const Instant> instants) const {

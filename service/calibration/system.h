@@ -81,18 +81,22 @@ class Problem {
   double remanence_A() const { return remanence_A_; }
   bool has_coils() const { return !coil_moments_.empty(); }
 
-  // What the core keeps trails behind the magnet's way, which is that of these instants.
+  // What the core keeps trails behind the magnet's way, which is that of these instants, by what it has been found to
+  // keep.
   void FollowCore(const Parameters& parameters, std::span<const Instant> instants);
 
   System Linearise(const Parameters& parameters, std::span<const Instant> instants) const;
 
  private:
+  void MakeCoreCurrents(std::span<const base::CoilGeometry> coils);
+  Eigen::Vector3d CoreCurrents_A(const Instant& instant) const;
   void AddPriors(const Parameters& parameters, System& system) const;
   void AddMaps(const Parameters& parameters, System& system) const;
 
   base::Calibration nominal_;  // maps and background replaced by measured ones
   double touch_sigma_m_;
   double remanence_A_;
+  Eigen::Matrix3d core_current_A_m3_;  // the core's moment in the magnet's field as currents, per (3 (u.n) n - u) / r^3
   std::vector<Observation> observations_;
   std::vector<double> map_error_T_A_;  // per sensor; empty: maps as drawn
   struct CoilShape {

@@ -125,7 +125,7 @@ TEST(CalibrationDerivatives, GradientOfTheCostByEveryUnknown) {
   Parameters parameters(problem.nominal(), small.tolerances);
   parameters.FreeSteelDepth(true);
   problem.FollowCore(parameters, small.instants);
-  EXPECT_GT(problem.observations().front().kept.col(0).norm(), 0.1);
+  EXPECT_GT(problem.observations()[1].kept.col(0).norm(), 0.1);
   EXPECT_GT(problem.observations().back().kept.col(1).norm(), 0.1);
   std::mt19937 rng(4);
   std::normal_distribution<double> normal(0, 0.5);

@@ -66,10 +66,70 @@ TEST(ToolsCalibrate, AScriptedHandCalibratesTheTwin) {
   EXPECT_EQ(last, CalibrationStep::kDone);
   EXPECT_EQ(done->outcome.report.touches, 20);
   sim::Rig rig(device, {.seed = 5, .sizes = truth.imperfections});
-  const auto after = test::MeasureCalibrationError(rig, done->outcome.calibration, {.poses = 200});
+  const auto after = test::MeasureCalibrationError(rig, done->outcome.calibration, {.poses = 200, .swept = true});
   ASSERT_TRUE(after.ok()) << after.error();
   EXPECT_LT(after->raw_mm, 0.6);
   EXPECT_LT(after->orientation_deg, 0.6);
+}
+
+// A base with a core that remembers, its pen, and what happens around them during one calibration.
+base::TruthParameters UncalibratedTruth(double remanence_Am2) {
+  base::TruthParameters truth = config::IdealTwin();
+  const double nonlinearity = truth.imperfections.sensor_nonlinearity;
+  truth.imperfections = sim::UncalibratedImperfections();
+  truth.imperfections.sensor_nonlinearity = nonlinearity;
+  truth.effects.remanence_Am2 = remanence_Am2;
+  return truth;
+}
+
+// Before the wipe went on until it no longer turned the core over, a moment of .9 of the greatest stayed and was taken
+// for background.
+TEST(ToolsCalibrate, TheSweepLeavesTheCoreWithoutMemory) {
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  const auto background_T = [&](double remanence_Am2) {
+    std::vector<base::Vec3> all;
+    const auto done = CalibrateTwin(device, 21, UncalibratedTruth(remanence_Am2), {.wave_s = 3, .touches = 20},
+                                    [&](const CalibrationSession& now) {
+                                      if (!all.empty()) return;
+                                      for (const calibration::CoilResponse& response : now.recording().responses) {
+                                        all.push_back(response.background_sensor_T);
+                                      }
+                                    });
+    EXPECT_FALSE(all.empty());
+    return all;
+  };
+  constexpr double kRemanence_Am2 = 4e-3;
+  const auto with_T = background_T(kRemanence_Am2), without_T = background_T(0);
+  ASSERT_EQ(with_T.size(), without_T.size());
+  for (std::size_t i = 0; i < with_T.size(); ++i) {
+    const base::Vec3& place_m = device.sensors[i].position_base_m;
+    const double r_m = sim::Norm(place_m);
+    const double greatest_T = 2e-7 * kRemanence_Am2 / (r_m * r_m * r_m);
+    EXPECT_LT(
+        sim::Norm(base::Vec3{with_T[i].x - without_T[i].x, with_T[i].y - without_T[i].y, with_T[i].z - without_T[i].z}),
+        0.1 * greatest_T)
+        << i;
+  }
+}
+
+// What the core keeps of a waved pen must not pass for a wrong array: .097 mm on these before it was followed along its
+// way, .03 to .04 mm on an exactly known array, which the bent sensors cost.
+TEST(ToolsCalibrate, ACoreThatRemembersHardlyBendsTheArray) {
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  const base::TruthParameters truth = UncalibratedTruth(4e-3);
+  double found_mm = 0, best_mm = 0;
+  for (const std::uint64_t seed : {21U, 22U, 23U}) {
+    const auto done = CalibrateTwin(device, seed, truth);
+    ASSERT_TRUE(done.ok()) << done.error();
+    sim::Rig rig(device, {.seed = seed, .sizes = truth.imperfections});
+    const test::ErrorOptions judge{.poses = 300, .noise = false, .swept = true};
+    const auto found = test::MeasureCalibrationError(rig, done->outcome.calibration, judge);
+    const auto best = test::MeasureCalibrationError(rig, rig.ExactCalibration(), {.poses = 300, .noise = false});
+    ASSERT_TRUE(found.ok() && best.ok());
+    found_mm += found->aligned_mm / 3;
+    best_mm += best->aligned_mm / 3;
+  }
+  EXPECT_LT(found_mm, 2.2 * best_mm);
 }
 
 TEST(ToolsCalibrate, ShowsProgressCoverageAndResult) {
@@ -196,7 +256,7 @@ TEST(ToolsCalibrate, SteelTooFarToBeFoundDoesNotRefuseTheBase) {
   const auto done = CalibrateTwin(config::DefaultDevice(), 2, config::RoomTwin());
   ASSERT_TRUE(done.ok()) << done.error();
   EXPECT_LT(done->outcome.report.expected_error_m, 0.3e-3);
-  EXPECT_EQ(done->outcome.report.steel.strength, 0);
+  EXPECT_LT(done->outcome.report.steel.strength, 0.01);  // as good as none
 }
 
 std::string ContentOf(const std::string& path) {
