@@ -98,7 +98,7 @@ double FrameRotation(const Adjustment& adjustment) {
 
 // A pose follows the array as dp = -H_n^-1 C dx, and the core's centre, from which it is measured: the covariance of x
 // gives the error that remains in poses. (12)
-double ExpectedError(const Adjustment& adjustment) {
+double ExpectedError(const Adjustment& adjustment, const MatrixXd& covariance) {
   const Parameters& parameters = adjustment.parameters;
   const auto& samples = adjustment.system.samples;
   const std::size_t stride = std::max<std::size_t>(1, samples.size() / kProbesMax);
@@ -109,17 +109,23 @@ double ExpectedError(const Adjustment& adjustment) {
     for (int e = 0; e < parameters.size(); ++e) {
       if (!IsCalibrated(parameters, e)) K.col(e).setZero();
     }
-    square_m2 += (K * adjustment.covariance * K.transpose()).trace();
+    square_m2 += (K * covariance * K.transpose()).trace();
   }
   return count > 0 ? std::sqrt(square_m2 / count) : 0.0;
 }
 
 // Of every touch as if the fit had not used it, in standard deviations, rms: r / sqrt(1 - leverage), which a linear fit
-// without it would give. (12a)
-double HeldOutTouches(const Problem& problem, const Adjustment& adjustment) {
+// without it would give; and all touches' share in S. (12a), (12b)
+struct Touches {
+  double held_out = 0;
+  MatrixXd information;
+};
+Touches LookAtTouches(const Problem& problem, const Adjustment& adjustment) {
   const Parameters& parameters = adjustment.parameters;
   const double sigma_m = problem.touch_sigma_m();
   double square = 0, count = 0;
+  Touches touches;
+  touches.information.setZero(parameters.size(), parameters.size());
   for (std::size_t n = 0; n < adjustment.instants.size(); ++n) {
     const Observation& observation = problem.observations()[n];
     if (!observation.touches_hull) continue;
@@ -131,12 +137,21 @@ double HeldOutTouches(const Problem& problem, const Adjustment& adjustment) {
     const OwnVector solved = block.H.llt().solve(by_own);
     Eigen::RowVectorXd by_array = -solved.transpose() * block.C;
     by_array.segment<kSampleShared>(parameters.shared_at()) += touch.by_shared;
+    touches.information += (observation.touch_weight / (sigma_m * sigma_m)) * by_array.transpose() * by_array;
     const double fitted_m2 = by_own.dot(solved) + by_array * adjustment.covariance * by_array.transpose();
     const double leverage = std::min(0.99, observation.touch_weight * fitted_m2 / (sigma_m * sigma_m));
     square += observation.touch_weight * block.touch_chi2 / (1 - leverage);
     count += observation.touch_weight;
   }
-  return count > 0 ? std::sqrt(square / count) : 0.0;
+  touches.held_out = count > 0 ? std::sqrt(square / count) : 1.0;
+  return touches;
+}
+
+// Touches that lie closer to the hull than they are trusted to leave less of an error than S says:
+//   S^-1 - (1 - q^2) S^-1 T S^-1,   T: their part of S, q < 1: their rms in deviations                       (12b)
+MatrixXd CovarianceByTouches(const Adjustment& adjustment, const Touches& touches) {
+  const double left = std::min(1.0, touches.held_out * touches.held_out);
+  return adjustment.covariance - (1 - left) * (adjustment.covariance * touches.information * adjustment.covariance);
 }
 
 }  // namespace
@@ -152,9 +167,11 @@ Report Assess(const Problem& problem, const Adjustment& adjustment) {
   report.moment_sigma = parameters.tolerances().moment * std::sqrt(adjustment.covariance(moment, moment));
   report.moment_drift = parameters.tolerances().moment_drift * parameters.x()[parameters.shared_at() + kMomentDriftAt];
   report.frame_rotation_rad = FrameRotation(adjustment);
-  // Whatever says that the model leaves something out makes the error larger, nothing makes it smaller.
+  // Whatever says that the model leaves something out makes the error larger.
   const double misfit = std::sqrt(report.chi2_per_dof);
-  report.expected_error_m = std::max({1.0, misfit, HeldOutTouches(problem, adjustment)}) * ExpectedError(adjustment);
+  const Touches touches = LookAtTouches(problem, adjustment);
+  report.expected_error_m =
+      std::max({1.0, misfit, touches.held_out}) * ExpectedError(adjustment, CovarianceByTouches(adjustment, touches));
   report.iterations = adjustment.iterations;
   return report;
 }

@@ -12,7 +12,7 @@ struct Tolerances {
   double sensor_skew_rad = 3e-3;      // axes of one sensor not perpendicular
   double moment = 0.05;               // relative
   double moment_drift = 0.01;         // over the recording: a magnet that warms by 8 K
-  double core_kappa = 0.01;
+  double core_kappa = 0.003;          // ground to 0.01 mm, and iron of mu_r = 500 or more
   double hull_radius_m = 0.3e-3;
   double core_centre_m = 0.3e-3;       // per axis, from the centre of hull and windings
   double steel_strength = 0.5;         // of a plane under the base, 1: of much iron ...
@@ -22,7 +22,7 @@ struct Tolerances {
   double core_kept_A = 0.02;           // what it keeps of every motion, as such a current; soft iron
   double coil_strength = 5e-3;         // winding and current sensor
   double coil_axis_rad = 1e-3;         // winding against the drawing: what fixes the frame
-  double coil_shape = 2e-3;            // of a map's entry, relative to the field there: turns out of place
+  double coil_shape = 1e-3;            // of a map's entry, relative to the field there: turns out of place
   double touch_m = 0.1e-3;             // hull and housing out of round
   double model_error_relative = 2e-4;  // of the magnet's field: what the model leaves out
 };
