@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -11,6 +13,8 @@
 #include "service/base/vec.h"
 
 namespace omni::base {
+
+inline constexpr std::int64_t kSampleAgeMax_ns = 5'000'000;  // an older sample is none
 
 struct HallScan {
   std::int64_t t_ns = 0;       // CLOCK_MONOTONIC of the newest Hall sample of this scan
@@ -34,5 +38,13 @@ struct HallScan {
   std::uint32_t device_faults = 0;  // wire::Fault bits; != 0 means the device holds its coils at zero
 };
 static_assert(std::is_trivially_copyable_v<HallScan>);
+
+inline bool IsFreshSample(const HallScan& scan, std::size_t sensor) noexcept {
+  return scan.age_ns[sensor] >= 0 && scan.age_ns[sensor] <= kSampleAgeMax_ns;
+}
+inline bool IsSilentSensor(const HallScan& scan, std::size_t sensor) noexcept {
+  const Vec3& B = scan.field_sensor_T[sensor];
+  return !std::isfinite(B.x + B.y + B.z) || !IsFreshSample(scan, sensor);
+}
 
 }  // namespace omni::base

@@ -22,8 +22,7 @@ constexpr double kKept_T = 3e-6;    // field that the core keeps, at a sensor
 constexpr double kLag_T = 3e-7;     // of one of the core's eddy currents at a sensor, after a step of 1 A
 constexpr double kEddy_s = 0.14;    // the slowest of them, in 15 mm of soft iron
 constexpr int kEddyTerms = 8;
-constexpr std::int64_t kAgeMax_ns = 5'000'000;  // an older sample is none
-constexpr double kMostly = 0.9;                 // of the scans
+constexpr double kMostly = 0.9;  // of the scans
 
 // How eddy currents die out in a solid sphere: like the root of time at first, exponentially in the end.
 //   sum_n exp(-(y_n / y_1)^2 t / tau),   y_n = (n + .43) pi about, the zeros of the spherical Bessel function j1
@@ -120,7 +119,7 @@ void CoilSweep::LookAtSensors(const base::HallScan& scan) {
   ++looks_;
   for (std::size_t i = 0; i < base::kSensorCount; ++i) {
     const base::Vec3& B = scan.field_sensor_T[i];
-    const bool silent = !std::isfinite(B.x + B.y + B.z) || scan.age_ns[i] > kAgeMax_ns;
+    const bool silent = base::IsSilentSensor(scan, i);
     silent_[i] += silent ? 1 : 0;
     repeats_[i] += B == last_T_[i] ? 1 : 0;
     last_T_[i] = B;

@@ -10,11 +10,6 @@ namespace {
 
 constexpr double kMostly = 0.8;
 
-bool IsSilent(const base::HallScan& scan, std::size_t i) {
-  const base::Vec3& B = scan.field_sensor_T[i];
-  return !std::isfinite(B.x + B.y + B.z) || scan.age_ns[i] > SensorWatch::kAgeMax_ns;
-}
-
 bool IsMostly(int some, int all) { return some > 0 && some >= kMostly * all; }
 
 double Distance_m(const base::Vec3& a, const base::Vec3& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -75,7 +70,7 @@ void SensorWatch::Add(const loop::RoomSample& sample) {
   frozen_ += frozen ? 1 : 0;
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     Sensor& sensor = sensors_[i];
-    const bool silent = IsSilent(scan, i);
+    const bool silent = base::IsSilentSensor(scan, i);
     sensor.silent += silent ? 1 : 0;
     sensor.repeats += !silent && !frozen && scan.field_sensor_T[i] == sensor.last_T ? 1 : 0;
     sensor.last_T = scan.field_sensor_T[i];

@@ -16,7 +16,6 @@ namespace omni::daemon {
 
 class SensorWatch {
  public:
-  static constexpr std::int64_t kAgeMax_ns = 5'000'000;  // of a sample: an older one is none
   // A sensor is blamed when it was wrong while the pen was in so many places so far apart: a magnet beside it is not
   // everywhere.
   static constexpr std::size_t kPlaces = 3;

@@ -131,14 +131,13 @@ bool Find(const Model& model, const Rows& mean_T, double core_T2_A2, Found& foun
 
 // All 24 readings, without background and coils; false: one is unusable, or coils are on.
 bool AddScan(const AwayOptions& options, const Model& model, const base::HallScan& scan, Rows& sum_T) noexcept {
-  constexpr std::int64_t kAgeMax_ns = 5'000'000;
   double current_A = 0;
   for (const double I : scan.coil_current_A) current_A += std::abs(I);
   if (!(current_A <= options.current_max_A) || scan.saturated_mask != 0) return false;
   Rows next = sum_T;
   double total = 0;
   for (std::size_t i = 0; i < kSensors; ++i) {
-    if (!(scan.age_ns[i] >= 0 && scan.age_ns[i] <= kAgeMax_ns)) return false;
+    if (!base::IsFreshSample(scan, i)) return false;
     const base::Vec3& B = scan.field_sensor_T[i];
     const std::array<double, 3> field_T{B.x, B.y, B.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {

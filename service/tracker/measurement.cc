@@ -100,7 +100,7 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
   if (known && !currents.plausible()) return result;  // the coils' share is unknown: nothing is usable
   double square_sum = 0;
   for (std::size_t i = 0; i < kSensors; ++i) {
-    if (!(scan.age_ns[i] >= 0 && scan.age_ns[i] <= trust.age_max_ns)) continue;
+    if (!base::IsFreshSample(scan, i)) continue;
     if (((trust.sensors_out >> i) & 1u) != 0) continue;
     result.age_s[i] = 1e-9 * static_cast<double>(scan.age_ns[i]);
     CurrentInstant then = known ? currents.At(result.age_s[i]) : CurrentInstant{};

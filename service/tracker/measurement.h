@@ -25,7 +25,6 @@ struct Trust {
   double age_error_s = 2e-5;             // of a sensor's age
   double current_age_s = 3.75e-4;        // mean currents: of the ends of 4 control steps, this long before the tick's
   double field_max_T = 5e-3;             // a larger value is no reading
-  std::int64_t age_max_ns = 5'000'000;   // an older sample is not used
 };
 
 // Nothing but sensor noise: for readings whose model is exact.
