@@ -18,11 +18,11 @@ namespace omni::daemon {
 
 class FieldWatch {
  public:
-  static constexpr double kUniform_T = 15e-6;   // more than a field drifts in an hour; a base that is turned sees more
-  static constexpr double kSteady_T = 10e-6;    // back below it: as it was
-  static constexpr double kUneven_T = 3e-6;     // more than what the zeros of sensors drift
-  static constexpr double kEven = 0.15;         // of the uniform part: a field from far away has no more that is uneven
-  static constexpr double kWanders_T = 1.5e-6;  // rms of a second: no magnet that lies there answers a pen
+  static constexpr double kUniform_T = 15e-6;  // more than a field drifts in an hour; a base that is turned sees more
+  static constexpr double kSteady_T = 10e-6;   // back below it: as it was
+  static constexpr double kUneven_T = 3e-6;    // more than what the zeros of sensors drift
+  static constexpr double kEven = 0.15;        // of the uniform part: a field from far away has no more that is uneven
+  static constexpr double kWanders_T = 1e-6;   // rms of a second: no magnet that lies there answers a pen
 
   explicit FieldWatch(const base::Calibration& calibration);
 
@@ -48,8 +48,8 @@ class FieldWatch {
   base::Calibration calibration_;
   std::optional<tracker::StaticSolver> solver_;
   Second second_;
-  double uniform_T_ = 0;  // of the last second that said so
-  Verdict is_magnet_{3}, wanders_{3}, is_uniform_{3}, is_uneven_{3};
+  double uniform_T_ = 0;                                              // of the last second that said so
+  Verdict is_magnet_{3}, wanders_{5}, is_uniform_{3}, is_uneven_{3};  // a magnet that comes wanders too
 };
 
 }  // namespace omni::daemon
