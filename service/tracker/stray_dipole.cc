@@ -37,6 +37,16 @@ Eigen::Map<const RowVector> Gradient(const StrayEvidence& e) noexcept {
 }
 Eigen::Map<Matrix6> Covariance(StrayDipole& dipole) noexcept { return Eigen::Map<Matrix6>(dipole.covariance.data()); }
 
+Matrix3d GainOf(const Model& model, std::size_t sensor) noexcept {
+  Matrix3d gain;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      gain(row, column) = model.gain_sensor_base[static_cast<std::size_t>(3 * row + column)][sensor];
+    }
+  }
+  return gain;
+}
+
 // x(p), and J = dx/dp.
 struct Field {
   RowVector x_T;
@@ -58,10 +68,7 @@ Field FieldAt(const Model& model, const Vector6& p) noexcept {
   }
   Field field;
   for (std::size_t i = 0; i < kSensors; ++i) {
-    Matrix3d gain;
-    for (std::size_t e = 0; e < 9; ++e)
-      gain(static_cast<int>(e / 3), static_cast<int>(e % 3)) = model.gain_sensor_base[e][i];
-    const Columns reading = gain * (of[i] - mean);
+    const Columns reading = GainOf(model, i) * (of[i] - mean);
     for (int axis = 0; axis < 3; ++axis) {
       const int row = static_cast<int>(kSensors) * axis + static_cast<int>(i);
       field.x_T[row] = reading(axis, 0);
@@ -103,11 +110,30 @@ Vector3d PlaceOf(int place) noexcept {
          Vector3d(rho * std::cos(angle), rho * std::sin(angle), z);
 }
 
+// dx/dm, whatever the moment.
+Eigen::Matrix<double, kReadings, 3> MomentColumns(const Model& model, const Vector3d& at_m) noexcept {
+  const auto& sensors = model.places[0].position_base_m;
+  std::array<Matrix3d, kSensors> of;
+  Matrix3d mean = Matrix3d::Zero();
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    of[i] = magnetics::DipoleMatrix(Vector3d(sensors[0][i], sensors[1][i], sensors[2][i]) - at_m);
+    mean += of[i] / kSensors;
+  }
+  Eigen::Matrix<double, kReadings, 3> columns;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    const Matrix3d reading = GainOf(model, i) * (of[i] - mean);
+    for (int axis = 0; axis < 3; ++axis) {
+      columns.row(static_cast<int>(kSensors) * axis + static_cast<int>(i)) = reading.row(axis);
+    }
+  }
+  return columns;
+}
+
 // The moment that a dipole there would have, linear in what was said.
 void LookAt(const DipoleOptions& options, const Model& model, int place, StrayDipole& dipole) noexcept {
   Vector6 p;
-  p << PlaceOf(place), Vector3d::Zero();
-  const Eigen::Matrix<double, kReadings, 3> X = FieldAt(model, p).J.rightCols<3>();
+  p.head<3>() = PlaceOf(place);
+  const Eigen::Matrix<double, kReadings, 3> X = MomentColumns(model, p.head<3>());
   Matrix3d A = X.transpose() * (Information(dipole.lately) * X);
   A.diagonal().array() += 1 / (options.moment_Am2 * options.moment_Am2);
   const Vector3d b = X.transpose() * Gradient(dipole.lately);
@@ -187,7 +213,9 @@ void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole&
     if (++dipole.place == kPlaces) return BeginSteps(options, dipole);
   }
   if (!dipole.started) return;
-  if (++dipole.steps <= options.search_steps) return TakeStep(options, model, dipole);
+  for (int k = 0; k < options.steps_a_scan; ++k) TakeStep(options, model, dipole);
+  dipole.steps += options.steps_a_scan;
+  if (dipole.steps < options.search_steps) return;
   const auto place = static_cast<std::size_t>(dipole.best_place);
   dipole.nowhere[place / 64] |= std::uint64_t{1} << (place % 64);
   dipole.started = false;

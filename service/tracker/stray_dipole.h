@@ -18,7 +18,7 @@ struct DipoleOptions {
   double position_m = 0.5, moment_Am2 = 5;          // prior, rms each way
   double moment_max_Am2 = 15;                       // three pens: one that starts with more is somewhere else
   double keep = 0.9, keep_moving = 0.4, moves = 2;  // of what was said, a cycle; its innovation over what is expected
-  int search_steps = 32, places_a_scan = 4;
+  int places_a_scan = 8, steps_a_scan = 2, search_steps = 32;
   // Of the misfit: what a dipole must save, and leave per degree of freedom. While it is followed: what ends it.
   double saves = 30, leaves = 2, ends = 4;
   double other_T = 3e-7;  // of its field, what is not a dipole's
@@ -47,7 +47,7 @@ struct StrayDipole {
 };
 static_assert(std::is_trivially_copyable_v<StrayDipole>);
 
-// Each scan until it is found: looks at some more places, or takes a step.
+// Every few scans until it is found: looks at some more places, or takes some steps from the best.
 void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
 
 // Each cycle until it is found. cycle: about zero; repeats: scans that have the model's error in common, systematic:

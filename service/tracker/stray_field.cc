@@ -189,9 +189,10 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
                 const Measurement& measurement, const Pose& pose, double share, StrayField& stray) noexcept {
   // The search and the two inversions take turns with the scans that are gathered.
   const int number = ++stray.scan;
-  if (!stray.dipole.found && options.dipole.enabled) SearchDipole(options.dipole, model, stray.dipole);
   if (stray.dipole.found || number < options.cycle_scans - 1) {
-    if (number % options.every_scans != 1) return;
+    const int turn = number % options.every_scans;
+    if (turn == 3 && !stray.dipole.found && options.dipole.enabled) SearchDipole(options.dipole, model, stray.dipole);
+    if (turn != 1) return;
     StrayScan scan;
     const Rows* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
     if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
