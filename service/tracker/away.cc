@@ -20,12 +20,6 @@ using Shapes = std::array<Rows, kShapes>;
 
 double Square(double x) noexcept { return x * x; }
 
-double Dot(const Rows& a, const Rows& b) noexcept {
-  double sum = 0;
-  for (std::size_t row = 0; row < kRows; ++row) sum += a[row] * b[row];
-  return sum;
-}
-
 // What comes from afar is at a sensor a uniform field and, to first order, B = T s with T symmetric and of no trace:
 // five gradients after three uniform fields.
 std::array<double, 3> FieldAt(std::size_t shape, double x, double y, double z) noexcept {
@@ -183,7 +177,7 @@ bool Conclude(const AwayOptions& options, const Found& found, DriftState& drift,
   if (quiet) {
     SetAmbient(found.uniform_base_T, Square(options.ambient_T) + moved_T2, drift);
   } else if (steady) {  // a magnet at rest, in what may be another field
-    WidenAmbient(SquareDistance(found.uniform_base_T, {drift.mean[3], drift.mean[4], drift.mean[5]}), drift);
+    WidenAmbient(SquareDistance(found.uniform_base_T, AmbientField_T(drift)), drift);
   }
   if (!quiet || !steady) return false;
   LearnZeros(options, found.zeros_T, away);

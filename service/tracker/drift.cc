@@ -218,7 +218,7 @@ double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, do
 Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {
   Offsets offsets;
   std::copy_n(drift.mean.begin(), 3, offsets.remanence_A.begin());
-  std::copy_n(drift.mean.begin() + 3, 3, offsets.ambient_base_T.begin());
+  offsets.ambient_base_T = AmbientField_T(drift);
   for (std::size_t k = 0; k < 3; ++k) offsets.remanence_variance_A2[k] = drift.covariance[k * kStates + k];
   if (IsAmbientOpen(noise, drift)) {
     for (std::size_t c = 0; c < 3; ++c) offsets.ambient_variance_T2[c] = AmbientVariance(drift, c);
@@ -227,6 +227,9 @@ Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {
 }
 
 double MomentScale(const DriftState& drift) noexcept { return 1 + drift.mean[kMoment]; }
+std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
+  return {drift.mean[kAmbient], drift.mean[kAmbient + 1], drift.mean[kAmbient + 2]};
+}
 
 // x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)
 // [Ornstein & Uhlenbeck 1930]

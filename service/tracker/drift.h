@@ -61,6 +61,7 @@ static_assert(std::is_trivially_copyable_v<DriftEvidence>);
 
 Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept;
 double MomentScale(const DriftState& drift) noexcept;
+std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept;  // frame B, since the calibration
 
 // Forgets for `dt_s`; a state that is not valid starts at zero with its full spread. current_step_A: since the last
 // correction; what the sensors of the currents got wrong of it comes on top.

@@ -7,7 +7,8 @@ void TellFindings(const State& state, bool frozen, base::ToolState& tool) noexce
   if (frozen) tool.limits |= base::kToolFrozen;
   tool.sensors_left_out = doubt.left_out >= 0 ? 1u << doubt.left_out : 0;
   tool.sensors_disagree = doubt.agreed == 0 ? tool.sensors_left_out : 0;
-  tool.ambient_base_T = {state.drift.mean[3], state.drift.mean[4], state.drift.mean[5]};
+  const auto [x_T, y_T, z_T] = AmbientField_T(state.drift);
+  tool.ambient_base_T = {x_T, y_T, z_T};
   tool.stray_rms_T = state.stray.believed ? RootMeanSquare(state.stray.mean_T) : 0;
   tool.model_error_relative = doubt.model_error;
 }

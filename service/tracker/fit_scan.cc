@@ -78,9 +78,7 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
 }
 
 // Drift and doubts are learnt from currents that are measured.
-bool CanDoubt(const Config& config, const State& state) noexcept {
-  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden && state.drift.valid;
-}
+bool CanDoubt(const Config& config, const State& state) noexcept { return LearnsDrift(config) && state.drift.valid; }
 
 // Another ambient field than believed lets a pen far away pass for one in reach, but badly: any field explains more.
 bool IsOfAnotherField(const ScanContext& context, const State& state, const Measurement& measurement,
@@ -137,6 +135,10 @@ void WatchStray(const ScanContext& context, const Measurement& measurement, cons
 }
 
 }  // namespace
+
+bool LearnsDrift(const Config& config) noexcept {
+  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden;
+}
 
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept {
   Offsets offsets = drift.valid ? OffsetsOf(context.config.drift, drift) : Offsets{};

@@ -25,6 +25,9 @@ struct ScanContext {
   const StrayField* stray = nullptr;  // null: none
 };
 
+// Hidden currents leave nothing to tell a drift by.
+bool LearnsDrift(const Config& config) noexcept;
+
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept;
 
 // Unknowns of the scan without a prior, the pose's included, and those of an ambient field that is hardly known.

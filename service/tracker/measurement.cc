@@ -77,9 +77,7 @@ Currents CurrentVariance(const Trust& trust, const Currents& current_A, const Cu
 }  // namespace
 
 double RootMeanSquare(const ReadingLanes& values) noexcept {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(values.size()));
+  return std::sqrt(Dot(values, values) / static_cast<double>(values.size()));
 }
 
 Trust NoiseOnly() noexcept {

@@ -66,6 +66,11 @@ using LocalField = std::array<std::array<double, kSensors>, 3>;
 
 // By reading, 8 axis + sensor.
 using ReadingLanes = std::array<double, kReadings>;
+inline double Dot(const ReadingLanes& a, const ReadingLanes& b) noexcept {
+  double sum = 0;
+  for (std::size_t row = 0; row < a.size(); ++row) sum += a[row] * b[row];
+  return sum;
+}
 double RootMeanSquare(const ReadingLanes& values) noexcept;
 using ReadingMatrix = std::array<double, std::size_t{kReadings} * kReadings>;
 

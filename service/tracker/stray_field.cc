@@ -42,10 +42,6 @@ double Sum(const Rows& values) noexcept {
   for (const double value : values) sum += value;
   return sum;
 }
-double SquareSum(const Rows& values) noexcept {
-  const double rms = RootMeanSquare(values);
-  return kRows * rms * rms;
-}
 
 // gain P gain^T
 void SetPoseCovariance(const StrayOptions& options, StrayField& stray) noexcept {
@@ -122,7 +118,7 @@ void Correct(const StrayOptions& options, const Model& model, StrayField& stray)
 void Renew(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   Correct(options, model, stray);
   const double wandered = stray.wander_1_s * options.cycle_scans * base::kTickPeriod_s;
-  const double found = ShareOfPrior(model, SquareSum(stray.mean_T));
+  const double found = ShareOfPrior(model, Dot(stray.mean_T, stray.mean_T));
   Widen(model, std::max(wandered, found - stray.widened), stray);
   if (stray.wander_1_s > options.moving_1_s) stray.places = 0;
   SetPoseCovariance(options, stray);
@@ -163,7 +159,7 @@ void Follow(const StrayOptions& options, const Model& model, const Measurement& 
     stray.nothing_cycles = RootMeanSquare(stray.mean_T) < options.something_T ? stray.nothing_cycles + 1 : 0;
     return;
   }
-  stray.widened = ShareOfPrior(model, SquareSum(stray.mean_T));
+  stray.widened = ShareOfPrior(model, Dot(stray.mean_T, stray.mean_T));
   Widen(model, options.lost, stray);
   SetPoseCovariance(options, stray);
   Forget(stray);

@@ -16,12 +16,6 @@ constexpr double kWhiteMin = 1e-3;  // of a reading's variance: what is its own,
 
 using Rows = ReadingLanes;
 
-double Dot(const Rows& a, const Rows& b) noexcept {
-  double sum = 0;
-  for (std::size_t row = 0; row < kRows; ++row) sum += a[row] * b[row];
-  return sum;
-}
-
 void Linearise(const Model& model, const Measurement& measurement, const Pose& pose, const Rows& offset_T,
                const Rows* variance_T2, StrayScan& scan) noexcept {
   const KernelPose at = ToKernel(MakePosePoint(pose), measurement.velocity_base_m_s, measurement.axis_rate_base_1_s);

@@ -174,11 +174,6 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   return true;
 }
 
-// Hidden currents leave nothing to tell a drift by.
-bool LearnsDrift(const Config& config) noexcept {
-  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden;
-}
-
 // Every few scans all that drifts is an unknown.
 bool IsWideScan(const Config& config, const State& state) noexcept {
   return LearnsDrift(config) && (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
@@ -187,8 +182,8 @@ bool IsWideScan(const Config& config, const State& state) noexcept {
 
 // No room is like that: a wrong pose is explained by fields that are not there.
 bool IsAbsurd(const Config& config, const State& state) noexcept {
-  const double* ambient_T = &state.drift.mean[base::kCoilCount];
-  const double size_T = std::hypot(ambient_T[0], ambient_T[1], ambient_T[2]);
+  const auto [x_T, y_T, z_T] = AmbientField_T(state.drift);
+  const double size_T = std::hypot(x_T, y_T, z_T);
   return !(size_T <= config.ambient_max_T && RootMeanSquare(state.stray.mean_T) <= config.stray.max_T);
 }
 
@@ -277,8 +272,9 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   if (state.scans++ == 0) Start(config, as_read, state);
   BlameFrozen(config, as_read, state);
   const bool frozen = IsAllFrozen(as_read, config.doubt.frozen_scans, state.repetition);
-  base::HallScan scan = as_read;
-  if (state.away.learnt) TakeOffZeros(state.away, scan);
+  std::optional<base::HallScan> zeroed;
+  if (state.away.learnt) TakeOffZeros(state.away, zeroed.emplace(as_read));
+  const base::HallScan& scan = zeroed ? *zeroed : as_read;
   const CurrentHistory currents = Remember(scan, state.currents);
   if (state.evidence.valid) {
     CorrectDrift(config.drift, state.evidence, state.drift);
