@@ -87,13 +87,9 @@ bool AllowForCurrents(DriftEvidence& evidence) noexcept {
   return true;
 }
 
-// What a scan says of the ambient field alone: the other states eliminated, each known to its own variance.
 //   I_m = I_aa - I_ao (I_oo + D^-1)^-1 I_oa,   g_m = g_a - I_ao (I_oo + D^-1)^-1 g_o
-struct AmbientEvidence {
-  std::array<double, 9> information{};
-  std::array<double, 3> gradient{};
-};
-bool OfAmbient(const DriftEvidence& evidence, const DriftState& drift, AmbientEvidence& ambient) noexcept {
+AmbientEvidence OfAmbient(const DriftEvidence& evidence, const DriftState& drift) noexcept {
+  AmbientEvidence ambient;
   constexpr std::size_t kOthers = kStates - 3;
   constexpr std::array<std::size_t, kOthers> others{0, 1, 2, kMoment};
   std::array<double, kOthers * kOthers> S;
@@ -101,7 +97,7 @@ bool OfAmbient(const DriftEvidence& evidence, const DriftState& drift, AmbientEv
     for (std::size_t b = 0; b < kOthers; ++b) S[kOthers * a + b] = evidence.information[others[a]][others[b]];
     S[(kOthers + 1) * a] += 1 / drift.covariance[others[a] * (kStates + 1)];
   }
-  if (!InvertPositive<kOthers>(S.data(), kOthers)) return false;
+  if (!InvertPositive<kOthers>(S.data(), kOthers)) return ambient;
   for (std::size_t a = 0; a < 3; ++a) {
     const StateRow& row = evidence.information[kAmbient + a];
     std::array<double, kOthers> weight{};  // I_ao (I_oo + D^-1)^-1
@@ -116,7 +112,8 @@ bool OfAmbient(const DriftEvidence& evidence, const DriftState& drift, AmbientEv
       ambient.information[3 * a + b] = sum;
     }
   }
-  return true;
+  ambient.valid = true;
+  return ambient;
 }
 
 // Squared innovation over what is expected, mean of three components: with nu = I^-1 g the field's innovation,
@@ -145,16 +142,16 @@ double Innovation(const AmbientEvidence& evidence, const DriftState& drift) noex
 
 // A jump opens the field. Innovations that follow one another mean that it moves: their mean would be small. The
 // model's own error, which lasts too, is allowed for.
-void LearnWander(const DriftNoise& noise, const DriftEvidence& evidence, DriftState& drift) noexcept {
-  AmbientEvidence now;
-  if (!OfAmbient(evidence, drift, now)) return;
+void LearnWander(const DriftNoise& noise, const AmbientEvidence& now, double systematic_share,
+                 DriftState& drift) noexcept {
+  if (!now.valid) return;
   if (Innovation(now, drift) > kJump) return OpenAmbient(noise, drift);
-  AmbientEvidence recent{drift.recent_information, drift.recent_gradient};
+  AmbientEvidence recent{true, drift.recent_information, drift.recent_gradient};
   for (std::size_t a = 0; a < 9; ++a) recent.information[a] += kMemory * (now.information[a] - recent.information[a]);
   for (std::size_t a = 0; a < 3; ++a) recent.gradient[a] += kMemory * (now.gradient[a] - recent.gradient[a]);
   drift.recent_information = recent.information;
   drift.recent_gradient = recent.gradient;
-  const double lasting = Innovation(recent, drift) / (kMoves + kModelLasts * evidence.systematic_share);
+  const double lasting = Innovation(recent, drift) / (kMoves + kModelLasts * systematic_share);
   double& wander = drift.ambient_wander_T2_s;
   if (lasting > 1) {
     wander = std::clamp(kWanderGrows * wander, 2 * noise.ambient_wander_min_T2_s, noise.ambient_wander_max_T2_s);
@@ -267,20 +264,22 @@ DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measure
   evidence.share = EvidenceShare(noise, measurement, step_s);
   evidence.systematic_share = measurement.systematic_share;
   evidence.current_variance_A2 = measurement.current_variance_A2;
+  for (const double age_s : measurement.age_s) evidence.age_s += age_s / static_cast<double>(kSensors);
   return evidence;
 }
 
 // Prior and evidence add up: P' = (P^-1 + I)^-1, x' = x + P' g   [information form of Kalman's correction]. The scan
 // was linearised with the prior mean already taken off, so that the prior pulls towards no change.
-bool CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept {
-  if (!evidence.valid || !AllowForCurrents(evidence)) return false;
-  LearnWander(noise, evidence, drift);
+AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept {
+  if (!evidence.valid || !AllowForCurrents(evidence)) return {};
+  const AmbientEvidence ambient = OfAmbient(evidence, drift);
+  LearnWander(noise, ambient, evidence.systematic_share, drift);
   auto P = drift.covariance;
-  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return false;
+  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return {};
   for (std::size_t a = 0; a < kStates; ++a) {
     for (std::size_t b = 0; b < kStates; ++b) P[a * kStates + b] += evidence.share * evidence.information[a][b];
   }
-  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return false;
+  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return {};
   std::array<double, kStates> mean = drift.mean;
   double sum = 0;
   for (std::size_t a = 0; a < kStates; ++a) {
@@ -289,11 +288,11 @@ bool CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& d
     }
     sum += mean[a];
   }
-  if (!std::isfinite(sum)) return false;
+  if (!std::isfinite(sum)) return {};
   drift.mean = mean;
   drift.mean[kMoment] = std::clamp(drift.mean[kMoment], -noise.moment_max, noise.moment_max);
   drift.covariance = P;
-  return true;
+  return ambient;
 }
 
 }  // namespace omni::tracker

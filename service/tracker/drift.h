@@ -55,6 +55,7 @@ struct DriftEvidence {
   Row gradient{};
   double share = 0;  // of both that counts
   double systematic_share = 0;
+  double age_s = 0;  // of the samples, the mean
   std::array<double, base::kCoilCount> current_variance_A2{};
 };
 static_assert(std::is_trivially_copyable_v<DriftEvidence>);
@@ -85,7 +86,15 @@ void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept;
 // The ambient field changes faster than DriftNoise says, or is hardly known: every scan is worth looking at.
 bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept;
 
-// Before the next PredictDrift. False: nothing usable, the state is unchanged.
-bool CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept;
+// What a scan says of the ambient field alone, as information (row-major, 1/T^2) and gradient: the other states are
+// eliminated, each known to its own variance.
+struct AmbientEvidence {
+  bool valid = false;
+  std::array<double, 9> information{};
+  std::array<double, 3> gradient{};
+};
+
+// Before the next PredictDrift. Returns what the evidence said of the ambient field; not valid: nothing usable.
+AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept;
 
 }  // namespace omni::tracker

@@ -62,7 +62,8 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
       const Pose expected = outcome.fit.pose;
       const SteelAnswer steel = AnswerOfSteel(config.model, expected, MomentScale(drift));
       measurement =
-          MeasureScan({config, context.scan, context.before, context.now, &steel.field_T, context.stray}, drift, doubt);
+          MeasureScan({config, context.scan, context.before, context.now, &steel.field_T, context.stray, context.mains},
+                      drift, doubt);
       outcome.fit = SolveCold(config, measurement, expected);
       CorrectForSteel(config.model, measurement, expected, steel, outcome.fit);
       outcome.fit.iterations += first;
@@ -143,6 +144,7 @@ bool LearnsDrift(const Config& config) noexcept {
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept {
   Offsets offsets = drift.valid ? OffsetsOf(context.config.drift, drift) : Offsets{};
   offsets.local_base_T = context.local;
+  offsets.mains = context.mains;
   if (context.stray != nullptr && context.stray->believed) {
     offsets.reading_T = &context.stray->mean_T;
     offsets.reading_variance_T2 = &context.stray->variance_T2;

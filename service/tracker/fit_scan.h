@@ -23,6 +23,7 @@ struct ScanContext {
   const CurrentHistory& now;
   const LocalField* local = nullptr;  // known at each sensor; null: none
   const StrayField* stray = nullptr;  // null: none
+  AmbientChange mains = {};
 };
 
 // Hidden currents leave nothing to tell a drift by.

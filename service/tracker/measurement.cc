@@ -105,7 +105,12 @@ Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::
     for (std::size_t k = 0; k < base::kCoilCount; ++k) then.current_A[k] += offsets.remanence_A[k];
     CoilField coils = CoilsAt(model, i, then);
     std::array<double, 3> offset_T = offsets.ambient_base_T;
-    for (std::size_t c = 0; c < 3 && offsets.local_base_T != nullptr; ++c) offset_T[c] += (*offsets.local_base_T)[c][i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const AmbientChange& mains = offsets.mains;
+      const double age_s = result.age_s[i];
+      offset_T[c] += mains.field_T[c] - age_s * (mains.rate_T_s[c] - 0.5 * age_s * mains.acceleration_T_s2[c]);
+      if (offsets.local_base_T != nullptr) offset_T[c] += (*offsets.local_base_T)[c][i];
+    }
     for (std::size_t e = 0; e < 9; ++e) coils.field_T[e / 3] += model.gain_sensor_base[e][i] * offset_T[e % 3];
     std::array<double, 3> variance_T2{};
     for (std::size_t axis = 0; axis < 3 && offsets.reading_T != nullptr; ++axis) {

@@ -74,10 +74,17 @@ inline double Dot(const ReadingLanes& a, const ReadingLanes& b) noexcept {
 double RootMeanSquare(const ReadingLanes& values) noexcept;
 using ReadingMatrix = std::array<double, std::size_t{kReadings} * kReadings>;
 
+// A uniform field in frame B at a scan's time, and how it changes: `age_s` before, it was
+//   field - age rate + age^2 / 2 acceleration
+struct AmbientChange {
+  std::array<double, 3> field_T{}, rate_T_s{}, acceleration_T_s2{};
+};
+
 // Offsets that were found to be in the readings.
 struct Offsets {
   std::array<double, base::kCoilCount> remanence_A{}, remanence_variance_A2{};
   std::array<double, 3> ambient_base_T{}, ambient_variance_T2{};  // no variance: it is known
+  AmbientChange mains;                                            // known, beside that
   const LocalField* local_base_T = nullptr;                       // known, and different at every sensor; null: none
   const ReadingLanes* reading_T = nullptr;                        // in the sensors' axes; null: none
   const ReadingLanes* reading_variance_T2 = nullptr;              // of it, not null then

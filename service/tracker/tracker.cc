@@ -190,6 +190,7 @@ bool IsAbsurd(const Config& config, const State& state) noexcept {
 // Nothing is known of room and pose; what was found of sensors and calibration stays.
 void StartAnew(State& state) noexcept {
   state.drift = {};
+  state.mains = {};
   state.stray = {};
   state.evidence = {};
   state.warm = false;
@@ -206,6 +207,16 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& d
   PredictDrift(config.drift, std::clamp(base::Elapsed_s(scan.t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, drift);
   drift.t_ns = scan.t_ns;
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
+}
+
+void LearnFromLast(const Config& config, State& state) noexcept {
+  if (!state.evidence.valid) return;
+  const std::array<double, 3> ambient_T = AmbientField_T(state.drift);
+  const AmbientEvidence said = CorrectDrift(config.drift, state.evidence, state.drift);
+  state.evidence.valid = false;
+  if (said.valid && config.mains.enabled) {
+    LearnMains(config.mains, said, ambient_T, state.evidence.age_s, state.mains);
+  }
 }
 
 void Start(const Config& config, const base::HallScan& scan, State& state) noexcept {
@@ -276,10 +287,8 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   if (state.away.learnt) TakeOffZeros(state.away, zeroed.emplace(as_read));
   const base::HallScan& scan = zeroed ? *zeroed : as_read;
   const CurrentHistory currents = Remember(scan, state.currents);
-  if (state.evidence.valid) {
-    CorrectDrift(config.drift, state.evidence, state.drift);
-    state.evidence.valid = false;
-  }
+  LearnFromLast(config, state);
+  AdvanceMains(config.mains, scan.t_ns, state.mains);
   const bool wide = IsWideScan(config, state);
   if (wide) ForgetDrift(config, scan, state.drift);
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
@@ -293,6 +302,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
     context.local = &steel->field_T;
   }
   context.stray = &state.stray;
+  context.mains = FieldOfMains(state.mains);
   Measurement measurement = MeasureScan(context, state.drift, state.doubt);
   if (wide) AddAmbientColumns(measurement);
 

@@ -14,6 +14,7 @@
 #include "service/tracker/drift.h"
 #include "service/tracker/filter.h"
 #include "service/tracker/frozen.h"
+#include "service/tracker/mains.h"
 #include "service/tracker/measurement.h"
 #include "service/tracker/model.h"
 #include "service/tracker/stray_field.h"
@@ -25,6 +26,7 @@ struct Config {
   Trust trust;                              // of the readings
   FilterNoise filter;                       // how a hand moves
   DriftNoise drift;                         // how fast offsets and moment change
+  MainsOptions mains;                       // a tone in the ambient field
   DoubtOptions doubt;                       // when a sensor or the calibration is not believed
   StrayOptions stray;                       // when a magnet nearby is believed
   AwayOptions away;                         // what is learnt while no pen is near
@@ -60,6 +62,7 @@ struct State {
   std::uint32_t scans = 0;
   FilterState filter;
   DriftState drift;
+  Mains mains;
   Doubt doubt;
   Repetition repetition;
   StrayField stray;

@@ -69,7 +69,9 @@ base::Result<BenchRows> BenchLatency(const BenchOptions& options);
 base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 
 // Tracking outside a laboratory: condition, force, rigs, ticks, seed, tracked_fraction, coarse_fraction, mean_mm,
-// p95_mm, sigma_mm, silent_fraction, recovery_ms_p95, force_error_p95_pct; null where nothing was tracked.
+// p95_mm, sigma_mm, silent_fraction, pushed_silent_fraction (under force: silent, and a force was wanted),
+// recovery_ms_p95, force_error_p95_pct; null where nothing was tracked. The last condition, pairs: two of them at
+// random.
 base::Result<BenchRows> BenchRoom(const BenchOptions& options);
 
 // Run time and error of solvers on the same poses; side table: ratios.

@@ -45,6 +45,7 @@ constexpr double kSettle_s = 0.2;      // from no pen to the first pose, and the
 constexpr double kTracked_mm = 3;      // 3 sigma of a pose that counts as tracked
 constexpr double kRecovered_s = 0.05;  // tracked for so long
 constexpr double kForce_N = 0.3;       // a smaller one is not judged
+constexpr double kPushed_N = 0.02;     // a larger one is felt
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
 constexpr double kFirst_s = 5;  // when what happens later does so first
 
@@ -204,13 +205,14 @@ TruthParameters Calibrating(const Condition& condition) {
 
 struct Tally {
   std::size_t ticks = 0, tracked = 0, coarse = 0, silent = 0, refused = 0;
+  std::size_t pushed_silent = 0;           // silent, and a force was wanted
   std::vector<double> error_mm, sigma_mm;  // of tracked poses
   std::vector<double> coarse_mm;           // error of coarse poses
   std::vector<double> recovery_ms, force_error_pct;
 
   void Add(const Tally& other) {
     ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, silent += other.silent;
-    refused += other.refused;
+    refused += other.refused, pushed_silent += other.pushed_silent;
     const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
       to.insert(to.end(), from.begin(), from.end());
     };
@@ -225,7 +227,7 @@ struct Tally {
 // One run against its truth.
 class Judge {
  public:
-  void Add(const base::ToolState& tool, const base::Vec3& true_centre_m) {
+  void Add(const base::ToolState& tool, const base::Vec3& true_centre_m, double force_N = 0) {
     const bool settled = static_cast<double>(tracked_.size()) * base::kTickPeriod_s >= kSettle_s;
     const bool posed = tool.status == base::TrackingStatus::kTracking;
     const double sigma_mm = 1e3 * std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
@@ -235,7 +237,9 @@ class Judge {
     ++tally_.ticks;
     if (!posed) return;
     const double error_mm = 1e3 * sim::Norm(tool.position_base_m - true_centre_m);
-    tally_.silent += error_mm > kSilentSigmas * sigma_mm ? 1 : 0;
+    const bool silent = error_mm > kSilentSigmas * sigma_mm;
+    tally_.silent += silent ? 1 : 0;
+    tally_.pushed_silent += silent && force_N > kPushed_N ? 1 : 0;
     if (!tracked) {
       ++tally_.coarse;
       tally_.coarse_mm.push_back(error_mm);
@@ -303,9 +307,9 @@ base::Result<haptics::Scene> Box() {
 
 // The whole loop: the tick renders the box, and the hand yields to what the coils really do.
 void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
-              std::uint64_t seed, double run_s, const haptics::Scene& scene, Judge& judge) {
+              std::uint64_t seed, std::uint64_t motion_seed, double run_s, const haptics::Scene& scene, Judge& judge) {
   sim::PlantOptions plant{.seed = seed,
-                          .script = sim::MakeOrdinaryHand(device, {.seed = seed + 2, .duration_s = run_s})};
+                          .script = sim::MakeOrdinaryHand(device, {.seed = motion_seed + 2, .duration_s = run_s})};
   plant.truth = truth;
   sim::Loopback base(device, plant);
   const auto state = std::make_unique<loop::LoopState>();
@@ -325,20 +329,21 @@ void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config
     const double share = std::clamp(static_cast<double>(scan.t_ns - before.t_ns) /
                                         static_cast<double>(std::max<std::int64_t>(1, now.t_ns - before.t_ns)),
                                     0.0, 1.0);
-    judge.Add(output->tool, before.magnet_m + share * (now.magnet_m - before.magnet_m));
+    judge.Add(output->tool, before.magnet_m + share * (now.magnet_m - before.magnet_m),
+              sim::Norm(output->wrench.force_N));
     before = now;
   }
 }
 
 void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config, const TruthParameters& truth,
-               std::uint64_t seed, double run_s, Judge& judge) {
+               std::uint64_t seed, std::uint64_t motion_seed, double run_s, Judge& judge) {
   sim::Rig rig(device, {.seed = seed,
                         .sizes = truth.imperfections,
                         .noise = sim::NoiseMode::kLowPower,
                         .effects = truth.effects,
                         .sensor = truth.sensor});
-  sim::TraceOptions options{.duration_s = run_s, .seed = seed + 1};
-  options.motion = {.seed = seed + 2, .radius_max_m = 0.09, .tilt_max_rad = std::numbers::pi / 4};
+  sim::TraceOptions options{.duration_s = run_s, .seed = motion_seed + 1};
+  options.motion = {.seed = motion_seed + 2, .radius_max_m = 0.09, .tilt_max_rad = std::numbers::pi / 4};
   tracker::State state;
   base::ToolState tool;
   for (const sim::TraceRow& row : sim::RecordTrace(rig, options)) {
@@ -366,44 +371,79 @@ std::optional<loop::TickConfig> CalibratedConfig(const base::DeviceGeometry& dev
   return loop::MakeTickConfig(device, file->calibration);
 }
 
-// One base in all conditions. Waved without forces, and pressing under them.
-std::vector<std::array<Tally, 2>> RunRig(const std::vector<Condition>& conditions, std::uint64_t seed, double run_s,
-                                         const haptics::Scene& scene) {
-  base::DeviceGeometry device = config::DefaultDevice();
-  device.sensor_noise_T = config::IdealTwin().sensor.noise_lp_T;
-  std::map<std::string, std::optional<loop::TickConfig>> configs{{"none", loop::MakeTickConfig(device)}};
-  std::vector<std::array<Tally, 2>> tallies;
-  for (const Condition& condition : conditions) {
-    TruthParameters truth = Calibrating(condition);
-    const auto [config, fresh] = configs.try_emplace(SurroundingsOf(condition));
-    if (fresh) {
-      config->second = CalibratedConfig(device, seed, truth);
-    }
+using Tallies = std::array<Tally, 2>;  // waved without forces, and pressing under them
+
+// One base and the calibrations that it was given, each once.
+class BaseInRooms {
+ public:
+  BaseInRooms(std::uint64_t seed, const haptics::Scene& scene) : seed_(seed), scene_(scene) {
+    device_.sensor_noise_T = config::IdealTwin().sensor.noise_lp_T;
+    configs_["none"] = loop::MakeTickConfig(device_);
+  }
+
+  // Calibrated in the surroundings of the first, then what happens in any of them.
+  Tallies Run(const std::vector<const Condition*>& conditions, std::uint64_t motion_seed, double run_s) {
+    TruthParameters truth = Calibrating(*conditions.front());
+    const auto [config, fresh] = configs_.try_emplace(SurroundingsOf(*conditions.front()));
+    if (fresh) config->second = CalibratedConfig(device_, seed_, truth);
     if (!config->second) {
       Tally refused;
       refused.ticks = static_cast<std::size_t>(run_s / base::kTickPeriod_s);
       refused.refused = 1;
-      tallies.push_back({refused, refused});
-      continue;
+      return {refused, refused};
     }
-    Random draw(seed ^ 0xA11);
-    if (condition.later) condition.later(truth, draw);
+    Random draw(motion_seed ^ 0xA11);
+    for (const Condition* condition : conditions) {
+      if (condition->later) condition->later(truth, draw);
+    }
     Judge waved, pressed;
-    TrackWave(device, config->second->tracker, truth, seed, run_s, waved);
-    PressBox(device, *config->second, truth, seed, run_s, scene, pressed);
-    tallies.push_back({waved.Finish(condition.events_s), pressed.Finish(condition.events_s)});
+    TrackWave(device_, config->second->tracker, truth, seed_, motion_seed, run_s, waved);
+    PressBox(device_, *config->second, truth, seed_, motion_seed, run_s, scene_, pressed);
+    return {waved.Finish(conditions.front()->events_s), pressed.Finish(conditions.front()->events_s)};
   }
-  return tallies;
+
+ private:
+  std::uint64_t seed_;
+  const haptics::Scene& scene_;
+  base::DeviceGeometry device_ = config::DefaultDevice();
+  std::map<std::string, std::optional<loop::TickConfig>> configs_;
+};
+
+// Two conditions at once, drawn anew for each base and each of its runs: safe is what is asked of them.
+constexpr std::string_view kPairs = "pairs";
+constexpr std::size_t kPairsPerRig = 10;
+constexpr double kPairRun_s = 12;
+
+std::vector<const Condition*> DrawPair(const std::vector<Condition>& all, Random& draw) {
+  for (;;) {
+    const Condition& first = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
+    const Condition& second = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
+    // What only differs from the room by being ideal, or happens before the calibration already, is no second.
+    if (first.ideal || first.as_drawn || second.ideal || second.as_drawn || !second.later) continue;
+    if (first.name != second.name) return {&first, &second};
+  }
 }
 
-nlohmann::ordered_json Row(const Condition& condition, bool force, const Tally& tally, std::size_t rigs,
+Tallies RunPairs(BaseInRooms& base, std::uint64_t seed, std::size_t pairs) {
+  const std::vector<Condition> all = Conditions();
+  Random draw(seed ^ 0xBA12);
+  Tallies sums;
+  for (std::size_t p = 0; p < pairs; ++p) {
+    const Tallies done = base.Run(DrawPair(all, draw), seed + 1 + p, kPairRun_s);
+    for (std::size_t f = 0; f < sums.size(); ++f) sums[f].Add(done[f]);
+  }
+  for (Tally& sum : sums) sum.recovery_ms.clear();  // of one of the two only
+  return sums;
+}
+
+nlohmann::ordered_json Row(const std::string& condition, bool force, const Tally& tally, std::size_t rigs,
                            std::uint64_t seed) {
   const auto share = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(tally.ticks); };
   const auto measured = [](const std::vector<double>& values, double value) {
     return values.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
   };
   const std::size_t poses = tally.tracked + tally.coarse;
-  return {{"condition", condition.name},
+  return {{"condition", condition},
           {"force", force},
           {"rigs", rigs},
           {"ticks", tally.ticks},
@@ -416,6 +456,10 @@ nlohmann::ordered_json Row(const Condition& condition, bool force, const Tally& 
           {"silent_fraction",
            poses == 0 ? nlohmann::ordered_json(nullptr)
                       : nlohmann::ordered_json(static_cast<double>(tally.silent) / static_cast<double>(poses))},
+          {"pushed_silent_fraction",
+           force && poses > 0
+               ? nlohmann::ordered_json(static_cast<double>(tally.pushed_silent) / static_cast<double>(poses))
+               : nlohmann::ordered_json(nullptr)},
           {"coarse_mean_mm", measured(tally.coarse_mm, tools::Mean(tally.coarse_mm))},
           {"recovery_ms_p95", measured(tally.recovery_ms, tools::Quantile(tally.recovery_ms, 0.95))},
           {"force_error_p95_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.95))},
@@ -426,23 +470,31 @@ nlohmann::ordered_json Row(const Condition& condition, bool force, const Tally& 
 
 base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
   std::vector<Condition> conditions = Conditions();
+  const bool pairs = options.condition.empty() || options.condition == kPairs;
   if (!options.condition.empty()) {
     std::erase_if(conditions, [&](const Condition& c) { return c.name != options.condition; });
-    if (conditions.empty()) return base::Error{options.condition + ": there is no such condition"};
+    if (conditions.empty() && !pairs) return base::Error{options.condition + ": there is no such condition"};
   }
   const std::size_t rigs = options.quick ? 2 : kRigs;
   const double run_s = options.quick ? 12 : kRun_s;
   const auto scene = Box();
   if (!scene.ok()) return base::Error{scene.error()};
-  std::vector<std::vector<std::array<Tally, 2>>> done(rigs);
-  base::InParallel(rigs,
-                   [&](std::size_t r) { done[r] = RunRig(conditions, 1000 * options.seed + 10 * r, run_s, *scene); });
+  std::vector<std::string> names;
+  for (const Condition& condition : conditions) names.push_back(condition.name);
+  if (pairs) names.emplace_back(kPairs);
+  std::vector<std::vector<Tallies>> done(rigs);
+  base::InParallel(rigs, [&](std::size_t r) {
+    const std::uint64_t seed = 1000 * options.seed + 10 * r;
+    BaseInRooms base(seed, *scene);
+    for (const Condition& condition : conditions) done[r].push_back(base.Run({&condition}, seed, run_s));
+    if (pairs) done[r].push_back(RunPairs(base, seed, options.quick ? 2 : kPairsPerRig));
+  });
   BenchRows rows;
   for (const bool force : {false, true}) {
-    for (std::size_t c = 0; c < conditions.size(); ++c) {
+    for (std::size_t c = 0; c < names.size(); ++c) {
       Tally sum;
       for (std::size_t r = 0; r < rigs; ++r) sum.Add(done[r][c][force ? 1 : 0]);
-      rows.push_back(Row(conditions[c], force, sum, rigs, options.seed));
+      rows.push_back(Row(names[c], force, sum, rigs, options.seed));
     }
   }
   return rows;
