@@ -55,8 +55,8 @@ void Clear(double model_error, Doubt& doubt) noexcept {
   EndTrials(doubt);
 }
 
-double Unsureness(const DoubtOptions& options, const Doubt& doubt) noexcept {
-  const double chi2 = std::max(doubt.chi2_per_dof, doubt.chi2_lately);
+double Unsureness(const DoubtOptions& options, const Doubt& doubt, double misfit) noexcept {
+  const double chi2 = std::max({doubt.chi2_per_dof, doubt.chi2_lately, misfit});
   return chi2 > options.unsure_above ? 1 + options.unsure_by * (chi2 - 1) : 1;
 }
 

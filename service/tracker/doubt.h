@@ -69,8 +69,9 @@ void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept;
 // A magnet nearby explains what did not fit: no sensor is wrong, and the calibration is no worse than model_error.
 void Clear(double model_error, Doubt& doubt) noexcept;
 
-// How much more than the fit says is not known of a pose while scans fit badly: factor of its standard deviation.
-double Unsureness(const DoubtOptions& options, const Doubt& doubt) noexcept;
+// How much more than the fit says is not known of a pose while scans fit badly, or what is believed of a magnet nearby
+// does, by `misfit` times what it should: factor of its standard deviation.
+double Unsureness(const DoubtOptions& options, const Doubt& doubt, double misfit) noexcept;
 
 // A scan fitted there with chi2 per degree of freedom `ratio`; model_error: that of the calibration.
 void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,

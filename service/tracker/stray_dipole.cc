@@ -184,10 +184,11 @@ double Innovation(const Matrix6& A, const Vector6& e, const Matrix6& P) noexcept
 // So many scans share an error s of their variance: each says no more than this of one.   docs/theory/tracking.md (18)
 double ShareOf(double repeats, double systematic) noexcept { return 1 / (1 + std::max(0.0, repeats - 1) * systematic); }
 
-void Begin(const DipoleOptions& options, StrayDipole& dipole) noexcept {
+void Begin(const DipoleOptions& options, double misfit, StrayDipole& dipole) noexcept {
   dipole.found = true;
   dipole.wander = options.wander_start;
-  dipole.innovation = dipole.misfit = 1;
+  dipole.innovation = 1;
+  dipole.misfit = misfit;
   dipole.scans = 0;
   dipole.lately = {};
 }
@@ -239,7 +240,7 @@ void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEv
   const double left = (lately.misfit - saved) / (kDof * lately.scans);
   Covariance(dipole) = std::max(1.0, left) * InformationAt(options, lately, field).inverse();
   if (!Covariance(dipole).allFinite()) dipole = {};
-  if (dipole.started && saved > options.saves && left < options.leaves) Begin(options, dipole);
+  if (dipole.started && saved > options.saves && left < options.leaves) Begin(options, std::max(1.0, left), dipole);
 }
 
 // Kalman's correction in information form: p' = p + P' f e, P' = (P^-1 + f A)^-1, A = J^T D Q D J, e = -J^T D Q r.

@@ -20,7 +20,7 @@ struct DipoleOptions {
   double keep = 0.9, keep_moving = 0.4, moves = 2;  // of what was said, a cycle; its innovation over what is expected
   int places_a_scan = 8, steps_a_scan = 2, search_steps = 32;
   // Of the misfit: what a dipole must save, and leave per degree of freedom. While it is followed: what ends it.
-  double saves = 30, leaves = 2, ends = 4;
+  double saves = 30, leaves = 2, ends = 2.5;
   double other_T = 3e-7;  // of its field, what is not a dipole's
   // While it is followed. Its speed is learnt, as a share of these: above `faster` it moves, below `slower` it rests.
   double speed_m_s = 1, turn_1_s = 5;

@@ -159,6 +159,7 @@ void Follow(const StrayOptions& options, const Model& model, const Measurement& 
     stray.nothing_cycles = RootMeanSquare(stray.mean_T) < options.something_T ? stray.nothing_cycles + 1 : 0;
     return;
   }
+  stray.places = 0;
   stray.widened = ShareOfPrior(model, Dot(stray.mean_T, stray.mean_T));
   Widen(model, options.lost, stray);
   SetPoseCovariance(options, stray);

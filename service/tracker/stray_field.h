@@ -26,7 +26,7 @@ struct StrayOptions {
   // While it wanders faster than that, and until the pen has been at so many places so far apart, a pose's covariance
   // is multiplied: what one place says of the field is what K says, and no magnet is as K on the average.
   double moving_1_s = 0.01, place_m = 0.02, few_places_factor = 9;
-  int places_min = 3;
+  int places_min = 8;
   // The mean's own chi2 and size (rms over the readings) above which it is believed: less is the calibration's error.
   // Below, nothing may be there; so many cycles in a row, and nothing is.
   double something_chi2 = 40, something_T = 8e-7, nothing_chi2 = 25;

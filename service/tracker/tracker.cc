@@ -339,7 +339,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       outcome.good = false;
     }
     if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
-    const double unsure = Unsureness(config.doubt, state.doubt);
+    const double unsure = Unsureness(config.doubt, state.doubt, state.stray.dipole.found ? state.stray.dipole.misfit : 1);
     outcome.fit.covariance *= unsure * unsure;
   }
   state.currents = currents;
