@@ -24,14 +24,9 @@ void AddTo(StateRow& row, double factor, const StateRow& other) noexcept {
 
 double Square(double x) noexcept { return x * x; }
 
-struct Wander {
-  double variance, time_s;
-};
-
-Wander WanderOf(const DriftNoise& noise, std::size_t state) noexcept {
-  if (state < 3) return {Square(noise.remanence_A), noise.remanence_s};
-  if (state < kMoment) return {Square(noise.ambient_T), noise.ambient_s};
-  return {Square(noise.moment), noise.moment_s};
+double VarianceOf(const DriftNoise& noise, std::size_t state) noexcept {
+  if (state < 3) return Square(noise.remanence_A);
+  return state < kMoment ? Square(noise.ambient_T) : Square(noise.moment);
 }
 
 // Information and its gradient about the seven states, the pose eliminated at the solution of the linearised scan:
@@ -180,6 +175,7 @@ void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
   }
   drift.recent_information = {};
   drift.recent_gradient = {};
+  drift.still = {};
 }
 
 }  // namespace
@@ -229,29 +225,31 @@ std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
 }
 
 // x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)
-// [Ornstein & Uhlenbeck 1930]
+// [Ornstein & Uhlenbeck 1930]; the covariance of changes grows as P does, but one pose tells nothing of the moment.
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
-                  DriftState& drift) noexcept {
-  const auto keep_of = [&](std::size_t state) {
-    return drift.valid ? std::exp(-std::max(dt_s, 0.0) / WanderOf(noise, state).time_s) : 0.0;
-  };
-  const double remanence = keep_of(0), ambient = keep_of(3), moment = keep_of(kMoment);
-  const std::array<double, kStates> keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
+                  const PenPlace* pen, DriftState& drift) noexcept {
+  dt_s = std::max(dt_s, 0.0);
+  const auto keep_of = [&](double times) { return drift.valid ? std::exp(-times) : 0.0; };
+  const double remanence = keep_of(ForgottenOf(noise.still, dt_s, pen, drift.still));
+  const double ambient = keep_of(dt_s / noise.ambient_s), moment = keep_of(dt_s / noise.moment_s);
+  const DriftVector keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
   for (std::size_t a = 0; a < kStates; ++a) {
     if (a < kAmbient || a >= kAmbient + 3) drift.mean[a] *= keep[a];
   }
+  DriftVector grows{};
+  for (std::size_t a = 0; a < kStates; ++a) grows[a] = (1 - Square(keep[a])) * VarianceOf(noise, a);
+  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) grows[a] += dt_s * drift.ambient_wander_T2_s;
+  for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
+    const double most = VarianceOf(noise, k);
+    const double room = std::max(0.0, 1 - (Square(keep[k]) * drift.covariance[k * (kStates + 1)] + grows[k]) / most);
+    grows[k] += std::min(most, Square(noise.current_step_error * current_step_A[k])) * room;
+  }
   for (std::size_t a = 0; a < kStates; ++a) {
     for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] *= keep[a] * keep[b];
-    drift.covariance[a * kStates + a] += (1 - Square(keep[a])) * WanderOf(noise, a).variance;
-  }
-  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) {
-    drift.covariance[a * kStates + a] += std::max(dt_s, 0.0) * drift.ambient_wander_T2_s;
-  }
-  for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
-    double& variance = drift.covariance[k * kStates + k];
-    const double room = std::max(0.0, 1 - variance / WanderOf(noise, k).variance);
-    variance += std::min(1.0, Square(noise.current_step_error * current_step_A[k]) / WanderOf(noise, k).variance) *
-                room * WanderOf(noise, k).variance;
+    drift.covariance[a * (kStates + 1)] += grows[a];
+    if (a == kMoment) continue;
+    const bool is_ambient = a >= kAmbient && a < kAmbient + 3;
+    drift.still.covariance[a * (kStates + 1)] += is_ambient ? noise.ambient_still * grows[a] : grows[a];
   }
   drift.step_s = dt_s;
   drift.valid = true;
@@ -272,15 +270,17 @@ DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measure
 // was linearised with the prior mean already taken off, so that the prior pulls towards no change.
 AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept {
   if (!evidence.valid || !AllowForCurrents(evidence)) return {};
+  TellChange(noise.still, drift.covariance, drift.still, evidence);
   const AmbientEvidence ambient = OfAmbient(evidence, drift);
   LearnWander(noise, ambient, evidence.systematic_share, drift);
-  auto P = drift.covariance;
+  DriftMatrix& covariance = drift.still.referenced ? drift.still.covariance : drift.covariance;
+  DriftMatrix P = covariance;
   if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return {};
   for (std::size_t a = 0; a < kStates; ++a) {
     for (std::size_t b = 0; b < kStates; ++b) P[a * kStates + b] += evidence.share * evidence.information[a][b];
   }
   if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return {};
-  std::array<double, kStates> mean = drift.mean;
+  DriftVector mean = drift.mean;
   double sum = 0;
   for (std::size_t a = 0; a < kStates; ++a) {
     for (std::size_t b = 0; b < kStates; ++b) {
@@ -291,7 +291,10 @@ AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, Dr
   if (!std::isfinite(sum)) return {};
   drift.mean = mean;
   drift.mean[kMoment] = std::clamp(drift.mean[kMoment], -noise.moment_max, noise.moment_max);
-  drift.covariance = P;
+  covariance = P;
+  for (std::size_t e = 0; e < P.size() && drift.still.referenced; ++e) {
+    drift.covariance[e] = drift.still.reference_covariance[e] + P[e];
+  }
   return ambient;
 }
 

@@ -7,17 +7,18 @@
 #include <type_traits>
 
 #include "service/tracker/measurement.h"
+#include "service/tracker/still.h"
 
 namespace omni::tracker {
-
-inline constexpr int kDriftStates = kNuisancesMax + 1;  // 3 currents, 3 ambient components, relative moment
 
 // Each state wanders about zero: this far (rms), forgetting in this time.
 struct DriftNoise {
   bool enabled = true;
-  int every_scans = 4;                          // a scan that tells of them costs half as much again
-  double remanence_A = 0.011, remanence_s = 1;  // 0: nothing is estimated
+  int every_scans = 4;         // a scan that tells of them costs half as much again
+  double remanence_A = 0.011;  // 0: nothing is estimated
+  StillOptions still;          // when the core forgets it
   double ambient_T = 5e-7, ambient_s = 100;
+  double ambient_still = 1e-2;  // of that spread, while the pen lies still and slow changes have time to be seen
   // A field that changes faster than that: the base is turned or carried, iron comes near. By how much it may have
   // jumped when nothing else explains a scan; what it wanders, in T^2/s, is learnt between these from how far evidence
   // is off.
@@ -40,8 +41,9 @@ struct DriftState {
   std::array<double, 9> recent_information{};
   std::array<double, 3> recent_gradient{};
   std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
-  std::array<double, kDriftStates> mean{};
-  std::array<double, std::size_t{kDriftStates} * kDriftStates> covariance{};  // row-major
+  DriftVector mean{};
+  DriftMatrix covariance{};
+  StillPen still;
 };
 static_assert(std::is_trivially_copyable_v<DriftState>);
 
@@ -65,9 +67,9 @@ double MomentScale(const DriftState& drift) noexcept;
 std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept;  // frame B, since the calibration
 
 // Forgets for `dt_s`; a state that is not valid starts at zero with its full spread. current_step_A: since the last
-// correction; what the sensors of the currents got wrong of it comes on top.
+// correction; what the sensors of the currents got wrong of it comes on top. pen: null: it may be anywhere.
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
-                  DriftState& drift) noexcept;
+                  const PenPlace* pen, DriftState& drift) noexcept;
 
 // Of what a scan says, how much is new: the model's own error is in the scans before too.
 double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;

@@ -196,7 +196,7 @@ void StartAnew(State& state) noexcept {
   state.warm = false;
 }
 
-void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& drift) noexcept {
+void ForgetDrift(const Config& config, const base::HallScan& scan, const PenPlace* pen, DriftState& drift) noexcept {
   std::array<double, base::kCoilCount> step_A{};
   double sum_A = 0;
   for (std::size_t k = 0; k < step_A.size(); ++k) {
@@ -204,7 +204,7 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, DriftState& d
     sum_A += std::abs(step_A[k]);
   }
   if (!(sum_A <= kCurrentStepMax_A)) step_A = {};  // not a current: the scan is not used
-  PredictDrift(config.drift, std::clamp(base::Elapsed_s(scan.t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, drift);
+  PredictDrift(config.drift, std::clamp(base::Elapsed_s(scan.t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, pen, drift);
   drift.t_ns = scan.t_ns;
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
 }
@@ -222,7 +222,7 @@ void LearnFromLast(const Config& config, State& state) noexcept {
 void Start(const Config& config, const base::HallScan& scan, State& state) noexcept {
   state.doubt.model_error = config.doubt.model_error_start;
   StartAway(config.away, scan.t_ns, state.away);
-  if (LearnsDrift(config)) ForgetDrift(config, scan, state.drift);
+  if (LearnsDrift(config)) ForgetDrift(config, scan, nullptr, state.drift);
 }
 
 // A scan without a pose, or with one. A magnet nearby that leaves no trace in what is left has gone.
@@ -290,7 +290,13 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   LearnFromLast(config, state);
   AdvanceMains(config.mains, scan.t_ns, state.mains);
   const bool wide = IsWideScan(config, state);
-  if (wide) ForgetDrift(config, scan, state.drift);
+  if (wide) {
+    const auto& variance_m2 = state.filter.covariance_pp;
+    const PenPlace pen{state.filter.position_base_m, state.filter.axis_base,
+                       std::sqrt(variance_m2[0] + variance_m2[4] + variance_m2[8]),
+                       std::sqrt(2 * state.filter.variance_angle)};
+    ForgetDrift(config, scan, state.warm ? &pen : nullptr, state.drift);
+  }
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
   const bool continues = state.warm && dt_s >= 0 && dt_s <= config.coast_max_s;
   FilterState predicted = state.filter;
@@ -339,7 +345,8 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       outcome.good = false;
     }
     if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
-    const double unsure = Unsureness(config.doubt, state.doubt, state.stray.dipole.found ? state.stray.dipole.misfit : 1);
+    const double unsure =
+        Unsureness(config.doubt, state.doubt, state.stray.dipole.found ? state.stray.dipole.misfit : 1);
     outcome.fit.covariance *= unsure * unsure;
   }
   state.currents = currents;

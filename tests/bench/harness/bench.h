@@ -53,7 +53,8 @@ base::Result<BenchRows> BenchForce(const BenchOptions& options);
 base::Result<BenchRows> BenchThermal(const BenchOptions& options);
 
 // Per base: rig, seed, before_mm, raw_mm, aligned_mm, systematic_mm, seconds and more; then mean and worst.
-// Side tables: the whole of `omni calibrate` with a moving pen; our bundle adjustment beside that of Ceres.
+// Side tables: the whole of `omni calibrate` with a moving pen, and in a room; our bundle adjustment beside that of
+// Ceres.
 base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
 
 // Simulated people align bases: method, n, noise_mm, error_mm_median, error_mm_p95, error_deg, predicted_mm, refused
@@ -70,8 +71,8 @@ base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 
 // Tracking outside a laboratory: condition, force, rigs, ticks, seed, tracked_fraction, coarse_fraction, mean_mm,
 // p95_mm, sigma_mm, silent_fraction, pushed_silent_fraction (under force: silent, and a force was wanted),
-// recovery_ms_p95, force_error_p95_pct; null where nothing was tracked. The last condition, pairs: two of them at
-// random.
+// worst_rig_mm (of a base's mean error over all its poses), recovery_ms_p95, force_error_p95_pct; null where nothing
+// was tracked. The last condition, pairs: two of them at random.
 base::Result<BenchRows> BenchRoom(const BenchOptions& options);
 
 // Run time and error of solvers on the same poses; side table: ratios.

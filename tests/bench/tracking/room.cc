@@ -209,6 +209,7 @@ struct Tally {
   std::vector<double> error_mm, sigma_mm;  // of tracked poses
   std::vector<double> coarse_mm;           // error of coarse poses
   std::vector<double> recovery_ms, force_error_pct;
+  double worst_rig_mm = 0;  // mean over all poses of a base
 
   void Add(const Tally& other) {
     ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, silent += other.silent;
@@ -219,6 +220,7 @@ struct Tally {
     append(error_mm, other.error_mm);
     append(sigma_mm, other.sigma_mm);
     append(coarse_mm, other.coarse_mm);
+    worst_rig_mm = std::max(worst_rig_mm, other.worst_rig_mm);
     append(recovery_ms, other.recovery_ms);
     append(force_error_pct, other.force_error_pct);
   }
@@ -261,6 +263,9 @@ class Judge {
       const double next_s = e + 1 < events_s.size() ? std::min(events_s[e + 1], end_s) : end_s;
       tally_.recovery_ms.push_back(Recovery_ms(events_s[e], next_s));
     }
+    std::vector<double> all_mm = tally_.error_mm;
+    all_mm.insert(all_mm.end(), tally_.coarse_mm.begin(), tally_.coarse_mm.end());
+    tally_.worst_rig_mm = all_mm.empty() ? 0 : tools::Mean(all_mm);
     return std::move(tally_);
   }
 
@@ -461,6 +466,7 @@ nlohmann::ordered_json Row(const std::string& condition, bool force, const Tally
                ? nlohmann::ordered_json(static_cast<double>(tally.pushed_silent) / static_cast<double>(poses))
                : nlohmann::ordered_json(nullptr)},
           {"coarse_mean_mm", measured(tally.coarse_mm, tools::Mean(tally.coarse_mm))},
+          {"worst_rig_mm", poses == 0 ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(tally.worst_rig_mm)},
           {"recovery_ms_p95", measured(tally.recovery_ms, tools::Quantile(tally.recovery_ms, 0.95))},
           {"force_error_p95_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.95))},
           {"calibrations_refused", tally.refused}};

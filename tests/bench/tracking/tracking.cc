@@ -21,6 +21,7 @@ nlohmann::ordered_json TrackingRow(const TrackingConditions& conditions, const E
                              {"currents", conditions.currents},
                              {"calibrated", conditions.calibrated},
                              {"moving", conditions.moving},
+                             {"room", conditions.room},
                              {"n", n},
                              {"mean_mm", tools::Mean(errors.position_mm)},
                              {"median_mm", tools::Quantile(errors.position_mm, 0.5)},
@@ -50,6 +51,7 @@ base::Result<BenchRows> BenchTracking(const BenchOptions& options) {
                              {"model error", ModelErrors},
                              {"static scans under current", UnderCurrent},
                              {"the paper's protocol", PaperProtocol},
+                             {"rest", Rest},
                              {"levels", Levels}};
   BenchRows rows;
   for (const Part& part : kParts) {

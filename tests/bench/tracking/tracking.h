@@ -22,6 +22,7 @@ struct TrackingConditions {
   std::string currents = "measured";  // measured | hidden
   std::string calibrated = "exact";   // none | self | exact
   bool moving = false;
+  bool room = false;
 };
 
 // Means over the poses; 1 = the estimate sits on the bound.
@@ -46,8 +47,10 @@ base::Result<BenchRows> ModelErrors(const TrackingPlan& plan);
 base::Result<BenchRows> Efficiencies(const TrackingPlan& plan);
 // Static scans under current: measured, the product; hidden, a study.
 base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan);
-// The paper's protocol: a waved pen and sawtooth currents, self-calibrated and exact.
+// The paper's protocol: a waved pen and sawtooth currents, self-calibrated, exact and as drawn, and in a room.
 base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan);
+// Side table: how far the pose of a pen wanders that lies still.
+base::Result<BenchRows> Rest(const TrackingPlan& plan);
 // Side table: what a scene saves that needs less than the full pose.
 base::Result<BenchRows> Levels(const TrackingPlan& plan);
 

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <string>
 
-#include "service/base/eigen.h"
+#include "service/base/in_parallel.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/sim/vec3.h"
 #include "service/tools/calibrate_twin.h"
 #include "service/tracker/tracker.h"
+#include "tests/bench/tracking/nees.h"
 #include "tests/bench/tracking/tracking.h"
 #include "tests/support/trace.h"
 
@@ -24,7 +25,7 @@ using sim::operator+=;
 constexpr std::size_t kRigsPerSeed = 4;  // 12 in all
 constexpr double kMovingTrace_s = 60;
 constexpr double kCalibrating_s = 100;
-constexpr double kSettle_s = 0.2;
+constexpr double kSettle_s = 0.2, kWarm_s = 10;
 constexpr double kSawtooth_s = 0.5;
 
 // A base as it comes from the workshop, and everything that happens to the twin, faster than usual: the pen warms by 10
@@ -71,13 +72,27 @@ base::Vec3 GlobalRotation(const std::vector<Pair>& pairs) {
 struct RunErrors {
   ErrorSet raw;
   std::vector<double> aligned_mm;
+  std::vector<double> nees;  // of each base, mean once it is warm
   std::size_t n = 0;
+
+  void Add(const RunErrors& other) {
+    const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
+    append(raw.position_mm, other.raw.position_mm);
+    append(raw.axis_deg, other.raw.axis_deg);
+    raw.failures += other.raw.failures;
+    append(aligned_mm, other.aligned_mm);
+    append(nees, other.nees);
+    n += other.n;
+  }
 };
 
 void TrackTrace(const tracker::Config& config, const std::vector<sim::TraceRow>& trace, RunErrors& errors) {
   tracker::State state;
   base::ToolState tool;
   std::vector<Pair> pairs;
+  std::vector<double> nees;
   const auto settle = static_cast<std::size_t>(kSettle_s / base::kTickPeriod_s);
   for (std::size_t i = 0; i < trace.size(); ++i) {
     tracker::Update(config, trace[i].scan, state, tool);
@@ -89,66 +104,107 @@ void TrackTrace(const tracker::Config& config, const std::vector<sim::TraceRow>&
     }
     errors.raw.Add(ErrorOf(trace[i].pose, tool.position_base_m, tool.axis_base));
     pairs.push_back({trace[i].pose.centre_base_m, tool.position_base_m});
+    if (static_cast<double>(i) * base::kTickPeriod_s < kWarm_s) continue;
+    nees.push_back(Nees(trace[i].pose, tool.position_base_m, tool.axis_base, tool.covariance));
   }
+  if (!nees.empty()) errors.nees.push_back(tools::Mean(nees));
   const base::Vec3 turn = GlobalRotation(pairs);
   for (const Pair& pair : pairs) {
     errors.aligned_mm.push_back(1e3 * sim::Norm(sim::Rotated(pair.estimate, turn) - pair.truth));
   }
 }
 
-// What the tracker may know of its base, and what came of it at each amplitude.
-constexpr std::array<const char*, 3> kKnowledge{"self", "exact", "none"};
 constexpr std::array<double, 2> kAmplitudes_A{4, 0};
+using ByAmplitude = std::array<RunErrors, kAmplitudes_A.size()>;
 
-// The product's.
-base::Result<std::array<tracker::Config, kKnowledge.size()>> Configs(const sim::Rig& rig, std::uint64_t seed) {
-  const auto self = tools::CalibrateTwin(FastDevice(), seed, HardTruth(kCalibrating_s));
+// A base and what the tracker may know of it; the product's configurations.
+struct Knowledge {
+  const char* name;
+  tracker::Config config;
+};
+
+base::Result<tracker::Config> SelfCalibrated(std::uint64_t seed, const base::TruthParameters& truth) {
+  const auto self = tools::CalibrateTwin(FastDevice(), seed, truth);
   if (!self.ok()) return base::Error{"rig " + std::to_string(seed) + ": " + self.error()};
-  return std::array{tracker::MakeConfig(self->outcome.calibration), tracker::MakeConfig(rig.ExactCalibration()),
-                    tracker::MakeConfig(FastDevice())};
+  return tracker::MakeConfig(self->outcome.calibration);
+}
+
+void TrackBase(sim::Rig& rig, std::uint64_t seed, double duration_s, const std::vector<Knowledge>& knowledge,
+               std::vector<ByAmplitude>& errors) {
+  for (std::size_t a = 0; a < kAmplitudes_A.size(); ++a) {
+    sim::TraceOptions options{.duration_s = duration_s, .seed = seed};
+    options.motion.seed = seed;
+    options.currents = sim::StaggeredSawtooth(kAmplitudes_A[a], kSawtooth_s);
+    const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
+    for (std::size_t k = 0; k < knowledge.size(); ++k) TrackTrace(knowledge[k].config, trace, errors[k][a]);
+  }
+}
+
+sim::Rig MakeRig(std::uint64_t seed, const base::TruthParameters& truth) {
+  return {FastDevice(),
+          {.seed = seed,
+           .sizes = truth.imperfections,
+           .noise = sim::NoiseMode::kLowPower,
+           .effects = truth.effects,
+           .sensor = truth.sensor}};
+}
+
+void AddRows(const char* calibrated, bool room, const ByAmplitude& errors, const TrackingPlan& plan, BenchRows& rows) {
+  for (std::size_t a = 0; a < kAmplitudes_A.size(); ++a) {
+    const RunErrors& run = errors[a];
+    nlohmann::ordered_json row = TrackingRow(
+        {.noise = "LP", .actuation_A = kAmplitudes_A[a], .calibrated = calibrated, .moving = true, .room = room},
+        run.raw, run.n, plan.seeds);
+    row["nees_per_dof"] = tools::Mean(run.nees);
+    row["nees_least"] = tools::Quantile(run.nees, 0);
+    row["nees_greatest"] = tools::Quantile(run.nees, 1);
+    row["aligned_mean_mm"] = tools::Mean(run.aligned_mm);
+    row["aligned_p95_mm"] = tools::Quantile(run.aligned_mm, 0.95);
+    row["rigs"] = run.nees.size();
+    rows.push_back(row);
+  }
 }
 
 }  // namespace
 
 base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan) {
   const std::size_t rigs = plan.share > 1 ? 1 : kRigsPerSeed;
-  const double duration_s = plan.share > 1 ? 5.0 : kMovingTrace_s;
-  std::array<std::array<RunErrors, kAmplitudes_A.size()>, kKnowledge.size()> all;
-  for (const std::uint64_t seed : plan.seeds) {
-    for (std::size_t r = 0; r < rigs; ++r) {
-      const std::uint64_t rig_seed = 100 * seed + r;
-      const base::TruthParameters truth = HardTruth(duration_s);
-      sim::Rig rig(FastDevice(), {.seed = rig_seed,
-                                  .sizes = truth.imperfections,
-                                  .noise = sim::NoiseMode::kLowPower,
-                                  .effects = truth.effects,
-                                  .sensor = truth.sensor});
-      const auto configs = Configs(rig, rig_seed);
-      if (!configs.ok()) return base::Error{configs.error()};
-      for (std::size_t a = 0; a < kAmplitudes_A.size(); ++a) {
-        sim::TraceOptions options{.duration_s = duration_s, .seed = rig_seed};
-        options.motion.seed = rig_seed;
-        options.currents = sim::StaggeredSawtooth(kAmplitudes_A[a], kSawtooth_s);
-        const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, options);
-        for (std::size_t k = 0; k < kKnowledge.size(); ++k) {
-          TrackTrace((*configs)[k], trace, all[k][a]);
-        }
-      }
+  const double duration_s = plan.share > 1 ? 12.0 : kMovingTrace_s;
+  const std::size_t count = rigs * plan.seeds.size();
+  constexpr std::array<const char*, 3> kKnown{"self", "exact", "none"};
+  std::vector<std::vector<ByAmplitude>> done(count, std::vector<ByAmplitude>(kKnown.size() + 1));
+  std::vector<std::string> failed(count);
+  base::InParallel(count, [&](std::size_t n) {
+    const std::uint64_t seed = 100 * plan.seeds[n / rigs] + n % rigs;
+    sim::Rig rig = MakeRig(seed, HardTruth(duration_s));
+    const auto self = SelfCalibrated(seed, HardTruth(kCalibrating_s));
+    const auto in_room = SelfCalibrated(seed, config::RoomTwin());
+    if (!self.ok() || !in_room.ok()) {
+      failed[n] = self.ok() ? in_room.error() : self.error();
+      return;
+    }
+    TrackBase(rig, seed, duration_s,
+              {{kKnown[0], *self},
+               {kKnown[1], tracker::MakeConfig(rig.ExactCalibration())},
+               {kKnown[2], tracker::MakeConfig(FastDevice())}},
+              done[n]);
+    sim::Rig room = MakeRig(seed, config::RoomTwin());
+    std::vector<ByAmplitude> there(1);
+    TrackBase(room, seed, duration_s, {{"self", *in_room}}, there);
+    done[n].back() = there.front();
+  });
+  for (const std::string& error : failed) {
+    if (!error.empty()) return base::Error{error};
+  }
+  std::vector<ByAmplitude> all(kKnown.size() + 1);
+  for (const std::vector<ByAmplitude>& base : done) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      for (std::size_t a = 0; a < kAmplitudes_A.size(); ++a) all[k][a].Add(base[k][a]);
     }
   }
   BenchRows rows;
-  for (std::size_t k = 0; k < kKnowledge.size(); ++k) {
-    for (std::size_t a = 0; a < kAmplitudes_A.size(); ++a) {
-      const RunErrors& errors = all[k][a];
-      nlohmann::ordered_json row =
-          TrackingRow({.noise = "LP", .actuation_A = kAmplitudes_A[a], .calibrated = kKnowledge[k], .moving = true},
-                      errors.raw, errors.n, plan.seeds);
-      row["aligned_mean_mm"] = tools::Mean(errors.aligned_mm);
-      row["aligned_p95_mm"] = tools::Quantile(errors.aligned_mm, 0.95);
-      row["rigs"] = rigs * plan.seeds.size();
-      rows.push_back(row);
-    }
-  }
+  for (std::size_t k = 0; k < kKnown.size(); ++k) AddRows(kKnown[k], false, all[k], plan, rows);
+  AddRows("self", true, all.back(), plan, rows);
   return rows;
 }
 

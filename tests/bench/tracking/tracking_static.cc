@@ -5,7 +5,7 @@
 
 #include "service/base/eigen.h"
 #include "service/config/device_file.h"
-#include "service/magnetics/disc_magnet.h"
+#include "tests/bench/tracking/nees.h"
 #include "tests/bench/tracking/static.h"
 #include "tests/bench/tracking/tracking.h"
 #include "tests/support/bound.h"
@@ -44,35 +44,10 @@ sim::MagnetPose Touching(const sim::Rig& rig, const sim::MagnetPose& pose) {
   return at;
 }
 
-// Solves A x = b for a symmetric positive definite 5x5 matrix and returns b^T x; NaN when it is none [Cholesky].
-double QuadraticOfInverse(std::array<double, 25> A, std::array<double, 5> b) {
-  for (std::size_t k = 0; k < 5; ++k) {
-    for (std::size_t j = 0; j < k; ++j) A[6 * k] -= A[5 * k + j] * A[5 * k + j];
-    A[6 * k] = std::sqrt(A[6 * k]);
-    for (std::size_t i = k + 1; i < 5; ++i) {
-      for (std::size_t j = 0; j < k; ++j) A[5 * i + k] -= A[5 * i + j] * A[5 * k + j];
-      A[5 * i + k] /= A[6 * k];
-    }
-  }
-  double sum = 0;
-  for (std::size_t k = 0; k < 5; ++k) {
-    for (std::size_t j = 0; j < k; ++j) b[k] -= A[5 * k + j] * b[j];
-    b[k] /= A[6 * k];
-    sum += b[k] * b[k];
-  }
-  return sum;
-}
-
-double Nees(const sim::MagnetPose& truth, const tracker::StaticPose& fit) {
-  using sim::operator-;
-  const magnetics::TangentBasis basis = magnetics::MakeTangentBasis(fit.pose.axis_base);
-  const base::Vec3 e = base::FromEigen(fit.pose.position_base_m) - truth.centre_base_m;
-  const base::Vec3 du = base::FromEigen(fit.pose.axis_base) - truth.axis_base;
+double NeesOf(const sim::MagnetPose& truth, const tracker::StaticPose& fit) {
   std::array<double, 25> C{};
   Eigen::Map<Eigen::Matrix<double, 5, 5, Eigen::RowMajor>>(C.data()) = fit.covariance;
-  return QuadraticOfInverse(
-             C, {e.x, e.y, e.z, sim::Dot(du, base::FromEigen(basis.e1)), sim::Dot(du, base::FromEigen(basis.e2))}) /
-         5;
+  return Nees(truth, base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), C);
 }
 
 double Square(double x) { return x * x; }
@@ -87,7 +62,7 @@ class EfficiencySum {
     ++found_;
     sum_.position += Square(error.position_m) / bound->position_m2;
     sum_.orientation += Square(error.axis_rad) / bound->orientation_rad2;
-    sum_.nees += Nees(truth, solved);
+    sum_.nees += NeesOf(truth, solved);
   }
   // Of nothing: NaN.
   Efficiency Mean() const {

@@ -1,0 +1,132 @@
+// How far the pose of a pen creeps that lies still for ten minutes: bases that were calibrated where they stand, an
+// ordinary hand for ten seconds, then nothing moves. Creep: of the mean error over half a minute, from what it was in
+// the first, which begins two seconds after the pen came to rest.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "service/base/in_parallel.h"
+#include "service/config/device_file.h"
+#include "service/config/twin_file.h"
+#include "service/sim/loopback.h"
+#include "service/sim/ordinary_hand.h"
+#include "service/sim/vec3.h"
+#include "service/tools/calibrate_twin.h"
+#include "service/tracker/tracker.h"
+#include "tests/bench/tracking/tracking.h"
+#include "tests/support/rig.h"
+
+namespace omni::bench {
+namespace {
+
+using sim::operator+;
+using sim::operator-;
+using sim::operator*;
+
+constexpr double kMoving_s = 10, kLying_s = 2, kRest_s = 600, kMean_s = 30;
+constexpr std::size_t kRigs = 4;
+
+struct Place {
+  const char* where;
+  double radius_m;
+};
+constexpr Place kPlaces[] = {{"ideal", 0.055}, {"ideal", 0.09}, {"room", 0.055}, {"room", 0.09}};
+
+sim::HandScript Hand(const base::DeviceGeometry& device, std::uint64_t seed, double radius_m, double rest_s) {
+  sim::HandScript script = sim::MakeOrdinaryHand(device, {.seed = seed, .duration_s = kMoving_s, .tremor_m = 0});
+  const base::Vec3 outwards = sim::Normalised({0.4, 0.3, 1}), axis = -1.0 * outwards;
+  const base::Vec3 tip = radius_m * outwards + device.magnet.tip_offset_m * axis;
+  script.waypoints.push_back({.duration_s = 1, .tip_base_m = tip, .axis_base = axis});
+  script.waypoints.push_back({.duration_s = rest_s + 1, .tip_base_m = tip, .axis_base = axis});
+  return script;
+}
+
+struct Creep {
+  double greatest_mm = 0, sigma_mm = 0;
+  std::size_t lost = 0;
+};
+
+Creep LieStill(const base::DeviceGeometry& device, const tracker::Config& config, const base::TruthParameters& truth,
+               std::uint64_t seed, double radius_m, double rest_s) {
+  sim::PlantOptions plant{.seed = seed, .script = Hand(device, seed, radius_m, rest_s)};
+  plant.truth = truth;
+  const double begin_s = plant.script.duration_s() - rest_s + kLying_s - 1;
+  sim::Loopback base(device, plant);
+  tracker::State state;
+  base::ToolState tool;
+  base::HallScan scan;
+  Creep creep;
+  base::Vec3 first, sum;
+  std::size_t n = 0, seconds = 0;
+  const auto per_mean = static_cast<std::size_t>(kMean_s / base::kTickPeriod_s);
+  for (auto tick = static_cast<std::size_t>((begin_s + rest_s - kLying_s) / base::kTickPeriod_s); tick > 0; --tick) {
+    base.Tick(scan);
+    tracker::Update(config, scan, state, tool);
+    if (base.core().Truth().t_ns < static_cast<std::int64_t>(1e9 * begin_s) + sim::Loopback::kClockStart_ns) continue;
+    if (tool.status != base::TrackingStatus::kTracking) {
+      ++creep.lost;
+      continue;
+    }
+    sum = sum + (tool.position_base_m - base.core().Truth().magnet_m);
+    if (++n < per_mean) continue;
+    const base::Vec3 mean = (1.0 / static_cast<double>(n)) * sum;
+    if (seconds++ == 0) first = mean;
+    creep.greatest_mm = std::max(creep.greatest_mm, 1e3 * sim::Norm(mean - first));
+    sum = {}, n = 0;
+    creep.sigma_mm = 1e3 * std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
+  }
+  return creep;
+}
+
+}  // namespace
+
+base::Result<BenchRows> Rest(const TrackingPlan& plan) {
+  const std::size_t rigs = plan.share > 1 ? 1 : kRigs;
+  const double rest_s = plan.share > 1 ? 93 : kRest_s;
+  base::DeviceGeometry device = config::DefaultDevice();
+  device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kLowPower);
+  std::vector<std::array<Creep, std::size(kPlaces)>> done(rigs);
+  std::vector<std::string> failed(rigs);
+  base::InParallel(rigs, [&](std::size_t r) {
+    const std::uint64_t seed = 100 * plan.seeds.front() + 50 + r;
+    for (std::size_t p = 0; p < std::size(kPlaces); ++p) {
+      const bool room = std::string(kPlaces[p].where) == "room";
+      const base::TruthParameters truth = room ? config::RoomTwin() : config::IdealTwin();
+      const auto self = tools::CalibrateTwin(device, seed, truth);
+      if (!self.ok()) {
+        failed[r] = "rig " + std::to_string(seed) + ": " + self.error();
+        return;
+      }
+      done[r][p] =
+          LieStill(device, tracker::MakeConfig(self->outcome.calibration), truth, seed, kPlaces[p].radius_m, rest_s);
+    }
+  });
+  for (const std::string& error : failed) {
+    if (!error.empty()) return base::Error{error};
+  }
+  BenchRows rows;
+  for (std::size_t p = 0; p < std::size(kPlaces); ++p) {
+    std::vector<double> creep_mm, sigma_mm;
+    std::size_t lost = 0;
+    for (const auto& rig : done) {
+      creep_mm.push_back(rig[p].greatest_mm);
+      sigma_mm.push_back(rig[p].sigma_mm);
+      lost += rig[p].lost;
+    }
+    rows.push_back({{"table", "rest"},
+                    {"where", kPlaces[p].where},
+                    {"radius_mm", 1e3 * kPlaces[p].radius_m},
+                    {"minutes", rest_s / 60},
+                    {"creep_mean_mm", tools::Mean(creep_mm)},
+                    {"creep_max_mm", tools::Quantile(creep_mm, 1)},
+                    {"sigma_mm", tools::Mean(sigma_mm)},
+                    {"lost_ticks", lost},
+                    {"rigs", rigs},
+                    {"seed", plan.seeds.front()}});
+  }
+  return rows;
+}
+
+}  // namespace omni::bench

@@ -1,0 +1,125 @@
+// A pen that lies still: its pose does not creep though its calibration is not exact, and a room's field is followed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "service/magnetics/nominal.h"
+#include "service/tracker/tracker.h"
+#include "tests/support/nominal_device.h"
+#include "tests/support/tool_scan.h"
+
+namespace omni::tracker {
+namespace test_tracker_still {
+
+using base::TrackingStatus;
+using Eigen::Vector3d;
+
+class TrackerStill : public testing::Test {
+ protected:
+  TrackerStill() {
+    // What a calibration leaves: each gain is .2 % off.
+    base::Calibration wrong = calibration;
+    for (base::SensorCalibration& sensor : wrong.sensors) {
+      for (double& gain : sensor.gain_sensor_base) gain *= 1 + 2e-3 * normal(rng);
+    }
+    world = MakeModel(wrong);
+  }
+
+  base::HallScan NextScan() {
+    t_ns += 1'000'000;
+    base::HallScan scan = support::MakeScan(world, pose, t_ns, rng, {.noise_scale = 1});
+    scan.coil_current_A = {};
+    scan.sequence = static_cast<std::uint64_t>(t_ns / 1'000'000);
+    for (std::size_t i = 0; i < kSensors; ++i) {
+      std::array<double, 3> read_T{};
+      for (std::size_t e = 0; e < 9; ++e) {
+        read_T[e / 3] += world.gain_sensor_base[e][i] * ambient_base_T[static_cast<Eigen::Index>(e % 3)];
+      }
+      base::Vec3& B = scan.field_sensor_T[i];
+      B = {B.x + read_T[0], B.y + read_T[1], B.z + read_T[2]};
+    }
+    return scan;
+  }
+  void Move(double seconds) {
+    for (int n = 0; n < 1000 * seconds; ++n) {
+      const double t_s = 1e-9 * static_cast<double>(t_ns);
+      pose.position_base_m = {0.03 * std::cos(4 * t_s), 0.03 * std::sin(4 * t_s), 0.07 + 0.01 * std::sin(3 * t_s)};
+      pose.axis_base = Vector3d(0.4 * std::sin(2 * t_s), 0.4 * std::cos(2.5 * t_s), -1).normalized();
+      Update(config, NextScan(), state, tool);
+    }
+  }
+  // Mean pose over so many seconds in which nothing moves but the field, by so much a second.
+  Vector3d Lie(double seconds, const Vector3d& rate_T_s = Vector3d::Zero()) {
+    Vector3d sum = Vector3d::Zero();
+    Update(config, NextScan(), state, tool);  // put down there
+    Update(config, NextScan(), state, tool);
+    const int scans = static_cast<int>(1000 * seconds);
+    for (int n = 0; n < scans; ++n) {
+      ambient_base_T += 1e-3 * rate_T_s;
+      Update(config, NextScan(), state, tool);
+      EXPECT_EQ(tool.status, TrackingStatus::kTracking);
+      sum += base::ToEigen(tool.position_base_m);
+    }
+    return sum / scans;
+  }
+
+  support::Rng rng{31};
+  std::normal_distribution<double> normal;
+  base::Calibration calibration = magnetics::NominalCalibration(support::NominalDevice());
+  Config config = MakeConfig(calibration);
+  Model world;
+  Vector3d ambient_base_T = Vector3d::Zero();
+  Pose pose;
+  State state;
+  base::ToolState tool;
+  std::int64_t t_ns = 1'000'000'000;
+};
+
+TEST_F(TrackerStill, DoesNotCreep) {
+  Move(5);
+  pose = {{0.02, 0.01, 0.055}, Vector3d(0.2, 0.1, -1).normalized()};
+  Lie(3);
+  ASSERT_TRUE(state.drift.still.referenced);
+  const Vector3d first_m = Lie(10);
+  const DriftVector mean = state.drift.mean;
+  Lie(40);
+  EXPECT_LT((Lie(10) - first_m).norm(), 2e-5);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(state.drift.mean[k], mean[k], 2e-4);
+}
+
+TEST_F(TrackerStill, ARoomsFieldIsFollowed) {
+  Move(5);
+  pose = {{0.02, 0.01, 0.085}, Vector3d(0.2, 0.1, -1).normalized()};
+  Lie(3);
+  const Vector3d first_m = Lie(10);
+  const auto before_T = AmbientField_T(state.drift);
+  Lie(30, {5e-8, -3e-8, 2e-8});  // 1.5 uT in half a minute
+  EXPECT_LT((Lie(10) - first_m).norm(), 2e-4);
+  const auto after_T = AmbientField_T(state.drift);
+  EXPECT_NEAR(after_T[0] - before_T[0], 1.5e-6, 2e-7);
+}
+
+TEST_F(TrackerStill, OneThatMovesOnIsNot) {
+  Move(2);
+  Lie(3);
+  ASSERT_TRUE(state.drift.still.referenced);
+  Move(0.2);
+  EXPECT_FALSE(state.drift.still.referenced);
+}
+
+// What the core keeps is known the worse for it only once the pen moves.
+TEST_F(TrackerStill, IsKnownNoBetterThanBefore) {
+  Move(5);
+  Lie(3);
+  ASSERT_TRUE(state.drift.still.referenced);
+  const DriftMatrix before = state.drift.covariance;
+  Lie(20);
+  for (std::size_t a = 0; a < kDriftStates; ++a) {
+    const std::size_t e = a * (kDriftStates + 1);
+    EXPECT_GE(state.drift.covariance[e], 0.99 * state.drift.still.reference_covariance[e]);
+    EXPECT_LE(state.drift.covariance[e], 1.5 * before[e]);
+  }
+}
+
+}  // namespace test_tracker_still
+}  // namespace omni::tracker
