@@ -26,9 +26,9 @@ inline bool HasPose(const tracker::StaticPose& solved) noexcept {
   return solved.status == tracker::StaticStatus::kFound || solved.status == tracker::StaticStatus::kPoorFit;
 }
 
-// One scan alone, as the first that omnid sees of a pen. kNoFit: not tracked.
-inline tracker::StaticPose TrackScan(const tracker::Config& config, const base::HallScan& scan) {
-  tracker::State state;
+// One scan alone, as the first that omnid sees of a pen since `state`. kNoFit: not tracked.
+inline tracker::StaticPose TrackScan(const tracker::Config& config, const base::HallScan& scan,
+                                     tracker::State state = {}) {
   base::ToolState tool;
   tracker::Update(config, scan, state, tool);
   tracker::StaticPose pose;
