@@ -1,9 +1,10 @@
 #include "service/daemon/sensor_watch.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
+
+#include "service/base/distance.h"
 
 namespace omni::daemon {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 constexpr double kMostly = 0.8;
 
 bool IsMostly(int some, int all) { return some > 0 && some >= kMostly * all; }
-
-double Distance_m(const base::Vec3& a, const base::Vec3& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
 // "sensor 3", "sensors 0, 1 and 4"
 std::string SensorsText(const std::vector<int>& sensors) {
@@ -83,7 +82,7 @@ void SensorWatch::Add(const loop::RoomSample& sample) {
 void SensorWatch::AddPlace(const base::ToolState& tool, Sensor& sensor) const {
   auto& places = sensor.places_base_m;
   const base::Vec3& here = tool.position_base_m;
-  const auto near = [&](const base::Vec3& place) { return Distance_m(place, here) < kPlace_m; };
+  const auto near = [&](const base::Vec3& place) { return base::Distance(place, here) < kPlace_m; };
   if (places.size() < kPlaces && std::none_of(places.begin(), places.end(), near)) places.push_back(here);
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
+#include "service/base/distance.h"
 #include "service/config/input_table.h"
 #include "service/daemon/open_device.h"
 
@@ -169,9 +170,7 @@ json Clients(const StatusInput& input) {
 }
 
 double MovedSinceMeasured_m(const config::AlignmentEntry& entry) {
-  const base::Vec3& a = entry.position_space_m;
-  const base::Vec3& b = entry.measured_position_space_m;
-  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+  return base::Distance(entry.position_space_m, entry.measured_position_space_m);
 }
 
 json Alignments(const config::AlignmentFile& file) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "service/base/distance.h"
 #include "service/base/eigen.h"
 #include "service/base/limits.h"
 
@@ -23,8 +24,6 @@ std::string Seconds(int scans) {
 void AddShare(const base::Vec3& v, base::Vec3& mean) {
   mean = base::FromEigen(base::ToEigen(mean) + base::ToEigen(v) / kMeanScans);
 }
-
-double Distance_m(const base::Vec3& a, const base::Vec3& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
 }  // namespace
 
@@ -47,7 +46,7 @@ void TipSession::AddRest(const base::ToolState& tool) {
     rest_scans_ = 0;
     return;
   }
-  if (rest_scans_ == 0 || !(Distance_m(tool.position_base_m, rested_base_m_) <= kRest_m)) {
+  if (rest_scans_ == 0 || !(base::Distance(tool.position_base_m, rested_base_m_) <= kRest_m)) {
     rested_base_m_ = tool.position_base_m;
     rest_scans_ = 0;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/distance.h"
+
 namespace omni::tracker {
 namespace {
 
@@ -65,10 +67,7 @@ void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3
   doubt.chi2_lately += options.memory_lately * (std::min(ratio, kRatioMax) - doubt.chi2_lately);
   doubt.chi2_per_dof += options.memory * (ratio - doubt.chi2_per_dof);
   if (doubt.chi2_per_dof >= options.lower_below || doubt.model_error <= model_error) return;
-  const base::Vec3& place = doubt.place_base_m;
-  const double moved_m =
-      std::hypot(position_base_m.x - place.x, position_base_m.y - place.y, position_base_m.z - place.z);
-  if (moved_m < options.place_m) return;
+  if (base::Distance(position_base_m, doubt.place_base_m) < options.place_m) return;
   doubt.place_base_m = position_base_m;
   doubt.model_error *= options.lower_by;
   doubt.model_error = std::max(doubt.model_error, model_error);

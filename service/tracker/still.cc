@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/distance.h"
 #include "service/tracker/cholesky.h"
 #include "service/tracker/drift.h"
 
@@ -11,8 +12,6 @@ namespace {
 
 constexpr std::size_t kStates = kDriftStates;
 constexpr double kKnown = 1e-6;  // of a state's variance, when nothing has changed: none, but it needs an inverse
-
-double Apart(const base::Vec3& a, const base::Vec3& b) noexcept { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
 // d = (sum I)^-1 sum g
 void TakeReference(const DriftMatrix& covariance, StillPen& still) noexcept {
@@ -38,8 +37,8 @@ double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen
     return dt_s / options.forget_s;
   }
   still.still_s += dt_s;
-  const double went_m = Apart(pen->position_base_m, still.place.position_base_m);
-  const double turned_rad = Apart(pen->axis_base, still.place.axis_base);
+  const double went_m = base::Distance(pen->position_base_m, still.place.position_base_m);
+  const double turned_rad = base::Distance(pen->axis_base, still.place.axis_base);
   if (went_m < std::max(options.share * options.length_m, options.sigmas * pen->position_sigma_m) &&
       turned_rad < std::max(options.share * options.angle_rad, options.sigmas * pen->axis_sigma_rad)) {
     return 0;
