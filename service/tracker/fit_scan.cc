@@ -271,6 +271,7 @@ void DoubtOn(const ScanContext& context, const FilterState& predicted, const Mea
   const Config& config = context.config;
   if (!CanDoubt(config, state)) return;
   Doubt& doubt = state.doubt;
+  if (doubt.failing) EndTrials(doubt);  // of scans that did not fit: they were few
   const double chi2 = outcome.fit.chi2;
   const double model_error = state.stray.believed ? config.doubt.model_error_start : config.trust.model_error_relative;
   LearnModelError(config.doubt, chi2 / DegreesOfFreedom(measurement), base::FromEigen(outcome.fit.pose.position_base_m),
