@@ -59,4 +59,15 @@ inline base::HallScan MakeScan(const tracker::Model& model, const tracker::Pose&
   return scan;
 }
 
+// Adds a field, frame B, to what one sensor reads.
+inline void AddField(const tracker::Model& model, std::size_t sensor, const Eigen::Vector3d& field_base_T,
+                     base::HallScan& scan) {
+  Eigen::Vector3d read_T = base::ToEigen(scan.field_sensor_T[sensor]);
+  for (std::size_t e = 0; e < 9; ++e) {
+    read_T[static_cast<Eigen::Index>(e / 3)] +=
+        model.gain_sensor_base[e][sensor] * field_base_T[static_cast<Eigen::Index>(e % 3)];
+  }
+  scan.field_sensor_T[sensor] = base::FromEigen(read_T);
+}
+
 }  // namespace omni::support

@@ -56,15 +56,7 @@ class TrackerDoubt : public testing::TestWithParam<std::uint64_t> {
         const Vector3d from = base::ToEigen(device.sensors[i].position_base_m) - other_pen_away_m * other_pen_direction;
         field_T += magnetics::DipoleField(other_pen_Am2, from);
       }
-      const auto axis = [&](std::size_t row) {
-        double sum_T = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-          sum_T += world.gain_sensor_base[3 * row + c][i] * field_T[static_cast<Eigen::Index>(c)];
-        }
-        return sum_T;
-      };
-      base::Vec3& B = scan.field_sensor_T[i];
-      B = {B.x + axis(0), B.y + axis(1), B.z + axis(2)};
+      support::AddField(world, i, field_T, scan);
     }
     fault(scan);
     return scan;
@@ -148,12 +140,7 @@ TEST_P(TrackerDoubt, JumpsWithinAScanDoNotAddUpToAMagnet) {
     ambient_base_T = jump % 2 == 0 ? Vector3d(6e-5 * Direction()) : Vector3d::Zero();
     fault = [&](base::HallScan& scan) {  // the first half was sampled before
       for (std::size_t i = 0; i < kSensors / 2; ++i) {
-        Vector3d read_T = base::ToEigen(scan.field_sensor_T[i]);
-        for (std::size_t e = 0; e < 9; ++e) {
-          read_T[static_cast<Eigen::Index>(e / 3)] +=
-              world.gain_sensor_base[e][i] * (before_T - ambient_base_T)[static_cast<Eigen::Index>(e % 3)];
-        }
-        scan.field_sensor_T[i] = base::FromEigen(read_T);
+        support::AddField(world, i, before_T - ambient_base_T, scan);
       }
     };
     Feed();

@@ -41,15 +41,7 @@ class TrackerDrift : public testing::Test {
     base::HallScan scan = support::MakeScan(world, pose, t_ns, rng, {noise_scale, remanence_A});
     scan.coil_current_A = {};
     scan.sequence = static_cast<std::uint64_t>(t_ns / 1'000'000);
-    for (std::size_t i = 0; i < kSensors; ++i) {
-      const auto axis = [&](std::size_t row) {
-        return world.gain_sensor_base[3 * row][i] * ambient_base_T.x() +
-               world.gain_sensor_base[3 * row + 1][i] * ambient_base_T.y() +
-               world.gain_sensor_base[3 * row + 2][i] * ambient_base_T.z();
-      };
-      base::Vec3& B = scan.field_sensor_T[i];
-      B = {B.x + axis(0), B.y + axis(1), B.z + axis(2)};
-    }
+    for (std::size_t i = 0; i < kSensors; ++i) support::AddField(world, i, ambient_base_T, scan);
     return scan;
   }
   void Feed(const base::HallScan& scan) {

@@ -43,13 +43,7 @@ class TrackerMains : public testing::Test {
     base::HallScan scan = support::MakeScan(config.model, pose, t_ns, rng, {.noise_scale = 1});
     scan.sequence = static_cast<std::uint64_t>(t_ns / 1'000'000);
     for (std::size_t i = 0; i < kSensors; ++i) {
-      const Vector3d mains_T = steady_T + MainsAt(t_ns - scan.age_ns[i]);
-      std::array<double, 3> read_T{};
-      for (std::size_t e = 0; e < 9; ++e) {
-        read_T[e / 3] += config.model.gain_sensor_base[e][i] * mains_T[static_cast<Eigen::Index>(e % 3)];
-      }
-      base::Vec3& B = scan.field_sensor_T[i];
-      B = {B.x + read_T[0], B.y + read_T[1], B.z + read_T[2]};
+      support::AddField(config.model, i, steady_T + MainsAt(t_ns - scan.age_ns[i]), scan);
     }
     return scan;
   }

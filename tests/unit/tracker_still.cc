@@ -30,14 +30,7 @@ class TrackerStill : public testing::Test {
     base::HallScan scan = support::MakeScan(world, pose, t_ns, rng, {.noise_scale = 1});
     scan.coil_current_A = {};
     scan.sequence = static_cast<std::uint64_t>(t_ns / 1'000'000);
-    for (std::size_t i = 0; i < kSensors; ++i) {
-      std::array<double, 3> read_T{};
-      for (std::size_t e = 0; e < 9; ++e) {
-        read_T[e / 3] += world.gain_sensor_base[e][i] * ambient_base_T[static_cast<Eigen::Index>(e % 3)];
-      }
-      base::Vec3& B = scan.field_sensor_T[i];
-      B = {B.x + read_T[0], B.y + read_T[1], B.z + read_T[2]};
-    }
+    for (std::size_t i = 0; i < kSensors; ++i) support::AddField(world, i, ambient_base_T, scan);
     return scan;
   }
   void Move(double seconds) {

@@ -414,7 +414,7 @@ class BaseInRooms {
   std::map<std::string, std::optional<loop::TickConfig>> configs_;
 };
 
-// Two conditions at once, drawn anew for each base and each of its runs: safe is what is asked of them.
+// Two conditions at once, chosen at random for every run. Only safety is required of them.
 constexpr std::string_view kPairs = "pairs";
 constexpr std::size_t kPairsPerRig = 10;
 constexpr double kPairRun_s = 12;

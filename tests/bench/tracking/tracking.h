@@ -7,7 +7,10 @@
 #include <vector>
 
 #include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/result.h"
+#include "service/base/truth_parameters.h"
+#include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
 
@@ -36,6 +39,11 @@ nlohmann::ordered_json TrackingRow(const TrackingConditions& conditions, const E
                                    const std::vector<std::uint64_t>& seeds,
                                    const std::optional<Efficiency>& efficiency = {});
 
+// The drawn base with its sensors in the fast, low-power setting.
+base::DeviceGeometry FastDevice();
+// As the product tracks it after the whole of `omni calibrate` where it stands.
+base::Result<tracker::Config> SelfCalibrated(std::uint64_t seed, const base::TruthParameters& truth);
+
 struct TrackingPlan {
   std::vector<std::uint64_t> seeds;
   std::size_t share = 1;  // --quick: the work divided by this
@@ -47,7 +55,7 @@ base::Result<BenchRows> ModelErrors(const TrackingPlan& plan);
 base::Result<BenchRows> Efficiencies(const TrackingPlan& plan);
 // Static scans under current: measured, the product; hidden, a study.
 base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan);
-// The paper's protocol: a waved pen and sawtooth currents, self-calibrated, exact and as drawn, and in a room.
+// The paper's protocol: a waved pen and sawtooth currents, self-calibrated, exact, uncalibrated, and in a room.
 base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan);
 // Side table: how far the pose of a pen wanders that lies still.
 base::Result<BenchRows> Rest(const TrackingPlan& plan);

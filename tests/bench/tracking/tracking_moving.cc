@@ -40,12 +40,6 @@ base::TruthParameters HardTruth(double run_s) {
   return truth;
 }
 
-base::DeviceGeometry FastDevice() {
-  base::DeviceGeometry device = config::DefaultDevice();
-  device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kLowPower);
-  return device;
-}
-
 struct Pair {
   base::Vec3 truth, estimate;
 };
@@ -123,12 +117,6 @@ struct Knowledge {
   tracker::Config config;
 };
 
-base::Result<tracker::Config> SelfCalibrated(std::uint64_t seed, const base::TruthParameters& truth) {
-  const auto self = tools::CalibrateTwin(FastDevice(), seed, truth);
-  if (!self.ok()) return base::Error{"rig " + std::to_string(seed) + ": " + self.error()};
-  return tracker::MakeConfig(self->outcome.calibration);
-}
-
 void TrackBase(sim::Rig& rig, std::uint64_t seed, double duration_s, const std::vector<Knowledge>& knowledge,
                std::vector<ByAmplitude>& errors) {
   for (std::size_t a = 0; a < kAmplitudes_A.size(); ++a) {
@@ -166,6 +154,18 @@ void AddRows(const char* calibrated, bool room, const ByAmplitude& errors, const
 }
 
 }  // namespace
+
+base::DeviceGeometry FastDevice() {
+  base::DeviceGeometry device = config::DefaultDevice();
+  device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kLowPower);
+  return device;
+}
+
+base::Result<tracker::Config> SelfCalibrated(std::uint64_t seed, const base::TruthParameters& truth) {
+  const auto self = tools::CalibrateTwin(FastDevice(), seed, truth);
+  if (!self.ok()) return base::Error{"rig " + std::to_string(seed) + ": " + self.error()};
+  return tracker::MakeConfig(self->outcome.calibration);
+}
 
 base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan) {
   const std::size_t rigs = plan.share > 1 ? 1 : kRigsPerSeed;
