@@ -27,6 +27,7 @@ struct DoubtOptions {
   int trials_a_scan = 2;                    // with a sensor left out, of a scan that does not fit; else one
   int rounds = 4;                           // of trials, of scans that fit badly
   double blame_saves = 15;                  // of chi2, mean over the scans: what leaving out the right sensor must save
+  int gain_places = 3;                      // of the pen, before a sensor is blamed for its gain
   int frozen_scans = 8;                     // a sensor that repeats itself so often measures nothing
   int check_every_scans = 16;               // of a sensor left out: does it agree again?
   double agrees_below = 12;                 // of chi2, what its three readings then add

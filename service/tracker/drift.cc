@@ -200,12 +200,15 @@ void WidenAmbient(double variance_T2, DriftState& drift) noexcept {
 // So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.
 //   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md
 //   (18)
-double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
+double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
   const auto norm = [](const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
   const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +
                             norm(measurement.axis_rate_base_1_s) / noise.same_error_rad + 1 / noise.same_error_s;
-  const double repeats = std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
-  return 1 / (1 + (repeats - 1) * measurement.systematic_share);
+  return std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
+}
+
+double EvidenceShare(double repeats, double systematic) noexcept {
+  return 1 / (1 + std::max(0.0, repeats - 1) * systematic);
 }
 
 Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {
@@ -259,7 +262,7 @@ DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measure
                              double step_s) noexcept {
   DriftEvidence evidence;
   evidence.valid = EliminatePose(measurement, sums, evidence);
-  evidence.share = EvidenceShare(noise, measurement, step_s);
+  evidence.share = EvidenceShare(RepeatsOf(noise, measurement, step_s), measurement.systematic_share);
   evidence.systematic_share = measurement.systematic_share;
   evidence.current_variance_A2 = measurement.current_variance_A2;
   for (const double age_s : measurement.age_s) evidence.age_s += age_s / static_cast<double>(kSensors);

@@ -71,8 +71,11 @@ std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept;  // fram
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   const PenPlace* pen, DriftState& drift) noexcept;
 
-// Of what a scan says, how much is new: the model's own error is in the scans before too.
-double EvidenceShare(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;
+// In so many scans, step_s apart, the model's own error is the same: n of (18).
+double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;
+
+// Of what each of `repeats` scans says, how much is new, if that error is such a share of their variance: f of (18).
+double EvidenceShare(double repeats, double systematic) noexcept;
 
 // `sums`: of a fit of a measurement with the columns of AddAmbientColumns; step_s: since the evidence before.
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,

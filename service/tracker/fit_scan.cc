@@ -129,10 +129,14 @@ void WatchStray(const ScanContext& context, const Measurement& measurement, cons
     if (!doubtful && !IsAmbientLively(config.drift, state.drift)) return;
     StartStray(options, config.model, state.stray);
   }
-  const double share = EvidenceShare(config.drift, measurement, options.every_scans * base::kTickPeriod_s);
+  const double repeats = RepeatsOf(config.drift, measurement, options.every_scans * base::kTickPeriod_s);
   const bool found = state.stray.dipole.found;
-  LearnStray(options, config.model, state.drift, measurement, outcome.fit.pose, share, state.stray);
+  LearnStray(options, config.model, state.drift, context.scan, measurement, outcome.fit.pose, repeats, state.stray);
   if (state.stray.dipole.found && !found) Clear(config.doubt.model_error_start, state.doubt);
+  if (state.stray.dipole.wrong_gain >= 0 && state.stray.places >= config.doubt.gain_places) {
+    Blame(config.doubt, state.stray.dipole.wrong_gain, state.doubt);
+    state.stray = {};
+  }
 }
 
 }  // namespace
@@ -149,8 +153,12 @@ Measurement MeasureScan(const ScanContext& context, const DriftState& drift, con
     offsets.reading_T = &context.stray->mean_T;
     offsets.reading_variance_T2 = &context.stray->variance_T2;
   }
-  Measurement measurement = MakeMeasurement(context.config.model, TrustIn(doubt, context.config.trust), context.scan,
-                                            context.before, context.now, offsets);
+  Trust trust = TrustIn(doubt, context.config.trust);
+  if (context.stray != nullptr && context.stray->on) {
+    trust.model_error_relative = std::max(trust.model_error_relative, context.config.stray.model_error);
+  }
+  Measurement measurement =
+      MakeMeasurement(context.config.model, trust, context.scan, context.before, context.now, offsets);
   measurement.moment_scale = MomentScale(drift);
   return measurement;
 }

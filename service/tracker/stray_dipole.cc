@@ -181,8 +181,30 @@ double Innovation(const Matrix6& A, const Vector6& e, const Matrix6& P) noexcept
   return e.dot((A + A * P * A).ldlt().solve(e)) / kN;
 }
 
-// So many scans share an error s of their variance: each says no more than this of one.   docs/theory/tracking.md (18)
-double ShareOf(double repeats, double systematic) noexcept { return 1 / (1 + std::max(0.0, repeats - 1) * systematic); }
+// The sensor whose gain, if it is wrong, explains most: by how much it is, and what of the misfit that saves.  (33)
+struct WrongGain {
+  int sensor = -1;
+  double error = 0, saved = 0;
+};
+
+WrongGain WorstGain(const StrayEvidence& said) noexcept {
+  WrongGain worst;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    if (!(said.gain_information[i] > 0)) continue;
+    const double error = said.gain_gradient[i] / said.gain_information[i];
+    const double saved = error * said.gain_gradient[i];
+    if (saved > worst.saved) worst = {static_cast<int>(i), error, saved};
+  }
+  return worst;
+}
+
+// Of the misfit, per degree of freedom.
+double LeftOf(const StrayEvidence& said, double saved) noexcept { return (said.misfit - saved) / (kDof * said.scans); }
+
+bool Explains(const DipoleOptions& options, const StrayEvidence& said, const WrongGain& gain) noexcept {
+  return gain.saved > options.gain_saves && std::abs(gain.error) > options.gain_error &&
+         LeftOf(said, gain.saved) < options.gain_leaves;
+}
 
 void Begin(const DipoleOptions& options, double misfit, StrayDipole& dipole) noexcept {
   dipole.found = true;
@@ -234,13 +256,18 @@ void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEv
     if (!(Innovation(A, e, Covariance(dipole)) < options.moves)) keep = options.keep_moving;
   }
   StrayEvidence& lately = dipole.lately;
-  AddEvidence(keep, ShareOf(std::min(repeats, keep * lately.scans + cycle.scans), systematic), cycle, lately);
+  AddEvidence(keep, EvidenceShare(std::min(repeats, keep * lately.scans + cycle.scans), systematic), cycle, lately);
+  const double saved = dipole.started ? Saved(options, lately, field.x_T, p) : 0;
+  const WrongGain gain = WorstGain(lately);
+  const bool more_than_gain = saved > gain.saved + options.than_gain;
+  dipole.wrong_gain = !more_than_gain && Explains(options, lately, gain) ? gain.sensor : -1;
   if (!dipole.started) return;
-  const double saved = Saved(options, lately, field.x_T, p);
-  const double left = (lately.misfit - saved) / (kDof * lately.scans);
+  const double left = LeftOf(lately, saved);
   Covariance(dipole) = std::max(1.0, left) * InformationAt(options, lately, field).inverse();
   if (!Covariance(dipole).allFinite()) dipole = {};
-  if (dipole.started && saved > options.saves && left < options.leaves) Begin(options, std::max(1.0, left), dipole);
+  if (dipole.started && more_than_gain && saved > options.saves && left < options.leaves) {
+    Begin(options, std::max(1.0, left), dipole);
+  }
 }
 
 // Kalman's correction in information form: p' = p + P' f e, P' = (P^-1 + f A)^-1, A = J^T D Q D J, e = -J^T D Q r.
@@ -263,7 +290,7 @@ void FollowDipole(const DipoleOptions& options, const Model& model, const StrayS
   P.diagonal().tail<3>().array() += dipole.wander * turned_Am2 * turned_Am2;
   LearnWander(options, Innovation(A, e, P), dipole);
   dipole.misfit += kMisfitMemory * (scan.Misfit() / kDof - dipole.misfit);
-  const double share = ShareOf(std::min(repeats, ++dipole.scans), systematic);
+  const double share = EvidenceShare(std::min(repeats, ++dipole.scans), systematic);
   P = (P.inverse() + share * A).inverse().eval();
   const Vector6 p = ToVector(dipole.parameters) + share * (P * e);
   if (!IsPlace(options, p) || !P.allFinite() || !(dipole.misfit <= options.ends)) {

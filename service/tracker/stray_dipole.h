@@ -21,6 +21,9 @@ struct DipoleOptions {
   int places_a_scan = 8, steps_a_scan = 2, search_steps = 32;
   // Of the misfit: what a dipole must save, and leave per degree of freedom. While it is followed: what ends it.
   double saves = 30, leaves = 2, ends = 2.5;
+  // The same of one sensor's gain that is wrong, and by how much; a dipole, which has five numbers more, must save so
+  // much more than that.
+  double gain_saves = 30, gain_leaves = 1.5, gain_error = 3e-3, than_gain = 10;
   double other_T = 3e-7;  // of its field, what is not a dipole's
   // While it is followed. Its speed is learnt, as a share of these: above `faster` it moves, below `slower` it rests.
   double speed_m_s = 1, turn_1_s = 5;
@@ -44,14 +47,15 @@ struct StrayDipole {
   // While it is followed: speed squared, as a share; scans since it moved; means of innovation over what is expected
   // and of misfit per degree of freedom.
   double wander = 0, scans = 0, innovation = 1, misfit = 1;
+  int wrong_gain = -1;  // the sensor whose gain explains better what was said lately
 };
 static_assert(std::is_trivially_copyable_v<StrayDipole>);
 
 // Every few scans until it is found: looks at some more places, or takes some steps from the best.
 void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
 
-// Each cycle until it is found. cycle: about zero; repeats: scans that have the model's error in common, systematic:
-// its share of their variance.
+// Each cycle until it is found, or a sensor whose gain is wrong. repeats: scans that have the model's error in common,
+// systematic: its share of their variance.
 void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEvidence& cycle, double repeats,
                  double systematic, StrayDipole& dipole) noexcept;
 

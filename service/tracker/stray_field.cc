@@ -43,8 +43,22 @@ double Sum(const Rows& values) noexcept {
   return sum;
 }
 
+// gain x x^T gain^T: as wrong as a pose is if x, which is not believed yet, is there.
+void SetPoseCovarianceOfMean(const StrayOptions& options, StrayField& stray) noexcept {
+  stray.position_covariance_m2 = {};
+  stray.axis_variance = 0;
+  if (stray.chi2 < options.nothing_chi2) return;
+  std::array<double, kParameters> shift{};
+  for (std::size_t k = 0; k < kParameters; ++k) shift[k] = Dot(stray.gain[k], stray.mean_T);
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t j = 0; j < 3; ++j) stray.position_covariance_m2[3 * k + j] = shift[k] * shift[j];
+  }
+  stray.axis_variance = 0.5 * (shift[3] * shift[3] + shift[4] * shift[4]);
+}
+
 // gain P gain^T
 void SetPoseCovariance(const StrayOptions& options, StrayField& stray) noexcept {
+  if (!stray.believed) return SetPoseCovarianceOfMean(options, stray);
   std::array<Rows, kParameters> covered{};
   for (std::size_t k = 0; k < kParameters; ++k) {
     for (std::size_t a = 0; a < kRows; ++a) {
@@ -77,8 +91,17 @@ double Chi2OfMean(const StrayField& stray) noexcept {
 
 void Forget(StrayField& stray) noexcept {
   stray.cycle = {};
-  stray.share = stray.systematic = 0;
+  stray.share = stray.repeats = stray.systematic = 0;
   stray.scan = 0;
+}
+
+// g - I x
+Rows GradientAt(const StrayEvidence& said, const Rows& offset_T) noexcept {
+  Rows gradient = said.gradient_1_T;
+  for (std::size_t a = 0; a < kRows; ++a) {
+    for (std::size_t b = 0; b < kRows; ++b) gradient[a] -= said.information_1_T2[a * kRows + b] * offset_T[b];
+  }
+  return gradient;
 }
 
 // x' = x + P' g,  P' = (P^-1 + I)^-1: Kalman's correction in information form, in which E(g^T P' g) = tr(P I) when P is
@@ -86,6 +109,7 @@ void Forget(StrayField& stray) noexcept {
 void Correct(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   ReadingMatrix P;
   const double share = stray.share / stray.cycle.scans;
+  const Rows gradient_1_T = GradientAt(stray.cycle, stray.mean_T);
   double expected = 0, surprise = 0;
   for (std::size_t e = 0; e < P.size(); ++e) {
     const double information = share * stray.cycle.information_1_T2[e];
@@ -96,9 +120,9 @@ void Correct(const StrayOptions& options, const Model& model, StrayField& stray)
   Rows mean_T = stray.mean_T;
   for (std::size_t a = 0; a < kRows; ++a) {
     double step_T = 0;
-    for (std::size_t b = 0; b < kRows; ++b) step_T += P[a * kRows + b] * share * stray.cycle.gradient_1_T[b];
+    for (std::size_t b = 0; b < kRows; ++b) step_T += P[a * kRows + b] * share * gradient_1_T[b];
     mean_T[a] += step_T;
-    surprise += step_T * share * stray.cycle.gradient_1_T[a];
+    surprise += step_T * share * gradient_1_T[a];
   }
   if (!std::isfinite(surprise)) return;
   if (surprise > options.jumps * expected) {
@@ -124,11 +148,6 @@ void Renew(const StrayOptions& options, const Model& model, StrayField& stray) n
   SetPoseCovariance(options, stray);
 }
 
-// Of scans that have the model's error in common: f = 1 / (1 + (n - 1) s)   docs/theory/tracking.md (18)
-double RepeatsOf(double share, double systematic) noexcept {
-  return systematic > 0 ? 1 + (1 / share - 1) / systematic : 1;
-}
-
 double SystematicShare(const Measurement& measurement) noexcept {
   return std::clamp(measurement.systematic_share, 0.0, 1.0);
 }
@@ -143,16 +162,15 @@ void TakeDipole(const StrayOptions& options, const Model& model, StrayField& str
 
 void JudgeCycle(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   const double scans = stray.cycle.scans, systematic = stray.systematic / scans;
-  JudgeDipole(options.dipole, model, AboutZero(stray.cycle, stray.mean_T), RepeatsOf(stray.share / scans, systematic),
-              systematic, stray.dipole);
+  JudgeDipole(options.dipole, model, stray.cycle, stray.repeats / scans, systematic, stray.dipole);
 }
 
 // What was found last is where offsets begin if it is no dipole any more.
 void Follow(const StrayOptions& options, const Model& model, const Measurement& measurement, const StrayScan& scan,
-            double share, StrayField& stray) noexcept {
+            double repeats, StrayField& stray) noexcept {
   const double systematic = SystematicShare(measurement);
-  FollowDipole(options.dipole, model, scan, RepeatsOf(share, systematic), systematic,
-               options.every_scans * base::kTickPeriod_s, stray.dipole);
+  FollowDipole(options.dipole, model, scan, repeats, systematic, options.every_scans * base::kTickPeriod_s,
+               stray.dipole);
   SetGain(scan, stray);
   if (stray.dipole.found) {
     TakeDipole(options, model, stray);
@@ -183,7 +201,8 @@ void LoosenStray(const StrayOptions& options, const Model& model, StrayField& st
 }
 
 void LearnStray(const StrayOptions& options, const Model& model, const DriftState& drift,
-                const Measurement& measurement, const Pose& pose, double share, StrayField& stray) noexcept {
+                const base::HallScan& readings, const Measurement& measurement, const Pose& pose, double repeats,
+                StrayField& stray) noexcept {
   // The search and the two inversions take turns with the scans that are gathered.
   const int number = ++stray.scan;
   if (stray.dipole.found || number < options.cycle_scans - 1) {
@@ -192,25 +211,27 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
     if (turn != 1) return;
     StrayScan scan;
     const Rows* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
-    if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
+    if (!MakeStrayScan(model, drift, readings, measurement, pose, stray.mean_T, variance_T2, scan)) return;
     if (stray.dipole.found) {
-      Follow(options, model, measurement, scan, share, stray);
+      Follow(options, model, measurement, scan, repeats, stray);
       if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
       return;
     }
     AddScan(scan, stray.cycle);
-    stray.share += share;
-    stray.systematic += SystematicShare(measurement);
+    const double systematic = SystematicShare(measurement);
+    stray.share += EvidenceShare(repeats, systematic);
+    stray.repeats += repeats;
+    stray.systematic += systematic;
     SetGain(scan, stray);
     return;
   }
   if (number < options.cycle_scans) {
     stray.inverse_1_T2 = stray.covariance_T2;
     stray.inverted = InvertPositive<kReadings>(stray.inverse_1_T2.data(), kReadings);
-    const double chi2 = stray.inverted ? Chi2OfMean(stray) : 0;
+    stray.chi2 = stray.inverted ? Chi2OfMean(stray) : 0;
     stray.believed =
-        stray.believed || (chi2 > options.something_chi2 && RootMeanSquare(stray.mean_T) > options.something_T);
-    stray.nothing_cycles = chi2 < options.nothing_chi2 ? stray.nothing_cycles + 1 : 0;
+        stray.believed || (stray.chi2 > options.something_chi2 && RootMeanSquare(stray.mean_T) > options.something_T);
+    stray.nothing_cycles = stray.chi2 < options.nothing_chi2 ? stray.nothing_cycles + 1 : 0;
     return;
   }
   if ((pose.position_base_m - base::ToEigen(stray.place_base_m)).norm() > options.place_m) {

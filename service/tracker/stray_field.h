@@ -30,7 +30,8 @@ struct StrayOptions {
   // The mean's own chi2 and size (rms over the readings) above which it is believed: less is the calibration's error.
   // Below, nothing may be there; so many cycles in a row, and nothing is.
   double something_chi2 = 40, something_T = 8e-7, nothing_chi2 = 25;
-  double max_T = 6e-5;  // of that size; more is a wrong pose: a pen at 200 mm makes 2e-5 to 4e-5
+  double model_error = 1.5e-3;  // relative, of the pen's field while it is believed: the core answers that magnet too
+  double max_T = 6e-5;          // of that size; more is a wrong pose: a pen at 200 mm makes 2e-5 to 4e-5
   int nothing_cycles = 128;
   DipoleOptions dipole;
 };
@@ -45,16 +46,18 @@ struct StrayField {
   base::Vec3 place_base_m;
   double wander_1_s = 0;  // of K
   double widened = 0;     // of K, since the start
+  double chi2 = 0;        // of the mean
   ReadingLanes mean_T{};  // in the sensors' axes
   ReadingMatrix covariance_T2{};
   ReadingLanes variance_T2{};  // its diagonal
   // Of a pose, since the mean is not known better; of the axis: rad^2, each way.
   std::array<double, 9> position_covariance_m2{};
   double axis_variance = 0;
-  // Of the cycle: what scans say about the mean; sums over them of what of it is new, and of the share of their
-  // variance that is the model's error; the covariance's inverse; how a pose answers, dp = -gain x.
+  // Of the cycle: what scans say about the mean; sums over them of what of it is new, of how many have the model's
+  // error in common, and of the share of their variance that it is; the covariance's inverse; how a pose answers, dp =
+  // -gain x.
   StrayEvidence cycle;
-  double share = 0, systematic = 0;
+  double share = 0, repeats = 0, systematic = 0;
   ReadingMatrix inverse_1_T2{};
   std::array<ReadingLanes, kParameters> gain{};
   StrayDipole dipole;
@@ -68,9 +71,10 @@ void StartStray(const StrayOptions& options, const Model& model, StrayField& str
 void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept;
 
 // After each scan that fitted at `pose`: gathers what it says, or renews the estimate, or finds that nothing is there.
-// share: of what the scan says, what is new.
+// repeats: scans like this one that have the model's error in common.
 void LearnStray(const StrayOptions& options, const Model& model, const DriftState& drift,
-                const Measurement& measurement, const Pose& pose, double share, StrayField& stray) noexcept;
+                const base::HallScan& readings, const Measurement& measurement, const Pose& pose, double repeats,
+                StrayField& stray) noexcept;
 
 // Adds to a fit what is not known of the stray field.
 void AddStrayCovariance(const StrayField& stray, Fit& fit) noexcept;

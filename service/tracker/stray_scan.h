@@ -16,8 +16,10 @@ struct StrayScan {
   static constexpr std::size_t kAmbient = kParameters + base::kCoilCount, kMoment = kAmbient + 3;
   static constexpr std::size_t kEliminated = kMoment + 1;
 
-  ReadingLanes inverse_sigma{};     // 1/T; 0: not used
-  ReadingLanes residual{}, rest{};  // r, Q r
+  ReadingLanes inverse_sigma{};        // 1/T; 0: not used
+  ReadingLanes residual{}, rest{};     // r, Q r
+  ReadingLanes reading{};              // whole, whitened
+  ReadingLanes whole{}, whole_rest{};  // r - D x0, Q (r - D x0)
   std::array<ReadingLanes, kEliminated> columns{};
   std::array<ReadingLanes, kEliminated> gain{};  // (A^T A + prior)^-1 A^T
 
@@ -25,24 +27,27 @@ struct StrayScan {
   double Misfit() const noexcept;                                     // r^T Q r
 };
 
-// offset_T: x0, and the variance with which it was taken off the measurement; null: none was.
-// False: nothing usable.
-bool MakeStrayScan(const Model& model, const DriftState& drift, const Measurement& measurement, const Pose& pose,
-                   const ReadingLanes& offset_T, const ReadingLanes* variance_T2, StrayScan& scan) noexcept;
+// `readings` with the measurement that was made of it. offset_T: x0, and the variance with which it was taken off the
+// measurement; null: none was. False: nothing usable.
+bool MakeStrayScan(const Model& model, const DriftState& drift, const base::HallScan& readings,
+                   const Measurement& measurement, const Pose& pose, const ReadingLanes& offset_T,
+                   const ReadingLanes* variance_T2, StrayScan& scan) noexcept;
 
-// Misfit of offsets x:   misfit - 2 gradient^T (x - x0) + (x - x0)^T information (x - x0)
+// Misfit of offsets x:   misfit - 2 gradient^T x + x^T information x
+// and of sensor i's gain that is wrong by the share e instead:   misfit - 2 gain_gradient[i] e + gain_information[i]
+// e^2
 struct StrayEvidence {
+  std::array<double, kSensors> gain_information{}, gain_gradient{};
   ReadingMatrix information_1_T2{};
   ReadingLanes gradient_1_T{};
   double misfit = 0;
   double scans = 0;
 };
 
-//   information += D Q D,   gradient -= D Q r,   misfit += r^T Q r
+// With r0 = r - D x0, and c what sensor i reads, whitened:
+//   information += D Q D,   gradient -= D Q r0,   misfit += r0^T Q r0,
+//   gain_information[i] += c^T Q c,   gain_gradient[i] -= c^T Q r0
 void AddScan(const StrayScan& scan, StrayEvidence& evidence) noexcept;
-
-// The same evidence about x instead of x - x0.
-StrayEvidence AboutZero(const StrayEvidence& evidence, const ReadingLanes& offset_T) noexcept;
 
 // sum = keep sum + share evidence
 void AddEvidence(double keep, double share, const StrayEvidence& evidence, StrayEvidence& sum) noexcept;

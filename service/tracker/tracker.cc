@@ -27,7 +27,7 @@ constexpr double kCalibratedCoils = 1e-3;    // of the coils' field, whose maps 
 constexpr double kDrawnError = 0.05;         // of a workshop's base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kTypicalRadius_m = 0.065;   // from the pen to the core
-constexpr double kModelErrorMin = 1.5e-3;    // of a calibrated base, once its readings have told
+constexpr double kModelErrorMin = 1e-3;    // of a calibrated base, once its readings have told
 
 PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
   PoseMeasurement measured{base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), {}};
@@ -67,13 +67,16 @@ base::PointNoise NoiseAlong(const FilterState& filter) noexcept {
   return {along(filter.covariance_pp), along(filter.covariance_pv), along(filter.covariance_vv)};
 }
 
-// To a pose's covariance, what no scan tells of: what the calibration leaves, and what the filter is behind by.
-void AddUnseen(const Model& model, const FilterState& filter, std::array<double, 25>& covariance) noexcept {
-  const double calibration_m = model.expected_error_m;
-  for (const std::size_t i : {0U, 6U, 12U}) covariance[i] += calibration_m * calibration_m / 3;
-  for (const std::size_t i : {18U, 24U}) {
-    covariance[i] += calibration_m * calibration_m / (3 * kTypicalRadius_m * kTypicalRadius_m);
-  }
+// To a pose's covariance, what no scan tells of: what the calibration leaves, and what the filter is behind by. Of the
+// former, `systematic` (a share of the fit's own covariance) is there already, as the model's error.
+void AddUnseen(const Model& model, const PoseMeasurement& measured, double systematic, const FilterState& filter,
+               std::array<double, 25>& covariance) noexcept {
+  const double calibration_m2 = model.expected_error_m * model.expected_error_m / 3;
+  const auto add = [&](std::size_t i, double variance) {
+    covariance[i] += std::max(0.0, variance - systematic * measured.covariance[i]);
+  };
+  for (const std::size_t i : {0U, 6U, 12U}) add(i, calibration_m2);
+  for (const std::size_t i : {18U, 24U}) add(i, calibration_m2 / (kTypicalRadius_m * kTypicalRadius_m));
   if (!filter.lags) return;
   const std::array<double, 3> lag_m{filter.lag_m.x, filter.lag_m.y, filter.lag_m.z};
   for (std::size_t row = 0; row < 3; ++row) {
@@ -83,7 +86,7 @@ void AddUnseen(const Model& model, const FilterState& filter, std::array<double,
 
 // Published is what is known: the filter's covariance, and the share of the fit's that no filtering takes away.
 base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const PoseMeasurement& measured,
-                              const FilterState& filter) noexcept {
+                              double systematic, const FilterState& filter) noexcept {
   const Model& model = config.model;
   base::ToolState tool;
   tool.t_ns = scan.t_ns;
@@ -106,7 +109,7 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
   for (const std::size_t i : {18U, 24U}) {
     tool.covariance[i] = filter.variance_angle + (1 - filter.axis_whiteness.share) * measured.covariance[i];
   }
-  AddUnseen(model, filter, tool.covariance);
+  AddUnseen(model, measured, systematic, filter, tool.covariance);
   tool.device_point_noise = NoiseOfPoint(filter, model.tip_offset_m);
   tool.device_point_noise_along = NoiseAlong(filter);
   return tool;
@@ -155,8 +158,8 @@ void Hold(const Config& config, const base::HallScan& scan, State& state) noexce
 }
 
 // Filter and publish; false when arithmetic went wrong, which only a hostile scan could cause.
-bool Publish(const Config& config, const base::HallScan& scan, const Outcome& outcome, const FilterState& predicted,
-             double dt_s, bool continues, State& state) noexcept {
+bool Publish(const Config& config, const base::HallScan& scan, const Outcome& outcome, double systematic,
+             const FilterState& predicted, double dt_s, bool continues, State& state) noexcept {
   const PoseMeasurement measured = ToMeasurement(outcome.fit);
   FilterState filter = predicted;
   if (continues && !outcome.cold) {
@@ -164,7 +167,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   } else {
     ResetFilter(measured, filter);
   }
-  const base::ToolState tool = MakeToolState(config, scan, measured, filter);
+  const base::ToolState tool = MakeToolState(config, scan, measured, systematic, filter);
   if (!IsFinite(tool)) return false;
   state.published = tool;
   state.filter = filter;
@@ -344,13 +347,14 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       StartAnew(state);
       outcome.good = false;
     }
-    if (outcome.good && state.stray.believed) AddStrayCovariance(state.stray, outcome.fit);
+    if (outcome.good && state.stray.on) AddStrayCovariance(state.stray, outcome.fit);
     const double unsure =
         Unsureness(config.doubt, state.doubt, state.stray.dipole.found ? state.stray.dipole.misfit : 1);
     outcome.fit.covariance *= unsure * unsure;
   }
   state.currents = currents;
-  if (!outcome.good || !Publish(config, scan, outcome, predicted, dt_s, continues, state)) Hold(config, scan, state);
+  if (!outcome.good || !Publish(config, scan, outcome, measurement.systematic_share, predicted, dt_s, continues, state))
+    Hold(config, scan, state);
   LearnAway(config, scan, state.published.status == base::TrackingStatus::kAbsent && !frozen, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);
   TellFindings(state, frozen, state.published);

@@ -213,6 +213,30 @@ TEST_P(TrackerDoubt, ASensorThatIsWrongIsLeftOutUntilItIsRightAgain) {
   }
 }
 
+// What a gain does follows the pen's field at that sensor, and a magnet's field does not.
+TEST_P(TrackerDoubt, AGainThatIsALittleWrongIsNoMagnet) {
+  const double undisturbed_m = Run(2000).mean_m;
+  const auto sensor = static_cast<std::size_t>(GetParam() + 2) % kSensors;
+  for (const double gain : {1.015, 0.98, 1.03}) {
+    SCOPED_TRACE(gain);
+    fault = [&](base::HallScan& scan) {
+      base::Vec3& B = scan.field_sensor_T[sensor];
+      B = {gain * B.x, gain * B.y, gain * B.z};
+    };
+    for (int i = 0; i < 3000; ++i) {
+      const bool tracked = Feed();
+      EXPECT_TRUE(tracked || i < 20);
+      EXPECT_TRUE(!tracked || Error_m() < 5 * Sigma_m());
+      EXPECT_FALSE(state.stray.dipole.found);
+    }
+    EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+    EXPECT_LT(Run(2000).mean_m, 1.5 * undisturbed_m);
+    fault = [](base::HallScan&) {};
+    Run(15000);
+    EXPECT_EQ(state.doubt.left_out, -1);
+  }
+}
+
 TEST_P(TrackerDoubt, ASensorThatRepeatsItselfIsLeftOutBeforeItIsWrong) {
   Run(1000);
   const auto sensor = static_cast<std::size_t>(GetParam()) % kSensors;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -28,6 +27,7 @@
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
+#include "tests/bench/tracking/room_conditions.h"
 #include "tests/support/trace.h"
 
 namespace omni::bench {
@@ -40,164 +40,14 @@ using sim::operator-;
 using sim::Random;
 
 constexpr std::size_t kRigs = 10;
-constexpr double kRun_s = 60;
 constexpr double kSettle_s = 0.2;      // from no pen to the first pose, and the filter's own time
 constexpr double kTracked_mm = 3;      // 3 sigma of a pose that counts as tracked
 constexpr double kRecovered_s = 0.05;  // tracked for so long
 constexpr double kForce_N = 0.3;       // a smaller one is not judged
 constexpr double kPushed_N = 0.02;     // a larger one is felt
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
-constexpr double kFirst_s = 5;  // when what happens later does so first
 
-// What happens to a base after its calibration; `draw` is of the rig.
-using Happening = std::function<void(TruthParameters&, Random& draw)>;
-
-struct Condition {
-  std::string name;
-  bool ideal = false;                           // no room
-  std::function<void(TruthParameters&)> known;  // in the room already while the base is calibrated
-  Happening later;
-  std::vector<double> events_s = {};  // from which it has to recover
-  bool as_drawn = false;              // never calibrated
-};
-
-base::Vec3 Direction(Random& draw) {
-  const base::Vec3 v = draw.NormalVector(1);
-  return (1 / sim::Norm(v)) * v;
-}
-
-// Ten steps, one back for each one there.
-std::vector<double> StepTimes() {
-  std::vector<double> times;
-  for (int k = 0; k < 10; ++k) times.push_back(kFirst_s * (k + 1));
-  return times;
-}
-
-Happening AmbientSteps(double size_T) {
-  return [size_T](TruthParameters& truth, Random& draw) {
-    base::Vec3 step_T;
-    for (std::size_t k = 0; k < StepTimes().size(); ++k) {
-      step_T = k % 2 == 0 ? size_T * Direction(draw) : -1.0 * step_T;
-      truth.effects.room.steps.push_back({.change_base_T = step_T, .at_s = StepTimes()[k]});
-    }
-  };
-}
-
-// To and fro would end where it began; so it goes on turning.
-Happening Turning(double rate_deg_s) {
-  return [rate_deg_s](TruthParameters& truth, Random&) {
-    truth.effects.room.turn_rate_rad_s = rate_deg_s * std::numbers::pi / 180;
-    truth.effects.room.turn_from_s = kFirst_s;
-    truth.effects.room.turn_s = kRun_s;
-  };
-}
-
-base::Steel Plane(double z_m, double from_s = 0) {
-  return {.shape = base::SteelShape::kPlane, .position_base_m = {0, 0, z_m}, .strength = 1, .from_s = from_s};
-}
-
-std::function<void(TruthParameters&)> SteelAt(double z_m) {
-  return [z_m](TruthParameters& truth) { truth.effects.room.steel.push_back(Plane(z_m)); };
-}
-
-// Laid down within a second, on the desk.
-Happening SecondPen(double distance_m) {
-  return [distance_m](TruthParameters& truth, Random& draw) {
-    const double angle = 2 * std::numbers::pi * draw.Uniform();
-    const base::Vec3 away{std::cos(angle), std::sin(angle), 0};
-    const base::MagnetGeometry& magnet = config::DefaultDevice().magnet;
-    const double moment_Am2 = magnet.remanence_T * magnet.radius_m * magnet.radius_m * 2 * magnet.half_height_m / 4e-7;
-    truth.effects.room.magnets.push_back({.moment_Am2 = moment_Am2 * Direction(draw),
-                                          .from_base_m = 1.0 * away,
-                                          .to_base_m = distance_m * away,
-                                          .leaves_s = kFirst_s,
-                                          .arrives_s = kFirst_s + 1});
-  };
-}
-
-// Comes nearer for ten seconds, from one of five sides.
-void Phone(TruthParameters& truth, Random& draw) {
-  constexpr std::array<base::Vec3, 5> kSides{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0.6, 0, 0.8}}};
-  const base::Vec3 side = kSides[static_cast<std::size_t>(draw.Uniform(0, 5))];
-  truth.effects.room.magnets.push_back({.moment_Am2 = 0.1 * Direction(draw),
-                                        .from_base_m = 0.5 * side,
-                                        .to_base_m = 0.13 * side,
-                                        .leaves_s = kFirst_s,
-                                        .arrives_s = kFirst_s + 10});
-}
-
-Happening Faulty(base::SensorFaultKind kind, double value = 0) {
-  return [kind, value](TruthParameters& truth, Random& draw) {
-    const int sensor = static_cast<int>(draw.Uniform(0, base::kSensorCount));
-    truth.effects.room.faults.push_back({.kind = kind,
-                                         .sensor = sensor,
-                                         .other = (sensor + 1) % base::kSensorCount,
-                                         .value = value,
-                                         .from_s = kFirst_s});
-  };
-}
-
-void FiveStop(TruthParameters& truth, Random& draw) {
-  const int first = static_cast<int>(draw.Uniform(0, base::kSensorCount));
-  for (int k = 0; k < 5; ++k) {
-    truth.effects.room.faults.push_back(
-        {.kind = base::SensorFaultKind::kStopped, .sensor = (first + k) % base::kSensorCount, .from_s = kFirst_s});
-  }
-}
-
-// A hull or core that is wrong by so much, and nothing else about them.
-std::function<void(TruthParameters&)> Wrong(double base::ImperfectionSizes::*size, double value) {
-  return [size, value](TruthParameters& truth) {
-    truth.imperfections.hull_radius_m = truth.imperfections.core_offset_m = 0;
-    truth.imperfections.*size = value;
-  };
-}
-
-// Offsets come with a warming that the calibration has not seen, so that the base is the same one.
-void OffsetsPerKelvin(TruthParameters& truth) { truth.imperfections.sensor_offset_T_K = 5e-6; }
-void OneKelvin(TruthParameters& truth, Random&) { truth.effects.sensor_warming_K = 1; }
-
-std::vector<Condition> Conditions() {
-  using Kind = base::SensorFaultKind;
-  using Sizes = base::ImperfectionSizes;
-  const std::vector<double> once{kFirst_s};
-  return {
-      {"room"},
-      {"ideal", true},
-      {"raw-earth", true, {}, [](TruthParameters& truth, Random&) { truth.effects.background_known = false; }},
-      {"as-drawn", false, {}, {}, {}, true},
-      {"ambient-5uT", false, {}, AmbientSteps(5e-6), StepTimes()},
-      {"ambient-20uT", false, {}, AmbientSteps(20e-6), StepTimes()},
-      {"ambient-60uT", false, {}, AmbientSteps(60e-6), StepTimes()},
-      {"turning-10", false, {}, Turning(10), once},
-      {"turning-90", false, {}, Turning(90), once},
-      {"steel-115", false, SteelAt(-0.115), {}},
-      {"steel-150", false, SteelAt(-0.150), {}},
-      {"steel-200", false, SteelAt(-0.200), {}},
-      {"steel-300", false, SteelAt(-0.300), {}},
-      {"steel-later",
-       false,
-       {},
-       [](TruthParameters& truth, Random&) { truth.effects.room.steel.push_back(Plane(-0.2, kFirst_s)); },
-       once},
-      {"second-pen-300", false, {}, SecondPen(0.3), once},
-      {"second-pen-200", false, {}, SecondPen(0.2), once},
-      {"phone-130", false, {}, Phone, once},
-      {"gain-1", false, {}, Faulty(Kind::kGain, 1.01), once},
-      {"gain-3", false, {}, Faulty(Kind::kGain, 1.03), once},
-      {"gain-10", false, {}, Faulty(Kind::kGain, 1.10), once},
-      {"stuck", false, {}, Faulty(Kind::kStuck), once},
-      {"swapped", false, {}, Faulty(Kind::kSwapped), once},
-      {"huge", false, {}, Faulty(Kind::kHuge, 1e-3), once},
-      {"dead-5", false, {}, FiveStop, once},
-      {"offsets-50mG", false, OffsetsPerKelvin, OneKelvin},
-      {"mains-5uT", false, {}, [](TruthParameters& truth, Random&) { truth.effects.room.mains_T = 5e-6; }},
-      {"hull-0.3", false, Wrong(&Sizes::hull_radius_m, 3e-4), {}},
-      {"core-0.5", false, Wrong(&Sizes::core_offset_m, 2.9e-4), {}},
-  };
-}
-
-TruthParameters Calibrating(const Condition& condition) {
+TruthParameters Calibrating(const RoomCondition& condition) {
   TruthParameters truth = condition.ideal ? config::IdealTwin() : config::RoomTwin();
   if (condition.known) condition.known(truth);
   return truth;
@@ -358,7 +208,7 @@ void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config
 }
 
 // What a base is calibrated in: the same for all conditions that come later.
-std::string SurroundingsOf(const Condition& condition) {
+std::string SurroundingsOf(const RoomCondition& condition) {
   if (condition.as_drawn) return "none";
   if (condition.known) return condition.name;
   return condition.ideal ? "ideal" : "room";
@@ -387,7 +237,7 @@ class BaseInRooms {
   }
 
   // Calibrated in the surroundings of the first, then what happens in any of them.
-  Tallies Run(const std::vector<const Condition*>& conditions, std::uint64_t motion_seed, double run_s) {
+  Tallies Run(const std::vector<const RoomCondition*>& conditions, std::uint64_t motion_seed, double run_s) {
     TruthParameters truth = Calibrating(*conditions.front());
     const auto [config, fresh] = configs_.try_emplace(SurroundingsOf(*conditions.front()));
     if (fresh) config->second = CalibratedConfig(device_, seed_, truth);
@@ -398,7 +248,7 @@ class BaseInRooms {
       return {refused, refused};
     }
     Random draw(motion_seed ^ 0xA11);
-    for (const Condition* condition : conditions) {
+    for (const RoomCondition* condition : conditions) {
       if (condition->later) condition->later(truth, draw);
     }
     Judge waved, pressed;
@@ -419,10 +269,10 @@ constexpr std::string_view kPairs = "pairs";
 constexpr std::size_t kPairsPerRig = 10;
 constexpr double kPairRun_s = 12;
 
-std::vector<const Condition*> DrawPair(const std::vector<Condition>& all, Random& draw) {
+std::vector<const RoomCondition*> DrawPair(const std::vector<RoomCondition>& all, Random& draw) {
   for (;;) {
-    const Condition& first = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
-    const Condition& second = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
+    const RoomCondition& first = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
+    const RoomCondition& second = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
     // What only differs from the room by being ideal, or happens before the calibration already, is no second.
     if (first.ideal || first.as_drawn || second.ideal || second.as_drawn || !second.later) continue;
     if (first.name != second.name) return {&first, &second};
@@ -430,7 +280,7 @@ std::vector<const Condition*> DrawPair(const std::vector<Condition>& all, Random
 }
 
 Tallies RunPairs(BaseInRooms& base, std::uint64_t seed, std::size_t pairs) {
-  const std::vector<Condition> all = Conditions();
+  const std::vector<RoomCondition> all = RoomConditions();
   Random draw(seed ^ 0xBA12);
   Tallies sums;
   for (std::size_t p = 0; p < pairs; ++p) {
@@ -475,24 +325,24 @@ nlohmann::ordered_json Row(const std::string& condition, bool force, const Tally
 }  // namespace
 
 base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
-  std::vector<Condition> conditions = Conditions();
+  std::vector<RoomCondition> conditions = RoomConditions();
   const bool pairs = options.condition.empty() || options.condition == kPairs;
   if (!options.condition.empty()) {
-    std::erase_if(conditions, [&](const Condition& c) { return c.name != options.condition; });
+    std::erase_if(conditions, [&](const RoomCondition& c) { return c.name != options.condition; });
     if (conditions.empty() && !pairs) return base::Error{options.condition + ": there is no such condition"};
   }
   const std::size_t rigs = options.quick ? 2 : kRigs;
-  const double run_s = options.quick ? 12 : kRun_s;
+  const double run_s = options.quick ? 12 : kRoomRun_s;
   const auto scene = Box();
   if (!scene.ok()) return base::Error{scene.error()};
   std::vector<std::string> names;
-  for (const Condition& condition : conditions) names.push_back(condition.name);
+  for (const RoomCondition& condition : conditions) names.push_back(condition.name);
   if (pairs) names.emplace_back(kPairs);
   std::vector<std::vector<Tallies>> done(rigs);
   base::InParallel(rigs, [&](std::size_t r) {
     const std::uint64_t seed = 1000 * options.seed + 10 * r;
     BaseInRooms base(seed, *scene);
-    for (const Condition& condition : conditions) done[r].push_back(base.Run({&condition}, seed, run_s));
+    for (const RoomCondition& condition : conditions) done[r].push_back(base.Run({&condition}, seed, run_s));
     if (pairs) done[r].push_back(RunPairs(base, seed, options.quick ? 2 : kPairsPerRig));
   });
   BenchRows rows;
