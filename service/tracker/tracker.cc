@@ -27,7 +27,7 @@ constexpr double kCalibratedCoils = 1e-3;    // of the coils' field, whose maps 
 constexpr double kDrawnError = 0.05;         // of a workshop's base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kTypicalRadius_m = 0.065;   // from the pen to the core
-constexpr double kModelErrorMin = 1e-3;    // of a calibrated base, once its readings have told
+constexpr double kModelErrorMin = 1e-3;      // of a calibrated base, once its readings have told
 
 PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
   PoseMeasurement measured{base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), {}};
