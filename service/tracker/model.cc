@@ -6,6 +6,7 @@
 #include "service/base/eigen.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
+#include "service/tracker/spiral.h"
 
 namespace omni::tracker {
 namespace {
@@ -65,14 +66,13 @@ ReadingVector UnevenReadings(const base::Calibration& calibration, const Vector3
 StrayPrior MakeStrayPrior(const base::Calibration& calibration) {
   constexpr int kDirections = 64;
   constexpr std::array<double, 2> kDistances_m{0.2, 0.3};
-  constexpr double kAnything_T = 2e-6, kGoldenAngle_rad = 2.39996322972865332;
+  constexpr double kAnything_T = 2e-6;
   StrayPrior prior;
   if (calibration.sensors.size() != kSensors) return prior;
   Eigen::Map<Eigen::Matrix<double, kReadings, kReadings>> K(prior.covariance_T2.data());
   for (const double distance_m : kDistances_m) {
     for (int n = 0; n < kDirections; ++n) {
-      const double z = 1 - (2 * n + 1.0) / kDirections, rho = std::sqrt(1 - z * z), angle = kGoldenAngle_rad * n;
-      const Vector3d at_m = distance_m * Vector3d(rho * std::cos(angle), rho * std::sin(angle), z);
+      const Vector3d at_m = distance_m * OnSpiral(n, kDirections);
       for (int axis = 0; axis < 3; ++axis) {
         const ReadingVector b = UnevenReadings(calibration, at_m, calibration.moment_Am2 * Vector3d::Unit(axis));
         K += b * b.transpose() / (kDirections * kDistances_m.size());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "service/magnetics/dipole.h"
+#include "service/tracker/spiral.h"
 
 namespace omni::tracker {
 namespace {
@@ -20,7 +21,6 @@ using RowMatrix = Eigen::Matrix<double, kReadings, kReadings, Eigen::RowMajor>;
 constexpr int kDirections = 40;
 constexpr std::array<double, 3> kDistances_m{0.2, 0.3, 0.45};
 constexpr int kPlaces = kDirections * static_cast<int>(kDistances_m.size());
-constexpr double kGoldenAngle_rad = 2.39996322972865332;
 constexpr double kDampingStart = 1e-3, kDampingMin = 1e-6, kDampingMax = 1e3;
 constexpr double kInnovationMax = 20;      // of one scan, in the mean
 constexpr double kInnovationMemory = 0.3;  // share of the newest
@@ -104,10 +104,7 @@ Matrix6 InformationAt(const DipoleOptions& options, const StrayEvidence& said, c
 }
 
 Vector3d PlaceOf(int place) noexcept {
-  const int n = place % kDirections;
-  const double z = 1 - (2 * n + 1.0) / kDirections, rho = std::sqrt(1 - z * z), angle = kGoldenAngle_rad * n;
-  return kDistances_m[static_cast<std::size_t>(place / kDirections)] *
-         Vector3d(rho * std::cos(angle), rho * std::sin(angle), z);
+  return kDistances_m[static_cast<std::size_t>(place / kDirections)] * OnSpiral(place % kDirections, kDirections);
 }
 
 // dx/dm, whatever the moment.

@@ -13,12 +13,20 @@ namespace test_bench_stress {
 
 TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
   ::setenv("OMNI_DATA_DIR", OMNI_SOURCE_DIR, 1);  // scenes as they are in the source, built or not
-  const auto rows = StressTicks(30'000, 7);
+  std::vector<RoomCondition> as_drawn{{.name = "drawn"}, {.name = "turning"}};
+  for (RoomCondition& condition : as_drawn) condition.as_drawn = true;  // which takes no calibration
+  as_drawn[1].later = [](base::TruthParameters& truth, sim::Random&) { truth.effects.room.turn_rate_rad_s = 1; };
+  const auto rows = StressTicks(30'001, 7, as_drawn);
   ::unsetenv("OMNI_DATA_DIR");
   ASSERT_TRUE(rows.ok()) << rows.error();
-  ASSERT_EQ(rows->size(), sim::ScanFaults().size() + 1);
-  const auto& all = rows->back();
-  EXPECT_EQ(all["ticks"], 30'000);
+  const std::size_t faults = sim::ScanFaults().size();
+  ASSERT_EQ(rows->size(), faults + 1 + as_drawn.size());
+  const auto& all = (*rows)[faults];
+  EXPECT_EQ(all["fault"], "all");
+  EXPECT_EQ(all["ticks"], 30'001);
+  EXPECT_EQ((*rows)[faults + 1]["ticks"], 15'001);
+  EXPECT_EQ(rows->back()["condition"], "turning");
+  EXPECT_EQ(rows->back()["ticks"], 15'000);
   EXPECT_EQ(all["not_finite"], 0);
   EXPECT_EQ(all["over_limit"], 0);
   EXPECT_EQ(all["allocations"], 0);

@@ -46,6 +46,10 @@ inline bool IsSilent(const PoseError& error, const base::ToolState& tool) noexce
   return !(error.position_m <= kSilentSigmas * sigma_m);
 }
 
+inline void Append(const std::vector<double>& from, std::vector<double>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
 struct ErrorSet {
   std::vector<double> position_mm;
   std::vector<double> axis_deg;
@@ -55,6 +59,11 @@ struct ErrorSet {
     position_mm.push_back(1e3 * error.position_m);
     axis_deg.push_back(error.axis_rad * 180 / std::numbers::pi);
     failures += error.failed() ? 1 : 0;
+  }
+  void Add(const ErrorSet& other) {
+    Append(other.position_mm, position_mm);
+    Append(other.axis_deg, axis_deg);
+    failures += other.failures;
   }
   std::size_t LargerThan(double size_m) const {
     return static_cast<std::size_t>(

@@ -18,8 +18,10 @@ void Append(const BenchRows& more, BenchRows& rows) { rows.insert(rows.end(), mo
 base::Result<BenchRows> BenchStress(const BenchOptions& options) {
   const std::uint64_t share = options.quick ? kQuick : 1;
   const std::uint64_t seed = ThreeSeeds(options.seed).front();
-  std::cerr << "faults upon a moving pen ...\n";
-  auto rows = StressTicks(options.ticks > 0 ? options.ticks : kTicks / share, seed);
+  std::cerr << "faults upon a moving pen, in every condition of a room ...\n";
+  std::vector<RoomCondition> conditions = RoomConditions();
+  if (options.quick) conditions.resize(1);
+  auto rows = StressTicks(options.ticks > 0 ? options.ticks : kTicks / share, seed, conditions);
   if (!rows.ok()) return rows;
   std::cerr << "basins of attraction ...\n";
   auto basins = StressBasins(kBasinSolves / share, seed);

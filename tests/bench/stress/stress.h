@@ -8,13 +8,17 @@
 #include "service/base/result.h"
 #include "service/base/vec.h"
 #include "tests/bench/harness/bench.h"
+#include "tests/bench/harness/room_conditions.h"
 
 namespace omni::bench {
 
 // Faults in episodes upon a moving pen, fed to Tick: rows fault, ticks, not_finite, over_limit, allocations, tracking,
 // wrong (by kFailure_m), silent (wrong and no ToolState::limits bit says so), over_2mm, over_2mm_silent (of more than
 // kSilentSigmas published standard deviations), current_max_A, recovery_ms, seed; the last row sums up.
-base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed);
+// Side table "conditions": the same by what happens to the room. The ticks are shared out between the conditions, in
+// each of which a base is calibrated that is drawn by the seed. Error: it could not be.
+base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed,
+                                    const std::vector<RoomCondition>& conditions);
 
 // Side table "basin": starts off by so much, shares of solves that arrive.
 base::Result<BenchRows> StressBasins(std::uint64_t solves, std::uint64_t seed);

@@ -1,11 +1,17 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "service/base/in_parallel.h"
 #include "service/config/device_file.h"
+#include "service/config/twin_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
@@ -46,6 +52,14 @@ struct Tally {
   std::uint64_t over_2mm = 0, over_2mm_silent = 0;  // of a pen that is there
   double current_max_A = 0;
   int recovery_ticks_max = 0;  // after an episode, until a right pose is published
+
+  void Add(const Tally& other) {
+    ticks += other.ticks, not_finite += other.not_finite, over_limit += other.over_limit;
+    allocations += other.allocations, tracking += other.tracking, wrong += other.wrong, silent += other.silent;
+    over_2mm += other.over_2mm, over_2mm_silent += other.over_2mm_silent;
+    current_max_A = std::max(current_max_A, other.current_max_A);
+    recovery_ticks_max = std::max(recovery_ticks_max, other.recovery_ticks_max);
+  }
 };
 
 // The state of the run: which fault is on, for how long, and since when the tracker has not been right.
@@ -186,8 +200,8 @@ class StressRun {
   int recovery_ticks_ = 0;
 };
 
-nlohmann::ordered_json Row(const char* fault, const Tally& tally, std::uint64_t seed) {
-  return {{"fault", fault},
+nlohmann::ordered_json Row(const char* key, const std::string& name, const Tally& tally, std::uint64_t seed) {
+  return {{key, name},
           {"ticks", tally.ticks},
           {"not_finite", tally.not_finite},
           {"over_limit", tally.over_limit},
@@ -202,46 +216,89 @@ nlohmann::ordered_json Row(const char* fault, const Tally& tally, std::uint64_t 
           {"seed", seed}};
 }
 
-}  // namespace
+// By fault.
+using Tallies = std::vector<Tally>;
 
-base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed) {
+Tally SumOf(const Tallies& tallies) {
+  Tally sum;
+  for (const Tally& tally : tallies) sum.Add(tally);
+  return sum;
+}
+
+Tallies StressIn(const RoomCondition& condition, const loop::TickConfig& config, const haptics::Scene& scene,
+                 const base::DeviceGeometry& device, std::uint64_t ticks, std::uint64_t seed) {
   loop::FlushDenormals();
-  auto loaded = tools::LoadLiveScene(tools::ShippedScene("extrusion"), {});
-  if (!loaded.ok()) return base::Error{loaded.error()};
-  const base::DeviceGeometry& device = config::DefaultDevice();
-  sim::Rig rig(device, {.seed = seed, .noise = sim::NoiseMode::kLowPower});
-  const loop::TickConfig config = loop::MakeTickConfig(device);
+  base::TruthParameters truth = RoomOf(condition);
+  sim::Random draw(seed);
+  if (condition.later) condition.later(truth, draw);
+  sim::Rig rig(device, {.seed = seed,
+                        .sizes = truth.imperfections,
+                        .noise = sim::NoiseMode::kLowPower,
+                        .effects = truth.effects,
+                        .sensor = truth.sensor});
   sim::TraceOptions trace_options{.duration_s = kTickTrace_s, .seed = seed};
   trace_options.motion.seed = seed;
   trace_options.currents = sim::StaggeredSawtooth(4, 0.5);
   const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, trace_options);
-
-  StressRun run(config, loaded->scene, rig, seed);
+  StressRun run(config, scene, rig, seed);
   // Over and over; where the trace starts again, the pen jumps, which a tracker must survive as well.
   const std::int64_t period_ns = static_cast<std::int64_t>(trace.size()) * base::kTickPeriod_ns;
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     const std::uint64_t pass = tick / trace.size();
     run.Tick(trace[tick % trace.size()], static_cast<std::int64_t>(pass) * period_ns, pass * trace.size());
   }
+  return run.tallies();
+}
 
-  BenchRows rows;
-  Tally sum;
-  for (std::size_t f = 0; f < run.tallies().size(); ++f) {
-    const Tally& tally = run.tallies()[f];
-    rows.push_back(Row(sim::ScanFaults()[f].name, tally, seed));
-    sum.ticks += tally.ticks;
-    sum.not_finite += tally.not_finite;
-    sum.over_limit += tally.over_limit;
-    sum.allocations += tally.allocations;
-    sum.tracking += tally.tracking;
-    sum.wrong += tally.wrong;
-    sum.silent += tally.silent;
-    sum.over_2mm += tally.over_2mm;
-    sum.over_2mm_silent += tally.over_2mm_silent;
-    sum.current_max_A = std::max(sum.current_max_A, tally.current_max_A);
-    sum.recovery_ticks_max = std::max(sum.recovery_ticks_max, tally.recovery_ticks_max);
+// One base, calibrated once in each room that is needed.
+using Configs = std::map<std::string, std::optional<loop::TickConfig>>;
+
+Configs CalibratedIn(const std::vector<RoomCondition>& conditions, const base::DeviceGeometry& device,
+                     std::uint64_t seed) {
+  std::map<std::string, base::TruthParameters> rooms;
+  for (const RoomCondition& condition : conditions) rooms[SurroundingsOf(condition)] = RoomOf(condition);
+  const std::vector<std::pair<std::string, base::TruthParameters>> list(rooms.begin(), rooms.end());
+  std::vector<std::optional<loop::TickConfig>> done(list.size());
+  base::InParallel(list.size(), [&](std::size_t r) {
+    const auto& [name, room] = list[r];
+    done[r] = name == kNowhere ? loop::MakeTickConfig(device) : CalibratedConfig(device, seed, room);
+  });
+  Configs configs;
+  for (std::size_t r = 0; r < list.size(); ++r) configs[list[r].first] = std::move(done[r]);
+  return configs;
+}
+
+}  // namespace
+
+base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed,
+                                    const std::vector<RoomCondition>& conditions) {
+  auto loaded = tools::LoadLiveScene(tools::ShippedScene("extrusion"), {});
+  if (!loaded.ok()) return base::Error{loaded.error()};
+  base::DeviceGeometry device = config::DefaultDevice();
+  device.sensor_noise_T = config::IdealTwin().sensor.noise_lp_T;
+  const Configs configs = CalibratedIn(conditions, device, seed);
+  for (const auto& [room, config] : configs) {
+    if (!config) return base::Error{"a base could not be calibrated in the room \"" + room + "\": try another --seed"};
   }
-  rows.push_back(Row("all", sum, seed));
+  std::vector<Tallies> done(conditions.size());
+  base::InParallel(conditions.size(), [&](std::size_t c) {
+    const std::uint64_t share = ticks / conditions.size() + (c < ticks % conditions.size() ? 1 : 0);
+    done[c] = StressIn(conditions[c], *configs.at(SurroundingsOf(conditions[c])), loaded->scene, device, share, seed);
+  });
+
+  Tallies by_fault(sim::ScanFaults().size());
+  BenchRows rows, by_condition;
+  for (std::size_t c = 0; c < conditions.size(); ++c) {
+    for (std::size_t f = 0; f < by_fault.size(); ++f) by_fault[f].Add(done[c][f]);
+    nlohmann::ordered_json row = Row("condition", conditions[c].name, SumOf(done[c]), seed);
+    row["table"] = "conditions";
+    by_condition.push_back(std::move(row));
+  }
+  for (std::size_t f = 0; f < by_fault.size(); ++f) {
+    rows.push_back(Row("fault", sim::ScanFaults()[f].name, by_fault[f], seed));
+  }
+  rows.push_back(Row("fault", "all", SumOf(by_fault), seed));
+  rows.insert(rows.end(), by_condition.begin(), by_condition.end());
   return rows;
 }
 

@@ -12,22 +12,18 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick_config.h"
-#include "service/magnetics/nominal.h"
 #include "service/sim/loopback.h"
 #include "service/sim/ordinary_hand.h"
 #include "service/sim/vec3.h"
-#include "service/tools/calibrate_kept.h"
-#include "service/tools/calibrate_twin.h"
 #include "service/tools/statistics.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
-#include "tests/bench/tracking/room_conditions.h"
+#include "tests/bench/harness/room_conditions.h"
 #include "tests/support/trace.h"
 
 namespace omni::bench {
@@ -47,12 +43,6 @@ constexpr double kForce_N = 0.3;       // a smaller one is not judged
 constexpr double kPushed_N = 0.02;     // a larger one is felt
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
 
-TruthParameters Calibrating(const RoomCondition& condition) {
-  TruthParameters truth = condition.ideal ? config::IdealTwin() : config::RoomTwin();
-  if (condition.known) condition.known(truth);
-  return truth;
-}
-
 struct Tally {
   std::size_t ticks = 0, tracked = 0, coarse = 0, silent = 0, refused = 0;
   std::size_t pushed_silent = 0;           // silent, and a force was wanted
@@ -64,15 +54,12 @@ struct Tally {
   void Add(const Tally& other) {
     ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, silent += other.silent;
     refused += other.refused, pushed_silent += other.pushed_silent;
-    const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
-      to.insert(to.end(), from.begin(), from.end());
-    };
-    append(error_mm, other.error_mm);
-    append(sigma_mm, other.sigma_mm);
-    append(coarse_mm, other.coarse_mm);
+    Append(other.error_mm, error_mm);
+    Append(other.sigma_mm, sigma_mm);
+    Append(other.coarse_mm, coarse_mm);
+    Append(other.recovery_ms, recovery_ms);
+    Append(other.force_error_pct, force_error_pct);
     worst_rig_mm = std::max(worst_rig_mm, other.worst_rig_mm);
-    append(recovery_ms, other.recovery_ms);
-    append(force_error_pct, other.force_error_pct);
   }
 };
 
@@ -114,7 +101,7 @@ class Judge {
       tally_.recovery_ms.push_back(Recovery_ms(events_s[e], next_s));
     }
     std::vector<double> all_mm = tally_.error_mm;
-    all_mm.insert(all_mm.end(), tally_.coarse_mm.begin(), tally_.coarse_mm.end());
+    Append(tally_.coarse_mm, all_mm);
     tally_.worst_rig_mm = all_mm.empty() ? 0 : tools::Mean(all_mm);
     return std::move(tally_);
   }
@@ -207,25 +194,6 @@ void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config
   }
 }
 
-// What a base is calibrated in: the same for all conditions that come later.
-std::string SurroundingsOf(const RoomCondition& condition) {
-  if (condition.as_drawn) return "none";
-  if (condition.known) return condition.name;
-  return condition.ideal ? "ideal" : "room";
-}
-
-// As omnid has it after `omni calibrate`: from a file that one writes and the other takes. Nothing: it was refused.
-std::optional<loop::TickConfig> CalibratedConfig(const base::DeviceGeometry& device, std::uint64_t seed,
-                                                 const TruthParameters& truth) {
-  const auto done = tools::CalibrateTwin(device, seed, truth);
-  if (!done.ok()) return std::nullopt;
-  const std::string text = config::WriteCalibration(tools::CalibrationFileOf(done->outcome, "twin"), device);
-  const auto file = config::ParseCalibration(
-      text, "room", {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "twin"});
-  if (!file.ok()) return std::nullopt;
-  return loop::MakeTickConfig(device, file->calibration);
-}
-
 using Tallies = std::array<Tally, 2>;  // waved without forces, and pressing under them
 
 // One base and the calibrations that it was given, each once.
@@ -233,12 +201,12 @@ class BaseInRooms {
  public:
   BaseInRooms(std::uint64_t seed, const haptics::Scene& scene) : seed_(seed), scene_(scene) {
     device_.sensor_noise_T = config::IdealTwin().sensor.noise_lp_T;
-    configs_["none"] = loop::MakeTickConfig(device_);
+    configs_[kNowhere] = loop::MakeTickConfig(device_);
   }
 
   // Calibrated in the surroundings of the first, then what happens in any of them.
   Tallies Run(const std::vector<const RoomCondition*>& conditions, std::uint64_t motion_seed, double run_s) {
-    TruthParameters truth = Calibrating(*conditions.front());
+    TruthParameters truth = RoomOf(*conditions.front());
     const auto [config, fresh] = configs_.try_emplace(SurroundingsOf(*conditions.front()));
     if (fresh) config->second = CalibratedConfig(device_, seed_, truth);
     if (!config->second) {

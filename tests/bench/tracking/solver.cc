@@ -92,10 +92,7 @@ nlohmann::ordered_json SearchColdFailures(const SolverMethod& cold, const CallTi
   ErrorSet all;
   for (std::uint64_t done = 0, piece = 0; done < solves; ++piece) {
     const std::size_t count = std::min<std::uint64_t>(kColdChunk, solves - done);
-    const ErrorSet errors =
-        Judge(cold, DrawSolverCases(rig, product, {kAnyTilt, count, seed + 1'000'000 * (piece + 1)}));
-    all.failures += errors.failures;
-    all.position_mm.insert(all.position_mm.end(), errors.position_mm.begin(), errors.position_mm.end());
+    all.Add(Judge(cold, DrawSolverCases(rig, product, {kAnyTilt, count, seed + 1'000'000 * (piece + 1)})));
     done += count;
     if (piece % 5 == 4) std::cerr << "  " << done << " cold starts, " << all.failures << " failures\n";
   }

@@ -70,14 +70,9 @@ struct RunErrors {
   std::size_t n = 0;
 
   void Add(const RunErrors& other) {
-    const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
-      to.insert(to.end(), from.begin(), from.end());
-    };
-    append(raw.position_mm, other.raw.position_mm);
-    append(raw.axis_deg, other.raw.axis_deg);
-    raw.failures += other.raw.failures;
-    append(aligned_mm, other.aligned_mm);
-    append(nees, other.nees);
+    raw.Add(other.raw);
+    Append(other.aligned_mm, aligned_mm);
+    Append(other.nees, nees);
     n += other.n;
   }
 };

@@ -1,11 +1,16 @@
-#include "tests/bench/tracking/room_conditions.h"
+#include "tests/bench/harness/room_conditions.h"
 
 #include <array>
 #include <cmath>
 #include <numbers>
 
+#include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
+#include "service/config/twin_file.h"
+#include "service/magnetics/nominal.h"
 #include "service/sim/vec3.h"
+#include "service/tools/calibrate_kept.h"
+#include "service/tools/calibrate_twin.h"
 
 namespace omni::bench {
 namespace {
@@ -152,6 +157,29 @@ std::vector<RoomCondition> RoomConditions() {
       {"hull-0.3", false, Wrong(&Sizes::hull_radius_m, 3e-4), {}},
       {"core-0.5", false, Wrong(&Sizes::core_offset_m, 2.9e-4), {}},
   };
+}
+
+TruthParameters RoomOf(const RoomCondition& condition) {
+  TruthParameters truth = condition.ideal ? config::IdealTwin() : config::RoomTwin();
+  if (condition.known) condition.known(truth);
+  return truth;
+}
+
+std::string SurroundingsOf(const RoomCondition& condition) {
+  if (condition.as_drawn) return kNowhere;
+  if (condition.known) return condition.name;
+  return condition.ideal ? "ideal" : "room";
+}
+
+std::optional<loop::TickConfig> CalibratedConfig(const base::DeviceGeometry& device, std::uint64_t seed,
+                                                 const TruthParameters& truth) {
+  const auto done = tools::CalibrateTwin(device, seed, truth);
+  if (!done.ok()) return std::nullopt;
+  const std::string text = config::WriteCalibration(tools::CalibrationFileOf(done->outcome, "twin"), device);
+  const auto file = config::ParseCalibration(
+      text, "room", {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "twin"});
+  if (!file.ok()) return std::nullopt;
+  return loop::MakeTickConfig(device, file->calibration);
 }
 
 }  // namespace omni::bench

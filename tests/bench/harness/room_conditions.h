@@ -1,0 +1,42 @@
+// What happens to bases in `omni-bench room` and `omni-bench stress`: a table of conditions.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/base/device_geometry.h"
+#include "service/base/truth_parameters.h"
+#include "service/loop/tick_config.h"
+#include "service/sim/random.h"
+
+namespace omni::bench {
+
+constexpr double kRoomRun_s = 60;
+
+// What happens to a base after its calibration; `draw` is of the rig.
+using Happening = std::function<void(base::TruthParameters&, sim::Random& draw)>;
+
+struct RoomCondition {
+  std::string name;
+  bool ideal = false;                                 // no room
+  std::function<void(base::TruthParameters&)> known;  // in the room already while the base is calibrated
+  Happening later;
+  std::vector<double> events_s = {};  // from which it has to recover
+  bool as_drawn = false;              // never calibrated
+};
+
+std::vector<RoomCondition> RoomConditions();
+
+// The room in which a base is calibrated, and its name: of all that happens later the same.
+base::TruthParameters RoomOf(const RoomCondition& condition);
+inline constexpr const char* kNowhere = "none";  // of a base that is as drawn
+std::string SurroundingsOf(const RoomCondition& condition);
+
+// As omnid has it after `omni calibrate`: from a file that one writes and the other takes. Nothing: it was refused.
+std::optional<loop::TickConfig> CalibratedConfig(const base::DeviceGeometry& device, std::uint64_t seed,
+                                                 const base::TruthParameters& truth);
+
+}  // namespace omni::bench
