@@ -39,10 +39,8 @@ Eigen::Map<Matrix6> Covariance(StrayDipole& dipole) noexcept { return Eigen::Map
 
 Matrix3d GainOf(const Model& model, std::size_t sensor) noexcept {
   Matrix3d gain;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      gain(row, column) = model.gain_sensor_base[static_cast<std::size_t>(3 * row + column)][sensor];
-    }
+  for (std::size_t e = 0; e < 9; ++e) {
+    gain(static_cast<int>(e / 3), static_cast<int>(e % 3)) = model.gain_sensor_base[e][sensor];
   }
   return gain;
 }
