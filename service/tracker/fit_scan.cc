@@ -133,7 +133,8 @@ void WatchStray(const ScanContext& context, const Measurement& measurement, cons
   const bool found = state.stray.dipole.found;
   LearnStray(options, config.model, state.drift, context.scan, measurement, outcome.fit.pose, repeats, state.stray);
   if (state.stray.dipole.found && !found) Clear(config.doubt.model_error_start, state.doubt);
-  if (state.stray.dipole.wrong_gain >= 0 && state.stray.places >= config.doubt.gain_places) {
+  const bool gain_is_wrong = state.stray.dipole.wrong_gain >= 0 && state.stray.places >= config.doubt.gain_places;
+  if (gain_is_wrong && state.doubt.left_out < 0) {
     Blame(config.doubt, state.stray.dipole.wrong_gain, state.doubt);
     state.stray = {};
   }

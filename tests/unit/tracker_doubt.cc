@@ -237,6 +237,27 @@ TEST_P(TrackerDoubt, AGainThatIsALittleWrongIsNoMagnet) {
   }
 }
 
+// A sensor that is left out is not taken back because another one is a little wrong.
+TEST_P(TrackerDoubt, AGainThatIsALittleWrongDoesNotBringAStuckSensorBack) {
+  Run(2000);
+  const auto stuck = static_cast<std::size_t>(GetParam()) % kSensors, wrong = (stuck + 4) % kSensors;
+  const base::Vec3 held = NextScan().field_sensor_T[stuck];
+  double gain = 1;
+  fault = [&](base::HallScan& scan) {
+    scan.field_sensor_T[stuck] = held;
+    base::Vec3& B = scan.field_sensor_T[wrong];
+    B = {gain * B.x, gain * B.y, gain * B.z};
+  };
+  Run(500);
+  ASSERT_EQ(state.doubt.left_out, static_cast<int>(stuck));
+  gain = 1.02;
+  for (int i = 0; i < 5000; ++i) {
+    const bool tracked = Feed();
+    EXPECT_EQ(state.doubt.left_out, static_cast<int>(stuck));
+    EXPECT_TRUE(!tracked || Error_m() < 5 * Sigma_m());
+  }
+}
+
 TEST_P(TrackerDoubt, ASensorThatRepeatsItselfIsLeftOutBeforeItIsWrong) {
   Run(1000);
   const auto sensor = static_cast<std::size_t>(GetParam()) % kSensors;
