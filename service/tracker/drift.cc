@@ -197,9 +197,7 @@ void WidenAmbient(double variance_T2, DriftState& drift) noexcept {
   if (WorstAmbientVariance(drift) < variance_T2) SetAmbientVariance(variance_T2, drift);
 }
 
-// So many scans in a row share the model's error, share s of a reading's variance: they say no more than 1 / f of them.
-//   f = 1 / (1 + (n - 1) s),   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md
-//   (18)
+//   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md (18)
 double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
   const auto norm = [](const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
   const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +
@@ -207,6 +205,7 @@ double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double
   return std::max(1.0, 1 / (change_1_s * std::max(step_s, base::kTickPeriod_s)));
 }
 
+//   f = 1 / (1 + (n - 1) s)
 double EvidenceShare(double repeats, double systematic) noexcept {
   return 1 / (1 + std::max(0.0, repeats - 1) * systematic);
 }

@@ -34,8 +34,8 @@ bool MakeStrayScan(const Model& model, const DriftState& drift, const base::Hall
                    const ReadingLanes* variance_T2, StrayScan& scan) noexcept;
 
 // Misfit of offsets x:   misfit - 2 gradient^T x + x^T information x
-// and of sensor i's gain that is wrong by the share e instead:   misfit - 2 gain_gradient[i] e + gain_information[i]
-// e^2
+// and instead of them of sensor i's gain, wrong by the share e:
+//   misfit - 2 gain_gradient[i] e + gain_information[i] e^2
 struct StrayEvidence {
   std::array<double, kSensors> gain_information{}, gain_gradient{};
   ReadingMatrix information_1_T2{};
