@@ -269,14 +269,15 @@ void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEv
 void FollowDipole(const DipoleOptions& options, const Model& model, const StrayScan& scan, double repeats,
                   double systematic, double step_s, StrayDipole& dipole) noexcept {
   const Field field = FieldAt(model, ToVector(dipole.parameters));
-  const Eigen::Map<const RowVector> inverse_sigma(scan.inverse_sigma.data()), rest(scan.rest.data());
+  const ReadingLanes rest = scan.Eliminate(scan.residual);
+  const Eigen::Map<const RowVector> inverse_sigma(scan.inverse_sigma.data());
   Matrix6 A;
   Vector6 e;
   for (int k = 0; k < kN; ++k) {
     ReadingLanes column;
     Eigen::Map<RowVector>(column.data()) = inverse_sigma.cwiseProduct(field.J.col(k));
     const ReadingLanes left = scan.Eliminate(column);
-    e[k] = -Eigen::Map<const RowVector>(column.data()).dot(rest);
+    e[k] = -Eigen::Map<const RowVector>(column.data()).dot(Eigen::Map<const RowVector>(rest.data()));
     A.col(k) = field.J.transpose() * inverse_sigma.cwiseProduct(Eigen::Map<const RowVector>(left.data()));
   }
   Eigen::Map<Matrix6> P = Covariance(dipole);
@@ -284,7 +285,7 @@ void FollowDipole(const DipoleOptions& options, const Model& model, const StrayS
   P.diagonal().head<3>().array() += dipole.wander * moved_m * moved_m;
   P.diagonal().tail<3>().array() += dipole.wander * turned_Am2 * turned_Am2;
   LearnWander(options, Innovation(A, e, P), dipole);
-  dipole.misfit += kMisfitMemory * (scan.Misfit() / kDof - dipole.misfit);
+  dipole.misfit += kMisfitMemory * (Dot(scan.residual, rest) / kDof - dipole.misfit);
   const double share = EvidenceShare(std::min(repeats, ++dipole.scans), systematic);
   P = (P.inverse() + share * A).inverse().eval();
   const Vector6 p = ToVector(dipole.parameters) + share * (P * e);

@@ -211,13 +211,13 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
     if (turn != 1) return;
     StrayScan scan;
     const Rows* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
-    if (!MakeStrayScan(model, drift, readings, measurement, pose, stray.mean_T, variance_T2, scan)) return;
+    if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
     if (stray.dipole.found) {
       Follow(options, model, measurement, scan, repeats, stray);
       if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
       return;
     }
-    AddScan(scan, stray.cycle);
+    AddScan(scan, readings, stray.mean_T, stray.cycle);
     const double systematic = SystematicShare(measurement);
     stray.share += EvidenceShare(repeats, systematic);
     stray.repeats += repeats;

@@ -30,7 +30,7 @@ struct StrayOptions {
   // The mean's own chi2 and size (rms over the readings) above which it is believed: less is the calibration's error.
   // Below, nothing may be there; so many cycles in a row, and nothing is.
   double something_chi2 = 40, something_T = 8e-7, nothing_chi2 = 25;
-  double model_error = 1.5e-3;  // relative, of the pen's field while it is believed: the core answers that magnet too
+  double model_error = 1.5e-3;  // relative, while one is looked for: the core answers that magnet too
   double max_T = 6e-5;          // of that size; more is a wrong pose: a pen at 200 mm makes 2e-5 to 4e-5
   int nothing_cycles = 128;
   DipoleOptions dipole;

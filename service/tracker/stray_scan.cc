@@ -16,21 +16,19 @@ constexpr double kWhiteMin = 1e-3;  // of a reading's variance: what is its own,
 
 using Rows = ReadingLanes;
 
-void Linearise(const Model& model, const base::HallScan& readings, const Measurement& measurement, const Pose& pose,
-               const Rows& offset_T, const Rows* variance_T2, StrayScan& scan) noexcept {
+void Linearise(const Model& model, const Measurement& measurement, const Pose& pose, const Rows& offset_T,
+               const Rows* variance_T2, StrayScan& scan) noexcept {
   const KernelPose at = ToKernel(MakePosePoint(pose), measurement.velocity_base_m_s, measurement.axis_rate_base_1_s);
   BlockField field;
   ActiveKernel().field(model.places[0], model.tool, at, field);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < kSensors; ++i) {
-      const base::Vec3& read_T = readings.field_sensor_T[i];
       const std::size_t row = kSensors * axis + i;
       const double with_offset = measurement.inverse_sigma[axis][i];
       if (with_offset == 0) continue;
       const double unknown_T2 = variance_T2 != nullptr ? (*variance_T2)[row] : 0.0;
       const double raise = 1 / std::sqrt(std::max(kWhiteMin, 1 - unknown_T2 * with_offset * with_offset));
       scan.inverse_sigma[row] = raise * with_offset;
-      scan.reading[row] = scan.inverse_sigma[row] * std::array{read_T.x, read_T.y, read_T.z}[axis];
       double tool = 0;
       for (std::size_t c = 0; c < 3; ++c) {
         const double weight = raise * measurement.weight[3 * axis + c][i];
@@ -73,19 +71,25 @@ bool SetGain(const Measurement& measurement, const DriftState& drift, StrayScan&
   return true;
 }
 
-// Of every sensor's gain; a column of it has three rows only.
-void AddGains(const StrayScan& scan, StrayEvidence& evidence) noexcept {
+// Of every sensor's gain; a column of it has three rows only. rest: Q r0.
+void AddGains(const StrayScan& scan, const base::HallScan& readings, const Rows& rest,
+              StrayEvidence& evidence) noexcept {
   for (std::size_t i = 0; i < kSensors; ++i) {
+    const base::Vec3& read_T = readings.field_sensor_T[i];
+    const std::array<double, 3> of_axis_T{read_T.x, read_T.y, read_T.z};
+    std::array<double, 3> c{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t row = kSensors * axis + i;
-      evidence.gain_information[i] += scan.reading[row] * scan.reading[row];
-      evidence.gain_gradient[i] -= scan.reading[row] * scan.whole_rest[row];
+      if (scan.inverse_sigma[row] == 0) continue;  // perhaps it is no number
+      c[axis] = scan.inverse_sigma[row] * of_axis_T[axis];
+      evidence.gain_information[i] += c[axis] * c[axis];
+      evidence.gain_gradient[i] -= c[axis] * rest[row];
     }
     for (std::size_t e = 0; e < kEliminated; ++e) {
       double column = 0, gain = 0;
-      for (std::size_t row = i; row < kRows; row += kSensors) {
-        column += scan.columns[e][row] * scan.reading[row];
-        gain += scan.gain[e][row] * scan.reading[row];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        column += scan.columns[e][kSensors * axis + i] * c[axis];
+        gain += scan.gain[e][kSensors * axis + i] * c[axis];
       }
       evidence.gain_information[i] -= column * gain;
     }
@@ -103,23 +107,20 @@ ReadingLanes StrayScan::Eliminate(const ReadingLanes& column) const noexcept {
   return left;
 }
 
-double StrayScan::Misfit() const noexcept { return Dot(residual, rest); }
-
-bool MakeStrayScan(const Model& model, const DriftState& drift, const base::HallScan& readings,
-                   const Measurement& measurement, const Pose& pose, const ReadingLanes& offset_T,
-                   const ReadingLanes* variance_T2, StrayScan& scan) noexcept {
+bool MakeStrayScan(const Model& model, const DriftState& drift, const Measurement& measurement, const Pose& pose,
+                   const ReadingLanes& offset_T, const ReadingLanes* variance_T2, StrayScan& scan) noexcept {
   scan = {};
-  Linearise(model, readings, measurement, pose, offset_T, variance_T2, scan);
-  if (!SetGain(measurement, drift, scan)) return false;
-  scan.rest = scan.Eliminate(scan.residual);
-  for (std::size_t row = 0; row < kRows; ++row) {
-    scan.whole[row] = scan.residual[row] - scan.inverse_sigma[row] * offset_T[row];
-  }
-  scan.whole_rest = scan.Eliminate(scan.whole);
-  return true;
+  Linearise(model, measurement, pose, offset_T, variance_T2, scan);
+  return SetGain(measurement, drift, scan);
 }
 
-void AddScan(const StrayScan& scan, StrayEvidence& evidence) noexcept {
+void AddScan(const StrayScan& scan, const base::HallScan& readings, const ReadingLanes& offset_T,
+             StrayEvidence& evidence) noexcept {
+  Rows residual;
+  for (std::size_t row = 0; row < kRows; ++row) {
+    residual[row] = scan.residual[row] - scan.inverse_sigma[row] * offset_T[row];
+  }
+  const Rows rest = scan.Eliminate(residual);
   std::array<Rows, kEliminated> gain = scan.gain;
   for (Rows& row : gain) {
     for (std::size_t b = 0; b < kRows; ++b) row[b] *= scan.inverse_sigma[b];
@@ -134,10 +135,10 @@ void AddScan(const StrayScan& scan, StrayEvidence& evidence) noexcept {
     double* row = &evidence.information_1_T2[a * kRows];
     for (std::size_t b = 0; b < kRows; ++b) row[b] -= eliminated[b];
     row[a] += weight * scan.inverse_sigma[a];
-    evidence.gradient_1_T[a] -= weight * scan.whole_rest[a];
+    evidence.gradient_1_T[a] -= weight * rest[a];
   }
-  AddGains(scan, evidence);
-  evidence.misfit += Dot(scan.whole, scan.whole_rest);
+  AddGains(scan, readings, rest, evidence);
+  evidence.misfit += Dot(residual, rest);
   ++evidence.scans;
 }
 

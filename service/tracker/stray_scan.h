@@ -16,22 +16,18 @@ struct StrayScan {
   static constexpr std::size_t kAmbient = kParameters + base::kCoilCount, kMoment = kAmbient + 3;
   static constexpr std::size_t kEliminated = kMoment + 1;
 
-  ReadingLanes inverse_sigma{};        // 1/T; 0: not used
-  ReadingLanes residual{}, rest{};     // r, Q r
-  ReadingLanes reading{};              // whole, whitened
-  ReadingLanes whole{}, whole_rest{};  // r - D x0, Q (r - D x0)
+  ReadingLanes inverse_sigma{};  // 1/T; 0: not used
+  ReadingLanes residual{};       // r
   std::array<ReadingLanes, kEliminated> columns{};
   std::array<ReadingLanes, kEliminated> gain{};  // (A^T A + prior)^-1 A^T
 
   ReadingLanes Eliminate(const ReadingLanes& column) const noexcept;  // Q
-  double Misfit() const noexcept;                                     // r^T Q r
 };
 
-// `readings` with the measurement that was made of it. offset_T: x0, and the variance with which it was taken off the
-// measurement; null: none was. False: nothing usable.
-bool MakeStrayScan(const Model& model, const DriftState& drift, const base::HallScan& readings,
-                   const Measurement& measurement, const Pose& pose, const ReadingLanes& offset_T,
-                   const ReadingLanes* variance_T2, StrayScan& scan) noexcept;
+// offset_T: x0, and the variance with which it was taken off the measurement; null: none was.
+// False: nothing usable.
+bool MakeStrayScan(const Model& model, const DriftState& drift, const Measurement& measurement, const Pose& pose,
+                   const ReadingLanes& offset_T, const ReadingLanes* variance_T2, StrayScan& scan) noexcept;
 
 // Misfit of offsets x:   misfit - 2 gradient^T x + x^T information x
 // and instead of them of sensor i's gain, wrong by the share e:
@@ -44,10 +40,11 @@ struct StrayEvidence {
   double scans = 0;
 };
 
-// With r0 = r - D x0, and c what sensor i reads, whitened:
+// With r0 = r - D x0, and c what sensor i reads (`readings`), whitened:
 //   information += D Q D,   gradient -= D Q r0,   misfit += r0^T Q r0,
 //   gain_information[i] += c^T Q c,   gain_gradient[i] -= c^T Q r0
-void AddScan(const StrayScan& scan, StrayEvidence& evidence) noexcept;
+void AddScan(const StrayScan& scan, const base::HallScan& readings, const ReadingLanes& offset_T,
+             StrayEvidence& evidence) noexcept;
 
 // sum = keep sum + share evidence
 void AddEvidence(double keep, double share, const StrayEvidence& evidence, StrayEvidence& sum) noexcept;

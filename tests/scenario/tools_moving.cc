@@ -27,11 +27,7 @@ struct Outcome {
 Outcome RunRacetrack(std::uint64_t seed, double seconds) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const base::TruthParameters& truth = config::IdealTwin();
-  const sim::Rig rig(device, {.seed = seed,
-                              .sizes = truth.imperfections,
-                              .noise = sim::NoiseMode::kLowPower,
-                              .effects = truth.effects,
-                              .sensor = truth.sensor});
+  const sim::Rig rig(device, sim::OptionsOf(seed, sim::NoiseMode::kLowPower, truth));
   const std::string path = OMNI_SOURCE_DIR "/scenes/racetrack.glb";
   const auto loaded = LoadScene(path, {});
   const auto hand = sim::LoadHandScript(FindHandScript(path));

@@ -43,6 +43,10 @@ std::array<double, 3> NoiseOf_T(NoiseMode mode, const base::SensorParameters& se
   return {};
 }
 
+RigOptions OptionsOf(std::uint64_t seed, NoiseMode noise, const base::TruthParameters& truth) {
+  return {.seed = seed, .sizes = truth.imperfections, .noise = noise, .effects = truth.effects, .sensor = truth.sensor};
+}
+
 Rig::Rig(const base::DeviceGeometry& device, const RigOptions& options)
     : device_(device),
       options_(options),

@@ -8,6 +8,7 @@
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
+#include "service/base/truth_parameters.h"
 #include "service/sim/effects.h"
 #include "service/sim/imperfections.h"
 #include "service/sim/random.h"
@@ -28,6 +29,9 @@ struct RigOptions {
   base::TruthEffects effects;
   base::SensorParameters sensor;
 };
+
+// The base that `truth` and the seed describe.
+RigOptions OptionsOf(std::uint64_t seed, NoiseMode noise, const base::TruthParameters& truth);
 
 // Where random poses lie. The magnet never cuts the hull: directions that make it are drawn again, at the same radius.
 struct PoseRange {

@@ -92,6 +92,7 @@ class TrackerDoubt : public testing::TestWithParam<std::uint64_t> {
   }
   double Error_m() const { return (base::ToEigen(tool.position_base_m) - pose.position_base_m).norm(); }
   double Sigma_m() const { return std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]); }
+  static void Scale(double gain, base::Vec3& B) { B = {gain * B.x, gain * B.y, gain * B.z}; }
   Vector3d Direction() { return support::RandomUnit(rng); }
   double Normal() { return std::normal_distribution<double>()(rng); }
 
@@ -188,10 +189,7 @@ TEST_P(TrackerDoubt, ASensorThatIsWrongIsLeftOutUntilItIsRightAgain) {
        [](base::Vec3& B) {
          B = {1e-3, 1e-3, 1e-3};
        }},
-      {"ten per cent",
-       [](base::Vec3& B) {
-         B = {1.1 * B.x, 1.1 * B.y, 1.1 * B.z};
-       }},
+      {"ten per cent", [](base::Vec3& B) { Scale(1.1, B); }},
   };
   for (const Fault& wrong : faults) {
     SCOPED_TRACE(wrong.name);
@@ -219,10 +217,7 @@ TEST_P(TrackerDoubt, AGainThatIsALittleWrongIsNoMagnet) {
   const auto sensor = static_cast<std::size_t>(GetParam() + 2) % kSensors;
   for (const double gain : {1.015, 0.98, 1.03}) {
     SCOPED_TRACE(gain);
-    fault = [&](base::HallScan& scan) {
-      base::Vec3& B = scan.field_sensor_T[sensor];
-      B = {gain * B.x, gain * B.y, gain * B.z};
-    };
+    fault = [&](base::HallScan& scan) { Scale(gain, scan.field_sensor_T[sensor]); };
     for (int i = 0; i < 3000; ++i) {
       const bool tracked = Feed();
       EXPECT_TRUE(tracked || i < 20);
@@ -245,8 +240,7 @@ TEST_P(TrackerDoubt, AGainThatIsALittleWrongDoesNotBringAStuckSensorBack) {
   double gain = 1;
   fault = [&](base::HallScan& scan) {
     scan.field_sensor_T[stuck] = held;
-    base::Vec3& B = scan.field_sensor_T[wrong];
-    B = {gain * B.x, gain * B.y, gain * B.z};
+    Scale(gain, scan.field_sensor_T[wrong]);
   };
   Run(500);
   ASSERT_EQ(state.doubt.left_out, static_cast<int>(stuck));
@@ -292,10 +286,7 @@ TEST_P(TrackerDoubt, WhatIsFoundIsTold) {
   Run(500);
   EXPECT_NEAR(base::ToEigen(tool.ambient_base_T).norm(), 2e-5, 2e-6);
   const int sensor = static_cast<int>(GetParam());
-  fault = [&](base::HallScan& scan) {
-    base::Vec3& B = scan.field_sensor_T[static_cast<std::size_t>(sensor)];
-    B = {1.1 * B.x, 1.1 * B.y, 1.1 * B.z};
-  };
+  fault = [&](base::HallScan& scan) { Scale(1.1, scan.field_sensor_T[static_cast<std::size_t>(sensor)]); };
   Run(1000);
   EXPECT_EQ(tool.sensors_left_out, 1U << sensor);
   EXPECT_EQ(tool.sensors_disagree, 1U << sensor);

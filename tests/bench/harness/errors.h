@@ -46,7 +46,8 @@ inline bool IsSilent(const PoseError& error, const base::ToolState& tool) noexce
   return !(error.position_m <= kSilentSigmas * sigma_m);
 }
 
-inline void Append(const std::vector<double>& from, std::vector<double>& to) {
+template <class T>
+void Append(const std::vector<T>& from, std::vector<T>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 

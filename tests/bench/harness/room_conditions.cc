@@ -11,6 +11,7 @@
 #include "service/sim/vec3.h"
 #include "service/tools/calibrate_kept.h"
 #include "service/tools/calibrate_twin.h"
+#include "tests/support/rig.h"
 
 namespace omni::bench {
 namespace {
@@ -159,6 +160,12 @@ std::vector<RoomCondition> RoomConditions() {
   };
 }
 
+base::DeviceGeometry FastDevice() {
+  base::DeviceGeometry device = config::DefaultDevice();
+  device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kLowPower);
+  return device;
+}
+
 TruthParameters RoomOf(const RoomCondition& condition) {
   TruthParameters truth = condition.ideal ? config::IdealTwin() : config::RoomTwin();
   if (condition.known) condition.known(truth);
@@ -166,19 +173,20 @@ TruthParameters RoomOf(const RoomCondition& condition) {
 }
 
 std::string SurroundingsOf(const RoomCondition& condition) {
-  if (condition.as_drawn) return kNowhere;
+  if (condition.as_drawn) return "none";
   if (condition.known) return condition.name;
   return condition.ideal ? "ideal" : "room";
 }
 
-std::optional<loop::TickConfig> CalibratedConfig(const base::DeviceGeometry& device, std::uint64_t seed,
-                                                 const TruthParameters& truth) {
-  const auto done = tools::CalibrateTwin(device, seed, truth);
-  if (!done.ok()) return std::nullopt;
+base::Result<loop::TickConfig> ConfigIn(const RoomCondition& condition, const base::DeviceGeometry& device,
+                                        std::uint64_t seed) {
+  if (condition.as_drawn) return loop::MakeTickConfig(device);
+  const auto done = tools::CalibrateTwin(device, seed, RoomOf(condition));
+  if (!done.ok()) return base::Error{done.error()};
   const std::string text = config::WriteCalibration(tools::CalibrationFileOf(done->outcome, "twin"), device);
   const auto file = config::ParseCalibration(
       text, "room", {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "twin"});
-  if (!file.ok()) return std::nullopt;
+  if (!file.ok()) return base::Error{file.error()};
   return loop::MakeTickConfig(device, file->calibration);
 }
 

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "service/base/device_geometry.h"
+#include "service/base/result.h"
 #include "service/base/truth_parameters.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/random.h"
@@ -30,13 +30,17 @@ struct RoomCondition {
 
 std::vector<RoomCondition> RoomConditions();
 
-// The room in which a base is calibrated, and its name: of all that happens later the same.
+// The drawn base with its sensors in the fast, low-power setting.
+base::DeviceGeometry FastDevice();
+
+// The room in which a base is calibrated. Its name, and "none" for a base that is not; conditions of one name share the
+// calibration.
 base::TruthParameters RoomOf(const RoomCondition& condition);
-inline constexpr const char* kNowhere = "none";  // of a base that is as drawn
 std::string SurroundingsOf(const RoomCondition& condition);
 
-// As omnid has it after `omni calibrate`: from a file that one writes and the other takes. Nothing: it was refused.
-std::optional<loop::TickConfig> CalibratedConfig(const base::DeviceGeometry& device, std::uint64_t seed,
-                                                 const base::TruthParameters& truth);
+// As omnid has it after `omni calibrate` there, from a file that one writes and the other takes; or as drawn. Error: it
+// was refused.
+base::Result<loop::TickConfig> ConfigIn(const RoomCondition& condition, const base::DeviceGeometry& device,
+                                        std::uint64_t seed);
 
 }  // namespace omni::bench

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <iostream>
 
+#include "tests/bench/harness/errors.h"
+
 namespace omni::bench {
 namespace {
 
 constexpr std::uint64_t kTicks = 10'000'000;
 constexpr std::uint64_t kBasinSolves = 20'000;  // per row
 constexpr std::uint64_t kQuick = 100;           // --quick divides by this
-
-void Append(const BenchRows& more, BenchRows& rows) { rows.insert(rows.end(), more.begin(), more.end()); }
 
 }  // namespace
 

@@ -67,11 +67,7 @@ base::TruthParameters RoomAt(const RoomCourse& course, std::size_t step) {
 
 std::vector<sim::TraceRow> RecordStep(const base::DeviceGeometry& device, const base::TruthParameters& truth,
                                       std::uint64_t rig_seed, std::uint64_t step) {
-  sim::Rig rig(device, {.seed = rig_seed,
-                        .sizes = truth.imperfections,
-                        .noise = sim::NoiseMode::kLowPower,
-                        .effects = truth.effects,
-                        .sensor = truth.sensor});
+  sim::Rig rig(device, sim::OptionsOf(rig_seed, sim::NoiseMode::kLowPower, truth));
   sim::TraceOptions options{.duration_s = kWaved_s, .start_s = 1e-3, .seed = rig_seed + step};
   options.motion = {.seed = rig_seed + step, .radius_max_m = 0.09, .tilt_max_rad = std::numbers::pi / 4};
   options.currents = sim::StaggeredSawtooth(4, 0.5);

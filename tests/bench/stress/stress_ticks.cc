@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
@@ -231,11 +229,7 @@ Tallies StressIn(const RoomCondition& condition, const loop::TickConfig& config,
   base::TruthParameters truth = RoomOf(condition);
   sim::Random draw(seed);
   if (condition.later) condition.later(truth, draw);
-  sim::Rig rig(device, {.seed = seed,
-                        .sizes = truth.imperfections,
-                        .noise = sim::NoiseMode::kLowPower,
-                        .effects = truth.effects,
-                        .sensor = truth.sensor});
+  sim::Rig rig(device, sim::OptionsOf(seed, sim::NoiseMode::kLowPower, truth));
   sim::TraceOptions trace_options{.duration_s = kTickTrace_s, .seed = seed};
   trace_options.motion.seed = seed;
   trace_options.currents = sim::StaggeredSawtooth(4, 0.5);
@@ -251,20 +245,17 @@ Tallies StressIn(const RoomCondition& condition, const loop::TickConfig& config,
 }
 
 // One base, calibrated once in each room that is needed.
-using Configs = std::map<std::string, std::optional<loop::TickConfig>>;
+using Configs = std::map<std::string, std::optional<base::Result<loop::TickConfig>>>;
 
 Configs CalibratedIn(const std::vector<RoomCondition>& conditions, const base::DeviceGeometry& device,
                      std::uint64_t seed) {
-  std::map<std::string, base::TruthParameters> rooms;
-  for (const RoomCondition& condition : conditions) rooms[SurroundingsOf(condition)] = RoomOf(condition);
-  const std::vector<std::pair<std::string, base::TruthParameters>> list(rooms.begin(), rooms.end());
-  std::vector<std::optional<loop::TickConfig>> done(list.size());
-  base::InParallel(list.size(), [&](std::size_t r) {
-    const auto& [name, room] = list[r];
-    done[r] = name == kNowhere ? loop::MakeTickConfig(device) : CalibratedConfig(device, seed, room);
-  });
   Configs configs;
-  for (std::size_t r = 0; r < list.size(); ++r) configs[list[r].first] = std::move(done[r]);
+  std::vector<const RoomCondition*> first;  // of each room
+  for (const RoomCondition& condition : conditions) {
+    if (configs.try_emplace(SurroundingsOf(condition)).second) first.push_back(&condition);
+  }
+  base::InParallel(first.size(),
+                   [&](std::size_t r) { configs.at(SurroundingsOf(*first[r])) = ConfigIn(*first[r], device, seed); });
   return configs;
 }
 
@@ -274,16 +265,15 @@ base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed,
                                     const std::vector<RoomCondition>& conditions) {
   auto loaded = tools::LoadLiveScene(tools::ShippedScene("extrusion"), {});
   if (!loaded.ok()) return base::Error{loaded.error()};
-  base::DeviceGeometry device = config::DefaultDevice();
-  device.sensor_noise_T = config::IdealTwin().sensor.noise_lp_T;
+  const base::DeviceGeometry device = FastDevice();
   const Configs configs = CalibratedIn(conditions, device, seed);
   for (const auto& [room, config] : configs) {
-    if (!config) return base::Error{"a base could not be calibrated in the room \"" + room + "\": try another --seed"};
+    if (!config->ok()) return base::Error{room + ": " + config->error() + "; try another --seed"};
   }
   std::vector<Tallies> done(conditions.size());
   base::InParallel(conditions.size(), [&](std::size_t c) {
     const std::uint64_t share = ticks / conditions.size() + (c < ticks % conditions.size() ? 1 : 0);
-    done[c] = StressIn(conditions[c], *configs.at(SurroundingsOf(conditions[c])), loaded->scene, device, share, seed);
+    done[c] = StressIn(conditions[c], **configs.at(SurroundingsOf(conditions[c])), loaded->scene, device, share, seed);
   });
 
   Tallies by_fault(sim::ScanFaults().size());
@@ -298,7 +288,7 @@ base::Result<BenchRows> StressTicks(std::uint64_t ticks, std::uint64_t seed,
     rows.push_back(Row("fault", sim::ScanFaults()[f].name, by_fault[f], seed));
   }
   rows.push_back(Row("fault", "all", SumOf(by_fault), seed));
-  rows.insert(rows.end(), by_condition.begin(), by_condition.end());
+  Append(by_condition, rows);
   return rows;
 }
 

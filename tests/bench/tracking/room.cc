@@ -179,11 +179,7 @@ void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config
 
 void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config, const TruthParameters& truth,
                std::uint64_t seed, std::uint64_t motion_seed, double run_s, Judge& judge) {
-  sim::Rig rig(device, {.seed = seed,
-                        .sizes = truth.imperfections,
-                        .noise = sim::NoiseMode::kLowPower,
-                        .effects = truth.effects,
-                        .sensor = truth.sensor});
+  sim::Rig rig(device, sim::OptionsOf(seed, sim::NoiseMode::kLowPower, truth));
   sim::TraceOptions options{.duration_s = run_s, .seed = motion_seed + 1};
   options.motion = {.seed = motion_seed + 2, .radius_max_m = 0.09, .tilt_max_rad = std::numbers::pi / 4};
   tracker::State state;
@@ -199,17 +195,14 @@ using Tallies = std::array<Tally, 2>;  // waved without forces, and pressing und
 // One base and the calibrations that it was given, each once.
 class BaseInRooms {
  public:
-  BaseInRooms(std::uint64_t seed, const haptics::Scene& scene) : seed_(seed), scene_(scene) {
-    device_.sensor_noise_T = config::IdealTwin().sensor.noise_lp_T;
-    configs_[kNowhere] = loop::MakeTickConfig(device_);
-  }
+  BaseInRooms(std::uint64_t seed, const haptics::Scene& scene) : seed_(seed), scene_(scene) {}
 
   // Calibrated in the surroundings of the first, then what happens in any of them.
   Tallies Run(const std::vector<const RoomCondition*>& conditions, std::uint64_t motion_seed, double run_s) {
     TruthParameters truth = RoomOf(*conditions.front());
     const auto [config, fresh] = configs_.try_emplace(SurroundingsOf(*conditions.front()));
-    if (fresh) config->second = CalibratedConfig(device_, seed_, truth);
-    if (!config->second) {
+    if (fresh) config->second = ConfigIn(*conditions.front(), device_, seed_);
+    if (!config->second->ok()) {
       Tally refused;
       refused.ticks = static_cast<std::size_t>(run_s / base::kTickPeriod_s);
       refused.refused = 1;
@@ -220,16 +213,16 @@ class BaseInRooms {
       if (condition->later) condition->later(truth, draw);
     }
     Judge waved, pressed;
-    TrackWave(device_, config->second->tracker, truth, seed_, motion_seed, run_s, waved);
-    PressBox(device_, *config->second, truth, seed_, motion_seed, run_s, scene_, pressed);
+    TrackWave(device_, (**config->second).tracker, truth, seed_, motion_seed, run_s, waved);
+    PressBox(device_, **config->second, truth, seed_, motion_seed, run_s, scene_, pressed);
     return {waved.Finish(conditions.front()->events_s), pressed.Finish(conditions.front()->events_s)};
   }
 
  private:
   std::uint64_t seed_;
   const haptics::Scene& scene_;
-  base::DeviceGeometry device_ = config::DefaultDevice();
-  std::map<std::string, std::optional<loop::TickConfig>> configs_;
+  base::DeviceGeometry device_ = FastDevice();
+  std::map<std::string, std::optional<base::Result<loop::TickConfig>>> configs_;
 };
 
 // Two conditions at once, chosen at random for every run. Only safety is required of them.

@@ -13,6 +13,7 @@
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
+#include "tests/bench/harness/room_conditions.h"
 
 namespace omni::bench {
 
@@ -39,8 +40,6 @@ nlohmann::ordered_json TrackingRow(const TrackingConditions& conditions, const E
                                    const std::vector<std::uint64_t>& seeds,
                                    const std::optional<Efficiency>& efficiency = {});
 
-// The drawn base with its sensors in the fast, low-power setting.
-base::DeviceGeometry FastDevice();
 // As the product tracks it after the whole of `omni calibrate` where it stands.
 base::Result<tracker::Config> SelfCalibrated(std::uint64_t seed, const base::TruthParameters& truth);
 

@@ -124,12 +124,7 @@ void TrackBase(sim::Rig& rig, std::uint64_t seed, double duration_s, const std::
 }
 
 sim::Rig MakeRig(std::uint64_t seed, const base::TruthParameters& truth) {
-  return {FastDevice(),
-          {.seed = seed,
-           .sizes = truth.imperfections,
-           .noise = sim::NoiseMode::kLowPower,
-           .effects = truth.effects,
-           .sensor = truth.sensor}};
+  return {FastDevice(), sim::OptionsOf(seed, sim::NoiseMode::kLowPower, truth)};
 }
 
 void AddRows(const char* calibrated, bool room, const ByAmplitude& errors, const TrackingPlan& plan, BenchRows& rows) {
@@ -149,12 +144,6 @@ void AddRows(const char* calibrated, bool room, const ByAmplitude& errors, const
 }
 
 }  // namespace
-
-base::DeviceGeometry FastDevice() {
-  base::DeviceGeometry device = config::DefaultDevice();
-  device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kLowPower);
-  return device;
-}
 
 base::Result<tracker::Config> SelfCalibrated(std::uint64_t seed, const base::TruthParameters& truth) {
   const auto self = tools::CalibrateTwin(FastDevice(), seed, truth);
