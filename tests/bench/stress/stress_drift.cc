@@ -37,7 +37,7 @@ constexpr double kMagnetPeriod_s = 2.5 * kHour_s, kMagnet_K = 10;
 constexpr double kSensorPeriod_s = 3.5 * kHour_s, kSensor_K = 6;
 constexpr double kSensorOffset_T_K = 5e-7, kSensorGain_1_K = 1e-4;  // per axis and sensor, each its own; assumptions
 
-constexpr auto kStepTicks = static_cast<std::uint64_t>(kCourseStep_s / base::kTickPeriod_s + 0.5);
+const auto kStepTicks = static_cast<std::uint64_t>(std::llround(kCourseStep_s / base::kTickPeriod_s));
 
 // From 0 up to `size` and back.
 double Swing(double size, double t_s, double period_s) {
