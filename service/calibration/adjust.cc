@@ -15,7 +15,7 @@ constexpr double kEnough = 1e-3;      // of the cost: enough before the weights 
 constexpr int kRoundsMax = 4;         // of weights
 constexpr double kSettled = 0.1;      // largest change of a weight that needs no further round
 constexpr double kTouchGate = 9;      // chi2 of a touch that keeps its full weight
-constexpr double kTouchDoubt = 1e-3;  // weight of touches at first: a rest in the air must not bend the array
+constexpr double kTouchDoubt = 1e-6;  // weight of touches at first: a rest in the air must not bend the array
 constexpr double kSteelSigmas = 3;    // steel that is seen with less is none
 constexpr double kLeapMax_m = 0.02, kLeapMax_rad = 0.5;
 constexpr int kStack = 32;  // samples eliminated at a time
@@ -57,23 +57,24 @@ double PerDof(const SampleBlock& block, const Observation& observation) {
   return block.chi2 / std::max(1, observation.readings - 5);
 }
 
-double Median(std::vector<double> values) {
+double Quantile(double share, std::vector<double> values) {
   if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 // w = min(1, gate / chi2): samples far beyond the usual misfit lose their say. The usual misfit is the median, so that
-// nothing is thrown away while the array is still wrong. (8)
+// nothing is thrown away while the array is still wrong; of touches it is the lower third's: a hand that hesitates
+// rests above the hull more than once. (8)
 double Reweigh(const System& system, std::vector<Observation>& observations) {
   std::vector<double> misfit, touch_misfit;
   for (std::size_t n = 0; n < observations.size(); ++n) {
     misfit.push_back(PerDof(system.samples[n], observations[n]));
     if (observations[n].touches_hull) touch_misfit.push_back(system.samples[n].touch_chi2);
   }
-  const double usual = std::max(1.0, Median(misfit));
-  const double touch_gate = kTouchGate * std::max(1.0, Median(touch_misfit));
+  const double usual = std::max(1.0, Quantile(0.5, misfit));
+  const double touch_gate = kTouchGate * std::max(1.0, Quantile(0.3, touch_misfit));
   double change = 0;
   for (std::size_t n = 0; n < observations.size(); ++n) {
     Observation& observation = observations[n];

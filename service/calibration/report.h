@@ -25,8 +25,9 @@ struct Unfixed {
 struct Report {
   int samples = 0;
   int touches = 0;
-  int rejected = 0;     // samples that fit no pose, or lost most of their weight
-  double coverage = 0;  // of the upper hemisphere
+  int rests_in_air = 0;  // near the hull: taken for touches at first
+  int rejected = 0;      // samples that fit no pose, or lost most of their weight
+  double coverage = 0;   // of the upper hemisphere
   double chi2_per_dof = 0;
   int dof = 0;
   std::vector<SensorReport> sensors;

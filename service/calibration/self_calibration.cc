@@ -16,7 +16,7 @@ namespace {
 
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kLostWeight = 0.3;  // a sample below counts as rejected
+constexpr double kLostWeight = 0.3;  // a sample below counts as rejected, a touch as a rest in the air
 
 // What was kept of a recording: samples with a pose.
 struct Kept {
@@ -65,7 +65,9 @@ void CountSamples(const Recording& recording, const Problem& problem, Report& re
   report.samples = static_cast<int>(recording.samples.size());
   report.rejected = report.samples - static_cast<int>(problem.observations().size());
   for (const Observation& observation : problem.observations()) {
-    report.touches += observation.touches_hull ? 1 : 0;
+    const bool in_air = observation.touch_weight < kLostWeight;
+    report.touches += observation.touches_hull && !in_air ? 1 : 0;
+    report.rests_in_air += observation.touches_hull && in_air ? 1 : 0;
     report.rejected += observation.weight < kLostWeight ? 1 : 0;
   }
 }

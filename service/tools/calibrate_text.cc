@@ -93,6 +93,10 @@ std::string ReportText(const calibration::Report& report) {
                  QualityWord(report.expected_error_m).c_str(), 1e3 * report.expected_error_m);
   text += Format("data         %d samples, %d touches, %d rejected, %.0f %% of the hemisphere\n", report.samples,
                  report.touches, report.rejected, 100 * report.coverage);
+  if (report.rests_in_air > 0) {
+    text += Format("             %d rests above the hull told nothing about it: rest the pen's end on it\n",
+                   report.rests_in_air);
+  }
   text += Format("fit          chi2 per degree of freedom %.2f (%d), coil maps %.2f, touches %.3f mm rms\n",
                  report.chi2_per_dof, report.dof, report.map_chi2_per_reading, 1e3 * report.touch_rms_m);
   text += Format("magnet       moment %+.2f +- %.2f %% of the drawing, drift %+.2f %%\n", 100 * report.moment_relative,

@@ -152,12 +152,22 @@ double SystematicShare(const Measurement& measurement) noexcept {
   return std::clamp(measurement.systematic_share, 0.0, 1.0);
 }
 
-void TakeDipole(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
-  OffsetsOfDipole(options.dipole, model, stray.dipole, stray.mean_T, stray.covariance_T2);
+// False: it makes a field that no room has, and is forgotten.
+bool TakeDipole(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  Rows mean_T;
+  ReadingMatrix covariance_T2;
+  OffsetsOfDipole(options.dipole, model, stray.dipole, mean_T, covariance_T2);
+  if (!(RootMeanSquare(mean_T) <= options.max_T)) {
+    stray.dipole = {};
+    return false;
+  }
+  stray.mean_T = mean_T;
+  stray.covariance_T2 = covariance_T2;
   SetVariance(stray);
   stray.believed = true;
   stray.places = options.places_min;
   SetPoseCovariance(options, stray);
+  return true;
 }
 
 void JudgeCycle(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
@@ -172,8 +182,7 @@ void Follow(const StrayOptions& options, const Model& model, const Measurement& 
   FollowDipole(options.dipole, model, scan, repeats, systematic, options.every_scans * base::kTickPeriod_s,
                stray.dipole);
   SetGain(scan, stray);
-  if (stray.dipole.found) {
-    TakeDipole(options, model, stray);
+  if (stray.dipole.found && TakeDipole(options, model, stray)) {
     stray.nothing_cycles = RootMeanSquare(stray.mean_T) < options.something_T ? stray.nothing_cycles + 1 : 0;
     return;
   }
@@ -240,11 +249,7 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
   }
   if (stray.inverted && stray.cycle.scans > 0) {
     JudgeCycle(options, model, stray);
-    if (stray.dipole.found) {
-      TakeDipole(options, model, stray);
-    } else {
-      Renew(options, model, stray);
-    }
+    if (!stray.dipole.found || !TakeDipole(options, model, stray)) Renew(options, model, stray);
   }
   Forget(stray);
   if (stray.nothing_cycles >= options.nothing_cycles) stray = {};

@@ -199,5 +199,34 @@ TEST(CalibrationRecover, WildSamplesAndFalseTouchesLoseTheirSay) {
   EXPECT_LT(PositionError_m(clean->calibration, dirty->calibration), 0.15e-3);
 }
 
+// Two touches of five are rests a finger's breadth above the hull, as of a hand that hesitates.
+Recording WithRestsInTheAir(sim::Rig& rig, std::size_t of_five, std::uint64_t seed) {
+  Recording recording = test::MakeRecording(rig, {.waves = 200, .touches = 60, .seed = seed});
+  sim::Random random(seed + 1);
+  for (std::size_t n = 200; n < recording.samples.size(); ++n) {
+    if (n % 5 >= of_five) continue;
+    const sim::MagnetPose above = test::OnHull(rig, rig.DrawPose({.tilt_max_rad = 0.1}, random), 11.6e-3);
+    Sample& sample = recording.samples[n];
+    sample = test::TakeSample(rig, above, sample.t_s, random);
+    sample.touches_hull = true;
+  }
+  return recording;
+}
+
+TEST(CalibrationRecover, RestsInTheAirAreNoTouches) {
+  const base::DeviceGeometry device = Device();
+  const base::Calibration nominal = magnetics::NominalCalibration(device);
+  for (const std::uint64_t seed : {73u, 74u, 75u}) {
+    sim::Rig rig(device, Uncalibrated(seed, sim::NoiseMode::kUltraHigh));
+    const auto clean = SelfCalibrate(nominal, device.coils, WithRestsInTheAir(rig, 0, 12));
+    const auto dirty = SelfCalibrate(nominal, device.coils, WithRestsInTheAir(rig, 2, 12));
+    ASSERT_TRUE(clean.ok()) << clean.error();
+    ASSERT_TRUE(dirty.ok()) << dirty.error();
+    EXPECT_EQ(dirty->report.rests_in_air, 24);
+    EXPECT_EQ(dirty->report.touches, 36);
+    EXPECT_LT(PositionError_m(clean->calibration, dirty->calibration), 0.15e-3);
+  }
+}
+
 }  // namespace test_calibration_recover
 }  // namespace omni::calibration

@@ -349,6 +349,23 @@ TEST_P(TrackerDoubt, AnotherPenLaidDownBesideARestingOneIsFound) {
   EXPECT_EQ(state.doubt.left_out, -1);
 }
 
+// As a step too far leaves it: its field is more than any room has, and nothing else is wrong.
+TEST_P(TrackerDoubt, AnotherPenThatCannotBeThereIsLookedForAnew) {
+  Run(2000);
+  DrawOtherPen();
+  CarryOtherPen(1, 0.3);
+  Run(3000);
+  ASSERT_TRUE(state.stray.dipole.found);
+  for (std::size_t k = 0; k < 3; ++k) {
+    state.stray.dipole.parameters[k] *= 0.4;
+    state.stray.dipole.covariance[7 * k] = 1e-6;
+  }
+  EXPECT_LE(Run(100).lost, 0);
+  EXPECT_LE(Run(3000).lost, 0);
+  EXPECT_EQ(Run(1000).silent, 0);
+  ExpectOtherPenFound(0.15);
+}
+
 // An imaginary one would be worse than none.
 TEST_P(TrackerDoubt, AMagnetNearbyIsNoPen) {
   pen_is_there = false;
