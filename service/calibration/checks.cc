@@ -187,9 +187,9 @@ std::string PosesProblem(const base::Calibration& nominal, const Recording& reco
 
 std::string ResultProblem(const Adjustment& adjustment, const Report& report, const Limits& limits) {
   const Parameters& parameters = adjustment.parameters;
-  if (report.rests_in_air > 0 && report.touches < limits.touches_min) {
+  if (report.rests_in_air > 0 && report.touches < limits.on_hull_min) {
     return std::to_string(report.touches) + " of " + std::to_string(report.touches + report.rests_in_air) +
-           " touches lie on the hull, at least " + std::to_string(limits.touches_min) +
+           " touches lie on the hull, at least " + std::to_string(limits.on_hull_min) +
            " must; rest the pen's end on it, not above it";
   }
   if (!(report.chi2_per_dof <= limits.chi2_per_dof_max)) {

@@ -30,6 +30,7 @@ struct Tolerances {
 struct Limits {
   int samples_min = 80;             // usable instants
   int touches_min = 20;             // fewer: the scale of the array stays open
+  int on_hull_min = 12;             // of these, what turned out to be no rests in the air
   double coverage_min = 0.5;        // of the cells of the upper hemisphere
   double travel_min_m = 0.015;      // rms distance of the magnet from its mean place
   double saturated_max = 0.3;       // share of instants with saturated or missing axes

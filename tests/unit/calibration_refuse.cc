@@ -60,12 +60,12 @@ TEST_F(CalibrationRefuse, TouchesInTheAir) {
   sim::Random random(5);
   int touches = 0;
   for (Sample& sample : recording_.samples) {
-    if (!sample.touches_hull || ++touches <= 12) continue;
+    if (!sample.touches_hull || ++touches <= 8) continue;
     const sim::MagnetPose pose = rig_.DrawPose({.radius_max_m = 0.07, .tilt_max_rad = 0.3}, random);
     sample = test::TakeSample(rig_, test::OnHull(rig_, pose, random.Uniform(4e-3, 30e-3)), sample.t_s, random);
     sample.touches_hull = true;
   }
-  Expect(Why(), {"touches lie on the hull", "at least 20", "not above it"});
+  Expect(Why(), {"touches lie on the hull", "at least 12", "not above it"});
 }
 
 TEST_F(CalibrationRefuse, PenHeldStillOrOnOneSideOnly) {
