@@ -168,14 +168,17 @@ bool IsAmbientOpen(const DriftNoise& noise, const DriftState& drift) noexcept {
   return WorstAmbientVariance(drift) > Square(noise.ambient_open_T);
 }
 
-void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
+void SetAmbientVariance(double variance_T2, DriftMatrix& covariance) noexcept {
   for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] = drift.covariance[b * kStates + a] = 0;
-    drift.covariance[a * kStates + a] = variance_T2;
+    for (std::size_t b = 0; b < kStates; ++b) covariance[a * kStates + b] = covariance[b * kStates + a] = 0;
+    covariance[a * kStates + a] = variance_T2;
   }
+}
+
+void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
+  SetAmbientVariance(variance_T2, drift.covariance);
   drift.recent_information = {};
   drift.recent_gradient = {};
-  drift.still = {};
 }
 
 }  // namespace
@@ -184,17 +187,28 @@ bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept 
   return drift.ambient_wander_T2_s > 0 || IsAmbientOpen(noise, drift);
 }
 
+// What the model gets wrong where the pen lies stays as it was.
 void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept {
-  SetAmbientVariance(Square(noise.ambient_jump_T), drift);
+  const double variance_T2 = Square(noise.ambient_jump_T);
+  SetAmbientVariance(variance_T2, drift);
+  if (drift.still.referenced) {
+    SetAmbientVariance(variance_T2, drift.still.covariance);
+    drift.still.gathers = false;
+  } else {
+    drift.still = {};
+  }
 }
 
 void SetAmbient(const std::array<double, 3>& ambient_base_T, double variance_T2, DriftState& drift) noexcept {
   std::copy(ambient_base_T.begin(), ambient_base_T.end(), drift.mean.begin() + kAmbient);
   SetAmbientVariance(variance_T2, drift);
+  drift.still = {};
 }
 
 void WidenAmbient(double variance_T2, DriftState& drift) noexcept {
-  if (WorstAmbientVariance(drift) < variance_T2) SetAmbientVariance(variance_T2, drift);
+  if (WorstAmbientVariance(drift) >= variance_T2) return;
+  SetAmbientVariance(variance_T2, drift);
+  drift.still = {};
 }
 
 //   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md (18)
@@ -227,7 +241,7 @@ std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
 }
 
 // x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)
-// [Ornstein & Uhlenbeck 1930]; the covariance of changes grows as P does, but one pose tells nothing of the moment.
+// [Ornstein & Uhlenbeck 1930]; the covariance of changes grows as P does, but slower where one pose tells little.
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   const PenPlace* pen, DriftState& drift) noexcept {
   dt_s = std::max(dt_s, 0.0);
@@ -249,9 +263,8 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   for (std::size_t a = 0; a < kStates; ++a) {
     for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] *= keep[a] * keep[b];
     drift.covariance[a * (kStates + 1)] += grows[a];
-    if (a == kMoment) continue;
-    const bool is_ambient = a >= kAmbient && a < kAmbient + 3;
-    drift.still.covariance[a * (kStates + 1)] += is_ambient ? noise.ambient_still * grows[a] : grows[a];
+    const double slower = a < kAmbient ? 1 : a == kMoment ? noise.moment_still : noise.ambient_still;
+    drift.still.covariance[a * (kStates + 1)] += slower * grows[a];
   }
   drift.step_s = dt_s;
   drift.valid = true;

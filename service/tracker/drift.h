@@ -18,7 +18,8 @@ struct DriftNoise {
   double remanence_A = 0.011;  // 0: nothing is estimated
   StillOptions still;          // when the core forgets it
   double ambient_T = 5e-7, ambient_s = 100;
-  double ambient_still = 1e-2;  // of that spread, while the pen lies still and slow changes have time to be seen
+  // While the pen lies still and slow changes have time to be seen, of the growth of these variances.
+  double ambient_still = 1e-2, moment_still = 1e-1;
   // A field that changes faster than that: the base is turned or carried, iron comes near. By how much it may have
   // jumped when nothing else explains a scan; what it wanders, in T^2/s, is learnt between these from how far evidence
   // is off.

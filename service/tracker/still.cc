@@ -13,20 +13,38 @@ namespace {
 constexpr std::size_t kStates = kDriftStates;
 constexpr double kKnown = 1e-6;  // of a state's variance, when nothing has changed: none, but it needs an inverse
 
-// d = (sum I)^-1 sum g
-void TakeReference(const DriftMatrix& covariance, StillPen& still) noexcept {
+// The mean of the places until now: of one alone the noise would pass for the pen's next movement.
+void SettleAt(const PenPlace& pen, double weight, PenPlace& place) noexcept {
+  const auto step = [&](double from, double to) { return from + weight * (to - from); };
+  place.position_base_m = {step(place.position_base_m.x, pen.position_base_m.x),
+                           step(place.position_base_m.y, pen.position_base_m.y),
+                           step(place.position_base_m.z, pen.position_base_m.z)};
+  place.axis_base = {step(place.axis_base.x, pen.axis_base.x), step(place.axis_base.y, pen.axis_base.y),
+                     step(place.axis_base.z, pen.axis_base.z)};
+}
+
+// d = (sum I)^-1 sum g; false: what was gathered does not tell
+bool SolveReference(StillPen& still) noexcept {
   SmallCholesky<kDriftStates> factors;
-  if (!factors.Factor(still.information.data(), kDriftStates, 0)) {
-    still = {};
-    return;
-  }
+  if (!factors.Factor(still.information.data(), kDriftStates, 0)) return false;
   still.reference = factors.Solve(still.gradient);
+  return true;
+}
+
+void BeginChanges(const DriftMatrix& covariance, StillPen& still) noexcept {
   still.covariance = {};
   still.reference_covariance = covariance;
   for (std::size_t a = 0; a < kStates; ++a) {
     still.covariance[a * (kStates + 1)] = kKnown * covariance[a * (kStates + 1)];
   }
   still.referenced = true;
+}
+
+void Gather(const DriftEvidence& evidence, StillPen& still) noexcept {
+  for (std::size_t a = 0; a < kStates; ++a) {
+    for (std::size_t b = 0; b < kStates; ++b) still.information[a * kStates + b] += evidence.information[a][b];
+    still.gradient[a] += evidence.gradient[a];
+  }
 }
 
 }  // namespace
@@ -41,6 +59,7 @@ double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen
   const double turned_rad = base::Distance(pen->axis_base, still.place.axis_base);
   if (went_m < std::max(options.share * options.length_m, options.sigmas * pen->position_sigma_m) &&
       turned_rad < std::max(options.share * options.angle_rad, options.sigmas * pen->axis_sigma_rad)) {
+    if (dt_s > 0 && still.still_s < options.settle_s) SettleAt(*pen, dt_s / still.still_s, still.place);
     return 0;
   }
   const double way = went_m / options.length_m + turned_rad / options.angle_rad;
@@ -52,21 +71,23 @@ double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen
 
 void TellChange(const StillOptions& options, const DriftMatrix& covariance, StillPen& still,
                 DriftEvidence& evidence) noexcept {
-  if (still.referenced) {
-    for (std::size_t a = 0; a < kStates; ++a) {
-      for (std::size_t b = 0; b < kStates; ++b) {
-        evidence.gradient[a] -= evidence.information[a][b] * still.reference[b];
+  const double gathered_s = still.still_s - options.settle_s;
+  if (gathered_s < 0) return;
+  if (still.gathers && gathered_s < options.reference_max_s) {
+    Gather(evidence, still);
+    if (gathered_s >= options.reference_s) {
+      if (!SolveReference(still)) {
+        still = {};
+        return;
       }
+      if (!still.referenced) return BeginChanges(covariance, still);
     }
-    evidence.share = 1;
-    return;
   }
-  if (still.still_s < options.settle_s) return;
+  if (!still.referenced) return;
   for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) still.information[a * kStates + b] += evidence.information[a][b];
-    still.gradient[a] += evidence.gradient[a];
+    for (std::size_t b = 0; b < kStates; ++b) evidence.gradient[a] -= evidence.information[a][b] * still.reference[b];
   }
-  if (still.still_s >= options.settle_s + options.reference_s) TakeReference(covariance, still);
+  evidence.share = 1;
 }
 
 }  // namespace omni::tracker

@@ -18,7 +18,8 @@ struct StillOptions {
   double length_m = 0.02, angle_rad = 0.3;  // the core forgets while the pen goes so far or turns so much ...
   double forget_s = 1;                      // ... but takes so long
   double share = 0.1, sigmas = 4;           // of these, or standard deviations of noise: within, the pen lies still
-  double settle_s = 1, reference_s = 1;     // then a reference is taken, over so long
+  double settle_s = 1, reference_s = 1;     // then a reference is taken, over so long ...
+  double reference_max_s = 16;              // ... and made better, until then
 };
 
 // Where the pen is, from the core's centre.
@@ -29,8 +30,9 @@ struct PenPlace {
 
 struct StillPen {
   double still_s = 0;  // since the pen was at:
-  PenPlace place;
+  PenPlace place;      // its mean over settle_s
   bool referenced = false;
+  bool gathers = true;  // scans make the reference better
   // Of the reference's scans, sums; then its solution, what the model gets wrong in the states' terms, the states'
   // covariance then, and that of what they have changed by since.
   DriftMatrix information{}, reference_covariance{}, covariance{};
