@@ -22,17 +22,25 @@ struct MotionOptions {
   double tremor_m = 0;                    // rms, 8-12 Hz, on top of the speed
 };
 
-class FreeMotion {
+// Where a pen is that follows a path, whatever pushes it.
+class PenMotion {
  public:
-  // Precondition: `duration_s` > 0; radius_max_m leaves room for the tilt above the hull.
-  FreeMotion(const base::DeviceGeometry& device, const MotionOptions& options, double duration_s);
-
   struct State {
     MagnetPose pose;
     Vec3 velocity_base_m_s;  // of the magnet's centre
   };
-  State At(double t_s) const noexcept;  // 0 <= t <= duration
-  MagnetPose Pose(double t_s) const noexcept;
+  virtual ~PenMotion() = default;
+  virtual State At(double t_s) const noexcept = 0;  // t >= 0
+  virtual MagnetPose Pose(double t_s) const noexcept { return At(t_s).pose; }
+};
+
+class FreeMotion final : public PenMotion {
+ public:
+  // Precondition: `duration_s` > 0; radius_max_m leaves room for the tilt above the hull.
+  FreeMotion(const base::DeviceGeometry& device, const MotionOptions& options, double duration_s);
+
+  State At(double t_s) const noexcept override;  // 0 <= t <= duration
+  MagnetPose Pose(double t_s) const noexcept override;
 
  private:
   // A smooth function of the path parameter: a sum of waves, bounded later as x / sqrt(1 + x^2).

@@ -39,7 +39,7 @@ struct PlantOptions {
   std::int64_t start_ns = 0;    // < 0: the hand rests at its start until 0
   // For traces. The pen follows this path instead of a hand, whatever pushes it; a base that is already known; what the
   // environment is at time 0, and its seed.
-  std::shared_ptr<const FreeMotion> motion;
+  std::shared_ptr<const PenMotion> motion;
   std::optional<Imperfections> imperfections;
   double run_s = 0;
   std::optional<std::uint64_t> environment_seed;
@@ -100,7 +100,7 @@ class Plant {
   CoilBank coils_;
   SupplyRail rail_;
   Hand hand_;
-  std::shared_ptr<const FreeMotion> motion_;  // null: the hand
+  std::shared_ptr<const PenMotion> motion_;  // null: the hand
   double run_s_;
   Snapshot pen_;
   TickSampler sampler_;

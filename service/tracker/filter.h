@@ -1,26 +1,37 @@
-// Constant-velocity Kalman filter of the tool's pose: six states for the position (full covariance), two per tangent
-// for the axis (isotropic). docs/theory/tracking.md (10) - (12)
+// Filter of the tool's pose: a hand that rests, one that goes on as it did, and one that starts, stops or turns, each
+// with its own estimate; how likely each is weighs them. Position: six states, full covariance; axis: two per tangent,
+// isotropic. docs/theory/tracking.md (10) - (12)
 #pragma once
 
 #include <array>
 #include <type_traits>
 
 #include "service/base/vec.h"
+#include "service/tracker/interacting_models.h"
 
 namespace omni::tracker {
 
+// A hand does one of these.
+inline constexpr std::size_t kRests = 0, kGoesOn = 1, kMovesAnew = 2;
+
 struct FilterNoise {
-  double acceleration_m2_s3 = 1.0;            // spectral density of the position's acceleration, of a hand at work
-  double angular_acceleration_rad2_s3 = 100;  // of the axis's
-  // Both are multiplied by a factor that is learnt: innovations that follow one another mean that it is too small.
-  double calm_log_min = -4.6;     // natural logarithms of 0.01 ...
-  double calm_log_max = 2.3;      // ... and 10
-  double calm_rate = 0.05;        // per scan
-  double calm_memory = 0.2;       // share of the newest innovation in the mean of those before
-  double white_min = 0.01;        // least share of a fit's variance that is taken for white
-  double white_time_s = 0.05;     // over which it is learnt
-  double manoeuvre_factor = 100;  // on both while the pen starts, stops or hits something
-  double lag_memory = 0.2;        // share of the newest scan in what the filter is behind by
+  // At rest: this slow, and where it is wanders.
+  double rest_speed_m_s = 1e-3, rest_rate_rad_s = 1e-2;
+  double rest_wander_m2_s = 8e-6, rest_wander_rad2_s = 7e-4;
+  double rest_wander_share = 0.05;  // of a measurement's variance, at most, a scan
+  // Going on: spectral density of the position's acceleration, of a hand at work, and of the axis's. Both are
+  // multiplied by a factor that is learnt: innovations that follow one another mean that it is too small.
+  double acceleration_m2_s3 = 1.0, angular_acceleration_rad2_s3 = 100;
+  double calm_log_min = -4.6;  // natural logarithms of 0.01 ...
+  double calm_log_max = 2.3;   // ... and 10
+  double calm_rate = 0.05;     // per scan
+  double calm_memory = 0.2;    // share of the newest innovation in the mean of those before
+  double anew_factor = 20;     // on both densities, when it moves anew
+  // How often one follows the other: row, to column.
+  TransitionRates follows_1_s{{{0, 40, 20}, {0.5, 0, 3}, {1, 450, 0}}};
+  Likely likely_at_first{0.2, 0.6, 0.2};
+  double white_min = 0.01;     // least share of a fit's variance that is taken for white
+  double white_time_s = 0.05;  // over which it is learnt
 };
 
 // How much the pen's motion deviates from a straight one, learnt from whether innovations follow one another.
@@ -34,18 +45,27 @@ struct Liveliness {
 struct Whiteness {
   std::array<base::Vec3, 3> last{};  // measurements, newest first
   int count = 0;
-  double share = 1;
+  double share = 1;  // of a position: across the direction from the core
+  double along = 1;  // of a position: along it, where distance is known better and the model's error counts for more
 };
 
-struct FilterState {
+struct Motion {
   base::Vec3 position_base_m, velocity_base_m_s;
-  base::Vec3 axis_base{0, 0, -1}, angular_velocity_base_rad_s;
   std::array<double, 9> covariance_pp{}, covariance_pv{}, covariance_vv{};  // row-major, symmetric but for pv
+};
+
+struct Turning {
+  base::Vec3 axis_base{0, 0, -1}, angular_velocity_base_rad_s;              // perpendicular to each other
   double variance_angle = 0, covariance_angle_rate = 0, variance_rate = 0;  // per tangent
+};
+
+// The estimates of all models weighed, and what they are made of.
+struct FilterState : Motion, Turning {
+  Models<Motion> motions;
+  Models<Turning> turnings;
   Liveliness position_liveliness, axis_liveliness;
   Whiteness position_whiteness, axis_whiteness;
-  base::Vec3 lag_m;   // mean of what the last positions were ahead of the filter
-  bool lags = false;  // by more than noise can make
+  std::array<double, 9> white_m2{};  // of the last position, row-major
 };
 static_assert(std::is_trivially_copyable_v<FilterState>);
 
@@ -55,7 +75,7 @@ struct PoseMeasurement {
   std::array<double, 25> covariance{};
 };
 
-void ResetFilter(const PoseMeasurement& measured, FilterState& state) noexcept;
+void ResetFilter(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept;
 void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) noexcept;
 // dt_s: as in the prediction before. A pose that cannot follow from the prediction restarts the filter there.
 void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, FilterState& state) noexcept;

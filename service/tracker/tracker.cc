@@ -12,6 +12,7 @@
 #include "service/tracker/fit_scan.h"
 #include "service/tracker/gap.h"
 #include "service/tracker/nuisance.h"
+#include "service/tracker/point_noise.h"
 #include "service/tracker/steel.h"
 
 namespace omni::tracker {
@@ -49,27 +50,9 @@ bool IsFinite(const base::ToolState& tool) noexcept {
          finite(tool.angular_velocity_base_rad_s) && finite(tool.device_point_velocity_base_m_s);
 }
 
-// Of a point `offset_m` along the axis: position and axis are independent in the filter.
-base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexcept {
-  const auto worst = [](const std::array<double, 9>& c) { return std::max({c[0], c[4], c[8]}); };
-  const double lever_m2 = offset_m * offset_m;
-  return {worst(filter.covariance_pp) + lever_m2 * filter.variance_angle,
-          worst(filter.covariance_pv) + lever_m2 * filter.covariance_angle_rate,
-          worst(filter.covariance_vv) + lever_m2 * filter.variance_rate};
-}
-
-// The same along the axis u, where a small tilt moves nothing: u' C u.
-base::PointNoise NoiseAlong(const FilterState& filter) noexcept {
-  const Vector3d u = base::ToEigen(filter.axis_base);
-  const auto along = [&](const std::array<double, 9>& c) {
-    return u.dot(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(c.data()) * u);
-  };
-  return {along(filter.covariance_pp), along(filter.covariance_pv), along(filter.covariance_vv)};
-}
-
-// To a pose's covariance, what no scan tells of: what the calibration leaves, and what the filter is behind by. Of the
-// former, `systematic` (a share of the fit's own covariance) is there already, as the model's error.
-void AddUnseen(const Model& model, const PoseMeasurement& measured, double systematic, const FilterState& filter,
+// To a pose's covariance, what no scan tells of: what the calibration leaves. Of that, `systematic` (a share of the
+// fit's own covariance) is there already, as the model's error.
+void AddUnseen(const Model& model, const PoseMeasurement& measured, double systematic,
                std::array<double, 25>& covariance) noexcept {
   const double calibration_m2 = model.expected_error_m * model.expected_error_m / 3;
   const auto add = [&](std::size_t i, double variance) {
@@ -77,11 +60,6 @@ void AddUnseen(const Model& model, const PoseMeasurement& measured, double syste
   };
   for (const std::size_t i : {0U, 6U, 12U}) add(i, calibration_m2);
   for (const std::size_t i : {18U, 24U}) add(i, calibration_m2 / (kTypicalRadius_m * kTypicalRadius_m));
-  if (!filter.lags) return;
-  const std::array<double, 3> lag_m{filter.lag_m.x, filter.lag_m.y, filter.lag_m.z};
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) covariance[5 * row + column] += lag_m[row] * lag_m[column];
-  }
 }
 
 // Published is what is known: the filter's covariance, and the share of the fit's that no filtering takes away.
@@ -102,14 +80,15 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
                            model.hull_radius_m);
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) {
-      tool.covariance[5 * row + column] = filter.covariance_pp[3 * row + column] +
-                                          (1 - filter.position_whiteness.share) * measured.covariance[5 * row + column];
+      const std::size_t e = 3 * row + column;
+      tool.covariance[5 * row + column] =
+          filter.covariance_pp[e] + measured.covariance[5 * row + column] - filter.white_m2[e];
     }
   }
   for (const std::size_t i : {18U, 24U}) {
     tool.covariance[i] = filter.variance_angle + (1 - filter.axis_whiteness.share) * measured.covariance[i];
   }
-  AddUnseen(model, measured, systematic, filter, tool.covariance);
+  AddUnseen(model, measured, systematic, tool.covariance);
   tool.device_point_noise = NoiseOfPoint(filter, model.tip_offset_m);
   tool.device_point_noise_along = NoiseAlong(filter);
   return tool;
@@ -165,7 +144,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   if (continues && !outcome.cold) {
     CorrectFilter(config.filter, measured, dt_s, filter);
   } else {
-    ResetFilter(measured, filter);
+    ResetFilter(config.filter, measured, filter);
   }
   const base::ToolState tool = MakeToolState(config, scan, measured, systematic, filter);
   if (!IsFinite(tool)) return false;

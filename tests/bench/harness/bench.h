@@ -75,6 +75,11 @@ base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 // was tracked. The last condition, pairs: two of them at random.
 base::Result<BenchRows> BenchRoom(const BenchOptions& options);
 
+// A pen that starts, stops, trembles and rests: room, motion, radius_mm, trials, p95_mm, max_mm (of each trial's worst
+// tick), peak_speed_median_m_s, peak_speed_p95_m_s, gain, delay_ms (of the tremor), scatter_mm (rms about the mean of a
+// second), nees_per_dof, lost_ticks.
+base::Result<BenchRows> BenchDynamics(const BenchOptions& options);
+
 // Run time and error of solvers on the same poses; side table: ratios.
 base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 

@@ -28,6 +28,7 @@ constexpr Bench kBenches[] = {
     {"layer", "the OpenXR layer: cost of calls, memory, latency, error of predicted poses", BenchLayer},
     {"tracking", "error of the tracker against the twin", BenchTracking},
     {"room", "tracking beside steel, magnets, bad sensors and in a field that changes (a simulation)", BenchRoom},
+    {"dynamics", "tracking of a pen that starts, stops, trembles and rests (a simulation)", BenchDynamics},
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},

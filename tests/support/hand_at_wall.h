@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "service/haptics/haptics.h"
+#include "service/haptics/scene_input.h"
 
-namespace omni::bench {
+namespace omni::test {
 
 struct WallHand {
   double mass_kg = 0.12;
@@ -17,7 +18,8 @@ struct WallHand {
 };
 
 struct WallLoop {
-  double delay_s = 0;          // sample to control step
+  double delay_s = 0;          // sample to control step, as haptics is told
+  double late_s = 0;           // that it takes longer in truth
   double coil_lag_s = 0.3e-3;  // of the closed current loop
   double noise_m = 0;          // white, of every sample and axis
 };
@@ -32,6 +34,7 @@ struct WallRun {
   double predict_s = 0;
   std::vector<double> measured_m, force_N;  // once a tick
   double given_J = 0;                       // integral of F v dt
+  double least_gain = 1;                    // that a watch left
 };
 
 // Outside for 0.3 s, in within 0.5 s until the hand's rest position is `depth_m` deep, `hold_s` there and, with
@@ -45,7 +48,13 @@ struct WallStory {
 WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& story, WallRule rule,
                   double stiffness_N_m, std::uint64_t seed);
 
+// A slab whose upper face is at `top_m`, its middle there.
+haptics::InputObject Slab(const base::Vec3& top_m);
+
+// rms of what is left of x above `from_Hz`, once a tick, in the second half of [from, to).
+double RmsAbove(const std::vector<double>& x, std::size_t from, std::size_t to, double from_Hz);
+
 // Root mean square of x about its mean over [from, to).
 double RmsAboutMean(const std::vector<double>& x, std::size_t from, std::size_t to);
 
-}  // namespace omni::bench
+}  // namespace omni::test

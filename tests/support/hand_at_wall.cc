@@ -1,17 +1,19 @@
-#include "tests/bench/haptics/hand_at_wall.h"
+#include "tests/support/hand_at_wall.h"
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 #include "service/base/limits.h"
 #include "service/haptics/scene.h"
 #include "service/haptics/stability.h"
 #include "service/sim/random.h"
 #include "service/tracker/filter.h"
+#include "service/tracker/point_noise.h"
 #include "tests/support/usual_limit.h"
 
-namespace omni::bench {
+namespace omni::test {
 namespace {
 
 constexpr double kTick_s = base::kTickPeriod_s;
@@ -20,23 +22,11 @@ constexpr double kSubStep_s = kTick_s / kSubSteps;
 constexpr double kAway_s = 0.3, kMove_s = 0.5, kRest_s = 0.5;
 constexpr double kWaits_m = 2e-3;  // where the hand waits
 
-// A slab whose upper face is z = 0.
 base::Result<haptics::Scene> Wall(double stiffness_N_m) {
-  haptics::InputObject slab;
-  slab.name = "wall";
-  const double half_m = 0.02, thickness_m = 0.02;
-  for (const double z_m : {-thickness_m, 0.0}) {
-    slab.vertices_base_m.insert(
-        slab.vertices_base_m.end(),
-        {{-half_m, -half_m, z_m}, {half_m, -half_m, z_m}, {half_m, half_m, z_m}, {-half_m, half_m, z_m}});
-  }
-  slab.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4},
-                    {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
-  slab.triangle_material.assign(slab.triangles.size(), 0);
   haptics::SceneInput input;
   input.name = "wall";
   input.materials.push_back({.stiffness_N_m = stiffness_N_m, .static_friction = 0, .dynamic_friction = 0});
-  input.objects.push_back(std::move(slab));
+  input.objects.push_back(Slab({}));
   haptics::BuildReport report;
   return haptics::BuildScene(input, report);
 }
@@ -67,7 +57,7 @@ class Tracking {
     measured_.position_base_m = {noise_m_ * random.Normal(), noise_m_ * random.Normal(),
                                  z_m + noise_m_ * random.Normal()};
     if (!started_) {
-      tracker::ResetFilter(measured_, filter_);
+      tracker::ResetFilter({}, measured_, filter_);
     } else {
       tracker::PredictFilter({}, kTick_s, filter_);
       tracker::CorrectFilter({}, measured_, kTick_s, filter_);
@@ -79,7 +69,7 @@ class Tracking {
   void Fill(haptics::Input& input) const {
     input.device_point_base_m = filter_.position_base_m;
     input.velocity_base_m_s = filter_.velocity_base_m_s;
-    if (noise_m_ > 0) input.noise = {filter_.covariance_pp[8], filter_.covariance_pv[8], filter_.covariance_vv[8]};
+    if (noise_m_ > 0) input.noise = tracker::NoiseOfPoint(filter_, 0);
   }
 
  private:
@@ -130,7 +120,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& s
   haptics::State state;
   haptics::Output output;
   haptics::Enter(scene, state);
-  haptics::Input input{.tracked = true, .limit = test::UsualLimit()};
+  haptics::Input input{.tracked = true, .limit = UsualLimit()};
   // A delay of none is "not known" to haptics.
   input.delay_s = rule == WallRule::kOffered ? std::max(loop.delay_s, 1e-9) : 1e-9;
   sim::Random random(seed);
@@ -150,7 +140,8 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& s
     tracking.Fill(input);
     if (rule == WallRule::kFixed) input.noise = {};
     haptics::Step(config, scene, input, state, output);
-    sent.push_back({tick * kTick_s + loop.delay_s, output.force_base_N.z});
+    run.least_gain = std::min(run.least_gain, output.energy_gain);
+    sent.push_back({tick * kTick_s + loop.delay_s + loop.late_s, output.force_base_N.z});
     for (int i = 0; i < kSubSteps; ++i) {
       const double t_s = tick * kTick_s + i * kSubStep_s;
       while (!sent.empty() && sent.front().due_s <= t_s + 1e-9) {
@@ -168,6 +159,33 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& s
   return run;
 }
 
+haptics::InputObject Slab(const base::Vec3& top_m) {
+  haptics::InputObject slab;
+  slab.name = "wall";
+  const double half_m = 0.02, thickness_m = 0.02;
+  for (const double z_m : {top_m.z - thickness_m, top_m.z}) {
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      slab.vertices_base_m.push_back({top_m.x + x * half_m, top_m.y + y * half_m, z_m});
+    }
+  }
+  slab.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4},
+                    {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+  slab.triangle_material.assign(slab.triangles.size(), 0);
+  return slab;
+}
+
+// A first-order high pass.
+double RmsAbove(const std::vector<double>& x, std::size_t from, std::size_t to, double from_Hz) {
+  const double share = -std::expm1(-2 * 3.141592653589793 * from_Hz * base::kTickPeriod_s);
+  double slow = x[from];
+  std::vector<double> fast;
+  for (std::size_t i = from; i < to; ++i) {
+    slow += share * (x[i] - slow);
+    fast.push_back(x[i] - slow);
+  }
+  return RmsAboutMean(fast, fast.size() / 2, fast.size());
+}
+
 double RmsAboutMean(const std::vector<double>& x, std::size_t from, std::size_t to) {
   double sum = 0, squares = 0;
   for (std::size_t i = from; i < to; ++i) sum += x[i];
@@ -176,4 +194,4 @@ double RmsAboutMean(const std::vector<double>& x, std::size_t from, std::size_t 
   return std::sqrt(squares / static_cast<double>(to - from));
 }
 
-}  // namespace omni::bench
+}  // namespace omni::test

@@ -1,0 +1,13 @@
+// Of the filter, the axis. docs/theory/tracking.md (10) - (12)
+#pragma once
+
+#include "service/tracker/filter.h"
+
+namespace omni::tracker {
+
+void ResetTurning(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept;
+void PredictTurning(const FilterNoise& noise, double dt_s, FilterState& state) noexcept;
+void CorrectTurning(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s,
+                    FilterState& state) noexcept;
+
+}  // namespace omni::tracker

@@ -1,0 +1,45 @@
+#include "service/tracker/point_noise.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+
+#include "service/base/eigen.h"
+
+namespace omni::tracker {
+namespace {
+
+double Worst(const std::array<double, 9>& c) noexcept { return std::max({c[0], c[4], c[8]}); }
+
+// As large as what is published, but with the ratio of velocity to position of a hand that goes on: that says how far
+// the filter is behind (3.3), which it is less than that whenever another model takes over.
+base::PointNoise Scaled(const base::PointNoise& goes_on, double published_m2) noexcept {
+  const double share = std::min(1.0, published_m2 / goes_on.position_m2);
+  return {share * goes_on.position_m2, share * goes_on.cross_m2_s, share * goes_on.velocity_m2_s2};
+}
+
+}  // namespace
+
+// Position and axis are independent in the filter.
+base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexcept {
+  const Motion& motion = filter.motions.estimate[kGoesOn];
+  const Turning& turning = filter.turnings.estimate[kGoesOn];
+  const double lever_m2 = offset_m * offset_m;
+  return Scaled({Worst(motion.covariance_pp) + lever_m2 * turning.variance_angle,
+                 Worst(motion.covariance_pv) + lever_m2 * turning.covariance_angle_rate,
+                 Worst(motion.covariance_vv) + lever_m2 * turning.variance_rate},
+                Worst(filter.covariance_pp) + lever_m2 * filter.variance_angle);
+}
+
+//   u' C u
+base::PointNoise NoiseAlong(const FilterState& filter) noexcept {
+  const Eigen::Vector3d u = base::ToEigen(filter.axis_base);
+  const auto along = [&](const std::array<double, 9>& c) {
+    return u.dot(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(c.data()) * u);
+  };
+  const Motion& motion = filter.motions.estimate[kGoesOn];
+  return Scaled({along(motion.covariance_pp), along(motion.covariance_pv), along(motion.covariance_vv)},
+                along(filter.covariance_pp));
+}
+
+}  // namespace omni::tracker
