@@ -103,7 +103,7 @@ struct Output {
   bool saturated = false;                     // the limit cut the force
   double stiffness_cut = 1;                   // offered / asked stiffness of the stiffest contact
   double stiffness_offered_N_m = 0;           // the most that any surface is given now, one across the pen's axis
-  double energy_gain = 1;                     // < 1: contacts gave energy to the hand and are held back
+  double energy_gain = 1;  // < 1: contacts gave energy to the hand, or made it swing, and are held back
   VehicleReport vehicle;
 };
 static_assert(std::is_trivially_copyable_v<Output>);

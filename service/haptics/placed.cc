@@ -67,6 +67,7 @@ void Leap(const Frame& before, const Frame& now, bool drives, State& state) noex
   state.left_fade_s = SquaredNorm(left_N) > 1e-12 ? kSwapFade_s : 0;
   state.last_device_point_base_m = now.ToRest(before.ToBase(state.last_device_point_base_m));
   state.energy.has_tip = false;
+  state.swing.has_tip = false;
   state.far_distance_m = 0;
   state.ramp = drives ? 0 : state.ramp;  // a stick's spring knows no other place: it fades in there
 }

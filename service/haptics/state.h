@@ -115,6 +115,27 @@ struct EnergyState {
   std::uint32_t leaking_ticks = 0;
 };
 
+inline constexpr std::size_t kSwingBands = 3;
+
+struct SwingBandState {
+  double swing_N = 0;  // what is left of the force's changes above the band's corner
+  double half_s = 0;   // since it changed sides
+  double peak_N = 0, last_peak_N = 0;
+  int side = 0;
+  int halves = 0;  // half swings that lasted, less those that died away
+};
+
+// How the tip swings against what it touches: haptics/swing_watch.h.
+struct SwingState {
+  std::array<SwingBandState, kSwingBands> bands{};
+  base::Vec3 direction;  // of the force
+  double stiffness_N_m = 0;
+  double left_s = 0;  // nothing was touched for so long
+  bool has_tip = false;
+  base::Vec3 tip;
+  double gain = 1;  // on the forces
+};
+
 // A soft body that is touched: slot k of its contacts is State::contacts[k].
 struct SoftTouch {
   std::uint32_t object = kNoIndex;  // kNoIndex: free
@@ -157,6 +178,7 @@ struct State {
   VehicleState vehicle;
   OfferState offer;
   EnergyState energy;
+  SwingState swing;
   base::Vec3 left_N;       // force of contacts whose surface was taken from under the tip ...
   double left_fade_s = 0;  // ... which fades out over this time
   double ramp = 0;         // 0..1 gain on contact forces

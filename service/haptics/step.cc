@@ -17,6 +17,7 @@
 #include "service/haptics/scene.h"
 #include "service/haptics/stability.h"
 #include "service/haptics/state.h"
+#include "service/haptics/swing_watch.h"
 #include "service/haptics/vehicle/car.h"
 
 namespace omni::haptics {
@@ -274,6 +275,16 @@ bool Remember(const Config& config, const Input& input, State& state) noexcept {
   return steady;
 }
 
+double HoldSwings(const Input& measured, const Touched& touched, bool steady, State& state) noexcept {
+  return WatchSwings({.tip = measured.device_point_base_m,
+                      .force_N = touched.contacts_N,
+                      .stored_J = touched.stored_J,
+                      .noise_m = std::sqrt(std::max(0.0, measured.noise.position_m2)),
+                      .dt_s = measured.dt_s,
+                      .judged = steady && !touched.moving && !measured.pushed},
+                     state.swing);
+}
+
 // What the scene does, and what of it the device may.
 void Render(const Config& config, const Offer& offer, const Scene& scene, const Input& measured, const Vec3& tip,
             bool steady, State& state, Output& output) noexcept {
@@ -286,9 +297,12 @@ void Render(const Config& config, const Offer& offer, const Scene& scene, const 
     others_N =
         touched.others_N + Play(config, offer, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
+  const double swing_gain = HoldSwings(measured, touched, steady, state);
   const bool passive = steady && state.ramp == 1 && !touched.moving && !input.pushed && others_N == Vec3{};
   output.energy_gain = WatchEnergy(
-      {measured.device_point_base_m, input.dt_s, LoopLag_s(config, input), touched.stored_J, passive}, state.energy);
+      {measured.device_point_base_m, input.dt_s, LoopLag_s(config, input), swing_gain * touched.stored_J, passive},
+      state.energy);
+  output.energy_gain *= swing_gain;
   const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;
   Limit(config, input, input.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
 }
@@ -306,6 +320,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
   if (state.last_force_N == Vec3{} && NothingHere(scene, input, tip, state)) {
     output.energy_gain = WatchEnergy(
         {input.device_point_base_m, input.dt_s, LoopLag_s(config, input), 0, steady && state.ramp == 1}, state.energy);
+    output.energy_gain *= HoldSwings(input, {}, steady, state);
   } else {
     Render(config, offer, scene, input, tip, steady, state, output);
   }

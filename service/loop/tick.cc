@@ -86,6 +86,7 @@ base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptic
                                     .tracked = felt.tracked,
                                     .device_point_base_m = felt.device_point_base_m,
                                     .velocity_base_m_s = felt.velocity_base_m_s,
+                                    .tip_sigma_m = std::sqrt(std::max(0.0, felt.noise.position_m2)),
                                     .velocity_sigma_m_s = std::sqrt(std::max(0.0, felt.noise.velocity_m2_s2)),
                                     .lag_s = haptics::LoopLag_s(config.haptics, felt),
                                     .offer = haptics::OfferOf(config.haptics, felt.axis_base, state.haptics.offer),

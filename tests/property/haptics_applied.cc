@@ -309,6 +309,7 @@ double SwingAfter2s_m(double given_N_m) {
     bench.input.velocity_base_m_s = {v, 0, 0};
     for (std::size_t i = on_the_way.size() - 1; i > 0; --i) on_the_way[i] = on_the_way[i - 1];
     on_the_way[0] = bench.Tick();
+    bench.state.swing = {};  // the watch over swings would hold back what is not offered
     for (int k = 0; k < 10; ++k) {
       const double f = on_the_way.back().x - kHandDamping_Ns_m * v - kHandStiffness_N_m * x;
       v += kStep_s * f / kMass_kg;

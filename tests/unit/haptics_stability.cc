@@ -154,6 +154,7 @@ struct UnstableWall {
     for (int k = 0; k < ticks; ++k) {
       pen.MoveTo({0, 0, z});
       if (!watched) pen.state.energy = {};
+      pen.state.swing = {};  // which has its own tests
       const double force_N =
           std::exchange(late_N[static_cast<std::size_t>(k) % late_N.size()], pen.output.force_base_N.z);
       for (int i = 0; i < 20; ++i) {

@@ -4,6 +4,7 @@
 #include "service/base/stamp.h"
 #include "service/haptics/energy_watch.h"
 #include "service/haptics/geometry/vec_math.h"
+#include "service/haptics/swing_watch.h"
 
 namespace omni::haptics {
 namespace {
@@ -240,8 +241,12 @@ void Apply(const AppliedConfig& config, const AppliedCommand& command, const App
   MoveGain(constrained && input.tracked, input.dt_s, config.open_s, config.close_s, state.presence);
   MoveGain(force_N != Vec3{} && input.tracked, input.dt_s, config.force_open_s, config.close_s, state.force_presence);
   const bool passive = state.presence == 1 && constraints.conservative && input.dt_s > 0;
-  output.energy_gain =
-      WatchEnergy({input.device_point_base_m, input.dt_s, input.lag_s, constraints.stored_J, passive}, state.energy);
+  const double swing_gain = WatchSwings({input.device_point_base_m, constraints.force_N, constraints.stored_J,
+                                         input.tip_sigma_m, input.dt_s, passive && force_N == Vec3{}},
+                                        state.swing);
+  output.energy_gain = swing_gain * WatchEnergy({input.device_point_base_m, input.dt_s, input.lag_s,
+                                                 swing_gain * constraints.stored_J, passive},
+                                                state.energy);
   const Vec3 held_N = output.energy_gain * constraints.force_N;
   RememberForce(state.presence * held_N, state.energy);
   const Vec3 wanted_N = state.force_presence * force_N + state.presence * held_N;

@@ -46,10 +46,10 @@ struct AppliedInput {
   bool tracked = false;
   base::Vec3 device_point_base_m;  // as measured
   base::Vec3 velocity_base_m_s;
-  double velocity_sigma_m_s = 0;     // of the worst direction
-  double lag_s = 0;                  // LoopLag_s
-  Offer offer;                       // of this tick's Step
-  const Output* contacts = nullptr;  // of this tick's Step: their stiffness comes first
+  double tip_sigma_m = 0, velocity_sigma_m_s = 0;  // of the worst direction
+  double lag_s = 0;                                // LoopLag_s
+  Offer offer;                                     // of this tick's Step
+  const Output* contacts = nullptr;                // of this tick's Step: their stiffness comes first
 };
 
 struct AppliedState {
@@ -67,6 +67,7 @@ struct AppliedState {
   double stiffness_N_m = 0, along_N_m = 0, damping_Ns_m = 0;  // given: follows the offer
   double share = 1;                                           // of it that each spring gets, for they add up
   EnergyState energy;
+  SwingState swing;
   base::Vec3 last_N;
 };
 static_assert(std::is_trivially_copyable_v<AppliedState>);
@@ -75,7 +76,7 @@ struct AppliedOutput {
   base::Vec3 force_base_N;         // finite, slew-limited, at most force_max_N
   bool acts = false;               // a force or a constraint stands
   bool stiffness_limited = false;  // a constraint that acts is softer or less damped than asked for
-  double energy_gain = 1;          // < 1: constraints gave energy to the hand and are held back
+  double energy_gain = 1;          // < 1: constraints gave energy to the hand, or made it swing, and are held back
 };
 
 // True: Apply would do nothing, and leaves `state` as it is.

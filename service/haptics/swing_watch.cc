@@ -1,0 +1,78 @@
+#include "service/haptics/swing_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace omni::haptics {
+namespace {
+
+// Half swings of a kind: what is slower than `corner_Hz` is no swing; each lasts at most `half_max_s` and reaches
+// `least_N`.
+struct Band {
+  double corner_Hz, half_max_s, least_N;
+  bool in_touch;  // what leaves the surface in between is a hand that taps
+};
+constexpr std::array<Band, kSwingBands> kBands{{
+    {16, 0.031, 0.005, false},  // no hand moves like that ...
+    {6, 0.060, 0.100, false},   // ... nor so far so fast
+    {3, 0.170, 0.100, true},    // more than any tremor
+}};
+constexpr double kNoises = 3;  // standard deviations that are no swing
+constexpr int kHalves = 3;
+constexpr double kLasts = 0.95;  // of the half swing before: less is one that dies away
+constexpr double kFall = 0.2, kGainMin = 0.01;
+constexpr double kLeft_s = 0.1;  // in the air: forgotten
+
+// True: too many half swings did not die away, and another has not.
+bool FollowBand(const Band& band, double change_N, double least_N, double dt_s, SwingBandState& state) noexcept {
+  state.swing_N += change_N;
+  state.swing_N *= std::max(0.0, 1 - 2 * 3.14159265358979 * band.corner_Hz * dt_s);
+  state.half_s += dt_s;
+  state.peak_N = std::max(state.peak_N, std::abs(state.swing_N));
+  if (state.half_s > band.half_max_s) state.halves = 0;
+  const int side = state.swing_N > least_N ? 1 : state.swing_N < -least_N ? -1 : 0;
+  if (side == 0 || side == state.side) return false;
+  const bool lasts =
+      state.half_s <= band.half_max_s && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
+  state.halves = std::clamp(state.halves + (lasts ? 1 : -1), 0, kHalves);
+  state.last_peak_N = state.peak_N;
+  state.peak_N = std::abs(state.swing_N);
+  state.side = side;
+  state.half_s = 0;
+  return lasts && state.halves == kHalves;
+}
+
+}  // namespace
+
+//   K = F^2 / (2 U),   s <- (s + K dx . n) (1 - 2 pi f dt)
+double WatchSwings(const SwingTick& tick, SwingState& state) noexcept {
+  const double force_N = Norm(tick.force_N);
+  const bool touches = force_N > 0 && tick.stored_J > 0;
+  if (!touches && !state.has_tip && state.gain == 1) return 1;  // a far tip costs nothing
+  state.left_s = touches ? 0 : state.left_s + tick.dt_s;
+  if (state.left_s > kLeft_s || !tick.judged) {
+    const double gain = tick.judged ? 1 : state.gain;
+    state = {};
+    state.gain = gain;
+    return gain;
+  }
+  if (touches) {
+    const double sign = Dot(tick.force_N, state.direction) < 0 ? -1 : 1;  // a spring's force turns round
+    state.direction = (sign / force_N) * tick.force_N;
+    state.stiffness_N_m = 0.5 * force_N * force_N / tick.stored_J;
+  }
+  const double change_N = state.has_tip ? state.stiffness_N_m * Dot(tick.tip - state.tip, state.direction) : 0;
+  state.tip = tick.tip;
+  state.has_tip = true;
+  for (std::size_t b = 0; b < kSwingBands; ++b) {
+    if (!touches && kBands[b].in_touch) state.bands[b] = {};
+    const double noise_N = kNoises * state.stiffness_N_m * tick.noise_m;
+    const double least_N = std::max(kBands[b].least_N / state.gain, noise_N);
+    if (FollowBand(kBands[b], change_N, least_N, tick.dt_s, state.bands[b])) {
+      state.gain = std::max(kGainMin, kFall * state.gain);
+    }
+  }
+  return state.gain;
+}
+
+}  // namespace omni::haptics

@@ -1,0 +1,23 @@
+// Watches that what is touched does not make the hand swing, as it does when the loop is later or the hand lighter than
+// the rule of stability.h assumes. It trusts nothing but the measured tip. docs/theory/haptics.md (3.10)
+#pragma once
+
+#include "service/haptics/geometry/vec_math.h"
+#include "service/haptics/state.h"
+
+namespace omni::haptics {
+
+// One tick as the watch sees it.
+struct SwingTick {
+  Vec3 tip;             // as measured, not predicted, base frame, m
+  Vec3 force_N;         // of the springs that act, before any gain; zero: nothing is touched
+  double stored_J = 0;  // in these springs
+  double noise_m = 0;   // standard deviation of the tip
+  double dt_s = 0;
+  bool judged = false;  // nothing else moves the hand, or what it touches
+};
+
+// Gain in [0.01, 1] on the forces of this tick.
+double WatchSwings(const SwingTick& tick, SwingState& state) noexcept;
+
+}  // namespace omni::haptics
