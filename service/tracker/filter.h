@@ -80,6 +80,9 @@ void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) no
 // dt_s: as in the prediction before. A pose that cannot follow from the prediction restarts the filter there.
 void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, FilterState& state) noexcept;
 
+// Of a position as measured, the part of its covariance that is not white, m^2, row-major.
+std::array<double, 9> LastingCovariance(const Whiteness& whiteness, const PoseMeasurement& measured) noexcept;
+
 // u turned by the vector `turn_rad` (angle times axis).
 base::Vec3 TurnAxis(const base::Vec3& axis, const base::Vec3& turn_rad) noexcept;
 

@@ -235,8 +235,8 @@ bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, S
   Blame(config.doubt, WorstOf(state.doubt).sensor, blaming);
   EndTrials(state.doubt);
   if (holds(open, blaming)) return true;
-  if (!state.stray.on || state.stray.believed) return false;
-  // It was moving already; what has come all of a sudden is no magnet that is laid down.
+  if (!state.stray.on || state.stray.believed || state.stray.nothing_cycles > 0) return false;
+  // Something was moving already; what has come all of a sudden is no magnet that is laid down.
   LoosenStray(config.stray, config.model, state.stray);
   state.stray.believed = true;
   if (holds(open, state.doubt)) return true;

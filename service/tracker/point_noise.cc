@@ -11,10 +11,22 @@ namespace {
 
 double Worst(const std::array<double, 9>& c) noexcept { return std::max({c[0], c[4], c[8]}); }
 
-// As large as what is published, but with the ratio of velocity to position of a hand that goes on: that says how far
-// the filter is behind (3.3), which it is less than that whenever another model takes over.
-base::PointNoise Scaled(const base::PointNoise& goes_on, double published_m2) noexcept {
-  const double share = std::min(1.0, published_m2 / goes_on.position_m2);
+// Of a model's variance, the rest is the motion that it allows for: of a small gain's, half is noise without a speed
+// and three quarters with one. What is asked for is the latter, so that is 1.
+constexpr Likely kNoise{2.0 / 3, 1, 1};
+
+// What noise makes of the estimate: sum mu n P. The models' differences are in it.
+template <typename Estimate, typename VarianceOf>
+double NoiseIn(const Models<Estimate>& models, const VarianceOf& variance) noexcept {
+  double sum = 0;
+  for (std::size_t i = 0; i < kModels; ++i) sum += models.likely[i] * kNoise[i] * variance(models.estimate[i]);
+  return sum;
+}
+
+// As large as the noise, but with the ratio of velocity to position of a hand that goes on: that says how far the
+// filter is behind (3.3), which it is less than that whenever another model takes over.
+base::PointNoise Scaled(const base::PointNoise& goes_on, double noise_m2) noexcept {
+  const double share = std::min(1.0, noise_m2 / goes_on.position_m2);
   return {share * goes_on.position_m2, share * goes_on.cross_m2_s, share * goes_on.velocity_m2_s2};
 }
 
@@ -28,7 +40,8 @@ base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexce
   return Scaled({Worst(motion.covariance_pp) + lever_m2 * turning.variance_angle,
                  Worst(motion.covariance_pv) + lever_m2 * turning.covariance_angle_rate,
                  Worst(motion.covariance_vv) + lever_m2 * turning.variance_rate},
-                Worst(filter.covariance_pp) + lever_m2 * filter.variance_angle);
+                NoiseIn(filter.motions, [](const Motion& m) { return Worst(m.covariance_pp); }) +
+                    lever_m2 * NoiseIn(filter.turnings, [](const Turning& t) { return t.variance_angle; }));
 }
 
 //   u' C u
@@ -39,7 +52,7 @@ base::PointNoise NoiseAlong(const FilterState& filter) noexcept {
   };
   const Motion& motion = filter.motions.estimate[kGoesOn];
   return Scaled({along(motion.covariance_pp), along(motion.covariance_pv), along(motion.covariance_vv)},
-                along(filter.covariance_pp));
+                NoiseIn(filter.motions, [&](const Motion& m) { return along(m.covariance_pp); }));
 }
 
 }  // namespace omni::tracker

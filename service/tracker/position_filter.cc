@@ -12,8 +12,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kVelocitySigma_m_s = 0.3;  // of a hand whose motion is not known yet
@@ -96,14 +94,14 @@ double Correct(const Vector3d& measured_m, const Matrix3d& R, Motion& motion, Ve
   return -0.5 * (innovation.dot(S_inverse * innovation) + std::log(S.determinant()));
 }
 
-//   S R S,   S = a u u^T + b (I - u u^T),   u = p / |p|,   a^2 and b^2 the shares along and across
-std::array<double, 9> WhiteCovariance(const Whiteness& whiteness, const PoseMeasurement& measured) {
+//   S R S,   S = a u u^T + b (I - u u^T),   u = p / |p|,   of the shares a^2 along u and b^2 across
+std::array<double, 9> PartOf(const PoseMeasurement& measured, double share_along, double share_across) {
   const Vector3d u = base::ToEigen(measured.position_base_m).normalized();
-  const double across = std::sqrt(whiteness.share), along = std::sqrt(whiteness.along);
+  const double along = std::sqrt(share_along), across = std::sqrt(share_across);
   const Matrix3d S = across * Matrix3d::Identity() + (along - across) * u * u.transpose();
-  std::array<double, 9> white;
-  Store(Symmetric(S * PositionCovariance(measured) * S), white);
-  return white;
+  std::array<double, 9> part;
+  Store(Symmetric(S * PositionCovariance(measured) * S), part);
+  return part;
 }
 
 void LearnPositionWhiteness(const FilterNoise& noise, const PoseMeasurement& measured, const Matrix3d& R, double dt_s,
@@ -142,6 +140,10 @@ void LearnShare(const FilterNoise& noise, double third_squared, double variance,
   share = std::clamp(share + std::min(1.0, dt_s / noise.white_time_s) * (now - share), noise.white_min, 1.0);
 }
 
+std::array<double, 9> LastingCovariance(const Whiteness& whiteness, const PoseMeasurement& measured) noexcept {
+  return PartOf(measured, 1 - whiteness.along, 1 - whiteness.share);
+}
+
 void ResetMotion(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept {
   Motion motion;
   motion.position_base_m = measured.position_base_m;
@@ -175,7 +177,8 @@ bool CorrectMotion(const FilterNoise& noise, const PoseMeasurement& measured, do
   const Vector3d innovation = z - base::ToEigen(motions[kMovesAnew].position_base_m);
   const Matrix3d S = Load(motions[kMovesAnew].covariance_pp) + R;
   if (!(innovation.dot(S.inverse() * innovation) <= kRestartGate)) return false;
-  state.white_m2 = WhiteCovariance(state.position_whiteness, measured);
+  const Whiteness& whiteness = state.position_whiteness;
+  state.white_m2 = PartOf(measured, whiteness.along, whiteness.share);
   const Matrix3d R_white = Load(state.white_m2);
   Likely log_likelihood{};
   Vector3d whitened;

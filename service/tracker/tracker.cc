@@ -78,11 +78,11 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
   SetDevicePoint(model.tip_offset_m, tool);
   tool.gap_m = CylinderGap(tool.position_base_m, tool.axis_base, model.magnet_radius_m, model.magnet_half_height_m,
                            model.hull_radius_m);
+  const std::array<double, 9> lasting_m2 = LastingCovariance(filter.position_whiteness, measured);
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) {
       const std::size_t e = 3 * row + column;
-      tool.covariance[5 * row + column] =
-          filter.covariance_pp[e] + measured.covariance[5 * row + column] - filter.white_m2[e];
+      tool.covariance[5 * row + column] = filter.covariance_pp[e] + lasting_m2[e];
     }
   }
   for (const std::size_t i : {18U, 24U}) {

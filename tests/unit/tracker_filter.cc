@@ -20,11 +20,11 @@ using Eigen::Vector3d;
 
 constexpr double kTick_s = 1e-3;
 
-// Of a calibrated base in its fast setting, in each direction.
+// Of a calibrated base in its fast setting, across the direction from the core; along it, distance is known better.
 struct FitNoise {
   double position_m, axis_rad;
 };
-constexpr FitNoise kAt55mm{3.65e-4, 7.9e-3}, kAt90mm{8.5e-4, 1.55e-2};
+constexpr FitNoise kAt55mm{3.1e-4, 6e-3}, kAt90mm{8.2e-4, 1.5e-2};
 
 // A filter that is fed with noisy poses.
 class Fed {

@@ -33,6 +33,7 @@ constexpr double kSettle_s = 2;              // before anything counts
 constexpr double kStop_s = 0.15;             // of a stop, that counts
 constexpr double kLong_s = 20, kPart_s = 1;  // of a tremor or a rest; its trials
 constexpr double kTremor_m = 2e-4, kTremor_Hz = 10;
+constexpr std::uint64_t kPlaces = 8;  // of tremors, for a quarter as long
 
 constexpr std::array<double, 2> kRadii_m{0.055, 0.09};
 constexpr std::array<double, 3> kAccelerations_m_s2{5, 20, 100};
@@ -78,12 +79,15 @@ class Dashes final : public sim::PenMotion {
   base::Vec3 side_;
 };
 
-// A sine of that amplitude along and across; 0: rest.
+// A sine of that amplitude in any direction at any place above the base; 0: rest.
 class Trembling final : public sim::PenMotion {
  public:
-  Trembling(double radius_m, double azimuth_rad, double amplitude_m)
-      : direction_(sim::Normalised({std::cos(azimuth_rad), std::sin(azimuth_rad), 1})), amplitude_m_(amplitude_m) {
-    at_.pose.centre_base_m = radius_m * sim::Normalised({0.4 * std::sin(azimuth_rad), 0.4 * std::cos(azimuth_rad), 1});
+  Trembling(double radius_m, double amplitude_m, std::uint64_t seed) : amplitude_m_(amplitude_m) {
+    sim::Random random(seed);
+    const auto draw = [&] { return base::Vec3{random.Normal(), random.Normal(), random.Normal()}; };
+    const base::Vec3 aside = draw();
+    direction_ = sim::Normalised(draw());
+    at_.pose.centre_base_m = radius_m * sim::Normalised({0.3 * aside.x, 0.3 * aside.y, 1});
     at_.pose.axis_base = {0, 0, -1};
   }
   const base::Vec3& direction() const { return direction_; }
@@ -197,8 +201,8 @@ std::array<Trials, 2> Dash(const CalibratedBase& base, double radius_m, double a
 }
 
 //   c = 2 / (n a) sum p_k exp(-i phase_k) with p along the sine: its gain is |c|, and it comes arg(i c) late
-Trials Tremble(const CalibratedBase& base, double radius_m, double duration_s) {
-  const auto motion = std::make_shared<Trembling>(radius_m, base.azimuth_rad, kTremor_m);
+Trials Tremble(const CalibratedBase& base, double radius_m, double duration_s, std::uint64_t place) {
+  const auto motion = std::make_shared<Trembling>(radius_m, kTremor_m, 100 * base.seed + place);
   const base::Vec3 middle_m = motion->At(0).pose.centre_base_m;
   std::complex<double> sum;
   Trials trials;
@@ -215,7 +219,7 @@ Trials Tremble(const CalibratedBase& base, double radius_m, double duration_s) {
 
 // rms about its own mean, of each second.
 Trials LieStill(const CalibratedBase& base, double radius_m, double duration_s) {
-  const auto motion = std::make_shared<Trembling>(radius_m, base.azimuth_rad, 0);
+  const auto motion = std::make_shared<Trembling>(radius_m, 0, base.seed);
   std::vector<base::Vec3> part;
   Trials trials;
   trials.lost_ticks = Follow(base, motion, duration_s, [&](const Sample& sample) {
@@ -249,7 +253,11 @@ std::vector<Measured> AllOf(const CalibratedBase& base, bool quick) {
       all.push_back({"start-" + name, radius_m, starts});
       all.push_back({"stop-" + name, radius_m, stops});
     }
-    all.push_back({"tremor-10Hz", radius_m, Tremble(base, radius_m, long_s)});
+    Trials tremors;
+    for (std::uint64_t place = 0; place < (quick ? 1 : kPlaces); ++place) {
+      tremors.Add(Tremble(base, radius_m, long_s / 4, place));
+    }
+    all.push_back({"tremor-10Hz", radius_m, tremors});
     all.push_back({"rest", radius_m, LieStill(base, radius_m, long_s)});
   }
   return all;
