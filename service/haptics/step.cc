@@ -126,9 +126,10 @@ Vec3 LookAround(const Touchables& touchables, double stiffness_limit_N_m, const 
 // What the contacts ask for, before limits.
 struct Touched {
   Vec3 contacts_N;
-  Vec3 others_N;        // of magnets and of faces that are held or pushed
-  double stored_J = 0;  // in the contacts' springs
-  bool moving = false;  // a surface moves by itself
+  Vec3 others_N;             // of magnets and of faces that are held or pushed
+  double stored_J = 0;       // in the contacts' springs
+  double stiffness_N_m = 0;  // of the stiffest of them
+  bool moving = false;       // a surface moves by itself
 };
 
 // Sums up what the contacts ask for and reports them.
@@ -140,6 +141,7 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touch
     const ContactForce& force = forces.of[k];
     sum = sum + force.force_N;
     touched.stored_J += 0.5 * force.elastic_N * force.depth_m;
+    if (force.depth_m > 0) touched.stiffness_N_m = std::max(touched.stiffness_N_m, force.elastic_N / force.depth_m);
     output.contacts[static_cast<std::size_t>(output.contact_count++)] = force.report;
     output.tip_normal_force_N += ramp * force.report.normal_force_N;
     if (force.asked_stiffness_N_m > stiffest_N_m) {
@@ -278,7 +280,7 @@ bool Remember(const Config& config, const Input& input, State& state) noexcept {
 double HoldSwings(const Input& measured, const Touched& touched, bool steady, State& state) noexcept {
   return WatchSwings({.tip = measured.device_point_base_m,
                       .force_N = touched.contacts_N,
-                      .stored_J = touched.stored_J,
+                      .stiffness_N_m = touched.stiffness_N_m,
                       .noise_m = std::sqrt(std::max(0.0, measured.noise.position_m2)),
                       .dt_s = measured.dt_s,
                       .judged = steady && !touched.moving && !measured.pushed},

@@ -44,10 +44,10 @@ bool FollowBand(const Band& band, double change_N, double least_N, double dt_s, 
 
 }  // namespace
 
-//   K = F^2 / (2 U),   s <- (s + K dx . n) (1 - 2 pi f dt)
+//   s <- (s + K dx . n) (1 - 2 pi f dt)
 double WatchSwings(const SwingTick& tick, SwingState& state) noexcept {
   const double force_N = Norm(tick.force_N);
-  const bool touches = force_N > 0 && tick.stored_J > 0;
+  const bool touches = force_N > 0 && tick.stiffness_N_m > 0;
   if (!touches && !state.has_tip && state.gain == 1) return 1;  // a far tip costs nothing
   state.left_s = touches ? 0 : state.left_s + tick.dt_s;
   if (state.left_s > kLeft_s || !tick.judged) {
@@ -59,7 +59,7 @@ double WatchSwings(const SwingTick& tick, SwingState& state) noexcept {
   if (touches) {
     const double sign = Dot(tick.force_N, state.direction) < 0 ? -1 : 1;  // a spring's force turns round
     state.direction = (sign / force_N) * tick.force_N;
-    state.stiffness_N_m = 0.5 * force_N * force_N / tick.stored_J;
+    state.stiffness_N_m = tick.stiffness_N_m;
   }
   const double change_N = state.has_tip ? state.stiffness_N_m * Dot(tick.tip - state.tip, state.direction) : 0;
   state.tip = tick.tip;

@@ -9,10 +9,10 @@ namespace omni::haptics {
 
 // One tick as the watch sees it.
 struct SwingTick {
-  Vec3 tip;             // as measured, not predicted, base frame, m
-  Vec3 force_N;         // of the springs that act, before any gain; zero: nothing is touched
-  double stored_J = 0;  // in these springs
-  double noise_m = 0;   // standard deviation of the tip
+  Vec3 tip;                  // as measured, not predicted, base frame, m
+  Vec3 force_N;              // of what is touched, before any gain
+  double stiffness_N_m = 0;  // of the stiffest spring that acts; 0: nothing is touched
+  double noise_m = 0;        // standard deviation of the tip
   double dt_s = 0;
   bool judged = false;  // nothing else moves the hand, or what it touches
 };

@@ -144,6 +144,7 @@ Offer UpdateGiven(const AppliedConfig& config, const AppliedInput& input, Applie
 struct Rendered {
   Vec3 force_N;
   double stored_J = 0;
+  double stiffness_N_m = 0;  // of the stiffest spring that acts
   bool conservative = true;
 };
 
@@ -161,6 +162,7 @@ Rendered Sum(const Springs& springs, const AppliedInput& input, const Offer& giv
     if (!Within(force_N, 1e6)) continue;
     all.force_N = all.force_N + force_N;
     all.stored_J += StoredIn_J(spring.shape, spring.stretch, stiffness_N_m);
+    if (spring.load > 0) all.stiffness_N_m = std::max(all.stiffness_N_m, stiffness_N_m);
     const bool stands = spring.shape.velocity_base_m_s == Vec3{} && spring.shape.angular_velocity_base_rad_s == Vec3{};
     all.conservative = all.conservative && spring.stretch.conservative && stands;
     const bool softer = spring.load > 0 && stiffness_N_m < kLimitedFrom * spring.shape.stiffness_N_m;
@@ -241,8 +243,12 @@ void Apply(const AppliedConfig& config, const AppliedCommand& command, const App
   MoveGain(constrained && input.tracked, input.dt_s, config.open_s, config.close_s, state.presence);
   MoveGain(force_N != Vec3{} && input.tracked, input.dt_s, config.force_open_s, config.close_s, state.force_presence);
   const bool passive = state.presence == 1 && constraints.conservative && input.dt_s > 0;
-  const double swing_gain = WatchSwings({input.device_point_base_m, constraints.force_N, constraints.stored_J,
-                                         input.tip_sigma_m, input.dt_s, passive && force_N == Vec3{}},
+  const double swing_gain = WatchSwings({.tip = input.device_point_base_m,
+                                         .force_N = constraints.force_N,
+                                         .stiffness_N_m = constraints.stiffness_N_m,
+                                         .noise_m = input.tip_sigma_m,
+                                         .dt_s = input.dt_s,
+                                         .judged = passive && force_N == Vec3{}},
                                         state.swing);
   output.energy_gain = swing_gain * WatchEnergy({input.device_point_base_m, input.dt_s, input.lag_s,
                                                  swing_gain * constraints.stored_J, passive},
