@@ -66,9 +66,9 @@ void GoOn(double q, double dt, Turning& turning) {
   turning.variance_rate += q * dt;
 }
 
-double Correct(const Vector3d& measured, double R, Turning& turning, Vector3d* whitened) {
+double Correct(const Vector3d& measured, double R, double R_judged, Turning& turning, Vector3d* whitened) {
   const Vector3d innovation = TurnBetween(base::ToEigen(turning.axis_base), measured);
-  const double S = turning.variance_angle + R;
+  const double S = turning.variance_angle + R, S_judged = turning.variance_angle + R_judged;
   const double K_angle = turning.variance_angle / S, K_rate = turning.covariance_angle_rate / S;
   turning.axis_base = TurnAxis(turning.axis_base, base::FromEigen(K_angle * innovation));
   const Vector3d turned = base::ToEigen(turning.axis_base);
@@ -78,7 +78,7 @@ double Correct(const Vector3d& measured, double R, Turning& turning, Vector3d* w
   turning.covariance_angle_rate -= K_angle * turning.covariance_angle_rate;
   turning.variance_angle -= K_angle * turning.variance_angle;
   if (whitened != nullptr) *whitened = innovation / std::sqrt(S);
-  return -0.5 * innovation.squaredNorm() / S - std::log(S);
+  return -0.5 * innovation.squaredNorm() / S_judged - std::log(S_judged);
 }
 
 }  // namespace
@@ -123,10 +123,11 @@ void CorrectTurning(const FilterNoise& noise, const PoseMeasurement& measured, d
     LearnShare(noise, third->squaredNorm(), 2 * R, dt_s, state.axis_whiteness.share);
   }
   auto& turnings = state.turnings.estimate;
+  const double R_white = state.axis_whiteness.share * R;
   Likely log_likelihood{};
   Vector3d whitened;
   for (std::size_t j = 0; j < kModels; ++j) {
-    log_likelihood[j] = Correct(z, state.axis_whiteness.share * R, turnings[j], j == kGoesOn ? &whitened : nullptr);
+    log_likelihood[j] = Correct(z, R_white, R, turnings[j], j == kGoesOn ? &whitened : nullptr);
   }
   Weigh(log_likelihood, state.turnings.likely);
   LearnLiveliness(noise, whitened, state.axis_liveliness);

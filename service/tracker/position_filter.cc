@@ -79,11 +79,13 @@ void GoOn(double q, double dt, Motion& motion) {
   Store(vv + q * dt * I, motion.covariance_vv);
 }
 
-// Returns the logarithm of how likely the measurement was. whitened: the innovation in its standard deviations.
-double Correct(const Vector3d& measured_m, const Matrix3d& R, Motion& motion, Vector3d* whitened) {
+// Returns the logarithm of how likely the measurement was, with R_judged: what lasts changes at once with a force's
+// currents, and is no start. whitened: the innovation in its standard deviations.
+double Correct(const Vector3d& measured_m, const Matrix3d& R, const Matrix3d& R_judged, Motion& motion,
+               Vector3d* whitened) {
   const Vector3d innovation = measured_m - base::ToEigen(motion.position_base_m);
   const Matrix3d pp = Load(motion.covariance_pp), pv = Load(motion.covariance_pv), vv = Load(motion.covariance_vv);
-  const Matrix3d S = pp + R, S_inverse = S.inverse();
+  const Matrix3d S_inverse = (pp + R).inverse(), S_judged = pp + R_judged;
   const Matrix3d K_p = pp * S_inverse, K_v = pv.transpose() * S_inverse;
   motion.position_base_m = base::FromEigen(base::ToEigen(motion.position_base_m) + K_p * innovation);
   motion.velocity_base_m_s = base::FromEigen(base::ToEigen(motion.velocity_base_m_s) + K_v * innovation);
@@ -91,7 +93,7 @@ double Correct(const Vector3d& measured_m, const Matrix3d& R, Motion& motion, Ve
   Store(pv - K_p * pv, motion.covariance_pv);
   Store(Symmetric(vv - K_v * pv), motion.covariance_vv);
   if (whitened != nullptr) *whitened = Eigen::LLT<Matrix3d>(S_inverse).matrixU() * innovation;
-  return -0.5 * (innovation.dot(S_inverse * innovation) + std::log(S.determinant()));
+  return -0.5 * (innovation.dot(S_judged.inverse() * innovation) + std::log(S_judged.determinant()));
 }
 
 //   S R S,   S = a u u^T + b (I - u u^T),   u = p / |p|,   of the shares a^2 along u and b^2 across
@@ -183,7 +185,7 @@ bool CorrectMotion(const FilterNoise& noise, const PoseMeasurement& measured, do
   Likely log_likelihood{};
   Vector3d whitened;
   for (std::size_t j = 0; j < kModels; ++j) {
-    log_likelihood[j] = Correct(z, R_white, motions[j], j == kGoesOn ? &whitened : nullptr);
+    log_likelihood[j] = Correct(z, R_white, R, motions[j], j == kGoesOn ? &whitened : nullptr);
   }
   Weigh(log_likelihood, state.motions.likely);
   LearnLiveliness(noise, whitened, state.position_liveliness);
