@@ -25,7 +25,7 @@ Vector3d TurnBetween(const Vector3d& u, const Vector3d& z) {
 }
 
 // As for the position, in the tangents of the mean axis; of each, half of a deviation's square.
-Turning Mean(const std::array<Turning, kModels>& turnings, const Likely& weights) {
+Turning MeanTurning(const std::array<Turning, kModels>& turnings, const Likely& weights) {
   Vector3d sum = Vector3d::Zero(), rate = Vector3d::Zero();
   for (std::size_t i = 0; i < kModels; ++i) {
     sum += weights[i] * base::ToEigen(turnings[i].axis_base);
@@ -47,7 +47,7 @@ Turning Mean(const std::array<Turning, kModels>& turnings, const Likely& weights
 }
 
 void PublishTurning(FilterState& state) {
-  static_cast<Turning&>(state) = Mean(state.turnings.estimate, state.turnings.likely);
+  static_cast<Turning&>(state) = MeanTurning(state.turnings.estimate, state.turnings.likely);
 }
 
 void Rest(const FilterNoise& noise, double dt_s, Turning& turning) {
@@ -104,11 +104,8 @@ void ResetTurning(const FilterNoise& noise, const PoseMeasurement& measured, Fil
 }
 
 void PredictTurning(const FilterNoise& noise, double dt_s, FilterState& state) noexcept {
-  const Mixing mixing = Mix(noise.follows_1_s, dt_s, state.turnings.likely);
-  const std::array<Turning, kModels> before = state.turnings.estimate;
+  Interact(noise.follows_1_s, dt_s, MeanTurning, state.turnings);
   auto& now = state.turnings.estimate;
-  for (std::size_t j = 0; j < kModels; ++j) now[j] = Mean(before, mixing.parts[j]);
-  state.turnings.likely = mixing.likely;
   Rest(noise, dt_s, now[kRests]);
   GoOn(noise.angular_acceleration_rad2_s3 * std::exp(state.axis_liveliness.log_factor), dt_s, now[kGoesOn]);
   GoOn(noise.angular_acceleration_rad2_s3 * noise.anew_factor, dt_s, now[kMovesAnew]);
@@ -122,14 +119,11 @@ void CorrectTurning(const FilterNoise& noise, const PoseMeasurement& measured, d
   if (const auto third = ThirdDifference(measured.axis_base, state.axis_whiteness)) {
     LearnShare(noise, third->squaredNorm(), 2 * R, dt_s, state.axis_whiteness.share);
   }
-  auto& turnings = state.turnings.estimate;
   const double R_white = state.axis_whiteness.share * R;
-  Likely log_likelihood{};
   Vector3d whitened;
-  for (std::size_t j = 0; j < kModels; ++j) {
-    log_likelihood[j] = Correct(z, R_white, R, turnings[j], j == kGoesOn ? &whitened : nullptr);
-  }
-  Weigh(log_likelihood, state.turnings.likely);
+  CorrectEach([&](std::size_t model,
+                  Turning& turning) { return Correct(z, R_white, R, turning, model == kGoesOn ? &whitened : nullptr); },
+              state.turnings);
   LearnLiveliness(noise, whitened, state.axis_liveliness);
   PublishTurning(state);
 }

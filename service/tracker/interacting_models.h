@@ -56,4 +56,22 @@ inline void Weigh(const Likely& log_likelihood, Likely& likely) noexcept {
   for (double& mu : likely) mu /= floored;
 }
 
+// One step of time before each model's own: how likely they are, and their estimates mixed. mean: of the estimates,
+// weighed.
+template <typename Estimate, typename Mean>
+void Interact(const TransitionRates& rates_1_s, double dt_s, const Mean& mean, Models<Estimate>& models) noexcept {
+  const Mixing mixing = Mix(rates_1_s, dt_s, models.likely);
+  const std::array<Estimate, kModels> before = models.estimate;
+  for (std::size_t j = 0; j < kModels; ++j) models.estimate[j] = mean(before, mixing.parts[j]);
+  models.likely = mixing.likely;
+}
+
+// correct(j, estimate): corrects model j, and returns the logarithm of how likely the measurement was to it.
+template <typename Estimate, typename Correct>
+void CorrectEach(const Correct& correct, Models<Estimate>& models) noexcept {
+  Likely log_likelihood{};
+  for (std::size_t j = 0; j < kModels; ++j) log_likelihood[j] = correct(j, models.estimate[j]);
+  Weigh(log_likelihood, models.likely);
+}
+
 }  // namespace omni::tracker

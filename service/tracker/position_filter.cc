@@ -28,7 +28,7 @@ Matrix3d PositionCovariance(const PoseMeasurement& measured) {
 }
 
 // x = sum w_i x_i,   P = sum w_i (P_i + d_i d_i^T),   d_i = x_i - x
-Motion Mean(const std::array<Motion, kModels>& motions, const Likely& weights) {
+Motion MeanMotion(const std::array<Motion, kModels>& motions, const Likely& weights) {
   Motion mean;
   Vector3d p = Vector3d::Zero(), v = Vector3d::Zero();
   for (std::size_t i = 0; i < kModels; ++i) {
@@ -52,7 +52,7 @@ Motion Mean(const std::array<Motion, kModels>& motions, const Likely& weights) {
 }
 
 void PublishMotion(FilterState& state) {
-  static_cast<Motion&>(state) = Mean(state.motions.estimate, state.motions.likely);
+  static_cast<Motion&>(state) = MeanMotion(state.motions.estimate, state.motions.likely);
 }
 
 // p <- p,   v <- 0,   P_pp <- P_pp + R min(w dt / r, g),   r the largest variance in R: a wander that is as slow
@@ -159,11 +159,8 @@ void ResetMotion(const FilterNoise& noise, const PoseMeasurement& measured, Filt
 }
 
 void PredictMotion(const FilterNoise& noise, double dt_s, FilterState& state) noexcept {
-  const Mixing mixing = Mix(noise.follows_1_s, dt_s, state.motions.likely);
-  const std::array<Motion, kModels> before = state.motions.estimate;
+  Interact(noise.follows_1_s, dt_s, MeanMotion, state.motions);
   auto& now = state.motions.estimate;
-  for (std::size_t j = 0; j < kModels; ++j) now[j] = Mean(before, mixing.parts[j]);
-  state.motions.likely = mixing.likely;
   Rest(noise, dt_s, state.white_m2, now[kRests]);
   GoOn(noise.acceleration_m2_s3 * std::exp(state.position_liveliness.log_factor), dt_s, now[kGoesOn]);
   GoOn(noise.acceleration_m2_s3 * noise.anew_factor, dt_s, now[kMovesAnew]);
@@ -175,19 +172,17 @@ bool CorrectMotion(const FilterNoise& noise, const PoseMeasurement& measured, do
   const Matrix3d R = PositionCovariance(measured);
   const Vector3d z = base::ToEigen(measured.position_base_m);
   LearnPositionWhiteness(noise, measured, R, dt_s, state.position_whiteness);
-  auto& motions = state.motions.estimate;
-  const Vector3d innovation = z - base::ToEigen(motions[kMovesAnew].position_base_m);
-  const Matrix3d S = Load(motions[kMovesAnew].covariance_pp) + R;
+  const Motion& anew = state.motions.estimate[kMovesAnew];
+  const Vector3d innovation = z - base::ToEigen(anew.position_base_m);
+  const Matrix3d S = Load(anew.covariance_pp) + R;
   if (!(innovation.dot(S.inverse() * innovation) <= kRestartGate)) return false;
   const Whiteness& whiteness = state.position_whiteness;
   state.white_m2 = PartOf(measured, whiteness.along, whiteness.share);
   const Matrix3d R_white = Load(state.white_m2);
-  Likely log_likelihood{};
   Vector3d whitened;
-  for (std::size_t j = 0; j < kModels; ++j) {
-    log_likelihood[j] = Correct(z, R_white, R, motions[j], j == kGoesOn ? &whitened : nullptr);
-  }
-  Weigh(log_likelihood, state.motions.likely);
+  CorrectEach([&](std::size_t model,
+                  Motion& motion) { return Correct(z, R_white, R, motion, model == kGoesOn ? &whitened : nullptr); },
+              state.motions);
   LearnLiveliness(noise, whitened, state.position_liveliness);
   PublishMotion(state);
   return true;

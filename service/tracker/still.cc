@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "service/base/distance.h"
+#include "service/base/eigen.h"
 #include "service/tracker/cholesky.h"
 #include "service/tracker/drift.h"
 
@@ -15,12 +16,11 @@ constexpr double kKnown = 1e-6;  // of a state's variance, when nothing has chan
 
 // The mean of the places until now: of one alone the noise would pass for the pen's next movement.
 void SettleAt(const PenPlace& pen, double weight, PenPlace& place) noexcept {
-  const auto step = [&](double from, double to) { return from + weight * (to - from); };
-  place.position_base_m = {step(place.position_base_m.x, pen.position_base_m.x),
-                           step(place.position_base_m.y, pen.position_base_m.y),
-                           step(place.position_base_m.z, pen.position_base_m.z)};
-  place.axis_base = {step(place.axis_base.x, pen.axis_base.x), step(place.axis_base.y, pen.axis_base.y),
-                     step(place.axis_base.z, pen.axis_base.z)};
+  const auto settle = [&](const base::Vec3& towards, base::Vec3& at) {
+    at = base::FromEigen(base::ToEigen(at) + weight * (base::ToEigen(towards) - base::ToEigen(at)));
+  };
+  settle(pen.position_base_m, place.position_base_m);
+  settle(pen.axis_base, place.axis_base);
 }
 
 // d = (sum I)^-1 sum g; false: what was gathered does not tell

@@ -22,15 +22,6 @@ constexpr double kSubStep_s = kTick_s / kSubSteps;
 constexpr double kAway_s = 0.3, kMove_s = 0.5, kRest_s = 0.5;
 constexpr double kWaits_m = 2e-3;  // where the hand waits
 
-base::Result<haptics::Scene> Wall(double stiffness_N_m) {
-  haptics::SceneInput input;
-  input.name = "wall";
-  input.materials.push_back({.stiffness_N_m = stiffness_N_m, .static_friction = 0, .dynamic_friction = 0});
-  input.objects.push_back(Slab({}));
-  haptics::BuildReport report;
-  return haptics::BuildScene(input, report);
-}
-
 haptics::Config ConfigFor(const WallLoop& loop, WallRule rule) {
   haptics::Config config;
   config.coil_lag_s = loop.coil_lag_s;
@@ -115,7 +106,9 @@ class Hand {
 
 WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& story, WallRule rule,
                   double stiffness_N_m, std::uint64_t seed) {
-  const haptics::Scene scene = stiffness_N_m > 0 ? Wall(stiffness_N_m).value() : haptics::Scene();
+  const haptics::Scene scene =
+      stiffness_N_m > 0 ? Wall(0, {.stiffness_N_m = stiffness_N_m, .static_friction = 0, .dynamic_friction = 0})
+                        : haptics::Scene();
   const haptics::Config config = ConfigFor(loop, rule);
   haptics::State state;
   haptics::Output output;
@@ -159,19 +152,24 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& s
   return run;
 }
 
-haptics::InputObject Slab(const base::Vec3& top_m) {
+haptics::Scene Wall(double top_m, const haptics::Material& material) {
   haptics::InputObject slab;
   slab.name = "wall";
   const double half_m = 0.02, thickness_m = 0.02;
-  for (const double z_m : {top_m.z - thickness_m, top_m.z}) {
+  for (const double z_m : {top_m - thickness_m, top_m}) {
     for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-      slab.vertices_base_m.push_back({top_m.x + x * half_m, top_m.y + y * half_m, z_m});
+      slab.vertices_base_m.push_back({x * half_m, y * half_m, z_m});
     }
   }
   slab.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4},
                     {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
   slab.triangle_material.assign(slab.triangles.size(), 0);
-  return slab;
+  haptics::SceneInput input;
+  input.name = "wall";
+  input.materials.push_back(material);
+  input.objects.push_back(std::move(slab));
+  haptics::BuildReport report;
+  return haptics::BuildScene(input, report).value();
 }
 
 // A first-order high pass.

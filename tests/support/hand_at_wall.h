@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "service/haptics/haptics.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/material.h"
+#include "service/haptics/scene.h"
 
 namespace omni::test {
 
@@ -48,8 +49,8 @@ struct WallStory {
 WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& story, WallRule rule,
                   double stiffness_N_m, std::uint64_t seed);
 
-// A slab whose upper face is at `top_m`, its middle there.
-haptics::InputObject Slab(const base::Vec3& top_m);
+// A slab of that material whose upper face is z = `top_m`.
+haptics::Scene Wall(double top_m, const haptics::Material& material);
 
 // rms of what is left of x above `from_Hz`, once a tick, in the second half of [from, to).
 double RmsAbove(const std::vector<double>& x, std::size_t from, std::size_t to, double from_Hz);

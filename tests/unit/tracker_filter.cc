@@ -11,12 +11,14 @@
 #include <vector>
 
 #include "service/base/eigen.h"
+#include "service/tools/statistics.h"
 #include "service/tracker/filter.h"
 
 namespace omni::tracker {
 namespace test_tracker_filter {
 
 using Eigen::Vector3d;
+using tools::Quantile;
 
 constexpr double kTick_s = 1e-3;
 
@@ -76,18 +78,29 @@ class Fed {
   std::normal_distribution<double> normal_;
 };
 
-double Quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 TEST(TrackerFilter, ACalmHandGivesACalmPose) {
   Fed hand(kAt55mm);
   const Vector3d at{0, 0, 0.055};
   hand.RmsAt(at, 2000);
   EXPECT_LT(hand.RmsAt(at, 4000), 0.4 * std::sqrt(3) * kAt55mm.position_m);
   EXPECT_GT(hand.state.motions.likely[kRests], 0.5);
+  EXPECT_LT(hand.state.position_liveliness.log_factor, std::log(0.2));
   EXPECT_GE(hand.state.position_liveliness.log_factor, hand.noise.calm_log_min - 1e-9);
+}
+
+TEST(TrackerFilter, AHandThatSetsOffIsNotHeldBack) {
+  Fed hand({4e-4, 5e-3});
+  hand.RmsAt({0, 0, 0.07}, 4000);
+  // 10 m/s^2 for 40 ms, then 0.4 m/s.
+  double x_m = 0, v_m_s = 0, worst_m = 0;
+  for (int i = 0; i < 150; ++i) {
+    x_m += kTick_s * (v_m_s + 0.5 * kTick_s * (i < 40 ? 10 : 0));
+    v_m_s += i < 40 ? 10 * kTick_s : 0;
+    hand.Feed({x_m, 0, 0.07});
+    worst_m = std::max(worst_m, std::abs(hand.state.position_base_m.x - x_m));
+  }
+  EXPECT_LT(worst_m, 1.2e-3);
+  EXPECT_NEAR(hand.state.velocity_base_m_s.x, v_m_s, 0.05);
 }
 
 struct Change {

@@ -7,20 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "service/base/in_parallel.h"
 #include "service/base/limits.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick.h"
 #include "service/sim/loopback.h"
 #include "service/sim/vec3.h"
-#include "service/tools/statistics.h"
 #include "tests/bench/harness/room_conditions.h"
 #include "tests/support/hand_at_wall.h"
 
 namespace omni::bench {
 namespace {
-
-using sim::operator-;
 
 constexpr std::size_t kRigs = 4;
 constexpr std::array<double, 2> kRadii_m{0.055, 0.09};
@@ -28,7 +24,7 @@ constexpr double kHold_s = 4, kAbove_m = 8e-3, kDepth_m = 5e-3;
 constexpr double kBuzzFrom_Hz = 30;
 constexpr std::size_t kJudged = 1000;  // ticks, the last ones
 
-// What a hand does to a wall, in millimetres of the tip above it.
+// What a hand does to a wall.
 struct Situation {
   const char* name;
   double mass_kg, damping_Ns_m, stiffness_N_m;
@@ -68,16 +64,6 @@ sim::HandScript ScriptOf(const Situation& situation, double wall_z_m) {
   return script;
 }
 
-haptics::Scene WallAt(double z_m, double damping_Ns_m) {
-  haptics::InputObject slab = test::Slab({0, 0, z_m});
-  haptics::SceneInput input;
-  input.name = "wall";
-  input.materials.push_back({.stiffness_N_m = 2000, .damping_Ns_m = damping_Ns_m});
-  input.objects.push_back(std::move(slab));
-  haptics::BuildReport report;
-  return haptics::BuildScene(input, report).value();
-}
-
 struct Felt {
   double buzz_mN = 0, swing_mm = 0, peak_N = 0, given_mJ = 0, gain = 1, offered_N_m = 0;
   std::size_t contact_ticks = 0;
@@ -91,7 +77,8 @@ Felt Touch(const base::DeviceGeometry& device, const loop::TickConfig& config, b
   sim::PlantOptions plant{.seed = seed, .script = ScriptOf(situation, wall_z_m)};
   plant.truth = truth;
   sim::Loopback twin(device, plant);
-  const haptics::Scene scene = WallAt(wall_z_m, situation.wall_damping_Ns_m);
+  const haptics::Scene scene =
+      test::Wall(wall_z_m, {.stiffness_N_m = 2000, .damping_Ns_m = situation.wall_damping_Ns_m});
   const auto state = std::make_unique<loop::LoopState>();
   const auto output = std::make_unique<loop::TickOutput>();
   loop::EnterScene(scene, 1, *state);
@@ -126,23 +113,14 @@ base::Result<BenchRows> ClosedLoop(std::uint64_t seed, bool quick) {
   for (const bool in_room : {false, true}) {
     const RoomCondition condition{.name = in_room ? "room" : "ideal", .ideal = !in_room};
     std::vector<std::vector<Felt>> of_rig(rigs);
-    std::vector<std::string> failed(rigs);
-    base::InParallel(rigs, [&](std::size_t r) {
-      const std::uint64_t rig_seed = 1000 * seed + 500 + r;
-      const auto config = ConfigIn(condition, device, rig_seed);
-      if (!config.ok()) {
-        failed[r] = config.error();
-        return;
-      }
+    const auto touch = [&](std::size_t r, std::uint64_t rig_seed, const loop::TickConfig& config) {
       for (const double radius_m : kRadii_m) {
         for (const Situation& situation : kSituations) {
-          of_rig[r].push_back(Touch(device, *config, RoomOf(condition), rig_seed, radius_m, situation));
+          of_rig[r].push_back(Touch(device, config, RoomOf(condition), rig_seed, radius_m, situation));
         }
       }
-    });
-    for (const std::string& error : failed) {
-      if (!error.empty()) return base::Error{error};
-    }
+    };
+    if (auto error = OnRigs(condition, device, rigs, 1000 * seed + 500, touch)) return *error;
     for (std::size_t k = 0; k < of_rig[0].size(); ++k) {
       Felt worst = of_rig[0][k];
       std::size_t held_back = 0;

@@ -203,7 +203,7 @@ nlohmann::ordered_json OutsideRow(Sweep& sweep, const Crowd& crowd, double delay
       held_back += outcome.gain < 1;
       energy_mJ = std::max(energy_mJ, outcome.energy_mJ);
       buzz_mN = std::max(buzz_mN, outcome.buzz_mN);
-      bad += outcome.limit_cycle || outcome.energy_mJ >= kEnergyMax_mJ || outcome.buzz_mN >= kBuzzMax_mN;
+      bad += !outcome.Good(kBuzzNoise_mm);
       least_N_m = std::min(least_N_m, outcome.stiffness_N_m);
     }
   }

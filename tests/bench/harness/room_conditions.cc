@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "service/base/in_parallel.h"
 #include "service/config/calibration_file.h"
 #include "service/config/device_file.h"
 #include "service/config/twin_file.h"
@@ -188,6 +189,24 @@ base::Result<loop::TickConfig> ConfigIn(const RoomCondition& condition, const ba
       text, "room", {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "twin"});
   if (!file.ok()) return base::Error{file.error()};
   return loop::MakeTickConfig(device, file->calibration);
+}
+
+std::optional<base::Error> OnRigs(const RoomCondition& condition, const base::DeviceGeometry& device, std::size_t rigs,
+                                  std::uint64_t first_seed,
+                                  const std::function<void(std::size_t, std::uint64_t, const loop::TickConfig&)>& use) {
+  std::vector<std::string> failed(rigs);
+  base::InParallel(rigs, [&](std::size_t r) {
+    const auto config = ConfigIn(condition, device, first_seed + r);
+    if (config.ok()) {
+      use(r, first_seed + r, *config);
+    } else {
+      failed[r] = config.error();
+    }
+  });
+  for (const std::string& error : failed) {
+    if (!error.empty()) return base::Error{error};
+  }
+  return std::nullopt;
 }
 
 }  // namespace omni::bench

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,5 +43,11 @@ std::string SurroundingsOf(const RoomCondition& condition);
 // was refused.
 base::Result<loop::TickConfig> ConfigIn(const RoomCondition& condition, const base::DeviceGeometry& device,
                                         std::uint64_t seed);
+
+// use(rig, seed, config) on so many bases at once, each calibrated there; seeds from `first_seed` on. The first
+// refusal, if there was one: that base was not used.
+std::optional<base::Error> OnRigs(const RoomCondition& condition, const base::DeviceGeometry& device, std::size_t rigs,
+                                  std::uint64_t first_seed,
+                                  const std::function<void(std::size_t, std::uint64_t, const loop::TickConfig&)>& use);
 
 }  // namespace omni::bench

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "service/base/in_parallel.h"
 #include "service/sim/loopback.h"
 #include "service/sim/motion.h"
 #include "service/sim/random.h"
@@ -294,20 +293,11 @@ base::Result<BenchRows> BenchDynamics(const BenchOptions& options) {
   for (const bool in_room : {false, true}) {
     const RoomCondition condition{.name = in_room ? "room" : "ideal", .ideal = !in_room};
     std::vector<std::vector<Measured>> of_rig(rigs);
-    std::vector<std::string> failed(rigs);
-    base::InParallel(rigs, [&](std::size_t r) {
-      const std::uint64_t seed = 1000 * options.seed + r;
-      const auto config = ConfigIn(condition, device, seed);
-      if (!config.ok()) {
-        failed[r] = config.error();
-        return;
-      }
+    const auto follow = [&](std::size_t r, std::uint64_t seed, const loop::TickConfig& config) {
       const double azimuth_rad = sim::Random(seed).Uniform(-std::numbers::pi, std::numbers::pi);
-      of_rig[r] = AllOf({device, RoomOf(condition), config->tracker, seed, azimuth_rad}, options.quick);
-    });
-    for (const std::string& error : failed) {
-      if (!error.empty()) return base::Error{error};
-    }
+      of_rig[r] = AllOf({device, RoomOf(condition), config.tracker, seed, azimuth_rad}, options.quick);
+    };
+    if (auto error = OnRigs(condition, device, rigs, 1000 * options.seed, follow)) return *error;
     for (std::size_t m = 0; m < of_rig[0].size(); ++m) {
       Measured all = of_rig[0][m];
       for (std::size_t r = 1; r < rigs; ++r) all.trials.Add(of_rig[r][m].trials);
