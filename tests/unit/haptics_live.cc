@@ -205,12 +205,11 @@ TEST(LiveFeelTest, ResistanceIsForcePerDisplacement) {
     sculpt::SculptInput input;
     input.tracked = true;
     input.dt_s = 1e-3;
-    input.stiffness_limit_N_m = 2000;
+    input.stiffness_limit_N_m = input.normal_stiffness_limit_N_m = 2000;
     input.touch = {true, 0, {}, {}, {0, 0, 1}, 0.6};  // pressed
     std::map<double, double> pull_N;                  // by offset
     for (int k = 0; k < 600; ++k) {
       const bool pulls = k > 300;
-      input.velocity_base_m_s = {0, 0, pulls ? 0.02 : 0.0};
       if (pulls) input.tip_base_m.z += 2e-5;
       const Vec3 force_N = StepSculptTool(feel, input, state, ring).force_N;
       for (sculpt::StrokeMessage message; ring.TryPop(message);) {

@@ -120,6 +120,17 @@ TEST(SculptFeelTest, SettlesOnTheGrid) {
   EXPECT_NEAR(TopOf(hand.editor()) - top_m, hand.state().offset_m, 2e-5);
 }
 
+TEST(SculptFeelTest, LetsGoOfATipThatRestsInNoise) {
+  SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m + 0.006}, 0.03);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  Random random(9);
+  for (int k = 0; k < 500; ++k) hand.MoveTo({0, 0, top_m + 0.006 + random.Uniform(-6e-4, 6e-4)});  // of 1 ms each
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+}
+
 TEST(SculptFeelTest, TornOrLostItEndsTheStroke) {
   for (const bool torn : {true, false}) {
     SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
@@ -139,6 +150,37 @@ TEST(SculptFeelTest, TornOrLostItEndsTheStroke) {
   }
 }
 
+// A base that is not calibrated offers little: the hold gets from the press to the pull with any stiffness.
+TEST(SculptFeelTest, SoftHoldPullsToo) {
+  for (const double stiffness_N_m : {30.0, 60.0, 120.0, 400.0}) {
+    SculptToolState state;
+    SculptInput input;
+    input.tracked = true;
+    input.dt_s = 1e-3;
+    input.normal_stiffness_limit_N_m = stiffness_N_m;
+    input.touch = {true, 0, {1, 0, 0}, {}, {0, 0, 1}, 0.6};
+    StrokeRing ring;
+    const auto step = [&] {
+      StrokeMessage message;
+      while (ring.TryPop(message)) {
+      }
+      return StepSculptTool({.tear_m = 0.002}, input, state, ring);
+    };
+    for (int k = 0; k < 300; ++k) step();
+    ASSERT_EQ(state.phase, SculptPhase::kHeld);
+    while (state.phase == SculptPhase::kHeld && input.tip_base_m.z < 0.06) {
+      input.tip_base_m.z += 1.6e-5;
+      if (step().force_N.z < -0.2 && state.offset_m > 1e-3) break;
+    }
+    EXPECT_EQ(state.phase, SculptPhase::kHeld) << stiffness_N_m;
+    EXPECT_GT(state.offset_m, 1e-3) << stiffness_N_m;
+    input.normal_stiffness_limit_N_m = 0;
+    for (int k = 0; k < 50; ++k) step();
+    EXPECT_NE(state.phase, SculptPhase::kHeld) << "nothing holds it";
+    EXPECT_EQ(state.hold, 0);
+  }
+}
+
 TEST(SculptFeelTest, MessagesWaitWhileTheRingIsFull) {
   StrokeRing ring;
   while (ring.TryPush({})) {
@@ -147,7 +189,7 @@ TEST(SculptFeelTest, MessagesWaitWhileTheRingIsFull) {
   SculptInput input;
   input.tracked = true;
   input.dt_s = 1e-3;
-  input.stiffness_limit_N_m = 400;
+  input.stiffness_limit_N_m = input.normal_stiffness_limit_N_m = 400;
   input.touch = {true, 0, {1, 0, 0}, {}, {0, 0, 1}, 0.6};
   for (int k = 0; k < 300; ++k) StepSculptTool({}, input, state, ring);
   ASSERT_EQ(state.phase, SculptPhase::kHeld);
@@ -190,13 +232,13 @@ TEST(SculptFeelTest, BadInputGivesFiniteForceAndNoHeap) {
     SculptInput input;
     input.tracked = random.Next() % 8 != 0;
     input.tip_base_m = {any(), any(), any()};
-    input.velocity_base_m_s = {any(), any(), any()};
     input.dt_s = any();
     input.stiffness_limit_N_m = any();
+    input.normal_stiffness_limit_N_m = any();
     input.touch = {random.Next() % 2 == 0, 0, {}, {any(), any(), any()}, Normalized({any(), 1, 0}), std::abs(any())};
     if (k % 1000 < 300) {  // long enough to take hold
       input.tracked = true;
-      input.tip_base_m = input.velocity_base_m_s = {};
+      input.tip_base_m = {};
       input.dt_s = 1e-3;
       input.touch = {k % 1000 > 10, 0, {1, 0, 0}, {}, {0, 0, 1}, 0.6};
     }

@@ -3,6 +3,7 @@
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/scene.h"
 #include "service/haptics/sculpt/handover.h"
+#include "service/haptics/stability.h"
 
 namespace omni::haptics {
 namespace {
@@ -108,9 +109,9 @@ Vec3 StepSculptTools(const Offer& offer, const Touchables& touchables, const Inp
     sculpt::SculptInput tool;
     tool.tracked = input.tracked;
     tool.tip_base_m = target.tip;  // the tool lives where the mesh rests
-    tool.velocity_base_m_s = frame.RestDirection(input.velocity_base_m_s - touchables.VelocityOf(object, target.tip));
     tool.dt_s = input.dt_s;
     tool.stiffness_limit_N_m = offer.stiffness_N_m;
+    tool.normal_stiffness_limit_N_m = StiffnessAlong(offer, frame.BaseDirection(state.sculpted[n].tool.normal));
     tool.generation = table->generation;
     tool.brush = workshop.brush();
     const std::size_t touched = DeepestOn(object, state);

@@ -11,8 +11,7 @@ constexpr double kYieldDepth_m = 1e-3;    // the surface gives way to the force 
 constexpr double kLeastYield_N = 0.05;    // ... at least this, so that it does not creep under a hand that rests ...
 constexpr double kMostYield_N = 0.5;      // ... at most this, so that the hardest can still be formed
 constexpr double kFollow_s = 0.02;        // viscosity over resistance
-constexpr double kTear_m =
-    0.012;  // a hold of 100 N/m, as stability may want it, gets from a press of 0.6 N to a pull of 0.6 N
+constexpr double kTear_m = 0.012;         // a hand that leads the surface by more has let go
 constexpr double kLeastViscosity_Ns_m = 1.0;  // quiets the tracker's noise where nothing resists
 
 bool AnyMaterialAsks(const Scene& scene) {

@@ -14,9 +14,10 @@ struct SculptToolState {
   SculptPhase phase = SculptPhase::kFree;
   bool armed = true;  // a new grab needs the pen to have let off since the last
   double timer_s = 0;
-  double rested_s = 0;
-  Vec3 grip_base_m;  // tip when taken
-  Vec3 normal;       // of the surface when taken
+  double rested_s = 0;       // that the tip has stayed ...
+  double rest_height_m = 0;  // ... here, over the grip
+  Vec3 grip_base_m;          // tip when taken
+  Vec3 normal;               // of the surface when taken
   double start_force_N = 0;
   double offset_m = 0;       // that the surface has been moved so far
   double hold = 0;           // share of the tool's force, the contact has the rest

@@ -6,13 +6,13 @@ namespace {
 constexpr double kLetGoShare = 0.8;    // of the grab force: hysteresis while pressing
 constexpr double kRearmShare = 0.5;    // of the grab force: under it the tool is ready again
 constexpr double kFastest_m_s = 0.25;  // that the surface follows
-constexpr double kSlow_m_s = 0.015;    // the tip rests
+constexpr double kRest_m = 0.002;      // a tip that stays within rests; its velocity is noisier
 constexpr double kMoved_m = 3e-4;      // less is no stroke yet: resting does not end it
 constexpr double kFarthestTip_m = 100;
 
 void Take(const SculptInput& input, SculptToolState& state) noexcept {
   state.phase = SculptPhase::kHeld;
-  state.rested_s = 0;
+  state.rested_s = state.rest_height_m = 0;
   state.grip_base_m = input.tip_base_m;
   state.normal = input.touch.normal;
   state.start_force_N = input.touch.normal_force_N;
@@ -45,10 +45,14 @@ void StepPressed(const SculptFeel& feel, const SculptInput& input, SculptToolSta
 
 // F = F_0 - k (x - o), x = height of the tip over the grip. Wax: while the force exceeds what it bears, F_0 + Y + H |o|
 // inwards and Y + H |o| outwards, the offset o follows at (excess) / c; backward Euler in o.   (5.1)-(5.3)
+double Bears_N(const SculptFeel& feel, const SculptToolState& state) noexcept {
+  return feel.yield_N + feel.hardening_N_m * std::abs(state.offset_m);
+}
+
 double GiveWay(const SculptFeel& feel, double height_m, double stiffness_N_m, double dt_s,
                SculptToolState& state) noexcept {
   const double trial_N = state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
-  const double bears_N = feel.yield_N + feel.hardening_N_m * std::abs(state.offset_m);
+  const double bears_N = Bears_N(feel, state);
   const double in_N = trial_N - state.start_force_N - bears_N, out_N = -trial_N - bears_N;
   const double excess_N = in_N > 0 ? -in_N : std::max(0.0, out_N);
   const double lag = feel.viscosity_Ns_m + (stiffness_N_m + feel.hardening_N_m) * dt_s;
@@ -58,20 +62,31 @@ double GiveWay(const SculptFeel& feel, double height_m, double stiffness_N_m, do
   return state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
 }
 
+// Stretched or pressed farther than to where the surface gives way, however soft the spring.   (5.4)
+bool IsTorn(const SculptFeel& feel, double height_m, double stiffness_N_m, const SculptToolState& state) noexcept {
+  if (!(stiffness_N_m > 0)) return true;
+  const double out_m = (state.start_force_N + Bears_N(feel, state)) / stiffness_N_m;
+  const double in_m = Bears_N(feel, state) / stiffness_N_m;
+  const double stretch_m = height_m - state.offset_m;
+  return !(stretch_m <= feel.tear_m + std::min(out_m, feel.offset_max_m) &&
+           stretch_m >= -feel.tear_m - std::min(in_m, feel.offset_max_m));
+}
+
 void StepHeld(const SculptFeel& feel, const SculptInput& input, SculptToolState& state) noexcept {
   const Vec3 from_grip = input.tip_base_m - state.grip_base_m;
   const double height_m = Dot(from_grip, state.normal);
   const Vec3 sideways = from_grip - height_m * state.normal;
-  const double k = std::min(feel.stiffness_N_m, std::max(0.0, input.stiffness_limit_N_m));
+  const double k = std::min(feel.stiffness_N_m, std::max(0.0, input.normal_stiffness_limit_N_m));
+  const double side_k = std::min(feel.stiffness_N_m, std::max(0.0, input.stiffness_limit_N_m));
   const double normal_N = GiveWay(feel, height_m, k, input.dt_s, state);
   const double side_m = Norm(sideways);
-  const double side_N = std::min(k * side_m, feel.side_force_max_N);
+  const double side_N = std::min(side_k * side_m, feel.side_force_max_N);
   state.held_force_N = std::clamp(normal_N, -feel.hold_force_max_N, feel.hold_force_max_N) * state.normal -
                        side_N * Normalized(sideways);
-  const bool slow = std::abs(Dot(input.velocity_base_m_s, state.normal)) < kSlow_m_s;
-  state.rested_s = slow && std::abs(state.offset_m) > kMoved_m ? state.rested_s + input.dt_s : 0;
-  const bool torn =
-      !(std::abs(height_m - state.offset_m) <= feel.tear_m && side_m <= input.brush.radius_m + feel.tear_m);
+  const bool rests = std::abs(height_m - state.rest_height_m) < kRest_m && std::abs(state.offset_m) > kMoved_m;
+  state.rested_s = rests ? state.rested_s + input.dt_s : 0;
+  if (!rests) state.rest_height_m = height_m;
+  const bool torn = IsTorn(feel, height_m, k, state) || !(side_m <= input.brush.radius_m + feel.tear_m);
   if (torn || state.rested_s >= feel.rest_s) state.phase = SculptPhase::kSettling;
 }
 

@@ -18,7 +18,7 @@ struct SculptFeel {
   double stiffness_N_m = 400;     // [0, 2000], of the hold, at most what stability allows
   double hold_force_max_N = 1.5;  // (0, 2]
   double side_force_max_N = 0.4;  // across the direction of the pull
-  double tear_m = 0.006;          // stretched further, the hold breaks
+  double tear_m = 0.006;          // stretched so much beyond where it gives way, the hold breaks
   double rest_s = 0.3;            // resting so long after it was moved: let go
   double grid_step_m = 0;         // offsets settle on multiples of it; 0: no grid
   double offset_max_m = 0.05;     // (0, 1], either way
@@ -37,10 +37,10 @@ struct SculptTouch {
 struct SculptInput {
   bool tracked = false;
   Vec3 tip_base_m;
-  Vec3 velocity_base_m_s;
-  double dt_s = 0;                 // [0, 5 ms]
-  double stiffness_limit_N_m = 0;  // what stability allows
-  std::uint64_t generation = 0;    // of the surface the touch is on
+  double dt_s = 0;                        // [0, 5 ms]
+  double stiffness_limit_N_m = 0;         // what stability allows in every direction ...
+  double normal_stiffness_limit_N_m = 0;  // ... and along the normal of the hold
+  std::uint64_t generation = 0;           // of the surface the touch is on
   SculptTouch touch;
   Brush brush;
 };
