@@ -27,6 +27,18 @@ Matrix3d PositionCovariance(const PoseMeasurement& measured) {
       .topLeftCorner<3, 3>();
 }
 
+// sum <- sum + w (P + a b^T)
+void AddWeighed(double weight, const std::array<double, 9>& covariance, const Vector3d& a, const Vector3d& b,
+                std::array<double, 9>& sum) {
+  Eigen::Map<Eigen::Array<double, 9, 1>>(sum.data()) +=
+      weight * Eigen::Map<const Eigen::Array<double, 9, 1>>(covariance.data());
+  const Vector3d scaled = weight * a;
+  Eigen::Map<Matrix3d> columns(sum.data());  // of the transposed matrix
+  columns.col(0) += scaled[0] * b;
+  columns.col(1) += scaled[1] * b;
+  columns.col(2) += scaled[2] * b;
+}
+
 // x = sum w_i x_i,   P = sum w_i (P_i + d_i d_i^T),   d_i = x_i - x
 Motion MeanMotion(const std::array<Motion, kModels>& motions, const Likely& weights) {
   Motion mean;
@@ -37,17 +49,13 @@ Motion MeanMotion(const std::array<Motion, kModels>& motions, const Likely& weig
   }
   mean.position_base_m = base::FromEigen(p);
   mean.velocity_base_m_s = base::FromEigen(v);
-  Matrix3d pp = Matrix3d::Zero(), pv = Matrix3d::Zero(), vv = Matrix3d::Zero();
   for (std::size_t i = 0; i < kModels; ++i) {
     const Vector3d dp = base::ToEigen(motions[i].position_base_m) - p;
     const Vector3d dv = base::ToEigen(motions[i].velocity_base_m_s) - v;
-    pp += weights[i] * (Load(motions[i].covariance_pp) + dp * dp.transpose());
-    pv += weights[i] * (Load(motions[i].covariance_pv) + dp * dv.transpose());
-    vv += weights[i] * (Load(motions[i].covariance_vv) + dv * dv.transpose());
+    AddWeighed(weights[i], motions[i].covariance_pp, dp, dp, mean.covariance_pp);
+    AddWeighed(weights[i], motions[i].covariance_pv, dp, dv, mean.covariance_pv);
+    AddWeighed(weights[i], motions[i].covariance_vv, dv, dv, mean.covariance_vv);
   }
-  Store(pp, mean.covariance_pp);
-  Store(pv, mean.covariance_pv);
-  Store(vv, mean.covariance_vv);
   return mean;
 }
 
