@@ -135,6 +135,11 @@ void Tune(const MainsOptions& options, Mains& mains) noexcept {
   mains.listened_s = 0;
 }
 
+double MemoryOf_s(const MainsOptions& options, const Tone& tone) noexcept {
+  const double weaker = options.strong_chi2 / std::max(tone.chi2, 1.0);
+  return std::clamp(options.memory_s * weaker, options.memory_s, options.memory_max_s);
+}
+
 }  // namespace
 
 void AdvanceMains(const MainsOptions& options, std::int64_t t_ns, Mains& mains) noexcept {
@@ -146,8 +151,8 @@ void AdvanceMains(const MainsOptions& options, std::int64_t t_ns, Mains& mains) 
   const double step_s = base::Elapsed_s(t_ns, mains.t_ns);
   mains.t_ns = t_ns;
   if (!(step_s >= 0 && step_s < options.memory_s)) return Restart(options, mains);
-  const double keep = std::exp(-step_s / options.memory_s);
   for (Tone& tone : mains.tones) {
+    const double keep = std::exp(-step_s / MemoryOf_s(options, tone));
     tone.phase_rad = std::fmod(tone.phase_rad + kTurn_rad * tone.frequency_Hz * step_s, kTurn_rad);
     tone.chi2 *= keep;
     for (double& sum : tone.information_1_T2) sum *= keep;

@@ -13,7 +13,9 @@ namespace omni::tracker {
 struct MainsOptions {
   bool enabled = true;
   std::array<double, 2> candidates_Hz{50, 60};
-  double memory_s = 0.5;
+  // What was heard of a tone is forgotten over the first of these, over up to the second if it is weaker than that: far
+  // from the base noise would say more of it.
+  double memory_s = 0.5, memory_max_s = 1, strong_chi2 = 120;
   double apart_min_s = 3e-3, apart_max_s = 2e-2;  // two scans whose difference tells of them
   double jump_T = 1.5e-5;                         // between these: something else happened
   double heard_min_s = 0.1;                       // before a tone is believed

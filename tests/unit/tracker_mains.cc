@@ -28,6 +28,7 @@ class TrackerMains : public testing::Test {
   std::int64_t t_ns = 1'000'000'000;
   Pose pose;
   double amplitude_T = 0, frequency_Hz = 50, third = 0;
+  double higher_m = 0;
   Vector3d steady_T = Vector3d::Zero();
   Vector3d direction = Vector3d(0.7, -0.4, 0.6).normalized();
 
@@ -40,7 +41,8 @@ class TrackerMains : public testing::Test {
   base::HallScan NextScan() {
     t_ns += 1'000'000;
     const double t_s = 1e-9 * static_cast<double>(t_ns);
-    pose.position_base_m = {0.03 * std::cos(4 * t_s), 0.03 * std::sin(4 * t_s), 0.075 + 0.01 * std::sin(3 * t_s)};
+    pose.position_base_m = {0.03 * std::cos(4 * t_s), 0.03 * std::sin(4 * t_s),
+                            0.075 + higher_m + 0.01 * std::sin(3 * t_s)};
     pose.axis_base = Vector3d(0.4 * std::sin(2 * t_s), 0.4 * std::cos(2.5 * t_s), -1).normalized();
     base::HallScan scan = support::MakeScan(config.model, pose, t_ns, rng, {.noise_scale = 1});
     scan.sequence = static_cast<std::uint64_t>(t_ns / 1'000'000);
@@ -96,6 +98,19 @@ TEST_F(TrackerMains, TheirFieldIsFound) {
   const AmbientChange change = FieldOfMains(state.mains);
   const Vector3d found_T(change.field_T[0], change.field_T[1], change.field_T[2]);
   EXPECT_LT((found_T - MainsAt(t_ns)).norm(), 0.3 * amplitude_T);
+}
+
+// Where noise drowns what half a second says of a tone, it is remembered for longer.
+TEST_F(TrackerMains, AWeakOneIsKept) {
+  amplitude_T = 5e-7;
+  higher_m = 0.012;
+  FreshRun_m(4);
+  int known = 0;
+  for (int second = 0; second < 30; ++second) {
+    Run_m(1);
+    known += state.mains.tones[0].believed ? 1 : 0;
+  }
+  EXPECT_GE(known, 29);
 }
 
 // A tone between the sensors' instants: what the three terms of AmbientChange leave of 150 Hz a millisecond back.
