@@ -27,8 +27,8 @@ class FieldWatch {
   explicit FieldWatch(const base::Calibration& calibration);
 
   void Add(const loop::RoomSample& sample);
-  // useless: bit i: not sensor i.
-  void EndSecond(std::uint32_t useless);
+  // useless: bit i: not sensor i. explained: it is known why no pose explains the readings.
+  void EndSecond(std::uint32_t useless, bool explained);
   void Tell(std::vector<RoomFinding>& findings) const;
   bool magnet_near() const noexcept { return is_magnet_.holds(); }
 
@@ -36,6 +36,7 @@ class FieldWatch {
   using Fields = Eigen::Matrix<double, 3, base::kSensorCount>;
   struct Second {
     int samples = 0, tracked = 0, stray = 0, quiet = 0;
+    int contradicted = 0;  // a magnet is near, and no pose explains the readings
     Eigen::Vector3d ambient_sum_T = Eigen::Vector3d::Zero();
     double ambient_square_T2 = 0;
     Fields reading_sum_T = Fields::Zero();  // of quiet samples
@@ -48,7 +49,8 @@ class FieldWatch {
   base::Calibration calibration_;
   std::optional<tracker::StaticSolver> solver_;
   Second second_;
-  double uniform_T_ = 0;                                              // of the last second that said so
+  bool has_fitted_ = false;  // poses have explained the readings of a whole second
+  double uniform_T_ = 0;     // of the last second that said so
   Verdict is_magnet_{3}, wanders_{5}, is_uniform_{3}, is_uneven_{3};  // a magnet that comes wanders too
 };
 

@@ -55,17 +55,19 @@ void RoomWatch::EndSecond() {
   samples_ = near_ = contradicted_ = 0;
   if (!enough) return;
   sensors_.EndSecond();
-  if (field_) field_->EndSecond(sensors_.useless());
+  if (field_) field_->EndSecond(sensors_.useless(), IsExplained());
 }
 
 std::vector<RoomFinding> RoomWatch::Tell() const {
   std::vector<RoomFinding> findings;
   sensors_.Tell(field_ && field_->magnet_near(), findings);
   if (swap_ && swap_->found()) findings.push_back(Swapped(*swap_->found()));
-  if (field_) field_->Tell(findings);
+  if (field_ && !IsExplained()) field_->Tell(findings);
   return findings;
 }
 
-bool RoomWatch::explains_misfit() const noexcept { return sensors_.too_few() || (swap_ && swap_->found().has_value()); }
+bool RoomWatch::IsExplained() const noexcept { return sensors_.too_few() || (swap_ && swap_->found().has_value()); }
+
+bool RoomWatch::explains_misfit() const noexcept { return IsExplained() || (field_ && field_->magnet_near()); }
 
 }  // namespace omni::daemon

@@ -32,6 +32,7 @@ class RoomWatch {
 
  private:
   void EndSecond();
+  bool IsExplained() const noexcept;  // by the sensors themselves
   std::vector<RoomFinding> Tell() const;
 
   SensorWatch sensors_;

@@ -277,14 +277,17 @@ bool Remember(const Config& config, const Input& input, State& state) noexcept {
   return steady;
 }
 
-double HoldSwings(const Input& measured, const Touched& touched, bool steady, State& state) noexcept {
-  return WatchSwings({.tip = measured.device_point_base_m,
-                      .force_N = touched.contacts_N,
-                      .stiffness_N_m = touched.stiffness_N_m,
-                      .noise_m = std::sqrt(std::max(0.0, measured.noise.position_m2)),
-                      .dt_s = measured.dt_s,
-                      .judged = steady && !touched.moving && !measured.pushed},
-                     state.swing);
+double Watch(const Config& config, const Input& measured, const Touched& touched, bool steady, bool passive,
+             State& state) noexcept {
+  return WatchContacts(
+      {.tip = measured.device_point_base_m,
+       .force_N = touched.contacts_N,
+       .stiffness_N_m = touched.stiffness_N_m,
+       .noise_m = std::sqrt(std::max(0.0, measured.noise.position_m2)),
+       .dt_s = measured.dt_s,
+       .judged = steady && !touched.moving && !measured.pushed},
+      {measured.device_point_base_m, measured.dt_s, LoopLag_s(config, measured), touched.stored_J, passive},
+      state.swing, state.energy);
 }
 
 // What the scene does, and what of it the device may.
@@ -299,12 +302,8 @@ void Render(const Config& config, const Offer& offer, const Scene& scene, const 
     others_N =
         touched.others_N + Play(config, offer, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
-  const double swing_gain = HoldSwings(measured, touched, steady, state);
   const bool passive = steady && state.ramp == 1 && !touched.moving && !input.pushed && others_N == Vec3{};
-  output.energy_gain = WatchEnergy(
-      {measured.device_point_base_m, input.dt_s, LoopLag_s(config, input), swing_gain * touched.stored_J, passive},
-      state.energy);
-  output.energy_gain *= swing_gain;
+  output.energy_gain = Watch(config, measured, touched, steady, passive, state);
   const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;
   Limit(config, input, input.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
 }
@@ -320,9 +319,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
   }
   output.stiffness_offered_N_m = offer.along_N_m;
   if (state.last_force_N == Vec3{} && NothingHere(scene, input, tip, state)) {
-    output.energy_gain = WatchEnergy(
-        {input.device_point_base_m, input.dt_s, LoopLag_s(config, input), 0, steady && state.ramp == 1}, state.energy);
-    output.energy_gain *= HoldSwings(input, {}, steady, state);
+    output.energy_gain = Watch(config, input, {}, steady, steady && state.ramp == 1, state);
   } else {
     Render(config, offer, scene, input, tip, steady, state, output);
   }

@@ -75,4 +75,11 @@ double WatchSwings(const SwingTick& tick, SwingState& state) noexcept {
   return state.gain;
 }
 
+double WatchContacts(const SwingTick& tick, const WatchedTick& whole, SwingState& swing, EnergyState& energy) noexcept {
+  const double gain = WatchSwings(tick, swing);
+  WatchedTick left = whole;
+  left.stored_J *= gain;
+  return gain * WatchEnergy(left, energy);
+}
+
 }  // namespace omni::haptics

@@ -2,6 +2,7 @@
 // the rule of stability.h assumes. It trusts nothing but the measured tip. docs/theory/haptics.md (3.10)
 #pragma once
 
+#include "service/haptics/energy_watch.h"
 #include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/state.h"
 
@@ -19,5 +20,8 @@ struct SwingTick {
 
 // Gain in [0.01, 1] on the forces of this tick.
 double WatchSwings(const SwingTick& tick, SwingState& state) noexcept;
+
+// Of this watch and of that over the energy, which sees what this one leaves of `whole`.
+double WatchContacts(const SwingTick& tick, const WatchedTick& whole, SwingState& swing, EnergyState& energy) noexcept;
 
 }  // namespace omni::haptics

@@ -57,7 +57,7 @@ void Rest(const FilterNoise& noise, double dt_s, Turning& turning) {
   turning.variance_rate = noise.rest_rate_rad_s * noise.rest_rate_rad_s;
 }
 
-void GoOn(double q, double dt, Turning& turning) {
+void Extrapolate(double q, double dt, Turning& turning) {
   const Vector3d turn_rad = dt * base::ToEigen(turning.angular_velocity_base_rad_s);
   turning.axis_base = TurnAxis(turning.axis_base, base::FromEigen(turn_rad));
   turning.variance_angle +=
@@ -98,7 +98,7 @@ void ResetTurning(const FilterNoise& noise, const PoseMeasurement& measured, Fil
   turning.variance_angle = AngleVariance(measured);
   turning.variance_rate = kRateSigma_rad_s * kRateSigma_rad_s;
   state.turnings.estimate.fill(turning);
-  Rest(noise, 0, state.turnings.estimate[kRests]);
+  Rest(noise, 0, state.turnings.estimate[kAtRest]);
   state.turnings.likely = noise.likely_at_first;
   PublishTurning(state);
 }
@@ -106,9 +106,10 @@ void ResetTurning(const FilterNoise& noise, const PoseMeasurement& measured, Fil
 void PredictTurning(const FilterNoise& noise, double dt_s, FilterState& state) noexcept {
   Interact(noise.follows_1_s, dt_s, MeanTurning, state.turnings);
   auto& now = state.turnings.estimate;
-  Rest(noise, dt_s, now[kRests]);
-  GoOn(noise.angular_acceleration_rad2_s3 * std::exp(state.axis_liveliness.log_factor), dt_s, now[kGoesOn]);
-  GoOn(noise.angular_acceleration_rad2_s3 * noise.anew_factor, dt_s, now[kMovesAnew]);
+  Rest(noise, dt_s, now[kAtRest]);
+  Extrapolate(noise.angular_acceleration_rad2_s3 * std::exp(state.axis_liveliness.log_factor), dt_s,
+              now[kConstantVelocity]);
+  Extrapolate(noise.angular_acceleration_rad2_s3 * noise.manoeuvre_factor, dt_s, now[kManoeuvre]);
   PublishTurning(state);
 }
 
@@ -121,9 +122,11 @@ void CorrectTurning(const FilterNoise& noise, const PoseMeasurement& measured, d
   }
   const double R_white = state.axis_whiteness.share * R;
   Vector3d whitened;
-  CorrectEach([&](std::size_t model,
-                  Turning& turning) { return Correct(z, R_white, R, turning, model == kGoesOn ? &whitened : nullptr); },
-              state.turnings);
+  CorrectEach(
+      [&](std::size_t model, Turning& turning) {
+        return Correct(z, R_white, R, turning, model == kConstantVelocity ? &whitened : nullptr);
+      },
+      state.turnings);
   LearnLiveliness(noise, whitened, state.axis_liveliness);
   PublishTurning(state);
 }

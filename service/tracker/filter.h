@@ -1,6 +1,6 @@
-// Filter of the tool's pose: a hand that rests, one that goes on as it did, and one that starts, stops or turns, each
-// with its own estimate; how likely each is weighs them. Position: six states, full covariance; axis: two per tangent,
-// isotropic. docs/theory/tracking.md (10) - (12)
+// Filter of the tool's pose by three models of the hand's motion: at rest, at constant velocity, and manoeuvring (it
+// starts, stops or turns), each with its own estimate; how likely each is weighs them. Position: six states, full
+// covariance; axis: two per tangent, isotropic. docs/theory/tracking.md (10) - (12)
 #pragma once
 
 #include <array>
@@ -11,22 +11,22 @@
 
 namespace omni::tracker {
 
-// A hand does one of these.
-inline constexpr std::size_t kRests = 0, kGoesOn = 1, kMovesAnew = 2;
+// Models of the motion.
+inline constexpr std::size_t kAtRest = 0, kConstantVelocity = 1, kManoeuvre = 2;
 
 struct FilterNoise {
   // At rest: this slow, and where it is wanders.
   double rest_speed_m_s = 1e-3, rest_rate_rad_s = 1e-2;
   double rest_wander_m2_s = 8e-6, rest_wander_rad2_s = 7e-4;
   double rest_wander_share = 0.05;  // of a measurement's variance, at most, a scan
-  // Going on: spectral density of the position's acceleration, of a hand at work, and of the axis's. Both are
+  // Constant velocity: spectral density of the position's acceleration, of a hand at work, and of the axis's. Both are
   // multiplied by a factor that is learnt: innovations that follow one another mean that it is too small.
   double acceleration_m2_s3 = 1.0, angular_acceleration_rad2_s3 = 100;
-  double calm_log_min = -4.6;  // natural logarithms of 0.01 ...
-  double calm_log_max = 2.3;   // ... and 10
-  double calm_rate = 0.05;     // per scan
-  double calm_memory = 0.2;    // share of the newest innovation in the mean of those before
-  double anew_factor = 20;     // on both densities, when it moves anew
+  double calm_log_min = -4.6;    // natural logarithms of 0.01 ...
+  double calm_log_max = 2.3;     // ... and 10
+  double calm_rate = 0.05;       // per scan
+  double calm_memory = 0.2;      // share of the newest innovation in the mean of those before
+  double manoeuvre_factor = 20;  // on both densities, of a manoeuvre
   // How often one follows the other: row, to column.
   TransitionRates follows_1_s{{{0, 40, 20}, {0.5, 0, 3}, {1, 450, 0}}};
   Likely likely_at_first{0.2, 0.6, 0.2};

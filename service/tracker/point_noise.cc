@@ -23,19 +23,19 @@ double NoiseIn(const Models<Estimate>& models, const VarianceOf& variance) noexc
   return sum;
 }
 
-// As large as the noise, but with the ratio of velocity to position of a hand that goes on: that says how far the
-// filter is behind (3.3), which it is less than that whenever another model takes over.
-base::PointNoise Scaled(const base::PointNoise& goes_on, double noise_m2) noexcept {
-  const double share = std::min(1.0, noise_m2 / goes_on.position_m2);
-  return {share * goes_on.position_m2, share * goes_on.cross_m2_s, share * goes_on.velocity_m2_s2};
+// As large as the noise, but with the ratio of velocity to position of the model of constant velocity: that says how
+// far the filter is behind (3.3), which it is less than that whenever another model takes over.
+base::PointNoise Scaled(const base::PointNoise& moving, double noise_m2) noexcept {
+  const double share = std::min(1.0, noise_m2 / moving.position_m2);
+  return {share * moving.position_m2, share * moving.cross_m2_s, share * moving.velocity_m2_s2};
 }
 
 }  // namespace
 
 // Position and axis are independent in the filter.
 base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexcept {
-  const Motion& motion = filter.motions.estimate[kGoesOn];
-  const Turning& turning = filter.turnings.estimate[kGoesOn];
+  const Motion& motion = filter.motions.estimate[kConstantVelocity];
+  const Turning& turning = filter.turnings.estimate[kConstantVelocity];
   const double lever_m2 = offset_m * offset_m;
   return Scaled({Worst(motion.covariance_pp) + lever_m2 * turning.variance_angle,
                  Worst(motion.covariance_pv) + lever_m2 * turning.covariance_angle_rate,
@@ -50,7 +50,7 @@ base::PointNoise NoiseAlong(const FilterState& filter) noexcept {
   const auto along = [&](const std::array<double, 9>& c) {
     return u.dot(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(c.data()) * u);
   };
-  const Motion& motion = filter.motions.estimate[kGoesOn];
+  const Motion& motion = filter.motions.estimate[kConstantVelocity];
   return Scaled({along(motion.covariance_pp), along(motion.covariance_pv), along(motion.covariance_vv)},
                 NoiseIn(filter.motions, [&](const Motion& m) { return along(m.covariance_pp); }));
 }

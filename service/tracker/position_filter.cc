@@ -76,7 +76,7 @@ void Rest(const FilterNoise& noise, double dt_s, const std::array<double, 9>& wh
 }
 
 // Q = q [dt^3/3, dt^2/2; dt^2/2, dt]   [Bar-Shalom, Li, Kirubarajan 2001, 6.2.2]
-void GoOn(double q, double dt, Motion& motion) {
+void Extrapolate(double q, double dt, Motion& motion) {
   motion.position_base_m =
       base::FromEigen(base::ToEigen(motion.position_base_m) + dt * base::ToEigen(motion.velocity_base_m_s));
   const Matrix3d pv = Load(motion.covariance_pv), vv = Load(motion.covariance_vv);
@@ -161,7 +161,7 @@ void ResetMotion(const FilterNoise& noise, const PoseMeasurement& measured, Filt
   Store(kVelocitySigma_m_s * kVelocitySigma_m_s * Matrix3d::Identity(), motion.covariance_vv);
   state.motions.estimate.fill(motion);
   state.white_m2 = motion.covariance_pp;
-  Rest(noise, 0, state.white_m2, state.motions.estimate[kRests]);
+  Rest(noise, 0, state.white_m2, state.motions.estimate[kAtRest]);
   state.motions.likely = noise.likely_at_first;
   PublishMotion(state);
 }
@@ -169,9 +169,9 @@ void ResetMotion(const FilterNoise& noise, const PoseMeasurement& measured, Filt
 void PredictMotion(const FilterNoise& noise, double dt_s, FilterState& state) noexcept {
   Interact(noise.follows_1_s, dt_s, MeanMotion, state.motions);
   auto& now = state.motions.estimate;
-  Rest(noise, dt_s, state.white_m2, now[kRests]);
-  GoOn(noise.acceleration_m2_s3 * std::exp(state.position_liveliness.log_factor), dt_s, now[kGoesOn]);
-  GoOn(noise.acceleration_m2_s3 * noise.anew_factor, dt_s, now[kMovesAnew]);
+  Rest(noise, dt_s, state.white_m2, now[kAtRest]);
+  Extrapolate(noise.acceleration_m2_s3 * std::exp(state.position_liveliness.log_factor), dt_s, now[kConstantVelocity]);
+  Extrapolate(noise.acceleration_m2_s3 * noise.manoeuvre_factor, dt_s, now[kManoeuvre]);
   PublishMotion(state);
 }
 
@@ -180,17 +180,19 @@ bool CorrectMotion(const FilterNoise& noise, const PoseMeasurement& measured, do
   const Matrix3d R = PositionCovariance(measured);
   const Vector3d z = base::ToEigen(measured.position_base_m);
   LearnPositionWhiteness(noise, measured, R, dt_s, state.position_whiteness);
-  const Motion& anew = state.motions.estimate[kMovesAnew];
-  const Vector3d innovation = z - base::ToEigen(anew.position_base_m);
-  const Matrix3d S = Load(anew.covariance_pp) + R;
+  const Motion& manoeuvre = state.motions.estimate[kManoeuvre];
+  const Vector3d innovation = z - base::ToEigen(manoeuvre.position_base_m);
+  const Matrix3d S = Load(manoeuvre.covariance_pp) + R;
   if (!(innovation.dot(S.inverse() * innovation) <= kRestartGate)) return false;
   const Whiteness& whiteness = state.position_whiteness;
   state.white_m2 = PartOf(measured, whiteness.along, whiteness.share);
   const Matrix3d R_white = Load(state.white_m2);
   Vector3d whitened;
-  CorrectEach([&](std::size_t model,
-                  Motion& motion) { return Correct(z, R_white, R, motion, model == kGoesOn ? &whitened : nullptr); },
-              state.motions);
+  CorrectEach(
+      [&](std::size_t model, Motion& motion) {
+        return Correct(z, R_white, R, motion, model == kConstantVelocity ? &whitened : nullptr);
+      },
+      state.motions);
   LearnLiveliness(noise, whitened, state.position_liveliness);
   PublishMotion(state);
   return true;

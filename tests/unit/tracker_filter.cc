@@ -83,7 +83,7 @@ TEST(TrackerFilter, ACalmHandGivesACalmPose) {
   const Vector3d at{0, 0, 0.055};
   hand.RmsAt(at, 2000);
   EXPECT_LT(hand.RmsAt(at, 4000), 0.4 * std::sqrt(3) * kAt55mm.position_m);
-  EXPECT_GT(hand.state.motions.likely[kRests], 0.5);
+  EXPECT_GT(hand.state.motions.likely[kAtRest], 0.5);
   EXPECT_LT(hand.state.position_liveliness.log_factor, std::log(0.2));
   EXPECT_GE(hand.state.position_liveliness.log_factor, hand.noise.calm_log_min - 1e-9);
 }

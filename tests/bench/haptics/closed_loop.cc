@@ -123,7 +123,7 @@ base::Result<BenchRows> ClosedLoop(std::uint64_t seed, bool quick) {
     if (auto error = OnRigs(condition, device, rigs, 1000 * seed + 500, touch)) return *error;
     for (std::size_t k = 0; k < of_rig[0].size(); ++k) {
       Felt worst = of_rig[0][k];
-      std::size_t held_back = 0;
+      std::size_t force_cut = 0;
       for (const auto& felts : of_rig) {
         const Felt& felt = felts[k];
         worst.buzz_mN = std::max(worst.buzz_mN, felt.buzz_mN);
@@ -132,7 +132,7 @@ base::Result<BenchRows> ClosedLoop(std::uint64_t seed, bool quick) {
         worst.given_mJ = std::max(worst.given_mJ, felt.given_mJ);
         worst.offered_N_m = std::min(worst.offered_N_m, felt.offered_N_m);
         worst.contact_ticks = std::min(worst.contact_ticks, felt.contact_ticks);
-        held_back += felt.gain < 1;
+        force_cut += felt.gain < 1;
       }
       const std::size_t n = std::size(kSituations);
       rows.push_back({{"table", "closed-loop"},
@@ -144,7 +144,7 @@ base::Result<BenchRows> ClosedLoop(std::uint64_t seed, bool quick) {
                       {"swing_mm", worst.swing_mm},
                       {"peak_N", worst.peak_N},
                       {"given_mJ", worst.given_mJ},
-                      {"held_back", held_back},
+                      {"force_cut", force_cut},
                       {"offered_N_m", worst.offered_N_m},
                       {"contact_ticks", worst.contact_ticks}});
     }

@@ -192,7 +192,7 @@ struct Crowd {
 };
 
 nlohmann::ordered_json OutsideRow(Sweep& sweep, const Crowd& crowd, double delay_ms, double late_ms, double noise_mm) {
-  int hands = 0, cycles = 0, held_back = 0, bad = 0;
+  int hands = 0, cycles = 0, force_cut = 0, bad = 0;
   double energy_mJ = 0, buzz_mN = 0, least_N_m = std::numeric_limits<double>::infinity();
   for (const double mass_kg : crowd.mass_kg) {
     for (const double damping_Ns_m : crowd.damping_Ns_m) {
@@ -200,7 +200,7 @@ nlohmann::ordered_json OutsideRow(Sweep& sweep, const Crowd& crowd, double delay
           sweep.Run({delay_ms, damping_Ns_m, mass_kg, noise_mm, late_ms}, WallRule::kOffered, kAsked_N_m);
       ++hands;
       cycles += outcome.limit_cycle;
-      held_back += outcome.gain < 1;
+      force_cut += outcome.gain < 1;
       energy_mJ = std::max(energy_mJ, outcome.energy_mJ);
       buzz_mN = std::max(buzz_mN, outcome.buzz_mN);
       bad += !outcome.Good(kBuzzNoise_mm);
@@ -210,7 +210,7 @@ nlohmann::ordered_json OutsideRow(Sweep& sweep, const Crowd& crowd, double delay
   return {{"table", "outside"}, {"hand", crowd.name},     {"delay_ms", delay_ms},
           {"late_ms", late_ms}, {"noise_mm", noise_mm},   {"hands", hands},
           {"bad", bad},         {"limit_cycles", cycles}, {"energy_mJ", energy_mJ},
-          {"buzz_mN", buzz_mN}, {"held_back", held_back}, {"least_offered_N_m", least_N_m}};
+          {"buzz_mN", buzz_mN}, {"force_cut", force_cut}, {"least_offered_N_m", least_N_m}};
 }
 
 void AddOutside(bool quick, Sweep& sweep, BenchRows& rows) {
