@@ -13,12 +13,9 @@ namespace {
 using Eigen::Vector3d;
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kMostly = 0.8;
 constexpr double kModelError = 0.02;    // of the field of a pen that lies far away
 constexpr double kPenAmbient_T = 1e-5;  // beside it
 constexpr int kSensorsMin = 4;
-
-bool IsMostly(int some, int all) { return some > 0 && some >= kMostly * all; }
 
 std::string Microtesla(double field_T) { return std::to_string(std::lround(1e6 * field_T)) + " uT"; }
 
@@ -72,15 +69,13 @@ FieldWatch::FieldWatch(const base::Calibration& calibration) : calibration_(cali
 void FieldWatch::Add(const loop::RoomSample& sample) {
   const base::ToolState& tool = sample.tool;
   ++second_.samples;
-  const bool near = tool.field_rms_T >= loop::FitStatistics::kNear_T;
-  second_.contradicted += near && (tool.limits & base::kToolContradicted) != 0 ? 1 : 0;
   if (tool.status == base::TrackingStatus::kTracking) {
     const Vector3d ambient_T = base::ToEigen(tool.ambient_base_T);
     ++second_.tracked;
     second_.stray += tool.stray_rms_T > 0 ? 1 : 0;
     second_.ambient_sum_T += ambient_T;
     second_.ambient_square_T2 += ambient_T.squaredNorm();
-  } else if (tool.status == base::TrackingStatus::kAbsent && !near) {
+  } else if (tool.status == base::TrackingStatus::kAbsent && tool.field_rms_T < loop::FitStatistics::kNear_T) {
     ++second_.quiet;
     for (int i = 0; i < base::kSensorCount; ++i) {
       second_.reading_sum_T.col(i) += base::ToEigen(sample.scan.field_sensor_T[static_cast<std::size_t>(i)]);
@@ -89,9 +84,9 @@ void FieldWatch::Add(const loop::RoomSample& sample) {
   }
 }
 
-void FieldWatch::EndSecond(std::uint32_t useless, bool explained) {
-  if (IsMostly(second_.contradicted, second_.samples)) {
-    if (has_fitted_ && !explained) is_magnet_.Add(true);  // a calibration that fitted still does: something came
+void FieldWatch::EndSecond(std::uint32_t useless, bool contradicted) {
+  if (contradicted) {
+    if (has_fitted_) is_magnet_.Add(true);  // a calibration that fitted still does: something came
   } else if (IsMostly(second_.tracked, second_.samples)) {
     has_fitted_ = true;
     JudgeTracked();

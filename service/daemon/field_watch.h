@@ -27,8 +27,9 @@ class FieldWatch {
   explicit FieldWatch(const base::Calibration& calibration);
 
   void Add(const loop::RoomSample& sample);
-  // useless: bit i: not sensor i. explained: it is known why no pose explains the readings.
-  void EndSecond(std::uint32_t useless, bool explained);
+  // useless: bit i: not sensor i. contradicted: a magnet is near, and neither a pose nor what is known of the sensors
+  // explains the readings.
+  void EndSecond(std::uint32_t useless, bool contradicted);
   void Tell(std::vector<RoomFinding>& findings) const;
   bool magnet_near() const noexcept { return is_magnet_.holds(); }
 
@@ -36,7 +37,6 @@ class FieldWatch {
   using Fields = Eigen::Matrix<double, 3, base::kSensorCount>;
   struct Second {
     int samples = 0, tracked = 0, stray = 0, quiet = 0;
-    int contradicted = 0;  // a magnet is near, and no pose explains the readings
     Eigen::Vector3d ambient_sum_T = Eigen::Vector3d::Zero();
     double ambient_square_T2 = 0;
     Fields reading_sum_T = Fields::Zero();  // of quiet samples

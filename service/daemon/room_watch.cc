@@ -52,10 +52,11 @@ void RoomWatch::EndSecond() {
     if (swap_ && !is_contradicted_.holds()) swap_->Forget();
   }
   const bool enough = samples_ >= kSamplesMin;
+  const bool contradicted = IsMostly(contradicted_, samples_);
   samples_ = near_ = contradicted_ = 0;
   if (!enough) return;
   sensors_.EndSecond();
-  if (field_) field_->EndSecond(sensors_.useless(), IsExplained());
+  if (field_) field_->EndSecond(sensors_.useless(), contradicted && !IsExplained());
 }
 
 std::vector<RoomFinding> RoomWatch::Tell() const {

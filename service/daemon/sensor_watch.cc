@@ -9,10 +9,6 @@
 namespace omni::daemon {
 namespace {
 
-constexpr double kMostly = 0.8;
-
-bool IsMostly(int some, int all) { return some > 0 && some >= kMostly * all; }
-
 // "sensor 3", "sensors 0, 1 and 4"
 std::string SensorsText(const std::vector<int>& sensors) {
   std::string text = sensors.size() == 1 ? "sensor " : "sensors ";

@@ -25,4 +25,7 @@ class Verdict {
   bool holds_ = false;
 };
 
+// Of the samples of a second.
+inline bool IsMostly(int some, int all) noexcept { return some > 0 && some >= 0.8 * all; }
+
 }  // namespace omni::daemon

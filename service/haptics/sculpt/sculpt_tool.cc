@@ -43,12 +43,13 @@ void StepPressed(const SculptFeel& feel, const SculptInput& input, SculptToolSta
   if (state.timer_s >= feel.dwell_s) Take(input, state);
 }
 
-// F = F_0 - k (x - o), x = height of the tip over the grip. Wax: while the force exceeds what it bears, F_0 + Y + H |o|
-// inwards and Y + H |o| outwards, the offset o follows at (excess) / c; backward Euler in o.   (5.1)-(5.3)
+// R = Y + H |o|
 double Bears_N(const SculptFeel& feel, const SculptToolState& state) noexcept {
   return feel.yield_N + feel.hardening_N_m * std::abs(state.offset_m);
 }
 
+// F = F_0 - k (x - o), x = height of the tip over the grip. Wax: while the force exceeds what it bears, F_0 + Y + H |o|
+// inwards and Y + H |o| outwards, the offset o follows at (excess) / c; backward Euler in o.   (5.1)-(5.3)
 double GiveWay(const SculptFeel& feel, double height_m, double stiffness_N_m, double dt_s,
                SculptToolState& state) noexcept {
   const double trial_N = state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
@@ -65,8 +66,7 @@ double GiveWay(const SculptFeel& feel, double height_m, double stiffness_N_m, do
 // Stretched or pressed farther than to where the surface gives way, however soft the spring.   (5.4)
 bool IsTorn(const SculptFeel& feel, double height_m, double stiffness_N_m, const SculptToolState& state) noexcept {
   if (!(stiffness_N_m > 0)) return true;
-  const double out_m = (state.start_force_N + Bears_N(feel, state)) / stiffness_N_m;
-  const double in_m = Bears_N(feel, state) / stiffness_N_m;
+  const double in_m = Bears_N(feel, state) / stiffness_N_m, out_m = state.start_force_N / stiffness_N_m + in_m;
   const double stretch_m = height_m - state.offset_m;
   return !(stretch_m <= feel.tear_m + std::min(out_m, feel.offset_max_m) &&
            stretch_m >= -feel.tear_m - std::min(in_m, feel.offset_max_m));
