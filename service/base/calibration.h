@@ -15,6 +15,7 @@ namespace omni::base {
 
 inline constexpr int kArraySensorsMin = 4;
 inline constexpr int kArraySensorsMax = 64;
+inline constexpr double kCoreKeptMin_A = 1e-3, kCoreKeptMax_A = 0.1;  // as far as a calibration looks for it
 
 // reading_S = gain_sensor_base B(position) + current_map I + background
 struct SensorCalibration {
@@ -39,6 +40,7 @@ struct Calibration {
   double moment_Am2 = 0;                   // > 0
   double core_radius_m = 0;                // 0: no core
   double core_kappa = 1;                   // (mu_r - 1) / (mu_r + 2)
+  double core_kept_A = 0;                  // of any motion, as a current (hysteresis); 0: unknown
   Vec3 core_centre_base_m;                 // frame B is that of hull and windings
   double hull_radius_m = 0;                // 0: no hull
   SteelPlane steel;

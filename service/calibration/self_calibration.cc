@@ -1,5 +1,6 @@
 #include "service/calibration/self_calibration.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <vector>
@@ -55,6 +56,9 @@ base::Calibration ToCalibration(const Problem& problem, const Adjustment& adjust
   }
   calibration.moment_Am2 = parameters.Moment_Am2(0);
   calibration.core_kappa = parameters.Kappa();
+  if (problem.follows_core()) {
+    calibration.core_kept_A = std::clamp(parameters.Kept_A(), base::kCoreKeptMin_A, base::kCoreKeptMax_A);
+  }
   calibration.core_centre_base_m = base::FromEigen(parameters.CoreCentre_m());
   calibration.hull_radius_m = parameters.HullRadius_m();
   calibration.steel = FoundSteel(adjustment);

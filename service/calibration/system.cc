@@ -7,6 +7,7 @@
 #include "service/calibration/residual.h"
 #include "service/calibration/steel_plane.h"
 #include "service/calibration/tool_field.h"
+#include "service/magnetics/core_currents.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/zonal.h"
 
@@ -140,7 +141,7 @@ Instant Moved(const Instant& instant, const OwnVector& step) {
 Problem::Problem(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
                  const Recording& recording, const Tolerances& tolerances)
     : nominal_(nominal), touch_sigma_m_(tolerances.touch_m), remanence_A_(tolerances.remanence_A) {
-  MakeCoreCurrents(coils);
+  if (!coils.empty()) core_current_A_m3_ = magnetics::CoreCurrents(nominal_);
   for (std::size_t i = 0; i < recording.responses.size(); ++i) {
     const CoilResponse& response = recording.responses[i];
     nominal_.sensors[i].background_sensor_T = response.background_sensor_T;
@@ -312,34 +313,13 @@ std::vector<Vector3d> DrawnBehind(const Way& way, double string_A) {
 
 }  // namespace
 
-// A dipole with the field of the drawn map's column, by least squares: moment of each coil per ampere. The core's in
-// the magnet's field is m_n = a^3 kappa m (3 (u.n) n - u) / r^3; as currents, of the coils with their moments.
-void Problem::MakeCoreCurrents(std::span<const base::CoilGeometry> coils) {
-  core_current_A_m3_.setZero();
-  const double core_Am5 = std::pow(nominal_.core_radius_m, 3) * nominal_.core_kappa * nominal_.moment_Am2;
-  for (std::size_t k = 0; k < coils.size() && k < base::kCoilCount; ++k) {
-    const Vector3d axis = base::ToEigen(coils[k].axis_base).normalized();
-    double along = 0, square = 0;
-    for (const base::SensorCalibration& sensor : nominal_.sensors) {
-      const Vector3d s = base::ToEigen(sensor.position_base_m), n = s.normalized();
-      const Vector3d dipole_T = magnetics::kMu0Over4Pi / std::pow(s.norm(), 3) * (3 * n.dot(axis) * n - axis);
-      const Vector3d unit = Eigen::Map<const RowMajor3d>(sensor.gain_sensor_base.data()) * dipole_T;
-      along += unit.dot(Eigen::Map<const RowMajor3d>(sensor.current_map_T_A.data()).col(static_cast<int>(k)));
-      square += unit.squaredNorm();
-    }
-    if (along != 0) core_current_A_m3_.row(static_cast<int>(k)) = (core_Am5 * square / along) * axis.transpose();
-  }
-}
-
 Vector3d Problem::CoreCurrents_A(const Instant& instant) const {
-  const double r_m = instant.position_base_m.norm();
-  const Vector3d n = instant.position_base_m / r_m;
-  return core_current_A_m3_ * (3 * n.dot(instant.axis_base) * n - instant.axis_base) / (r_m * r_m * r_m);
+  return core_current_A_m3_ * magnetics::CoreFieldShape(instant.position_base_m, instant.axis_base);
 }
 
 // What the core keeps is drawn behind its moment like a stone on a string whose length is what it keeps at most. (1a)
 void Problem::FollowCore(const Parameters& parameters, std::span<const Instant> instants) {
-  if (core_current_A_m3_.isZero()) return;
+  if (!follows_core()) return;
   Way way;
   std::vector<std::size_t> moving;
   for (std::size_t n = 0; n < observations_.size(); ++n) {

@@ -80,6 +80,7 @@ class Problem {
   double touch_sigma_m() const { return touch_sigma_m_; }
   double remanence_A() const { return remanence_A_; }
   bool has_coils() const { return !coil_moments_.empty(); }
+  bool follows_core() const { return !core_current_A_m3_.isZero(); }
 
   // What the core keeps trails behind the magnet's way, which is that of these instants, by what it has been found to
   // keep.
@@ -88,7 +89,6 @@ class Problem {
   System Linearise(const Parameters& parameters, std::span<const Instant> instants) const;
 
  private:
-  void MakeCoreCurrents(std::span<const base::CoilGeometry> coils);
   Eigen::Vector3d CoreCurrents_A(const Instant& instant) const;
   void AddPriors(const Parameters& parameters, System& system) const;
   void AddMaps(const Parameters& parameters, System& system) const;
@@ -96,7 +96,7 @@ class Problem {
   base::Calibration nominal_;  // maps and background replaced by measured ones
   double touch_sigma_m_;
   double remanence_A_;
-  Eigen::Matrix3d core_current_A_m3_;  // the core's moment in the magnet's field as currents, per (3 (u.n) n - u) / r^3
+  Eigen::Matrix3d core_current_A_m3_ = Eigen::Matrix3d::Zero();  // the core's moment in the magnet's field
   std::vector<Observation> observations_;
   std::vector<double> map_error_T_A_;  // per sensor; empty: maps as drawn
   struct CoilShape {

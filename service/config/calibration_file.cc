@@ -28,6 +28,7 @@ constexpr Range kMap_T_A{-1e-2, 1e-2};
 constexpr Range kBackground_T{-1e-3, 1e-3};
 constexpr Range kMoment_Am2{1e-3, 1e3};
 constexpr Range kKappa{0, 1.2};
+constexpr Range kCoreKept_A{0, base::kCoreKeptMax_A};
 constexpr Range kTipOffset_m{0, kTipOffsetMax_m};
 constexpr Range kHullRadius_m{0, 0.5};
 constexpr Range kSteelStrength{-2, 2};
@@ -107,6 +108,7 @@ void ReadMagnet(FileProblem& problem, TableReader& root, CalibrationFile& file) 
   Calibration& calibration = file.calibration;
   calibration.moment_Am2 = reader.Number("moment_Am2", kMoment_Am2);
   calibration.core_kappa = reader.Number("core_kappa", kKappa);
+  calibration.core_kept_A = reader.Number("core_kept_A", kCoreKept_A, 0.0);
   file.tip_measured = table->contains("tip_offset_m");
   double& tip_offset_m = calibration.magnet.tip_offset_m;
   tip_offset_m = reader.Number("tip_offset_m", kTipOffset_m, tip_offset_m);
@@ -174,6 +176,7 @@ std::string Content(const CalibrationFile& file, const DeviceGeometry& device) {
   text += "unfixed = " + std::to_string(quality.unfixed) + "\n\n[magnet]\n";
   text += "moment_Am2 = " + TomlFloat(file.calibration.moment_Am2) + "\n";
   text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n";
+  if (file.calibration.core_kept_A != 0) text += "core_kept_A = " + TomlFloat(file.calibration.core_kept_A) + "\n";
   if (file.tip_measured) text += "tip_offset_m = " + TomlFloat(file.calibration.magnet.tip_offset_m) + "\n";
   text += "\n[base]\n";
   text += "hull_radius_m = " + TomlFloat(file.calibration.hull_radius_m) + "\n";

@@ -24,7 +24,9 @@ void AddTo(StateRow& row, double factor, const StateRow& other) noexcept {
 
 double Square(double x) noexcept { return x * x; }
 
-double VarianceOf(const DriftNoise& noise, std::size_t state) noexcept {
+// follows: the core's string has been followed
+double VarianceOf(const DriftNoise& noise, bool follows, std::size_t state) noexcept {
+  if (state < 3 && follows) return Square(std::max(noise.core_error * noise.core_kept_A, noise.core_error_min_A));
   if (state < 3) return Square(noise.remanence_A);
   return state < kMoment ? Square(noise.ambient_T) : Square(noise.moment);
 }
@@ -240,23 +242,44 @@ std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
   return {drift.mean[kAmbient], drift.mean[kAmbient + 1], drift.mean[kAmbient + 2]};
 }
 
+// A stone on a string, drawn behind the core's moment m:   x <- d min(1, k / |d|),   d = x - dm        (33)
+// m: by the pen's field and the coils'. False: the pen may have been anywhere since.
+bool FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& current_step_A,
+                const PenPlace* pen, DriftState& drift) noexcept {
+  const bool known = noise.core_kept_A > 0 && pen != nullptr, follows = known && drift.core_followed;
+  if (follows) {
+    const base::Vec3 &now = pen->core_A, &before = drift.core_A;
+    const std::array<double, 3> pen_step_A{now.x - before.x, now.y - before.y, now.z - before.z};
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      drift.mean[k] -= pen_step_A[k] + noise.coil_core_share * current_step_A[k];
+      square += Square(drift.mean[k]);
+    }
+    const double string = noise.core_kept_A / std::max(std::sqrt(square), noise.core_kept_A);
+    for (std::size_t k = 0; k < 3; ++k) drift.mean[k] *= string;
+  }
+  drift.core_followed = known;
+  if (known) drift.core_A = pen->core_A;
+  return follows;
+}
+
 // x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)
 // [Ornstein & Uhlenbeck 1930]; the covariance of changes grows as P does, but slower where one pose tells little.
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   const PenPlace* pen, DriftState& drift) noexcept {
   dt_s = std::max(dt_s, 0.0);
   const auto keep_of = [&](double times) { return drift.valid ? std::exp(-times) : 0.0; };
-  const double remanence = keep_of(ForgottenOf(noise.still, dt_s, pen, drift.still));
+  const double remanence = keep_of(ForgottenOf(noise.still, dt_s, pen, noise.core_kept_A, drift.still));
   const double ambient = keep_of(dt_s / noise.ambient_s), moment = keep_of(dt_s / noise.moment_s);
   const DriftVector keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
-  for (std::size_t a = 0; a < kStates; ++a) {
-    if (a < kAmbient || a >= kAmbient + 3) drift.mean[a] *= keep[a];
-  }
+  const bool follows = FollowCore(noise, current_step_A, pen, drift);
+  for (std::size_t k = 0; k < kAmbient && !follows; ++k) drift.mean[k] *= keep[k];
+  drift.mean[kMoment] *= keep[kMoment];
   DriftVector grows{};
-  for (std::size_t a = 0; a < kStates; ++a) grows[a] = (1 - Square(keep[a])) * VarianceOf(noise, a);
+  for (std::size_t a = 0; a < kStates; ++a) grows[a] = (1 - Square(keep[a])) * VarianceOf(noise, follows, a);
   for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) grows[a] += dt_s * drift.ambient_wander_T2_s;
   for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
-    const double most = VarianceOf(noise, k);
+    const double most = VarianceOf(noise, follows, k);
     const double room = std::max(0.0, 1 - (Square(keep[k]) * drift.covariance[k * (kStates + 1)] + grows[k]) / most);
     grows[k] += std::min(most, Square(noise.current_step_error * current_step_A[k])) * room;
   }

@@ -16,7 +16,10 @@ struct DriftNoise {
   bool enabled = true;
   int every_scans = 4;         // a scan that tells of them costs half as much again
   double remanence_A = 0.011;  // 0: nothing is estimated
-  StillOptions still;          // when the core forgets it
+  double core_kept_A = 0;      // of any motion, by the calibration: then the core is followed; 0: unknown
+  double core_error = 0.4, core_error_min_A = 0.002;  // of that, rms of what is kept beside what the motion says
+  double coil_core_share = 0.5;                       // of a coil's moment, which is the core's
+  StillOptions still;                                 // when the core forgets it
   double ambient_T = 5e-7, ambient_s = 100;
   // While the pen lies still and slow changes have time to be seen, of the growth of these variances.
   double ambient_still = 1e-2, moment_still = 1e-1;
@@ -44,6 +47,8 @@ struct DriftState {
   std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
   DriftVector mean{};
   DriftMatrix covariance{};
+  bool core_followed = false;
+  base::Vec3 core_A;  // the core's moment in the pen's field, as currents, if core_followed
   StillPen still;
 };
 static_assert(std::is_trivially_copyable_v<DriftState>);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "service/base/eigen.h"
+#include "service/magnetics/core_currents.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/tracker/spiral.h"
@@ -171,6 +172,8 @@ Model MakeModel(const base::Calibration& in_base, Rung rung) {
   model.hull_radius_m = calibration.hull_radius_m;
   model.tip_offset_m = calibration.magnet.tip_offset_m;
   model.expected_error_m = calibration.expected_error_m;
+  using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  Eigen::Map<RowMajor3d>(model.core_current_A_m3.data()) = magnetics::CoreCurrents(calibration);
   model.steel = MirrorSensors(calibration);
   model.stray = MakeStrayPrior(calibration);
   model.grid = MakeColdGrid(calibration);

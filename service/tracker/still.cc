@@ -21,6 +21,7 @@ void SettleAt(const PenPlace& pen, double weight, PenPlace& place) noexcept {
   };
   settle(pen.position_base_m, place.position_base_m);
   settle(pen.axis_base, place.axis_base);
+  settle(pen.core_A, place.core_A);
 }
 
 // d = (sum I)^-1 sum g; false: what was gathered does not tell
@@ -49,7 +50,8 @@ void Gather(const DriftEvidence& evidence, StillPen& still) noexcept {
 
 }  // namespace
 
-double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen, StillPen& still) noexcept {
+double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen, double core_kept_A,
+                   StillPen& still) noexcept {
   if (pen == nullptr) {
     still = {};
     return dt_s / options.forget_s;
@@ -63,7 +65,8 @@ double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen
     return 0;
   }
   const double way = went_m / options.length_m + turned_rad / options.angle_rad;
-  const double times = std::min(way, still.still_s / options.forget_s);
+  const double times = core_kept_A > 0 ? base::Distance(pen->core_A, still.place.core_A) / core_kept_A
+                                       : std::min(way, still.still_s / options.forget_s);
   still = {};
   still.place = *pen;
   return times;

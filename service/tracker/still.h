@@ -25,6 +25,7 @@ struct StillOptions {
 // Where the pen is, from the core's centre.
 struct PenPlace {
   base::Vec3 position_base_m, axis_base;
+  base::Vec3 core_A;                                // the core's moment in its field, as currents
   double position_sigma_m = 0, axis_sigma_rad = 0;  // of its noise
 };
 
@@ -41,8 +42,9 @@ struct StillPen {
 static_assert(std::is_trivially_copyable_v<StillPen>);
 
 // How often the core has forgotten, by e, since the last call; null: the pen may be anywhere. Nothing while it lies
-// still.
-double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen, StillPen& still) noexcept;
+// still. core_kept_A: what the core keeps of a motion; 0: unknown.
+double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen, double core_kept_A,
+                   StillPen& still) noexcept;
 
 // A scan of a pen that lies still: gathers the reference, or leaves of what it says what has changed since that.
 // covariance: of the states themselves.

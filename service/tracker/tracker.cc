@@ -7,6 +7,7 @@
 
 #include "service/base/eigen.h"
 #include "service/base/stamp.h"
+#include "service/magnetics/core_currents.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/findings.h"
 #include "service/tracker/fit_scan.h"
@@ -191,6 +192,16 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, const PenPlac
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
 }
 
+PenPlace PlaceOf(const Model& model, const FilterState& filter) noexcept {
+  const auto& variance_m2 = filter.covariance_pp;
+  const Vector3d shape =
+      magnetics::CoreFieldShape(base::ToEigen(filter.position_base_m), base::ToEigen(filter.axis_base));
+  using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Vector3d core_A = Eigen::Map<const RowMajor3d>(model.core_current_A_m3.data()) * shape;
+  return {filter.position_base_m, filter.axis_base, base::FromEigen(core_A),
+          std::sqrt(variance_m2[0] + variance_m2[4] + variance_m2[8]), std::sqrt(2 * filter.variance_angle)};
+}
+
 void LearnFromLast(const Config& config, State& state) noexcept {
   if (!state.evidence.valid) return;
   const std::array<double, 3> ambient_T = AmbientField_T(state.drift);
@@ -240,6 +251,7 @@ Config MakeConfig(const base::Calibration& calibration) {
   config.trust.coil_error_relative = kCalibratedCoils;
   config.trust.model_error_relative = kModelErrorMin;
   config.doubt.model_error_start = std::min(ModelErrorOf(calibration, Trust{}.model_error_relative), kDrawnError);
+  config.drift.core_kept_A = calibration.core_kept_A;
   config.doubt.model_error_max = std::max(kCalibratedError, config.doubt.model_error_start);
   return config;
 }
@@ -273,10 +285,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   AdvanceMains(config.mains, scan.t_ns, state.mains);
   const bool wide = IsWideScan(config, state);
   if (wide) {
-    const auto& variance_m2 = state.filter.covariance_pp;
-    const PenPlace pen{state.filter.position_base_m, state.filter.axis_base,
-                       std::sqrt(variance_m2[0] + variance_m2[4] + variance_m2[8]),
-                       std::sqrt(2 * state.filter.variance_angle)};
+    const PenPlace pen = PlaceOf(config.model, state.filter);
     ForgetDrift(config, scan, state.warm ? &pen : nullptr, state.drift);
   }
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);

@@ -26,6 +26,7 @@ inline config::CalibrationFile ExampleCalibration() {
   file.calibration = NominalBase().drawing;
   file.calibration.moment_Am2 *= 1.0123456789012345;
   file.calibration.core_kappa = 0.9765625;
+  file.calibration.core_kept_A = 0.01171875;
   file.calibration.hull_radius_m += 1e-3 / 3;
   file.calibration.core_centre_base_m = {1e-4, -1e-3 / 7, 2e-4};
   file.calibration.steel = {1.0 / 3, -0.2};

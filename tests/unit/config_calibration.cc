@@ -60,6 +60,7 @@ TEST(ConfigCalibration, ComesBackToTheLastBit) {
   }
   EXPECT_EQ(read->calibration.moment_Am2, written.calibration.moment_Am2);
   EXPECT_EQ(read->calibration.core_kappa, written.calibration.core_kappa);
+  EXPECT_EQ(read->calibration.core_kept_A, written.calibration.core_kept_A);
   EXPECT_EQ(read->calibration.hull_radius_m, written.calibration.hull_radius_m);
   EXPECT_EQ(read->calibration.core_centre_base_m.z, written.calibration.core_centre_base_m.z);
   EXPECT_EQ(read->calibration.steel.strength, written.calibration.steel.strength);
@@ -143,6 +144,7 @@ TEST(ConfigCalibration, HashSeesWhatMattersOnly) {
 
 TEST(ConfigCalibration, RefusesWhatIsNoNumberOrOutOfRange) {
   ExpectMentions(ErrorOf(Changed("core_kappa = 0.97", "core_kappa = nan # 0.97")), {"core_kappa", "test.toml:"});
+  ExpectMentions(ErrorOf(Changed("core_kept_A = 0.01", "core_kept_A = 0.7 # ")), {"core_kept_A", "[0, 0.1]"});
   ExpectMentions(ErrorOf(Changed("moment_Am2 = 5.", "moment_Am2 = 5e9 # ")), {"moment_Am2", "[0.001, 1000]"});
   ExpectMentions(ErrorOf(Changed("gain_sensor_base = [1.0", "gain_sensor_base = [1001.0")), {"gain_sensor_base[0]"});
   ExpectMentions(ErrorOf(Changed("background_sensor_T = [2", "background_sensor_T = [-inf, 2")),

@@ -146,7 +146,7 @@ TEST_F(TrackerStill, NoTimePasses) {
   const PenPlace pen{{0, 0, 0.055}, {0, 0, -1}, 1e-4, 1e-3};
   StillPen still;
   for (const double dt_s : {0.001, 0.0, 0.0, 0.001}) {
-    EXPECT_GE(ForgottenOf(options, dt_s, &pen, still), 0);
+    EXPECT_GE(ForgottenOf(options, dt_s, &pen, 0, still), 0);
     EXPECT_NEAR(still.place.position_base_m.z, 0.055, 1e-12);
   }
 }
