@@ -143,7 +143,7 @@ TEST_F(TrackerStill, OneThatMovesOnIsNot) {
 // Two scans at one instant, the first of those at rest.
 TEST_F(TrackerStill, NoTimePasses) {
   const StillOptions options;
-  const PenPlace pen{{0, 0, 0.055}, {0, 0, -1}, 1e-4, 1e-3};
+  const PenPlace pen{{0, 0, 0.055}, {0, 0, -1}, {}, 1e-4, 1e-3};
   StillPen still;
   for (const double dt_s : {0.001, 0.0, 0.0, 0.001}) {
     EXPECT_GE(ForgottenOf(options, dt_s, &pen, 0, still), 0);
