@@ -25,7 +25,7 @@ Vec3 ForceThen(const EnergyState& state, double lag_s) noexcept {
 
 // E(t) = sum F . dx: what the coils have given to the hand; with what the springs still hold, a passive surface keeps
 // E + U <= 0. What is over is a leak   (3.9).
-double WatchEnergy(const WatchedTick& tick, EnergyState& state) noexcept {
+double WatchEnergy(const ContactTick& tick, EnergyState& state) noexcept {
   if (state.has_tip && tick.passive && tick.lag_s >= 0) {
     state.given_J += Dot(ForceThen(state, tick.lag_s), tick.tip - state.tip);
   }

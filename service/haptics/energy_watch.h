@@ -7,18 +7,22 @@
 
 namespace omni::haptics {
 
-// One tick as the watch sees it. Force and motion belong to the same instant: the force is the one that was sent
-// `lag_s` before the tip moved.
-struct WatchedTick {
+// One tick of all contacts as this watch and that of swing_watch.h see it.
+struct ContactTick {
   Vec3 tip;  // as measured, not predicted, base frame, m
   double dt_s = 0;
-  double lag_s = 0;      // (3.1); not a number: nothing is counted
-  double stored_J = 0;   // in the springs of all contacts now
-  bool passive = false;  // nothing but contacts with surfaces at rest acts, at their full force; else no leak is seen
+  double noise_m = 0;        // standard deviation of the tip
+  Vec3 force_N;              // of what is touched, before any gain
+  double stiffness_N_m = 0;  // of the stiffest spring that acts; 0: nothing is touched
+  double stored_J = 0;       // in the springs of all contacts now
+  double lag_s = 0;      // (3.1): force and motion belong to the same instant, the force was sent so long before the
+                         // tip moved; not a number: no energy is counted
+  bool judged = false;   // for swings: nothing else moves the hand, or what it touches
+  bool passive = false;  // for energy: nothing but contacts with surfaces at rest acts, at their full force
 };
 
 // Gain in [0.1, 1] on the contact forces of this tick.
-double WatchEnergy(const WatchedTick& tick, EnergyState& state) noexcept;
+double WatchEnergy(const ContactTick& tick, EnergyState& state) noexcept;
 
 // What left the renderer in this tick. Call once a tick, after WatchEnergy.
 void RememberForce(const Vec3& force_N, EnergyState& state) noexcept;

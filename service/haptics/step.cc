@@ -279,15 +279,16 @@ bool Remember(const Config& config, const Input& input, State& state) noexcept {
 
 double Watch(const Config& config, const Input& measured, const Touched& touched, bool steady, bool passive,
              State& state) noexcept {
-  return WatchContacts(
-      {.tip = measured.device_point_base_m,
-       .force_N = touched.contacts_N,
-       .stiffness_N_m = touched.stiffness_N_m,
-       .noise_m = std::sqrt(std::max(0.0, measured.noise.position_m2)),
-       .dt_s = measured.dt_s,
-       .judged = steady && !touched.moving && !measured.pushed},
-      {measured.device_point_base_m, measured.dt_s, LoopLag_s(config, measured), touched.stored_J, passive},
-      state.swing, state.energy);
+  return WatchContacts({.tip = measured.device_point_base_m,
+                        .dt_s = measured.dt_s,
+                        .noise_m = std::sqrt(std::max(0.0, measured.noise.position_m2)),
+                        .force_N = touched.contacts_N,
+                        .stiffness_N_m = touched.stiffness_N_m,
+                        .stored_J = touched.stored_J,
+                        .lag_s = LoopLag_s(config, measured),
+                        .judged = steady && !touched.moving && !measured.pushed,
+                        .passive = passive},
+                       state.swing, state.energy);
 }
 
 // What the scene does, and what of it the device may.

@@ -45,7 +45,7 @@ bool FollowBand(const Band& band, double change_N, double least_N, double dt_s, 
 }  // namespace
 
 //   s <- (s + K dx . n) (1 - 2 pi f dt)
-double WatchSwings(const SwingTick& tick, SwingState& state) noexcept {
+double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
   const double force_N = Norm(tick.force_N);
   const bool touches = force_N > 0 && tick.stiffness_N_m > 0;
   if (!touches && !state.has_tip && state.gain == 1) return 1;  // a far tip costs nothing
@@ -75,9 +75,9 @@ double WatchSwings(const SwingTick& tick, SwingState& state) noexcept {
   return state.gain;
 }
 
-double WatchContacts(const SwingTick& tick, const WatchedTick& whole, SwingState& swing, EnergyState& energy) noexcept {
+double WatchContacts(const ContactTick& tick, SwingState& swing, EnergyState& energy) noexcept {
   const double gain = WatchSwings(tick, swing);
-  WatchedTick left = whole;
+  ContactTick left = tick;
   left.stored_J *= gain;
   return gain * WatchEnergy(left, energy);
 }

@@ -132,7 +132,11 @@ void WatchStray(const ScanContext& context, const Measurement& measurement, cons
   const double repeats = RepeatsOf(config.drift, measurement, options.every_scans * base::kTickPeriod_s);
   const bool found = state.stray.dipole.found;
   LearnStray(options, config.model, state.drift, context.scan, measurement, outcome.fit.pose, repeats, state.stray);
-  if (state.stray.dipole.found && !found) Clear(config.doubt.model_error_start, state.doubt);
+  if (state.stray.dipole.found && !found) {
+    Clear(config.doubt.model_error_start, state.doubt);
+    const bool young = state.scans - state.cold_scan < static_cast<std::uint32_t>(options.young_scans);
+    if (young) state.stray.places_to_prove = options.places_min;
+  }
   const bool gain_is_wrong = state.stray.dipole.wrong_gain >= 0 && state.stray.places >= config.doubt.gain_places;
   if (gain_is_wrong && state.doubt.left_out < 0) {
     Blame(config.doubt, state.stray.dipole.wrong_gain, state.doubt);
@@ -271,6 +275,36 @@ Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& mea
   if (!outcome.good) return outcome;
   state.drift = drift;
   state.doubt = doubt;
+  state.belief = 0;
+  return outcome;
+}
+
+Outcome TryPair(const ScanContext& context, State& state, Measurement& measurement) noexcept {
+  const Config& config = context.config;
+  Outcome outcome;
+  if (!config.pair.enabled || !config.stray.enabled || !CanDoubt(config, state)) return outcome;
+  DriftState drift = state.drift;
+  OpenAmbient(config.drift, drift);
+  Doubt doubt;
+  doubt.model_error = std::max(config.doubt.model_error_start, config.stray.model_error);
+  if (state.pair.step == PairStart::Step::kNone) {
+    ScanContext bare = context;
+    bare.stray = nullptr;
+    BeginPair(config.model, MeasureScan(bare, drift, doubt), state.pair);
+    return outcome;
+  }
+  if (!SeekPair(config.pair, config.stray.dipole, config.model, drift, state.pair)) return outcome;
+  StrayField stray;
+  if (!StartFromDipole(config.stray, config.model, state.pair.magnet, stray)) return outcome;
+  ScanContext beside = context;
+  beside.stray = &stray;
+  measurement = MeasureScan(beside, drift, doubt);
+  outcome = TryCold(beside, drift, doubt, measurement);
+  outcome.good = outcome.good && PositionVariance(outcome.fit) <= kKnown_m2;
+  if (!outcome.good) return outcome;
+  state.drift = drift;
+  state.doubt = doubt;
+  state.stray = stray;
   state.belief = 0;
   return outcome;
 }

@@ -239,6 +239,29 @@ void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole&
   dipole.started = false;
 }
 
+void StartSearch(const DipoleOptions& options, const StrayEvidence& said, int steps, StrayDipole& dipole) noexcept {
+  dipole.lately = said;
+  dipole.started = steps > 0;
+  dipole.steps = options.search_steps - steps;
+  dipole.damping = kDampingStart;
+  dipole.place = 0;
+  dipole.nowhere = {};
+  dipole.best_saved = 0;
+}
+
+bool IsSearching(const StrayDipole& dipole) noexcept { return dipole.started || dipole.place > 0; }
+
+bool FindDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept {
+  const Vector6 p = ToVector(dipole.parameters);
+  if (!IsPlace(options, p)) return false;
+  const Field field = FieldAt(model, p);
+  const double left = std::max(1.0, LeftOf(dipole.lately, Saved(options, dipole.lately, field.x_T, p)));
+  Covariance(dipole) = left * InformationAt(options, dipole.lately, field).inverse();
+  if (!Covariance(dipole).allFinite()) return false;
+  Begin(options, 1, dipole);
+  return true;
+}
+
 void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEvidence& cycle, double repeats,
                  double systematic, StrayDipole& dipole) noexcept {
   const Vector6 p = ToVector(dipole.parameters);
@@ -294,6 +317,12 @@ void FollowDipole(const DipoleOptions& options, const Model& model, const StrayS
     return;
   }
   Put(p, dipole.parameters);
+}
+
+ReadingLanes FieldOfDipole(const Model& model, const StrayDipole& dipole) noexcept {
+  ReadingLanes field_T;
+  Eigen::Map<RowVector>(field_T.data()) = FieldAt(model, ToVector(dipole.parameters)).x_T;
+  return field_T;
 }
 
 // x = x(p),   J P J^T + sigma^2

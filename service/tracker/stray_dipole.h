@@ -54,6 +54,13 @@ static_assert(std::is_trivially_copyable_v<StrayDipole>);
 // Every few scans until it is found: looks at some more places, or takes some steps from the best.
 void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
 
+// A search in what one scan says: everywhere, or so many steps on from where the last one ended.
+void StartSearch(const DipoleOptions& options, const StrayEvidence& said, int steps, StrayDipole& dipole) noexcept;
+bool IsSearching(const StrayDipole& dipole) noexcept;  // after SearchDipole: that has not been all
+
+// What ended such a search is the magnet. False: what was said does not tell where it is.
+bool FindDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
+
 // Each cycle until it is found, or a sensor whose gain is wrong. repeats: scans that have the model's error in common,
 // systematic: its share of their variance.
 void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEvidence& cycle, double repeats,
@@ -64,6 +71,7 @@ void FollowDipole(const DipoleOptions& options, const Model& model, const StrayS
                   double systematic, double step_s, StrayDipole& dipole) noexcept;
 
 // What it makes of the readings, without what it makes at all sensors alike.
+ReadingLanes FieldOfDipole(const Model& model, const StrayDipole& dipole) noexcept;
 void OffsetsOfDipole(const DipoleOptions& options, const Model& model, const StrayDipole& dipole, ReadingLanes& mean_T,
                      ReadingMatrix& covariance_T2) noexcept;
 

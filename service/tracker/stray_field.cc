@@ -148,6 +148,12 @@ void Renew(const StrayOptions& options, const Model& model, StrayField& stray) n
   SetPoseCovariance(options, stray);
 }
 
+bool IsAtNewPlace(const StrayOptions& options, const Pose& pose, StrayField& stray) noexcept {
+  if ((pose.position_base_m - base::ToEigen(stray.place_base_m)).norm() <= options.place_m) return false;
+  stray.place_base_m = base::FromEigen(pose.position_base_m);
+  return true;
+}
+
 double SystematicShare(const Measurement& measurement) noexcept {
   return std::clamp(measurement.systematic_share, 0.0, 1.0);
 }
@@ -202,6 +208,14 @@ void StartStray(const StrayOptions& options, const Model& model, StrayField& str
   Widen(model, options.start, stray);
 }
 
+bool StartFromDipole(const StrayOptions& options, const Model& model, const StrayDipole& dipole,
+                     StrayField& stray) noexcept {
+  StartStray(options, model, stray);
+  stray.dipole = dipole;
+  stray.places_to_prove = options.places_min;
+  return TakeDipole(options, model, stray);
+}
+
 void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   stray.places = 0;
   if (ShareOfPrior(model, Sum(stray.variance_T2)) < options.lost_max) Widen(model, options.lost, stray);
@@ -223,6 +237,8 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
     if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
     if (stray.dipole.found) {
       Follow(options, model, measurement, scan, repeats, stray);
+      const bool proves = stray.places_to_prove > 0 && stray.dipole.misfit <= options.proves;
+      if (proves && IsAtNewPlace(options, pose, stray)) --stray.places_to_prove;
       if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
       return;
     }
@@ -243,10 +259,7 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
     stray.nothing_cycles = stray.chi2 < options.nothing_chi2 ? stray.nothing_cycles + 1 : 0;
     return;
   }
-  if ((pose.position_base_m - base::ToEigen(stray.place_base_m)).norm() > options.place_m) {
-    stray.place_base_m = base::FromEigen(pose.position_base_m);
-    ++stray.places;
-  }
+  if (IsAtNewPlace(options, pose, stray)) ++stray.places;
   if (stray.inverted && stray.cycle.scans > 0) {
     JudgeCycle(options, model, stray);
     if (!stray.dipole.found || !TakeDipole(options, model, stray)) Renew(options, model, stray);
@@ -255,11 +268,12 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
   if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
 }
 
-void AddStrayCovariance(const StrayField& stray, Fit& fit) noexcept {
+void AddStrayCovariance(const StrayOptions& options, const StrayField& stray, Fit& fit) noexcept {
   using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   fit.covariance.topLeftCorner<3, 3>() += Eigen::Map<const RowMajor3>(stray.position_covariance_m2.data());
   fit.covariance(3, 3) += stray.axis_variance;
   fit.covariance(4, 4) += stray.axis_variance;
+  if (stray.places_to_prove > 0) fit.covariance *= options.unproven_factor;
 }
 
 }  // namespace omni::tracker

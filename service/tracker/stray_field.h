@@ -27,6 +27,10 @@ struct StrayOptions {
   // is multiplied: what one place says of the field is what K says, and no magnet is as K on the average.
   double moving_1_s = 0.01, place_m = 0.02, few_places_factor = 9;
   int places_min = 8;
+  // The same of a magnet that was found together with the pen, or so soon after it; a place counts where it leaves no
+  // more than that, per degree of freedom.
+  int young_scans = 2000;
+  double unproven_factor = 9, proves = 1.6;
   // The mean's own chi2 and size (rms over the readings) above which it is believed: less is the calibration's error.
   // Below, nothing may be there; so many cycles in a row, and nothing is.
   double something_chi2 = 40, something_T = 8e-7, nothing_chi2 = 25;
@@ -37,12 +41,13 @@ struct StrayOptions {
 };
 
 struct StrayField {
-  bool on = false;         // it is being learnt
-  bool believed = false;   // `mean_T` is taken off every scan
-  bool inverted = false;   // `inverse_1_T2` is of this cycle
-  int scan = 0;            // of the cycle
-  int nothing_cycles = 0;  // in a row
-  int places = 0;          // of the pen since the field moved
+  bool on = false;          // it is being learnt
+  bool believed = false;    // `mean_T` is taken off every scan
+  bool inverted = false;    // `inverse_1_T2` is of this cycle
+  int scan = 0;             // of the cycle
+  int nothing_cycles = 0;   // in a row
+  int places = 0;           // of the pen since the field moved
+  int places_to_prove = 0;  // at which the pen must yet be, for a magnet that was found when the pen was
   base::Vec3 place_base_m;
   double wander_1_s = 0;  // of K
   double widened = 0;     // of K, since the start
@@ -67,6 +72,10 @@ static_assert(std::is_trivially_copyable_v<StrayField>);
 // Nothing is found yet.
 void StartStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept;
 
+// A magnet has been found together with the pen. False: none is like that.
+bool StartFromDipole(const StrayOptions& options, const Model& model, const StrayDipole& dipole,
+                     StrayField& stray) noexcept;
+
 // A scan fits no pose: the field may have changed.
 void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept;
 
@@ -77,6 +86,6 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
                 StrayField& stray) noexcept;
 
 // Adds to a fit what is not known of the stray field.
-void AddStrayCovariance(const StrayField& stray, Fit& fit) noexcept;
+void AddStrayCovariance(const StrayOptions& options, const StrayField& stray, Fit& fit) noexcept;
 
 }  // namespace omni::tracker

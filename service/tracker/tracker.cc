@@ -146,6 +146,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
     CorrectFilter(config.filter, measured, dt_s, filter);
   } else {
     ResetFilter(config.filter, measured, filter);
+    state.cold_scan = state.scans;
   }
   const base::ToolState tool = MakeToolState(config, scan, measured, systematic, filter);
   if (!IsFinite(tool)) return false;
@@ -154,6 +155,7 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   state.filter_t_ns = scan.t_ns;
   state.warm = state.ever_tracked = true;
   state.bad_scans = state.cold_pause = 0;
+  state.pair.step = PairStart::Step::kNone;
   return true;
 }
 
@@ -321,6 +323,9 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       outcome.explained = outcome.explained || explained;
       state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
       tried = true;
+    } else if (!warm && !state.warm && !state.explained) {
+      outcome = TryPair(context, state, measurement);
+      tried = outcome.good;
     }
     if (tried) state.explained = outcome.explained;
     if (continues && IsEarlyJump(config, state, predicted, outcome)) outcome.good = false;
@@ -335,7 +340,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       StartAnew(state);
       outcome.good = false;
     }
-    if (outcome.good && state.stray.on) AddStrayCovariance(state.stray, outcome.fit);
+    if (outcome.good && state.stray.on) AddStrayCovariance(config.stray, state.stray, outcome.fit);
     const double unsure =
         Unsureness(config.doubt, state.doubt, state.stray.dipole.found ? state.stray.dipole.misfit : 1);
     outcome.fit.covariance *= unsure * unsure;

@@ -17,6 +17,7 @@
 #include "service/tracker/mains.h"
 #include "service/tracker/measurement.h"
 #include "service/tracker/model.h"
+#include "service/tracker/pair_start.h"
 #include "service/tracker/stray_field.h"
 
 namespace omni::tracker {
@@ -29,6 +30,7 @@ struct Config {
   MainsOptions mains;                       // a tone in the ambient field
   DoubtOptions doubt;                       // when a sensor or the calibration is not believed
   StrayOptions stray;                       // when a magnet nearby is believed
+  PairOptions pair;                         // when one may have been there from the start
   AwayOptions away;                         // what is learnt while no pen is near
   Precision precision = Precision::kFloat;  // of the sums; hidden currents always take double
   double chi2_max = 80;                     // gate at 19 degrees of freedom: larger = this scan does not fit
@@ -60,6 +62,7 @@ struct State {
   int cold_pause = 0;      // scans to wait before the next cold start
   std::int64_t filter_t_ns = 0;
   std::uint32_t scans = 0;
+  std::uint32_t cold_scan = 0;  // the last whose pose was found without a hint
   FilterState filter;
   DriftState drift;
   Mains mains;
@@ -67,6 +70,7 @@ struct State {
   Repetition repetition;
   StrayField stray;
   Away away;
+  PairStart pair;
   int belief = 0;          // of the next cold start
   DriftEvidence evidence;  // of the last scan: the next takes it up, so that no scan pays for both
   CurrentHistory currents;

@@ -378,6 +378,50 @@ TEST_P(TrackerDoubt, AMagnetNearbyIsNoPen) {
   }
 }
 
+// A spare pen that lies there when omnid starts, before any pose is known. Without a search for both of them none of
+// these is found at 200 mm, and one of ten at 300. Seldom another place fits as well at first.
+TEST_P(TrackerDoubt, ASecondPenThatWasThereFromTheStart) {
+  int silent = 0, ticks = 0;
+  for (const double away_m : {0.2, 0.25, 0.3}) {
+    SCOPED_TRACE(away_m);
+    int as_without = 0;
+    for (int trial = 0; trial < 10; ++trial) {
+      state = {};
+      DrawOtherPen();
+      other_pen_away_m = away_m;
+      silent += Run(2000).silent;
+      const Outcome after = Run(3000);
+      EXPECT_EQ(after.lost, 0);
+      silent += after.silent;
+      as_without += after.mean_m < 0.6e-3 ? 1 : 0;
+      ticks += 5000;
+    }
+    EXPECT_GE(as_without, 6);
+  }
+  EXPECT_LT(silent, 0.002 * ticks);
+}
+
+// Two of them are no pen either, nor one beside a sensor that is wrong.
+TEST_P(TrackerDoubt, ThingsNearbyAreNoPen) {
+  pen_is_there = false;
+  for (int trial = 0; trial < 4; ++trial) {
+    SCOPED_TRACE(trial);
+    state = {};
+    DrawOtherPen();
+    other_pen_away_m = 0.3;
+    const Vector3d at_m = 0.28 * Direction(), moment_Am2 = world.moment_Am2 * Direction();
+    const bool gain_is_wrong = trial % 2 == 1;
+    fault = [=, this](base::HallScan& scan) {
+      if (gain_is_wrong) return Scale(1.1, scan.field_sensor_T[3]);
+      for (std::size_t i = 0; i < kSensors; ++i) {
+        const Vector3d from_m = base::ToEigen(device.sensors[i].position_base_m) - at_m;
+        support::AddField(world, i, magnetics::DipoleField(moment_Am2, from_m), scan);
+      }
+    };
+    for (int n = 0; n < 3000; ++n) EXPECT_FALSE(Feed());
+  }
+}
+
 // A fifth of what a workshop leaves, which the calibration says nothing of.
 TEST_P(TrackerDoubt, ACalibrationThatIsWorseThanItSaysIsTrackedAndToldOf) {
   base::Calibration built = Exact();

@@ -243,14 +243,16 @@ void Apply(const AppliedConfig& config, const AppliedCommand& command, const App
   MoveGain(constrained && input.tracked, input.dt_s, config.open_s, config.close_s, state.presence);
   MoveGain(force_N != Vec3{} && input.tracked, input.dt_s, config.force_open_s, config.close_s, state.force_presence);
   const bool passive = state.presence == 1 && constraints.conservative && input.dt_s > 0;
-  output.energy_gain = WatchContacts(
-      {.tip = input.device_point_base_m,
-       .force_N = constraints.force_N,
-       .stiffness_N_m = constraints.stiffness_N_m,
-       .noise_m = input.tip_sigma_m,
-       .dt_s = input.dt_s,
-       .judged = passive && force_N == Vec3{}},
-      {input.device_point_base_m, input.dt_s, input.lag_s, constraints.stored_J, passive}, state.swing, state.energy);
+  output.energy_gain = WatchContacts({.tip = input.device_point_base_m,
+                                      .dt_s = input.dt_s,
+                                      .noise_m = input.tip_sigma_m,
+                                      .force_N = constraints.force_N,
+                                      .stiffness_N_m = constraints.stiffness_N_m,
+                                      .stored_J = constraints.stored_J,
+                                      .lag_s = input.lag_s,
+                                      .judged = passive && force_N == Vec3{},
+                                      .passive = passive},
+                                     state.swing, state.energy);
   const Vec3 held_N = output.energy_gain * constraints.force_N;
   RememberForce(state.presence * held_N, state.energy);
   const Vec3 wanted_N = state.force_presence * force_N + state.presence * held_N;
