@@ -32,6 +32,7 @@ def solver():
 def tracking():
     return document("tracking", [
         {"model": "default", "noise": "UHP", "actuation_A": 4, "currents": "hidden", "calibrated": "self", "moving": True,
+         "room": True,
          "mean_mm": 0.2, "p95_mm": 0.5, "max_mm": 1.1, "us_median": 1.234},
         {"model": "dipole", "noise": "none", "actuation_A": 0, "mean_mm": 3, "p95_mm": 6, "max_mm": 9}])
 
@@ -87,7 +88,7 @@ WORDS = {
     "solver": (solver, "median time of a solve, us", "position error, mm rms", "omni, warm", "ceres-analytic, cold",
                "dipole", "simulation"),
     "tracking": (tracking, "position error, mm", "mean", "95 %", "worst", "simulation",
-                 "default, UHP, ±4 A hidden, calibrated: self, moving, 1.23 us", "dipole, none"),
+                 "default, UHP, ±4 A hidden, calibrated: self, moving, in a room, 1.23 us", "dipole, none"),
     "stability": (stability, "whole lag, ms", "stiffness, N/m", "offered", "simple rule", "stiffest unpredicted",
                   "noise 0 mm", "noise 0.02 mm", "noise 0.1 mm", "noise 0.3 mm", "noise 1 mm", "simulation"),
     "collision": (collision, "triangles", "median time, us", "omni-proxy", "bullet", "10,000"),
