@@ -141,7 +141,7 @@ Instant Moved(const Instant& instant, const OwnVector& step) {
 Problem::Problem(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
                  const Recording& recording, const Tolerances& tolerances)
     : nominal_(nominal), touch_sigma_m_(tolerances.touch_m), remanence_A_(tolerances.remanence_A) {
-  if (!coils.empty()) core_current_A_m3_ = magnetics::CoreCurrents(nominal_);
+  if (!coils.empty()) core_current_A_T_ = magnetics::CoreCurrents(nominal_);
   for (std::size_t i = 0; i < recording.responses.size(); ++i) {
     const CoilResponse& response = recording.responses[i];
     nominal_.sensors[i].background_sensor_T = response.background_sensor_T;
@@ -314,7 +314,7 @@ std::vector<Vector3d> DrawnBehind(const Way& way, double string_A) {
 }  // namespace
 
 Vector3d Problem::CoreCurrents_A(const Instant& instant) const {
-  return core_current_A_m3_ * magnetics::CoreFieldShape(instant.position_base_m, instant.axis_base);
+  return core_current_A_T_ * magnetics::DipoleField(nominal_.moment_Am2 * instant.axis_base, instant.position_base_m);
 }
 
 // What the core keeps is drawn behind its moment like a stone on a string whose length is what it keeps at most. (1a)

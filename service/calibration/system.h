@@ -80,7 +80,7 @@ class Problem {
   double touch_sigma_m() const { return touch_sigma_m_; }
   double remanence_A() const { return remanence_A_; }
   bool has_coils() const { return !coil_moments_.empty(); }
-  bool follows_core() const { return !core_current_A_m3_.isZero(); }
+  bool follows_core() const { return !core_current_A_T_.isZero(); }
 
   // What the core keeps trails behind the magnet's way, which is that of these instants, by what it has been found to
   // keep.
@@ -96,7 +96,7 @@ class Problem {
   base::Calibration nominal_;  // maps and background replaced by measured ones
   double touch_sigma_m_;
   double remanence_A_;
-  Eigen::Matrix3d core_current_A_m3_ = Eigen::Matrix3d::Zero();  // the core's moment in the magnet's field
+  Eigen::Matrix3d core_current_A_T_ = Eigen::Matrix3d::Zero();  // magnetics::CoreCurrents
   std::vector<Observation> observations_;
   std::vector<double> map_error_T_A_;  // per sensor; empty: maps as drawn
   struct CoilShape {

@@ -183,6 +183,27 @@ void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
   drift.recent_gradient = {};
 }
 
+// A stone on a string, drawn behind the core's moment m:   x <- d min(1, k / |d|),   d = x - dm        (34)
+// m: by the pen's field and the coils'. False: the pen may have been anywhere since.
+bool FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& current_step_A,
+                const PenPlace* pen, DriftState& drift) noexcept {
+  const bool known = noise.core_kept_A > 0 && pen != nullptr, follows = known && drift.core_followed;
+  if (follows) {
+    const base::Vec3 &now = pen->core_A, &before = drift.core_A;
+    const std::array<double, 3> pen_step_A{now.x - before.x, now.y - before.y, now.z - before.z};
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      drift.mean[k] -= pen_step_A[k] + noise.coil_core_share * current_step_A[k];
+      square += Square(drift.mean[k]);
+    }
+    const double string = noise.core_kept_A / std::max(std::sqrt(square), noise.core_kept_A);
+    for (std::size_t k = 0; k < 3; ++k) drift.mean[k] *= string;
+  }
+  drift.core_followed = known;
+  if (known) drift.core_A = pen->core_A;
+  return follows;
+}
+
 }  // namespace
 
 bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept {
@@ -240,27 +261,6 @@ Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {
 double MomentScale(const DriftState& drift) noexcept { return 1 + drift.mean[kMoment]; }
 std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
   return {drift.mean[kAmbient], drift.mean[kAmbient + 1], drift.mean[kAmbient + 2]};
-}
-
-// A stone on a string, drawn behind the core's moment m:   x <- d min(1, k / |d|),   d = x - dm        (33)
-// m: by the pen's field and the coils'. False: the pen may have been anywhere since.
-bool FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& current_step_A,
-                const PenPlace* pen, DriftState& drift) noexcept {
-  const bool known = noise.core_kept_A > 0 && pen != nullptr, follows = known && drift.core_followed;
-  if (follows) {
-    const base::Vec3 &now = pen->core_A, &before = drift.core_A;
-    const std::array<double, 3> pen_step_A{now.x - before.x, now.y - before.y, now.z - before.z};
-    double square = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      drift.mean[k] -= pen_step_A[k] + noise.coil_core_share * current_step_A[k];
-      square += Square(drift.mean[k]);
-    }
-    const double string = noise.core_kept_A / std::max(std::sqrt(square), noise.core_kept_A);
-    for (std::size_t k = 0; k < 3; ++k) drift.mean[k] *= string;
-  }
-  drift.core_followed = known;
-  if (known) drift.core_A = pen->core_A;
-  return follows;
 }
 
 // x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)

@@ -57,7 +57,7 @@ bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, S
 Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& measurement) noexcept;
 
 // The same while no pose explains any scan: the next step of looking for another magnet that has been there from the
-// start. Precondition: TryColdBelief was in vain.
+// start. Precondition: TryColdBelief found no pose.
 Outcome TryPair(const ScanContext& context, State& state, Measurement& measurement) noexcept;
 
 // After a scan that fitted: is a sensor wrong, or one that was left out right again, or the calibration worse?

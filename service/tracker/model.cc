@@ -173,7 +173,7 @@ Model MakeModel(const base::Calibration& in_base, Rung rung) {
   model.tip_offset_m = calibration.magnet.tip_offset_m;
   model.expected_error_m = calibration.expected_error_m;
   using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  Eigen::Map<RowMajor3d>(model.core_current_A_m3.data()) = magnetics::CoreCurrents(calibration);
+  Eigen::Map<RowMajor3d>(model.core_current_A_T.data()) = magnetics::CoreCurrents(calibration);
   model.steel = MirrorSensors(calibration);
   model.stray = MakeStrayPrior(calibration);
   model.grid = MakeColdGrid(calibration);

@@ -7,7 +7,7 @@
 
 #include "service/base/eigen.h"
 #include "service/base/stamp.h"
-#include "service/magnetics/core_currents.h"
+#include "service/magnetics/dipole.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/findings.h"
 #include "service/tracker/fit_scan.h"
@@ -196,10 +196,10 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, const PenPlac
 
 PenPlace PlaceOf(const Model& model, const FilterState& filter) noexcept {
   const auto& variance_m2 = filter.covariance_pp;
-  const Vector3d shape =
-      magnetics::CoreFieldShape(base::ToEigen(filter.position_base_m), base::ToEigen(filter.axis_base));
+  const Vector3d moment_Am2 = model.moment_Am2 * base::ToEigen(filter.axis_base);
   using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const Vector3d core_A = Eigen::Map<const RowMajor3d>(model.core_current_A_m3.data()) * shape;
+  const Vector3d core_A = Eigen::Map<const RowMajor3d>(model.core_current_A_T.data()) *
+                          magnetics::DipoleField(moment_Am2, base::ToEigen(filter.position_base_m));
   return {filter.position_base_m, filter.axis_base, base::FromEigen(core_A),
           std::sqrt(variance_m2[0] + variance_m2[4] + variance_m2[8]), std::sqrt(2 * filter.variance_angle)};
 }
