@@ -9,7 +9,7 @@
 namespace omni::haptics {
 namespace {
 
-constexpr double kNoiseForce_N = 0.020;     // N, of K sigma; more is felt as a buzz
+constexpr double kNoiseForce_N = 0.020;     // N, of K sigma and B sigma_v; more is felt as a buzz
 constexpr double kGainMargin = 2;           // 6 dB
 constexpr double kHandStiffness_N_m = 150;  // [Hajian & Howe 1997: fingers and wrist]
 constexpr std::array kHandMasses_kg = {0.05, 0.2};
@@ -69,6 +69,13 @@ void Follow(double limit_N_m, bool known, bool touching, double dt_s, double& re
   }
 }
 
+// The hand's own, or what noise leaves of it: B sigma_v is a force as well   (3.6)
+double DampingLimit(const Config& config, const base::PointNoise& noise) noexcept {
+  const double sigma_m_s = std::sqrt(noise.velocity_m2_s2);
+  const double hand_Ns_m = std::max(0.0, config.hand_damping_Ns_m);
+  return sigma_m_s * hand_Ns_m > kNoiseForce_N ? kNoiseForce_N / sigma_m_s : hand_Ns_m;
+}
+
 // `dt_s`: since the last time.
 void Renew(const Config& config, const Input& input, bool touching, double dt_s, OfferState& state) noexcept {
   if (!touching || !state.known) {
@@ -80,6 +87,8 @@ void Renew(const Config& config, const Input& input, bool touching, double dt_s,
   const double along_N_m = uniform ? worst_N_m : StiffnessLimit(config, input, input.noise_along, state.predict_s);
   Follow(worst_N_m, state.known, touching, dt_s, state.recent_N_m, state.stiffness_N_m);
   Follow(std::max(worst_N_m, along_N_m), state.known, touching, dt_s, state.recent_along_N_m, state.along_N_m);
+  const double damping_Ns_m = DampingLimit(config, input.noise);
+  state.damping_Ns_m = state.known ? Approach(state.damping_Ns_m, damping_Ns_m, dt_s, kLimitTime_s) : damping_Ns_m;
   state.known = true;
 }
 
@@ -143,11 +152,11 @@ Offer UpdateOffer(const Config& config, const Input& input, bool touching, Offer
     Renew(config, input, touching, state.age_s, state);
     state.age_s = 0;
   }
-  return OfferOf(config, input.axis_base, state);
+  return OfferOf(input.axis_base, state);
 }
 
-Offer OfferOf(const Config& config, const Vec3& axis_base, const OfferState& state) noexcept {
-  return {state.stiffness_N_m, state.along_N_m, axis_base, std::max(0.0, config.hand_damping_Ns_m), state.predict_s};
+Offer OfferOf(const Vec3& axis_base, const OfferState& state) noexcept {
+  return {state.stiffness_N_m, state.along_N_m, axis_base, state.damping_Ns_m, state.predict_s};
 }
 
 double StiffnessShare(const std::array<Vec3, kMaxContacts>& normals,

@@ -36,7 +36,7 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept;
 Offer UpdateOffer(const Config& config, const Input& input, bool touching, OfferState& state) noexcept;
 
 // What UpdateOffer gave last.
-Offer OfferOf(const Config& config, const Vec3& axis_base, const OfferState& state) noexcept;
+Offer OfferOf(const Vec3& axis_base, const OfferState& state) noexcept;
 
 // Springs K_i along unit n_i add up to sum K_i n_i n_i', whose largest eigenvalue is at most
 // max_i sum_j K_j |n_i . n_j|   (Gershgorin on the Gram matrix, 3.7). With `load` = K_i over what may be offered along

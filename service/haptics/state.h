@@ -100,6 +100,7 @@ struct OfferState {
   double recent_N_m = 0, recent_along_N_m = 0;  // the limits, smoothed
   double stiffness_N_m = 0;                     // what is offered in the worst direction ...
   double along_N_m = 0;                         // ... and along the pen's axis
+  double damping_Ns_m = 0;
 };
 
 inline constexpr std::uint32_t kEnergyHistory = 32;
@@ -118,8 +119,8 @@ struct EnergyState {
 inline constexpr std::size_t kSwingBands = 3;
 
 struct SwingBandState {
-  double swing_N = 0;  // what is left of the force's changes above the band's corner
-  double half_s = 0;   // since it changed sides
+  double swing_N = 0;                  // what is left of the force's changes above the band's corner
+  double half_s = 0, last_half_s = 0;  // since it changed sides; of the half before
   double peak_N = 0, last_peak_N = 0;
   int side = 0;
   int halves = 0;  // half swings that lasted, less those that died away

@@ -6,21 +6,23 @@
 namespace omni::haptics {
 namespace {
 
-// Half swings of a kind: what is slower than `corner_Hz` is no swing; each lasts at most `half_max_s` and reaches
-// `least_N`.
+// Half swings of a kind: what is slower than `corner_Hz` is no swing; two last at most `period_max_s` (where the tip
+// leaves the surface one is longer than the other) and each reaches `least_N`.
 struct Band {
-  double corner_Hz, half_max_s, least_N;
+  double corner_Hz, period_max_s, least_N;
   bool in_touch;  // what leaves the surface in between is a hand that taps
 };
 constexpr std::array<Band, kSwingBands> kBands{{
-    {16, 0.031, 0.005, false},  // no hand moves like that ...
-    {6, 0.060, 0.100, false},   // ... nor so far so fast
-    {3, 0.170, 0.100, true},    // more than any tremor
+    {16, 0.062, 0.005, false},  // no hand moves like that ...
+    {6, 0.120, 0.100, false},   // ... nor so far so fast
+    {3, 0.340, 0.100, true},    // more than any tremor
 }};
 constexpr double kNoises = 3;  // standard deviations that are no swing
 constexpr int kHalves = 3;
 constexpr double kLasts = 0.95;  // of the half swing before: less is one that dies away
-constexpr double kFall = 0.2, kGainMin = 0.01;
+// What swings keeps so much of its stiffness, and at most b / (2 D) = 5 N/m: a hand of b = 0.1 Ns/m holds that still
+// against answers that take D = 10 ms.
+constexpr double kFall = 0.2, kGainMin = 0.01, kLeft_N_m = 5;
 constexpr double kLeft_s = 0.1;  // in the air: forgotten
 
 // True: too many half swings did not die away, and another has not.
@@ -29,11 +31,12 @@ bool FollowBand(const Band& band, double change_N, double least_N, double dt_s, 
   state.swing_N *= std::max(0.0, 1 - 2 * 3.14159265358979 * band.corner_Hz * dt_s);
   state.half_s += dt_s;
   state.peak_N = std::max(state.peak_N, std::abs(state.swing_N));
-  if (state.half_s > band.half_max_s) state.halves = 0;
+  if (state.half_s > band.period_max_s) state.halves = 0;
   const int side = state.swing_N > least_N ? 1 : state.swing_N < -least_N ? -1 : 0;
   if (side == 0 || side == state.side) return false;
-  const bool lasts =
-      state.half_s <= band.half_max_s && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
+  const bool fast = state.half_s + state.last_half_s <= band.period_max_s;
+  const bool lasts = fast && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
+  state.last_half_s = state.half_s;
   state.halves = std::clamp(state.halves + (lasts ? 1 : -1), 0, kHalves);
   state.last_peak_N = state.peak_N;
   state.peak_N = std::abs(state.swing_N);
@@ -69,7 +72,7 @@ double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
     const double noise_N = kNoises * state.stiffness_N_m * tick.noise_m;
     const double least_N = std::max(kBands[b].least_N / state.gain, noise_N);
     if (FollowBand(kBands[b], change_N, least_N, tick.dt_s, state.bands[b])) {
-      state.gain = std::max(kGainMin, kFall * state.gain);
+      state.gain = std::max(kGainMin, std::min(kFall * state.gain, kLeft_N_m / state.stiffness_N_m));
     }
   }
   return state.gain;

@@ -89,7 +89,7 @@ base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptic
                                     .tip_sigma_m = std::sqrt(std::max(0.0, felt.noise.position_m2)),
                                     .velocity_sigma_m_s = std::sqrt(std::max(0.0, felt.noise.velocity_m2_s2)),
                                     .lag_s = haptics::LoopLag_s(config.haptics, felt),
-                                    .offer = haptics::OfferOf(config.haptics, felt.axis_base, state.haptics.offer),
+                                    .offer = haptics::OfferOf(felt.axis_base, state.haptics.offer),
                                     .contacts = &output.haptics};
   haptics::Apply(config.applied, commands.applied, input, state.applied, output.applied);
   return output.applied.force_base_N;
@@ -186,7 +186,8 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const double dt_s = Advance(scan, state, output);
   if (scan.device_faults != 0) output.faults |= kFaultDevice;
 
-  tracker::Update(config.tracker, scan, state.tracker, output.tool);
+  const bool pushed = state.limiter.last_N != base::Vec3{};
+  tracker::Update(config.tracker, scan, state.tracker, output.tool, pushed);
   if (output.tool.status != base::TrackingStatus::kTracking) output.faults |= kFaultTracking;
   CarryOrientation(output.tool, state, output);
   MoveGate(config, commands, scan.t_ns, dt_s, state, output);

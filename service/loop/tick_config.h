@@ -12,6 +12,9 @@ namespace omni::loop {
 
 // A pose that counts as tracked, to 3 mm (3 sigma), is trusted like any other.
 inline constexpr double kTrackedError_m = 3e-3;
+// At the largest error that is trusted at all the force has faded out: an end at once would swing a pen that leans on
+// it.
+inline constexpr double kPoseErrorMax_m = 12e-3, kPoseErrorFade_m = 2e-3;
 
 // `force_trust`: how well the base is known, 0 to 1. The greatest force and its rise shrink with it.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const tracker::Config& tracker,
@@ -24,7 +27,9 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const track
   const double tracked = actuation::ForceTrust(actuation.map, device, kTrackedError_m);
   for (std::size_t i = 0; i < config.limiter.pose_trust.size() && tracked > 0; ++i) {
     const double error_m = kPoseError_step_m * static_cast<double>(i);
-    config.limiter.pose_trust[i] = std::min(1.0, actuation::ForceTrust(actuation.map, device, error_m) / tracked);
+    const double fade = std::min(1.0, (kPoseErrorMax_m - error_m) / kPoseErrorFade_m);
+    config.limiter.pose_trust[i] =
+        fade * std::min(1.0, actuation::ForceTrust(actuation.map, device, error_m) / tracked);
   }
   config.applied.force_slew_N_s = config.haptics.force_slew_N_s;
   config.applied.force_max_N = config.actuation.force_max_N;

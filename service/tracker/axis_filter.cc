@@ -1,6 +1,7 @@
 #include "service/tracker/axis_filter.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "service/base/eigen.h"
@@ -103,8 +104,9 @@ void ResetTurning(const FilterNoise& noise, const PoseMeasurement& measured, Fil
   PublishTurning(state);
 }
 
-void PredictTurning(const FilterNoise& noise, double dt_s, FilterState& state) noexcept {
-  Interact(noise.follows_1_s, dt_s, MeanTurning, state.turnings);
+void PredictTurning(const FilterNoise& noise, const TransitionRates& follows_1_s, double dt_s,
+                    FilterState& state) noexcept {
+  Interact(follows_1_s, dt_s, MeanTurning, state.turnings);
   auto& now = state.turnings.estimate;
   Rest(noise, dt_s, now[kAtRest]);
   Extrapolate(noise.angular_acceleration_rad2_s3 * std::exp(state.axis_liveliness.log_factor), dt_s,
@@ -121,6 +123,7 @@ void CorrectTurning(const FilterNoise& noise, const PoseMeasurement& measured, d
     LearnShare(noise, third->squaredNorm(), 2 * R, dt_s, state.axis_whiteness.share);
   }
   const double R_white = state.axis_whiteness.share * R;
+  state.lasting_rad2 += std::min(1.0, dt_s / noise.lasting_s) * (R - R_white - state.lasting_rad2);
   Vector3d whitened;
   CorrectEach(
       [&](std::size_t model, Turning& turning) {

@@ -6,7 +6,8 @@
 namespace omni::tracker {
 
 void ResetTurning(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept;
-void PredictTurning(const FilterNoise& noise, double dt_s, FilterState& state) noexcept;
+void PredictTurning(const FilterNoise& noise, const TransitionRates& follows_1_s, double dt_s,
+                    FilterState& state) noexcept;
 void CorrectTurning(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s,
                     FilterState& state) noexcept;
 

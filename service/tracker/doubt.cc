@@ -13,8 +13,9 @@ constexpr double kRatioMax = 10;  // of one scan, in the shorter mean
 }  // namespace
 
 Trust TrustIn(const Doubt& doubt, Trust trust) noexcept {
-  trust.model_error_relative = std::max(trust.model_error_relative, doubt.model_error);
-  trust.coil_error_relative = std::max(trust.coil_error_relative, doubt.model_error);
+  const double known = trust.model_error_relative;
+  trust.model_error_relative = std::max(known, doubt.model_error);
+  if (known > 0) trust.coil_error_relative *= trust.model_error_relative / known;
   if (doubt.left_out >= 0) trust.sensors_out |= 1u << doubt.left_out;
   return trust;
 }

@@ -183,28 +183,25 @@ void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
   drift.recent_gradient = {};
 }
 
+}  // namespace
+
 // A stone on a string, drawn behind the core's moment m:   x <- d min(1, k / |d|),   d = x - dm        (34)
-// m: by the pen's field and the coils'. False: the pen may have been anywhere since.
-bool FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& current_step_A,
+void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& coil_current_A,
                 const PenPlace* pen, DriftState& drift) noexcept {
   const bool known = noise.core_kept_A > 0 && pen != nullptr, follows = known && drift.core_followed;
-  if (follows) {
-    const base::Vec3 &now = pen->core_A, &before = drift.core_A;
-    const std::array<double, 3> pen_step_A{now.x - before.x, now.y - before.y, now.z - before.z};
-    double square = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      drift.mean[k] -= pen_step_A[k] + noise.coil_core_share * current_step_A[k];
-      square += Square(drift.mean[k]);
-    }
-    const double string = noise.core_kept_A / std::max(std::sqrt(square), noise.core_kept_A);
-    for (std::size_t k = 0; k < 3; ++k) drift.mean[k] *= string;
-  }
   drift.core_followed = known;
-  if (known) drift.core_A = pen->core_A;
-  return follows;
+  if (!known) return;
+  const std::array<double, 3> before_A = drift.core_A, by_pen_A{pen->core_A.x, pen->core_A.y, pen->core_A.z};
+  for (std::size_t k = 0; k < 3; ++k) drift.core_A[k] = by_pen_A[k] + noise.coil_core_share * coil_current_A[k];
+  if (!follows) return;
+  double square = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    drift.mean[k] -= drift.core_A[k] - before_A[k];
+    square += Square(drift.mean[k]);
+  }
+  const double string = noise.core_kept_A / std::max(std::sqrt(square), noise.core_kept_A);
+  for (std::size_t k = 0; k < 3; ++k) drift.mean[k] *= string;
 }
-
-}  // namespace
 
 bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept {
   return drift.ambient_wander_T2_s > 0 || IsAmbientOpen(noise, drift);
@@ -272,7 +269,7 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   const double remanence = keep_of(ForgottenOf(noise.still, dt_s, pen, noise.core_kept_A, drift.still));
   const double ambient = keep_of(dt_s / noise.ambient_s), moment = keep_of(dt_s / noise.moment_s);
   const DriftVector keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
-  const bool follows = FollowCore(noise, current_step_A, pen, drift);
+  const bool follows = drift.valid && drift.core_followed;
   for (std::size_t k = 0; k < kAmbient && !follows; ++k) drift.mean[k] *= keep[k];
   drift.mean[kMoment] *= keep[kMoment];
   DriftVector grows{};

@@ -48,7 +48,7 @@ struct DriftState {
   DriftVector mean{};
   DriftMatrix covariance{};
   bool core_followed = false;
-  base::Vec3 core_A;  // the core's moment in the pen's field, as currents, if core_followed
+  std::array<double, base::kCoilCount> core_A{};  // the core's moment, as currents, if core_followed
   StillPen still;
 };
 static_assert(std::is_trivially_copyable_v<DriftState>);
@@ -71,6 +71,11 @@ static_assert(std::is_trivially_copyable_v<DriftEvidence>);
 Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept;
 double MomentScale(const DriftState& drift) noexcept;
 std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept;  // frame B, since the calibration
+
+// Of each scan, before it is measured: draws what the core keeps behind its moment. The currents and the place of the
+// pen; null: it may be anywhere, and the core is not followed.
+void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& coil_current_A,
+                const PenPlace* pen, DriftState& drift) noexcept;
 
 // Forgets for `dt_s`; a state that is not valid starts at zero with its full spread. current_step_A: since the last
 // correction; what the sensors of the currents got wrong of it comes on top. pen: null: it may be anywhere.

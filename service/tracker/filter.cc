@@ -11,9 +11,10 @@ void ResetFilter(const FilterNoise& noise, const PoseMeasurement& measured, Filt
   ResetTurning(noise, measured, state);
 }
 
-void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) noexcept {
-  PredictMotion(noise, dt_s, state);
-  PredictTurning(noise, dt_s, state);
+void PredictFilter(const FilterNoise& noise, double dt_s, bool pushed, FilterState& state) noexcept {
+  const TransitionRates& follows_1_s = pushed ? noise.follows_pushed_1_s : noise.follows_1_s;
+  PredictMotion(noise, follows_1_s, dt_s, state);
+  PredictTurning(noise, follows_1_s, dt_s, state);
 }
 
 void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s,

@@ -29,9 +29,14 @@ struct FilterNoise {
   double manoeuvre_factor = 20;  // on both densities, of a manoeuvre
   // How often one follows the other: row, to column.
   TransitionRates follows_1_s{{{0, 40, 20}, {0.5, 0, 3}, {1, 450, 0}}};
+  // While a force pushes the pen: it is not at rest, and an estimate that waits until it surely moves is late, which
+  // what pushes back must not be.
+  TransitionRates follows_pushed_1_s{{{0, 2000, 20}, {0, 0, 3}, {0, 450, 0}}};
   Likely likely_at_first{0.2, 0.6, 0.2};
   double white_min = 0.01;     // least share of a fit's variance that is taken for white
   double white_time_s = 0.05;  // over which it is learnt
+  double lasting_s =
+      0.01;  // mean of the other part: one scan that tells little is passed over, and makes nothing unsure
 };
 
 // How much the pen's motion deviates from a straight one, learnt from whether innovations follow one another.
@@ -65,7 +70,9 @@ struct FilterState : Motion, Turning {
   Models<Turning> turnings;
   Liveliness position_liveliness, axis_liveliness;
   Whiteness position_whiteness, axis_whiteness;
-  std::array<double, 9> white_m2{};  // of the last position, row-major
+  std::array<double, 9> white_m2{};    // of the last position, row-major
+  std::array<double, 9> lasting_m2{};  // of the covariance of positions, the part that is not white, row-major
+  double lasting_rad2 = 0;             // of an axis, per tangent
 };
 static_assert(std::is_trivially_copyable_v<FilterState>);
 
@@ -76,12 +83,10 @@ struct PoseMeasurement {
 };
 
 void ResetFilter(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept;
-void PredictFilter(const FilterNoise& noise, double dt_s, FilterState& state) noexcept;
+// pushed: a force acts on the pen.
+void PredictFilter(const FilterNoise& noise, double dt_s, bool pushed, FilterState& state) noexcept;
 // dt_s: as in the prediction before. A pose that cannot follow from the prediction restarts the filter there.
 void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, FilterState& state) noexcept;
-
-// Of a position as measured, the part of its covariance that is not white, m^2, row-major.
-std::array<double, 9> LastingCovariance(const Whiteness& whiteness, const PoseMeasurement& measured) noexcept;
 
 // u turned by the vector `turn_rad` (angle times axis).
 base::Vec3 TurnAxis(const base::Vec3& axis, const base::Vec3& turn_rad) noexcept;

@@ -150,10 +150,6 @@ void LearnShare(const FilterNoise& noise, double third_squared, double variance,
   share = std::clamp(share + std::min(1.0, dt_s / noise.white_time_s) * (now - share), noise.white_min, 1.0);
 }
 
-std::array<double, 9> LastingCovariance(const Whiteness& whiteness, const PoseMeasurement& measured) noexcept {
-  return PartOf(measured, 1 - whiteness.along, 1 - whiteness.share);
-}
-
 void ResetMotion(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept {
   Motion motion;
   motion.position_base_m = measured.position_base_m;
@@ -166,8 +162,9 @@ void ResetMotion(const FilterNoise& noise, const PoseMeasurement& measured, Filt
   PublishMotion(state);
 }
 
-void PredictMotion(const FilterNoise& noise, double dt_s, FilterState& state) noexcept {
-  Interact(noise.follows_1_s, dt_s, MeanMotion, state.motions);
+void PredictMotion(const FilterNoise& noise, const TransitionRates& follows_1_s, double dt_s,
+                   FilterState& state) noexcept {
+  Interact(follows_1_s, dt_s, MeanMotion, state.motions);
   auto& now = state.motions.estimate;
   Rest(noise, dt_s, state.white_m2, now[kAtRest]);
   Extrapolate(noise.acceleration_m2_s3 * std::exp(state.position_liveliness.log_factor), dt_s, now[kConstantVelocity]);
@@ -186,6 +183,9 @@ bool CorrectMotion(const FilterNoise& noise, const PoseMeasurement& measured, do
   if (!(innovation.dot(S.inverse() * innovation) <= kRestartGate)) return false;
   const Whiteness& whiteness = state.position_whiteness;
   state.white_m2 = PartOf(measured, whiteness.along, whiteness.share);
+  const std::array<double, 9> lasting_m2 = PartOf(measured, 1 - whiteness.along, 1 - whiteness.share);
+  const double step = std::min(1.0, dt_s / noise.lasting_s);
+  for (std::size_t i = 0; i < 9; ++i) state.lasting_m2[i] += step * (lasting_m2[i] - state.lasting_m2[i]);
   const Matrix3d R_white = Load(state.white_m2);
   Vector3d whitened;
   CorrectEach(

@@ -9,7 +9,8 @@
 namespace omni::tracker {
 
 void ResetMotion(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept;
-void PredictMotion(const FilterNoise& noise, double dt_s, FilterState& state) noexcept;
+void PredictMotion(const FilterNoise& noise, const TransitionRates& follows_1_s, double dt_s,
+                   FilterState& state) noexcept;
 // False: the measured position cannot follow from the prediction.
 bool CorrectMotion(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s, FilterState& state) noexcept;
 

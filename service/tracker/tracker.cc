@@ -25,7 +25,7 @@ constexpr double kPredictMax_s = 0.020;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
 constexpr double kCalibratedError = 0.01;    // of the model: with more, something else is wrong than the calibration
-constexpr double kCalibratedCoils = 1e-3;    // of the coils' field, whose maps were measured
+constexpr double kCalibratedCoils = 4e-4;    // of the coils' field, whose maps were measured
 constexpr double kDrawnError = 0.05;         // of a workshop's base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kTypicalRadius_m = 0.065;   // from the pen to the core
@@ -79,16 +79,13 @@ base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, 
   SetDevicePoint(model.tip_offset_m, tool);
   tool.gap_m = CylinderGap(tool.position_base_m, tool.axis_base, model.magnet_radius_m, model.magnet_half_height_m,
                            model.hull_radius_m);
-  const std::array<double, 9> lasting_m2 = LastingCovariance(filter.position_whiteness, measured);
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) {
       const std::size_t e = 3 * row + column;
-      tool.covariance[5 * row + column] = filter.covariance_pp[e] + lasting_m2[e];
+      tool.covariance[5 * row + column] = filter.covariance_pp[e] + filter.lasting_m2[e];
     }
   }
-  for (const std::size_t i : {18U, 24U}) {
-    tool.covariance[i] = filter.variance_angle + (1 - filter.axis_whiteness.share) * measured.covariance[i];
-  }
+  for (const std::size_t i : {18U, 24U}) tool.covariance[i] = filter.variance_angle + filter.lasting_rad2;
   AddUnseen(model, measured, systematic, tool.covariance);
   tool.device_point_noise = NoiseOfPoint(filter, model.tip_offset_m);
   tool.device_point_noise_along = NoiseAlong(filter);
@@ -267,7 +264,8 @@ Config MakeConfig(const base::DeviceGeometry& device) {
   return config;
 }
 
-void Update(const Config& config, const base::HallScan& as_read, State& state, base::ToolState& tool) noexcept {
+void Update(const Config& config, const base::HallScan& as_read, State& state, base::ToolState& tool,
+            bool pushed) noexcept {
   const bool old = state.currents.valid && as_read.t_ns == state.currents.t_ns;
   state.old_scans = old ? std::min(state.old_scans + 1, config.lost_after_scans) : 0;
   if (old) {
@@ -285,15 +283,16 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   const CurrentHistory currents = Remember(scan, state.currents);
   LearnFromLast(config, state);
   AdvanceMains(config.mains, scan.t_ns, state.mains);
+  const PenPlace place = PlaceOf(config.model, state.filter);
+  const PenPlace* const pen = state.warm ? &place : nullptr;
+  if (LearnsDrift(config) && ArePlausible(scan.coil_current_A))
+    FollowCore(config.drift, scan.coil_current_A, pen, state.drift);
   const bool wide = IsWideScan(config, state);
-  if (wide) {
-    const PenPlace pen = PlaceOf(config.model, state.filter);
-    ForgetDrift(config, scan, state.warm ? &pen : nullptr, state.drift);
-  }
+  if (wide) ForgetDrift(config, scan, pen, state.drift);
   const double dt_s = base::Elapsed_s(scan.t_ns, state.filter_t_ns);
   const bool continues = state.warm && dt_s >= 0 && dt_s <= config.coast_max_s;
   FilterState predicted = state.filter;
-  if (continues) PredictFilter(config.filter, dt_s, predicted);
+  if (continues) PredictFilter(config.filter, dt_s, pushed, predicted);
   ScanContext context{config, scan, state.currents, currents};
   std::optional<SteelAnswer> steel;
   if (state.warm && HasSteel(config.model)) {

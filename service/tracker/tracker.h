@@ -86,8 +86,9 @@ Config MakeConfig(const base::DeviceGeometry& device);  // uncalibrated: as draw
 // lost_after_scans, kAbsent. A scan whose stamp did not move brings nothing new and changes only limits;
 // lost_after_scans of them are a clock that stands, and no longer fit. A first fix is published only when its chi2
 // passes. The published covariance is the filter's: position block 3x3, tangents of magnetics::MakeTangentBasis(axis)
-// 2x2, no cross terms.
-void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool) noexcept;
+// 2x2, no cross terms. pushed: since the scan before a force has acted on the pen.
+void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool,
+            bool pushed = false) noexcept;
 
 // Constant-velocity prediction of `tool` to t_ns, at most 20 ms away. gap_m and covariance stay those of the sample.
 base::ToolState Predict(const base::ToolState& tool, std::int64_t t_ns, double tip_offset_m) noexcept;

@@ -39,6 +39,21 @@ TEST(LoopStory, ThePenIsFoundTouchesAndIsPushedBack) {
   EXPECT_EQ(select.press_count, select.release_count);
 }
 
+// A hand holds the pen still a second long, above the table and on it: only there it may be at rest.
+TEST(LoopStory, APenThatIsPushedIsNotTakenForOneAtRest) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Story story(PressAndSlide(), 2.3);
+  const auto at_rest = [&] { return story.state.tracker.filter.motions.likely[tracker::kAtRest]; };
+  double in_air = 0, in_touch = 0;
+  while (story.Step(table)) {
+    const bool in_touch_long = story.state.tick > 1900 && story.force_N() > 0.1;
+    if (in_touch_long) in_touch = std::max(in_touch, at_rest());
+    if (story.force_N() == 0) in_air = std::max(in_air, at_rest());
+  }
+  EXPECT_GT(in_air, 0.5);
+  EXPECT_LT(in_touch, 1e-3);
+}
+
 TEST(LoopStory, NoOwnerNoCurrent) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Story story(PressAndSlide(), 2.5);

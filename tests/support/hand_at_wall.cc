@@ -44,13 +44,13 @@ class Tracking {
     measured_.axis_base = {0, 0, -1};
   }
 
-  double Measure(double z_m, sim::Random& random) {
+  double Measure(double z_m, bool pushed, sim::Random& random) {
     measured_.position_base_m = {noise_m_ * random.Normal(), noise_m_ * random.Normal(),
                                  z_m + noise_m_ * random.Normal()};
     if (!started_) {
       tracker::ResetFilter({}, measured_, filter_);
     } else {
-      tracker::PredictFilter({}, kTick_s, filter_);
+      tracker::PredictFilter({}, kTick_s, pushed, filter_);
       tracker::CorrectFilter({}, measured_, kTick_s, filter_);
     }
     started_ = true;
@@ -128,7 +128,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallStory& s
   const double end_s = kAway_s + kMove_s + story.hold_s + (story.release ? kMove_s + kRest_s : 0);
   const auto ticks = static_cast<int>(std::lround(end_s / kTick_s));
   for (int tick = 0; tick < ticks; ++tick) {
-    run.measured_m.push_back(tracking.Measure(plant.z_m(), random));
+    run.measured_m.push_back(tracking.Measure(plant.z_m(), output.force_base_N != base::Vec3{}, random));
     input.t_ns += 1'000'000;
     tracking.Fill(input);
     if (rule == WallRule::kFixed) input.noise = {};

@@ -112,6 +112,21 @@ TEST(Stability, InTouchTheOfferOnlyFalls) {
   EXPECT_GT(last, first);
 }
 
+// Noise of a velocity is a force by way of the damping.
+TEST(Stability, NoiseAllowsLessDamping) {
+  const Config config;
+  for (const double sigma_m_s : {0.0, 0.01, 0.05, 0.2}) {
+    OfferState state;
+    Offer offer;
+    for (int k = 0; k < 100; ++k) {
+      offer = UpdateOffer(config, Delayed(2e-3, {1e-8, 0, sigma_m_s * sigma_m_s}), true, state);
+    }
+    EXPECT_LE(offer.damping_Ns_m * sigma_m_s, 0.020 + 1e-12);
+    EXPECT_LE(offer.damping_Ns_m, config.hand_damping_Ns_m);
+    EXPECT_EQ(offer.damping_Ns_m == config.hand_damping_Ns_m, sigma_m_s * config.hand_damping_Ns_m <= 0.020);
+  }
+}
+
 TEST(Stability, AWallThatAsksForMoreSaysSo) {
   Material m;
   m.stiffness_N_m = 1000;

@@ -44,6 +44,51 @@ TEST(SwingWatch, QuietensLightHandsAndLateAnswers) {
   }
 }
 
+// Of the measured tip, over its noise and not dying away.
+bool IsLimitCycle(const WallHand& hand, const WallLoop& loop, const WallRun& run) {
+  const auto last_m = [](const WallRun& of, std::size_t second) {
+    const std::size_t end = of.measured_m.size() - second * kSecond;
+    return test::RmsAboutMean(of.measured_m, end - kSecond, end);
+  };
+  const WallRun free = PressWall(hand, {.noise_m = loop.noise_m}, {}, WallRule::kFixed, 0, 3);
+  return last_m(run, 0) > 2 * last_m(free, 0) && last_m(run, 0) >= 0.8 * last_m(run, 1);
+}
+
+TEST(SwingWatch, FirmHandsHoldStill) {
+  for (const double mass_kg : {0.05, 0.1, 0.2}) {
+    for (const double late_s : {0.0, 1e-3, 2e-3}) {
+      for (const double noise_m : {2e-5, 1e-4}) {
+        SCOPED_TRACE(testing::Message() << mass_kg << " kg, late " << late_s << ", noise " << noise_m);
+        const WallHand hand{mass_kg, 1};
+        const WallLoop loop{.delay_s = 2e-3, .late_s = late_s, .noise_m = noise_m};
+        EXPECT_FALSE(IsLimitCycle(hand, loop, PressWall(hand, loop, {}, WallRule::kOffered, kAsked_N_m, 3)));
+      }
+    }
+  }
+}
+
+// The least damped hands, and answers later than said by up to 5 ms.
+TEST(SwingWatch, LightHandsComeToRest) {
+  for (const double mass_kg : {0.02, 0.05}) {
+    for (const double late_s : {2e-3, 3e-3, 5e-3}) {
+      for (const double noise_m : {1e-4, 3e-4}) {
+        SCOPED_TRACE(testing::Message() << mass_kg << " kg, late " << late_s << ", noise " << noise_m);
+        const WallHand hand{mass_kg, 0.1};
+        const WallLoop loop{.delay_s = 2e-3, .late_s = late_s, .noise_m = noise_m};
+        EXPECT_FALSE(IsLimitCycle(hand, loop, PressWall(hand, loop, {}, WallRule::kOffered, kAsked_N_m, 3)));
+      }
+    }
+  }
+}
+
+// Longer in the air than in touch: 40 mJ and 4.6 mm in a second otherwise.
+TEST(SwingWatch, AHeavyPenDoesNotBounceOn) {
+  const WallHand hand{0.2, 1};
+  const WallLoop loop{.delay_s = 1e-3, .late_s = 5e-3, .noise_m = 2e-5};
+  const WallRun run = PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kOffered, kAsked_N_m, 2004);
+  EXPECT_LT(run.given_J, 0.01);
+}
+
 // The nine hands of the rule.
 TEST(SwingWatch, LeavesFirmHandsWhatTheyAreOffered) {
   for (const double mass_kg : {0.05, 0.1, 0.2}) {

@@ -19,11 +19,14 @@ class TrackerCoreString : public testing::Test {
  protected:
   DriftNoise noise{.core_kept_A = kKept_A};
   DriftState drift;
+  std::array<double, 3> current_A{};
   PenPlace pen{.position_base_m = {0, 0, 0.09}, .axis_base = {0, 0, -1}};
 
   void MoveTo(const Vec3& core_A, const std::array<double, 3>& current_step_A = {}) {
     pen.core_A = core_A;
     pen.position_base_m = {0.1 * core_A.x, 0.1 * core_A.y, 0.09};
+    for (std::size_t k = 0; k < 3; ++k) current_A[k] += current_step_A[k];
+    FollowCore(noise, current_A, &pen, drift);
     PredictDrift(noise, 0.004, current_step_A, &pen, drift);
   }
   double Kept_A(std::size_t k) const { return drift.mean[k]; }
@@ -75,10 +78,23 @@ TEST_F(TrackerCoreString, CurrentsDrawItToo) {
   EXPECT_NEAR(Kept_A(2), kKept_A, 1e-12);
 }
 
+// Of each scan, for a current of 100 Hz turns it over twice in ten: PredictDrift is asked at every fourth only.
+TEST_F(TrackerCoreString, IsDrawnBetweenPredictionsToo) {
+  MoveTo({});
+  for (const double step_A : {0.1, 0.1, -0.1, -0.1}) {
+    current_A[2] += step_A;
+    FollowCore(noise, current_A, &pen, drift);
+    EXPECT_NEAR(Kept_A(2), -std::copysign(kKept_A, step_A), 1e-12);
+  }
+}
+
 TEST_F(TrackerCoreString, IsForgottenWithThePen) {
   MoveTo({});
   MoveTo({0.03, 0, 0});
-  for (int n = 0; n < 500; ++n) PredictDrift(noise, 0.01, {}, nullptr, drift);
+  for (int n = 0; n < 500; ++n) {
+    FollowCore(noise, current_A, nullptr, drift);
+    PredictDrift(noise, 0.01, {}, nullptr, drift);
+  }
   EXPECT_NEAR(Kept_A(0), 0, 0.01 * kKept_A);
   EXPECT_GT(drift.covariance[0], kKept_A * kKept_A / 3);
   MoveTo({-0.03, 0, 0});  // it may have been anywhere between

@@ -45,7 +45,7 @@ class Fed {
     if (!started_) {
       ResetFilter(noise, measured, state);
     } else {
-      PredictFilter(noise, kTick_s, state);
+      PredictFilter(noise, kTick_s, pushed, state);
       CorrectFilter(noise, measured, kTick_s, state);
     }
     started_ = true;
@@ -69,6 +69,7 @@ class Fed {
 
   FilterNoise noise;
   FilterState state;
+  bool pushed = false;
   double white = 1;  // standard deviation of the white part, in what the measurement claims
 
  private:
@@ -166,30 +167,50 @@ INSTANTIATE_TEST_SUITE_P(Hands, TrackerFilterChanges,
                                   std::to_string(static_cast<int>(test.param.acceleration_m_s2)) + "ms2";
                          });
 
+// What becomes of a sine: gain and delay.
 //   2 / (n a) sum x_k exp(-i w t_k) = gain exp(-i w delay) / i
-void Tremble(const FitNoise& fit, double gain_min, double gain_max, double delay_max_s) {
-  constexpr double kAmplitude_m = 2e-4, kRate_1_s = 2 * 3.14159265358979 * 10;
+struct Response {
+  double gain, delay_s;
+};
+
+Response ResponseTo(double amplitude_m, double frequency_Hz, const FitNoise& fit, bool pushed) {
+  const double rate_1_s = 2 * 3.14159265358979 * frequency_Hz;
   std::complex<double> sum;
   int n = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Fed hand(fit, seed);
+    hand.pushed = pushed;
     for (int tick = 0; tick < 3000; ++tick) {
-      const double phase = kRate_1_s * kTick_s * tick;
-      hand.Feed({kAmplitude_m * std::sin(phase), 0, 0.07});
+      const double phase = rate_1_s * kTick_s * tick;
+      hand.Feed({amplitude_m * std::sin(phase), 0, 0.07});
       if (tick < 1000) continue;
       sum += hand.state.position_base_m.x * std::polar(1.0, -phase);
       ++n;
     }
   }
-  const std::complex<double> c = std::complex<double>(0, 1) * sum * (2 / (n * kAmplitude_m));
-  EXPECT_GT(std::abs(c), gain_min);
-  EXPECT_LT(std::abs(c), gain_max);
-  EXPECT_LT(-std::arg(c) / kRate_1_s, delay_max_s);
+  const std::complex<double> c = std::complex<double>(0, 1) * sum * (2 / (n * amplitude_m));
+  return {std::abs(c), -std::arg(c) / rate_1_s};
+}
+
+void Tremble(const FitNoise& fit, double gain_min, double gain_max, double delay_max_s) {
+  const Response response = ResponseTo(2e-4, 10, fit, false);
+  EXPECT_GT(response.gain, gain_min);
+  EXPECT_LT(response.gain, gain_max);
+  EXPECT_LT(response.delay_s, delay_max_s);
 }
 
 TEST(TrackerFilter, ATremorKeepsItsSize) {
   Tremble(kAt55mm, 0.9, 1.1, 4e-3);
   Tremble(kAt90mm, 0.8, 1.25, 8e-3);
+}
+
+// What moves by no more than the noise, as a pen does that leans on a wall: one at rest is given up late.
+TEST(TrackerFilter, APushedPenIsNotTakenForOneAtRest) {
+  const FitNoise fit{1e-4, 5e-3};
+  const Response pushed = ResponseTo(5e-5, 8, fit, true), rests = ResponseTo(5e-5, 8, fit, false);
+  EXPECT_LT(pushed.delay_s, 0.5 * rests.delay_s);
+  EXPECT_GT(pushed.gain, 0.8);
+  EXPECT_LT(pushed.gain, 1.25);
 }
 
 // A hand that works: how far off where it is, and where it will be in 20 ms.
