@@ -100,7 +100,7 @@ struct OfferState {
   double recent_N_m = 0, recent_along_N_m = 0;  // the limits, smoothed
   double stiffness_N_m = 0;                     // what is offered in the worst direction ...
   double along_N_m = 0;                         // ... and along the pen's axis
-  double damping_Ns_m = 0;
+  double damping_Ns_m = 0;                      // that is offered
 };
 
 inline constexpr std::uint32_t kEnergyHistory = 32;

@@ -12,9 +12,9 @@ namespace omni::loop {
 
 // A pose that counts as tracked, to 3 mm (3 sigma), is trusted like any other.
 inline constexpr double kTrackedError_m = 3e-3;
-// At the largest error that is trusted at all the force has faded out: an end at once would swing a pen that leans on
-// it.
+// At the largest error that is trusted the force has faded out: where it ended at once, a pen that leans on it swung.
 inline constexpr double kPoseErrorMax_m = 12e-3, kPoseErrorFade_m = 2e-3;
+static_assert(kPoseErrorMax_m == kPoseError_step_m * (std::tuple_size_v<decltype(ForceLimiterConfig::pose_trust)> - 1));
 
 // `force_trust`: how well the base is known, 0 to 1. The greatest force and its rise shrink with it.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const tracker::Config& tracker,

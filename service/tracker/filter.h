@@ -35,8 +35,7 @@ struct FilterNoise {
   Likely likely_at_first{0.2, 0.6, 0.2};
   double white_min = 0.01;     // least share of a fit's variance that is taken for white
   double white_time_s = 0.05;  // over which it is learnt
-  double lasting_s =
-      0.01;  // mean of the other part: one scan that tells little is passed over, and makes nothing unsure
+  double lasting_s = 0.01;     // mean of the other part: a scan that tells little is passed over
 };
 
 // How much the pen's motion deviates from a straight one, learnt from whether innovations follow one another.
