@@ -39,7 +39,7 @@ TEST(LoopStory, ThePenIsFoundTouchesAndIsPushedBack) {
   EXPECT_EQ(select.press_count, select.release_count);
 }
 
-// A hand holds the pen still a second long, above the table and on it: only there it may be at rest.
+// A hand holds the pen still, first above the table and then on it. Only in the air may it be taken for one at rest.
 TEST(LoopStory, APenThatIsPushedIsNotTakenForOneAtRest) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Story story(PressAndSlide(), 2.3);
