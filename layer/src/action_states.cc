@@ -2,6 +2,7 @@
 // wherever the pen has no part.
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -46,7 +47,7 @@ XrResult Instance::GetFloat(XrSession session, const XrActionStateGetInfo* info,
   Overlay(*this, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
     out.currentState = merged.value.x;
     if (OMNI_FAULT("states-not-snapshotted"))
-      out.currentState = link.Read(MonotonicNow_ns()).inputs.components[0].value;
+      out.currentState = link.Read(base::MonotonicNow_ns()).inputs.components[0].value;
     AssignTimes(merged, out);
   });
   return result;

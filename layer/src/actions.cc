@@ -4,6 +4,7 @@
 
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -185,7 +186,7 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   Alive();
   const auto record = sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
-  const std::int64_t now = MonotonicNow_ns();
+  const std::int64_t now = base::MonotonicNow_ns();
   clock.Refresh(now);
   SyncInput input;
   input.focused = result != XR_SESSION_NOT_FOCUSED || OMNI_FAULT("not-focused-is-success");

@@ -4,6 +4,7 @@
 
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
+#include "service/base/clock.h"
 #include "service/protocol/text.h"
 
 namespace omni::layer {
@@ -67,8 +68,8 @@ void Instance::TakePlacement() {
     placed_ = told;
   }
   // What the runtime has already changed is in the service's file. A change to come is not, unless it says so.
-  const std::int64_t known_until_ns =
-      std::max(MonotonicNow_ns(), told->changes_until_ns == 0 ? 0 : told->changes_until_ns + protocol::kSameChange_ns);
+  const std::int64_t known_until_ns = std::max(
+      base::MonotonicNow_ns(), told->changes_until_ns == 0 ? 0 : told->changes_until_ns + protocol::kSameChange_ns);
   Placement placement = ToPlacement(*told);
   if (link.test() != nullptr) placement.valid = placement.tracked = true;
   for (const auto& session : sessions.Values())

@@ -11,12 +11,6 @@ constexpr std::int64_t kRefreshInterval_ns = 1'000'000'000;
 constexpr std::int64_t kLongest_ns = std::int64_t{1} << 61;
 }  // namespace
 
-std::int64_t MonotonicNow_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
 std::int64_t FrameClock::Add(const XrFrameState& frame, std::int64_t now_ns) noexcept {
   const std::int64_t period_ns = std::clamp<std::int64_t>(frame.predictedDisplayPeriod, 0, 1'000'000'000);
   const std::int64_t seen_ns = std::clamp(frame.predictedDisplayTime, -kLongest_ns, kLongest_ns);

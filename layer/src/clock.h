@@ -11,8 +11,6 @@
 
 namespace omni::layer {
 
-std::int64_t MonotonicNow_ns() noexcept;  // vDSO, no system call
-
 // The offset of a runtime's clock, from its xrWaitFrame alone.
 //
 // A frame says when it will be seen. We take that for 1.5 periods after xrWaitFrame returned, which a runtime may miss

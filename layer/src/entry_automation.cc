@@ -7,6 +7,7 @@
 #include "layer/src/entry_automation.h"
 #include "layer/src/guarded.h"
 #include "layer/src/locate.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -125,7 +126,7 @@ XRAPI_ATTR XrResult XRAPI_CALL SetVector2f(XrSession session, XrPath top_level, 
 //   X_BT = inverse(X_LO) X_L_space X_space_P inverse(X_TP)
 XrResult PlaceTool(const Target& t, const PoseComponent& component, XrSpace space, const XrPosef& pose) {
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
-  const XrTime now = t.instance->clock.ToXr(MonotonicNow_ns());
+  const XrTime now = t.instance->clock.ToXr(base::MonotonicNow_ns());
   const Placement placement = t.session->placement.At(now);
   const XrResult result = t.instance->LocateSpace(space, t.session->Anchor(placement.space), now, &location);
   if (XR_FAILED(result)) return result;

@@ -6,6 +6,7 @@
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "layer/src/locate.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -37,7 +38,7 @@ class Places {
  private:
   Instance& instance_;
   const Session& session_;
-  const std::int64_t now_ns_ = MonotonicNow_ns();
+  const std::int64_t now_ns_ = base::MonotonicNow_ns();
   std::vector<std::pair<XrSpace, Located>> found_;
 };
 
@@ -64,7 +65,7 @@ XrResult PlaceConstraints(Places& places, const std::vector<LocalConstraint>& co
 XrResult Instance::CreateForceFeedback(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info,
                                        XrForceFeedbackOMNIX1* handle_out) {
   link.Beat();
-  link.PollNow(MonotonicNow_ns());
+  link.PollNow(base::MonotonicNow_ns());
   const auto record = sessions.Find(session);
   if (!record) return XR_ERROR_HANDLE_INVALID;
   if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_CREATE_INFO_OMNIX1 || !handle_out)

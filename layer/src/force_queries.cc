@@ -7,6 +7,7 @@
 #include "layer/src/force_feedback.h"
 #include "layer/src/instance.h"
 #include "layer/src/locate.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -117,11 +118,12 @@ XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeed
   protocol::ToolSample then;
   protocol::ToolSample after;
   const auto reader = link.reader();
-  const std::int64_t time_ns = OMNI_FAULT("force-state-of-now") ? MonotonicNow_ns() : clock.ToMonotonic(info->time);
+  const std::int64_t time_ns =
+      OMNI_FAULT("force-state-of-now") ? base::MonotonicNow_ns() : clock.ToMonotonic(info->time);
   const bool any = reader && reader->Newest(newest) && reader->Around(time_ns, then, after);
   const ForceStatus status = StatusOf({.focused = force->session->focused,
                                        .standing = link.force_standing(),
-                                       .fresh = any && MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
+                                       .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
                                        .sample = any ? &then : nullptr});
   state->isActive = status.active ? XR_TRUE : XR_FALSE;
   state->stateFlags = status.flags;
@@ -142,13 +144,13 @@ ForceStatus Instance::StatusNow(const Session& session) {
   const bool any = reader && reader->Newest(newest);
   return StatusOf({.focused = session.focused,
                    .standing = link.force_standing(),
-                   .fresh = any && MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
+                   .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
                    .sample = any ? &newest : nullptr});
 }
 
 void Instance::WatchForces() {
   for (const auto& force : forces.Values()) {
-    const std::int64_t now_ns = MonotonicNow_ns();
+    const std::int64_t now_ns = base::MonotonicNow_ns();
     const ForceStatus now = StatusNow(*force->session);
     ForceStatus told;
     {

@@ -10,7 +10,8 @@
 
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
-#include "layer/src/sealed_document.h"
+#include "service/base/clock.h"
+#include "service/base/sealed_memory.h"
 #include "service/protocol/haptic_scene_range.h"
 
 namespace omni::layer {
@@ -152,8 +153,9 @@ XrResult HapticScenes::Create(XrSession session, const XrHapticSceneCreateInfoOM
   }
   if (!instance_.sessions.Contains(session)) return XR_ERROR_HANDLE_INVALID;
   auto scene = std::make_unique<HapticScene>();
-  scene->document = SealedDocument(info->buffer, info->bufferByteCount);
-  if (!scene->document) return XR_ERROR_OUT_OF_MEMORY;
+  auto document = base::SealedCopy("omni-scene", {reinterpret_cast<const char*>(info->buffer), info->bufferByteCount});
+  if (!document.ok()) return XR_ERROR_OUT_OF_MEMORY;
+  scene->document = std::move(*document);
   scene->handle = reinterpret_cast<XrHapticSceneOMNIX1>(scene.get());
   scene->session = session;
   scene->bytes = info->bufferByteCount;
@@ -239,7 +241,7 @@ XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlac
     session = instance_.sessions.Find(scene->session);
   }
   if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
-  const std::int64_t now_ns = MonotonicNow_ns();
+  const std::int64_t now_ns = base::MonotonicNow_ns();
   Located X_OS;
   const XrResult found = instance_.LocateInBase(*session, placement->baseSpace, instance_.clock.ToXr(now_ns), X_OS);
   if (XR_FAILED(found)) return found;

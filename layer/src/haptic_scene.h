@@ -13,8 +13,8 @@
 
 #include "layer/include/openxr/omni_haptic_scene.h"
 #include "layer/src/locate.h"
+#include "service/base/unique_fd.h"
 #include "service/client/connection.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::layer {
 
@@ -34,7 +34,7 @@ struct HapticScene {
   XrHapticSceneOMNIX1 handle = XR_NULL_HANDLE;  // its own address
   XrSession session = XR_NULL_HANDLE;
   std::uint32_t number = 0;
-  protocol::UniqueFd document;
+  base::UniqueFd document;
   std::uint64_t bytes = 0;
   std::uint32_t flags = 0;
 

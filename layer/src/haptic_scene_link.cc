@@ -4,6 +4,7 @@
 
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -32,12 +33,9 @@ void HapticScenes::SetStatus(XrHapticSceneStatusOMNIX1 status) {
   if (scene_->status == status) return;
   scene_->status = status;
   scene_->ever_ready = scene_->ever_ready || status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1;
-  const XrEventDataHapticSceneStateChangedOMNIX1 changed{XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1,
-                                                         nullptr,
-                                                         scene_->session,
-                                                         scene_->handle,
-                                                         status,
-                                                         instance_.clock.ToXr(MonotonicNow_ns())};
+  const XrEventDataHapticSceneStateChangedOMNIX1 changed{
+      XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1, nullptr, scene_->session, scene_->handle, status,
+      instance_.clock.ToXr(base::MonotonicNow_ns())};
   if (!OMNI_FAULT("scene-event-missing")) instance_.events.Push(changed);
 }
 

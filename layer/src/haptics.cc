@@ -8,6 +8,7 @@
 
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -183,7 +184,7 @@ XrResult Instance::ApplyPcm(XrSession session, const XrHapticActionInfo* info, c
 // How many samples the service has taken.
 std::uint32_t Instance::PlayPcm(XrAction action, ShapedVibration& pcm) {
   bool continues = false;
-  pcm.samples.resize(pcm_backlog.Book(action, pcm, MonotonicNow_ns(), continues));
+  pcm.samples.resize(pcm_backlog.Book(action, pcm, base::MonotonicNow_ns(), continues));
   pcm.waveform.append = continues ? 1 : 0;
   if (pcm.samples.empty()) return 0;
   if (link.Waveform(pcm.waveform, pcm.samples)) return static_cast<std::uint32_t>(pcm.samples.size());

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "layer/src/own_names.h"
+#include "service/base/clock.h"
 #include "service/protocol/environment.h"
 
 namespace omni::layer {
@@ -60,7 +61,7 @@ Instance::Instance(InstanceSetup setup)
       fixed_profile_(FixedProfile(profiles, log)) {
   if (Enabled(XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME) && TestDevice::Wanted())
     link.OfferTestDevice(std::make_unique<TestDevice>());
-  const std::int64_t now = MonotonicNow_ns();
+  const std::int64_t now = base::MonotonicNow_ns();
   clock.Refresh(now);
   link.Poll(now);
 }

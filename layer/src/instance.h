@@ -21,6 +21,7 @@
 #include "layer/src/records.h"
 #include "layer/src/service_link.h"
 #include "layer/src/session.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 
@@ -142,7 +143,7 @@ class Instance {
   // Sign of life and, when due, a look at the socket. Not from xrLocateSpace, which makes no system call.
   void Alive() {
     link.Beat();
-    link.Poll(MonotonicNow_ns());
+    link.Poll(base::MonotonicNow_ns());
     TakePlacement();
   }
 

@@ -4,8 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "layer/src/clock.h"
 #include "layer/src/fault.h"
+#include "service/base/clock.h"
 #include "service/protocol/text.h"
 
 namespace omni::layer {
@@ -15,10 +15,10 @@ constexpr int kLinesPerPeriod = 50;
 constexpr std::int64_t kPeriod_ns = 10'000'000'000;
 
 // O_NONBLOCK: to open a FIFO must not wait for its reader.
-protocol::UniqueFd OpenLogFile(const std::string& path) {
+base::UniqueFd OpenLogFile(const std::string& path) {
   const int link = OMNI_FAULT("log-follows-links") ? 0 : O_NOFOLLOW;
   const int flags = O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | link;
-  protocol::UniqueFd file(::open(path.c_str(), flags, S_IRUSR | S_IWUSR));
+  base::UniqueFd file(::open(path.c_str(), flags, S_IRUSR | S_IWUSR));
   struct stat info {};
   if (!file || ::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) return {};
   return file;
@@ -35,7 +35,7 @@ Log::Log(const std::string& where) {
 void Log::Line(const std::string& text) {
   if (fd_ < 0) return;
   const std::lock_guard lock(mutex_);
-  const std::int64_t now = MonotonicNow_ns();
+  const std::int64_t now = base::MonotonicNow_ns();
   if (now - period_start_ns_ > kPeriod_ns) {
     period_start_ns_ = now;
     lines_ = 0;

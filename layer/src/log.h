@@ -6,8 +6,8 @@
 #include <mutex>
 #include <string>
 
+#include "service/base/unique_fd.h"
 #include "service/protocol/environment.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::layer {
 
@@ -24,7 +24,7 @@ class Log {
  private:
   void Write(const std::string& text) const;
 
-  protocol::UniqueFd file_;
+  base::UniqueFd file_;
   int fd_ = -1;  // < 0: nothing is written
   std::mutex mutex_;
   std::int64_t period_start_ns_ = 0;

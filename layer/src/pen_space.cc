@@ -1,6 +1,7 @@
 #include "layer/src/pen_space.h"
 
 #include "layer/src/fault.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -29,11 +30,11 @@ Side SideOf(const Instance& instance, XrSpace handle) {
 
 PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time) {
   PenAt pen;
-  if (OMNI_FAULT("locate-ignores-time")) time = instance.clock.ToXr(MonotonicNow_ns());
+  if (OMNI_FAULT("locate-ignores-time")) time = instance.clock.ToXr(base::MonotonicNow_ns());
   pen.placement = session.placement.At(time);
   pen.anchor = session.Anchor(pen.placement.space);
   if (const auto reader = instance.link.reader())
-    pen.tool = ToolMotionAt(*reader, instance.clock.ToMonotonic(time), MonotonicNow_ns());
+    pen.tool = ToolMotionAt(*reader, instance.clock.ToMonotonic(time), base::MonotonicNow_ns());
   return pen;
 }
 

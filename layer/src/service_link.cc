@@ -4,9 +4,9 @@
 #include <ctime>
 #include <utility>
 
-#include "layer/src/clock.h"
 #include "layer/src/fault.h"
 #include "layer/src/tool_motion.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -107,7 +107,7 @@ bool ServiceLink::AwaitsForceProperties() const {
 }
 
 void ServiceLink::AwaitForceProperties() {
-  std::int64_t now_ns = MonotonicNow_ns();
+  std::int64_t now_ns = base::MonotonicNow_ns();
   const std::int64_t end_ns = now_ns + kDevicePatience_ns;
   PollNow(now_ns);
   if (OMNI_FAULT("first-answer-not-awaited") || !AwaitsForceProperties() || force_properties_awaited_.exchange(true))
@@ -115,7 +115,7 @@ void ServiceLink::AwaitForceProperties() {
   while (now_ns < end_ns && AwaitsForceProperties()) {
     constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
     nanosleep(&kPause, nullptr);
-    now_ns = MonotonicNow_ns();
+    now_ns = base::MonotonicNow_ns();
     PollNow(now_ns);
   }
 }
@@ -123,7 +123,7 @@ void ServiceLink::AwaitForceProperties() {
 void ServiceLink::RequestPlacement(const protocol::PlacementRequest& request) {
   const std::lock_guard lock(mutex_);
   placement_asked_ = true;
-  if (connection_.RequestPlacement(request)) placement_patience_ns_ = MonotonicNow_ns() + kPlacementPatience_ns;
+  if (connection_.RequestPlacement(request)) placement_patience_ns_ = base::MonotonicNow_ns() + kPlacementPatience_ns;
 }
 
 std::optional<protocol::Placement> ServiceLink::TakePlacement() {

@@ -3,6 +3,7 @@
 
 #include "layer/src/fault.h"
 #include "layer/src/instance.h"
+#include "service/base/clock.h"
 
 namespace omni::layer {
 
@@ -123,7 +124,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
 
 XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state) {
   const XrResult result = next.WaitFrame(session, info, state);
-  const std::int64_t now = MonotonicNow_ns();
+  const std::int64_t now = base::MonotonicNow_ns();
   Alive();
   clock.Refresh(now);
   if (XR_SUCCEEDED(result) && state) {

@@ -1,18 +1,13 @@
 #include "layer/src/test_device.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 
-#include "layer/src/clock.h"
+#include "service/base/clock.h"
 #include "service/protocol/environment.h"
 #include "service/protocol/seqlock.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::layer {
 namespace {
@@ -21,32 +16,22 @@ using protocol::StateMemory;
 
 constexpr std::uint64_t kTestInstance = 1;  // no service's: those are random
 
-[[noreturn]] void FailMemory(const char* what) {
-  throw std::runtime_error(std::string("memory of the conformance test's pen: ") + what + ": " + std::strerror(errno));
-}
-
 }  // namespace
 
 bool TestDevice::Wanted() { return protocol::Environment("OMNI_TEST_MODE") == "1"; }
 
 TestDevice::TestDevice() {
-  protocol::UniqueFd fd(::memfd_create("omni-test-pen", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  if (!fd) FailMemory("memfd_create");
-  if (::ftruncate(fd.get(), sizeof(StateMemory)) != 0) FailMemory("ftruncate");
-  void* mapped = ::mmap(nullptr, sizeof(StateMemory), PROT_READ | PROT_WRITE, MAP_SHARED, fd.get(), 0);
-  if (mapped == MAP_FAILED) FailMemory("mmap");
-  memory_ = new (mapped) StateMemory;
+  auto made =
+      base::MakeSealedMemory("omni-test-pen", sizeof(StateMemory), PROT_READ | PROT_WRITE, base::kSealsOneWriter);
+  if (!made.ok()) throw std::runtime_error(made.error());
+  mapping_ = std::move(made->mapping);
+  memory_ = new (mapping_.get()) StateMemory;
   memory_->header.total_bytes = sizeof(StateMemory);
   memory_->header.service_instance = kTestInstance;
-  std::string problem = "seals";
-  if (::fcntl(fd.get(), F_ADD_SEALS, F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0)
-    reader_ = client::StateReader::Map(fd.Release(), sizeof(StateMemory), &problem);
-  if (reader_) return;
-  ::munmap(mapped, sizeof(StateMemory));
-  throw std::runtime_error("memory of the conformance test's pen: " + problem);
+  auto reader = client::StateReader::Map(std::move(made->fd), sizeof(StateMemory));
+  if (!reader.ok()) throw std::runtime_error(reader.error());
+  reader_ = std::move(*reader);
 }
-
-TestDevice::~TestDevice() { ::munmap(static_cast<void*>(memory_), sizeof(StateMemory)); }
 
 bool TestDevice::in_control() const {
   const std::lock_guard lock(mutex_);
@@ -73,7 +58,7 @@ void TestDevice::SetValue(const std::string& path, float value) {
   InputValue& input = inputs_.values[path];
   if (input.value <= 0.5f && value > 0.5f) ++input.press_count;
   if (input.value > 0.5f && value <= 0.5f) ++input.release_count;
-  if (input.value < value || input.value > value) input.t_change_ns = MonotonicNow_ns();
+  if (input.value < value || input.value > value) input.t_change_ns = base::MonotonicNow_ns();
   input.value = value;
 }
 
@@ -91,7 +76,7 @@ void TestDevice::Beat() noexcept {
 
 void TestDevice::Publish() noexcept {
   protocol::ToolSample sample;
-  sample.t_ns = MonotonicNow_ns();
+  sample.t_ns = base::MonotonicNow_ns();
   sample.flags = inputs_.active ? protocol::kToolPoseValid | protocol::kToolTracked | protocol::kToolAligned : 0u;
   sample.position_base_m = {X_BT_.p.x, X_BT_.p.y, X_BT_.p.z};
   sample.orientation_base_wxyz = {X_BT_.q.w, X_BT_.q.x, X_BT_.q.y, X_BT_.q.z};

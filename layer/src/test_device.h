@@ -9,6 +9,7 @@
 
 #include "layer/src/pen_inputs.h"
 #include "layer/src/pose_math.h"
+#include "service/base/sealed_memory.h"
 #include "service/client/state_reader.h"
 
 namespace omni::layer {
@@ -20,7 +21,6 @@ class TestDevice {
 
   // Throws std::runtime_error: no memory of that kind.
   TestDevice();
-  ~TestDevice();
   TestDevice(const TestDevice&) = delete;
   TestDevice& operator=(const TestDevice&) = delete;
 
@@ -40,7 +40,8 @@ class TestDevice {
  private:
   void Publish() noexcept;  // mutex_ held
 
-  protocol::StateMemory* memory_ = nullptr;
+  base::Mapping mapping_;
+  protocol::StateMemory* memory_ = nullptr;  // in it
   std::shared_ptr<const client::StateReader> reader_;
   mutable std::mutex mutex_;
   bool in_control_ = false;

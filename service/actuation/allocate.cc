@@ -54,8 +54,6 @@ double PowerScale(const Config& config, const Currents& held_A, const Currents& 
   return std::clamp((std::sqrt(room) - b) / a, 0.0, 1.0);
 }
 
-double Norm(const base::Vec3& v) noexcept { return std::sqrt(Square(v.x) + Square(v.y) + Square(v.z)); }
-
 // A f
 Currents Push(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
   Currents push{};
@@ -154,9 +152,9 @@ Currents Slew(const Config& config, const base::ForceLimit& limit, const Current
 
 // Largest t in [0, 1] with |t g + snap| <= most, where |snap| <= most: a t^2 + 2 b t + c <= 0.
 double ShareWithin(const base::Vec3& g, const base::Vec3& snap, double most_N) noexcept {
-  const double a = Square(g.x) + Square(g.y) + Square(g.z);
-  const double b = g.x * snap.x + g.y * snap.y + g.z * snap.z;
-  const double c = Square(snap.x) + Square(snap.y) + Square(snap.z) - Square(most_N);
+  const double a = SquaredNorm(g);
+  const double b = Dot(g, snap);
+  const double c = SquaredNorm(snap) - Square(most_N);
   if (a + 2 * b + c <= 0) return 1;
   return a > 0 ? std::clamp((std::sqrt(std::max(0.0, b * b - a * c)) - b) / a, 0.0, 1.0) : 0.0;
 }

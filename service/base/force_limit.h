@@ -13,7 +13,7 @@ namespace omni::base {
 // Largest s in [0, 1] such that s * force is feasible under `limit`; 0 if the limit is invalid or anything is not
 // finite. Where the limit does not keep directions only force_max_N scales: actuation finds the nearest force.
 inline double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexcept {
-  const double norm_N = std::sqrt(force_N.x * force_N.x + force_N.y * force_N.y + force_N.z * force_N.z);
+  const double norm_N = Norm(force_N);
   if (!limit.valid || !(norm_N <= 1e6)) return 0;
   if (norm_N == 0) return 1;
   double scale = std::min(1.0, limit.force_max_N / norm_N);
@@ -32,10 +32,10 @@ inline double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexce
 
 // The largest force in direction `direction` (any length) that keeps its direction; 0 in doubt.
 inline double ForceMax_N(const ForceLimit& limit, const Vec3& direction) noexcept {
-  const double norm = std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
+  const double norm = Norm(direction);
   if (!(norm > 0 && norm <= 1e6)) return 0;
   const double gain = limit.force_max_N / norm;
-  return FeasibleScale(limit, {gain * direction.x, gain * direction.y, gain * direction.z}) * limit.force_max_N;
+  return FeasibleScale(limit, gain * direction) * limit.force_max_N;
 }
 
 // Torque on the tool while `current_A` flow, about the magnet's centre. Zero where the pose is unknown.

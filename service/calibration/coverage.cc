@@ -9,7 +9,7 @@ namespace omni::calibration {
 // Bands of equal height on a sphere have equal area [Archimedes].
 void Coverage::Add(const base::Vec3& position_base_m) noexcept {
   const base::Vec3& p = position_base_m;
-  const double height = p.z / std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+  const double height = p.z / Norm(p);
   if (!(height >= 0)) return;
   const double turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi);
   const int band = std::min(kCoverageBands - 1, static_cast<int>(height * kCoverageBands));

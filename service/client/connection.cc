@@ -13,7 +13,6 @@
 
 #include "service/client/dial.h"
 #include "service/client/life_link.h"
-#include "service/client/sealed_memory.h"
 #include "service/protocol/packet_socket.h"
 #include "service/protocol/socket_path.h"
 #include "service/protocol/text.h"
@@ -23,9 +22,9 @@ namespace omni::client {
 
 namespace {
 
+using base::UniqueFd;
 using protocol::ReceiveResult;
 using protocol::SendResult;
-using protocol::UniqueFd;
 
 constexpr int kMessagesPerPoll = 16;
 constexpr std::size_t kMaxNotices = 32;  // older ones are dropped
@@ -140,15 +139,15 @@ void Connection::Impl::Attempt(std::int64_t now_ns) {
     return Fail(now_ns,
                 "this process has more rights than its user (set-uid, set-gid or capabilities): no omnid is used");
   }
-  Dialled dialled = Dial(path);
-  if (!dialled.socket) return Fail(now_ns, dialled.problem);
+  base::Result<UniqueFd> dialled = Dial(path);
+  if (!dialled.ok()) return Fail(now_ns, dialled.error());
   protocol::Hello hello;
   hello.role = info.role;
   hello.api_version_major = info.api_version_major;
   hello.api_version_minor = info.api_version_minor;
   protocol::SetField(hello.application, info.application);
   protocol::SetField(hello.engine, info.engine);
-  socket = std::move(dialled.socket);
+  socket = std::move(*dialled);
   phase = Phase::kGreeting;
   greeting_since_ns = now_ns;
   // A failed send is not the end yet: the server's reason may wait to be read, and a lost Hello times out.
@@ -209,14 +208,14 @@ void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& w
   if (fd_count != 2) {
     return Fail(now_ns, who + "its Welcome carries " + std::to_string(fd_count) + " descriptors, must be 2");
   }
-  std::string problem;
-  std::shared_ptr<const StateReader> mapped = StateReader::Map(fds[0].Release(), welcome.state_bytes, &problem);
-  if (mapped == nullptr) return Fail(now_ns, who + "its " + problem);
-  if (mapped->service_instance() != welcome.service_instance) {
+  auto mapped = StateReader::Map(std::move(fds[0]), welcome.state_bytes);
+  if (!mapped.ok()) return Fail(now_ns, who + "its " + mapped.error());
+  if ((*mapped)->service_instance() != welcome.service_instance) {
     return Fail(now_ns, who + "its state memory belongs to another instance of the service; restart omnid");
   }
-  if (problem = life.Attach(fds[1].get()); !problem.empty()) return Fail(now_ns, who + "its life page " + problem);
-  reader = std::move(mapped);
+  const std::string problem = life.Attach(fds[1].get());
+  if (!problem.empty()) return Fail(now_ns, who + "its life page " + problem);
+  reader = std::move(*mapped);
   phase = Phase::kConnected;
   ++welcomes;
   last_error.clear();
@@ -255,12 +254,12 @@ void Connection::Impl::OnSurfaces(std::int64_t now_ns, const protocol::Surfaces&
   surfaces_answered = true;
   surface_reader.reset();
   if (surfaces.total_bytes == 0) return;
-  std::string problem;
-  surface_reader = SurfaceReader::Map(fds[0].Release(), surfaces.total_bytes, &problem);
-  if (surface_reader == nullptr) return Fail(now_ns, "omnid at " + path + ": its " + problem);
-  if (surface_reader->memory_generation() != surfaces.memory_generation) {
+  auto mapped = SurfaceReader::Map(std::move(fds[0]), surfaces.total_bytes);
+  if (!mapped.ok()) return Fail(now_ns, "omnid at " + path + ": its " + mapped.error());
+  if ((*mapped)->memory_generation() != surfaces.memory_generation) {
     return Fail(now_ns, "omnid at " + path + ": its surface memory is not the one it announced; restart omnid");
   }
+  surface_reader = std::move(*mapped);
 }
 
 void Connection::Impl::OnSceneAnswer(std::int64_t now_ns, const protocol::SceneAnswer& answer, const UniqueFd* fds,
@@ -273,11 +272,9 @@ void Connection::Impl::OnSceneAnswer(std::int64_t now_ns, const protocol::SceneA
     if (fd_count != 1) return Fail(now_ns, who + "is missing; restart omnid");
     const auto bytes = static_cast<std::size_t>(reply.file_bytes);
     taken.file.resize(bytes);  // before the mapping: nothing is lost if there is no memory
-    const SealedMapping mapped =
-        MapSealed(fds[0].get(), F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL, bytes, PROT_READ);
-    if (mapped.memory == nullptr) return Fail(now_ns, who + mapped.problem);
-    std::memcpy(taken.file.data(), mapped.memory, bytes);
-    ::munmap(mapped.memory, bytes);
+    const auto mapped = base::MapSealed(fds[0].get(), base::kSealsOneWriter, bytes, PROT_READ);
+    if (!mapped.ok()) return Fail(now_ns, who + mapped.error());
+    std::memcpy(taken.file.data(), mapped->get(), bytes);
   }
   scene_answer = std::move(taken);
 }

@@ -10,9 +10,8 @@
 namespace omni::client {
 namespace {
 
-using protocol::UniqueFd;
-
-Dialled Failed(std::string problem) { return {UniqueFd(), std::move(problem)}; }
+using base::Error;
+using base::UniqueFd;
 
 std::string ConnectProblem(const ServerWords& server, const std::string& path, int error) {
   switch (error) {
@@ -29,25 +28,25 @@ std::string ConnectProblem(const ServerWords& server, const std::string& path, i
 
 }  // namespace
 
-Dialled Dial(const std::string& socket_path, const ServerWords& server) {
-  if (std::string problem = protocol::PathProblem(socket_path); !problem.empty()) return Failed(std::move(problem));
+base::Result<UniqueFd> Dial(const std::string& socket_path, const ServerWords& server) {
+  if (std::string problem = protocol::PathProblem(socket_path); !problem.empty()) return Error{std::move(problem)};
   protocol::FolderCheck folder = protocol::CheckFolder(protocol::FolderOf(socket_path));
-  if (folder.state == protocol::FolderState::kMissing) return Failed(ConnectProblem(server, socket_path, ENOENT));
-  if (folder.state == protocol::FolderState::kRefused) return Failed(std::move(folder.problem));
+  if (folder.state == protocol::FolderState::kMissing) return Error{ConnectProblem(server, socket_path, ENOENT)};
+  if (folder.state == protocol::FolderState::kRefused) return Error{std::move(folder.problem)};
 
   UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket) return Failed(std::string("cannot make a socket: ") + std::strerror(errno));
+  if (!socket) return Error{std::string("cannot make a socket: ") + std::strerror(errno)};
   const protocol::SocketAddress to = protocol::AddressOf(socket_path);
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&to.address), to.bytes) != 0) {
-    return Failed(ConnectProblem(server, socket_path, errno));
+    return Error{ConnectProblem(server, socket_path, errno)};
   }
   ucred peer{};
   socklen_t bytes = sizeof(peer);
   if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0 || peer.uid != ::geteuid()) {
-    return Failed("the server at " + socket_path + " runs as user " + std::to_string(peer.uid) + ", not as user " +
-                  std::to_string(::geteuid()) + "; stop it or set OMNI_SOCKET");
+    return Error{"the server at " + socket_path + " runs as user " + std::to_string(peer.uid) + ", not as user " +
+                 std::to_string(::geteuid()) + "; stop it or set OMNI_SOCKET"};
   }
-  return {std::move(socket), {}};
+  return socket;
 }
 
 }  // namespace omni::client

@@ -3,14 +3,10 @@
 
 #include <string>
 
-#include "service/protocol/unique_fd.h"
+#include "service/base/result.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::client {
-
-struct Dialled {
-  protocol::UniqueFd socket;  // non-blocking, close-on-exec; none: `problem` says why and what to do
-  std::string problem;
-};
 
 // How problems call the server, and how it is started.
 struct ServerWords {
@@ -19,7 +15,7 @@ struct ServerWords {
 };
 
 // Does not block: a Unix socket connects at once or fails. Refuses a folder that other users can enter and a server
-// that runs under another user.
-Dialled Dial(const std::string& socket_path, const ServerWords& server = {});
+// that runs under another user. The socket is non-blocking and close-on-exec.
+base::Result<base::UniqueFd> Dial(const std::string& socket_path, const ServerWords& server = {});
 
 }  // namespace omni::client

@@ -7,9 +7,9 @@ namespace omni::client {
 
 bool HandLink::Connect() {
   if (socket_) return true;
-  Dialled dialled = Dial(path_, {.name = "twin", .remedy = "start omnid --device twin --twin-hand " + path_});
-  socket_ = std::move(dialled.socket);
-  problem_ = std::move(dialled.problem);
+  auto socket = Dial(path_, {.name = "twin", .remedy = "start omnid --device twin --twin-hand " + path_});
+  problem_ = socket.ok() ? std::string() : socket.error();
+  if (socket.ok()) socket_ = std::move(*socket);
   return connected();
 }
 

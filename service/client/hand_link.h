@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "service/base/unique_fd.h"
 #include "service/protocol/hand_aim.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::client {
 
@@ -23,7 +23,7 @@ class HandLink {
  private:
   std::string path_;
   std::string problem_;
-  protocol::UniqueFd socket_;
+  base::UniqueFd socket_;
 };
 
 }  // namespace omni::client

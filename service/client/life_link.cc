@@ -1,11 +1,8 @@
 #include "service/client/life_link.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 
-#include <utility>
-
-#include "service/client/sealed_memory.h"
+#include "service/base/sealed_memory.h"
 
 namespace omni::client {
 namespace {
@@ -35,10 +32,9 @@ LifeLink::~LifeLink() {
 
 std::string LifeLink::Attach(int fd) {
   if (page_ == &fallback_) return "cannot be mapped: no address was reserved for it";
-  const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
-  SealedMapping mapping = MapSealed(fd, seals, protocol::kLifePageBytes, PROT_READ | PROT_WRITE);
-  if (mapping.memory == nullptr) return std::move(mapping.problem);
-  return Move(mapping.memory, page_) ? std::string() : "cannot be put in place";
+  auto mapping = base::MapSealed(fd, base::kSealsFixedSize, protocol::kLifePageBytes, PROT_READ | PROT_WRITE);
+  if (!mapping.ok()) return mapping.error();
+  return Move(mapping->Release(), page_) ? std::string() : "cannot be put in place";
 }
 
 void LifeLink::Detach() noexcept {

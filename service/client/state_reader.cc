@@ -1,14 +1,12 @@
 #include "service/client/state_reader.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <string>
 
-#include "service/client/sealed_memory.h"
 #include "service/protocol/sample_range.h"
 #include "service/protocol/seqlock.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::client {
 namespace {
@@ -40,28 +38,19 @@ std::uint64_t PublishedCount(const StateMemory& memory) noexcept {
 
 }  // namespace
 
-std::shared_ptr<const StateReader> StateReader::Map(int fd, std::uint32_t announced_bytes, std::string* error) {
-  const protocol::UniqueFd owned(fd);
-  const auto refuse = [error](const std::string& problem) {
-    if (error != nullptr) *error = "state memory " + problem;
-    return nullptr;
-  };
+base::Result<std::shared_ptr<const StateReader>> StateReader::Map(base::UniqueFd fd, std::uint32_t announced_bytes) {
+  const auto refuse = [](const std::string& problem) { return base::Error{"state memory " + problem}; };
   if (announced_bytes != sizeof(StateMemory)) {
     return refuse("of " + std::to_string(announced_bytes) + " bytes was announced, must be " +
                   std::to_string(sizeof(StateMemory)));
   }
-  const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL | F_SEAL_FUTURE_WRITE;
-  const SealedMapping mapping = MapSealed(fd, seals, sizeof(StateMemory), PROT_READ);
-  if (mapping.memory == nullptr) return refuse(mapping.problem);
-  const auto* memory = static_cast<const StateMemory*>(mapping.memory);
-  // Owns the mapping from here on.
-  std::shared_ptr<const StateReader> reader(new StateReader(memory, sizeof(StateMemory)));
-  const std::string problem = HeaderProblem(memory->header);
+  auto mapping = base::MapSealed(fd.get(), base::kSealsOneWriter, sizeof(StateMemory), PROT_READ);
+  if (!mapping.ok()) return refuse(mapping.error());
+  std::shared_ptr<const StateReader> reader(new StateReader(std::move(*mapping)));
+  const std::string problem = HeaderProblem(reader->memory_->header);
   if (!problem.empty()) return refuse(problem);
   return reader;
 }
-
-StateReader::~StateReader() { ::munmap(const_cast<StateMemory*>(memory_), bytes_); }
 
 bool StateReader::ReadSlot(std::uint64_t index, ToolSample& sample) const noexcept {
   ToolSample copy;

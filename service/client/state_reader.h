@@ -6,18 +6,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <string>
+#include <utility>
 
+#include "service/base/result.h"
+#include "service/base/sealed_memory.h"
+#include "service/base/unique_fd.h"
 #include "service/protocol/state_memory.h"
 
 namespace omni::client {
 
 class StateReader {
  public:
-  // Takes ownership of `fd`. Checks seals (F_SEAL_SHRINK, GROW, SEAL and FUTURE_WRITE), size, magic and version before
-  // it maps. Null on failure, `error` says why.
-  static std::shared_ptr<const StateReader> Map(int fd, std::uint32_t announced_bytes, std::string* error);
-  ~StateReader();
+  // Checks seals (base::kSealsOneWriter), size, magic and version before anything is read. The error begins with "state
+  // memory". Never null.
+  static base::Result<std::shared_ptr<const StateReader>> Map(base::UniqueFd fd, std::uint32_t announced_bytes);
   StateReader(const StateReader&) = delete;
   StateReader& operator=(const StateReader&) = delete;
 
@@ -43,8 +45,10 @@ class StateReader {
   bool Vehicle(protocol::VehicleSnapshot& vehicle) const noexcept;
 
  private:
-  StateReader(const protocol::StateMemory* memory, std::size_t bytes)
-      : memory_(memory), bytes_(bytes), service_instance_(memory->header.service_instance) {}
+  explicit StateReader(base::Mapping mapping)
+      : mapping_(std::move(mapping)),
+        memory_(static_cast<const protocol::StateMemory*>(mapping_.get())),
+        service_instance_(memory_->header.service_instance) {}
   // A block of its own. False: torn kMaxTornReads times, out of range, or never written.
   template <class Block, class Snapshot>
   static bool ReadBlock(const Block& block, Snapshot& snapshot) noexcept;
@@ -54,8 +58,8 @@ class StateReader {
   // Time of publication `index`; false: overwritten.
   bool ReadTime(std::uint64_t index, std::int64_t& t_ns) const noexcept;
 
+  base::Mapping mapping_;
   const protocol::StateMemory* memory_;
-  std::size_t bytes_;
   std::uint64_t service_instance_;
 };
 

@@ -1,16 +1,13 @@
 #include "service/client/surface_reader.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 
 #include <atomic>
 #include <utility>
 
-#include "service/client/sealed_memory.h"
 #include "service/protocol/seqlock.h"
 #include "service/protocol/surface_range.h"
 #include "service/protocol/surface_words.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::client {
 
@@ -34,30 +31,25 @@ bool StillWhole(const Word& begun, std::uint64_t change, std::uint32_t buffers) 
 
 }  // namespace
 
-std::shared_ptr<const SurfaceReader> SurfaceReader::Map(int fd, std::uint64_t announced_bytes, std::string* error) {
-  const protocol::UniqueFd owned(fd);
-  const auto refuse = [error](const std::string& problem) {
-    if (error != nullptr) *error = "surface memory " + problem;
-    return nullptr;
-  };
+base::Result<std::shared_ptr<const SurfaceReader>> SurfaceReader::Map(base::UniqueFd fd,
+                                                                      std::uint64_t announced_bytes) {
+  const auto refuse = [](const std::string& problem) { return base::Error{"surface memory " + problem}; };
   if (announced_bytes < protocol::kSurfaceEntries || announced_bytes > protocol::kMaxSurfaceBytes) {
     return refuse("of " + std::to_string(announced_bytes) + " bytes was announced, must be " +
                   std::to_string(protocol::kSurfaceEntries) + " to " + std::to_string(protocol::kMaxSurfaceBytes));
   }
-  const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL | F_SEAL_FUTURE_WRITE;
-  const SealedMapping mapping = MapSealed(fd, seals, announced_bytes, PROT_READ);
-  if (mapping.memory == nullptr) return refuse(mapping.problem);
-  // Owns the mapping from here on.
-  std::shared_ptr<const SurfaceReader> reader(
-      new SurfaceReader(static_cast<const std::byte*>(mapping.memory), announced_bytes));
+  auto mapping = base::MapSealed(fd.get(), base::kSealsOneWriter, announced_bytes, PROT_READ);
+  if (!mapping.ok()) return refuse(mapping.error());
+  std::shared_ptr<const SurfaceReader> reader(new SurfaceReader(std::move(*mapping), announced_bytes));
   if (!reader->layout_.problem.empty()) return refuse(reader->layout_.problem);
   return reader;
 }
 
-SurfaceReader::SurfaceReader(const std::byte* memory, std::uint64_t bytes)
-    : memory_(memory), bytes_(bytes), layout_(protocol::CheckSurfaceLayout(memory, bytes)), id_(NextReaderId()) {}
-
-SurfaceReader::~SurfaceReader() { ::munmap(const_cast<std::byte*>(memory_), bytes_); }
+SurfaceReader::SurfaceReader(base::Mapping mapping, std::uint64_t bytes)
+    : mapping_(std::move(mapping)),
+      memory_(static_cast<const std::byte*>(mapping_.get())),
+      layout_(protocol::CheckSurfaceLayout(memory_, bytes)),
+      id_(NextReaderId()) {}
 
 const SurfaceEntry& SurfaceReader::Entry(std::size_t object) const noexcept {
   return *reinterpret_cast<const SurfaceEntry*>(memory_ + protocol::kSurfaceEntries + object * sizeof(SurfaceEntry));

@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "service/base/result.h"
+#include "service/base/sealed_memory.h"
+#include "service/base/unique_fd.h"
 #include "service/protocol/surface_layout.h"
 
 namespace omni::client {
@@ -35,10 +38,9 @@ enum class SurfaceRead {
 
 class SurfaceReader {
  public:
-  // Takes ownership of `fd`. Checks seals (F_SEAL_SHRINK, GROW, SEAL and FUTURE_WRITE), size and layout before it
-  // reads. Null on failure, `error` says why.
-  static std::shared_ptr<const SurfaceReader> Map(int fd, std::uint64_t announced_bytes, std::string* error);
-  ~SurfaceReader();
+  // Checks seals (base::kSealsOneWriter), size and layout before anything is read. The error begins with "surface
+  // memory". Never null.
+  static base::Result<std::shared_ptr<const SurfaceReader>> Map(base::UniqueFd fd, std::uint64_t announced_bytes);
   SurfaceReader(const SurfaceReader&) = delete;
   SurfaceReader& operator=(const SurfaceReader&) = delete;
 
@@ -58,15 +60,15 @@ class SurfaceReader {
   bool Pulse(protocol::SurfacePulse& pulse) const noexcept;
 
  private:
-  SurfaceReader(const std::byte* memory, std::uint64_t bytes);
+  SurfaceReader(base::Mapping mapping, std::uint64_t bytes);
   const protocol::SurfaceEntry& Entry(std::size_t object) const noexcept;
   SurfaceRead TryRead(std::size_t object, SurfaceCopy& copy) const noexcept;
   // Into the room to work in. False: torn or out of range.
   bool ReadVertices(std::size_t object, const protocol::SurfaceFrame& frame, SurfaceCopy& copy) const noexcept;
   bool ReadTriangles(std::size_t object, const protocol::SurfaceFrame& frame, SurfaceCopy& copy) const noexcept;
 
+  base::Mapping mapping_;
   const std::byte* memory_;
-  const std::uint64_t bytes_;
   protocol::SurfaceLayout layout_;  // checked copy: the memory's own words are not asked again
   const std::uint64_t id_;          // of this reader, unique in the process
 };

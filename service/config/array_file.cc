@@ -102,7 +102,7 @@ void ReadBodies(FileProblem& problem, TableReader& root, Calibration& into) {
 CoilGeometry ReadCoil(FileProblem& problem, TableReader& reader) {
   CoilGeometry coil;
   const base::Vec3 axis = reader.Vector("axis_base", kDirection);
-  const double length = std::hypot(axis.x, axis.y, axis.z);
+  const double length = Norm(axis);
   if (problem.ok() && !(std::abs(length - 1) <= kUnitTolerance)) {
     problem.Report(reader.table().get("axis_base"), reader.NameOf("axis_base") + " has length " +
                                                         std::to_string(length) + "; must be a unit vector (length 1)");
@@ -151,7 +151,7 @@ std::string Contradiction(const ArrayFile& file) {
   for (std::size_t i = 0; i < array.sensors.size(); ++i) {
     const base::Vec3& p = array.sensors[i].position_base_m;
     const std::string name = "sensors[" + std::to_string(i) + "]";
-    if (!(std::hypot(p.x, p.y, p.z) > array.core_radius_m || array.core_radius_m == 0)) {
+    if (!(Norm(p) > array.core_radius_m || array.core_radius_m == 0)) {
       return name + " lies in the core; correct position_base_m or core_radius_m";
     }
     for (std::size_t k = 0; k < i; ++k) {

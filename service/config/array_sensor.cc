@@ -41,7 +41,7 @@ std::array<double, 4> Quaternion(FileProblem& problem, TableReader& reader) {
 
 std::array<double, 4> FromRotationVector(TableReader& reader) {
   const base::Vec3 v = reader.Vector("rotation_base_sensor_rad", kAngle_rad);
-  const double angle = std::hypot(v.x, v.y, v.z);
+  const double angle = Norm(v);
   const double s = angle > 0 ? std::sin(angle / 2) / angle : 0.5;
   return {std::cos(angle / 2), s * v.x, s * v.y, s * v.z};
 }

@@ -26,8 +26,6 @@ std::string Format(const char* format, Arguments... arguments) {
 
 Vec3 Row(const Matrix& m, std::size_t i) { return {m[3 * i], m[3 * i + 1], m[3 * i + 2]}; }
 Vec3 Column(const Matrix& m, std::size_t i) { return {m[i], m[3 + i], m[6 + i]}; }
-double DotOf(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-double NormOf(const Vec3& v) { return std::hypot(v.x, v.y, v.z); }
 
 double Determinant(const Matrix& m) {
   return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
@@ -40,12 +38,11 @@ std::string GainProblem(const Matrix& drawn, const Matrix& found) {
   }
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 was = Row(drawn, i), is = Row(found, i);
-    const double scale = NormOf(is) / NormOf(was);
+    const double scale = Norm(is) / Norm(was);
     if (!(scale >= kScaleMin && scale <= kScaleMax)) {
       return Format("has axis %c at %.3g of the drawing, must be in [%g, %g]", kAxes[i], scale, kScaleMin, kScaleMax);
     }
-    const double turned_deg =
-        std::acos(std::fmin(1, DotOf(was, is) / (NormOf(was) * NormOf(is)))) * 180 / std::numbers::pi;
+    const double turned_deg = std::acos(std::fmin(1, Dot(was, is) / (Norm(was) * Norm(is)))) * 180 / std::numbers::pi;
     if (!(turned_deg <= kTurnedMax_deg)) {
       return Format("has axis %c %.1f degrees away from the drawing, allowed are %g", kAxes[i], turned_deg,
                     kTurnedMax_deg);
@@ -59,14 +56,14 @@ std::string MapProblem(const Matrix& drawn, const Matrix& found, double steel_st
   const double across_max = kCoilAcrossMax + kSteelAcross * std::fmin(1, std::fabs(steel_strength));
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 was = Column(drawn, k), is = Column(found, k);
-    const double size = NormOf(was);
+    const double size = Norm(was);
     if (!(size > 0)) continue;
-    const double along = DotOf(was, is) / (size * size);
+    const double along = Dot(was, is) / (size * size);
     if (!(along >= kCoilScaleMin && along <= kCoilScaleMax)) {
       return Format("has coil %c at %.3g of the drawing, must be in [%g, %g]", kAxes[k], along, kCoilScaleMin,
                     kCoilScaleMax);
     }
-    const double across = NormOf({is.x - along * was.x, is.y - along * was.y, is.z - along * was.z}) / size;
+    const double across = Norm(is - along * was) / size;
     if (!(across <= across_max)) {
       return Format("has %.3g of coil %c across the drawing's field, allowed are %g", across, kAxes[k], across_max);
     }
@@ -75,13 +72,13 @@ std::string MapProblem(const Matrix& drawn, const Matrix& found, double steel_st
 }
 
 std::string PlaceProblem(const Vec3& drawn, const Vec3& found) {
-  const double moved_m = NormOf({found.x - drawn.x, found.y - drawn.y, found.z - drawn.z});
+  const double moved_m = Distance(found, drawn);
   if (moved_m <= kMovedMax_m) return {};
   return Format("is %.1f mm from the drawing, allowed are %g mm", 1e3 * moved_m, 1e3 * kMovedMax_m);
 }
 
 std::string BackgroundProblem(const Vec3& found) {
-  if (const double size_T = NormOf(found); !(size_T <= kBackgroundMax_T)) {
+  if (const double size_T = Norm(found); !(size_T <= kBackgroundMax_T)) {
     return Format("is %.0f uT strong, allowed are %.0f: a magnet was near", 1e6 * size_T, 1e6 * kBackgroundMax_T);
   }
   return {};
@@ -124,7 +121,7 @@ std::optional<ImplausibleValue> FindImplausible(const base::Calibration& drawing
     return ImplausibleValue{-1, "base", "hull_radius_m",
                             Format("is %.1f mm from the drawing's, allowed are %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
   }
-  if (const double off_m = NormOf(found.core_centre_base_m); !(off_m <= kSizeMax_m)) {
+  if (const double off_m = Norm(found.core_centre_base_m); !(off_m <= kSizeMax_m)) {
     return ImplausibleValue{-1, "base", "core_centre_base_m",
                             Format("is %.1f mm from the hull's, allowed are %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
   }

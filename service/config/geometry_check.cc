@@ -10,8 +10,6 @@ using base::Vec3;
 
 constexpr double kAxesVolumeMin = 0.5;  // |det| of the three coil axes; 1: perpendicular, 0: in one plane
 
-double Length(const Vec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
-
 double Volume(const Vec3& a, const Vec3& b, const Vec3& c) {
   return a.x * (b.y * c.z - b.z * c.y) - a.y * (b.x * c.z - b.z * c.x) + a.z * (b.x * c.y - b.y * c.x);
 }
@@ -51,7 +49,7 @@ std::string CoilProblem(const base::DeviceGeometry& device, std::size_t i) {
 std::string SensorProblem(const base::DeviceGeometry& device, std::size_t i) {
   const Vec3& p = device.sensors[i].position_base_m;
   const std::string name = "|sensors[" + std::to_string(i) + "].position_base_m|";
-  std::string problem = NotLess("core.core_radius_m", device.core_radius_m, name, Length(p), false);
+  std::string problem = NotLess("core.core_radius_m", device.core_radius_m, name, Norm(p), false);
   for (std::size_t k = 0; problem.empty() && k < i; ++k) {
     if (device.sensors[k].position_base_m == p) {
       problem = "sensors[" + std::to_string(k) + "] and sensors[" + std::to_string(i) +

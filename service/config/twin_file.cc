@@ -181,7 +181,7 @@ void ReadSteel(FileProblem& problem, TableReader& reader, base::Steel& steel) {
   steel.shape = ReadChoice<base::SteelShape>(reader, "shape", kShapes);
   steel.position_base_m = reader.Vector("position_base_m", kPlace_m);
   const base::Vec3 d = reader.Vector("direction_base", {-1, 1}, base::Vec3{0, 0, 1});
-  const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+  const double length = Norm(d);
   if (!(length > 0)) problem.Report(&reader.table(), reader.NameOf("direction_base") + " has no direction");
   if (length > 0) steel.direction_base = {d.x / length, d.y / length, d.z / length};
   if (steel.shape != base::SteelShape::kPlane && !(steel.radius_m > 0)) {
@@ -197,7 +197,7 @@ void ReadMagnet(FileProblem& problem, TableReader& reader, base::OtherMagnet& ma
   magnet.to_base_m = reader.Vector("to_base_m", kPlace_m);
   magnet.from_base_m = reader.Vector("from_base_m", kPlace_m, magnet.to_base_m);
   for (const base::Vec3& p : {magnet.from_base_m, magnet.to_base_m}) {
-    if (problem.ok() && !(std::hypot(p.x, p.y, p.z) >= kMagnetLeast_m)) {
+    if (problem.ok() && !(Norm(p) >= kMagnetLeast_m)) {
       problem.Report(&reader.table(), reader.NameOf("to_base_m") + " lies inside the core");
     }
   }

@@ -62,14 +62,14 @@ AppScenes::AppScene* AppScenes::Find(ipc::ClientId id, std::uint32_t number) {
 }
 
 void AppScenes::Load(ipc::ClientId id, const std::string& application, const protocol::HapticSceneLoad& load,
-                     protocol::UniqueFd document) {
+                     base::UniqueFd document) {
   AppScene& scene = scenes_[id];
   Drop(scene);
   scene = {};
   scene.number = load.number;
   scene.flags = load.flags;
   scene.name = "document of " + application;
-  scene.document = std::make_shared<const protocol::UniqueFd>(std::move(document));
+  scene.document = std::make_shared<const base::UniqueFd>(std::move(document));
   scene.scale = load.scale;
   scene.asked_ns = base::MonotonicNow_ns();
   Request(id, scene);

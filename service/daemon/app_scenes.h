@@ -36,7 +36,7 @@ class AppScenes {
 
   // Messages of a client. False: about a scene that is gone, nothing has changed.
   void Load(ipc::ClientId id, const std::string& application, const protocol::HapticSceneLoad& load,
-            protocol::UniqueFd document);
+            base::UniqueFd document);
   bool End(ipc::ClientId id, std::uint32_t number);
   bool Place(ipc::ClientId id, const protocol::HapticScenePlace& place);
   bool Enable(ipc::ClientId id, const protocol::HapticSceneEnable& enable);
@@ -64,7 +64,7 @@ class AppScenes {
     std::uint32_t number = 0;
     std::uint32_t flags = 0;
     std::string name;
-    std::shared_ptr<const protocol::UniqueFd> document;
+    std::shared_ptr<const base::UniqueFd> document;
     double scale = 1;        // wanted
     double built_scale = 1;  // of `built`, or of what is being built
     bool loading = true, failed = false, enabled = true;

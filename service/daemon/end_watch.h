@@ -11,7 +11,7 @@
 #include <thread>
 #include <utility>
 
-#include "service/protocol/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::daemon {
 
@@ -49,7 +49,7 @@ class EndWatch {
   void SetZero(std::function<void()> zero);
   [[noreturn]] void EndAtOnce(const char* why);
 
-  protocol::UniqueFd signals_, asked_, stop_;
+  base::UniqueFd signals_, asked_, stop_;
   std::atomic<bool> recording_{false};
   std::mutex zero_mutex_;
   std::function<void()> zero_;

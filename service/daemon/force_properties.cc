@@ -74,7 +74,7 @@ double ContinuousForce_N(const actuation::Config& config, const base::ToolState&
   const double allowed_C = config.heat.temperature_aim_C - config.heat.nodes.air_C;
   double least_N = WeakestForce_N(config, tool);
   for (const base::Vec3& d : Directions()) {
-    const double norm = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    const double norm = Norm(d);
     double low_N = 0;
     double high_N = least_N;
     for (int i = 0; i < 30; ++i) {

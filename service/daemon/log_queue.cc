@@ -24,8 +24,8 @@
 #include <spdlog/spdlog.h>
 
 #include "service/base/clock.h"
+#include "service/base/unique_fd.h"
 #include "service/daemon/line_limit.h"
-#include "service/protocol/unique_fd.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #include <sanitizer/common_interface_defs.h>
@@ -35,9 +35,9 @@ namespace omni::daemon {
 
 // Outlives a writer that had to be left behind because nobody reads the log.
 struct LogQueue::State {
-  protocol::UniqueFd out;   // standard error as it was
-  protocol::UniqueFd pipe;  // its reading end
-  protocol::UniqueFd stop;  // readable: write what is queued and end
+  base::UniqueFd out;   // standard error as it was
+  base::UniqueFd pipe;  // its reading end
+  base::UniqueFd stop;  // readable: write what is queued and end
   std::atomic<bool> writing{false};
   std::atomic<bool> ended{false};
   std::atomic<std::uint64_t> lost{0};  // lines, since it was said last
@@ -184,7 +184,7 @@ LogQueue::LogQueue(const std::string& level) : state_(std::make_shared<State>())
   int ends[2];
   if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) ThrowErrno("a pipe for the log");
   state_->pipe.Reset(ends[0]);
-  const protocol::UniqueFd entry(ends[1]);
+  const base::UniqueFd entry(ends[1]);
   state_->stop.Reset(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!state_->stop || dup2(entry.get(), STDOUT_FILENO) < 0 || dup2(entry.get(), STDERR_FILENO) < 0) {
     ThrowErrno("descriptors for the log");

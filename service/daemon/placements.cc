@@ -69,7 +69,7 @@ base::Vec3 UpInBase(const alignment::Rigid& X_LB) {
 // Against the pose as measured, so that many small steps lead no further than one.
 bool IsRecentring(const alignment::Rigid& measured, const alignment::Rigid& moved) {
   const base::Vec3 a = UpInBase(measured), b = UpInBase(moved);
-  const double cosine = a.x * b.x + a.y * b.y + a.z * b.z;
+  const double cosine = Dot(a, b);
   return InReach(moved) && alignment::Distance_m(measured, moved, {}) <= protocol::kFarthestRecentring_m &&
          cosine >= std::cos(protocol::kMostRecentringTilt_rad);
 }

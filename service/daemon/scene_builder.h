@@ -13,9 +13,9 @@
 #include <thread>
 #include <vector>
 
+#include "service/base/unique_fd.h"
 #include "service/config/app_file.h"
 #include "service/haptics/scene.h"
-#include "service/protocol/unique_fd.h"
 #include "service/scene/cache_store.h"
 #include "service/scene/load_soft_body.h"
 #include "service/scene/scene_file.h"
@@ -55,9 +55,9 @@ scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius
 // What is to be built, and for whom.
 struct SceneJob {
   std::uint64_t client = 0;
-  std::string file;                                    // path, or the document's name
-  scene::LoadOptions options;                          // `memory` is set from the next one
-  std::shared_ptr<const protocol::UniqueFd> document;  // instead of a file; null: none
+  std::string file;                                // path, or the document's name
+  scene::LoadOptions options;                      // `memory` is set from the next one
+  std::shared_ptr<const base::UniqueFd> document;  // instead of a file; null: none
 };
 
 class SceneBuilder {

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/sealed_memory.h"
 #include "service/haptics/live/sculpted_scene.h"
-#include "service/ipc/sealed_memory.h"
 #include "service/scene/glb_save.h"
 
 namespace omni::daemon {
@@ -28,8 +28,8 @@ constexpr const char* kOpenStroke = "a stroke is open; lift the pen first";
 
 void WriteFile(const haptics::SceneInput& saved, SculptAnswer& answer) {
   const base::Result<std::string> bytes = scene::GlbBytes(saved);
-  base::Result<protocol::UniqueFd> memory =
-      bytes.ok() ? ipc::MemoryWith("omni-scene", *bytes) : base::Error{bytes.error()};
+  base::Result<base::UniqueFd> memory =
+      bytes.ok() ? base::SealedCopy("omni-scene", *bytes) : base::Error{bytes.error()};
   answer.ok = memory.ok();
   if (!memory.ok()) {
     answer.text = memory.error();

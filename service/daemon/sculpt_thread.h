@@ -13,9 +13,9 @@
 #include <thread>
 #include <vector>
 
+#include "service/base/unique_fd.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::daemon {
 
@@ -34,7 +34,7 @@ struct SculptAnswer {
   std::uint32_t number = 0;
   bool ok = false;
   std::string text;              // kEdits: JSON; else a line for people, the reason of a refusal included
-  protocol::UniqueFd file;       // kSave: sealed memory that holds a .glb
+  base::UniqueFd file;           // kSave: sealed memory that holds a .glb
   std::uint64_t file_bytes = 0;  // its size
 };
 

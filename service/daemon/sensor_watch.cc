@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "service/base/distance.h"
+#include "service/base/vec.h"
 
 namespace omni::daemon {
 namespace {

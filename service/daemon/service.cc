@@ -155,7 +155,7 @@ void Service::OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& com
               owners_.owner());
 }
 
-void Service::OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) {
+void Service::OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, base::UniqueFd document) {
   const auto found = clients_.find(id);
   if (found == clients_.end()) return;
   app_scenes_.Load(id, found->second.info.application, load, std::move(document));

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
-#include "service/base/distance.h"
+#include "service/base/vec.h"
 #include "service/config/input_table.h"
 #include "service/daemon/open_device.h"
 

@@ -45,8 +45,6 @@ void TickHash::Add(const base::HallScan& scan, const loop::TickOutput& output) n
 
 namespace {
 
-double Norm(const base::Vec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
-
 loop::Commands OpenGate(const base::HallScan& scan) {
   return {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
 }

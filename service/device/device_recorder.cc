@@ -33,7 +33,7 @@ base::Result<std::unique_ptr<DeviceRecorder>> DeviceRecorder::Open(const std::st
     return base::Error{path + ": the recording cannot be written: " + std::strerror(error) +
                        ": choose a folder that exists, is writable and has room"};
   };
-  UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  base::UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (!file) return refused(errno);
   std::array<std::uint8_t, kRecordingHeaderSize> header;
   EncodeHeader(info, header.data());
@@ -41,7 +41,7 @@ base::Result<std::unique_ptr<DeviceRecorder>> DeviceRecorder::Open(const std::st
   return std::unique_ptr<DeviceRecorder>(new DeviceRecorder(std::move(file), path));
 }
 
-DeviceRecorder::DeviceRecorder(UniqueFd file, std::string path)
+DeviceRecorder::DeviceRecorder(base::UniqueFd file, std::string path)
     : file_(std::move(file)), path_(std::move(path)), ring_(std::make_unique<Ring>()) {
   bytes_.reserve(kWriteSize + kRecordSizeMax);
   thread_ = std::thread([this] { Run(); });

@@ -11,9 +11,9 @@
 
 #include "service/base/result.h"
 #include "service/base/spsc_ring.h"
+#include "service/base/unique_fd.h"
 #include "service/device/counters.h"
 #include "service/device/recording_format.h"
-#include "service/device/unique_fd.h"
 
 namespace omni::device {
 
@@ -50,7 +50,7 @@ class DeviceRecorder {
   };
   using Ring = base::SpscRing<Entry, kRingSize>;
 
-  DeviceRecorder(UniqueFd file, std::string path);
+  DeviceRecorder(base::UniqueFd file, std::string path);
   void Push(const Entry& entry) noexcept;
   void Run();
   void Drain();
@@ -58,7 +58,7 @@ class DeviceRecorder {
   template <class Record>
   void Append(const Record& record);
 
-  UniqueFd file_;
+  base::UniqueFd file_;
   const std::string path_;
   std::unique_ptr<Ring> ring_;
   Counter lost_;

@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "service/base/clock.h"
-#include "service/device/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::device {
 
@@ -42,7 +42,7 @@ class ReadyEvent {
   }
 
  private:
-  UniqueFd fd_;
+  base::UniqueFd fd_;
 };
 
 }  // namespace omni::device

@@ -45,7 +45,7 @@ ssize_t ReadSome(int fd, std::uint8_t* bytes, std::size_t size) noexcept {
 }  // namespace
 
 base::Result<std::unique_ptr<RecordingReader>> RecordingReader::Open(const std::string& path) {
-  UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  base::UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file) return base::Error{path + ": cannot be read: " + std::strerror(errno) + ": check the name"};
   std::array<std::uint8_t, kRecordingHeaderSize> bytes{};
   const ssize_t size = ReadSome(file.get(), bytes.data(), bytes.size());

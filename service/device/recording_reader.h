@@ -8,8 +8,8 @@
 #include <string>
 
 #include "service/base/result.h"
+#include "service/base/unique_fd.h"
 #include "service/device/recording_format.h"
-#include "service/device/unique_fd.h"
 
 namespace omni::device {
 
@@ -39,13 +39,13 @@ class RecordingReader {
   std::string Explain(RecordStatus status) const;
 
  private:
-  RecordingReader(UniqueFd file, std::string path) : file_(std::move(file)), path_(std::move(path)) {}
+  RecordingReader(base::UniqueFd file, std::string path) : file_(std::move(file)), path_(std::move(path)) {}
   bool Fill() noexcept;
 
   static constexpr std::size_t kBufferSize = 1U << 16;
   static_assert(kBufferSize > kRecordSizeMax);
 
-  UniqueFd file_;
+  base::UniqueFd file_;
   const std::string path_;
   RecordingInfo info_;
   std::array<std::uint8_t, kBufferSize> buffer_;

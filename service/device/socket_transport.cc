@@ -57,7 +57,7 @@ wire::Status OpenReceived(const Buffer& buffer, std::size_t size, wire::FrameVie
 
 class SocketTransport final : public Transport {
  public:
-  SocketTransport(UniqueFd socket, const std::string& name, DeviceInfo device)
+  SocketTransport(base::UniqueFd socket, const std::string& name, DeviceInfo device)
       : socket_(std::move(socket)), device_(std::move(device)) {
     info_.name = name;
     info_.serial = device_.serial;
@@ -168,7 +168,7 @@ class SocketTransport final : public Transport {
     if (send(socket_.get(), frame.data(), encoded.size, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) ++counters_.send_failed;
   }
 
-  UniqueFd socket_;
+  base::UniqueFd socket_;
   DeviceInfo device_;
   TransportInfo info_;
   Counters counters_;
@@ -197,7 +197,8 @@ base::Error Explain(NoHello why, const std::string& name, const std::string& see
   return {name};
 }
 
-base::Result<std::unique_ptr<Transport>> Connect(UniqueFd socket, const std::string& name, const wire::Hello& hello) {
+base::Result<std::unique_ptr<Transport>> Connect(base::UniqueFd socket, const std::string& name,
+                                                 const wire::Hello& hello) {
   base::Result<DeviceInfo> device = InfoFromHello(hello);
   if (!device) return base::Error{name + ": " + device.error()};
   return std::unique_ptr<Transport>(
@@ -206,7 +207,7 @@ base::Result<std::unique_ptr<Transport>> Connect(UniqueFd socket, const std::str
 
 }  // namespace
 
-base::Result<std::unique_ptr<Transport>> MakeSocketTransport(UniqueFd socket, const std::string& name,
+base::Result<std::unique_ptr<Transport>> MakeSocketTransport(base::UniqueFd socket, const std::string& name,
                                                              std::int64_t hello_timeout_ns) {
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + hello_timeout_ns;
   std::string seen = "nothing arrived";

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "service/base/result.h"
+#include "service/base/unique_fd.h"
 #include "service/device/transport.h"
-#include "service/device/unique_fd.h"
 
 namespace omni::device {
 
@@ -15,7 +15,7 @@ namespace omni::device {
 //
 // Read: the newest telemetry wins. Older frames still queued are superseded (counted), gaps of the device's sequence
 // are missed (counted), frames that fail a check are dropped (counted).
-base::Result<std::unique_ptr<Transport>> MakeSocketTransport(UniqueFd socket, const std::string& name,
+base::Result<std::unique_ptr<Transport>> MakeSocketTransport(base::UniqueFd socket, const std::string& name,
                                                              std::int64_t hello_timeout_ns);
 
 }  // namespace omni::device

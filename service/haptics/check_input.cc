@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/scene.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 namespace {
 
 using base::Error;

@@ -7,13 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "service/base/vec.h"
 #include "service/haptics/check_input.h"
-#include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/scene.h"
 #include "service/haptics/scene_block.h"
 #include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 namespace {
 
 using base::Error;
@@ -104,7 +106,7 @@ Status CheckMaterials(const Scene& scene) {
 Status CheckMesh(const Scene& scene) {
   const SceneHeader& h = scene.header();
   for (const Vertex& v : scene.vertices()) {
-    if (!Within({v.x, v.y, v.z}, kMaxPlace_m)) return Error{"has a vertex that is no place"};
+    if (!base::Within({v.x, v.y, v.z}, kMaxPlace_m)) return Error{"has a vertex that is no place"};
     if (v.region != kNoIndex && v.region >= h.region_count) return Error{"has a vertex of no region"};
     if (v.first_triangle >= h.triangle_count) return Error{"has a vertex of no triangle"};
   }
@@ -205,7 +207,7 @@ Status CheckWalls(const Scene& scene) {
   const auto nodes = scene.wall_nodes();
   const auto segments = scene.wall_segments();
   for (const WallSegment& s : segments) {
-    if (!(Within({s.ax, s.ay, 0}, kMaxPlace_m) && Within({s.bx, s.by, 0}, kMaxPlace_m) &&
+    if (!(base::Within({s.ax, s.ay, 0}, kMaxPlace_m) && base::Within({s.bx, s.by, 0}, kMaxPlace_m) &&
           s.material < scene.header().material_count)) {
       return Error{"has a damaged car wall"};
     }

@@ -2,10 +2,12 @@
 // are not as assumed. docs/theory/haptics.md, section 3.
 #pragma once
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // One tick of all contacts as this watch and that of swing_watch.h see it.
 struct ContactTick {

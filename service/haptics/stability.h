@@ -3,11 +3,13 @@
 
 #include <array>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/haptics.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // What is offered in one tick.
 struct Offer {

@@ -2,11 +2,13 @@
 // the rule of stability.h assumes. It trusts nothing but the measured tip. docs/theory/haptics.md (3.10)
 #pragma once
 
+#include "service/base/vec.h"
 #include "service/haptics/energy_watch.h"
-#include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // Gain in [0.01, 1] on the forces of this tick.
 double WatchSwings(const ContactTick& tick, SwingState& state) noexcept;

@@ -22,8 +22,8 @@ namespace omni::ipc {
 namespace {
 
 using base::Error;
+using base::UniqueFd;
 using protocol::ReceiveResult;
-using protocol::UniqueFd;
 
 constexpr int kAcceptsPerRound = 16;
 constexpr int kPacketsPerRound = 32;
@@ -42,9 +42,8 @@ Error Failed(const char* what) {
 }
 
 base::Status CheckOptions(const ServerOptions& options) {
-  const int needed = F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
   const int seals = ::fcntl(options.state_fd, F_GET_SEALS);
-  if (seals < 0 || (seals & needed) != needed) {
+  if (seals < 0 || (seals & base::kSealsOneWriter) != base::kSealsOneWriter) {
     return Error{"ServerOptions.state_fd is no sealed state memory; pass StatePublisher::fd()"};
   }
   if (!(options.period_ns >= 1'000'000 && options.period_ns <= 1'000'000'000)) {

@@ -45,7 +45,7 @@ class ControlLoop {
   void Dispatch(std::uint64_t token);
   void Accept();
   void RefuseOneWithoutDescriptors();
-  void Admit(protocol::UniqueFd socket);
+  void Admit(base::UniqueFd socket);
   void ReadFrom(Peer& peer);
   // True: this peer may be read on in this round.
   bool Handle(Peer& peer, const protocol::Message& message);
@@ -78,15 +78,15 @@ class ControlLoop {
   ServerHandler& handler_;
   Listener listener_;
   LogLines log_;
-  protocol::UniqueFd epoll_;
-  protocol::UniqueFd timer_;
-  protocol::UniqueFd stop_;
-  protocol::UniqueFd spare_;  // given up for a moment to refuse a client when descriptors have run out
+  base::UniqueFd epoll_;
+  base::UniqueFd timer_;
+  base::UniqueFd stop_;
+  base::UniqueFd spare_;  // given up for a moment to refuse a client when descriptors have run out
   std::atomic<bool> stopping_{false};
   std::map<ClientId, Peer> peers_;
   ClientId next_id_ = 1;
   std::vector<std::byte> buffer_;
-  protocol::UniqueFd document_;  // that came along with the packet being handled
+  base::UniqueFd document_;  // that came along with the packet being handled
 };
 
 }  // namespace omni::ipc

@@ -33,7 +33,7 @@ std::string MakeRoom(const std::string& path) {
   struct stat info {};
   if (::lstat(path.c_str(), &info) != 0) return errno == ENOENT ? "" : std::strerror(errno);
   if (!S_ISSOCK(info.st_mode)) return "is there already and no socket; remove it or give another path";
-  const protocol::UniqueFd probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const base::UniqueFd probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const protocol::SocketAddress at = protocol::AddressOf(path);
   if (probe && ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes) == 0) {
     return "another twin listens there; give another path";
@@ -46,7 +46,7 @@ std::string MakeRoom(const std::string& path) {
 base::Result<std::unique_ptr<HandListener>> HandListener::Open(const std::string& path) {
   if (const std::string why = FolderProblem(path); !why.empty()) return HandSocketError(path, why);
   if (const std::string why = MakeRoom(path); !why.empty()) return HandSocketError(path, why);
-  protocol::UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  base::UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const protocol::SocketAddress at = protocol::AddressOf(path);
   if (!socket || ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes) != 0) {
     return HandSocketError(path, std::strerror(errno));
@@ -62,7 +62,7 @@ HandListener::~HandListener() { ::unlink(path_.c_str()); }
 
 void HandListener::Accept() noexcept {
   if (leader_) return;
-  protocol::UniqueFd socket(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  base::UniqueFd socket(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (socket && CredentialsOf(socket.get()).uid == ::geteuid()) leader_ = std::move(socket);
 }
 

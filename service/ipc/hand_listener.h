@@ -7,8 +7,8 @@
 #include <string>
 
 #include "service/base/result.h"
+#include "service/base/unique_fd.h"
 #include "service/protocol/hand_aim.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni::ipc {
 
@@ -27,11 +27,11 @@ class HandListener {
   std::optional<protocol::HandAim> Poll() noexcept;
 
  private:
-  HandListener(std::string path, protocol::UniqueFd socket) : path_(std::move(path)), socket_(std::move(socket)) {}
+  HandListener(std::string path, base::UniqueFd socket) : path_(std::move(path)), socket_(std::move(socket)) {}
   void Accept() noexcept;
 
   std::string path_;
-  protocol::UniqueFd socket_, leader_;
+  base::UniqueFd socket_, leader_;
 };
 
 }  // namespace omni::ipc

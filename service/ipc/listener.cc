@@ -17,7 +17,7 @@ namespace {
 
 using base::Error;
 using base::Result;
-using protocol::UniqueFd;
+using base::UniqueFd;
 
 constexpr int kBacklog = 64;
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "service/base/result.h"
-#include "service/protocol/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::ipc {
 
@@ -24,11 +24,11 @@ class Listener {
   static std::string LockPathOf(const std::string& socket_path);
 
  private:
-  Listener(std::string path, protocol::UniqueFd lock, protocol::UniqueFd socket)
+  Listener(std::string path, base::UniqueFd lock, base::UniqueFd socket)
       : path_(std::move(path)), lock_(std::move(lock)), socket_(std::move(socket)) {}
   std::string path_;
-  protocol::UniqueFd lock_;
-  protocol::UniqueFd socket_;
+  base::UniqueFd lock_;
+  base::UniqueFd socket_;
 };
 
 }  // namespace omni::ipc

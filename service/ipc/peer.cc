@@ -14,8 +14,8 @@
 namespace omni::ipc {
 namespace {
 
+using base::UniqueFd;
 using protocol::SendResult;
-using protocol::UniqueFd;
 
 constexpr int kSoPeerPidfd = 77;  // SO_PEERPIDFD, Linux 6.5: names the process itself, not a number that may be reused
 
@@ -46,8 +46,7 @@ Peer::Peer(ClientId id, UniqueFd socket, UniqueFd process, pid_t pid, std::int64
 
 base::Status Peer::Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd,
                          std::int64_t now_ns) {
-  auto page =
-      MakeSealedMemory("omni-life", protocol::kLifePageBytes, PROT_READ, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
+  auto page = base::MakeSealedMemory("omni-life", protocol::kLifePageBytes, PROT_READ, base::kSealsFixedSize);
   if (!page) return base::Error{page.error()};
   info_.role = hello.role;
   info_.application = protocol::Printable(hello.application);

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "service/base/result.h"
-#include "service/ipc/sealed_memory.h"
+#include "service/base/sealed_memory.h"
 #include "service/ipc/server.h"
 #include "service/protocol/packet_socket.h"
 #include "service/protocol/state_memory.h"
@@ -22,14 +22,14 @@ Credentials CredentialsOf(int socket) noexcept;
 
 // A descriptor that becomes readable when the process ends.
 struct ProcessWatch {
-  protocol::UniqueFd fd;  // may be absent where the kernel offers none: then only the socket tells
+  base::UniqueFd fd;  // may be absent where the kernel offers none: then only the socket tells
   bool already_dead = false;
 };
 ProcessWatch WatchProcess(int socket, pid_t pid) noexcept;
 
 class Peer {
  public:
-  Peer(ClientId id, protocol::UniqueFd socket, protocol::UniqueFd process, pid_t pid, std::int64_t now_ns);
+  Peer(ClientId id, base::UniqueFd socket, base::UniqueFd process, pid_t pid, std::int64_t now_ns);
 
   ClientId id() const noexcept { return info_.id; }
   int socket() const noexcept { return socket_.get(); }
@@ -59,9 +59,9 @@ class Peer {
 
  private:
   ClientInfo info_;
-  protocol::UniqueFd socket_;
-  protocol::UniqueFd process_;
-  Mapping life_mapping_;
+  base::UniqueFd socket_;
+  base::UniqueFd process_;
+  base::Mapping life_mapping_;
   const protocol::LifePage* life_ = nullptr;
   std::int64_t accepted_ns_;
   std::int64_t last_beat_ns_;

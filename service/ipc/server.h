@@ -8,12 +8,12 @@
 #include <string>
 
 #include "service/base/result.h"
+#include "service/base/unique_fd.h"
 #include "service/protocol/app_settings.h"
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/haptic_scene.h"
 #include "service/protocol/placement.h"
-#include "service/protocol/unique_fd.h"
 #include "service/protocol/waveform.h"
 
 namespace omni::ipc {
@@ -59,7 +59,7 @@ class ServerHandler {
   // An application's own scene (protocol/haptic_scene.h). `document` is sealed memory of load.bytes bytes, checked. Not
   // overridden: there are none, ever.
   virtual void OnHapticSceneLoad(ClientId /*id*/, const protocol::HapticSceneLoad& /*load*/,
-                                 protocol::UniqueFd /*document*/) {}
+                                 base::UniqueFd /*document*/) {}
   virtual void OnHapticSceneEnd(ClientId /*id*/, const protocol::HapticSceneEnd& /*end*/) {}
   virtual void OnHapticScenePlace(ClientId /*id*/, const protocol::HapticScenePlace& /*place*/) {}
   virtual void OnHapticSceneEnable(ClientId /*id*/, const protocol::HapticSceneEnable& /*enable*/) {}

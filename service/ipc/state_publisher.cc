@@ -1,6 +1,5 @@
 #include "service/ipc/state_publisher.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -15,8 +14,7 @@ namespace omni::ipc {
 using protocol::StateMemory;
 
 base::Result<std::unique_ptr<StatePublisher>> StatePublisher::Create(std::uint64_t service_instance) {
-  const int seals = F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
-  auto made = MakeSealedMemory("omni-state", sizeof(StateMemory), PROT_READ | PROT_WRITE, seals);
+  auto made = base::MakeSealedMemory("omni-state", sizeof(StateMemory), PROT_READ | PROT_WRITE, base::kSealsOneWriter);
   if (!made) return base::Error{made.error()};
   auto* memory = new (made->mapping.get()) StateMemory;
   memory->header.total_bytes = sizeof(StateMemory);

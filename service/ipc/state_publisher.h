@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "service/base/result.h"
-#include "service/ipc/sealed_memory.h"
+#include "service/base/sealed_memory.h"
 #include "service/protocol/state_memory.h"
 
 namespace omni::ipc {
@@ -34,9 +34,9 @@ class StatePublisher {
   std::uint64_t published() const noexcept { return published_; }  // tick thread only
 
  private:
-  StatePublisher(SealedMemory memory_file, protocol::StateMemory* memory)
+  StatePublisher(base::SealedMemory memory_file, protocol::StateMemory* memory)
       : memory_file_(std::move(memory_file)), memory_(memory) {}
-  SealedMemory memory_file_;
+  base::SealedMemory memory_file_;
   protocol::StateMemory* memory_;
   std::uint64_t published_ = 0;
   std::int64_t newest_t_ns_ = 0;

@@ -1,6 +1,5 @@
 #include "service/ipc/surface_publisher.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -26,13 +25,14 @@ base::Result<std::unique_ptr<SurfacePublisher>> SurfacePublisher::Create(const S
   protocol::SurfaceLayout layout = protocol::LayOutSurfaces(plans);
   if (!layout.problem.empty()) return base::Error{"surfaces to draw: " + layout.problem + "; make the mesh coarser"};
   if (id.memory_generation == 0) return base::Error{"surfaces to draw: memory_generation is 0, must count from 1"};
-  const int seals = F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
-  auto made = MakeSealedMemory("omni-surfaces", layout.total_bytes, PROT_READ | PROT_WRITE, seals);
+  auto made =
+      base::MakeSealedMemory("omni-surfaces", layout.total_bytes, PROT_READ | PROT_WRITE, base::kSealsOneWriter);
   if (!made) return base::Error{made.error()};
   return std::unique_ptr<SurfacePublisher>(new SurfacePublisher(std::move(*made), id, std::move(layout)));
 }
 
-SurfacePublisher::SurfacePublisher(SealedMemory memory_file, const SurfaceMemoryId& id, protocol::SurfaceLayout layout)
+SurfacePublisher::SurfacePublisher(base::SealedMemory memory_file, const SurfaceMemoryId& id,
+                                   protocol::SurfaceLayout layout)
     : memory_file_(std::move(memory_file)),
       id_(id),
       layout_(std::move(layout)),

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "service/base/result.h"
-#include "service/ipc/sealed_memory.h"
+#include "service/base/sealed_memory.h"
 #include "service/protocol/surface_layout.h"
 
 namespace omni::ipc {
@@ -57,11 +57,11 @@ class SurfacePublisher {
   std::size_t object_count() const noexcept { return layout_.parts.size(); }
 
  private:
-  SurfacePublisher(SealedMemory memory_file, const SurfaceMemoryId& id, protocol::SurfaceLayout layout);
+  SurfacePublisher(base::SealedMemory memory_file, const SurfaceMemoryId& id, protocol::SurfaceLayout layout);
   std::byte* at(std::uint64_t offset) const noexcept;
   protocol::SurfaceEntry& Entry(std::size_t index) const noexcept;
 
-  SealedMemory memory_file_;
+  base::SealedMemory memory_file_;
   SurfaceMemoryId id_;
   protocol::SurfaceLayout layout_;
   std::vector<protocol::SurfaceFrame> newest_;  // of each object

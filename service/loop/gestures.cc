@@ -28,12 +28,6 @@ constexpr double kAxialCosine = 0.8;
 constexpr double kDwellRelease = 1.5;  // times its radius
 constexpr double kAwayRelease = 3.0;   // times away_still_m
 
-double Dot(const Vec3& a, const Vec3& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec3 Minus(const Vec3& a, const Vec3& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec3 Times(double factor, const Vec3& v) noexcept { return {factor * v.x, factor * v.y, factor * v.z}; }
-double Length(const Vec3& v) noexcept { return std::sqrt(Dot(v, v)); }
-double Distance(const Vec3& a, const Vec3& b) noexcept { return Length(Minus(a, b)); }
-
 void Remember(const GestureInput& input, TipTrail& trail) noexcept {
   trail.tip_base_m[trail.next] = input.tip_base_m;
   trail.t_ns[trail.next] = input.t_ns;
@@ -49,7 +43,7 @@ Vec3 Velocity(const TipTrail& trail) noexcept {
     const std::uint32_t older = (newest + kTipTrail - back) % kTipTrail;
     const double elapsed_s = base::Elapsed_s(trail.t_ns[newest], trail.t_ns[older]);
     if (elapsed_s < kVelocityWindow_s) continue;
-    return Times(1 / elapsed_s, Minus(trail.tip_base_m[newest], trail.tip_base_m[older]));
+    return (1 / elapsed_s) * (trail.tip_base_m[newest] - trail.tip_base_m[older]);
   }
   return {};
 }
@@ -70,7 +64,7 @@ SourceMask Clicking(std::int64_t t_ns, const GestureState& state) noexcept {
 
 // What is left of a displacement in the surface's plane.
 double Sideways(const Vec3& displacement, const Vec3& normal) noexcept {
-  return Length(Minus(displacement, Times(Dot(displacement, normal), normal)));
+  return Norm(displacement - Dot(displacement, normal) * normal);
 }
 
 void BeginTouch(const InputThresholds& thresholds, const GestureInput& input, const Vec3& velocity,
@@ -99,7 +93,7 @@ void Tapped(const InputThresholds& thresholds, const GestureInput& input, Gestur
   const TouchState& touch = state.touch;
   Click(InputSource::kTap, thresholds, input.t_ns, state);
   const bool second = tap.has_first && base::Elapsed_s(touch.t_begin_ns, tap.t_first_ns) <= thresholds.double_tap_s &&
-                      Distance(touch.begin_base_m, tap.first_base_m) <= thresholds.double_tap_distance_m;
+                      Norm(touch.begin_base_m - tap.first_base_m) <= thresholds.double_tap_distance_m;
   if (second) Click(InputSource::kDoubleTap, thresholds, input.t_ns, state);
   tap = {.has_first = !second, .t_first_ns = input.t_ns, .first_base_m = touch.begin_base_m};
 }
@@ -113,7 +107,7 @@ void FollowTouch(const InputThresholds& thresholds, const GestureInput& input, d
     return;
   }
   touch.peak_N = std::max(touch.peak_N, touch.force_N);
-  touch.travel_m = std::max(touch.travel_m, Sideways(Minus(input.tip_base_m, touch.begin_base_m), touch.normal_base));
+  touch.travel_m = std::max(touch.travel_m, Sideways(input.tip_base_m - touch.begin_base_m, touch.normal_base));
   if (touch.force_N >= kLift_N) return;
   touch.touching = false;
   touch.t_end_ns = input.t_ns;
@@ -123,7 +117,7 @@ void FollowTouch(const InputThresholds& thresholds, const GestureInput& input, d
 SourceMask FollowDwell(const InputThresholds& thresholds, const GestureInput& input, bool touching,
                        DwellState& dwell) noexcept {
   const double reach_m = thresholds.dwell_radius_m * (dwell.on ? kDwellRelease : 1);
-  if (touching != dwell.touching || !(Distance(input.tip_base_m, dwell.place_base_m) <= reach_m)) {
+  if (touching != dwell.touching || !(Norm(input.tip_base_m - dwell.place_base_m) <= reach_m)) {
     dwell = {.touching = touching, .place_base_m = input.tip_base_m, .t_since_ns = input.t_ns};
   }
   dwell.on = base::Elapsed_s(input.t_ns, dwell.t_since_ns) >= thresholds.dwell_s;
@@ -135,7 +129,7 @@ SourceMask FollowDwell(const InputThresholds& thresholds, const GestureInput& in
 void FollowFlick(const InputThresholds& thresholds, const GestureInput& input, const Vec3& velocity,
                  GestureState& state) noexcept {
   FlickState& flick = state.flick;
-  const double speed_m_s = Length(velocity);
+  const double speed_m_s = Norm(velocity);
   const double lasted_s = base::Elapsed_s(input.t_ns, flick.t_ns);
   const bool in_the_air =
       !state.touch.touching && base::Elapsed_s(input.t_ns, state.touch.t_end_ns) >= kFlickAfterTouch_s;
@@ -147,7 +141,7 @@ void FollowFlick(const InputThresholds& thresholds, const GestureInput& input, c
     if (!in_the_air || !(speed_m_s >= thresholds.flick_speed_m_s)) return;
     flick = {.phase = FlickPhase::kOut,
              .t_ns = input.t_ns,
-             .direction_base = Times(1 / speed_m_s, velocity),
+             .direction_base = (1 / speed_m_s) * velocity,
              .peak_m_s = speed_m_s};
     return;
   }
@@ -157,7 +151,7 @@ void FollowFlick(const InputThresholds& thresholds, const GestureInput& input, c
   }
   const double along_m_s = Dot(velocity, flick.direction_base);
   if (along_m_s > flick.peak_m_s) {
-    flick.direction_base = Times(1 / speed_m_s, velocity);
+    flick.direction_base = (1 / speed_m_s) * velocity;
     flick.peak_m_s = speed_m_s;
   }
   if (!(along_m_s <= -kFlickReturn * flick.peak_m_s)) return;
@@ -172,10 +166,10 @@ SourceMask FollowAway(const InputThresholds& thresholds, const GestureInput& inp
   if (!away.started) {
     away = {.started = true, .t_near_ns = input.t_ns, .t_still_ns = input.t_ns, .place_base_m = input.tip_base_m};
   }
-  const bool near = input.tracked && Length(input.tip_base_m) <= thresholds.away_distance_m;
+  const bool near = input.tracked && Norm(input.tip_base_m) <= thresholds.away_distance_m;
   if (near) away.t_near_ns = input.t_ns;
   const double reach_m = thresholds.away_still_m * (away.on ? kAwayRelease : 1);
-  const bool still = input.tracked && !touching && Distance(input.tip_base_m, away.place_base_m) <= reach_m;
+  const bool still = input.tracked && !touching && Norm(input.tip_base_m - away.place_base_m) <= reach_m;
   if (near && !still) {
     away.t_still_ns = input.t_ns;
     away.place_base_m = input.tip_base_m;

@@ -8,12 +8,6 @@
 namespace omni::loop {
 namespace {
 
-using haptics::Cross;
-using haptics::Rotated;
-using haptics::operator+;
-using haptics::operator-;
-using haptics::operator*;
-
 base::Vec3 MiddleOf(const float (&lower)[3], const float (&upper)[3]) noexcept {
   return {0.5 * (double{lower[0]} + upper[0]), 0.5 * (double{lower[1]} + upper[1]),
           0.5 * (double{lower[2]} + upper[2])};

@@ -17,8 +17,6 @@ constexpr double kMaxStep_s = 5e-3;  // a longer gap counts as this much: nothin
 
 bool IsFinite(const base::Vec3& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
-
 // Seconds since the last scan, in [0, kMaxStep_s].
 double Advance(const base::HallScan& scan, LoopState& state, TickOutput& output) noexcept {
   if (state.tick++ == 0) {
@@ -123,16 +121,14 @@ base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, L
   return bridged;
 }
 
-base::Vec3 Plus(const base::Vec3& a, const base::Vec3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-
 // All that is rendered, under the gate and the last limiter; counts a waveform once when it reaches the command.
 base::Vec3 Mix(const base::Vec3& rest_N, const base::Vec3& vibration_N, const base::ForceLimit& limit,
                double force_scale, LoopState& state, TickOutput& output) noexcept {
-  const base::Vec3 wanted = Plus(rest_N, vibration_N);
+  const base::Vec3 wanted = rest_N + vibration_N;
   const double gain = state.gate * std::clamp(force_scale, 0.0, 1.0);
   const double feasible = base::FeasibleScale(limit, wanted);
   output.saturated = output.haptics.saturated || (gain > 0 && limit.valid && feasible < 1);
-  const base::Vec3 gated_N = Scaled(wanted, gain * feasible);
+  const base::Vec3 gated_N = (gain * feasible) * wanted;
   if (!IsFinite(gated_N)) output.faults |= kFaultNotFinite;
   const base::Vec3 force_N = LimitForce(limit, gated_N, state.limiter);
   const bool vibrates = vibration_N != base::Vec3{};
@@ -204,9 +200,9 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   RenderScene(config, commands.scene, scene, felt, state, output);
   const base::Vec3 detent_N = FollowInputs(config, commands, feeds.keys, tool, dt_s, state, output);
   const base::Vec3 applied_N = Push(config, commands, felt, state, output);
-  const base::Vec3 pushed_N = Plus(Plus(output.haptics.force_base_N, applied_N), detent_N);
+  const base::Vec3 pushed_N = output.haptics.force_base_N + applied_N + detent_N;
   const base::Vec3 vibration_N =
-      Scaled(tool.axis_base, VibrationForce_N(config.vibration, commands.haptic, feeds.samples, dt_s, state.vibration));
+      VibrationForce_N(config.vibration, commands.haptic, feeds.samples, dt_s, state.vibration) * tool.axis_base;
 
   const base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
   actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kControlBytes = CMSG_SPACE(kMaxPassedFds * sizeof(int));
 
 // Takes every descriptor out of `header`; those beyond `capacity` are closed. Returns how many came.
-std::size_t TakeFds(msghdr& header, UniqueFd* fds, std::size_t capacity) noexcept {
+std::size_t TakeFds(msghdr& header, base::UniqueFd* fds, std::size_t capacity) noexcept {
   std::size_t count = 0;
   for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
@@ -20,7 +20,7 @@ std::size_t TakeFds(msghdr& header, UniqueFd* fds, std::size_t capacity) noexcep
     for (std::size_t i = 0; i < in_part; ++i) {
       int fd = -1;
       std::memcpy(&fd, CMSG_DATA(part) + i * sizeof(int), sizeof(int));
-      UniqueFd owned(fd);
+      base::UniqueFd owned(fd);
       if (count < capacity) fds[count] = std::move(owned);
       ++count;
     }
@@ -54,7 +54,7 @@ SendResult SendPacket(int socket, const void* bytes, std::size_t size, const int
   return gone ? SendResult::kGone : SendResult::kFull;
 }
 
-Received ReceivePacket(int socket, void* buffer, std::size_t capacity, UniqueFd* fds,
+Received ReceivePacket(int socket, void* buffer, std::size_t capacity, base::UniqueFd* fds,
                        std::size_t fd_capacity) noexcept {
   iovec part{buffer, capacity};
   alignas(cmsghdr) char control[kControlBytes];

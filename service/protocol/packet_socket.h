@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "service/protocol/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::protocol {
 
@@ -30,7 +30,7 @@ struct Received {
   std::size_t fd_count = 0;
 };
 // Descriptors that came along land in `fds`, close-on-exec; with no room for them they are closed.
-Received ReceivePacket(int socket, void* buffer, std::size_t capacity, UniqueFd* fds = nullptr,
+Received ReceivePacket(int socket, void* buffer, std::size_t capacity, base::UniqueFd* fds = nullptr,
                        std::size_t fd_capacity = 0) noexcept;
 
 }  // namespace omni::protocol

@@ -94,7 +94,7 @@ void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& optio
   double nearest_m = std::numeric_limits<double>::max();
   for (const haptics::InputObject& object : input.objects) {
     for (const base::Vec3& p : object.vertices_base_m) {
-      const double gap_m = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z) - options.hull_radius_m;
+      const double gap_m = Norm(p) - options.hull_radius_m;
       if (object.collidable && p.z > 0) nearest_m = std::min(nearest_m, std::max(gap_m, 0.0));
     }
   }

@@ -33,9 +33,9 @@ void HandPath::AddLeg(const HandWaypoint& from, const HandWaypoint& to, double d
   leg.duration_s = duration_s;
   leg.from_tip = from.tip_base_m;
   leg.to_tip = to.tip_base_m;
-  leg.from_axis = Normalised(from.axis_base);
+  leg.from_axis = Normalized(from.axis_base);
   leg.present = to.present;
-  const Vec3 to_axis = Normalised(to.axis_base);
+  const Vec3 to_axis = Normalized(to.axis_base);
   const double cosine = std::clamp(Dot(leg.from_axis, to_axis), -1.0, 1.0);
   const Vec3 across = to_axis - cosine * leg.from_axis;
   const double sine = Norm(across);

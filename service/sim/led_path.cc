@@ -47,7 +47,7 @@ void LedPath::StepAxis(double dt_s) noexcept {
   const Vec3 towards = sine > 1e-9 ? (1 / sine) * across : Perpendicular(axis_);
   const double turn_rad = std::min({angle_rad, kBandwidth_rad_s * angle_rad * dt_s, kFastestTurn_rad_s * dt_s});
   axis_rate_1_s_ = dt_s > 0 ? (turn_rad / dt_s) * towards : Vec3{};
-  axis_ = Normalised(std::cos(turn_rad) * axis_ + std::sin(turn_rad) * towards);
+  axis_ = Normalized(std::cos(turn_rad) * axis_ + std::sin(turn_rad) * towards);
 }
 
 HandTarget LedPath::Target() const noexcept {

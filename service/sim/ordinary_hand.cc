@@ -30,7 +30,7 @@ Place DrawPlace(double radius_min_m, double radius_max_m, double tilt_max_rad, R
   const Vec3 across = Perpendicular(outwards);
   const Vec3 sideways = std::cos(turn) * across + std::sin(turn) * Cross(outwards, across);
   return {random.Uniform(radius_min_m, radius_max_m) * outwards,
-          Normalised(-std::cos(tilt) * outwards + std::sin(tilt) * sideways)};
+          Normalized(-std::cos(tilt) * outwards + std::sin(tilt) * sideways)};
 }
 
 class Writer {
@@ -82,7 +82,7 @@ class Writer {
   // Down to the hull and back.
   void Tap() {
     const Place before = place_;
-    const Vec3 outwards = Normalised(before.centre_m);
+    const Vec3 outwards = Normalized(before.centre_m);
     Place above = before;
     above.centre_m = (contact_m_ + kTap_m) * outwards;
     MoveTo(above);
@@ -95,7 +95,7 @@ class Writer {
   // Its side on the hull.
   void LayDown() {
     const Place before = place_;
-    const Vec3 outwards = Normalised(before.centre_m);
+    const Vec3 outwards = Normalized(before.centre_m);
     const double lying_m = device_.hull_radius_m + device_.magnet.radius_m;
     MoveTo({lying_m * outwards, Perpendicular(outwards)});
     Go(place_, random_.Uniform(2.0, 4.0));

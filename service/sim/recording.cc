@@ -70,7 +70,7 @@ std::string TruthHeader() {
 }
 
 base::Result<std::unique_ptr<Recording>> Recording::Open(const std::string& path) {
-  device::UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  base::UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (!file) {
     return base::Error{path + ": the recording cannot be created: " + std::strerror(errno) +
                        ": check that its folder exists and is writable"};
@@ -78,7 +78,7 @@ base::Result<std::unique_ptr<Recording>> Recording::Open(const std::string& path
   return std::unique_ptr<Recording>(new Recording(std::move(file), path));
 }
 
-Recording::Recording(device::UniqueFd file, std::string path) : file_(std::move(file)), path_(std::move(path)) {
+Recording::Recording(base::UniqueFd file, std::string path) : file_(std::move(file)), path_(std::move(path)) {
   queue_.reserve(kQueueMax);
   thread_ = std::thread([this] { Run(); });
 }

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "service/base/result.h"
+#include "service/base/unique_fd.h"
 #include "service/base/vec.h"
-#include "service/device/unique_fd.h"
 
 namespace omni::sim {
 
@@ -45,12 +45,12 @@ class Recording {
   void Add(const TruthRow& row);
 
  private:
-  Recording(device::UniqueFd file, std::string path);
+  Recording(base::UniqueFd file, std::string path);
   void Run();
   bool Write(const std::string& text) noexcept;
 
   static constexpr std::size_t kQueueMax = 1U << 13;  // rows; full: Add waits for the writer
-  device::UniqueFd file_;
+  base::UniqueFd file_;
   std::string path_;
   std::mutex mutex_;
   std::condition_variable wake_;

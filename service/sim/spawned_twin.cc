@@ -12,8 +12,8 @@
 #include <ctime>
 #include <utility>
 
+#include "service/base/unique_fd.h"
 #include "service/device/socket_transport.h"
-#include "service/device/unique_fd.h"
 #include "service/sim/twin.h"
 
 extern char** environ;
@@ -102,8 +102,8 @@ base::Result<std::unique_ptr<device::Transport>> SpawnTwin(const std::string& pr
     return base::Error{std::string("twin: no socket pair: ") + std::strerror(errno) +
                        ": raise the limit of open files"};
   }
-  device::UniqueFd ours(ends[0]);
-  device::UniqueFd theirs(ends[1]);
+  base::UniqueFd ours(ends[0]);
+  base::UniqueFd theirs(ends[1]);
   std::vector<std::string> words{program, "--fd", std::to_string(theirs.get())};
   words.insert(words.end(), args.begin(), args.end());
   pid_t pid = -1;

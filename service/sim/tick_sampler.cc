@@ -58,7 +58,7 @@ TickSampler::Held TickSampler::Between(std::int64_t t_ns) const noexcept {
   Held between = b;
   const auto mix = [s](const Vec3& from, const Vec3& to) { return from + s * (to - from); };
   between.state.pose.centre_base_m = mix(a.state.pose.centre_base_m, b.state.pose.centre_base_m);
-  between.state.pose.axis_base = Normalised(mix(a.state.pose.axis_base, b.state.pose.axis_base));
+  between.state.pose.axis_base = Normalized(mix(a.state.pose.axis_base, b.state.pose.axis_base));
   between.core_moment_Am2 = mix(a.core_moment_Am2, b.core_moment_Am2);
   for (std::size_t k = 0; k < a.state.current_A.size(); ++k) {
     between.state.current_A[k] = a.state.current_A[k] + s * (b.state.current_A[k] - a.state.current_A[k]);

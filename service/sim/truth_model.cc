@@ -26,7 +26,7 @@ CoilTruth MakeCoil(const base::DeviceGeometry& device, const Imperfections& impe
   coil.shell_radius_min_m *= imperfections.coil_size[k];
   coil.shell_radius_max_m *= imperfections.coil_size[k];
   coil.band_half_width_m *= imperfections.coil_size[k];
-  const Vec3 axis = Rotated(Normalised(coil.axis_base), imperfections.coil_rotation_rad[k]);
+  const Vec3 axis = Rotated(Normalized(coil.axis_base), imperfections.coil_rotation_rad[k]);
   return CoilTruth(coil, static_cast<int>(k), axis, imperfections.coil_strength[k], device.core_radius_m,
                    device.core_kappa, imperfections.core_offset_base_m);
 }
@@ -118,7 +118,7 @@ TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, boo
     const std::array<double, 3> gain{error.gain.x, error.gain.y, error.gain.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       sensor.rows[axis] =
-          gain[axis] * Rotated(Rotated(kUnits[axis], error.rotation_rad), nominal.orientation_base_sensor);
+          gain[axis] * Rotated(nominal.orientation_base_sensor, Rotated(kUnits[axis], error.rotation_rad));
     }
     for (std::size_t k = 0; k < coils_.size(); ++k) {
       const Vec3 field_T = polarity_[k] * coils_[k].FieldByTurns(sensor.position_base_m);

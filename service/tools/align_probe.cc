@@ -99,7 +99,7 @@ base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& p
   if (::pipe2(to_child, O_CLOEXEC) != 0 || ::pipe2(from_child, O_CLOEXEC) != 0) {
     return base::Error{"no pipe could be made; raise the limit on open files (ulimit -n)"};
   }
-  protocol::UniqueFd child_in(to_child[0]), child_out(from_child[1]);
+  base::UniqueFd child_in(to_child[0]), child_out(from_child[1]);
   std::unique_ptr<AlignProbe> probe(new AlignProbe);
   probe->in_.Reset(to_child[1]);
   probe->out_.Reset(from_child[0]);

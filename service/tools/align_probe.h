@@ -10,7 +10,7 @@
 
 #include "service/alignment/types.h"
 #include "service/base/result.h"
-#include "service/protocol/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::tools {
 
@@ -41,7 +41,7 @@ class AlignProbe {
  private:
   AlignProbe() = default;
   pid_t pid_ = -1;
-  protocol::UniqueFd in_, out_;  // its standard input (open: go on), its standard output
+  base::UniqueFd in_, out_;  // its standard input (open: go on), its standard output
   std::string buffer_;
   bool ended_ = false;
 };

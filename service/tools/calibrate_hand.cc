@@ -10,8 +10,6 @@
 namespace omni::tools {
 namespace {
 
-using sim::operator+;
-using sim::operator*;
 using sim::Random;
 using sim::Vec3;
 
@@ -39,8 +37,7 @@ Vec3 DrawAxis(const Vec3& outwards, double tilt_rad, Random& random) {
   const double s = std::sqrt(std::max(0.0, 1 - c * c));
   const double angle = random.Uniform(0, 2 * std::numbers::pi);
   const Vec3 across = sim::Perpendicular(outwards);
-  return sim::Normalised(-c * outwards + s * std::cos(angle) * across +
-                         s * std::sin(angle) * sim::Cross(outwards, across));
+  return Normalized(-c * outwards + s * std::cos(angle) * across + s * std::sin(angle) * base::Cross(outwards, across));
 }
 
 struct Place {

@@ -20,8 +20,6 @@ constexpr double kReach_m = 0.16;     // farther away a pose says little about s
 constexpr double kTouchGap_m = 0.01;  // an uncalibrated pose is good to some millimetres
 constexpr calibration::WindowOptions kWindow{};
 
-double Size(const base::Vec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
-
 }  // namespace
 
 CalibrationSession::CalibrationSession(const base::DeviceGeometry& device, const SessionOptions& options)
@@ -48,9 +46,9 @@ base::CoilCurrents CalibrationSession::Add(const base::HallScan& scan) {
 void CalibrationSession::AddClear(const base::HallScan& scan) {
   const auto& fields = scan.field_sensor_T;
   const auto strongest = std::max_element(fields.begin(), fields.end(),
-                                          [](const base::Vec3& a, const base::Vec3& b) { return Size(a) < Size(b); });
+                                          [](const base::Vec3& a, const base::Vec3& b) { return Norm(a) < Norm(b); });
   strongest_ = static_cast<int>(strongest - fields.begin());
-  strongest_T_ = Size(*strongest);
+  strongest_T_ = Norm(*strongest);
   clear_scans_ = strongest_T_ <= kClear_T ? clear_scans_ + 1 : 0;
   if (clear_scans_ >= kClearScans) step_ = CalibrationStep::kSweep;
 }

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "service/base/distance.h"
 #include "service/base/eigen.h"
 #include "service/base/limits.h"
+#include "service/base/vec.h"
 
 namespace omni::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "service/base/clock.h"
+#include "service/base/vec.h"
 #include "service/client/connection.h"
-#include "service/haptics/geometry/vec_math.h"
 #include "service/scene/glb_save.h"
 #include "service/tools/command_line.h"
 #include "service/tools/terminal.h"
@@ -30,12 +30,8 @@ constexpr std::int64_t kPublished_ns = 2'500'000'000;       // until then someth
 base::Vec3 PlacedPoint(const protocol::SurfaceFrame& frame, const protocol::SurfacePoint& point) {
   const auto& q = frame.rotation_wxyz;
   const auto& t = frame.translation_m;
-  const base::Vec3 p{double{point[0]}, double{point[1]}, double{point[2]}}, v{q[1], q[2], q[3]};
-  using haptics::operator+;
-  using haptics::operator*;
-  // x = p + 2 w (v x p) + 2 v x (v x p) + t
-  const base::Vec3 twice = 2.0 * haptics::Cross(v, p);
-  return p + q[0] * twice + haptics::Cross(v, twice) + base::Vec3{t[0], t[1], t[2]};
+  const base::Vec3 p{double{point[0]}, double{point[1]}, double{point[2]}};
+  return Rotated({q[0], q[1], q[2], q[3]}, p) + base::Vec3{t[0], t[1], t[2]};
 }
 
 // Asks for the surfaces as an application would, and reads what is published.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/base/distance.h"
+#include "service/base/vec.h"
 
 namespace omni::tracker {
 namespace {

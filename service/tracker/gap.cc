@@ -11,7 +11,7 @@ double CylinderGap(const base::Vec3& centre_base_m, const base::Vec3& axis_base,
                    double hull_radius_m) noexcept {
   const base::Vec3& c = centre_base_m;
   const base::Vec3& u = axis_base;
-  const double height = c.x * u.x + c.y * u.y + c.z * u.z;
+  const double height = Dot(c, u);
   const double x = c.x - height * u.x, y = c.y - height * u.y, z = c.z - height * u.z;
   const double beyond_side = std::sqrt(x * x + y * y + z * z) - radius_m;
   const double beyond_face = std::abs(height) - half_height_m;

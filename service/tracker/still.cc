@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/base/distance.h"
 #include "service/base/eigen.h"
+#include "service/base/vec.h"
 #include "service/tracker/cholesky.h"
 #include "service/tracker/drift.h"
 

@@ -117,8 +117,6 @@ void Describe(const Config& config, const base::HallScan& scan, const Measuremen
   tool.limits = LimitsOf(config, scan, measurement, outcome, explained, tool);
 }
 
-base::Vec3 Scaled(const base::Vec3& v, double factor) noexcept { return {v.x * factor, v.y * factor, v.z * factor}; }
-
 // Holds the last pose while the velocities fade.
 void Hold(const Config& config, const base::HallScan& scan, State& state) noexcept {
   base::ToolState& tool = state.published;
@@ -128,9 +126,9 @@ void Hold(const Config& config, const base::HallScan& scan, State& state) noexce
   const double fade = absent ? 0.0 : std::exp(-dt_s / config.velocity_decay_s);
   tool.t_ns = scan.t_ns;
   tool.status = absent ? base::TrackingStatus::kAbsent : base::TrackingStatus::kLost;
-  tool.velocity_base_m_s = Scaled(tool.velocity_base_m_s, fade);
-  tool.angular_velocity_base_rad_s = Scaled(tool.angular_velocity_base_rad_s, fade);
-  tool.device_point_velocity_base_m_s = Scaled(tool.device_point_velocity_base_m_s, fade);
+  tool.velocity_base_m_s = fade * tool.velocity_base_m_s;
+  tool.angular_velocity_base_rad_s = fade * tool.angular_velocity_base_rad_s;
+  tool.device_point_velocity_base_m_s = fade * tool.device_point_velocity_base_m_s;
   if (absent) state.warm = false;
 }
 
@@ -360,7 +358,7 @@ base::ToolState Predict(const base::ToolState& tool, std::int64_t t_ns, double t
   if (__builtin_add_overflow(tool.t_ns, step_ns, &ahead.t_ns)) ahead.t_ns = tool.t_ns;
   ahead.position_base_m =
       base::FromEigen(base::ToEigen(tool.position_base_m) + dt_s * base::ToEigen(tool.velocity_base_m_s));
-  ahead.axis_base = TurnAxis(tool.axis_base, Scaled(tool.angular_velocity_base_rad_s, dt_s));
+  ahead.axis_base = TurnAxis(tool.axis_base, dt_s * tool.angular_velocity_base_rad_s);
   SetDevicePoint(tip_offset_m, ahead);
   return ahead;
 }

@@ -78,7 +78,7 @@ std::set<std::string> AnyService() {
 const std::vector<Rule>& Rules() {
   static const std::vector<Rule> kRules = {
       {"service/base", {}},
-      {"service/protocol", {}},
+      {"service/protocol", {"service/base"}},
       {"firmware/wire", {}},
       {"service/console", {"service/base"}},
       {"service/config", {"service/base"}},
@@ -96,11 +96,11 @@ const std::vector<Rule>& Rules() {
       {"service/sim", {"service/base", "service/device", "firmware/wire", "firmware/core"}},
       {"service/loop", {"service/base", "service/tracker", "service/haptics", "service/actuation"}},
       {"service/ipc", {"service/base", "service/protocol"}},
-      {"service/client", {"service/protocol"}},
+      {"service/client", {"service/base", "service/protocol"}},
       {"service/twin",
        {"service/base", "service/console", "service/config", "service/protocol", "service/sim", "service/ipc"}},
-      {"layer", {"service/protocol", "service/client"}},
-      {"service/monitor", {"service/protocol", "service/client"}},
+      {"layer", {"service/base", "service/protocol", "service/client"}},
+      {"service/monitor", {"service/base", "service/protocol", "service/client"}},
       {"service/daemon", AnyService()},
       {"service/tools", AnyService()},
       {"layer/examples", {}},
@@ -164,6 +164,32 @@ std::vector<std::string> CheckIncludes(const SourceTree& tree) {
     }
   }
   return violations;
+}
+
+std::set<std::string> ReachableFrom(const SourceTree& tree, const std::string& path) {
+  std::set<std::string> reached{path};
+  std::vector<std::string> open{path};
+  while (!open.empty()) {
+    const std::string at = open.back();
+    open.pop_back();
+    for (const Include& include : IncludesOf(tree.at(at))) {
+      if (tree.count(include.header) != 0 && reached.insert(include.header).second) open.push_back(include.header);
+    }
+  }
+  return reached;
+}
+
+bool IsStandard(const std::string& header) {
+  const std::size_t slash = header.find('/');
+  if (slash != std::string::npos) return header.compare(0, slash, "sys") == 0 || header.compare(0, slash, "linux") == 0;
+  static const std::set<std::string> kSystem{"fcntl.h", "unistd.h", "signal.h", "poll.h", "immintrin.h"};
+  return header.find('.') == std::string::npos || kSystem.count(header) != 0;
+}
+
+std::vector<std::string> HeadersOf(const std::string& text) {
+  std::vector<std::string> headers;
+  for (const Include& include : IncludesOf(text)) headers.push_back(include.header);
+  return headers;
 }
 
 std::vector<std::string> FindCycles(const SourceTree& tree) {

@@ -32,6 +32,15 @@ std::string ModuleOf(const std::string& path);
 // One line per violation: "path:line: module may not include header".
 std::vector<std::string> CheckIncludes(const SourceTree& tree);
 
+// The files of the tree that `path` includes, itself and those that they include among them.
+std::set<std::string> ReachableFrom(const SourceTree& tree, const std::string& path);
+
+// A header of the standard library, of C or of the system: neither ours nor a package's.
+bool IsStandard(const std::string& header);
+
+// The headers that a file includes, in its order.
+std::vector<std::string> HeadersOf(const std::string& text);
+
 // Files that include each other in a circle, one line per circle found.
 std::vector<std::string> FindCycles(const SourceTree& tree);
 

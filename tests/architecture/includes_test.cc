@@ -28,6 +28,31 @@ TEST(Includes, EveryIncludeOfEveryTargetIsAllowed) {
 
 TEST(Includes, NoCycles) { EXPECT_EQ(Joined(FindCycles(OurTree())), ""); }
 
+// The layer lives in other people's processes and its clients are built by anybody: what protocol and client include,
+// and what the layer takes from base, needs the standard library and the system only.
+TEST(Includes, ClientsNeedTheStandardLibraryOnly) {
+  for (const auto& [path, text] : OurTree()) {
+    const std::string module = ModuleOf(path);
+    if (module != "service/protocol" && module != "service/client" && module != "layer") continue;
+    for (const std::string& reached : ReachableFrom(OurTree(), path)) {
+      if (ModuleOf(reached) == "layer") continue;  // it uses OpenXR, GLM and a reader of JSON itself
+      for (const std::string& header : HeadersOf(OurTree().at(reached)))
+        EXPECT_TRUE(OurTree().count(header) != 0 || IsStandard(header))
+            << path << " gets " << header << " by " << reached;
+    }
+  }
+}
+
+TEST(Includes, APackageThatClientsWouldNeedIsCaught) {
+  SourceTree tree;
+  tree["service/base/eigen.h"] = "#include <Eigen/Core>\n";
+  tree["service/base/near.h"] = "#include \"service/base/eigen.h\"\n";
+  tree["service/protocol/far.h"] = "#include <vector>\n#include \"service/base/near.h\"\n";
+  EXPECT_EQ(ReachableFrom(tree, "service/protocol/far.h").size(), 3U);
+  EXPECT_TRUE(IsStandard("vector") && IsStandard("sys/mman.h") && IsStandard("unistd.h"));
+  EXPECT_FALSE(IsStandard("Eigen/Core") || IsStandard("tiny_gltf.h"));
+}
+
 // A planted violation of each row: every module that the row does not name is refused.
 TEST(Includes, PlantedViolationOfEachRowIsCaught) {
   for (const Rule& rule : Rules()) {

@@ -109,7 +109,7 @@ class TrueTip {
 struct Memory {
   std::unique_ptr<ipc::StatePublisher> publisher = std::move(ipc::StatePublisher::Create(1).value());
   std::shared_ptr<const client::StateReader> reader =
-      client::StateReader::Map(::dup(publisher->fd()), sizeof(protocol::StateMemory), nullptr);
+      client::StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(protocol::StateMemory)).value();
 };
 
 using SaidByHorizon = std::array<std::vector<Said>, kHorizons_ms.size()>;

@@ -65,7 +65,7 @@ struct Channel {
                                      .triangle_capacity = static_cast<std::uint32_t>(triangles),
                                      .triangles_change = triangles_change};
     publisher = std::move(ipc::SurfacePublisher::Create({.memory_generation = 1}, {&plan, 1}).value());
-    reader = client::SurfaceReader::Map(::dup(publisher->fd()), publisher->bytes(), nullptr);
+    reader = client::SurfaceReader::Map(base::UniqueFd(::dup(publisher->fd())), publisher->bytes()).value();
   }
   std::unique_ptr<ipc::SurfacePublisher> publisher;
   std::shared_ptr<const client::SurfaceReader> reader;

@@ -13,12 +13,12 @@
 #include <utility>
 
 #include "service/base/clock.h"
-#include "service/device/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::hil {
 namespace {
 
-using device::UniqueFd;
+using base::UniqueFd;
 
 // Every look takes time from those who work: none much before the usual time, then ever fewer.
 constexpr double kFirstLook = 0.8, kForget = 0.1;

@@ -20,7 +20,7 @@ base::Result<UsbNode> UsbNode::Make(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
   if (mkfifo(path.c_str(), 0666) != 0) return base::Error{path + ": " + std::strerror(errno)};
-  device::UniqueFd fd(open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+  base::UniqueFd fd(open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (!fd) return base::Error{path + ": " + std::strerror(errno)};
   if (fcntl(fd.get(), F_SETPIPE_SZ, kFifoSize) != kFifoSize) return base::Error{path + ": cannot be made small"};
   UsbNode node(std::move(fd));

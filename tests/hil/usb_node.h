@@ -5,7 +5,7 @@
 #include <string>
 
 #include "service/base/result.h"
-#include "service/device/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::hil {
 
@@ -18,9 +18,9 @@ class UsbNode {
   void SetReady(bool ready);
 
  private:
-  explicit UsbNode(device::UniqueFd fd) : fd_(std::move(fd)) {}
+  explicit UsbNode(base::UniqueFd fd) : fd_(std::move(fd)) {}
 
-  device::UniqueFd fd_;
+  base::UniqueFd fd_;
   bool ready_ = true;
 };
 

@@ -197,7 +197,7 @@ void FakeService::AnswerScenes(SceneAnswer answer) {
   scene_answer_ = std::move(answer);
 }
 
-void FakeService::OnHapticSceneLoad(ipc::ClientId, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) {
+void FakeService::OnHapticSceneLoad(ipc::ClientId, const protocol::HapticSceneLoad& load, base::UniqueFd document) {
   std::string bytes(load.bytes, '\0');
   if (::pread(document.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) bytes.clear();
   const std::lock_guard lock(mutex_);

@@ -104,7 +104,7 @@ class FakeService : private ipc::ServerHandler {
   void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
   void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
   void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
-  void OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, protocol::UniqueFd document) override;
+  void OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, base::UniqueFd document) override;
   void OnHapticSceneEnd(ipc::ClientId id, const protocol::HapticSceneEnd& end) override;
   void OnHapticScenePlace(ipc::ClientId id, const protocol::HapticScenePlace& place) override;
   void OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) override;

@@ -153,9 +153,9 @@ class History : public testing::Test {
     auto made = ipc::StatePublisher::Create(1);
     ASSERT_TRUE(made.ok()) << made.error();
     publisher = std::move(made.value());
-    std::string error;
-    reader = client::StateReader::Map(dup(publisher->fd()), sizeof(protocol::StateMemory), &error);
-    ASSERT_NE(reader, nullptr) << error;
+    auto mapped = client::StateReader::Map(base::UniqueFd(dup(publisher->fd())), sizeof(protocol::StateMemory));
+    ASSERT_TRUE(mapped.ok()) << mapped.error();
+    reader = *mapped;
   }
   void Add(const ToolSample& sample) { publisher->Publish(sample, protocol::InputSnapshot{}); }
   // `count` samples of `path`, the last one `ago_ms` before kNow_ns.

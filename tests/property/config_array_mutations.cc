@@ -67,7 +67,7 @@ void ExpectSane(const base::Calibration& array) {
   EXPECT_TRUE(array.core_kappa >= 0 && array.core_kappa <= 1 && array.core_radius_m >= 0);
   for (const base::SensorCalibration& sensor : array.sensors) {
     const base::Vec3& p = sensor.position_base_m;
-    EXPECT_TRUE(std::hypot(p.x, p.y, p.z) <= 18);
+    EXPECT_TRUE(Norm(p) <= 18);
     for (const double entry : sensor.gain_sensor_base) EXPECT_LE(std::abs(entry), 400);
     for (const double entry : sensor.current_map_T_A) EXPECT_LE(std::abs(entry), 1);
     EXPECT_LE(std::abs(sensor.background_sensor_T.x), 0.1);

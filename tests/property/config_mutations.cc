@@ -87,7 +87,7 @@ void ExpectSane(const base::DeviceGeometry& d) {
   for (const base::SensorGeometry& sensor : d.sensors) {
     const base::Vec3& p = sensor.position_base_m;
     const base::Quat& q = sensor.orientation_base_sensor;
-    EXPECT_TRUE(std::hypot(p.x, p.y, p.z) > d.core_radius_m && std::hypot(p.x, p.y, p.z) < 1);
+    EXPECT_TRUE(Norm(p) > d.core_radius_m && Norm(p) < 1);
     EXPECT_TRUE(Unit(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z));
   }
   for (const base::CoilGeometry& coil : d.coils) {

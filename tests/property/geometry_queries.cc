@@ -111,7 +111,7 @@ TEST(Queries, PseudonormalOfACornerDoesNotDependOnTriangles) {
   const NearestResult nearest = NearestPoint(surface, scene.objects()[0], {0.03, 0.03, 0.03});
   ASSERT_EQ(nearest.closest.feature, Feature::kVertex);
   const Vec3 normal = Pseudonormal(surface, nearest.triangle, nearest.closest.feature, nearest.closest.index);
-  EXPECT_LT(Norm(normal - Normalized({1, 1, 1})), 1e-12);
+  EXPECT_LT(Norm(normal - base::Normalized({1, 1, 1})), 1e-12);
 }
 
 // Lines through vertices and edges of a closed mesh never slip through between two triangles.

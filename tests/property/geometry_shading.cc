@@ -55,7 +55,7 @@ double Angle(const Vec3& a, const Vec3& b) { return std::atan2(Norm(Cross(a, b))
 
 // Of an ellipsoid, through a point near its surface.
 Vec3 NormalOf(const Vec3& half_m, const Vec3& p) {
-  return Normalized({p.x / (half_m.x * half_m.x), p.y / (half_m.y * half_m.y), p.z / (half_m.z * half_m.z)});
+  return base::Normalized({p.x / (half_m.x * half_m.x), p.y / (half_m.y * half_m.y), p.z / (half_m.z * half_m.z)});
 }
 
 struct Miss {

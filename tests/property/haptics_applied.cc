@@ -8,9 +8,11 @@
 #include <limits>
 #include <random>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 namespace test_haptics_applied {
 
 constexpr double kTick_s = 1e-3;

@@ -6,10 +6,12 @@
 #include <numbers>
 #include <random>
 
+#include "service/base/vec.h"
 #include "service/haptics/applied/constraint.h"
-#include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 namespace test_haptics_constraints {
 
 class Dice {

@@ -1,4 +1,5 @@
 // The reader against brute force, against a writer at full speed and against garbage.
+#include "service/base/sealed_memory.h"
 #include "service/client/state_reader.h"
 
 #include <fcntl.h>
@@ -48,8 +49,7 @@ ToolSample SampleOf(std::int64_t t_ns) {
 TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
   std::mt19937_64 random(11);
   const auto publisher = std::move(StatePublisher::Create(1).value());
-  const auto reader = StateReader::Map(::dup(publisher->fd()), sizeof(StateMemory), nullptr);
-  ASSERT_NE(reader, nullptr);
+  const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
   std::deque<std::int64_t> kept;
   std::int64_t t_ns = 1000;
   for (int i = 0; i < 3000; ++i) {
@@ -79,8 +79,7 @@ TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
 
 TEST(StateReaderProperty, NoMixtureUnderAWriterAtFullSpeed) {
   const auto publisher = std::move(StatePublisher::Create(1).value());
-  const auto reader = StateReader::Map(::dup(publisher->fd()), sizeof(StateMemory), nullptr);
-  ASSERT_NE(reader, nullptr);
+  const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
   std::atomic<bool> stop{false};
   std::thread writer([&] {
     for (std::int64_t t_ns = 1; !stop.load(std::memory_order_relaxed); ++t_ns) {
@@ -133,9 +132,8 @@ struct HostileMemory {
     EXPECT_NE(mapped, MAP_FAILED);
     memory = new (mapped) StateMemory;
     memory->header.total_bytes = sizeof(StateMemory);
-    const int seals = F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
-    EXPECT_EQ(::fcntl(fd, F_ADD_SEALS, seals), 0);
-    reader = StateReader::Map(fd, sizeof(StateMemory), nullptr);
+    EXPECT_EQ(::fcntl(fd, F_ADD_SEALS, base::kSealsOneWriter), 0);
+    reader = StateReader::Map(base::UniqueFd(fd), sizeof(StateMemory)).value();
   }
   HostileMemory(const HostileMemory&) = delete;
   HostileMemory& operator=(const HostileMemory&) = delete;

@@ -9,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "service/base/sealed_memory.h"
 #include "service/client/surface_reader.h"
 #include "service/ipc/surface_publisher.h"
 #include "service/protocol/seqlock.h"
@@ -53,8 +54,7 @@ void ExpectOneGeneration(const SurfaceCopy& copy) {
 TEST(SurfaceReaderProperty, NoMixtureUnderAWriterAtFullSpeed) {
   const protocol::SurfacePlan plans[] = {kClay, kCup};
   const auto publisher = std::move(SurfacePublisher::Create({.memory_generation = 1}, plans).value());
-  const auto reader = SurfaceReader::Map(::dup(publisher->fd()), publisher->bytes(), nullptr);
-  ASSERT_NE(reader, nullptr);
+  const auto reader = SurfaceReader::Map(base::UniqueFd(::dup(publisher->fd())), publisher->bytes()).value();
   std::atomic<bool> stop{false};
   std::atomic<int> refused{0};
   std::thread writer([&] {
@@ -99,9 +99,8 @@ struct HostileSurfaces {
     EXPECT_NE(mapped, MAP_FAILED);
     memory = static_cast<std::byte*>(mapped);
     EXPECT_EQ(::pread(model->fd(), memory, bytes, 0), static_cast<ssize_t>(bytes));
-    const int seals = F_SEAL_FUTURE_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
-    EXPECT_EQ(::fcntl(fd, F_ADD_SEALS, seals), 0);
-    reader = SurfaceReader::Map(fd, bytes, nullptr);
+    EXPECT_EQ(::fcntl(fd, F_ADD_SEALS, base::kSealsOneWriter), 0);
+    reader = SurfaceReader::Map(base::UniqueFd(fd), bytes).value();
   }
   HostileSurfaces(const HostileSurfaces&) = delete;
   HostileSurfaces& operator=(const HostileSurfaces&) = delete;

@@ -17,9 +17,6 @@
 namespace omni::test {
 namespace test_loop_limits {
 
-using sim::Dot;
-using sim::Norm;
-
 constexpr double kForceMax_N = 2;
 constexpr double kRise_N_s = 850;
 constexpr double kModelTolerance = 0.01;  // of the tick's fields against the twin's

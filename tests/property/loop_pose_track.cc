@@ -13,8 +13,6 @@ namespace test_loop_pose_track {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-double Distance(const base::Vec3& a, const base::Vec3& b) { return (base::ToEigen(a) - base::ToEigen(b)).norm(); }
-
 double Angle(const base::Quat& a, const base::Quat& b) { return base::ToEigen(a).angularDistance(base::ToEigen(b)); }
 
 // A body on a Lissajous figure that turns; exact.

@@ -16,8 +16,6 @@
 namespace omni::test {
 namespace test_loop_uncalibrated {
 
-using sim::operator*;
-
 constexpr double kForceMax_N = 2;
 constexpr int kPoses = 8, kTicks = 210, kFoundTicks = 30, kPushTicks = 60;
 constexpr double kBeyondHull_m = 0.012;  // farther out the coils cannot make 2 N
@@ -64,14 +62,14 @@ void PushAt(const loop::TickConfig& config, sim::Rig& rig, const sim::MagnetPose
     commands.applied.force_end_ns = scan.t_ns + 50'000'000;
     if (tick >= kFoundTicks && (tick - kFoundTicks) % kPushTicks == 0) {
       ++commands.applied.force_id;
-      commands.applied.force_base_N = 30 * sim::Normalised(random.NormalVector(1));
+      commands.applied.force_base_N = 30 * Normalized(random.NormalVector(1));
     }
     loop::Tick(config, scan, commands, nothing, *state, *output);
     const auto& current_A = output->currents.current_A;
     ++pushed.ticks;
     pushed.driven += current_A != sim::CoilArray{} ? 1 : 0;
-    pushed.commanded_N = std::max(pushed.commanded_N, sim::Norm(output->wrench.force_N));
-    pushed.true_N = std::max(pushed.true_N, sim::Norm(truth.Force(current_A, {})));
+    pushed.commanded_N = std::max(pushed.commanded_N, base::Norm(output->wrench.force_N));
+    pushed.true_N = std::max(pushed.true_N, base::Norm(truth.Force(current_A, {})));
   }
 }
 

@@ -193,7 +193,7 @@ void ExpectSoundForces(const haptics::Scene& scene, Damage& damage) {
     input.t_ns += 1'000'000;
     haptics::Step(config, scene, input, state, output);
     const base::Vec3& f = output.force_base_N;
-    ASSERT_LE(std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z), 2.0 + 1e-9);
+    ASSERT_LE(Norm(f), 2.0 + 1e-9);
   }
 }
 

@@ -20,7 +20,7 @@ Vec3 RandomDirection(Random& random) {
   do {
     v = random.NormalVector(1);
   } while (!(Norm(v) > 1e-3));
-  return Normalised(v);
+  return Normalized(v);
 }
 
 // A pose outside the hull, above the base, any tilt that fits.

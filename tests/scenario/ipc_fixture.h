@@ -236,7 +236,7 @@ class RawClient {
     pollfd wait{socket_.get(), POLLIN, 0};
     while (::poll(&wait, 1, 20'000) < 0 && errno == EINTR) {
     }
-    protocol::UniqueFd fds[protocol::kMaxPassedFds];
+    base::UniqueFd fds[protocol::kMaxPassedFds];
     const protocol::Received received =
         protocol::ReceivePacket(socket_.get(), buffer_.data(), buffer_.size(), fds, protocol::kMaxPassedFds);
     if (received.result == protocol::ReceiveResult::kPacket) return protocol::Validate(buffer_.data(), received.size);
@@ -261,7 +261,7 @@ class RawClient {
   }
 
  private:
-  protocol::UniqueFd socket_;
+  base::UniqueFd socket_;
   bool connected_ = false;
   std::vector<char> buffer_ = std::vector<char>(protocol::kMaxMessageBytes);
 };
@@ -325,7 +325,7 @@ class ForkedClient {
 
   pid_t pid_ = 0;
   pid_t keeper_pid_ = 0;
-  protocol::UniqueFd keeper_pipe_;
+  base::UniqueFd keeper_pipe_;
 };
 
 }  // namespace omni::test

@@ -148,7 +148,7 @@ TEST(LoopStory, SceneSwapRampsThroughZero) {
   bool through_zero = false;
   while (story.Step(asked ? second : first, swap)) {
     const base::Vec3& f = story.output.wrench.force_N;
-    const double step_N = std::hypot(f.x - last.x, f.y - last.y, f.z - last.z);
+    const double step_N = Distance(f, last);
     ASSERT_LE(step_N, 0.85 * kSlewTolerance) << story.state.tick;
     last = f;
     through_zero = through_zero || story.force_N() == 0;

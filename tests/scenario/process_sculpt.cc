@@ -37,7 +37,7 @@ std::string ClayFile(const TempFolder& folder) {
   clay.sculpt.dwell_s = 0.1;
   clay.sculpt.resistance_N_m = 60;
   haptics::InputObject pad = haptics::CubeGrid(16, [](const haptics::Vec3& p) {
-    const haptics::Vec3 u = haptics::Normalized(p);
+    const haptics::Vec3 u = base::Normalized(p);
     return haptics::Vec3{0.02 * u.x, 0.02 * u.y, kTop_m - 0.007 + 0.007 * u.z};
   });
   pad.name = "pad";

@@ -22,9 +22,6 @@ namespace test_tools_starts {
 
 using base::TruthParameters;
 using base::Vec3;
-using sim::operator*;
-using sim::operator+;
-using sim::operator-;
 
 constexpr std::uint64_t kSeed = 5;
 constexpr double kReach_m = 0.26;  // that of the tracker, and its error there
@@ -45,7 +42,7 @@ const std::optional<tracker::Config>& Calibrated() {
   return config;
 }
 
-Vec3 Direction(sim::Random& draw) { return sim::Normalised(draw.NormalVector(1)); }
+Vec3 Direction(sim::Random& draw) { return Normalized(draw.NormalVector(1)); }
 
 struct Change {
   const char* name;
@@ -102,13 +99,13 @@ Start Play(const TruthParameters& truth, const sim::HandScript& script, double r
     const Vec3 centre_m = before.magnet_m + share * (now.magnet_m - before.magnet_m);
     before = now;
     const bool has_pose = tool.status == base::TrackingStatus::kTracking;
-    if (has_pose && !posed) start.posed_at_m = sim::Norm(centre_m);
+    if (has_pose && !posed) start.posed_at_m = base::Norm(centre_m);
     posed = has_pose;
     if (!has_pose) continue;
     const double sigma_m = std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
-    const double error_m = sim::Norm(tool.position_base_m - centre_m);
+    const double error_m = base::Norm(tool.position_base_m - centre_m);
     start.silent += error_m > 5 * sigma_m ? 1 : 0;
-    start.ghosts += !now.present || sim::Norm(centre_m) > kReach_m ? 1 : 0;
+    start.ghosts += !now.present || base::Norm(centre_m) > kReach_m ? 1 : 0;
     if (start.tracked_s < 0 && 3 * sigma_m <= 3e-3) {
       start.tracked_s = 1e-3 * tick;
       start.tracked_error_m = error_m;
@@ -143,12 +140,12 @@ TEST(ToolsStarts, APenOnTheHullIsTrackedAtOnce) {
 sim::HandScript BroughtFrom(double away_m, sim::Random& draw) {
   Vec3 from = Direction(draw);
   from.z = std::abs(from.z);
-  const Vec3 to_m = 0.065 * sim::Normalised(Vec3{draw.Uniform(-0.5, 0.5), draw.Uniform(-0.5, 0.5), 1.0});
-  const Vec3 axis = sim::Normalised(-1.0 * from + 0.5 * Direction(draw));
+  const Vec3 to_m = 0.065 * Normalized(Vec3{draw.Uniform(-0.5, 0.5), draw.Uniform(-0.5, 0.5), 1.0});
+  const Vec3 axis = Normalized(-1.0 * from + 0.5 * Direction(draw));
   return {.waypoints = {{0, away_m * from, axis, true},
                         {0.5, away_m * from, axis, true},
-                        {away_m / 0.4, to_m, sim::Normalised(-1.0 * to_m), true},
-                        {0.2, to_m, sim::Normalised(-1.0 * to_m), true}}};
+                        {away_m / 0.4, to_m, Normalized(-1.0 * to_m), true},
+                        {0.2, to_m, Normalized(-1.0 * to_m), true}}};
 }
 
 TEST(ToolsStarts, APenThatIsBroughtIsNoGhostOnItsWay) {

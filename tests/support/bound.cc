@@ -36,7 +36,7 @@ MagnetPose Moved(const MagnetPose& pose, const Vec3& by_m) noexcept {
 }
 
 MagnetPose Turned(const MagnetPose& pose, const Vec3& by_rad) noexcept {
-  return {pose.centre_base_m, Normalised(pose.axis_base + by_rad)};
+  return {pose.centre_base_m, Normalized(pose.axis_base + by_rad)};
 }
 
 double Precision(double prior) noexcept { return std::isinf(prior) ? 0.0 : 1 / (prior * prior); }

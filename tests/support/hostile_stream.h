@@ -16,13 +16,9 @@
 
 namespace omni::test {
 
-using sim::operator+;
-using sim::operator-;
-using sim::operator*;
-
 inline bool OneIn(std::uint64_t n, sim::Random& random) { return random.Bits() % n == 0; }
 
-inline base::Vec3 DrawUnit(sim::Random& random) { return sim::Normalised(random.NormalVector(1)); }
+inline base::Vec3 DrawUnit(sim::Random& random) { return Normalized(random.NormalVector(1)); }
 
 inline double DrawOdd(sim::Random& random) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
@@ -46,8 +42,8 @@ class HostilePen {
     if (OneIn(100, random_)) Turn();
     sim::MagnetPose next = pose_;
     next.centre_base_m = pose_.centre_base_m + dt_s * velocity_m_s_;
-    next.axis_base = sim::Normalised(sim::Rotated(pose_.axis_base, dt_s * turn_rad_s_));
-    const double r = sim::Norm(next.centre_base_m);
+    next.axis_base = Normalized(sim::Rotated(pose_.axis_base, dt_s * turn_rad_s_));
+    const double r = base::Norm(next.centre_base_m);
     const bool fits = r < kRange.radius_max_m && next.centre_base_m.z > 0 &&
                       sim::GapToHull(rig_.device().magnet, rig_.device().hull_radius_m, next).gap_m > 0;
     if (fits) {

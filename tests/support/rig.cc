@@ -108,7 +108,7 @@ MagnetPose Rig::DrawPose(const PoseRange& range, Random& random) const noexcept 
     const Vec3 across = Perpendicular(outwards);
     const Vec3 other = Cross(outwards, across);
     const double s = std::sqrt(std::max(0.0, 1 - c * c));
-    pose.axis_base = Normalised(-c * outwards + s * std::cos(angle) * across + s * std::sin(angle) * other);
+    pose.axis_base = Normalized(-c * outwards + s * std::cos(angle) * across + s * std::sin(angle) * other);
   } while (!(GapToHull(device_.magnet, device_.hull_radius_m, pose).gap_m >= 0));
   return pose;
 }

@@ -19,8 +19,7 @@ struct RigRecordingOptions {
 
 // The pose moved along its radius until the magnet is `gap_m` from the hull.
 inline sim::MagnetPose OnHull(const sim::Rig& rig, sim::MagnetPose pose, double gap_m) {
-  using sim::operator*;  // of base::Vec3
-  const base::Vec3 outwards = sim::Normalised(pose.centre_base_m);
+  const base::Vec3 outwards = base::Normalized(pose.centre_base_m);
   const base::DeviceGeometry made = sim::TrueSizes(rig.device(), rig.imperfections());
   double low_m = 0, high_m = 0.2;
   for (int i = 0; i < 60; ++i) {

@@ -22,9 +22,6 @@ void ForSensors(const FaultContext& context, HallScan& scan, Change change) {
   }
 }
 
-Vec3 Plus(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec3 Times(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
-
 void None(FaultContext&, HallScan&) {}
 
 void NotANumber(FaultContext& context, HallScan& scan) {
@@ -73,31 +70,31 @@ void Swapped(FaultContext& context, HallScan& scan) {
 }
 
 void Gauss(FaultContext&, HallScan& scan) {
-  for (Vec3& field : scan.field_sensor_T) field = Times(1e4, field);
+  for (Vec3& field : scan.field_sensor_T) field = 1e4 * field;
 }
 
 void Microtesla(FaultContext& context, HallScan& scan) {
-  ForSensors(context, scan, [&](std::size_t, Vec3& field) { field = Times(1e6, field); });
+  ForSensors(context, scan, [&](std::size_t, Vec3& field) { field = 1e6 * field; });
 }
 
 void Weaker(FaultContext& context, HallScan& scan) {
-  ForSensors(context, scan, [&](std::size_t, Vec3& field) { field = Times(0.5, field); });
+  ForSensors(context, scan, [&](std::size_t, Vec3& field) { field = 0.5 * field; });
 }
 
 void SignFlipped(FaultContext& context, HallScan& scan) {
-  ForSensors(context, scan, [&](std::size_t, Vec3& field) { field = Times(-1, field); });
+  ForSensors(context, scan, [&](std::size_t, Vec3& field) { field = -1 * field; });
 }
 
 void TwoMagnets(FaultContext& context, HallScan& scan) {
   for (std::size_t i = 0; i < scan.field_sensor_T.size(); ++i) {
-    scan.field_sensor_T[i] = Plus(scan.field_sensor_T[i], context.other_magnet[i]);
+    scan.field_sensor_T[i] = scan.field_sensor_T[i] + context.other_magnet[i];
   }
 }
 
 void PenRemoved(FaultContext& context, HallScan& scan) {
   scan.saturated_mask = 0;
   for (std::size_t i = 0; i < scan.field_sensor_T.size(); ++i) {
-    scan.field_sensor_T[i] = Plus(context.no_pen[i], context.random.NormalVector(context.noise_T));
+    scan.field_sensor_T[i] = context.no_pen[i] + context.random.NormalVector(context.noise_T);
   }
 }
 

@@ -98,7 +98,7 @@ class Story {
 
   double force_N() const {
     const base::Vec3& f = output.wrench.force_N;
-    return std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z);
+    return Norm(f);
   }
   double current_A() const {
     double largest = 0;

@@ -40,9 +40,8 @@ TEST(Stress, TheRoomOfTheLongRunChanges) {
   ASSERT_EQ(course.size(), 601U);
   double field_T = 0, step_T = 0, hottest_K = 0, coolest_K = 100;
   for (std::size_t i = 1; i < course.size(); ++i) {
-    using sim::operator-;
-    field_T = std::max(field_T, sim::Norm(course[i].ambient_base_T));
-    step_T = std::max(step_T, sim::Norm(course[i].ambient_base_T - course[i - 1].ambient_base_T));
+    field_T = std::max(field_T, base::Norm(course[i].ambient_base_T));
+    step_T = std::max(step_T, base::Norm(course[i].ambient_base_T - course[i - 1].ambient_base_T));
     hottest_K = std::max(hottest_K, course[i].magnet_K);
     if (i > 100) coolest_K = std::min(coolest_K, course[i].magnet_K);
   }

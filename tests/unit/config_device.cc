@@ -121,7 +121,7 @@ TEST(ConfigDevice, DirectionsAreNormalisedOrRefused) {
   const auto device = ParseDevice(Changed("axis_base = [1.0, 0.0, 0.0]", "axis_base = [1.0, 0.005, 0.0]"), "t");
   ASSERT_TRUE(device.ok()) << device.error();
   const base::Vec3& axis = device->coils[0].axis_base;
-  EXPECT_NEAR(std::hypot(axis.x, axis.y, axis.z), 1, 1e-15);
+  EXPECT_NEAR(Norm(axis), 1, 1e-15);
   ExpectMentions(ErrorOf(Changed("axis_base = [1.0, 0.0, 0.0]", "axis_base = [0.5, 0.0, 0.0]")),
                  {"coils[0].axis_base", "length"});
   ExpectMentions(ErrorOf(Changed("[1.0, 0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0, 0.0]")),

@@ -66,7 +66,7 @@ class Drawing {
     EXPECT_TRUE(looker.Look(snapshot.t_ns)) << looker.problem();
     if (looker.memory() == nullptr) return SurfaceRead::kNothing;
     if (reader == nullptr || reader->memory_generation() != looker.memory()->id().memory_generation) {
-      reader = SurfaceReader::Map(::dup(looker.memory()->fd()), looker.memory()->bytes(), nullptr);
+      reader = SurfaceReader::Map(base::UniqueFd(::dup(looker.memory()->fd())), looker.memory()->bytes()).value();
     }
     return reader->Read(index, copy);
   }

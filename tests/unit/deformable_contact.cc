@@ -140,7 +140,7 @@ TEST(SoftContacts, SixteenBallsObeyTheirEquations) {
   const SoftBodyView body = SoftBall().view();
   SoftContactState warm{};
   std::array<Vec3, 16> at;
-  for (Vec3& v : at) v = Normalized({normal(rng), normal(rng), 0.5 + std::abs(normal(rng))});
+  for (Vec3& v : at) v = base::Normalized({normal(rng), normal(rng), 0.5 + std::abs(normal(rng))});
   for (int tick = 0; tick < 400; ++tick) {
     std::array<SoftContact, 16> contacts;
     for (std::size_t k = 0; k < 16; ++k) {
@@ -246,7 +246,7 @@ TEST(SoftSurface, LocateFindsTheNearestPlaceFromAnyHint) {
   std::mt19937_64 rng(9);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 500; ++trial) {
-    const Vec3 p = 0.03 * Normalized({normal(rng), normal(rng), normal(rng)});
+    const Vec3 p = 0.03 * base::Normalized({normal(rng), normal(rng), normal(rng)});
     const SoftPlace cold = LocateOnSoftBody(body, p, kNoSoftTriangle);
     const SoftPlace hinted =
         LocateOnSoftBody(body, p, static_cast<std::uint32_t>(rng() % body.header().triangle_count));

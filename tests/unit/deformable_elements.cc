@@ -139,7 +139,7 @@ TEST(SoftMaterial, IndentationModulusOfKnownSolids) {
   }
   // Along the axis of a transversely isotropic solid [Delafargue & Ulm 2004, 43].
   for (const double ratio : {2.0, 5.0, 20.0}) {
-    const Vec3 fibre = Normalized({1, -2, 0.5});
+    const Vec3 fibre = base::Normalized({1, -2, 0.5});
     const Stiffness6 c = MakeStiffness({2e5, 0.4, ratio}, {0, 0, 1});
     const double c11 = c[0][0], c33 = c[2][2], c13 = c[0][2], c44 = c[3][3];
     const double exact = 2 * std::sqrt((c11 * c33 - c13 * c13) / c11 / (1 / c44 + 2 / (std::sqrt(c11 * c33) + c13)));

@@ -63,7 +63,7 @@ TEST(SoftTouch, RestsWithTheForceOfTheBodyInSeriesWithTheOfferedSpring) {
 
 // A tip that is a ball presses with its own radius, from where it touches.
 TEST(SoftTouch, ABallPressesWithItsRadius) {
-  const Vec3 n = Normalized({0.2, -0.1, 1});
+  const Vec3 n = base::Normalized({0.2, -0.1, 1});
   Pen pen(SoftScene(Jelly(), false, false, kTip_m));
   pen.Slide(0.04 * n, 0.0325 * n, 300);
   pen.Rest(1500);
@@ -149,7 +149,7 @@ TEST(SoftTouch, MayBeMoved) {
   const Frame frame{false, turn, pose.translation_m};
   moved.input.poses = {&pose, 1};
   for (int k = 0; k < 600; ++k) {
-    const Vec3 tip = (0.033 - 1e-5 * std::min(k, 500)) * Normalized({0.2, 1e-3 * k, 1});
+    const Vec3 tip = (0.033 - 1e-5 * std::min(k, 500)) * base::Normalized({0.2, 1e-3 * k, 1});
     const Vec3 rest_N = rest.MoveTo(tip).force_base_N;
     const Vec3 moved_N = moved.MoveTo(frame.ToBase(tip)).force_base_N;
     ASSERT_LT(Norm(moved_N - Rotated(turn, rest_N)), 1e-4 * (1 + Norm(rest_N)));

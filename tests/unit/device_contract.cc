@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
+#include "service/base/unique_fd.h"
 #include "service/device/recording_transport.h"
 #include "service/device/replay_transport.h"
 #include "service/device/socket_transport.h"
@@ -72,7 +73,7 @@ Opened OpenServedInThread() {
     thread->join();
     delete thread;
   });
-  auto link = MakeSocketTransport(UniqueFd(ends[0]), "twin in a thread", kPatience_ns);
+  auto link = MakeSocketTransport(base::UniqueFd(ends[0]), "twin in a thread", kPatience_ns);
   return {std::move(keeper), link.ok() ? std::move(link.value()) : nullptr};
 }
 
@@ -306,7 +307,7 @@ TEST(ServedTwin, GarbageDoesNotKeepTheCoilsAlive) {
     sim::ServeTwin(support::NominalDevice(), Options(), fd, 0);
     close(fd);
   });
-  UniqueFd host(ends[0]);
+  base::UniqueFd host(ends[0]);
   wire::Telemetry telemetry;
   std::array<std::uint8_t, wire::kFrameSizeMax> buffer{};
   for (int i = 0; i < 2000 && telemetry.rejected < 3; ++i) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
+#include "service/base/unique_fd.h"
 #include "service/device/command_life.h"
 #include "service/device/socket_transport.h"
 
@@ -45,14 +46,14 @@ Frame TelemetryFrame(std::uint16_t seq, std::uint64_t t_us) {
 }
 
 struct Peer {
-  UniqueFd theirs;  // the device's end
-  UniqueFd ours;
+  base::UniqueFd theirs;  // the device's end
+  base::UniqueFd ours;
 
   Peer() {
     int ends[2] = {-1, -1};
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
-    ours = UniqueFd(ends[0]);
-    theirs = UniqueFd(ends[1]);
+    ours = base::UniqueFd(ends[0]);
+    theirs = base::UniqueFd(ends[1]);
   }
   void Send(const Frame& frame) const {
     EXPECT_EQ(send(theirs.get(), frame.data(), frame.size(), MSG_NOSIGNAL), static_cast<ssize_t>(frame.size()));

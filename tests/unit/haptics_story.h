@@ -7,13 +7,15 @@
 #include <numbers>
 #include <utility>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/haptics.h"
 #include "service/haptics/scene.h"
 #include "service/haptics/state.h"
 #include "tests/support/usual_limit.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 inline void AddTriangle(InputObject& object, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   object.triangles.push_back({a, b, c});

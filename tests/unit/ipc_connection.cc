@@ -43,8 +43,8 @@ class FakeServer {
   void Close() { peer_.Reset(); }
 
  private:
-  protocol::UniqueFd listener_;
-  protocol::UniqueFd peer_;
+  base::UniqueFd listener_;
+  base::UniqueFd peer_;
 };
 
 protocol::Welcome WelcomeOf(std::uint64_t instance) {
@@ -56,8 +56,8 @@ protocol::Welcome WelcomeOf(std::uint64_t instance) {
   return welcome;
 }
 
-protocol::UniqueFd LifeFile(int seals, off_t bytes = protocol::kLifePageBytes) {
-  protocol::UniqueFd fd(::memfd_create("life", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+base::UniqueFd LifeFile(int seals, off_t bytes = protocol::kLifePageBytes) {
+  base::UniqueFd fd(::memfd_create("life", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   EXPECT_EQ(::ftruncate(fd.get(), bytes), 0);
   EXPECT_EQ(::fcntl(fd.get(), F_ADD_SEALS, seals), 0);
   return fd;
@@ -156,7 +156,7 @@ TEST(Connection, TheReasonOfARefusalSurvivesTheEndOfTheSocket) {
 TEST(Connection, RefusesAWelcomeWithoutItsTwoDescriptors) {
   for (const std::size_t count : {0u, 1u, 3u}) {
     const std::string error = ErrorAfter([count](FakeServer& server) {
-      const protocol::UniqueFd life = LifeFile(kLifeSeals);
+      const base::UniqueFd life = LifeFile(kLifeSeals);
       server.Send(WelcomeOf(1), std::vector<int>(count, life.get()));
     });
     EXPECT_NE(error.find(std::to_string(count) + " descriptors"), std::string::npos) << error;
@@ -165,19 +165,19 @@ TEST(Connection, RefusesAWelcomeWithoutItsTwoDescriptors) {
 
 TEST(Connection, RefusesUnsealedMemory) {
   const std::string state = ErrorAfter([](FakeServer& server) {
-    const protocol::UniqueFd life = LifeFile(kLifeSeals);
-    const protocol::UniqueFd loose = LifeFile(F_SEAL_SEAL, sizeof(protocol::StateMemory));
+    const base::UniqueFd life = LifeFile(kLifeSeals);
+    const base::UniqueFd loose = LifeFile(F_SEAL_SEAL, sizeof(protocol::StateMemory));
     server.Send(WelcomeOf(1), {loose.get(), life.get()});
   });
   EXPECT_NE(state.find("state memory lacks the seals F_SEAL_SHRINK"), std::string::npos) << state;
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
   const std::string loose = ErrorAfter([&](FakeServer& server) {
-    const protocol::UniqueFd life = LifeFile(F_SEAL_GROW | F_SEAL_SEAL);
+    const base::UniqueFd life = LifeFile(F_SEAL_GROW | F_SEAL_SEAL);
     server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
   });
   EXPECT_NE(loose.find("life page lacks the seals F_SEAL_SHRINK"), std::string::npos) << loose;
   const std::string small = ErrorAfter([&](FakeServer& server) {
-    const protocol::UniqueFd life = LifeFile(kLifeSeals, 64);
+    const base::UniqueFd life = LifeFile(kLifeSeals, 64);
     server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
   });
   EXPECT_NE(small.find("life page has 64 bytes"), std::string::npos) << small;
@@ -186,7 +186,7 @@ TEST(Connection, RefusesUnsealedMemory) {
 TEST(Connection, RefusesTheMemoryOfAnotherInstance) {
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
   const std::string error = ErrorAfter([&](FakeServer& server) {
-    const protocol::UniqueFd life = LifeFile(kLifeSeals);
+    const base::UniqueFd life = LifeFile(kLifeSeals);
     server.Send(WelcomeOf(2), {publisher->fd(), life.get()});
   });
   EXPECT_NE(error.find("another instance"), std::string::npos) << error;
@@ -218,7 +218,7 @@ TEST(Connection, AFloodOfNoticesIsBoundedPerPollAndInMemory) {
   connection.Poll(0);
   server.Accept();
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
-  const protocol::UniqueFd life = LifeFile(kLifeSeals);
+  const base::UniqueFd life = LifeFile(kLifeSeals);
   server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
   connection.Poll(1);
   ASSERT_TRUE(connection.connected()) << connection.last_error();
@@ -255,7 +255,7 @@ TEST(Connection, ForcePropertiesAreAwaitedOnlyFromAServiceThatWasReached) {
   EXPECT_TRUE(connection.awaits_force_properties()) << "reached, not welcomed";
   server.Accept();
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
-  const protocol::UniqueFd life = LifeFile(kLifeSeals);
+  const base::UniqueFd life = LifeFile(kLifeSeals);
   server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
   connection.Poll(5'000'001);
   ASSERT_TRUE(connection.connected()) << connection.last_error();
@@ -296,7 +296,7 @@ struct AskingForSurfaces {
     connection.Poll(0);
     server.Accept();
     const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
-    const protocol::UniqueFd life = LifeFile(kLifeSeals);
+    const base::UniqueFd life = LifeFile(kLifeSeals);
     server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
     connection.Poll(1);
     EXPECT_TRUE(connection.connected()) << connection.last_error();
@@ -355,7 +355,7 @@ TEST(Connection, BrokenSurfacesEndTheConnectionOnly) {
   EXPECT_NE(other.find("not the one it announced"), std::string::npos) << other;
   const std::string small = error_after(memory->bytes() - 64, 3, {memory->fd()});
   EXPECT_NE(small.find("surface memory"), std::string::npos) << small;
-  const protocol::UniqueFd life = LifeFile(kLifeSeals);
+  const base::UniqueFd life = LifeFile(kLifeSeals);
   const std::string life_page = error_after(protocol::kLifePageBytes, 3, {life.get()});
   EXPECT_NE(life_page.find("lacks the seals F_SEAL_FUTURE_WRITE"), std::string::npos) << life_page;
 }

@@ -35,8 +35,8 @@ std::string ErrorOf(const std::string& path) {
   return opened.ok() ? "opened" : opened.error();
 }
 
-protocol::UniqueFd Dialled(const std::string& path) {
-  protocol::UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+base::UniqueFd Dialled(const std::string& path) {
+  base::UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const protocol::SocketAddress at = protocol::AddressOf(path);
   EXPECT_EQ(::connect(socket.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes), 0);
   return socket;
@@ -97,7 +97,7 @@ TEST(HandListener, ReplacesADeadSocketButNoLivingOneAndNoFile) {
   const std::string path = folder.Path("hand.sock");
   const protocol::SocketAddress at = protocol::AddressOf(path);
   {
-    const protocol::UniqueFd dead(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+    const base::UniqueFd dead(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
     ASSERT_EQ(::bind(dead.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes), 0);
   }
   const auto listener = Opened(path);
@@ -135,7 +135,7 @@ TEST(HandListener, CutsOffWhoSendsAnythingElse) {
   const auto listener = Opened(folder.Path("hand.sock"));
   std::mt19937_64 random(1);
   for (int i = 0; i < 300; ++i) {
-    const protocol::UniqueFd socket = Dialled(folder.Path("hand.sock"));
+    const base::UniqueFd socket = Dialled(folder.Path("hand.sock"));
     std::string packet(1 + random() % 200, '\0');
     for (char& byte : packet) byte = static_cast<char>(random());
     ASSERT_EQ(::send(socket.get(), packet.data(), packet.size(), MSG_NOSIGNAL), static_cast<ssize_t>(packet.size()));

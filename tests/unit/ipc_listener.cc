@@ -60,7 +60,7 @@ TEST(Listener, ADeadOmnidsSocketIsReplaced) {
   const TempFolder temp;
   const protocol::SocketAddress at = protocol::AddressOf(temp.Path("omnid.sock"));
   {
-    const protocol::UniqueFd dead(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+    const base::UniqueFd dead(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
     ASSERT_EQ(::bind(dead.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes), 0);
   }
   ASSERT_EQ(::access(temp.Path("omnid.sock").c_str(), F_OK), 0);

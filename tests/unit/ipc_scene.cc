@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "service/ipc/sealed_memory.h"
+#include "service/base/sealed_memory.h"
 #include "tests/scenario/ipc_fixture.h"
 
 namespace omni {
@@ -65,8 +65,8 @@ TEST(SceneCommands, AFileComesAsSealedMemory) {
   const TempFolder temp;
   std::string content;
   SceneService scene(temp.Path("omnid.sock"), [&](const protocol::SceneCommand& command) {
-    auto memory = std::make_shared<protocol::UniqueFd>(std::move(*ipc::MemoryWith("test", content)));
-    static std::vector<std::shared_ptr<protocol::UniqueFd>> kept;
+    auto memory = std::make_shared<base::UniqueFd>(std::move(*base::SealedCopy("test", content)));
+    static std::vector<std::shared_ptr<base::UniqueFd>> kept;
     kept.push_back(memory);
     return ipc::SceneReplyParts{
         .number = command.number, .done = true, .text = "saved", .file = memory->get(), .file_bytes = content.size()};
@@ -86,7 +86,7 @@ TEST(SceneCommands, AFileComesAsSealedMemory) {
 
 TEST(SceneCommands, AFileThatIsNotWhatItSaysEndsTheConnection) {
   const TempFolder temp;
-  const auto memory = std::make_shared<protocol::UniqueFd>(std::move(*ipc::MemoryWith("test", "0123456789")));
+  const auto memory = std::make_shared<base::UniqueFd>(std::move(*base::SealedCopy("test", "0123456789")));
   int which = 0;
   SceneService scene(temp.Path("omnid.sock"), [&](const protocol::SceneCommand& command) {
     return ipc::SceneReplyParts{.number = command.number,

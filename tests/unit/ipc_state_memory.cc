@@ -8,10 +8,10 @@
 #include <limits>
 #include <string>
 
+#include "service/base/unique_fd.h"
 #include "service/client/state_reader.h"
 #include "service/ipc/state_publisher.h"
 #include "service/protocol/sample_range.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni {
 namespace test_ipc_state_memory {
@@ -29,10 +29,9 @@ std::unique_ptr<StatePublisher> MakePublisher(std::uint64_t instance = 42) {
 }
 
 std::shared_ptr<const StateReader> ReaderOf(const StatePublisher& publisher) {
-  std::string error;
-  auto reader = StateReader::Map(::dup(publisher.fd()), kStateBytes, &error);
-  EXPECT_NE(reader, nullptr) << error;
-  return reader;
+  auto reader = StateReader::Map(base::UniqueFd(::dup(publisher.fd())), kStateBytes);
+  EXPECT_TRUE(reader.ok()) << reader.error();
+  return *reader;
 }
 
 ToolSample SampleAt(std::int64_t t_ns) {
@@ -215,11 +214,9 @@ int MakeFile(int seals, off_t bytes, const protocol::StateHeader& header) {
 }
 
 std::string ErrorOf(int fd, std::uint32_t announced = kStateBytes) {
-  std::string error = "accepted";
-  const auto reader = StateReader::Map(fd, announced, &error);
-  EXPECT_EQ(reader == nullptr, error != "accepted");
+  const auto reader = StateReader::Map(base::UniqueFd(fd), announced);
   EXPECT_LT(::fcntl(fd, F_GETFD), 0) << "the descriptor was not taken over";
-  return error;
+  return reader.ok() ? "accepted" : reader.error();
 }
 
 TEST(StateReader, RefusesMissingSeals) {
@@ -258,10 +255,7 @@ TEST(StateReader, RefusesOtherLayouts) {
 
 TEST(StateReader, RefusesWhatIsNoMemoryFile) {
   EXPECT_NE(ErrorOf(::open("/dev/null", O_RDONLY | O_CLOEXEC)).find("sealable"), std::string::npos);
-  std::string error;
-  EXPECT_EQ(StateReader::Map(-1, kStateBytes, &error), nullptr);
-  EXPECT_FALSE(error.empty());
-  EXPECT_EQ(StateReader::Map(-1, kStateBytes, nullptr), nullptr);
+  EXPECT_NE(ErrorOf(-1).find("sealable"), std::string::npos);
 }
 
 }  // namespace test_ipc_state_memory

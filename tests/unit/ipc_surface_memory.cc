@@ -6,9 +6,9 @@
 
 #include <limits>
 
+#include "service/base/unique_fd.h"
 #include "service/client/surface_reader.h"
 #include "service/ipc/surface_publisher.h"
-#include "service/protocol/unique_fd.h"
 
 namespace omni {
 namespace test_ipc_surface_memory {
@@ -46,10 +46,9 @@ std::unique_ptr<SurfacePublisher> PublisherOf(const std::vector<SurfacePlan>& pl
 }
 
 std::shared_ptr<const SurfaceReader> ReaderOfSurfaces(const SurfacePublisher& publisher) {
-  std::string error;
-  auto reader = SurfaceReader::Map(::dup(publisher.fd()), publisher.bytes(), &error);
-  EXPECT_NE(reader, nullptr) << error;
-  return reader;
+  auto reader = SurfaceReader::Map(base::UniqueFd(::dup(publisher.fd())), publisher.bytes());
+  EXPECT_TRUE(reader.ok()) << reader.error();
+  return *reader;
 }
 
 TEST(SurfacePublisher, SealsItsMemoryAndKeepsOthersFromWriting) {
@@ -181,23 +180,29 @@ TEST(SurfaceReader, SeesThatTheWriterLives) {
   EXPECT_EQ(pulse.looks, 2U);
 }
 
+// Why a descriptor is refused; "accepted": it is not.
+std::string ErrorOfSurfaces(int fd, std::uint64_t announced_bytes) {
+  const auto reader = SurfaceReader::Map(base::UniqueFd(fd), announced_bytes);
+  return reader.ok() ? "accepted" : reader.error();
+}
+
 TEST(SurfaceReader, RefusesWhatIsNoSurfaceMemory) {
   const auto publisher = PublisherOf({kSoftPlan});
   std::string error;
-  EXPECT_EQ(SurfaceReader::Map(::dup(publisher->fd()), publisher->bytes() + 64, &error), nullptr);
+  error = ErrorOfSurfaces(::dup(publisher->fd()), publisher->bytes() + 64);
   EXPECT_NE(error.find("bytes, must have"), std::string::npos) << error;
-  EXPECT_EQ(SurfaceReader::Map(::dup(publisher->fd()), protocol::kMaxSurfaceBytes + 1, &error), nullptr);
+  error = ErrorOfSurfaces(::dup(publisher->fd()), protocol::kMaxSurfaceBytes + 1);
   EXPECT_NE(error.find("announced"), std::string::npos) << error;
-  EXPECT_EQ(SurfaceReader::Map(::open("/dev/null", O_RDONLY | O_CLOEXEC), 4096, &error), nullptr);
+  error = ErrorOfSurfaces(::open("/dev/null", O_RDONLY | O_CLOEXEC), 4096);
   EXPECT_NE(error.find("sealable"), std::string::npos) << error;
-  EXPECT_EQ(SurfaceReader::Map(-1, 4096, nullptr), nullptr);
+  EXPECT_NE(ErrorOfSurfaces(-1, 4096).find("sealable"), std::string::npos);
 
-  protocol::UniqueFd open_fd(::memfd_create("open", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  base::UniqueFd open_fd(::memfd_create("open", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   ASSERT_EQ(::ftruncate(open_fd.get(), 4096), 0);
-  EXPECT_EQ(SurfaceReader::Map(::dup(open_fd.get()), 4096, &error), nullptr);
+  error = ErrorOfSurfaces(::dup(open_fd.get()), 4096);
   EXPECT_NE(error.find("lacks the seals"), std::string::npos) << error;
   ASSERT_EQ(::fcntl(open_fd.get(), F_ADD_SEALS, kSurfaceSeals), 0);
-  EXPECT_EQ(SurfaceReader::Map(::dup(open_fd.get()), 4096, &error), nullptr);
+  error = ErrorOfSurfaces(::dup(open_fd.get()), 4096);
   EXPECT_NE(error.find("magic"), std::string::npos) << error;
 }
 

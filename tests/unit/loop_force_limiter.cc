@@ -6,18 +6,13 @@
 #include <limits>
 
 #include "service/base/force_limit.h"
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/loop/force_limiter.h"
 #include "service/sim/random.h"
 #include "tests/support/usual_limit.h"
 
 namespace omni::loop {
 namespace test_loop_force_limiter {
-
-using haptics::Dot;
-using haptics::Norm;
-using haptics::operator-;
-using haptics::operator*;
 
 constexpr double kTick_s = 1e-3;
 constexpr double kRise_N = 0.85;

@@ -10,10 +10,6 @@
 namespace omni::loop {
 namespace test_loop_scene_motion {
 
-using haptics::Norm;
-using haptics::operator-;
-using haptics::operator+;
-
 constexpr std::int64_t kMs = 1'000'000;
 
 haptics::Scene TwoBlocks() {
@@ -24,7 +20,7 @@ haptics::Scene TwoBlocks() {
 }
 
 PoseSample Sample(haptics::Random& random, std::int64_t t_ns, std::uint64_t number) {
-  const base::Vec3 axis = haptics::Normalized(random.InBox(1));
+  const base::Vec3 axis = base::Normalized(random.InBox(1));
   const double half = random.Uniform(-0.05, 0.05);
   PoseSample sample;
   sample.t_ns = t_ns;

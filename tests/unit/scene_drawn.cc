@@ -20,8 +20,6 @@ base::Result<DrawnScene> Drawn(const Model& model) {
   return LoadDrawnScene(folder.Write("model.glb", model.Bytes()));
 }
 
-double Dot(const base::Vec3& a, const base::Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
 // Every triangle is wound against its vertices' normals' side: area . normal > 0.
 void ExpectOutward(const DrawnPart& part) {
   for (const auto& t : part.triangles) {
@@ -30,10 +28,10 @@ void ExpectOutward(const DrawnPart& part) {
     const base::Vec3 u{b.x - a.x, b.y - a.y, b.z - a.z}, v{c.x - a.x, c.y - a.y, c.z - a.z};
     const base::Vec3 area{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
     const base::Vec3 centre{0.0033, -0.0033, 0.048};  // of the tetrahedron, in the base frame
-    EXPECT_GT(Dot(area, {a.x - centre.x, a.y - centre.y, a.z - centre.z}), 0);
+    EXPECT_GT(Dot(area, a - centre), 0);
     for (const std::uint32_t k : t) {
       EXPECT_GT(Dot(area, part.normals_base[k]), 0);
-      EXPECT_NEAR(std::sqrt(Dot(part.normals_base[k], part.normals_base[k])), 1, 1e-9);
+      EXPECT_NEAR(Norm(part.normals_base[k]), 1, 1e-9);
     }
   }
 }
@@ -97,7 +95,7 @@ TEST(SceneDrawn, NormalsAreTurnedWithTheirNodeAlsoWhenItIsMirroredAndStretched) 
   EXPECT_NEAR(part.positions_base_m[2].x, 0, 1e-9);
   EXPECT_NEAR(part.positions_base_m[3].x, 0.03, 1e-8);
   for (std::size_t i = 0; i < part.normals_base.size(); ++i) {
-    EXPECT_NEAR(std::sqrt(Dot(part.normals_base[i], part.normals_base[i])), 1, 1e-9);
+    EXPECT_NEAR(Norm(part.normals_base[i]), 1, 1e-9);
   }
   const base::Vec3 sharp = part.normals_base[0];
   EXPECT_NEAR(sharp.x / sharp.z, 1.0 / 3, 0.02) << "stretched three times along, the normal leans away";

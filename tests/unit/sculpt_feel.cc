@@ -235,7 +235,8 @@ TEST(SculptFeelTest, BadInputGivesFiniteForceAndNoHeap) {
     input.dt_s = any();
     input.stiffness_limit_N_m = any();
     input.normal_stiffness_limit_N_m = any();
-    input.touch = {random.Next() % 2 == 0, 0, {}, {any(), any(), any()}, Normalized({any(), 1, 0}), std::abs(any())};
+    input.touch = {random.Next() % 2 == 0, 0, {}, {any(), any(), any()}, base::Normalized({any(), 1, 0}),
+                   std::abs(any())};
     if (k % 1000 < 300) {  // long enough to take hold
       input.tracked = true;
       input.tip_base_m = {};

@@ -19,7 +19,7 @@ BoundOptions Quiet() {
   return options;
 }
 
-const MagnetPose kPose{{0.01, -0.02, 0.065}, Normalised({0.2, 0.3, -1})};
+const MagnetPose kPose{{0.01, -0.02, 0.065}, base::Normalized({0.2, 0.3, -1})};
 
 // The figure known for this geometry: a median of .114 mm and .099 deg over all reachable poses.
 TEST(SimBound, MedianOfTheStandardPoses) {

@@ -74,8 +74,8 @@ TEST(SimCoreSeries, ImagesOfAChargeAreThoseOfASphereOfThatPermeability) {
     double worst_far = 0;
     double worst_near = 0;
     for (int i = 0; i < 200; ++i) {
-      const Vec3 source = random.Uniform(0.038, 0.12) * Normalised(random.NormalVector(1));
-      const Vec3 n = Normalised(random.NormalVector(1));
+      const Vec3 source = random.Uniform(0.038, 0.12) * Normalized(random.NormalVector(1));
+      const Vec3 n = Normalized(random.NormalVector(1));
       const Charges images = ImagesOf(OneCharge(source, 3.0), KappaOf(mu));
       const Vec3 far = 0.096 * n;
       const Vec3 near = 0.038 * n;
@@ -97,7 +97,7 @@ TEST(SimCoreSeries, ImagesOfADipole) {
   const double mu = 500;
   const double h = 1e-4;
   const Vec3 at{0.01, -0.02, 0.05};
-  const Vec3 u = Normalised({1, 2, 3});
+  const Vec3 u = base::Normalized({1, 2, 3});
   Charges pair;
   pair.Resize(2);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -181,7 +181,7 @@ TEST(SimCoreSeries, AOnePercentWiderMagnetReadsTwoPercentMore) {
   Rig rig(device, {.sizes = NoImperfections(), .noise = NoiseMode::kNone});
   device.magnet.radius_m *= 1.01;
   Rig wider(device, {.sizes = NoImperfections(), .noise = NoiseMode::kNone});
-  const MagnetPose pose{{0.01, 0.02, 0.06}, Normalised({0.1, 0.2, -1})};
+  const MagnetPose pose{{0.01, 0.02, 0.06}, base::Normalized({0.1, 0.2, -1})};
   const Vec3 b = rig.Readings(&pose, {})[3];
   EXPECT_NEAR(Norm(wider.Readings(&pose, {})[3]) / Norm(b), 1.0201, 1e-3);
 }
@@ -191,14 +191,14 @@ TEST(SimCoreSeries, BackgroundIsBentByTheCore) {
   base::DeviceGeometry device = support::NominalDevice();
   device.core_kappa = 1;
   for (base::SensorGeometry& sensor : device.sensors) {
-    const Vec3 n = Normalised(sensor.position_base_m);
+    const Vec3 n = Normalized(sensor.position_base_m);
     sensor.position_base_m = device.core_radius_m * n;
   }
   Rig rig(device, {.sizes = NoImperfections(), .noise = NoiseMode::kNone});
   for (std::size_t i = 0; i < base::kSensorCount; ++i) {
     const std::array<Vec3, 3> columns = rig.truth().UniformResponse(i);
     const Vec3 b = 1e-5 * columns[0] + 3e-5 * columns[1] - 4e-5 * columns[2];
-    const Vec3 n = Normalised(device.sensors[i].position_base_m);
+    const Vec3 n = Normalized(device.sensors[i].position_base_m);
     EXPECT_LT(Norm(b - Dot(b, n) * n), 1e-12 * 1e-5 + 1e-9 * Norm(b));
   }
 }

@@ -58,7 +58,7 @@ TEST(SimMagnet, FarFieldIsThatOfItsMoment) {
       std::numbers::pi * device.magnet.radius_m * device.magnet.radius_m * 2 * device.magnet.half_height_m;
   const double moment = device.magnet.remanence_T / kMu0 * volume;
   EXPECT_NEAR(moment, 5.119, 0.002);
-  const Vec3 axis = Normalised({1, 2, -2});
+  const Vec3 axis = base::Normalized({1, 2, -2});
   const Charges charges = Magnet(device, {{0, 0, 0}, axis}, 6, 16);
   const Vec3 p{1.5, -2, 1};
   const double r = Norm(p);
@@ -70,13 +70,13 @@ TEST(SimMagnet, FarFieldIsThatOfItsMoment) {
 // An infinitely permeable core has no tangential field on its surface, and no net charge.
 TEST(SimCore, ToolFieldIsNormalToTheSurface) {
   const base::DeviceGeometry device = IdealCore();
-  const Charges magnet = Magnet(device, {{0.02, -0.01, 0.045}, Normalised({0.3, 0.2, -1})}, 6, 16);
+  const Charges magnet = Magnet(device, {{0.02, -0.01, 0.045}, base::Normalized({0.3, 0.2, -1})}, 6, 16);
   const Charges images = Images(device, magnet);
   double net = 0;
   for (const double q : images.q) net += q;
   EXPECT_LT(std::abs(net), 1e-9 * std::abs(magnet.q[0]));
   for (int i = 0; i < 50; ++i) {
-    const Vec3 n = Normalised({std::sin(1.0 * i), std::cos(2.0 * i), std::sin(3.0 * i + 1)});
+    const Vec3 n = base::Normalized({std::sin(1.0 * i), std::cos(2.0 * i), std::sin(3.0 * i + 1)});
     const Vec3 p = device.core_radius_m * n;
     const Vec3 b = FieldOf(magnet, p) + FieldOf(images, p);
     EXPECT_LT(Norm(b - Dot(b, n) * n), 1e-9 * Norm(b));
@@ -150,7 +150,7 @@ TEST(SimCoil, SeriesEqualsTurnsOutsideTheHull) {
     const CoilTruth truth(coil, k, coil.axis_base, 1, device.core_radius_m, device.core_kappa);
     for (const double r : {0.0375, 0.041, 0.06, 0.11}) {
       for (int i = 0; i < 30; ++i) {
-        const Vec3 p = r * Normalised({std::sin(1.1 * i), std::cos(2.3 * i), std::sin(0.7 * i + 1)});
+        const Vec3 p = r * base::Normalized({std::sin(1.1 * i), std::cos(2.3 * i), std::sin(0.7 * i + 1)});
         const double limit = r < 0.04 ? 1e-3 : r < 0.05 ? 1e-4 : 1e-7;
         EXPECT_LT(RelativeError(truth.FieldBySeries(p), truth.FieldByTurns(p)), limit) << k << " at " << r;
       }
@@ -186,8 +186,8 @@ TEST(SimForce, SamplingErrorIsBelowOneInTenThousand) {
   const base::DeviceGeometry device = IdealCore();
   TruthModel truth(device, Imperfections{}, false);
   for (const MagnetPose& pose :
-       {MagnetPose{{0, 0, 0.041}, {0, 0, 1}}, MagnetPose{{0.029, 0, 0.029}, Normalised({0.7, 0.02, 0.7})},
-        MagnetPose{{0, 0.03, 0.05}, Normalised({0.3, 0.5, 0.7})}}) {
+       {MagnetPose{{0, 0, 0.041}, {0, 0, 1}}, MagnetPose{{0.029, 0, 0.029}, base::Normalized({0.7, 0.02, 0.7})},
+        MagnetPose{{0, 0.03, 0.05}, base::Normalized({0.3, 0.5, 0.7})}}) {
     const Charges dense = Magnet(device, pose, 12, 36);
     const Charges images = Images(device, dense);
     const ForceMap map = truth.ForcesAt(pose);

@@ -116,7 +116,7 @@ TEST(SimHand, NeverEntersTheHull) {
   script.repeat = true;
   script.stiffness_N_m = 1000;
   for (int i = 0; i < 40; ++i) {
-    const Vec3 axis = Normalised(random.NormalVector(1) + Vec3{0, 0, 1e-3});
+    const Vec3 axis = Normalized(random.NormalVector(1) + Vec3{0, 0, 1e-3});
     script.waypoints.push_back({0.05 * (i % 4), random.NormalVector(0.03), axis, i % 7 != 0});
   }
   ASSERT_EQ(CheckHandScript(script), "");

@@ -40,7 +40,7 @@ TEST(LedPath, GoesToItsAimWithoutSwingingPast) {
 
 TEST(LedPath, VelocityIsTheDerivativeOfThePlace) {
   LedPath path = At({0, 0, 0.06});
-  path.Aim({.tip_base_m = {0.03, -0.02, 0.05}, .axis_base = Normalised(Vec3{0.4, 0.1, -1})});
+  path.Aim({.tip_base_m = {0.03, -0.02, 0.05}, .axis_base = Normalized(Vec3{0.4, 0.1, -1})});
   Vec3 before = path.Target().centre_base_m;
   for (int i = 0; i < 2000; ++i) {
     path.Step(kStep_s);
@@ -50,7 +50,7 @@ TEST(LedPath, VelocityIsTheDerivativeOfThePlace) {
     EXPECT_NEAR(Norm(target.axis_base), 1, 1e-12);
     before = target.centre_base_m;
   }
-  EXPECT_LT(Norm(path.Target().axis_base - Normalised(Vec3{0.4, 0.1, -1})), 1e-6);
+  EXPECT_LT(Norm(path.Target().axis_base - Normalized(Vec3{0.4, 0.1, -1})), 1e-6);
 }
 
 TEST(LedPath, StaysWhereItWasLedWhenNothingNewComes) {
@@ -112,7 +112,7 @@ TEST(LedHand, NeverEntersTheHullWhereverItIsWanted) {
   Hand hand(Tour(), device, random, true);
   for (int i = 0; i < 40000; ++i) {
     if (i % 400 == 0)
-      hand.Aim({.tip_base_m = random.NormalVector(0.03), .axis_base = Normalised(random.NormalVector(1))});
+      hand.Aim({.tip_base_m = random.NormalVector(0.03), .axis_base = Normalized(random.NormalVector(1))});
     hand.Step(i * kStep_s, kStep_s, random.NormalVector(2));
     ASSERT_GE(hand.gap_m(), 0) << i;
     ASSERT_TRUE(std::isfinite(Norm(hand.velocity_base_m_s()))) << i;

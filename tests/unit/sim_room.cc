@@ -58,7 +58,7 @@ TEST(SimSteel, APlanesMirrorImageIsItsLayerOfCharge) {
 }
 
 TEST(SimSteel, APlaneTakesTheFieldsTangentialPartAway) {
-  const Vec3 normal = Normalised(Vec3{0.3, -0.2, 1});
+  const Vec3 normal = Normalized(Vec3{0.3, -0.2, 1});
   const SteelPiece wall({.position_base_m = {0, 0, -0.2}, .direction_base = normal});
   for (const double across_m : {-0.1, 0.0, 0.2}) {
     const Vec3 p = Vec3{0, 0, -0.2} + across_m * Perpendicular(normal);
@@ -74,7 +74,7 @@ TEST(SimSteel, ABallAnswersAsASphereDoesFromAfar) {
   const SteelPiece ball({.shape = base::SteelShape::kBall, .position_base_m = centre_m, .radius_m = kRadius_m});
   Charges charges;
   charges.Resize(2);
-  const Vec3 axis = Normalised(kMoment_Am2);
+  const Vec3 axis = Normalized(kMoment_Am2);
   for (std::size_t i = 0; i < 2; ++i) {
     const Vec3 at = kSource_m - centre_m + (i == 0 ? kHalf_m : -kHalf_m) * axis;
     charges.x[i] = at.x;
@@ -129,7 +129,7 @@ base::TruthEffects WithSteel(std::vector<base::Steel> steel) {
   return effects;
 }
 
-const MagnetPose kPose{{0.01, -0.02, 0.06}, Normalised(Vec3{0.2, 0.1, -1})};
+const MagnetPose kPose{{0.01, -0.02, 0.06}, Normalized(Vec3{0.2, 0.1, -1})};
 
 SensorFields ReadingsOf(const base::TruthEffects& effects, const MagnetPose* pose, const CoilArray& current_A) {
   Rig rig(support::NominalDevice(), {.sizes = NoImperfections(), .noise = NoiseMode::kNone, .effects = effects});

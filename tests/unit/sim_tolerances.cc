@@ -15,7 +15,7 @@ namespace omni::sim {
 namespace test_sim_tolerances {
 
 const Vec3 kOffset_m{3e-4, -2e-4, 3.5e-4};
-const MagnetPose kPose{{0.01, -0.02, 0.06}, Normalised(Vec3{0.2, 0.1, -1})};
+const MagnetPose kPose{{0.01, -0.02, 0.06}, Normalized(Vec3{0.2, 0.1, -1})};
 
 // Without coils, a core off centre is a centred core with everything else moved the other way.
 TEST(SimTolerances, ACoreOffCentreIsEverythingElseMoved) {

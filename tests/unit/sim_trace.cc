@@ -12,7 +12,7 @@ namespace omni::sim {
 namespace test_sim_trace {
 
 double TiltOf(const MagnetPose& pose) {
-  return std::acos(std::clamp(-Dot(pose.axis_base, Normalised(pose.centre_base_m)), -1.0, 1.0));
+  return std::acos(std::clamp(-Dot(pose.axis_base, Normalized(pose.centre_base_m)), -1.0, 1.0));
 }
 
 TEST(SimMotion, StaysInItsBallClearOfTheHullAndWithinItsSpeed) {

@@ -103,11 +103,11 @@ TEST(ToolsCalibrate, TheSweepLeavesTheCoreWithoutMemory) {
   ASSERT_EQ(with_T.size(), without_T.size());
   for (std::size_t i = 0; i < with_T.size(); ++i) {
     const base::Vec3& place_m = device.sensors[i].position_base_m;
-    const double r_m = sim::Norm(place_m);
+    const double r_m = base::Norm(place_m);
     const double greatest_T = 2e-7 * kRemanence_Am2 / (r_m * r_m * r_m);
-    EXPECT_LT(
-        sim::Norm(base::Vec3{with_T[i].x - without_T[i].x, with_T[i].y - without_T[i].y, with_T[i].z - without_T[i].z}),
-        0.1 * greatest_T)
+    EXPECT_LT(base::Norm(
+                  base::Vec3{with_T[i].x - without_T[i].x, with_T[i].y - without_T[i].y, with_T[i].z - without_T[i].z}),
+              0.1 * greatest_T)
         << i;
   }
 }

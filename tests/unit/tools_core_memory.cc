@@ -18,9 +18,6 @@ namespace omni::tools {
 namespace test_tools_core_memory {
 
 using base::Vec3;
-using sim::operator+;
-using sim::operator-;
-using sim::operator*;
 
 constexpr double kKept_A = 0.012;  // of the twin's 4 mA m2
 
@@ -59,9 +56,9 @@ Lead LeadOf(const tracker::Config& config, const base::TruthParameters& truth, s
     if (n < 2000) continue;
     const auto pen = swing->At(1e-9 * static_cast<double>(scan.t_ns - sim::Loopback::kClockStart_ns));
     const Vec3 error_m = tool.position_base_m - pen.pose.centre_base_m;
-    lead.mean_m += sim::Dot(error_m, pen.velocity_base_m_s);
-    weight += sim::Norm(pen.velocity_base_m_s);
-    lead.error_m += sim::Norm(error_m);
+    lead.mean_m += base::Dot(error_m, pen.velocity_base_m_s);
+    weight += base::Norm(pen.velocity_base_m_s);
+    lead.error_m += base::Norm(error_m);
     ++scans;
   }
   lead.mean_m /= weight;

@@ -2,11 +2,13 @@
 
 #include "service/base/limits.h"
 #include "service/base/stamp.h"
+#include "service/base/vec.h"
 #include "service/haptics/energy_watch.h"
-#include "service/haptics/geometry/vec_math.h"
 #include "service/haptics/swing_watch.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 namespace {
 
 constexpr double kCalm_N = 0.020;        // of what a damper makes of noise, 1 sigma

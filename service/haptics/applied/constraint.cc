@@ -1,8 +1,10 @@
 #include "service/haptics/applied/constraint.h"
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 namespace {
 
 constexpr double kSmallest_m = 1e-9;     // a shorter vector has no direction

@@ -2,10 +2,12 @@
 // docs/theory/haptics.md, section 6.
 #pragma once
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/haptics.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // A ridge pattern felt as a ripple of the normal force while the tip slides over it.
 struct TextureEffect {

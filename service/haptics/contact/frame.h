@@ -2,16 +2,10 @@
 #pragma once
 
 #include "service/base/vec.h"
-#include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
 
-// v' = v + 2 w (q x v) + 2 q x (q x v), q = (x, y, z) of the unit quaternion.
-inline Vec3 Rotated(const base::Quat& rotation, const Vec3& v) noexcept {
-  const Vec3 q{rotation.x, rotation.y, rotation.z};
-  const Vec3 twice = 2.0 * Cross(q, v);
-  return v + rotation.w * twice + Cross(q, twice);
-}
+using base::Vec3;
 
 // x = R p + t
 struct Frame {

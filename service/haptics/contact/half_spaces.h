@@ -5,9 +5,11 @@
 #include <array>
 #include <span>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 struct HalfSpace {
   Vec3 normal;        // unit; no two of a set within 1e-5 rad of each other

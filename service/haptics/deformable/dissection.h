@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // Order in which to eliminate `nodes`; `neighbours[n]` of every node n.
 std::vector<std::uint32_t> DissectionOrder(const std::vector<Vec3>& position, std::vector<std::uint32_t> nodes,

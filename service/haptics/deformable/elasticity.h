@@ -6,9 +6,11 @@
 #include <array>
 
 #include "service/base/result.h"
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 using Stiffness6 = std::array<std::array<double, 6>, 6>;  // Pa, symmetric
 

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "service/base/result.h"
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 struct TetLattice {
   std::vector<Vec3> vertices_base_m;

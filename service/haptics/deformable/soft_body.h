@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "service/base/result.h"
+#include "service/base/vec.h"
 #include "service/haptics/deformable/soft_place.h"
-#include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 inline constexpr std::uint32_t kSoftMagic = 0x3154534F;  // "OST1"
 inline constexpr std::uint32_t kSoftVersion = 3;

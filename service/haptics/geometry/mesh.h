@@ -6,10 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/scene_input.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 struct Mesh {
   std::vector<Vec3> vertices;

@@ -15,9 +15,9 @@ double BoxDistance(const Object& object, const Vec3& p) noexcept {
   const auto outside = [](double lower, double upper, double x) noexcept {
     return x < lower ? lower - x : (x > upper ? x - upper : 0);
   };
-  return Norm({outside(object.lower_base_m[0], object.upper_base_m[0], p.x),
-               outside(object.lower_base_m[1], object.upper_base_m[1], p.y),
-               outside(object.lower_base_m[2], object.upper_base_m[2], p.z)});
+  return base::Norm({outside(object.lower_base_m[0], object.upper_base_m[0], p.x),
+                     outside(object.lower_base_m[1], object.upper_base_m[1], p.y),
+                     outside(object.lower_base_m[2], object.upper_base_m[2], p.z)});
 }
 
 }  // namespace omni::haptics

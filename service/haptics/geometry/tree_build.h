@@ -5,10 +5,12 @@
 #include <span>
 #include <vector>
 
+#include "service/base/vec.h"
 #include "service/haptics/geometry/tree_node.h"
-#include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // A triangle as the builder sees it: its box, rounded outwards.
 struct alignas(16) TreePrimitive {

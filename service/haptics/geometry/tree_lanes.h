@@ -7,10 +7,12 @@
 #include <cfloat>
 #include <cmath>
 
+#include "service/base/vec.h"
 #include "service/haptics/geometry/tree_node.h"
-#include "service/haptics/geometry/vec_math.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // (1.6) Coordinates up to S (of the tree and of the query) and a dozen float operations: an error of at most
 // 16 x 2^-24 S in any distance. Twice that is taken.

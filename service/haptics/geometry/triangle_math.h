@@ -3,9 +3,11 @@
 
 #include <array>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 using Corners = std::array<Vec3, 3>;
 

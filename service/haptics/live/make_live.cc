@@ -111,7 +111,7 @@ SoftBodyOptions SoftOptionsOf(const Material& material) {
   SoftBodyOptions options;
   options.moduli.young_modulus_Pa = softness.young_modulus_Pa;
   options.moduli.poisson_ratio = std::min(softness.poisson_ratio, kLargestPoisson);
-  if (Norm({f[0], f[1], f[2]}) > 0) {
+  if (base::Norm({f[0], f[1], f[2]}) > 0) {
     options.moduli.fibre_ratio = softness.fibre_ratio;
     options.fibre = {f[0], f[1], f[2]};
   }

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics::sculpt {
+
+using base::Vec3;
 
 // Share of the offset over the distance s = geodesic distance / radius.   (3.1)
 enum class Falloff : std::uint8_t {

@@ -2,11 +2,13 @@
 // docs/theory/haptics.md, section 7.
 #pragma once
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/scene_input.h"
 #include "service/haptics/stability.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 struct Thumbstick {
   double x = 0, y = 0;  // length <= 1

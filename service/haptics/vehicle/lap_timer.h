@@ -1,11 +1,13 @@
 // Laps that cannot be cheated, timed to a fraction of a tick. docs/theory/haptics.md, section 8.
 #pragma once
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/scene_input.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 // The car went straight from `before` to `after` in dt_s. A lap is: over the start line in its direction, then every
 // checkpoint in its direction and order, then over the start line again. Whoever turns round has to undo it first: a

@@ -2,9 +2,11 @@
 
 #include <numbers>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 namespace {
 
 constexpr double kFade_Hz = 100;    // full below; none at kRoadFeelMax_Hz, where the coils stop following

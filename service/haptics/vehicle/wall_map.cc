@@ -40,7 +40,7 @@ Vec3 NearestOn(const WallSegment& s, const Vec3& p) noexcept {
 Vec3 NormalAt(const WallSegment& s, const Vec3& p, const Vec3& motion) noexcept {
   const Vec3 away = p - NearestOn(s, p);
   if (SquaredNorm(away) > 0) return Normalized(away);
-  const Vec3 across = Normalized({s.ay - s.by, s.bx - s.ax, 0});
+  const Vec3 across = base::Normalized({s.ay - s.by, s.bx - s.ax, 0});
   if (across == Vec3{}) return Normalized(-motion);
   return Dot(across, motion) > 0 ? -across : across;
 }

@@ -4,10 +4,12 @@
 
 #include <span>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/scene.h"
 
 namespace omni::haptics {
+
+using base::Vec3;
 
 inline constexpr int kMaxWallDepth = 40;  // of the tree: guaranteed by BuildWalls, which halves the segments
 

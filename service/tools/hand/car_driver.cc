@@ -10,10 +10,6 @@
 namespace omni::tools {
 namespace {
 
-using haptics::operator+;
-using haptics::operator-;
-using haptics::operator*;
-
 constexpr double kAnticipation_s = 0.12;  // eyes, arm and stick are about so late
 constexpr double kLookAhead_s = 0.12;     // at the car's speed, on top of ...
 constexpr double kLookAheadLeast_m = 0.008;

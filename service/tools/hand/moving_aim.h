@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/tools/hand/hand_task.h"
 
 namespace omni::tools {
@@ -20,11 +20,8 @@ class MovingAim {
 
   // True: it is there.
   bool MoveTo(const base::Vec3& goal_base_m, double speed_m_s, double dt_s) noexcept {
-    using haptics::operator+;
-    using haptics::operator-;
-    using haptics::operator*;
     const base::Vec3 way = goal_base_m - tip_base_m_;
-    const double left_m = haptics::Norm(way), step_m = speed_m_s * dt_s;
+    const double left_m = base::Norm(way), step_m = speed_m_s * dt_s;
     tip_base_m_ = left_m > step_m ? tip_base_m_ + (step_m / left_m) * way : goal_base_m;
     return left_m <= step_m;
   }

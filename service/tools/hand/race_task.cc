@@ -5,11 +5,6 @@
 namespace omni::tools {
 namespace {
 
-using haptics::Norm;
-using haptics::operator+;
-using haptics::operator-;
-using haptics::operator*;
-
 constexpr double kReach_m_s = 0.04;
 constexpr double kStickMoves_m_s = 0.25;
 constexpr double kArm_N_m = 150;     // what people's arms are like: how far to push against a spring

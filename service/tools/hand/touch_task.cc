@@ -6,8 +6,6 @@
 namespace omni::tools {
 namespace {
 
-using haptics::operator+;
-
 constexpr double kSafe_m = 0.012;  // over the highest place
 constexpr double kTravel_m_s = 0.06, kSlow_m_s = 0.01, kFeel_m_s = 0.006, kShape_m_s = 0.03;
 constexpr double kNear_m = 0.003;     // over the surface: slowly from here on

@@ -10,12 +10,6 @@
 namespace omni::tools {
 namespace {
 
-using haptics::Norm;
-using haptics::Normalized;
-using haptics::operator+;
-using haptics::operator-;
-using haptics::operator*;
-
 constexpr double kWidest_m = 0.1;       // half a road at most
 constexpr double kRay_m = 1e-5;         // radius of a look to the side
 constexpr std::size_t kLongest = 5000;  // points: 10 m of road

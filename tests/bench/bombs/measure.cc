@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/protocol/unique_fd.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::bombs {
 namespace {
@@ -227,7 +227,7 @@ Cost LoadByEntry(Omnid& omnid, const std::string& application, double limit_s) {
 
 Cost LoadByDocument(Omnid& omnid, const std::string& application, const std::string& document, double limit_s) {
   Guest guest(omnid, application);
-  const protocol::UniqueFd memory(memfd_create("bomb", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  const base::UniqueFd memory(memfd_create("bomb", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   for (std::size_t done = 0; done < document.size();) {
     const ssize_t more = write(memory.get(), document.data() + done, document.size() - done);
     if (more <= 0) return {.end = "no memory"};

@@ -75,7 +75,7 @@ Body MakeLump(std::uint32_t triangles, std::uint64_t seed) {
       haptics::CubeGrid(n,
                         [&](const Vec3& p) {
                           const double q = std::numbers::pi / 4;  // even squares, as on a sphere
-                          const Vec3 d = Normalized({std::tan(q * p.x), std::tan(q * p.y), std::tan(q * p.z)});
+                          const Vec3 d = base::Normalized({std::tan(q * p.x), std::tan(q * p.y), std::tan(q * p.z)});
                           double r = 1;
                           for (const Wave& w : waves) {
                             r += w.height * std::sin(Dot(w.frequency, d) + w.phase);

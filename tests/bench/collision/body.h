@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "service/base/result.h"
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "service/haptics/scene_input.h"
 
 namespace omni::collision {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "service/haptics/geometry/vec_math.h"
+#include "service/base/vec.h"
 #include "tests/bench/deformable/axisymmetric.h"
 
 namespace omni::bench {

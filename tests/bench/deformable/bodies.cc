@@ -91,7 +91,7 @@ double ForceAt(const haptics::SoftBody& soft, const AxisBody& body, const Place&
   const double r = place.aside_m;
   const double c = std::cos(place.angle_rad), s = std::sin(place.angle_rad);
   const double slope = body.TopSlope(r);
-  const haptics::Vec3 normal = haptics::Normalized({-slope * c, -slope * s, 1});
+  const haptics::Vec3 normal = base::Normalized({-slope * c, -slope * s, 1});
   haptics::SoftContactState state{};
   return haptics::StepSoftContact(soft.view(), {true, {r * c, r * s, body.Top(r)}, normal, depth_m, 0}, kBall_m, 1e-3,
                                   state)

@@ -13,9 +13,7 @@
 namespace omni::bench {
 namespace {
 
-using haptics::Norm;
 using haptics::Vec3;
-using haptics::operator-;
 
 constexpr double kLimitModulus_Pa = 2e5;
 

@@ -91,10 +91,10 @@ Felt Touch(const base::DeviceGeometry& device, const loop::TickConfig& config, b
                scene, *state, *output);
     twin.Write(output->currents);
     const sim::TruthRow row = twin.core().Truth();
-    force_N.push_back(sim::Norm(row.coil_force_N));
+    force_N.push_back(base::Norm(row.coil_force_N));
     tip_m.push_back(row.tip_m.z);
     felt.peak_N = std::max(felt.peak_N, force_N.back());
-    felt.given_mJ += 1e3 * base::kTickPeriod_s * sim::Dot(row.coil_force_N, row.velocity_m_s);
+    felt.given_mJ += 1e3 * base::kTickPeriod_s * base::Dot(row.coil_force_N, row.velocity_m_s);
     felt.gain = std::min(felt.gain, output->haptics.energy_gain);
     felt.contact_ticks += output->haptics.contact_count > 0;
   }

@@ -14,9 +14,6 @@ namespace omni::bench {
 namespace {
 
 using base::Vec3;
-using haptics::operator+;
-using haptics::operator-;
-using haptics::operator*;
 
 constexpr double kPlateHalf_m = 0.05;
 constexpr double kBall_m = 0.03;
@@ -284,7 +281,7 @@ nlohmann::ordered_json DriftRow(const haptics::InputObject& object, double load,
   for (std::uint64_t k = 0; k < ticks; ++k) {
     tip.MoveTo(Vec3{pulled_m, 0, -depth_m} + draw.Noise(noise_m));
     slips += tip.sticks() ? 0 : 1;
-    drift_m = std::max(drift_m, haptics::Norm(tip.contact().anchor_m - start.anchor_m));
+    drift_m = std::max(drift_m, base::Norm(tip.contact().anchor_m - start.anchor_m));
   }
   return {{"table", "drift"}, {"body", object.name}, {"load_of_cone", load},     {"noise_mm", 1e3 * noise_m},
           {"ticks", ticks},   {"slips", slips},      {"drift_um", 1e6 * drift_m}};

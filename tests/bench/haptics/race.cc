@@ -25,10 +25,6 @@
 namespace omni::bench {
 namespace {
 
-using haptics::Dot;
-using haptics::operator*;
-using haptics::operator+;
-
 constexpr int kSpeeds = 20;
 constexpr double kSlowest_m_s = 0.05, kFastest_m_s = 2;
 constexpr double kHitSpeed_m_s = 0.5;  // of the tag: a car for these speeds; the shipped one is for 0.06 m/s

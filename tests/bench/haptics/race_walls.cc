@@ -14,10 +14,6 @@
 namespace omni::bench {
 namespace {
 
-using haptics::operator*;
-using haptics::operator-;
-using haptics::operator+;
-
 constexpr double kRadius_m = 0.001;
 constexpr int kTicksPerThrow = 20;
 constexpr std::uint64_t kThrowsPerChamber = 200;

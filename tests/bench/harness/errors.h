@@ -32,10 +32,6 @@ struct PoseError {
 };
 
 inline PoseError ErrorOf(const sim::MagnetPose& truth, const base::Vec3& position, const base::Vec3& axis) noexcept {
-  using sim::Cross;
-  using sim::Dot;
-  using sim::Norm;
-  using sim::operator-;
   // atan2 keeps small angles exact, where acos of a rounded product does not.
   return {Norm(position - truth.centre_base_m),
           std::atan2(Norm(Cross(axis, truth.axis_base)), Dot(axis, truth.axis_base))};

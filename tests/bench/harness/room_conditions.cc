@@ -18,14 +18,13 @@ namespace omni::bench {
 namespace {
 
 using base::TruthParameters;
-using sim::operator*;
 using sim::Random;
 
 constexpr double kFirst_s = 5;  // when what happens later does so first
 
 base::Vec3 Direction(Random& draw) {
   const base::Vec3 v = draw.NormalVector(1);
-  return (1 / sim::Norm(v)) * v;
+  return (1 / base::Norm(v)) * v;
 }
 
 // Ten steps, one back for each one there.

@@ -36,7 +36,7 @@ struct Model {
   actuation::ForceModel model;
 };
 
-sim::Vec3 RandomUnit(sim::Random& random) { return sim::Normalised(random.NormalVector(1)); }
+sim::Vec3 RandomUnit(sim::Random& random) { return base::Normalized(random.NormalVector(1)); }
 
 // A random direction and axis; the distance at which the magnet is `gap_m` from the hull.
 sim::MagnetPose DrawAtGap(const base::DeviceGeometry& device, double gap_m, sim::Random& random) {
@@ -45,10 +45,9 @@ sim::MagnetPose DrawAtGap(const base::DeviceGeometry& device, double gap_m, sim:
   sim::MagnetPose pose;
   do {
     pose.axis_base = RandomUnit(random);
-  } while (std::abs(sim::Dot(pose.axis_base, n)) < kTiltCosine);
+  } while (std::abs(base::Dot(pose.axis_base, n)) < kTiltCosine);
   double near_m = device.hull_radius_m, far_m = device.hull_radius_m + gap_m + 0.1;
   for (int i = 0; i < 60; ++i) {
-    using sim::operator*;
     const double r = 0.5 * (near_m + far_m);
     pose.centre_base_m = r * n;
     (sim::GapToHull(device.magnet, device.hull_radius_m, pose).gap_m < gap_m ? near_m : far_m) = r;
@@ -116,8 +115,7 @@ Errors Compare(const actuation::ForceMap& map, const std::vector<TruePose>& pose
     const sim::Vec3 mapped_pull{mapped.snapping_N.x, mapped.snapping_N.y, mapped.snapping_N.z};
     errors.map_pct.push_back(100 * std::sqrt(wrong / all));
     errors.torque_pct.push_back(100 * std::sqrt(torque_wrong / torque_all));
-    using sim::operator-;
-    errors.snapping_pct.push_back(100 * sim::Norm(mapped_pull - pull) / sim::Norm(pull));
+    errors.snapping_pct.push_back(100 * base::Norm(mapped_pull - pull) / base::Norm(pull));
   }
   return errors;
 }

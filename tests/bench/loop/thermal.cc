@@ -131,7 +131,7 @@ nlohmann::ordered_json ConstantForce(const base::DeviceGeometry& device, std::si
     const double t_s = i * base::kTickPeriod_s;
     if (t_s < kSettled_s || i % 100 != 0) continue;
     const sim::TruthRow row = twin.core().Truth();
-    const double force_N = sim::Norm(row.coil_force_N);
+    const double force_N = base::Norm(row.coil_force_N);
     if (first_N == 0) first_N = force_N;
     force_worst = std::max(force_worst, std::abs(force_N / first_N - 1));
     const double current_A = twin.core().plant().current_A()[coil];

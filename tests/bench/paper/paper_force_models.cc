@@ -16,9 +16,6 @@ using base::Vec3;
 
 constexpr Vec3 kUnits[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
-Vec3 Scaled(double s, const Vec3& v) { return {s * v.x, s * v.y, s * v.z}; }
-double Along(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
 // `force(direction, coil, along)`: component of coil's force per ampere along `along`, magnet on the axis `direction`.
 template <class F>
 ForceTable Tabulate(const F& force) {
@@ -38,11 +35,11 @@ ForceTable TwinForces(const base::DeviceGeometry& device, double distance_m, dou
   changed.core_kappa = kappa;
   sim::TruthModel truth(changed, {}, false);
   const auto at = [&](std::size_t direction) {
-    return truth.ForcesAt({Scaled(distance_m, kUnits[direction]), Scaled(-1, kUnits[direction])});
+    return truth.ForcesAt({distance_m * kUnits[direction], -1.0 * kUnits[direction]});
   };
   const sim::ForceMap maps[] = {at(0), at(1), at(2)};
   ForceTable table = Tabulate([&](std::size_t direction, std::size_t coil, std::size_t along) {
-    return Along(maps[direction].coil[coil].force_N, kUnits[along]);
+    return Dot(maps[direction].coil[coil].force_N, kUnits[along]);
   });
   table.snapping_N = -maps[2].core.force_N.z;
   return table;
@@ -53,7 +50,7 @@ ForceTable OurForces(const base::DeviceGeometry& device, double distance_m, doub
   changed.core_kappa = kappa;
   const actuation::ForceMap map = actuation::MakeForceMap(changed);
   const auto at = [&](std::size_t direction) {
-    return actuation::EvaluateForceMap(map, Scaled(distance_m, kUnits[direction]), Scaled(-1, kUnits[direction]));
+    return actuation::EvaluateForceMap(map, distance_m * kUnits[direction], -1.0 * kUnits[direction]);
   };
   const actuation::ForceAtPose forces[] = {at(0), at(1), at(2)};
   ForceTable table = Tabulate([&](std::size_t direction, std::size_t coil, std::size_t along) {

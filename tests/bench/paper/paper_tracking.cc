@@ -26,7 +26,6 @@ namespace omni::bench {
 namespace {
 
 using base::Vec3;
-using sim::operator-;
 
 // In the text: mean and standard deviation of the distance, mean of its components, mm.
 struct InText {
@@ -69,7 +68,7 @@ struct Errors {
     distance_mm.push_back(std::hypot(d[0], d[1], d[2]));
     const Vec3& v = truth.axis_base;
     const Vec3 cross{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-    turn_deg.push_back(std::atan2(std::hypot(cross.x, cross.y, cross.z), u.x * v.x + u.y * v.y + u.z * v.z) / kDegree);
+    turn_deg.push_back(std::atan2(Norm(cross), Dot(u, v)) / kDegree);
   }
 };
 

@@ -23,10 +23,6 @@
 namespace omni::bench {
 namespace {
 
-using sim::operator+;
-using sim::operator-;
-using sim::operator*;
-
 constexpr double kHour_s = 3600;
 constexpr int kRowsMax = 10;
 constexpr double kWaved_s = 5;      // of each minute; the twin takes a fifth of a second for one
@@ -92,7 +88,7 @@ nlohmann::ordered_json Row(double hours, const RoomMoment& room, const DriftTall
   return {{"table", "drift"},
           {"hours", hours},
           {"ticks", tally.ticks},
-          {"ambient_change_uT", 1e6 * sim::Norm(room.ambient_base_T)},
+          {"ambient_change_uT", 1e6 * base::Norm(room.ambient_base_T)},
           {"magnet_K", room.magnet_K},
           {"sensor_K", room.sensor_K},
           {"tracked_fraction", static_cast<double>(tally.tracked) / static_cast<double>(tally.ticks)},

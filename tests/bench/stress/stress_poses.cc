@@ -16,15 +16,11 @@
 namespace omni::bench {
 namespace {
 
-using sim::operator+;
-using sim::operator-;
-using sim::operator*;
-
 constexpr int kPosesPerKind = 200;
 constexpr int kTicksPerPose = 30;
 constexpr int kWarmIterations = 30;
 
-base::Vec3 DrawUnit(sim::Random& random) { return sim::Normalised(random.NormalVector(1)); }
+base::Vec3 DrawUnit(sim::Random& random) { return Normalized(random.NormalVector(1)); }
 
 // One direction that random axes never hit exactly.
 struct SingularKind {
@@ -47,7 +43,7 @@ sim::MagnetPose AxisUpAnywhere(sim::Random& random) {
 // Where a tangent basis changes its branch.
 sim::MagnetPose AxisNearlyUp(sim::Random& random) {
   sim::MagnetPose pose = AxisUpAnywhere(random);
-  pose.axis_base = sim::Normalised(pose.axis_base + random.NormalVector(0.01));
+  pose.axis_base = Normalized(pose.axis_base + random.NormalVector(0.01));
   return pose;
 }
 sim::MagnetPose InTheBasePlane(sim::Random& random) {

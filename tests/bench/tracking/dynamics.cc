@@ -22,10 +22,6 @@
 namespace omni::bench {
 namespace {
 
-using sim::operator+;
-using sim::operator-;
-using sim::operator*;
-
 constexpr std::size_t kRigs = 10, kDashes = 102;  // of each rig
 constexpr double kSpeed_m_s = 0.5, kRest_s = 0.3, kGlide_s = 0.06;
 constexpr double kSettle_s = 2;              // before anything counts
@@ -85,8 +81,8 @@ class Trembling final : public sim::PenMotion {
     sim::Random random(seed);
     const auto draw = [&] { return base::Vec3{random.Normal(), random.Normal(), random.Normal()}; };
     const base::Vec3 aside = draw();
-    direction_ = sim::Normalised(draw());
-    at_.pose.centre_base_m = radius_m * sim::Normalised({0.3 * aside.x, 0.3 * aside.y, 1});
+    direction_ = Normalized(draw());
+    at_.pose.centre_base_m = radius_m * base::Normalized({0.3 * aside.x, 0.3 * aside.y, 1});
     at_.pose.axis_base = {0, 0, -1};
   }
   const base::Vec3& direction() const { return direction_; }
@@ -149,8 +145,8 @@ struct Trials {
     See(sample);
     error_mm.resize(std::max(error_mm.size(), trial + 1));
     speed_m_s.resize(error_mm.size());
-    error_mm[trial] = std::max(error_mm[trial], 1e3 * sim::Norm(sample.error_m()));
-    speed_m_s[trial] = std::max(speed_m_s[trial], sim::Norm(sample.tool.velocity_base_m_s));
+    error_mm[trial] = std::max(error_mm[trial], 1e3 * base::Norm(sample.error_m()));
+    speed_m_s[trial] = std::max(speed_m_s[trial], base::Norm(sample.tool.velocity_base_m_s));
   }
 };
 
@@ -207,7 +203,7 @@ Trials Tremble(const CalibratedBase& base, double radius_m, double duration_s, s
   Trials trials;
   trials.lost_ticks = Follow(base, motion, duration_s, [&](const Sample& sample) {
     trials.See(sample);
-    sum += sim::Dot(sample.tool.position_base_m - middle_m, motion->direction()) *
+    sum += base::Dot(sample.tool.position_base_m - middle_m, motion->direction()) *
            std::polar(1.0, -Trembling::Phase(sample.t_s));
   });
   const std::complex<double> c = 2 / (static_cast<double>(trials.ticks) * kTremor_m) * sum;
@@ -228,7 +224,7 @@ Trials LieStill(const CalibratedBase& base, double radius_m, double duration_s) 
     base::Vec3 mean;
     double square = 0;
     for (const base::Vec3& e : part) mean = mean + (1.0 / static_cast<double>(part.size())) * e;
-    for (const base::Vec3& e : part) square += sim::Dot(e - mean, e - mean);
+    for (const base::Vec3& e : part) square += base::Dot(e - mean, e - mean);
     trials.scatter_mm.push_back(1e3 * std::sqrt(square / static_cast<double>(part.size())));
     part.clear();
   });

@@ -16,7 +16,6 @@ namespace omni::bench {
 // row-major. NaN: C is none.
 inline double Nees(const sim::MagnetPose& truth, const base::Vec3& position_base_m, const base::Vec3& axis_base,
                    const std::array<double, 25>& C) {
-  using sim::operator-;
   const magnetics::TangentBasis basis = magnetics::MakeTangentBasis(base::ToEigen(axis_base));
   const base::Vec3 e = position_base_m - truth.centre_base_m;
   const base::Vec3 du = axis_base - truth.axis_base;

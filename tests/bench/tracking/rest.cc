@@ -18,10 +18,6 @@
 namespace omni::bench {
 namespace {
 
-using sim::operator+;
-using sim::operator-;
-using sim::operator*;
-
 constexpr double kMoving_s = 10, kLying_s = 2, kRest_s = 600, kMean_s = 30;
 constexpr std::size_t kRigs = 4;
 
@@ -30,7 +26,7 @@ constexpr std::array<double, 2> kRadii_m{0.055, 0.09};
 
 sim::HandScript Hand(const base::DeviceGeometry& device, std::uint64_t seed, double radius_m, double rest_s) {
   sim::HandScript script = sim::MakeOrdinaryHand(device, {.seed = seed, .duration_s = kMoving_s, .tremor_m = 0});
-  const base::Vec3 outwards = sim::Normalised({0.4, 0.3, 1}), axis = -1.0 * outwards;
+  const base::Vec3 outwards = base::Normalized({0.4, 0.3, 1}), axis = -1.0 * outwards;
   const base::Vec3 tip = radius_m * outwards + device.magnet.tip_offset_m * axis;
   script.waypoints.push_back({.duration_s = 1, .tip_base_m = tip, .axis_base = axis});
   script.waypoints.push_back({.duration_s = rest_s + 1, .tip_base_m = tip, .axis_base = axis});
@@ -68,7 +64,7 @@ Creep LieStill(const base::DeviceGeometry& device, const tracker::Config& config
     if (++n < per_mean) continue;
     const base::Vec3 mean = (1.0 / static_cast<double>(n)) * sum;
     if (means++ == 0) first = mean;
-    creep.greatest_mm = std::max(creep.greatest_mm, 1e3 * sim::Norm(mean - first));
+    creep.greatest_mm = std::max(creep.greatest_mm, 1e3 * base::Norm(mean - first));
     sum = {}, n = 0;
     creep.sigma_mm = 1e3 * std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
   }

@@ -30,9 +30,6 @@ namespace omni::bench {
 namespace {
 
 using base::TruthParameters;
-using sim::operator*;
-using sim::operator+;
-using sim::operator-;
 using sim::Random;
 
 constexpr std::size_t kRigs = 10;
@@ -75,7 +72,7 @@ class Judge {
     if (!settled) return;
     ++tally_.ticks;
     if (!posed) return;
-    const double error_mm = 1e3 * sim::Norm(tool.position_base_m - true_centre_m);
+    const double error_mm = 1e3 * base::Norm(tool.position_base_m - true_centre_m);
     const bool silent = error_mm > kSilentSigmas * sigma_mm;
     tally_.silent += silent ? 1 : 0;
     tally_.pushed_silent += silent && force_N > kPushed_N ? 1 : 0;
@@ -90,8 +87,8 @@ class Judge {
   }
 
   void AddForce(const base::Vec3& wanted_N, const base::Vec3& true_N) {
-    const double size_N = sim::Norm(wanted_N);
-    if (size_N >= kForce_N) tally_.force_error_pct.push_back(100 * sim::Norm(true_N - wanted_N) / size_N);
+    const double size_N = base::Norm(wanted_N);
+    if (size_N >= kForce_N) tally_.force_error_pct.push_back(100 * base::Norm(true_N - wanted_N) / size_N);
   }
 
   Tally Finish(const std::vector<double>& events_s) {
@@ -172,7 +169,7 @@ void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config
                                         static_cast<double>(std::max<std::int64_t>(1, now.t_ns - before.t_ns)),
                                     0.0, 1.0);
     judge.Add(output->tool, before.magnet_m + share * (now.magnet_m - before.magnet_m),
-              sim::Norm(output->wrench.force_N));
+              base::Norm(output->wrench.force_N));
     before = now;
   }
 }

@@ -119,10 +119,9 @@ std::vector<SolverCase> DrawSolverCases(sim::Rig& rig, const tracker::Config& co
     one.measurement = tracker::MakeMeasurement(config.model, tracker::NoiseOnly(), one.scan, {}, {});
     one.product = tracker::MakeMeasurement(config.model, trust, one.scan, {}, {});
     one.peer = peers::MakePeerScan(one.measurement);
-    using sim::operator+;
     const base::Vec3 turn = random.NormalVector(kWarmOffset_rad);
     one.warm = {base::ToEigen(truth.centre_base_m + random.NormalVector(kWarmOffset_m)),
-                base::ToEigen(sim::Normalised(truth.axis_base + sim::Cross(turn, truth.axis_base)))};
+                base::ToEigen(Normalized(truth.axis_base + base::Cross(turn, truth.axis_base)))};
     cases.push_back(one);
   }
   return cases;

@@ -17,11 +17,6 @@
 namespace omni::bench {
 namespace {
 
-using sim::operator+;
-using sim::operator-;
-using sim::operator*;
-using sim::operator+=;
-
 constexpr std::size_t kRigsPerSeed = 4;  // 12 in all
 constexpr double kMovingTrace_s = 60;
 constexpr double kCalibrating_s = 100;
@@ -51,16 +46,16 @@ base::Vec3 GlobalRotation(const std::vector<Pair>& pairs) {
   base::Vec3 right;
   for (const Pair& pair : pairs) {
     const base::Vec3& x = pair.estimate;
-    const double square = sim::Dot(x, x);
+    const double square = base::Dot(x, x);
     N[0] += base::Vec3{square, 0, 0} - x.x * x;
     N[1] += base::Vec3{0, square, 0} - x.y * x;
     N[2] += base::Vec3{0, 0, square} - x.z * x;
-    right += sim::Cross(x, pair.truth);
+    right += base::Cross(x, pair.truth);
   }
   // Cramer's rule; N is symmetric.
-  const double det = sim::Dot(N[0], sim::Cross(N[1], N[2]));
-  return (1 / det) * base::Vec3{sim::Dot(right, sim::Cross(N[1], N[2])), sim::Dot(right, sim::Cross(N[2], N[0])),
-                                sim::Dot(right, sim::Cross(N[0], N[1]))};
+  const double det = base::Dot(N[0], base::Cross(N[1], N[2]));
+  return (1 / det) * base::Vec3{base::Dot(right, base::Cross(N[1], N[2])), base::Dot(right, base::Cross(N[2], N[0])),
+                                base::Dot(right, base::Cross(N[0], N[1]))};
 }
 
 struct RunErrors {
@@ -99,7 +94,7 @@ void TrackTrace(const tracker::Config& config, const std::vector<sim::TraceRow>&
   if (!nees.empty()) errors.nees.push_back(tools::Mean(nees));
   const base::Vec3 turn = GlobalRotation(pairs);
   for (const Pair& pair : pairs) {
-    errors.aligned_mm.push_back(1e3 * sim::Norm(sim::Rotated(pair.estimate, turn) - pair.truth));
+    errors.aligned_mm.push_back(1e3 * base::Norm(sim::Rotated(pair.estimate, turn) - pair.truth));
   }
 }
 

@@ -31,16 +31,14 @@ sim::Rig ExactRig(std::uint64_t seed, sim::NoiseMode noise, bool saturation) {
 // Slides the magnet along its radius until it touches the hull.
 sim::MagnetPose Touching(const sim::Rig& rig, const sim::MagnetPose& pose) {
   const base::DeviceGeometry& device = rig.device();
-  const base::Vec3 outwards = sim::Normalised(pose.centre_base_m);
-  double inside = device.hull_radius_m, outside = sim::Norm(pose.centre_base_m);
+  const base::Vec3 outwards = base::Normalized(pose.centre_base_m);
+  double inside = device.hull_radius_m, outside = base::Norm(pose.centre_base_m);
   sim::MagnetPose at = pose;
   while (outside - inside > 1e-9) {
-    using sim::operator*;
     const double middle = 0.5 * (inside + outside);
     at.centre_base_m = middle * outwards;
     (GapToHull(device.magnet, device.hull_radius_m, at).gap_m >= 0 ? outside : inside) = middle;
   }
-  using sim::operator*;
   at.centre_base_m = outside * outwards;
   return at;
 }

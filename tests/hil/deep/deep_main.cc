@@ -50,11 +50,11 @@ int Fail(const std::string& message) {
 }
 
 // A pair of sockets: one end under the number that the emulator expects, the other, which is not blocking, is returned.
-device::UniqueFd SocketTo(int emulator_fd) {
+base::UniqueFd SocketTo(int emulator_fd) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return {};
-  device::UniqueFd ours(fcntl(ends[0], F_DUPFD_CLOEXEC, kOwnFdMin));
-  const device::UniqueFd theirs(fcntl(ends[1], F_DUPFD_CLOEXEC, kOwnFdMin));
+  base::UniqueFd ours(fcntl(ends[0], F_DUPFD_CLOEXEC, kOwnFdMin));
+  const base::UniqueFd theirs(fcntl(ends[1], F_DUPFD_CLOEXEC, kOwnFdMin));
   close(ends[0]);
   close(ends[1]);
   if (!ours || !theirs || fcntl(ours.get(), F_SETFL, O_NONBLOCK) != 0 || dup2(theirs.get(), emulator_fd) < 0) return {};
@@ -64,7 +64,7 @@ device::UniqueFd SocketTo(int emulator_fd) {
 // What the guest wants done with the cable.
 class Orders {
  public:
-  Orders(device::UniqueFd line, RedirPort& port) : line_(std::move(line)), port_(port) {}
+  Orders(base::UniqueFd line, RedirPort& port) : line_(std::move(line)), port_(port) {}
 
   // An error: nobody knows such an order.
   base::Status Serve() {
@@ -93,7 +93,7 @@ class Orders {
     return base::Ok{};
   }
 
-  device::UniqueFd line_;
+  base::UniqueFd line_;
   RedirPort& port_;
   std::string word_;
 };
@@ -131,8 +131,8 @@ bool Judge(int emulator_status, const Chain& chain, const RedirPort& port) {
 }
 
 base::Result<bool> RunDeep(const DeepOptions& options) {
-  device::UniqueFd port_socket = SocketTo(kPortFd);
-  device::UniqueFd orders_line = SocketTo(kOrdersFd);
+  base::UniqueFd port_socket = SocketTo(kPortFd);
+  base::UniqueFd orders_line = SocketTo(kOrdersFd);
   if (!port_socket || !orders_line) return base::Error{"no descriptors left for two sockets"};
   auto emulator = HostProcess::Start(options.emulator, {});
   close(kPortFd);  // before the board, which may be an emulator too

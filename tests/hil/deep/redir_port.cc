@@ -116,7 +116,7 @@ struct RedirPort::Callbacks {
   }
 };
 
-RedirPort::RedirPort(device::UniqueFd socket, UsbFunction& function, const std::string& serial)
+RedirPort::RedirPort(base::UniqueFd socket, UsbFunction& function, const std::string& serial)
     : socket_(std::move(socket)), function_(function), parser_(usbredirparser_create()) {
   std::copy_n(serial.begin(), std::min(serial.size(), usb::kSerialMax), state_.serial);
   state_.high_speed = true;

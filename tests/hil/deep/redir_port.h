@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/drivers/usb_control.h"
-#include "service/device/unique_fd.h"
+#include "service/base/unique_fd.h"
 #include "tests/hil/usb_function.h"
 
 // usbredirparser.h stays in redir_port.cc.
@@ -37,7 +37,7 @@ class RedirPort {
  public:
   // `socket` leads to QEMU and is not blocking. `function` outlives the port. Nothing is plugged yet. `serial`: at most
   // drivers::usb::kSerialMax characters count.
-  RedirPort(device::UniqueFd socket, UsbFunction& function, const std::string& serial);
+  RedirPort(base::UniqueFd socket, UsbFunction& function, const std::string& serial);
   ~RedirPort();
   RedirPort(const RedirPort&) = delete;
   RedirPort& operator=(const RedirPort&) = delete;
@@ -74,7 +74,7 @@ class RedirPort {
   void Pump();
   void FinishIn(const Waiting& waiting, std::uint8_t status, const std::uint8_t* data, std::size_t size);
 
-  device::UniqueFd socket_;
+  base::UniqueFd socket_;
   UsbFunction& function_;
   usbredirparser* parser_;
   drivers::usb::ControlState state_;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "layer/src/locate.h"
+#include "service/base/clock.h"
 #include "service/tools/align_service.h"
 #include "tests/layer/service/child_app.h"
 

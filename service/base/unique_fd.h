@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace omni::protocol {
+namespace omni::base {
 
 class UniqueFd {
  public:
@@ -32,4 +32,4 @@ class UniqueFd {
   int fd_ = -1;
 };
 
-}  // namespace omni::protocol
+}  // namespace omni::base
