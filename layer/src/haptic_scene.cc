@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "layer/src/fault.h"
+#include "layer/src/haptic_material.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
 #include "service/base/sealed_memory.h"
@@ -58,31 +59,6 @@ Motion FromRest(const Motion& X_GN, const protocol::HapticNodeRow& row, double s
   const glm::dquat C = DocumentAxes().q;
   return {
       {scale * (C * moved.X.p), glm::normalize(C * moved.X.q * glm::conjugate(C))}, scale * (C * moved.v), C * moved.w};
-}
-
-bool IsFeel(const XrHapticMaterialOMNIX1& m) noexcept {
-  const float values[] = {
-      m.stiffness,         m.damping,     m.staticFriction,     m.dynamicFriction,    m.viscosity, m.textureAmplitude,
-      m.textureWavelength, m.textureGain, m.vibrationAmplitude, m.vibrationFrequency, m.popThrough};
-  return std::all_of(std::begin(values), std::end(values), [](float x) { return std::isfinite(x); }) ||
-         OMNI_FAULT("scene-nan-accepted");
-}
-
-protocol::HapticFeel ToFeel(const XrHapticMaterialOMNIX1& m) noexcept {
-  protocol::HapticFeel feel{.stiffness_N_m = m.stiffness,
-                            .damping_Ns_m = m.damping,
-                            .static_friction = m.staticFriction,
-                            .dynamic_friction = m.dynamicFriction,
-                            .viscosity_Ns_m = m.viscosity,
-                            .texture_amplitude_m = m.textureAmplitude,
-                            .texture_wavelength_m = m.textureWavelength,
-                            .texture_gain = m.textureGain,
-                            .vibration_amplitude_N = m.vibrationAmplitude,
-                            .vibration_frequency_Hz = m.vibrationFrequency,
-                            .pop_through_N = m.popThrough};
-  feel = protocol::Tamed(feel);
-  if (!OMNI_FAULT("friction-as-told")) feel.dynamic_friction = std::min(feel.dynamic_friction, feel.static_friction);
-  return feel;
 }
 
 constexpr XrHapticSceneCreateFlagsOMNIX1 kKnownFlags =
@@ -313,8 +289,9 @@ XrResult HapticScenes::Enable(XrHapticSceneOMNIX1 handle, XrBool32 enabled) {
   return XR_SUCCESS;
 }
 
-XrResult HapticScenes::SetMaterial(XrHapticSceneOMNIX1 handle, uint32_t index, const XrHapticMaterialOMNIX1* feel) {
-  if (!feel || feel->type != XR_TYPE_HAPTIC_MATERIAL_OMNIX1 || !IsFeel(*feel)) return XR_ERROR_VALIDATION_FAILURE;
+XrResult HapticScenes::SetMaterial(XrHapticSceneOMNIX1 handle, uint32_t index, const XrHapticMaterialOMNIX1* material) {
+  if (!material || material->type != XR_TYPE_HAPTIC_MATERIAL_OMNIX1 || !IsMaterial(*material))
+    return XR_ERROR_VALIDATION_FAILURE;
   const std::lock_guard lock(mutex_);
   HapticScene* scene = Find(handle);
   const XrResult ready = Ready(scene);
@@ -326,7 +303,7 @@ XrResult HapticScenes::SetMaterial(XrHapticSceneOMNIX1 handle, uint32_t index, c
   protocol::HapticMaterial message;
   message.number = scene->number;
   message.material = index;
-  message.feel = scene->changed[index] = ToFeel(*feel);
+  message.parameters = scene->changed[index] = ToParameters(*material);
   instance_.link.With([&](client::Connection& connection) { connection.Send(message); });
   return XR_SUCCESS;
 }

@@ -44,7 +44,7 @@ struct HapticScene {
   Motion X_OG;                                              // document's frame in the base frame, lengths in metres
   std::map<std::uint32_t, protocol::HapticNodePose> nodes;  // by object
   std::int64_t nodes_t_ns = 0;
-  std::map<std::uint32_t, protocol::HapticFeel> changed;  // by material
+  std::map<std::uint32_t, base::MaterialParameters> changed;  // by material
   bool enabled = true;
   std::uint64_t told = 0;  // the connection that has been told of it; 0: none
 
@@ -72,12 +72,12 @@ class HapticScenes {
   XrResult Diagnostics(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count, char* text);
   XrResult Place(XrHapticSceneOMNIX1 scene, const XrHapticScenePlacementOMNIX1* placement);
   XrResult Enable(XrHapticSceneOMNIX1 scene, XrBool32 enabled);
-  XrResult SetMaterial(XrHapticSceneOMNIX1 scene, uint32_t material, const XrHapticMaterialOMNIX1* feel);
+  XrResult SetMaterial(XrHapticSceneOMNIX1 scene, uint32_t material, const XrHapticMaterialOMNIX1* wanted);
   XrResult MoveNodes(XrHapticSceneOMNIX1 scene, const XrHapticNodesUpdateInfoOMNIX1* info);
 
   // haptic_scene_queries.cc
   XrResult Nodes(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count, XrHapticSceneNodeOMNIX1* nodes);
-  XrResult Material(XrHapticSceneOMNIX1 scene, uint32_t material, XrHapticMaterialOMNIX1* feel);
+  XrResult Material(XrHapticSceneOMNIX1 scene, uint32_t material, XrHapticMaterialOMNIX1* out);
   XrResult Contacts(XrHapticSceneOMNIX1 scene, const XrHapticContactsGetInfoOMNIX1* info, uint32_t capacity,
                     uint32_t* count, XrHapticContactOMNIX1* contacts);
   XrResult Mesh(XrHapticSceneOMNIX1 scene, const XrHapticNodeMeshGetInfoOMNIX1* info, XrHapticNodeMeshOMNIX1* mesh);

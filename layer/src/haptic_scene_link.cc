@@ -93,12 +93,12 @@ void HapticScenes::TellAll() {
     nodes.t_ns = scene_->nodes_t_ns;
     for (const auto& [object, pose] : scene_->nodes) nodes.nodes[nodes.count++] = pose;
     sent = sent && (nodes.count == 0 || connection.Send(nodes));
-    for (const auto& [index, feel] : scene_->changed) {
+    for (const auto& [index, parameters] : scene_->changed) {
       if (OMNI_FAULT("materials-not-told-again")) break;
       protocol::HapticMaterial material;
       material.number = scene_->number;
       material.material = index;
-      material.feel = feel;
+      material.parameters = parameters;
       sent = sent && connection.Send(material);
     }
     protocol::HapticSceneEnable enable;

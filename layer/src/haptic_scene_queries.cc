@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "layer/src/fault.h"
+#include "layer/src/haptic_material.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -76,18 +77,7 @@ XrResult HapticScenes::Material(XrHapticSceneOMNIX1 handle, uint32_t index, XrHa
   if (ready != XR_SUCCESS) return ready;
   if (index >= scene->table.materials.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
   const auto changed = scene->changed.find(index);
-  const protocol::HapticFeel& feel = changed != scene->changed.end() ? changed->second : scene->table.materials[index];
-  out->stiffness = static_cast<float>(feel.stiffness_N_m);
-  out->damping = static_cast<float>(feel.damping_Ns_m);
-  out->staticFriction = static_cast<float>(feel.static_friction);
-  out->dynamicFriction = static_cast<float>(feel.dynamic_friction);
-  out->viscosity = static_cast<float>(feel.viscosity_Ns_m);
-  out->textureAmplitude = static_cast<float>(feel.texture_amplitude_m);
-  out->textureWavelength = static_cast<float>(feel.texture_wavelength_m);
-  out->textureGain = static_cast<float>(feel.texture_gain);
-  out->vibrationAmplitude = static_cast<float>(feel.vibration_amplitude_N);
-  out->vibrationFrequency = static_cast<float>(feel.vibration_frequency_Hz);
-  out->popThrough = static_cast<float>(feel.pop_through_N);
+  Put(changed != scene->changed.end() ? changed->second : scene->table.materials[index], *out);
   return XR_SUCCESS;
 }
 

@@ -12,7 +12,7 @@ namespace omni::client {
 struct HapticSceneTable {
   std::uint32_t number = 0;
   std::vector<protocol::HapticNodeRow> nodes;  // row i is object i
-  std::vector<protocol::HapticFeel> materials;
+  std::vector<base::MaterialParameters> materials;
 };
 
 // Either a state with its text, or a table.

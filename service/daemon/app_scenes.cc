@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "service/base/clock.h"
-#include "service/daemon/feel_row.h"
 #include "service/haptics/scene.h"
 
 namespace omni::daemon {
@@ -145,7 +144,7 @@ bool AppScenes::SetMaterial(ipc::ClientId id, const protocol::HapticMaterial& ma
       SlotIn(scene->control.materials, scene->control.material_count,
              [&](const haptics::MaterialChange& change) { return change.material == material.material; });
   if (slot == nullptr) return false;
-  *slot = {material.material, FeelOf(material.feel)};
+  *slot = {material.material, material.parameters};
   return true;
 }
 

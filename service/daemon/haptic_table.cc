@@ -1,8 +1,8 @@
 // What an application's own scene has, as rows for its client.
 #include <algorithm>
 
+#include "service/base/material_fields.h"
 #include "service/daemon/app_scenes.h"
-#include "service/daemon/feel_row.h"
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
 #include "service/protocol/text.h"
@@ -57,11 +57,12 @@ std::string HapticTableMessage(std::uint32_t number, const BuiltScene& built) {
   }
   std::string message;
   table.header.size = static_cast<std::uint32_t>(sizeof(table) + table.node_count * sizeof(protocol::HapticNodeRow) +
-                                                 table.material_count * sizeof(protocol::HapticFeel));
+                                                 table.material_count * sizeof(base::MaterialParameters));
   AppendBytes(table, message);
   const haptics::LivePlan plan = scene.empty() ? haptics::LivePlan{} : haptics::PlanLive(scene);
   for (std::uint32_t i = 0; i < table.node_count; ++i) AppendBytes(NodeRowOf(built, plan, i), message);
-  for (std::uint32_t i = 0; i < table.material_count; ++i) AppendBytes(FeelRow(scene.materials()[i]), message);
+  for (std::uint32_t i = 0; i < table.material_count; ++i)
+    AppendBytes(base::ParametersOf(scene.materials()[i]), message);
   return message;
 }
 

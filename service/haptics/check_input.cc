@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "service/base/material_fields.h"
 #include "service/base/vec.h"
 #include "service/haptics/scene.h"
 
@@ -148,53 +149,15 @@ Status CheckVehicle(const VehicleInput& v) {
 
 Status CheckMaterial(const Material& m, std::size_t index) {
   const std::string where = "material " + std::to_string(index) + ": ";
-  struct Field {
-    const char* name;
-    double value;
-  };
-  for (const Field& f : {Field{"stiffness", m.stiffness_N_m},
-                         Field{"damping", m.damping_Ns_m},
-                         Field{"staticFriction", m.static_friction},
-                         Field{"dynamicFriction", m.dynamic_friction},
-                         Field{"restitution", m.restitution},
-                         Field{"viscosity", m.viscosity_Ns_m},
-                         Field{"vibrotactileTexture.amplitude", m.texture_amplitude_m},
-                         Field{"vibrotactileTexture.wavelength", m.texture_wavelength_m},
-                         Field{"vibrotactileTexture.gain", m.texture_gain},
-                         Field{"vibration.amplitude", m.vibration_amplitude_N},
-                         Field{"vibration.frequency", m.vibration_frequency_Hz},
-                         Field{"temperature", m.temperature_K},
-                         Field{"popThrough", m.pop_through_N},
-                         Field{"magnet.maxForce", m.magnet_max_force_N},
-                         Field{"magnet.range", m.magnet_range_m},
-                         Field{"softness.poissonRatio", m.softness.poisson_ratio},
-                         Field{"softness.relaxationTime", m.softness.relaxation_time_s},
-                         Field{"softness.youngModulus", m.softness.young_modulus_Pa},
-                         Field{"softness.fibreRatio", m.softness.fibre_ratio},
-                         Field{"softness.hardening", m.softness.hardening},
-                         Field{"sculptable.radius", m.sculpt.radius_m},
-                         Field{"sculptable.snap", m.sculpt.snap_m},
-                         Field{"sculptable.grabForce", m.sculpt.grab_force_N},
-                         Field{"sculptable.dwell", m.sculpt.dwell_s},
-                         Field{"sculptable.resistance", m.sculpt.resistance_N_m},
-                         Field{"softness.thickness", m.softness.thickness_m},
-                         Field{"softness.maxDepth", m.softness.max_depth_m}}) {
-    if (!(f.value >= 0 && f.value <= 1e12))
-      return Error{where + f.name + " is " + Number(f.value) + ", it must be >= 0"};
+  for (const base::MaterialField& field : base::kMaterialFields) {
+    const double value = field.Get(m);
+    if (!field.Contains(value)) {
+      return Error{where + std::string(field.key) + " is " + Number(value) + ", it must be in [" +
+                   Number(field.minimum) + ", " + Number(field.maximum) + "]"};
+    }
   }
   for (const double x : m.softness.fibre_direction_base) {
     if (!(std::abs(x) <= 1e6)) return Error{where + "softness.fibreDirection is " + Number(x) + ", no direction"};
-  }
-  const Extrude& e = m.extrude;
-  if (!e.enabled) return Ok{};
-  if (!(e.step_m > 0 && e.step_m <= 0.02)) {
-    return Error{where + "extrude.step is " + Number(e.step_m) + " m, it must be in (0, 0.02]"};
-  }
-  if (!(e.steps_out >= 0 && e.steps_out <= 100 && e.steps_in >= 0 && e.steps_in <= 100)) {
-    return Error{where + "extrude.stepsOut and extrude.stepsIn must be in [0, 100]"};
-  }
-  if (!(e.grab_force_N > 0 && e.dwell_s >= 0)) {
-    return Error{where + "extrude.grabForce must be positive and extrude.dwell >= 0"};
   }
   return Ok{};
 }

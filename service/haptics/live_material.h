@@ -8,8 +8,6 @@ namespace omni::haptics {
 
 inline constexpr double kMaterialGlide_s = 0.030;  // time constant of a change under a touching pen
 
-MaterialFeel FeelIn(const Material& material) noexcept;
-
 // Takes `input.materials` into `state`: at once while nothing is touched, else gliding, so that the force is
 // continuous. A material that is no longer named goes back to the scene's. True: one of them is on its way.
 bool ChangeMaterials(const Scene& scene, const Input& input, bool touching, State& state) noexcept;

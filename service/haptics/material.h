@@ -1,98 +1,25 @@
-// Haptic material: how a surface feels. Values are those of OMNI_haptic_material (docs/scenes.md), SI.
+// Haptic material as the renderer names it: service/base/material.h.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <type_traits>
+
+#include "service/base/material.h"
 
 namespace omni::haptics {
 
-enum class SoftnessModel : std::uint8_t { kNone = 0, kWinkler = 1, kTet = 2 };
+using base::Extrude;
+using base::Falloff;
+using base::Material;
+using base::MaterialParameters;
+using base::Sculpt;
+using base::Softness;
+using base::SoftnessModel;
+using base::Symmetry;
 
-struct Softness {
-  SoftnessModel model = SoftnessModel::kNone;
-  double young_modulus_Pa = 2.0e4;
-  double poisson_ratio = 0.45;
-  double thickness_m = 0.01;
-  double max_depth_m = 0.008;
-  double relaxation_time_s = 0.1;
-  double fibre_ratio = 1;  // [1, 20], Young's modulus along the fibres / across; 1: isotropic
-  std::array<double, 3> fibre_direction_base{0, 0, 0};  // of any length; 0: no fibres
-  double hardening = 0;                                 // [0, 20]: modulus (1 + hardening (depth / thickness)^2)
-};
-
-// A region that can be pushed in and pulled out along its mean normal, in whole steps.
-struct Extrude {
-  bool enabled = false;
-  double step_m = 0.004;      // (0, 0.02]
-  int steps_out = 1;          // >= 0: farthest step outwards
-  int steps_in = 1;           // >= 0: farthest step inwards
-  double grab_force_N = 0.5;  // press at least this ...
-  double dwell_s = 0.2;       // ... for this long to take hold of the face
-};
-
-enum class Falloff : std::uint8_t { kConstant = 0, kLinear = 1, kSmooth = 2 };
-enum class Symmetry : std::uint8_t { kNone = 0, kX = 1, kY = 2, kZ = 3 };  // plane through the object's centre
-
-// A surface that is sculpted freely: pressed, taken hold of, pushed in and pulled out.
-struct Sculpt {
-  bool enabled = false;
-  Falloff falloff = Falloff::kSmooth;
-  Symmetry symmetry = Symmetry::kNone;
-  double radius_m = 0.006;      // [0.0005, 0.03], geodesic, of what moves
-  double snap_m = 0;            // [0, 0.02], grid of the displacement; 0: none
-  double grab_force_N = 0.5;    // [0.05, 2], press at least this ...
-  double dwell_s = 0.2;         // [0, 5], ... for this long to take hold
-  double resistance_N_m = 200;  // [0, 2000], force per displacement while it is formed
-};
-
-struct Material {
-  double stiffness_N_m = 400;      // [0, 2000]
-  double damping_Ns_m = 0;         // [0, 5]
-  double static_friction = 0.5;    // [0, 2]
-  double dynamic_friction = 0.4;   // [0, static]
-  double restitution = 0;          // [0, 1]
-  double viscosity_Ns_m = 0;       // [0, 5], inside the volume
-  double texture_amplitude_m = 0;  // vibrotactile texture
-  double texture_wavelength_m = 0.001;
-  double texture_gain = 1;
-  double vibration_amplitude_N = 0;
-  double vibration_frequency_Hz = 120;
-  double pop_through_N = 0;  // 0: never
-  double magnet_max_force_N = 0;
-  double magnet_range_m = 0.003;
-  double temperature_K = 293.15;  // carried, not rendered
-  bool smooth = false;            // force shading: facets are felt as the smooth body they stand for
-  // Indices into the scene's textures, -1: none. Factor x texel, by SampleTexture (contact/texture.h).
-  std::int32_t stiffness_texture = -1;
-  std::int32_t friction_texture = -1;      // of both frictions
-  std::int32_t vibrotactile_texture = -1;  // of texture_amplitude_m
-  Softness softness;
-  Extrude extrude;
-  Sculpt sculpt;
-};
-static_assert(std::is_trivially_copyable_v<Material>);
-
-// What of a material may change while it is felt: fields and ranges as above.
-struct MaterialFeel {
-  double stiffness_N_m = 0;
-  double damping_Ns_m = 0;
-  double static_friction = 0;
-  double dynamic_friction = 0;
-  double viscosity_Ns_m = 0;
-  double texture_amplitude_m = 0;
-  double texture_wavelength_m = 0.001;
-  double texture_gain = 0;
-  double vibration_amplitude_N = 0;
-  double vibration_frequency_Hz = 120;
-  double pop_through_N = 0;
-};
-static_assert(std::is_trivially_copyable_v<MaterialFeel>);
-
-// The feel of one of the scene's materials, as the application wants it.
+// The parameters of one of the scene's materials, as the application wants them.
 struct MaterialChange {
   std::uint32_t material = 0xFFFFFFFF;  // index into the scene's; one that it has not: ignored
-  MaterialFeel feel;
+  MaterialParameters parameters;
 };
 inline constexpr std::uint32_t kMaxLiveMaterials = 16;  // that differ from the scene's at a time
 

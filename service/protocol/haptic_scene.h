@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "service/base/material.h"
 #include "service/protocol/control.h"
 
 namespace omni::protocol {
@@ -85,18 +86,11 @@ struct HapticNodes {
   std::array<HapticNodePose, kMaxHapticNodesMoved> nodes;
 };
 
-// In the order of haptics::MaterialFeel, with its ranges (docs/scenes.md).
-struct HapticFeel {
-  double stiffness_N_m = 0, damping_Ns_m = 0, static_friction = 0, dynamic_friction = 0, viscosity_Ns_m = 0;
-  double texture_amplitude_m = 0, texture_wavelength_m = 0.001, texture_gain = 0;
-  double vibration_amplitude_N = 0, vibration_frequency_Hz = 120, pop_through_N = 0;
-};
-
 struct HapticMaterial {
   MessageHeader header{.type = MessageType::kHapticMaterial, .size = sizeof(HapticMaterial)};
   std::uint32_t number = 0;
   std::uint32_t material = 0;  // below kMaxHapticMaterials
-  HapticFeel feel;
+  base::MaterialParameters parameters;
 };
 
 enum class HapticSceneStatus : std::uint32_t { kLoading = 0, kReady = 1, kFailed = 2 };
@@ -134,7 +128,7 @@ struct HapticNodeRow {
 };
 
 // Server to client, before the first state "ready" and again after a scene was loaded anew. Row i of the nodes is
-// object i. Followed by node_count HapticNodeRow, then material_count HapticFeel.
+// object i. Followed by node_count HapticNodeRow, then material_count base::MaterialParameters.
 struct HapticSceneTable {
   MessageHeader header{.type = MessageType::kHapticSceneTable, .size = sizeof(HapticSceneTable)};
   std::uint32_t number = 0;
@@ -143,11 +137,12 @@ struct HapticSceneTable {
   std::uint32_t reserved = 0;
 };
 
-static_assert(std::is_trivially_copyable_v<HapticNodes> && sizeof(HapticNodePose) == 112 && sizeof(HapticFeel) == 88);
+static_assert(std::is_trivially_copyable_v<HapticNodes> && sizeof(HapticNodePose) == 112 &&
+              sizeof(base::MaterialParameters) == 88);
 static_assert(sizeof(HapticSceneLoad) == 40 && sizeof(HapticScenePlace) == 144 && sizeof(HapticSceneState) == 56);
 static_assert(sizeof(HapticNodeRow) == 120 && sizeof(HapticSceneTable) == 32);
 static_assert(sizeof(HapticSceneTable) + kMaxHapticNodes * sizeof(HapticNodeRow) +
-                  kMaxHapticMaterials * sizeof(HapticFeel) <=
+                  kMaxHapticMaterials * sizeof(base::MaterialParameters) <=
               kMaxMessageBytes);
 
 }  // namespace omni::protocol

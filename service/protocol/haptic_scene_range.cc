@@ -1,8 +1,11 @@
 #include "service/protocol/haptic_scene_range.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
+#include "service/base/material_fields.h"
 #include "service/protocol/sample_range.h"
 #include "service/protocol/text.h"
 
@@ -32,24 +35,17 @@ const char* ProblemOf(const ScenePose& pose) noexcept {
   return slow ? nullptr : "a velocity is not within 1000";
 }
 
-struct FeelRange {
-  double HapticFeel::*field;
-  double least, most;
-  const char* problem;
-};
-constexpr FeelRange kFeelRanges[] = {
-    {&HapticFeel::stiffness_N_m, 0, 2000, "stiffness_N_m is not in 0..2000"},
-    {&HapticFeel::damping_Ns_m, 0, 5, "damping_Ns_m is not in 0..5"},
-    {&HapticFeel::static_friction, 0, 2, "static_friction is not in 0..2"},
-    {&HapticFeel::dynamic_friction, 0, 2, "dynamic_friction is not in 0..2"},
-    {&HapticFeel::viscosity_Ns_m, 0, 5, "viscosity_Ns_m is not in 0..5"},
-    {&HapticFeel::texture_amplitude_m, 0, 0.002, "texture_amplitude_m is not in 0..0.002"},
-    {&HapticFeel::texture_wavelength_m, 0.0001, 0.1, "texture_wavelength_m is not in 0.0001..0.1"},
-    {&HapticFeel::texture_gain, 0, 10, "texture_gain is not in 0..10"},
-    {&HapticFeel::vibration_amplitude_N, 0, 2, "vibration_amplitude_N is not in 0..2"},
-    {&HapticFeel::vibration_frequency_Hz, 1, 500, "vibration_frequency_Hz is not in 1..500"},
-    {&HapticFeel::pop_through_N, 0, 10, "pop_through_N is not in 0..10"},
-};
+// Of each live field: what is said of one that is out of range.
+using ProblemText = std::array<char, 80>;
+std::array<ProblemText, base::kLiveMaterialFields> MakeParameterProblems() noexcept {
+  std::array<ProblemText, base::kLiveMaterialFields> texts{};
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const base::MaterialField& field = *base::kLiveFields[i];
+    std::snprintf(texts[i].data(), texts[i].size(), "%.*s is not in %g..%g", static_cast<int>(field.key.size()),
+                  field.key.data(), field.minimum, field.maximum);
+  }
+  return texts;
+}
 
 }  // namespace
 
@@ -91,7 +87,7 @@ const char* Problem(const HapticNodes& nodes) noexcept {
 const char* Problem(const HapticMaterial& material) noexcept {
   if (material.number == 0) return kNoNumber;
   if (material.material >= kMaxHapticMaterials) return "material is not below 256";
-  return Problem(material.feel);
+  return Problem(material.parameters);
 }
 
 const char* Problem(const HapticSceneState& state) noexcept {
@@ -115,20 +111,10 @@ const char* Problem(const HapticNodeRow& row) noexcept {
   return IsTerminated(row.name) ? nullptr : "name is not terminated";
 }
 
-const char* Problem(const HapticFeel& feel) noexcept {
-  for (const FeelRange& range : kFeelRanges) {
-    if (!(feel.*range.field >= range.least && feel.*range.field <= range.most)) return range.problem;
-  }
-  return nullptr;
-}
-
-HapticFeel Tamed(const HapticFeel& feel) noexcept {
-  HapticFeel tamed;
-  for (const FeelRange& range : kFeelRanges) {
-    const double value = feel.*range.field;
-    tamed.*range.field = std::isnan(value) ? range.least : std::clamp(value, range.least, range.most);
-  }
-  return tamed;
+const char* Problem(const base::MaterialParameters& parameters) noexcept {
+  static const auto kProblems = MakeParameterProblems();
+  const std::size_t field = base::FieldOutOfRange(parameters);
+  return field < kProblems.size() ? kProblems[field].data() : nullptr;
 }
 
 }  // namespace omni::protocol

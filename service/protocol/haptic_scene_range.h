@@ -14,9 +14,6 @@ const char* Problem(const HapticMaterial& material) noexcept;
 const char* Problem(const HapticSceneState& state) noexcept;
 const char* Problem(const HapticSceneTable& table) noexcept;
 const char* Problem(const HapticNodeRow& row) noexcept;
-const char* Problem(const HapticFeel& feel) noexcept;
-
-// The same feel with every value in its range (0 where it is no number).
-HapticFeel Tamed(const HapticFeel& feel) noexcept;
+const char* Problem(const base::MaterialParameters& parameters) noexcept;
 
 }  // namespace omni::protocol

@@ -189,14 +189,15 @@ Message Take<HapticSceneRows>(const char* name, const void* bytes, std::size_t s
   std::memcpy(static_cast<void*>(&rows.table), bytes, sizeof(rows.table));
   if (const char* problem = Problem(rows.table)) return Because("%s: %s", name, problem);
   const std::size_t needed = sizeof(rows.table) + rows.table.node_count * sizeof(HapticNodeRow) +
-                             rows.table.material_count * sizeof(HapticFeel);
+                             rows.table.material_count * sizeof(base::MaterialParameters);
   if (size != needed) return Because("%s of %zu bytes, must be %zu", name, size, needed);
   rows.rows = static_cast<const std::byte*>(bytes) + sizeof(rows.table);
   for (std::uint32_t i = 0; i < rows.table.node_count; ++i) {
     if (const char* problem = Problem(rows.Node(i))) return Because("%s: node %u: %s", name, i, problem);
   }
   for (std::uint32_t i = 0; i < rows.table.material_count; ++i) {
-    if (const char* problem = Problem(rows.Material(i))) return Because("%s: material %u: %s", name, i, problem);
+    if (const char* problem = protocol::Problem(rows.Material(i)))
+      return Because("%s: material %u: %s", name, i, problem);
   }
   return rows;
 }
@@ -276,11 +277,11 @@ HapticNodeRow HapticSceneRows::Node(std::uint32_t i) const noexcept {
   return row;
 }
 
-HapticFeel HapticSceneRows::Material(std::uint32_t i) const noexcept {
-  HapticFeel feel;
-  std::memcpy(static_cast<void*>(&feel), rows + table.node_count * sizeof(HapticNodeRow) + i * sizeof(feel),
-              sizeof(feel));
-  return feel;
+base::MaterialParameters HapticSceneRows::Material(std::uint32_t i) const noexcept {
+  base::MaterialParameters parameters;
+  std::memcpy(static_cast<void*>(&parameters), rows + table.node_count * sizeof(HapticNodeRow) + i * sizeof(parameters),
+              sizeof(parameters));
+  return parameters;
 }
 
 Message Validate(const void* bytes, std::size_t size) noexcept {

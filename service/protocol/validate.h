@@ -46,8 +46,8 @@ struct HapticSceneNews {
 struct HapticSceneRows {
   HapticSceneTable table;
   const std::byte* rows = nullptr;
-  HapticNodeRow Node(std::uint32_t i) const noexcept;   // i < table.node_count
-  HapticFeel Material(std::uint32_t i) const noexcept;  // i < table.material_count
+  HapticNodeRow Node(std::uint32_t i) const noexcept;                 // i < table.node_count
+  base::MaterialParameters Material(std::uint32_t i) const noexcept;  // i < table.material_count
 };
 
 using Message =

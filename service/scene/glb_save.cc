@@ -58,11 +58,11 @@ OrderedJson TagOf(const haptics::Material& material) {
     tag["sculptable"]["falloff"] = NameOf(kFalloffs, material.sculpt.falloff);
     tag["sculptable"]["symmetry"] = NameOf(kSymmetries, material.sculpt.symmetry);
   }
-  for (const auto& key : kMaterialKeys) {
-    if (key.key.starts_with("softness.") && !soft) continue;
-    if (key.key.starts_with("extrude.") && !material.extrude.enabled) continue;
-    if (key.key.starts_with("sculptable.") && !material.sculpt.enabled) continue;
-    PutKey(key.key, key.Get(material), tag);
+  for (const base::MaterialField& field : base::kMaterialFields) {
+    if (field.Group() == "softness" && !soft) continue;
+    if (field.Group() == "extrude" && !material.extrude.enabled) continue;
+    if (field.Group() == "sculptable" && !material.sculpt.enabled) continue;
+    PutKey(field.key, field.Get(material), tag);
   }
   return tag;
 }

@@ -1,36 +1,16 @@
-// The one table of every numeric key of a haptic tag: name, unit, range, field. Drives parsing and clamping;
-// a test holds scenes/schema/OMNI_haptic_material.schema.json and docs/scenes.md to it.
+// What may stand in a haptic tag beside the numbers of a material (service/base/material_fields.h): its words, and the
+// numbers of a joystick, a vehicle and a checkpoint. Drives parsing and clamping; `scene_keys_page` writes what of it
+// stands in scenes/schema/OMNI_haptic_material.schema.json and docs/scenes.md, and a test compares.
 #pragma once
 
 #include <array>
 #include <span>
 #include <string_view>
 
+#include "service/base/material_fields.h"
 #include "service/haptics/scene_input.h"
 
 namespace omni::scene {
-
-template <class T>
-struct NumberKey {
-  std::string_view key;  // path inside the tag: "softness.thickness"
-  std::string_view unit;
-  double minimum;
-  double maximum;
-  double& (*real)(T&);          // the field, or ...
-  int& (*whole)(T&) = nullptr;  // ... when it counts something
-
-  double Get(const T& object) const {
-    T copy = object;
-    return whole ? whole(copy) : real(copy);
-  }
-  void Set(T& object, double value) const {
-    if (whole) {
-      whole(object) = static_cast<int>(value);
-    } else {
-      real(object) = value;
-    }
-  }
-};
 
 // A word of a tag and what it means.
 template <class Value>
@@ -59,139 +39,51 @@ constexpr std::string_view NameOf(const std::array<TagWord<Value>, kCount>& word
   return {};
 }
 
-// Defaults are those of haptics::Material.
-inline constexpr std::array kMaterialKeys = {
-    NumberKey<haptics::Material>{"stiffness", "N/m", 0, 2000,
-                                 [](haptics::Material& m) -> double& { return m.stiffness_N_m; }},
-    NumberKey<haptics::Material>{"damping", "N*s/m", 0, 5,
-                                 [](haptics::Material& m) -> double& { return m.damping_Ns_m; }},
-    NumberKey<haptics::Material>{"staticFriction", "1", 0, 2,
-                                 [](haptics::Material& m) -> double& { return m.static_friction; }},
-    NumberKey<haptics::Material>{"dynamicFriction", "1", 0, 2,
-                                 [](haptics::Material& m) -> double& { return m.dynamic_friction; }},
-    NumberKey<haptics::Material>{"restitution", "1", 0, 1,
-                                 [](haptics::Material& m) -> double& { return m.restitution; }},
-    NumberKey<haptics::Material>{"viscosity", "N*s/m", 0, 5,
-                                 [](haptics::Material& m) -> double& { return m.viscosity_Ns_m; }},
-    NumberKey<haptics::Material>{"vibrotactileTexture.amplitude", "m", 0, 0.002,
-                                 [](haptics::Material& m) -> double& { return m.texture_amplitude_m; }},
-    NumberKey<haptics::Material>{"vibrotactileTexture.wavelength", "m", 0.0001, 0.1,
-                                 [](haptics::Material& m) -> double& { return m.texture_wavelength_m; }},
-    NumberKey<haptics::Material>{"vibrotactileTexture.gain", "1", 0, 10,
-                                 [](haptics::Material& m) -> double& { return m.texture_gain; }},
-    NumberKey<haptics::Material>{"vibration.amplitude", "N", 0, 2,
-                                 [](haptics::Material& m) -> double& { return m.vibration_amplitude_N; }},
-    NumberKey<haptics::Material>{"vibration.frequency", "Hz", 1, 500,
-                                 [](haptics::Material& m) -> double& { return m.vibration_frequency_Hz; }},
-    NumberKey<haptics::Material>{"softness.youngModulus", "Pa", 1e3, 1e7,
-                                 [](haptics::Material& m) -> double& { return m.softness.young_modulus_Pa; }},
-    NumberKey<haptics::Material>{"softness.poissonRatio", "1", 0, 0.499,
-                                 [](haptics::Material& m) -> double& { return m.softness.poisson_ratio; }},
-    NumberKey<haptics::Material>{"softness.thickness", "m", 0.0005, 0.1,
-                                 [](haptics::Material& m) -> double& { return m.softness.thickness_m; }},
-    NumberKey<haptics::Material>{"softness.maxDepth", "m", 0.0001, 0.05,
-                                 [](haptics::Material& m) -> double& { return m.softness.max_depth_m; }},
-    NumberKey<haptics::Material>{"softness.relaxationTime", "s", 0.001, 10,
-                                 [](haptics::Material& m) -> double& { return m.softness.relaxation_time_s; }},
-    NumberKey<haptics::Material>{"softness.fibreRatio", "1", 1, 20,
-                                 [](haptics::Material& m) -> double& { return m.softness.fibre_ratio; }},
-    NumberKey<haptics::Material>{"softness.hardening", "1", 0, 20,
-                                 [](haptics::Material& m) -> double& { return m.softness.hardening; }},
-    NumberKey<haptics::Material>{"popThrough", "N", 0, 10,
-                                 [](haptics::Material& m) -> double& { return m.pop_through_N; }},
-    NumberKey<haptics::Material>{"magnet.maxForce", "N", 0, 2,
-                                 [](haptics::Material& m) -> double& { return m.magnet_max_force_N; }},
-    NumberKey<haptics::Material>{"magnet.range", "m", 0.0001, 0.03,
-                                 [](haptics::Material& m) -> double& { return m.magnet_range_m; }},
-    NumberKey<haptics::Material>{"temperature", "K", 200, 400,
-                                 [](haptics::Material& m) -> double& { return m.temperature_K; }},
-    NumberKey<haptics::Material>{"extrude.step", "m", 0.0005, 0.02,
-                                 [](haptics::Material& m) -> double& { return m.extrude.step_m; }},
-    NumberKey<haptics::Material>{"extrude.stepsOut", "1", 0, 20, nullptr,
-                                 [](haptics::Material& m) -> int& { return m.extrude.steps_out; }},
-    NumberKey<haptics::Material>{"extrude.stepsIn", "1", 0, 20, nullptr,
-                                 [](haptics::Material& m) -> int& { return m.extrude.steps_in; }},
-    NumberKey<haptics::Material>{"extrude.grabForce", "N", 0.05, 2,
-                                 [](haptics::Material& m) -> double& { return m.extrude.grab_force_N; }},
-    NumberKey<haptics::Material>{"extrude.dwell", "s", 0, 5,
-                                 [](haptics::Material& m) -> double& { return m.extrude.dwell_s; }},
-    NumberKey<haptics::Material>{"sculptable.radius", "m", 0.0005, 0.03,
-                                 [](haptics::Material& m) -> double& { return m.sculpt.radius_m; }},
-    NumberKey<haptics::Material>{"sculptable.snap", "m", 0, 0.02,
-                                 [](haptics::Material& m) -> double& { return m.sculpt.snap_m; }},
-    NumberKey<haptics::Material>{"sculptable.grabForce", "N", 0.05, 2,
-                                 [](haptics::Material& m) -> double& { return m.sculpt.grab_force_N; }},
-    NumberKey<haptics::Material>{"sculptable.dwell", "s", 0, 5,
-                                 [](haptics::Material& m) -> double& { return m.sculpt.dwell_s; }},
-    NumberKey<haptics::Material>{"sculptable.resistance", "N/m", 0, 2000,
-                                 [](haptics::Material& m) -> double& { return m.sculpt.resistance_N_m; }},
-};
-
 // Further keys of a node with "role": "joystick".
-inline constexpr std::array kJoystickKeys = {
-    NumberKey<haptics::JoystickInput>{"stiffness", "N/m", 0, 500,
-                                      [](haptics::JoystickInput& j) -> double& { return j.stiffness_N_m; }},
-    NumberKey<haptics::JoystickInput>{"damping", "N*s/m", 0, 5,
-                                      [](haptics::JoystickInput& j) -> double& { return j.damping_Ns_m; }},
-    NumberKey<haptics::JoystickInput>{"range", "m", 0.001, 0.05,
-                                      [](haptics::JoystickInput& j) -> double& { return j.range_m; }},
-    NumberKey<haptics::JoystickInput>{"deadZone", "m", 0, 0.04,
-                                      [](haptics::JoystickInput& j) -> double& { return j.dead_zone_m; }},
-    NumberKey<haptics::JoystickInput>{"detentForce", "N", 0, 0.5,
-                                      [](haptics::JoystickInput& j) -> double& { return j.detent_force_N; }},
-    NumberKey<haptics::JoystickInput>{"radialDetents", "1", 0, 8, nullptr,
-                                      [](haptics::JoystickInput& j) -> int& { return j.radial_detents; }},
-    NumberKey<haptics::JoystickInput>{"angularDetents", "1", 0, 16, nullptr,
-                                      [](haptics::JoystickInput& j) -> int& { return j.angular_detents; }},
-};
+inline constexpr auto kJoystickKeys = std::to_array<base::NumberField<haptics::JoystickInput>>({
+    {"stiffness", "N/m", 0, 500, base::Member<&haptics::JoystickInput::stiffness_N_m>(), ""},
+    {"damping", "N*s/m", 0, 5, base::Member<&haptics::JoystickInput::damping_Ns_m>(), ""},
+    {"range", "m", 0.001, 0.05, base::Member<&haptics::JoystickInput::range_m>(), "full deflection"},
+    {"deadZone", "m", 0, 0.04, base::Member<&haptics::JoystickInput::dead_zone_m>(), "below `range`"},
+    {"detentForce", "N", 0, 0.5, base::Member<&haptics::JoystickInput::detent_force_N>(),
+     "how strongly the notches hold"},
+    {"radialDetents", "1", 0, 8, base::Member<&haptics::JoystickInput::radial_detents>(),
+     "notches between dead zone and range"},
+    {"angularDetents", "1", 0, 16, base::Member<&haptics::JoystickInput::angular_detents>(),
+     "directions the stick prefers"},
+});
 
 // Further keys of a node with "role": "vehicle".
-inline constexpr std::array kVehicleKeys = {
-    NumberKey<haptics::VehicleInput>{"radius", "m", 0.0005, 0.05,
-                                     [](haptics::VehicleInput& v) -> double& { return v.radius_m; }},
-    NumberKey<haptics::VehicleInput>{"wheelbase", "m", 0.0005, 0.1,
-                                     [](haptics::VehicleInput& v) -> double& { return v.wheelbase_m; }},
-    NumberKey<haptics::VehicleInput>{"speedMax", "m/s", 0.001, 1,
-                                     [](haptics::VehicleInput& v) -> double& { return v.speed_max_m_s; }},
-    NumberKey<haptics::VehicleInput>{"acceleration", "m/s^2", 0.001, 10,
-                                     [](haptics::VehicleInput& v) -> double& { return v.acceleration_m_s2; }},
-    NumberKey<haptics::VehicleInput>{"steerMax", "rad", 0.01, 1.2,
-                                     [](haptics::VehicleInput& v) -> double& { return v.steer_max_rad; }},
-    NumberKey<haptics::VehicleInput>{"hitForce", "N", 0, 2,
-                                     [](haptics::VehicleInput& v) -> double& { return v.hit_force_N; }},
-    NumberKey<haptics::VehicleInput>{"hitSpeed", "m/s", 0.001, 1,
-                                     [](haptics::VehicleInput& v) -> double& { return v.hit_speed_m_s; }},
-    NumberKey<haptics::VehicleInput>{"hitDuration", "s", 0.005, 0.2,
-                                     [](haptics::VehicleInput& v) -> double& { return v.hit_duration_s; }},
-    NumberKey<haptics::VehicleInput>{"grip", "g", 0.01, 5,
-                                     [](haptics::VehicleInput& v) -> double& { return v.grip_g; }},
-    NumberKey<haptics::VehicleInput>{
-        "slipStiffnessFront", "1/rad", 0.1, 50,
-        [](haptics::VehicleInput& v) -> double& { return v.slip_stiffness_front_per_rad; }},
-    NumberKey<haptics::VehicleInput>{"slipStiffnessRear", "1/rad", 0.1, 50,
-                                     [](haptics::VehicleInput& v) -> double& { return v.slip_stiffness_rear_per_rad; }},
-    NumberKey<haptics::VehicleInput>{"frontShare", "1", 0.2, 0.8,
-                                     [](haptics::VehicleInput& v) -> double& { return v.front_share; }},
-    NumberKey<haptics::VehicleInput>{"inertia", "1", 0.2, 5,
-                                     [](haptics::VehicleInput& v) -> double& { return v.inertia; }},
-    NumberKey<haptics::VehicleInput>{"engineForce", "N", 0, 0.1,
-                                     [](haptics::VehicleInput& v) -> double& { return v.engine_force_N; }},
-    NumberKey<haptics::VehicleInput>{"engineFrequency", "Hz", 0, 150,
-                                     [](haptics::VehicleInput& v) -> double& { return v.engine_frequency_Hz; }},
-    NumberKey<haptics::VehicleInput>{"roadForce", "N", 0, 0.1,
-                                     [](haptics::VehicleInput& v) -> double& { return v.road_force_N; }},
-    NumberKey<haptics::VehicleInput>{"roadWavelength", "m", 0.0001, 0.1,
-                                     [](haptics::VehicleInput& v) -> double& { return v.road_wavelength_m; }},
-    NumberKey<haptics::VehicleInput>{"startLine", "m", -0.1, 0.1,
-                                     [](haptics::VehicleInput& v) -> double& { return v.start_line_m; }},
-    NumberKey<haptics::VehicleInput>{"lineWidth", "m", 0.001, 0.2,
-                                     [](haptics::VehicleInput& v) -> double& { return v.line_width_m; }},
-};
+inline constexpr auto kVehicleKeys = std::to_array<base::NumberField<haptics::VehicleInput>>({
+    {"radius", "m", 0.0005, 0.05, base::Member<&haptics::VehicleInput::radius_m>(), ""},
+    {"wheelbase", "m", 0.0005, 0.1, base::Member<&haptics::VehicleInput::wheelbase_m>(), ""},
+    {"speedMax", "m/s", 0.001, 1, base::Member<&haptics::VehicleInput::speed_max_m_s>(), ""},
+    {"acceleration", "m/s^2", 0.001, 10, base::Member<&haptics::VehicleInput::acceleration_m_s2>(), ""},
+    {"steerMax", "rad", 0.01, 1.2, base::Member<&haptics::VehicleInput::steer_max_rad>(), ""},
+    {"hitForce", "N", 0, 2, base::Member<&haptics::VehicleInput::hit_force_N>(), ""},
+    {"hitSpeed", "m/s", 0.001, 1, base::Member<&haptics::VehicleInput::hit_speed_m_s>(), ""},
+    {"hitDuration", "s", 0.005, 0.2, base::Member<&haptics::VehicleInput::hit_duration_s>(), ""},
+    {"grip", "g", 0.01, 5, base::Member<&haptics::VehicleInput::grip_g>(), "largest acceleration by the tyres"},
+    {"slipStiffnessFront", "1/rad", 0.1, 50, base::Member<&haptics::VehicleInput::slip_stiffness_front_per_rad>(),
+     "side force over load, per rad of slip angle"},
+    {"slipStiffnessRear", "1/rad", 0.1, 50, base::Member<&haptics::VehicleInput::slip_stiffness_rear_per_rad>(),
+     "the same at the rear"},
+    {"frontShare", "1", 0.2, 0.8, base::Member<&haptics::VehicleInput::front_share>(),
+     "of the weight on the front axle"},
+    {"inertia", "1", 0.2, 5, base::Member<&haptics::VehicleInput::inertia>(),
+     "squared radius of gyration over the product of the axle distances"},
+    {"engineForce", "N", 0, 0.1, base::Member<&haptics::VehicleInput::engine_force_N>(), "hum at full speed"},
+    {"engineFrequency", "Hz", 0, 150, base::Member<&haptics::VehicleInput::engine_frequency_Hz>(), "at full speed"},
+    {"roadForce", "N", 0, 0.1, base::Member<&haptics::VehicleInput::road_force_N>(), "ripple of the road"},
+    {"roadWavelength", "m", 0.0001, 0.1, base::Member<&haptics::VehicleInput::road_wavelength_m>(), ""},
+    {"startLine", "m", -0.1, 0.1, base::Member<&haptics::VehicleInput::start_line_m>(), "ahead of the start"},
+    {"lineWidth", "m", 0.001, 0.2, base::Member<&haptics::VehicleInput::line_width_m>(), "of the start line"},
+});
 
 // Further keys of a node with "role": "checkpoint".
-inline constexpr std::array kCheckpointKeys = {
-    NumberKey<haptics::Checkpoint>{"width", "m", 0.001, 0.2,
-                                   [](haptics::Checkpoint& c) -> double& { return c.width_m; }},
-};
+inline constexpr auto kCheckpointKeys = std::to_array<base::NumberField<haptics::Checkpoint>>({
+    {"width", "m", 0.001, 0.2, base::Member<&haptics::Checkpoint::width_m>(),
+     "of the line across the road, crossed along the node's x axis"},
+});
 
 }  // namespace omni::scene

@@ -84,18 +84,17 @@ class TagReader {
     }
   }
 
-  template <class T, std::size_t kCount>
-  bool ReadNumber(const std::array<NumberKey<T>, kCount>& keys, Values<T>& values, const std::string& path,
-                  const Json& value, const std::string& pointer) {
-    for (std::size_t i = 0; i < kCount; ++i) {
-      if (keys[i].key == path) {
-        const auto number = InRange(keys[i].minimum, keys[i].maximum, keys[i].whole != nullptr,
-                                    std::string(keys[i].unit), value, pointer);
-        if (number) values.Set(i, *number);
-        return true;
-      }
-    }
-    return false;
+  // False: `fields`, a table of base::NumberField<T>, has no such key.
+  template <class Fields, class T>
+  bool ReadNumber(const Fields& fields, Values<T>& values, const std::string& path, const Json& value,
+                  const std::string& pointer) {
+    const std::size_t i = base::IndexOfKey(fields, path);
+    if (i == fields.size()) return false;
+    const base::NumberField<T>& field = fields[i];
+    const auto number =
+        InRange(field.minimum, field.maximum, field.member.whole, std::string(field.unit), value, pointer);
+    if (number) values.Set(i, *number);
+    return true;
   }
 
  private:
@@ -118,7 +117,7 @@ class TagReader {
     if (role == Role::kJoystick) return add(kJoystickKeys), keys;
     if (role == Role::kVehicle) return add(kVehicleKeys), keys;
     if (role == Role::kCheckpoint) return add(kCheckpointKeys), keys;
-    add(kMaterialKeys);
+    add(base::kMaterialFields);
     for (const char* key : {"softness", "softness.model", "softness.fibreDirection", "extrude", "sculptable",
                             "sculptable.falloff", "sculptable.symmetry", "vibrotactileTexture", "vibration", "magnet"})
       keys.emplace_back(key);
@@ -126,7 +125,7 @@ class TagReader {
   }
 
   static bool IsGroup(const std::string& path) {
-    return std::any_of(kMaterialKeys.begin(), kMaterialKeys.end(), [&](const auto& row) {
+    return std::any_of(base::kMaterialFields.begin(), base::kMaterialFields.end(), [&](const auto& row) {
       return row.key.size() > path.size() && row.key[path.size()] == '.' && row.key.starts_with(path);
     });
   }
@@ -186,7 +185,7 @@ class TagReader {
     if (role == Role::kJoystick) return ReadNumber(kJoystickKeys, tag_.joystick, path, value, pointer);
     if (role == Role::kVehicle) return ReadNumber(kVehicleKeys, tag_.vehicle, path, value, pointer);
     if (role == Role::kCheckpoint) return ReadNumber(kCheckpointKeys, tag_.checkpoint, path, value, pointer);
-    return ReadNumber(kMaterialKeys, tag_.material, path, value, pointer);
+    return ReadNumber(base::kMaterialFields, tag_.material, path, value, pointer);
   }
 
   std::optional<double> InRange(double minimum, double maximum, bool whole, const std::string& unit, const Json& value,
@@ -220,10 +219,10 @@ void Override(Values<T>& weaker, const Values<T>& stronger) {
   for (const auto& [key, number] : stronger.given()) weaker.Set(key, number);
 }
 
-template <class T, std::size_t kCount>
-T Filled(const std::array<NumberKey<T>, kCount>& keys, const Values<T>& values) {
+template <class Fields, class T>
+T Filled(const Fields& fields, const Values<T>& values) {
   T filled;
-  for (const auto& [key, number] : values.given()) keys[key].Set(filled, number);
+  for (const auto& [place, number] : values.given()) fields[place].Set(filled, number);
   return filled;
 }
 
@@ -314,8 +313,7 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
   struct Tip {
     double radius_m = 0;
   };
-  constexpr std::array kKeys = {
-      NumberKey<Tip>{"tip.radius", "m", 0, 0.01, [](Tip& tip) -> double& { return tip.radius_m; }}};
+  constexpr std::array kKeys = {base::NumberField<Tip>{"tip.radius", "m", 0, 0.01, base::Member<&Tip::radius_m>(), ""}};
   const Json* extras = Find(scene, "extras");
   const Json* haptic = extras ? Find(*extras, "haptic") : nullptr;
   const Json* tip = haptic ? Find(*haptic, "tip") : nullptr;
@@ -351,7 +349,7 @@ static void Settle(const HapticTag& tag, const std::string& pointer, Warnings& w
 }
 
 haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings) {
-  haptics::Material material = Filled(kMaterialKeys, tag.material);
+  haptics::Material material = Filled(base::kMaterialFields, tag.material);
   material.softness.model = tag.softness.value_or(haptics::SoftnessModel::kNone);
   material.smooth = tag.smooth.value_or(false);
   material.extrude.enabled = tag.extrude.value_or(false);
@@ -360,8 +358,8 @@ haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, W
   material.sculpt.symmetry = tag.symmetry.value_or(material.sculpt.symmetry);
   Settle(tag, pointer, warnings, material);
   if (!(material.dynamic_friction <= material.static_friction)) {
-    // Field 2 is staticFriction, 3 dynamicFriction. Only what was said is complained about.
-    if (tag.material.Get(3)) {
+    // Only what was said is complained about.
+    if (tag.material.Get(base::IndexOfKey(base::kMaterialFields, "dynamicFriction"))) {
       warnings.Add(pointer, "dynamicFriction " + Text(material.dynamic_friction) + " is above staticFriction " +
                                 Text(material.static_friction) + "; " + Text(material.static_friction) +
                                 " is used for both");
@@ -385,15 +383,15 @@ std::vector<double> FieldsOf(const haptics::Material& m) {
                                 static_cast<double>(m.stiffness_texture),
                                 static_cast<double>(m.friction_texture),
                                 static_cast<double>(m.vibrotactile_texture)};
-  fields.reserve(fields.size() + kMaterialKeys.size());
-  for (const auto& row : kMaterialKeys) fields.push_back(row.Get(m));
+  fields.reserve(fields.size() + base::kMaterialFields.size());
+  for (const auto& row : base::kMaterialFields) fields.push_back(row.Get(m));
   return fields;
 }
 
 haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings) {
   haptics::JoystickInput joystick = Filled(kJoystickKeys, tag.joystick);
   if (!(joystick.dead_zone_m < joystick.range_m)) {
-    if (tag.joystick.Get(3)) {
+    if (tag.joystick.Get(base::IndexOfKey(kJoystickKeys, "deadZone"))) {
       warnings.Add(pointer, "deadZone " + Text(joystick.dead_zone_m) + " m must be below range " +
                                 Text(joystick.range_m) + " m; a tenth of the range is used");
     }

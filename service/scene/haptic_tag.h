@@ -34,8 +34,8 @@ class Warnings {
   std::vector<std::string>& lines_;
 };
 
-// The numbers that a tag gives, by their places in the table of T's keys. A hundred thousand nodes may have tags, most
-// of them a number or two.
+// The numbers that a tag gives, by their places in the table of T's fields. A hundred thousand nodes may have tags,
+// most of them a number or two.
 template <class T>
 class Values {
  public:

@@ -6,10 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/material_fields.h"
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
 #include "service/protocol/text.h"
-#include "service/tools/material_table.h"
 #include "service/tools/scene_features.h"
 
 namespace omni::tools {
@@ -56,22 +56,35 @@ std::string Padded(std::string text, std::size_t width) {
   return text;
 }
 
+// " N s/m"; empty where there is no unit.
+std::string UnitText(const base::MaterialField& field) {
+  if (field.unit == "1") return "";
+  std::string unit = " " + std::string(field.unit);
+  std::replace(unit.begin(), unit.end(), '*', ' ');
+  return unit;
+}
+
+std::string FieldText(const base::MaterialField& field, const Material& material) {
+  return std::string(field.label) + " " + Number(field.Get(material)) + UnitText(field);
+}
+
+// A part that a material may do without: its numbers stand together.
+bool IsPart(std::string_view group) { return group == "softness" || group == "extrude" || group == "sculptable"; }
+
 // ", name 12 unit" for what differs from the default; the four that always matter come first, whatever their value.
 std::string MaterialLine(const Material& material) {
-  constexpr std::size_t kAlways = 4;
-  const Material standard;
+  constexpr int kAlways = 4;
   std::string text;
-  for (std::size_t i = 0; i < std::size(kMaterialNumbers); ++i) {
-    const MaterialNumber& number = kMaterialNumbers[i];
-    if (i >= kAlways && material.*number.field == standard.*number.field) continue;
-    text += (text.empty() ? "" : ", ") + std::string(number.name) + " " + Number(material.*number.field);
-    if (*number.unit != '\0') text += std::string(" ") + number.unit;
+  int count = 0;
+  for (const base::MaterialField& field : base::kMaterialFields) {
+    if (IsPart(field.Group())) continue;
+    if (count++ >= kAlways && field.Get(material) == field.Default()) continue;
+    text += (text.empty() ? "" : ", ") + FieldText(field, material);
   }
   if (material.softness.model != SoftnessModel::kNone) {
     text += std::string(", softness ") + NameOf(material.softness.model);
-    for (const SoftnessNumber& number : kSoftnessNumbers) {
-      text += std::string(", ") + number.name + " " + Number(material.softness.*number.field);
-      if (*number.unit != '\0') text += std::string(" ") + number.unit;
+    for (const base::MaterialField& field : base::kMaterialFields) {
+      if (field.Group() == "softness") text += ", " + FieldText(field, material);
     }
   }
   if (material.extrude.enabled) {
@@ -132,28 +145,29 @@ std::span<const Material> MaterialsOf(const Scene& scene) {
 
 json VectorJson(const base::Vec3& v) { return json::array({v.x, v.y, v.z}); }
 
-std::string KeyOf(const char* name, const char* unit) {
-  std::string key(name);
-  if (*unit != '\0') key += std::string("_") + unit;
+// "static friction" in "N*s/m" -> "static_friction_N_s_m".
+std::string KeyOf(const base::MaterialField& field) {
+  std::string key(field.label);
+  if (field.unit != "1") key += "_" + std::string(field.unit);
   for (char& c : key) {
-    if (c == ' ' || c == '/') c = '_';
+    if (c == ' ' || c == '/' || c == '*') c = '_';
   }
   return key;
 }
 
 json MaterialJson(const Material& material) {
   json values = json::object();
-  for (const MaterialNumber& number : kMaterialNumbers) {
-    values[KeyOf(number.name, number.unit)] = material.*number.field;
+  values["softness"] = {{"model", NameOf(material.softness.model)}};
+  values["extrude"] = {{"enabled", material.extrude.enabled}};
+  values["sculptable"] = {{"enabled", material.sculpt.enabled}};
+  for (const base::MaterialField& field : base::kMaterialFields) {
+    json& place = IsPart(field.Group()) ? values[std::string(field.Group())] : values;
+    if (field.member.whole) {
+      place[KeyOf(field)] = static_cast<int>(field.Get(material));
+    } else {
+      place[KeyOf(field)] = field.Get(material);
+    }
   }
-  json softness = {{"model", NameOf(material.softness.model)}};
-  for (const SoftnessNumber& number : kSoftnessNumbers) {
-    softness[KeyOf(number.name, number.unit)] = material.softness.*number.field;
-  }
-  values["softness"] = std::move(softness);
-  values["extrude"] = {{"enabled", material.extrude.enabled},           {"step_m", material.extrude.step_m},
-                       {"steps_out", material.extrude.steps_out},       {"steps_in", material.extrude.steps_in},
-                       {"grab_force_N", material.extrude.grab_force_N}, {"dwell_s", material.extrude.dwell_s}};
   return values;
 }
 

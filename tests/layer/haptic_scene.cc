@@ -179,7 +179,7 @@ TEST(HapticScene, MaterialsAreReadSetAndKeptInRange) {
   material.dynamicFriction = 0.7f;
   ASSERT_EQ(story.f->set_material(story.scene, 0, &material), XR_SUCCESS);
   ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_materials.empty(); }));
-  const protocol::HapticFeel told = story.service->heard().scene_materials[0].feel;
+  const base::MaterialParameters told = story.service->heard().scene_materials[0].parameters;
   EXPECT_EQ(told.stiffness_N_m, 2000);
   EXPECT_FLOAT_EQ(static_cast<float>(told.dynamic_friction), 0.3f) << "never above the static one";
   ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
@@ -248,7 +248,7 @@ TEST(HapticScene, SurvivesTheService) {
   ASSERT_EQ(heard.scene_documents.size(), 1u);
   EXPECT_EQ(heard.scene_documents[0], kDocument);
   ASSERT_EQ(heard.scene_materials.size(), 1u);
-  EXPECT_EQ(heard.scene_materials[0].feel.stiffness_N_m, 100);
+  EXPECT_EQ(heard.scene_materials[0].parameters.stiffness_N_m, 100);
   EXPECT_EQ(heard.scene_enables[0].enabled, 0u);
 }
 

@@ -13,7 +13,7 @@ void Append(std::string& message, const T& part) {
 }  // namespace
 
 SceneTable TwoNodes() {
-  SceneTable table{std::vector<protocol::HapticNodeRow>(2), std::vector<protocol::HapticFeel>(1)};
+  SceneTable table{std::vector<protocol::HapticNodeRow>(2), std::vector<base::MaterialParameters>(1)};
   std::strcpy(table.nodes[0].name, "still");
   table.nodes[0].gltf_node = 4;
   table.nodes[0].flags = protocol::kNodeSoft;
@@ -26,7 +26,7 @@ SceneTable TwoNodes() {
 }
 
 SceneTable ManyNodes(std::size_t nodes, std::size_t materials) {
-  SceneTable table{std::vector<protocol::HapticNodeRow>(nodes), std::vector<protocol::HapticFeel>(materials)};
+  SceneTable table{std::vector<protocol::HapticNodeRow>(nodes), std::vector<base::MaterialParameters>(materials)};
   for (protocol::HapticNodeRow& row : table.nodes) row.flags = protocol::kNodeKinematic;
   return table;
 }
@@ -38,7 +38,7 @@ std::string SceneTableMessage(std::uint32_t number, const SceneTable& table) {
   head.material_count = static_cast<std::uint32_t>(table.materials.size());
   std::string rows;
   for (const protocol::HapticNodeRow& row : table.nodes) Append(rows, row);
-  for (const protocol::HapticFeel& feel : table.materials) Append(rows, feel);
+  for (const base::MaterialParameters& feel : table.materials) Append(rows, feel);
   head.header.size = static_cast<std::uint32_t>(sizeof(head) + rows.size());
   std::string message;
   Append(message, head);

@@ -10,7 +10,7 @@ namespace omni::test {
 
 struct SceneTable {
   std::vector<protocol::HapticNodeRow> nodes;
-  std::vector<protocol::HapticFeel> materials;
+  std::vector<base::MaterialParameters> materials;
 };
 
 // Two nodes: 0 is soft and stays where it is, 1 can be moved and is 0.1 m to the right and 0.3 m up in the document.

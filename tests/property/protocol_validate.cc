@@ -193,13 +193,13 @@ struct Contract {
     }
   }
   void operator()(const HapticMaterial& material) const {
-    EXPECT_TRUE(material.feel.stiffness_N_m >= 0 && material.feel.stiffness_N_m <= 2000);
+    EXPECT_TRUE(material.parameters.stiffness_N_m >= 0 && material.parameters.stiffness_N_m <= 2000);
     EXPECT_LT(material.material, kMaxHapticMaterials);
   }
   void operator()(const HapticSceneNews& news) const { EXPECT_EQ(news.text.size(), size - sizeof(HapticSceneState)); }
   void operator()(const HapticSceneRows& rows) const {
     EXPECT_EQ(size, sizeof(HapticSceneTable) + rows.table.node_count * sizeof(HapticNodeRow) +
-                        rows.table.material_count * sizeof(HapticFeel));
+                        rows.table.material_count * sizeof(base::MaterialParameters));
     for (std::uint32_t i = 0; i < rows.table.node_count; ++i) EXPECT_TRUE(IsTerminated(rows.Node(i).name));
   }
   template <class T>

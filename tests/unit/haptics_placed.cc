@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/base/force_limit.h"
+#include "service/base/material_fields.h"
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/live_material.h"
 #include "service/haptics/placed.h"
@@ -188,7 +189,7 @@ TEST(PlacedScene, PlacementsThatCannotBeAreIgnored) {
 
 TEST(PlacedScene, TakesNothingFromTheHeap) {
   PlacedPen pen(SceneOf(Sphere(8, 0.02)));
-  const MaterialChange change{0, FeelIn(Frictionless())};
+  const MaterialChange change{0, base::ParametersOf(Frictionless())};
   pen.input.materials = {&change, 1};
   const loop::AllocProbe probe;
   for (int k = 0; k < 1000; ++k) {
@@ -209,14 +210,14 @@ TEST(LiveMaterial, AChangeUnderThePenIsContinuous) {
     PlacedPen pen(SceneOf(Block(4, {0.05, 0.05, 0.01}), material));
     double x_m = 0;
     for (int k = 0; k < 400; ++k) pen.MoveTo({x_m, 0, 0.0125 - 1e-5 * std::min(k, 300)}, {});
-    MaterialChange change{0, FeelIn(material)};
-    change.feel.stiffness_N_m = random.Uniform(0, 900);
-    change.feel.damping_Ns_m = random.Uniform(0, 2);
-    change.feel.static_friction = random.Uniform(0, 1.5);
-    change.feel.dynamic_friction = change.feel.static_friction;  // a stick that slips is a step of its own
-    change.feel.viscosity_Ns_m = random.Uniform(0, 2);
-    change.feel.vibration_amplitude_N = random.Uniform(0, 0.03);
-    change.feel.vibration_frequency_Hz = random.Uniform(20, 120);
+    MaterialChange change{0, base::ParametersOf(material)};
+    change.parameters.stiffness_N_m = random.Uniform(0, 900);
+    change.parameters.damping_Ns_m = random.Uniform(0, 2);
+    change.parameters.static_friction = random.Uniform(0, 1.5);
+    change.parameters.dynamic_friction = change.parameters.static_friction;  // a stick that slips is a step of its own
+    change.parameters.viscosity_Ns_m = random.Uniform(0, 2);
+    change.parameters.vibration_amplitude_N = random.Uniform(0, 0.03);
+    change.parameters.vibration_frequency_Hz = random.Uniform(20, 120);
     pen.input.materials = {&change, 1};
     pen.step_N = 0;
     for (int k = 0; k < 300; ++k) {
@@ -224,7 +225,7 @@ TEST(LiveMaterial, AChangeUnderThePenIsContinuous) {
       pen.MoveTo({x_m, 0, 0.0095}, {});
     }
     largest_N = std::max(largest_N, pen.step_N);
-    const double expected_N = std::min(change.feel.stiffness_N_m, pen.output.stiffness_offered_N_m) * 0.0005;
+    const double expected_N = std::min(change.parameters.stiffness_N_m, pen.output.stiffness_offered_N_m) * 0.0005;
     ASSERT_EQ(pen.output.contact_count, 1);
     EXPECT_NEAR(pen.output.contacts[0].normal_force_N, expected_N, 0.05 * expected_N + 1e-4) << trial;
   }
@@ -236,8 +237,8 @@ TEST(LiveMaterial, AChangeUnderThePenIsContinuous) {
 
 TEST(LiveMaterial, GoesBackToTheScenesWhenItIsNamedNoMore) {
   PlacedPen pen(SceneOf(Block(4, {0.05, 0.05, 0.01}), Frictionless()));
-  MaterialChange change{0, FeelIn(Frictionless())};
-  change.feel.stiffness_N_m = 100;
+  MaterialChange change{0, base::ParametersOf(Frictionless())};
+  change.parameters.stiffness_N_m = 100;
   pen.input.materials = {&change, 1};
   for (int k = 0; k < 700; ++k) pen.MoveTo({0, 0, 0.012 - 7e-6 * std::min(k, 400)}, {});
   EXPECT_NEAR(pen.output.force_base_N.z, 100 * 0.0008, 1e-3);
@@ -249,9 +250,9 @@ TEST(LiveMaterial, GoesBackToTheScenesWhenItIsNamedNoMore) {
 TEST(LiveMaterial, WhatIsNoNumberOrNoMaterialChangesNothing) {
   const double nan = std::nan("");
   PlacedPen with(SceneOf(Block(4, {0.05, 0.05, 0.01}))), without(SceneOf(Block(4, {0.05, 0.05, 0.01})));
-  MaterialChange changes[] = {{0, FeelIn(Material{})}, {7, {}}, {kNoIndex, {}}};
-  changes[0].feel.stiffness_N_m = nan;
-  changes[0].feel.static_friction = nan;
+  MaterialChange changes[] = {{0, base::ParametersOf(Material{})}, {7, {}}, {kNoIndex, {}}};
+  changes[0].parameters.stiffness_N_m = nan;
+  changes[0].parameters.static_friction = nan;
   with.input.materials = changes;
   for (int k = 0; k < 400; ++k) {
     const Vec3 tip{1e-5 * k, 0, 0.012 - 1e-5 * k};

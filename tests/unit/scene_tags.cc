@@ -30,9 +30,9 @@ TEST(SceneTags, WithOneTagTheUntaggedAreNotTouched) {
 }
 
 TEST(SceneTags, EveryKeyReachesItsField) {
-  for (const auto& row : kMaterialKeys) {
+  for (const auto& row : base::kMaterialFields) {
     // In the middle of the range, friction apart (static >= dynamic): a value that is not the default.
-    const double value = row.whole ? 3 : row.minimum + 0.37 * (row.maximum - row.minimum);
+    const double value = row.member.whole ? 3 : row.minimum + 0.37 * (row.maximum - row.minimum);
     Model model = Tetra();
     model.json["nodes"][0]["extras"] = {{"haptic." + std::string(row.key), value}, {"haptic.staticFriction", 2}};
     if (row.key == "staticFriction") model.json["nodes"][0]["extras"] = {{"haptic.staticFriction", value}};
@@ -94,7 +94,7 @@ TEST(SceneTags, TheOlderSpellingOfTheMpegExtensionIsRead) {
 }
 
 TEST(SceneTags, OutOfRangeIsClampedWithThePointer) {
-  for (const auto& row : kMaterialKeys) {
+  for (const auto& row : base::kMaterialFields) {
     for (const double value : {row.minimum - 1, row.maximum * 2 + 1}) {
       Model model = Tetra();
       const std::string key = "haptic." + std::string(row.key);
@@ -279,7 +279,7 @@ TEST(SceneTags, ContradictionsAreSettledAndSaid) {
   }
 }
 
-// One row of the schema or of docs/scenes.md per key of the tables; found by its dotted path.
+// A row of the schema, found by its dotted path. Numbers: tests/scenes/keys_page.cc.
 const Json* SchemaRow(const Json& properties, const std::string& path) {
   const std::size_t dot = path.find('.');
   const Json& property = properties.at(path.substr(0, dot));
@@ -288,25 +288,10 @@ const Json* SchemaRow(const Json& properties, const std::string& path) {
   return SchemaRow(object.at("properties"), path.substr(dot + 1));
 }
 
-template <class T, std::size_t kCount>
-void ExpectDocumented(const std::array<NumberKey<T>, kCount>& keys, const Json& properties, const std::string& page) {
-  for (const auto& row : keys) {
-    const Json& schema = *SchemaRow(properties, std::string(row.key));
-    EXPECT_EQ(schema.at("minimum").get<double>(), row.minimum) << row.key;
-    EXPECT_EQ(schema.at("maximum").get<double>(), row.maximum) << row.key;
-    EXPECT_EQ(schema.at("default").get<double>(), row.Get(T{})) << row.key;
-    std::ostringstream line;
-    line << "| `" << row.key << "` | " << row.unit << " | " << row.minimum << " .. " << row.maximum << " | "
-         << row.Get(T{}) << " |";
-    EXPECT_TRUE(Has(page, line.str())) << "docs/scenes.md lacks: " << line.str();
-  }
-}
-
-TEST(SceneTags, SchemaAndDocumentSayWhatTheTablesSay) {
+TEST(SceneTags, SchemaAndDocumentHaveTheWords) {
   const std::string root = OMNI_SOURCE_DIR;
   const Json schema = Json::parse(ReadAll(root + "/scenes/schema/OMNI_haptic_material.schema.json"));
   const std::string page = ReadAll(root + "/docs/scenes.md");
-  ExpectDocumented(kMaterialKeys, schema.at("properties"), page);
   for (const char* word : {"`kinematic`", "`sculptable.falloff`", "`sculptable.symmetry`", "`softness.fibreDirection`",
                            "`tip.radius`", "constant, linear, smooth", "none, x, y, z"}) {
     EXPECT_TRUE(Has(page, word)) << word;
@@ -317,9 +302,6 @@ TEST(SceneTags, SchemaAndDocumentSayWhatTheTablesSay) {
   EXPECT_EQ(SchemaRow(schema.at("$defs"), "tip.radius")->at("maximum"), 0.01);
   EXPECT_EQ(SchemaRow(schema.at("properties"), "kinematic")->at("type"), "boolean");
   EXPECT_EQ(SchemaRow(schema.at("properties"), "softness.fibreDirection")->at("minItems"), 3);
-  ExpectDocumented(kJoystickKeys, schema.at("$defs").at("joystick").at("properties"), page);
-  ExpectDocumented(kVehicleKeys, schema.at("$defs").at("vehicle").at("properties"), page);
-  ExpectDocumented(kCheckpointKeys, schema.at("$defs").at("checkpoint").at("properties"), page);
 }
 
 }  // namespace test_scene_tags

@@ -1,0 +1,17 @@
+// A material as applications give it and as the service has it.
+#pragma once
+
+#include "layer/include/openxr/omni_haptic_scene.h"
+#include "service/base/material.h"
+
+namespace omni::layer {
+
+// Numbers, all of them: neither NaN nor infinite.
+bool IsMaterial(const XrHapticMaterialOMNIX1& material) noexcept;
+
+// In the ranges of service/base/material_fields.h; dynamic friction is at most static friction.
+base::MaterialParameters ToParameters(const XrHapticMaterialOMNIX1& material) noexcept;
+
+void Put(const base::MaterialParameters& parameters, XrHapticMaterialOMNIX1& material) noexcept;
+
+}  // namespace omni::layer

@@ -1,0 +1,16 @@
+// What of docs/scenes.md and of scenes/schema/OMNI_haptic_material.schema.json follows from the tables of a tag's
+// numbers.
+#pragma once
+
+#include <string>
+
+namespace omni::scenes {
+
+// The page, its tables of keys with a row for each number of the tables: ranges, units and defaults are theirs, a
+// material's meaning too. Rows of words and all other text stay. Throws std::runtime_error: a table is missing.
+std::string UpdatedPage(const std::string& page);
+
+// The schema, its numbers those of the tables. What is no number stays. Throws as above.
+std::string UpdatedSchema(const std::string& schema);
+
+}  // namespace omni::scenes

@@ -1,0 +1,70 @@
+// Tables of the numbers that a structure has: key, unit, range and member in one constexpr row. What reads, checks,
+// prints or documents the structure goes through its table.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <type_traits>
+
+namespace omni::base {
+
+// Where a number stands in a T. A count is an int there and a double for everybody else.
+template <class T>
+struct NumberMember {
+  double (*get)(const T&) noexcept;
+  void (*set)(T&, double) noexcept;
+  bool whole;
+};
+
+// A member, or a member of a member: Member<&Material::softness, &Softness::thickness_m>().
+template <class T, class Number, auto... kPath>
+constexpr NumberMember<T> MakeMember() {
+  return {[](const T& object) noexcept { return static_cast<double>((object.*....*kPath)); },
+          [](T& object, double value) noexcept { (object.*....*kPath) = static_cast<Number>(value); },
+          std::is_integral_v<Number>};
+}
+template <class T>
+struct MemberOf;
+template <class T, class Value>
+struct MemberOf<Value T::*> {
+  using Object = T;
+  using Number = Value;
+};
+template <auto kFirst, auto... kMore>
+constexpr auto Member() {
+  using Object = typename MemberOf<decltype(kFirst)>::Object;
+  if constexpr (sizeof...(kMore) == 0) {
+    return MakeMember<Object, typename MemberOf<decltype(kFirst)>::Number, kFirst>();
+  } else {
+    return MakeMember<Object, typename MemberOf<decltype((kMore, ...))>::Number, kFirst, kMore...>();
+  }
+}
+
+template <class T>
+struct NumberField {
+  std::string_view key;   // path: "softness.thickness"
+  std::string_view unit;  // "1": none
+  double minimum, maximum;
+  NumberMember<T> member;
+  std::string_view about;  // for people, may be empty
+
+  double Get(const T& object) const noexcept { return member.get(object); }
+  void Set(T& object, double value) const noexcept { member.set(object, value); }
+  double Default() const noexcept { return Get(T{}); }
+  bool Contains(double value) const noexcept { return value >= minimum && value <= maximum; }
+  // What stands before the key's last dot; empty: nothing.
+  constexpr std::string_view Group() const noexcept {
+    const std::size_t dot = key.rfind('.');
+    return dot == std::string_view::npos ? std::string_view() : key.substr(0, dot);
+  }
+};
+
+// A key's place in a table of NumberField; the table's size: it is not there.
+template <class Fields>
+constexpr std::size_t IndexOfKey(const Fields& fields, std::string_view key) {
+  std::size_t i = 0;
+  while (i < fields.size() && fields[i].key != key) ++i;
+  return i;
+}
+
+}  // namespace omni::base
