@@ -86,7 +86,7 @@ void HapticScenes::TellAll() {
     load.flags = scene_->flags;
     load.bytes = scene_->bytes;
     load.scale = scene_->placement ? scene_->placement->scale : 1;
-    if (!connection.SendHapticScene(load, scene_->document.get())) return 0;
+    if (!connection.Send(load, scene_->document.get())) return 0;
     bool sent = !scene_->placement || OMNI_FAULT("place-not-told-again") || connection.Send(scene_->place);
     protocol::HapticNodes nodes;
     nodes.number = scene_->number;

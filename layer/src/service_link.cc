@@ -68,7 +68,7 @@ void ServiceLink::Haptic(std::int64_t duration_ns, float amplitude, float freque
 
 void ServiceLink::HapticStop() {
   const std::lock_guard lock(mutex_);
-  connection_.SendHapticStop();
+  connection_.Send(protocol::HapticStop{});
 }
 
 void ServiceLink::ClaimForce(bool wanted) {
@@ -78,17 +78,17 @@ void ServiceLink::ClaimForce(bool wanted) {
 
 void ServiceLink::SendForce(const protocol::ForceApply& apply) {
   const std::lock_guard lock(mutex_);
-  connection_.SendForce(apply);
+  connection_.Send(apply);
 }
 
 bool ServiceLink::SendConstraints(const protocol::ForceConstraints& constraints) {
   const std::lock_guard lock(mutex_);
-  return connection_.SendConstraints(constraints);
+  return connection_.Send(constraints);
 }
 
 void ServiceLink::StopForce() {
   const std::lock_guard lock(mutex_);
-  connection_.SendForceStop();
+  connection_.Send(protocol::ForceStop{});
 }
 
 protocol::ForceStanding ServiceLink::force_standing() const {
@@ -135,7 +135,7 @@ std::optional<protocol::Placement> ServiceLink::TakePlacement() {
 
 void ServiceLink::SendSpaceChange(const protocol::SpaceChange& change) {
   const std::lock_guard lock(mutex_);
-  connection_.SendSpaceChange(change);
+  connection_.Send(change);
 }
 
 bool ServiceLink::Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples) {

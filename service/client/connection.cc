@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -64,21 +65,36 @@ struct Connection::Impl {
   void Advance(std::int64_t now_ns);
   void Attempt(std::int64_t now_ns);
   void Read(std::int64_t now_ns);
-  void OnWelcome(std::int64_t now_ns, const protocol::Welcome& welcome, UniqueFd* fds, std::size_t fd_count);
-  void OnReject(std::int64_t now_ns, const protocol::Reject& reject);
-  void OnNotice(const protocol::Notice& notice);
-  void OnSurfaces(std::int64_t now_ns, const protocol::Surfaces& surfaces, UniqueFd* fds, std::size_t fd_count);
-  void OnSceneAnswer(std::int64_t now_ns, const protocol::SceneAnswer& answer, const UniqueFd* fds,
-                     std::size_t fd_count);
-  void OnHapticScene(HapticSceneUpdate update);
+  // A packet from the service, with the descriptors that came along.
+  struct Incoming {
+    std::int64_t now_ns = 0;
+    UniqueFd* files = nullptr;
+    std::size_t file_count = 0;
+  };
+  template <class M>
+  void Receive(const Incoming& packet, const M& message);
+  // One for each of OMNI_SERVER_MESSAGES.
+  void Handle(const Incoming& packet, const protocol::Welcome& welcome);
+  void Handle(const Incoming& packet, const protocol::Reject& reject);
+  void Handle(const Incoming& packet, const protocol::Surfaces& surfaces);
+  void Handle(const Incoming& packet, const protocol::SceneAnswer& answer);
+  void Handle(const Incoming&, const protocol::StatusReply& reply) { status.assign(reply.json); }
+  void Handle(const Incoming&, const protocol::Notice& notice);
+  void Handle(const Incoming&, const protocol::AppSettings& wish) { settings = wish; }
+  void Handle(const Incoming&, const protocol::ForceOwner& owner) { force_standing = owner.standing; }
+  void Handle(const Incoming&, const protocol::ForceProperties& properties);
+  void Handle(const Incoming&, const protocol::HapticSceneNews& news);
+  void Handle(const Incoming&, const protocol::HapticSceneRows& rows);
+  void Handle(const Incoming&, const protocol::Placement& there) { placement = there; }
+  void Handle(const Incoming&, const protocol::PlacementReply& reply);
+  void KeepHapticScene(HapticSceneUpdate update);
   // A packet that must not come now, or not at all.
-  void OnOther(std::int64_t now_ns, const protocol::Message& message);
+  void RefuseNonsense(std::int64_t now_ns, const std::string& what);
   void Disconnect(std::int64_t now_ns) noexcept;
   void Fail(std::int64_t now_ns, const std::string& problem);
   void SendPendingSession() noexcept;
   void SendSurfaceRequest() noexcept;
   void SendForceClaim() noexcept;
-  void OnPlacementReply(const protocol::PlacementReply& reply);
 
   template <class T>
   bool Send(const T& message) noexcept {
@@ -166,44 +182,27 @@ void Connection::Impl::Read(std::int64_t now_ns) {
     if (received.result == ReceiveResult::kTooLong) {
       return Fail(now_ns, "omnid at " + path + " sent a packet that is too long; restart omnid");
     }
-    const protocol::Message message = protocol::Validate(buffer.data(), received.size);
-    if (const auto* reject = std::get_if<protocol::Reject>(&message)) return OnReject(now_ns, *reject);
-    if (const auto* welcome = std::get_if<protocol::Welcome>(&message); welcome && phase == Phase::kGreeting) {
-      OnWelcome(now_ns, *welcome, fds, received.fd_count);
-    } else if (const auto* reply = std::get_if<protocol::StatusReply>(&message); reply && phase == Phase::kConnected) {
-      status.assign(reply->json);
-    } else if (const auto* notice = std::get_if<protocol::Notice>(&message); notice && phase == Phase::kConnected) {
-      OnNotice(*notice);
-    } else if (const auto* wish = std::get_if<protocol::AppSettings>(&message); wish && phase == Phase::kConnected) {
-      settings = *wish;
-    } else if (const auto* there = std::get_if<protocol::Surfaces>(&message); there && phase == Phase::kConnected) {
-      OnSurfaces(now_ns, *there, fds, received.fd_count);
-    } else if (const auto* owner = std::get_if<protocol::ForceOwner>(&message); owner && phase == Phase::kConnected) {
-      force_standing = owner->standing;
-    } else if (const auto* can = std::get_if<protocol::ForceProperties>(&message); can && phase == Phase::kConnected) {
-      force_properties = *can;
-      force_properties_said = true;
-    } else if (const auto* answer = std::get_if<protocol::SceneAnswer>(&message);
-               answer && phase == Phase::kConnected) {
-      OnSceneAnswer(now_ns, *answer, fds, received.fd_count);
-    } else if (const auto* news = std::get_if<protocol::HapticSceneNews>(&message);
-               news && phase == Phase::kConnected) {
-      OnHapticScene({.state = news->state, .text = PrintableLines(news->text), .table = {}});
-    } else if (const auto* rows = std::get_if<protocol::HapticSceneRows>(&message);
-               rows && phase == Phase::kConnected) {
-      OnHapticScene({.is_table = true, .state = {}, .text = {}, .table = TableOf(*rows)});
-    } else if (const auto* known = std::get_if<protocol::Placement>(&message); known && phase == Phase::kConnected) {
-      placement = *known;
-    } else if (const auto* said = std::get_if<protocol::PlacementReply>(&message); said && phase == Phase::kConnected) {
-      OnPlacementReply(*said);
-    } else {
-      OnOther(now_ns, message);
-    }
+    const Incoming packet{now_ns, fds, received.fd_count};
+    std::visit([&](const auto& message) { Receive(packet, message); },
+               protocol::ValidateFromServer(buffer.data(), received.size));
   }
 }
 
-void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& welcome, UniqueFd* fds,
-                                 std::size_t fd_count) {
+template <class M>
+void Connection::Impl::Receive(const Incoming& packet, const M& message) {
+  if constexpr (std::is_same_v<M, protocol::Invalid>) {
+    RefuseNonsense(packet.now_ns, message.reason);
+  } else if constexpr (std::is_same_v<M, protocol::Reject>) {
+    Handle(packet, message);
+  } else if ((phase == Phase::kGreeting) != std::is_same_v<M, protocol::Welcome>) {
+    RefuseNonsense(packet.now_ns, "a message that has no place there");
+  } else {
+    Handle(packet, message);
+  }
+}
+
+void Connection::Impl::Handle(const Incoming& packet, const protocol::Welcome& welcome) {
+  const auto& [now_ns, fds, fd_count] = packet;
   const std::string who = "omnid at " + path + ": ";
   if (fd_count != 2) {
     return Fail(now_ns, who + "its Welcome carries " + std::to_string(fd_count) + " descriptors, must be 2");
@@ -225,11 +224,12 @@ void Connection::Impl::OnWelcome(std::int64_t now_ns, const protocol::Welcome& w
   placement_pending = placement_request.has_value();
 }
 
-void Connection::Impl::OnPlacementReply(const protocol::PlacementReply& reply) {
+void Connection::Impl::Handle(const Incoming&, const protocol::PlacementReply& reply) {
   placement_answer = {.number = reply.number, .done = reply.done == 1, .text = protocol::Printable(reply.text)};
 }
 
-void Connection::Impl::OnReject(std::int64_t now_ns, const protocol::Reject& reject) {
+void Connection::Impl::Handle(const Incoming& packet, const protocol::Reject& reject) {
+  const std::int64_t now_ns = packet.now_ns;
   if (reject.server_version != protocol::kProtocolVersion) {
     return Fail(now_ns, "omnid at " + path + " speaks protocol version " + std::to_string(reject.server_version) +
                             ", this client version " + std::to_string(protocol::kProtocolVersion) +
@@ -238,13 +238,26 @@ void Connection::Impl::OnReject(std::int64_t now_ns, const protocol::Reject& rej
   Fail(now_ns, "omnid at " + path + " refused this client: " + protocol::Printable(reject.reason));
 }
 
-void Connection::Impl::OnNotice(const protocol::Notice& notice) {
+void Connection::Impl::Handle(const Incoming&, const protocol::Notice& notice) {
   if (notices.size() >= kMaxNotices) notices.erase(notices.begin());
   notices.push_back(notice);
 }
 
-void Connection::Impl::OnSurfaces(std::int64_t now_ns, const protocol::Surfaces& surfaces, UniqueFd* fds,
-                                  std::size_t fd_count) {
+void Connection::Impl::Handle(const Incoming&, const protocol::ForceProperties& properties) {
+  force_properties = properties;
+  force_properties_said = true;
+}
+
+void Connection::Impl::Handle(const Incoming&, const protocol::HapticSceneNews& news) {
+  KeepHapticScene({.state = news.state, .text = PrintableLines(news.text), .table = {}});
+}
+
+void Connection::Impl::Handle(const Incoming&, const protocol::HapticSceneRows& rows) {
+  KeepHapticScene({.is_table = true, .state = {}, .text = {}, .table = TableOf(rows)});
+}
+
+void Connection::Impl::Handle(const Incoming& packet, const protocol::Surfaces& surfaces) {
+  const auto& [now_ns, fds, fd_count] = packet;
   const std::size_t expected = surfaces.total_bytes > 0 ? 1 : 0;
   if (fd_count != expected) {
     return Fail(now_ns, "omnid at " + path + ": its Surfaces carries " + std::to_string(fd_count) +
@@ -262,8 +275,8 @@ void Connection::Impl::OnSurfaces(std::int64_t now_ns, const protocol::Surfaces&
   surface_reader = std::move(*mapped);
 }
 
-void Connection::Impl::OnSceneAnswer(std::int64_t now_ns, const protocol::SceneAnswer& answer, const UniqueFd* fds,
-                                     std::size_t fd_count) {
+void Connection::Impl::Handle(const Incoming& packet, const protocol::SceneAnswer& answer) {
+  const auto& [now_ns, fds, fd_count] = packet;
   const protocol::SceneReply& reply = answer.reply;
   SceneAnswer taken{
       .number = reply.number, .done = reply.done == 1, .text = protocol::Printable(answer.text), .file = {}};
@@ -279,14 +292,12 @@ void Connection::Impl::OnSceneAnswer(std::int64_t now_ns, const protocol::SceneA
   scene_answer = std::move(taken);
 }
 
-void Connection::Impl::OnHapticScene(HapticSceneUpdate update) {
+void Connection::Impl::KeepHapticScene(HapticSceneUpdate update) {
   if (haptic_scene.size() >= kMaxHapticSceneUpdates) haptic_scene.erase(haptic_scene.begin());
   haptic_scene.push_back(std::move(update));
 }
 
-void Connection::Impl::OnOther(std::int64_t now_ns, const protocol::Message& message) {
-  const auto* invalid = std::get_if<protocol::Invalid>(&message);
-  const std::string what = invalid != nullptr ? invalid->reason : "a message that has no place there";
+void Connection::Impl::RefuseNonsense(std::int64_t now_ns, const std::string& what) {
   Fail(now_ns, "omnid at " + path + " sent nonsense (" + what + "); install the same Omni version for both");
 }
 
@@ -362,10 +373,6 @@ bool Connection::SendHaptic(std::int64_t duration_ns, float amplitude, float fre
   return impl_->Send(message);
 }
 
-bool Connection::SendHapticStop() noexcept {
-  return impl_->info.role == protocol::ClientRole::kApplication && impl_->Send(protocol::HapticStop{});
-}
-
 bool Connection::SendWaveform(const protocol::Waveform& waveform, std::span<const float> samples) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication || !connected()) return false;
   if (samples.empty() || samples.size() > protocol::kMaxWaveformSamples) return false;
@@ -379,13 +386,20 @@ bool Connection::SendWaveform(const protocol::Waveform& waveform, std::span<cons
     const float value = std::clamp(samples[i], least, 1.0f);
     std::memcpy(packet.data() + sizeof(head) + i * sizeof(value), &value, sizeof(value));
   }
-  // What omnid would drop this client for is not sent: a sample that is no number shows here, too.
-  const protocol::Message checked = protocol::Validate(packet.data(), head.header.size);
-  if (!std::holds_alternative<protocol::ShapedHaptic>(checked)) return false;
-  return protocol::SendPacket(impl_->socket.get(), packet.data(), head.header.size) == SendResult::kSent;
+  return SendBytes({reinterpret_cast<const char*>(packet.data()), head.header.size}, -1);
 }
 
-bool Connection::RequestStatus() noexcept { return impl_->Send(protocol::StatusRequest{}); }
+// What omnid would drop this client for is not sent: a sample that is no number shows here, too.
+bool Connection::SendBytes(std::string_view message, int file) noexcept {
+  protocol::MessageHeader header;
+  if (!connected() || message.size() < sizeof(header)) return false;
+  std::memcpy(&header, message.data(), sizeof(header));
+  if ((protocol::RolesOf(header.type) & protocol::RoleBit(impl_->info.role)) == 0) return false;
+  const protocol::ClientMessage checked = protocol::ValidateFromClient(message.data(), message.size());
+  if (std::holds_alternative<protocol::Invalid>(checked)) return false;
+  return protocol::SendPacket(impl_->socket.get(), message.data(), message.size(), &file, file >= 0 ? 1 : 0) ==
+         SendResult::kSent;
+}
 
 bool Connection::ClaimForce(bool wanted) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication) return false;
@@ -393,20 +407,6 @@ bool Connection::ClaimForce(bool wanted) noexcept {
   impl_->force_pending = true;
   if (connected()) impl_->SendForceClaim();
   return !impl_->force_pending;
-}
-
-bool Connection::SendForce(const protocol::ForceApply& apply) noexcept {
-  return impl_->info.role == protocol::ClientRole::kApplication && protocol::Problem(apply) == nullptr &&
-         impl_->Send(apply);
-}
-
-bool Connection::SendConstraints(const protocol::ForceConstraints& constraints) noexcept {
-  return impl_->info.role == protocol::ClientRole::kApplication && protocol::Problem(constraints) == nullptr &&
-         impl_->Send(constraints);
-}
-
-bool Connection::SendForceStop() noexcept {
-  return impl_->info.role == protocol::ClientRole::kApplication && impl_->Send(protocol::ForceStop{});
 }
 
 protocol::ForceStanding Connection::force_standing() const noexcept { return impl_->force_standing; }
@@ -442,16 +442,6 @@ std::uint32_t Connection::SendSceneCommand(protocol::SceneAction action, std::ui
 
 std::optional<SceneAnswer> Connection::TakeSceneAnswer() { return std::exchange(impl_->scene_answer, std::nullopt); }
 
-bool Connection::SendHapticScene(const protocol::HapticSceneLoad& load, int document) noexcept {
-  return connected() &&
-         protocol::SendPacket(impl_->socket.get(), &load, sizeof(load), &document, 1) == SendResult::kSent;
-}
-bool Connection::Send(const protocol::HapticSceneEnd& message) noexcept { return impl_->Send(message); }
-bool Connection::Send(const protocol::HapticScenePlace& message) noexcept { return impl_->Send(message); }
-bool Connection::Send(const protocol::HapticSceneEnable& message) noexcept { return impl_->Send(message); }
-bool Connection::Send(const protocol::HapticNodes& message) noexcept { return impl_->Send(message); }
-bool Connection::Send(const protocol::HapticMaterial& message) noexcept { return impl_->Send(message); }
-
 std::uint64_t Connection::welcomes() const noexcept { return impl_->welcomes; }
 
 std::vector<HapticSceneUpdate> Connection::TakeHapticSceneUpdates() { return std::exchange(impl_->haptic_scene, {}); }
@@ -464,10 +454,6 @@ bool Connection::RequestPlacement(const protocol::PlacementRequest& request) noe
 
 std::optional<protocol::Placement> Connection::TakePlacement() noexcept {
   return std::exchange(impl_->placement, std::nullopt);
-}
-
-bool Connection::SendSpaceChange(const protocol::SpaceChange& change) noexcept {
-  return impl_->info.role == protocol::ClientRole::kApplication && impl_->Send(change);
 }
 
 std::uint32_t Connection::SendPlacementCommand(protocol::PlacementCommand command) noexcept {

@@ -71,21 +71,23 @@ class Connection {
   // Sign of life: one relaxed add into our own page. Any thread.
   void Beat() noexcept;
 
-  // False: not connected or the socket is full (the message is dropped; session states are sent again on reconnection).
+  // One of OMNI_LINK_MESSAGES or OMNI_REQUESTS (protocol/message_table.h). `file` < 0: no descriptor goes along; it
+  // stays the caller's. False: not sent, for this client is not connected, its role does not send it, it is out of
+  // range (the service would end the connection), or the socket is full.
+  template <class M>
+  bool Send(const M& message, int file = -1) noexcept {
+    return SendBytes({reinterpret_cast<const char*>(&message), sizeof(message)}, file);
+  }
+
+  // The session's state; sent again on reconnection. False: the service does not know it yet.
   bool SendSession(protocol::SessionState state) noexcept;
   bool SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept;
-  bool SendHapticStop() noexcept;
   // `waveform`: all but header and count, which follow from the samples, 1 to protocol::kMaxWaveformSamples of them.
   // Samples are clamped to their range. False also: one is not a number, or a field is out of range.
   bool SendWaveform(const protocol::Waveform& waveform, std::span<const float> samples) noexcept;
-  bool RequestStatus() noexcept;
 
   // Claims the pen for forces, or gives it up; claimed again on reconnection.
   bool ClaimForce(bool wanted) noexcept;
-  // False: not sent. What is not in a message's range (force_feedback.h) is refused here, not by the service.
-  bool SendForce(const protocol::ForceApply& apply) noexcept;
-  bool SendConstraints(const protocol::ForceConstraints& constraints) noexcept;
-  bool SendForceStop() noexcept;
   // Newest word of the service; while not connected: free, and nothing is available.
   protocol::ForceStanding force_standing() const noexcept;
   const protocol::ForceProperties& force_properties() const noexcept;
@@ -106,14 +108,8 @@ class Connection {
   // Newest answer to a scene command; taking it clears it.
   std::optional<SceneAnswer> TakeSceneAnswer();
 
-  // The scene that this application gives. Nothing is sent again after a reconnection: who keeps the document looks at
-  // welcomes(), which counts the connections made so far. `document`: sealed memory, stays the caller's.
-  bool SendHapticScene(const protocol::HapticSceneLoad& load, int document) noexcept;
-  bool Send(const protocol::HapticSceneEnd& message) noexcept;
-  bool Send(const protocol::HapticScenePlace& message) noexcept;
-  bool Send(const protocol::HapticSceneEnable& message) noexcept;
-  bool Send(const protocol::HapticNodes& message) noexcept;
-  bool Send(const protocol::HapticMaterial& message) noexcept;
+  // Counts the connections made so far: of the scene that this application gives nothing is sent again, so who keeps
+  // the document looks at it.
   std::uint64_t welcomes() const noexcept;
   // What came since the last call, oldest first; at most kMaxHapticSceneUpdates wait, older ones are dropped.
   static constexpr std::size_t kMaxHapticSceneUpdates = 16;
@@ -123,7 +119,6 @@ class Connection {
   bool RequestPlacement(const protocol::PlacementRequest& request) noexcept;
   // The newest since the last call.
   std::optional<protocol::Placement> TakePlacement() noexcept;
-  bool SendSpaceChange(const protocol::SpaceChange& change) noexcept;
   // Number of the command, which its answer bears; 0: not sent, or this client is no tool. `command.number` is set
   // here.
   std::uint32_t SendPlacementCommand(protocol::PlacementCommand command) noexcept;
@@ -139,6 +134,8 @@ class Connection {
   const std::string& last_error() const noexcept;
 
  private:
+  bool SendBytes(std::string_view message, int file) noexcept;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -36,23 +37,26 @@ Service::Service(ServiceOptions options)
       builder_(options_.hull_radius_m, options_.cache_folder, options_.soft_tets),
       app_scenes_(builder_, options_.hull_radius_m, retired_,
                   [this](ipc::ClientId id, const std::string& message) {
-                    return server_ != nullptr && server_->TrySend(id, message.data(), message.size());
+                    return server_ != nullptr && server_->SendBytes(id, message);
                   }),
-      force_({.owner = [this](ipc::ClientId id,
-                              const protocol::ForceOwner& owner) { return server_->SendForceOwner(id, owner); },
+      force_({.owner = [this](ipc::ClientId id, const protocol::ForceOwner& owner) { return server_->Send(id, owner); },
               .properties =
                   [this](ipc::ClientId id, const protocol::ForceProperties& properties) {
-                    return server_->SendForceProperties(id, properties);
+                    return server_->Send(id, properties);
                   }}),
       placement_writer_([this](ipc::ClientId id, std::uint32_t number, bool done, const std::string& text) {
-        if (server_ != nullptr) server_->SendPlacementReply(id, number, done, text);
+        protocol::PlacementReply reply;
+        reply.number = number;
+        reply.done = done ? 1 : 0;
+        protocol::SetField(reply.text, text);
+        Send(id, reply);
       }),
       placements_(options_.alignment_path, placement_writer_.write()),
       calibration_(options_.calibration),
       surfaces_(
           options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
           [this](ipc::ClientId id, const protocol::Surfaces& surfaces, int fd) {
-            return server_ != nullptr && server_->SendSurfaces(id, surfaces, fd);
+            return server_ != nullptr && server_->Send(id, surfaces, {}, fd);
           }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
   if (!placements_.problem().empty()) spdlog::warn("{}", placements_.problem());
@@ -71,7 +75,7 @@ void Service::OnClient(const ipc::ClientInfo& client) {
   force_.Add(client.id);
   TellForce();
   spdlog::info("client {}: application \"{}\" (pid {})", client.id, client.application, client.pid);
-  if (server_ != nullptr) server_->SendSettings(client.id, SettingsFor(clients_[client.id].app));
+  Send(client.id, SettingsFor(clients_[client.id].app));
 }
 
 protocol::AppSettings Service::SettingsFor(const config::AppEntry* app) const {
@@ -98,7 +102,7 @@ void Service::OnGone(ipc::ClientId id) {
   if (application) WriteCommands(base::MonotonicNow_ns());  // a dead owner's force goes now, not at the next period
 }
 
-void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
+void Service::SetSession(ipc::ClientId id, protocol::SessionState state) {
   const auto found = clients_.find(id);
   if (found == clients_.end() || found->second.info.role != protocol::ClientRole::kApplication) return;
   Client& client = found->second;
@@ -115,94 +119,95 @@ void Service::OnSession(ipc::ClientId id, protocol::SessionState state) {
   WriteCommands(base::MonotonicNow_ns());
 }
 
-void Service::OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) {
-  if (id != owners_.owner()) return;  // only the owner is felt
-  vibration_.Tone(haptic);
-  WriteCommands(base::MonotonicNow_ns());
-}
+struct Service::RequestHandler {
+  Service& service;
+  const ipc::ClientId id;
+  base::UniqueFd& file;
 
-void Service::OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) {
-  if (id != owners_.owner()) return;
-  const std::int64_t now_ns = base::MonotonicNow_ns();
-  vibration_.Shape(haptic, now_ns);
-  WriteCommands(now_ns);
-}
+  // The newest of what the tick is told, at once: an application does not wait for the next period.
+  void Commit(bool changed = true) const {
+    if (changed) service.WriteCommands(base::MonotonicNow_ns());
+  }
+  bool IsOwner() const { return id == service.owners_.owner(); }  // only the owner is felt
 
-void Service::OnHapticStop(ipc::ClientId id) {
-  if (id != owners_.owner()) return;
-  vibration_.Stop();
-  WriteCommands(base::MonotonicNow_ns());
-}
+  void operator()(const protocol::Session& session) const { service.SetSession(id, session.state); }
+  void operator()(const protocol::Haptic& haptic) const {
+    if (!IsOwner()) return;
+    service.vibration_.Tone(haptic);
+    Commit();
+  }
+  void operator()(const protocol::ShapedHaptic& haptic) const {
+    if (!IsOwner()) return;
+    service.vibration_.Shape(haptic, base::MonotonicNow_ns());
+    Commit();
+  }
+  void operator()(const protocol::HapticStop& /*stop*/) const {
+    if (!IsOwner()) return;
+    service.vibration_.Stop();
+    Commit();
+  }
 
-void Service::OnForce(ipc::ClientId id, const protocol::ForceRequest& request) {
-  const std::int64_t now_ns = base::MonotonicNow_ns();
-  if (force_.Take(id, request, now_ns)) WriteCommands(now_ns);
-  if (std::holds_alternative<protocol::ForceClaim>(request)) TellForce();
-}
+  template <class M>
+  requires std::is_constructible_v<protocol::ForceRequest, const M&>
+  void operator()(const M& force) const {
+    const std::int64_t now_ns = base::MonotonicNow_ns();
+    if (service.force_.Take(id, force, now_ns)) service.WriteCommands(now_ns);
+    if (std::is_same_v<M, protocol::ForceClaim>) service.TellForce();
+  }
 
-void Service::OnSurfaceRequest(ipc::ClientId id, bool wanted) {
-  if (clients_.count(id) != 0) surfaces_.Ask(id, wanted);
-}
+  void operator()(const protocol::SurfaceRequest& request) const {
+    if (service.clients_.count(id) != 0) service.surfaces_.Ask(id, request.wanted != 0);
+  }
+  void operator()(const protocol::SceneCommand& command) const {
+    constexpr SculptAction kActions[] = {SculptAction::kEdits, SculptAction::kUndo, SculptAction::kRedo,
+                                         SculptAction::kSave};
+    service.sculpt_.Ask({.asker = id,
+                         .number = command.number,
+                         .client = command.client_id,
+                         .action = kActions[static_cast<std::size_t>(command.action) - 1],
+                         .object = command.object},
+                        service.owners_.owner());
+  }
 
-void Service::OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) {
-  constexpr SculptAction kActions[] = {SculptAction::kEdits, SculptAction::kUndo, SculptAction::kRedo,
-                                       SculptAction::kSave};
-  sculpt_.Ask({.asker = id,
-               .number = command.number,
-               .client = command.client_id,
-               .action = kActions[static_cast<std::size_t>(command.action) - 1],
-               .object = command.object},
-              owners_.owner());
-}
+  void operator()(const protocol::HapticSceneLoad& load) const {
+    const auto found = service.clients_.find(id);
+    if (found == service.clients_.end()) return;
+    service.app_scenes_.Load(id, found->second.info.application, load, std::move(file));
+    Commit();
+  }
+  void operator()(const protocol::HapticSceneEnd& end) const { Commit(service.app_scenes_.End(id, end.number)); }
+  void operator()(const protocol::HapticScenePlace& place) const { Commit(service.app_scenes_.Place(id, place)); }
+  void operator()(const protocol::HapticSceneEnable& enable) const { Commit(service.app_scenes_.Enable(id, enable)); }
+  void operator()(const protocol::HapticNodes& nodes) const { Commit(service.app_scenes_.MoveNodes(id, nodes)); }
+  void operator()(const protocol::HapticMaterial& material) const {
+    Commit(service.app_scenes_.SetMaterial(id, material));
+  }
 
-void Service::OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, base::UniqueFd document) {
-  const auto found = clients_.find(id);
-  if (found == clients_.end()) return;
-  app_scenes_.Load(id, found->second.info.application, load, std::move(document));
-  WriteCommands(base::MonotonicNow_ns());
-}
+  void operator()(const protocol::PlacementRequest& request) const {
+    if (service.clients_.count(id) == 0) return;
+    service.placements_.Ask(id, request);
+    service.TellPlacements();
+  }
+  void operator()(const protocol::SpaceChange& change) const {
+    const auto found = service.clients_.find(id);
+    if (found == service.clients_.end() || !found->second.session_seen) return;
+    service.placements_.Change(id, change, base::MonotonicNow_ns());
+    service.TellPlacements();
+  }
+  void operator()(const protocol::PlacementCommand& command) const {
+    service.placement_writer_.Answer(id, command.number,
+                                     service.placements_.Do(command, static_cast<std::int64_t>(std::time(nullptr))));
+    service.TellPlacements();
+  }
+};
 
-void Service::OnHapticSceneEnd(ipc::ClientId id, const protocol::HapticSceneEnd& end) {
-  if (app_scenes_.End(id, end.number)) WriteCommands(base::MonotonicNow_ns());
-}
-
-void Service::OnHapticScenePlace(ipc::ClientId id, const protocol::HapticScenePlace& place) {
-  if (app_scenes_.Place(id, place)) WriteCommands(base::MonotonicNow_ns());
-}
-
-void Service::OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) {
-  if (app_scenes_.Enable(id, enable)) WriteCommands(base::MonotonicNow_ns());
-}
-
-void Service::OnHapticNodes(ipc::ClientId id, const protocol::HapticNodes& nodes) {
-  if (app_scenes_.MoveNodes(id, nodes)) WriteCommands(base::MonotonicNow_ns());
-}
-
-void Service::OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial& material) {
-  if (app_scenes_.SetMaterial(id, material)) WriteCommands(base::MonotonicNow_ns());
-}
-
-void Service::OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) {
-  if (clients_.count(id) == 0) return;
-  placements_.Ask(id, request);
-  TellPlacements();
-}
-
-void Service::OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) {
-  const auto found = clients_.find(id);
-  if (found == clients_.end() || !found->second.session_seen) return;
-  placements_.Change(id, change, base::MonotonicNow_ns());
-  TellPlacements();
-}
-
-void Service::OnPlacementCommand(ipc::ClientId id, const protocol::PlacementCommand& command) {
-  placement_writer_.Answer(id, command.number, placements_.Do(command, static_cast<std::int64_t>(std::time(nullptr))));
-  TellPlacements();
+void Service::OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd file) {
+  std::visit(RequestHandler{*this, id, file}, request);
 }
 
 void Service::TellPlacements() {
   placements_.Tell([this](ipc::ClientId id, const protocol::Placement& placement) {
-    return server_ != nullptr && server_->SendPlacement(id, placement);
+    return server_ != nullptr && server_->Send(id, placement);
   });
   if (options_.on_aligned) options_.on_aligned(Aligned());
 }
@@ -289,11 +294,11 @@ void Service::TakeSculptNews() {
   }
   while (const std::optional<SculptAnswer> answer = sculpt_.TakeAnswer()) {
     if (server_ == nullptr) continue;
-    server_->SendSceneReply(answer->asker, {.number = answer->number,
-                                            .done = answer->ok,
-                                            .text = answer->text,
-                                            .file = answer->file.get(),
-                                            .file_bytes = answer->file_bytes});
+    protocol::SceneReply reply;
+    reply.number = answer->number;
+    reply.done = answer->ok ? 1 : 0;
+    reply.file_bytes = answer->ok ? answer->file_bytes : 0;
+    server_->Send(answer->asker, reply, answer->text, reply.file_bytes > 0 ? answer->file.get() : -1);
   }
 }
 
@@ -389,7 +394,11 @@ void Service::Problem(ipc::ClientId id, int level, const std::string& text) {
     if (problems_.size() == kMaxProblems) problems_.erase(problems_.begin());
     problems_.push_back(text);
   }
-  if (id != 0 && server_ != nullptr) server_->SendNotice(id, level, text);
+  if (id == 0) return;
+  protocol::Notice notice;
+  notice.level = static_cast<std::uint32_t>(level);
+  protocol::SetField(notice.text, text);
+  Send(id, notice);
 }
 
 std::string Service::StatusJson() {

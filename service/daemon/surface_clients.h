@@ -20,7 +20,7 @@ class SurfaceClients {
  public:
   // The newest snapshot of the tick, as SurfaceSource::snapshot: called on the surface thread.
   using Snapshot = std::function<bool(loop::SurfaceSnapshot&)>;
-  // ipc::Server::SendSurfaces.
+  // ipc::Server::Send.
   using Send = std::function<bool(ipc::ClientId, const protocol::Surfaces&, int fd)>;
 
   SurfaceClients(std::uint64_t service_instance, Snapshot snapshot, Send send);

@@ -4,6 +4,7 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
@@ -55,13 +56,37 @@ base::Status CheckOptions(const ServerOptions& options) {
   return base::Ok{};
 }
 
-// The requests about forces that a client may make.
-std::optional<protocol::ForceRequest> ForceRequestIn(const protocol::Message& message) {
-  if (const auto* claim = std::get_if<protocol::ForceClaim>(&message)) return *claim;
-  if (const auto* apply = std::get_if<protocol::ForceApply>(&message)) return *apply;
-  if (const auto* constraints = std::get_if<protocol::ForceConstraints>(&message)) return *constraints;
-  if (const auto* stop = std::get_if<protocol::ForceStop>(&message)) return *stop;
-  return std::nullopt;
+// Why this is no document of `bytes` bytes that stays as it is; empty: it is one.
+std::string ProblemOfDocument(int fd, std::uint64_t bytes) {
+  const int needed = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW;
+  const int seals = ::fcntl(fd, F_GET_SEALS);
+  if (seals < 0 || (seals & needed) != needed) return "its memory is not sealed WRITE, SHRINK and GROW";
+  struct stat info {};
+  if (::fstat(fd, &info) != 0 || info.st_size != static_cast<off_t>(bytes)) {
+    return "its memory does not have the " + std::to_string(bytes) + " bytes that it says";
+  }
+  return {};
+}
+
+// Why what came along with a message is not what it needs; empty: it is.
+template <class M>
+std::string ProblemOfFile(const M& message, const UniqueFd& file) {
+  if (protocol::Traits<M>::kDescriptors == 0)
+    return file ? "a packet with a descriptor that its message does not have" : "";
+  if (!file) return "comes without its descriptor";
+  if constexpr (std::is_same_v<M, protocol::HapticSceneLoad>) return ProblemOfDocument(file.get(), message.bytes);
+  return {};
+}
+
+// "an application or a tool"
+std::string NamesOfRoles(std::uint32_t roles) {
+  std::string names;
+  for (const auto& [role, name] :
+       {std::pair{protocol::kApplications, "an application"}, std::pair{protocol::kMonitors, "a monitor"},
+        std::pair{protocol::kTools, "a tool"}}) {
+    if ((roles & role) != 0) names += (names.empty() ? "" : " or ") + std::string(name);
+  }
+  return names;
 }
 
 }  // namespace
@@ -184,61 +209,55 @@ void ControlLoop::Admit(UniqueFd socket) {
 
 void ControlLoop::ReadFrom(Peer& peer) {
   for (int i = 0; i < kPacketsPerRound && !peer.doomed(); ++i) {
+    UniqueFd file;
     const protocol::Received received =
-        protocol::ReceivePacket(peer.socket(), buffer_.data(), buffer_.size(), &document_, 1);
+        protocol::ReceivePacket(peer.socket(), buffer_.data(), buffer_.size(), &file, 1);
     if (received.result == ReceiveResult::kNothing) return;
     if (received.result == ReceiveResult::kEnd) return peer.Doom({});
     if (received.result == ReceiveResult::kTooLong) {
       return Refuse(peer, "a packet over " + std::to_string(protocol::kMaxMessageBytes) +
                               " bytes, or with descriptors that no message has");
     }
-    const protocol::Message message = protocol::Validate(buffer_.data(), received.size);
-    if (received.fd_count > 0 && !std::holds_alternative<protocol::HapticSceneLoad>(message)) {
-      return Refuse(peer, "a packet with descriptors that its message does not have");
-    }
-    const bool goes_on = Handle(peer, message);
-    document_.Reset();
-    if (!goes_on) return;
+    if (!Handle(peer, protocol::ValidateFromClient(buffer_.data(), received.size), std::move(file))) return;
   }
 }
 
-bool ControlLoop::Handle(Peer& peer, const protocol::Message& message) {
-  if (const auto* invalid = std::get_if<protocol::Invalid>(&message)) {
-    const std::string remedy = invalid->other_version ? "; install the same Omni version for service and client" : "";
-    Refuse(peer, invalid->reason + remedy);
-    return false;
+bool ControlLoop::Handle(Peer& peer, const protocol::ClientMessage& message, UniqueFd file) {
+  return std::visit(
+      [&]<class M>(const M& one) {
+        if constexpr (std::is_same_v<M, protocol::Invalid>) {
+          const std::string remedy = one.other_version ? "; install the same Omni version for service and client" : "";
+          Refuse(peer, one.reason + remedy);
+          return false;
+        } else {
+          HandleAs(peer, one, std::move(file));
+          return !peer.doomed() && protocol::Traits<M>::kPace == protocol::Pace::kStream;
+        }
+      },
+      message);
+}
+
+template <class M>
+void ControlLoop::HandleAs(Peer& peer, const M& message, UniqueFd file) {
+  using Row = protocol::Traits<M>;
+  constexpr bool kIsHello = std::is_same_v<M, protocol::Hello>;
+  if (kIsHello == peer.greeted()) {
+    return Refuse(peer, peer.greeted() ? "a second Hello" : "the first message must be Hello");
   }
-  const auto* hello = std::get_if<protocol::Hello>(&message);
-  if ((hello != nullptr) == peer.greeted()) {
-    Refuse(peer, peer.greeted() ? "a second Hello" : "the first message must be Hello");
-    return false;
+  if (!kIsHello && (Row::kRoles & protocol::RoleBit(peer.info().role)) == 0) {
+    const std::string who = NamesOfRoles(Row::kRoles);
+    return Refuse(peer, std::string(Row::kName) + ": only " + who + " sends it; say Hello as " + who);
   }
-  if (hello != nullptr) {
-    Greet(peer, *hello);
-    return true;
+  if (const std::string problem = ProblemOfFile(message, file); !problem.empty()) {
+    return Refuse(peer, std::string(Row::kName) + ": " + problem);
   }
-  if (std::holds_alternative<protocol::StatusRequest>(message)) {
+  if constexpr (kIsHello) {
+    Greet(peer, message);
+  } else if constexpr (std::is_same_v<M, protocol::StatusRequest>) {
     AnswerStatus(peer);
-    return false;  // one answer per round: a client that floods must not starve the others
+  } else {
+    Guarded(Row::kName, &peer, [&] { handler_.OnRequest(peer.id(), protocol::Request(message), std::move(file)); });
   }
-  if (const auto* request = std::get_if<protocol::SurfaceRequest>(&message)) {
-    Guarded("OnSurfaceRequest", &peer, [&] { handler_.OnSurfaceRequest(peer.id(), request->wanted != 0); });
-    return !peer.doomed();
-  }
-  if (const auto* command = std::get_if<protocol::SceneCommand>(&message)) {
-    Guarded("OnSceneCommand", &peer, [&] { handler_.OnSceneCommand(peer.id(), *command); });
-    return false;  // as above
-  }
-  if (const auto force = ForceRequestIn(message)) return HandleForce(peer, *force);
-  if (const auto* command = std::get_if<protocol::PlacementCommand>(&message)) {
-    if (peer.info().role != protocol::ClientRole::kTool) {
-      Refuse(peer, "only a tool such as omni align changes alignments; say Hello as a tool");
-      return false;
-    }
-    Guarded("OnPlacementCommand", &peer, [&] { handler_.OnPlacementCommand(peer.id(), *command); });
-    return false;  // as above
-  }
-  return HandleApplication(peer, message);
 }
 
 void ControlLoop::Greet(Peer& peer, const protocol::Hello& hello) {
@@ -251,66 +270,14 @@ void ControlLoop::Greet(Peer& peer, const protocol::Hello& hello) {
   Guarded("OnClient", &peer, [&] { handler_.OnClient(peer.info()); });
 }
 
-bool ControlLoop::HandleForce(Peer& peer, const protocol::ForceRequest& request) {
-  if (peer.info().role != protocol::ClientRole::kApplication) {
-    Refuse(peer, "a monitor has no forces; say Hello as an application");
-  } else {
-    Guarded("OnForce", &peer, [&] { handler_.OnForce(peer.id(), request); });
-  }
-  return !peer.doomed();
-}
-
-bool ControlLoop::HandleApplication(Peer& peer, const protocol::Message& message) {
-  const ClientId id = peer.id();
-  const auto* session = std::get_if<protocol::Session>(&message);
-  const auto* haptic = std::get_if<protocol::Haptic>(&message);
-  const auto* shaped = std::get_if<protocol::ShapedHaptic>(&message);
-  const bool stop = std::holds_alternative<protocol::HapticStop>(message);
-  if (HandleHapticScene(peer, message)) return !peer.doomed();
-  if (HandlePlacement(peer, message)) return !peer.doomed();
-  if (session == nullptr && haptic == nullptr && shaped == nullptr && !stop) {
-    Refuse(peer, "a message that only omnid sends");
-  } else if (peer.info().role != protocol::ClientRole::kApplication) {
-    Refuse(peer, "a monitor has neither session nor haptics; say Hello as an application");
-  } else if (session != nullptr) {
-    Guarded("OnSession", &peer, [&] { handler_.OnSession(id, session->state); });
-  } else if (haptic != nullptr) {
-    Guarded("OnHaptic", &peer, [&] { handler_.OnHaptic(id, *haptic); });
-  } else if (shaped != nullptr) {
-    Guarded("OnWaveform", &peer, [&] { handler_.OnWaveform(id, *shaped); });
-  } else {
-    Guarded("OnHapticStop", &peer, [&] { handler_.OnHapticStop(id); });
-  }
-  return !peer.doomed();
-}
-
-// True: it was about the places of bases, and is done.
-bool ControlLoop::HandlePlacement(Peer& peer, const protocol::Message& message) {
-  const auto* request = std::get_if<protocol::PlacementRequest>(&message);
-  const auto* change = std::get_if<protocol::SpaceChange>(&message);
-  if (request == nullptr && change == nullptr) return false;
-  if (peer.info().role != protocol::ClientRole::kApplication) {
-    Refuse(peer, "a monitor has no spaces; say Hello as an application");
-  } else if (request != nullptr) {
-    Guarded("OnPlacementRequest", &peer, [&] { handler_.OnPlacementRequest(peer.id(), *request); });
-  } else {
-    Guarded("OnSpaceChange", &peer, [&] { handler_.OnSpaceChange(peer.id(), *change); });
-  }
-  return true;
-}
-
 void ControlLoop::AnswerStatus(Peer& peer) {
   Guarded("StatusJson", &peer, [&] {
-    std::string json = handler_.StatusJson();
-    if (json.size() > protocol::kMaxMessageBytes - sizeof(protocol::MessageHeader)) {
-      json = R"({"error":"the status does not fit into one message"})";
-    }
     protocol::MessageHeader header;
     header.type = protocol::MessageType::kStatusReply;
-    header.size = static_cast<std::uint32_t>(sizeof(header) + json.size());
-    std::string packet(reinterpret_cast<const char*>(&header), sizeof(header));
-    packet += json;
-    peer.Send(packet.data(), packet.size());
+    const std::string json = handler_.StatusJson();
+    const bool fits = json.size() <= protocol::kMaxMessageBytes - sizeof(header);
+    Send(peer.id(), header, sizeof(header), fits ? json : R"({"error":"the status does not fit into one message"})",
+         -1);
   });
 }
 
@@ -332,7 +299,7 @@ void ControlLoop::Refuse(Peer& peer, const std::string& reason) {
 }
 
 // Doomed peers leave here and nowhere else, so that no call above ever holds a peer that is gone. A handler may doom
-// others (SendNotice), so this goes on until none is left.
+// others (Send), so this goes on until none is left.
 void ControlLoop::Sweep() {
   const auto doomed = [](const auto& entry) { return entry.second.doomed(); };
   for (auto at = std::find_if(peers_.begin(), peers_.end(), doomed); at != peers_.end();
@@ -362,61 +329,21 @@ const Peer* ControlLoop::Find(ClientId id) const {
   return found != peers_.end() && found->second.greeted() ? &found->second : nullptr;
 }
 
-void ControlLoop::SendNotice(ClientId id, int level, const std::string& text) {
-  const auto found = peers_.find(id);
-  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
-  protocol::Notice notice;
-  notice.level = static_cast<std::uint32_t>(std::clamp(level, 0, 2));
-  protocol::SetField(notice.text, text);
-  found->second.Send(&notice, sizeof(notice));
+bool ControlLoop::Send(ClientId id, const protocol::MessageHeader& head, std::size_t head_bytes, std::string_view tail,
+                       int file) {
+  std::string packet(reinterpret_cast<const char*>(&head), head_bytes);
+  packet.append(tail, 0, protocol::kMaxMessageBytes - head_bytes);
+  const auto size = static_cast<std::uint32_t>(packet.size());
+  std::memcpy(packet.data() + offsetof(protocol::MessageHeader, size), &size, sizeof(size));
+  return SendBytes(id, packet, file);
 }
 
-void ControlLoop::SendSettings(ClientId id, const protocol::AppSettings& settings) {
-  const auto found = peers_.find(id);
-  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
-  found->second.Send(&settings, sizeof(settings));
-}
-
-bool ControlLoop::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd) {
+bool ControlLoop::SendBytes(ClientId id, std::string_view message, int file) {
   const auto found = peers_.find(id);
   if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
-  return found->second.TrySend(&surfaces, sizeof(surfaces), fd);
-}
-
-bool ControlLoop::SendAgainLater(ClientId id, const void* bytes, std::size_t size) {
-  const auto found = peers_.find(id);
-  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
-  return found->second.TrySend(bytes, size, -1);
-}
-
-bool ControlLoop::SendPlacement(ClientId id, const protocol::Placement& placement) {
-  const auto found = peers_.find(id);
-  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return false;
-  return found->second.TrySend(&placement, sizeof(placement), -1);
-}
-
-void ControlLoop::SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text) {
-  const auto found = peers_.find(id);
-  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
-  protocol::PlacementReply reply;
-  reply.number = number;
-  reply.done = done ? 1 : 0;
-  protocol::SetField(reply.text, text);
-  found->second.Send(&reply, sizeof(reply));
-}
-
-void ControlLoop::SendSceneReply(ClientId id, const SceneReplyParts& parts) {
-  const auto found = peers_.find(id);
-  if (found == peers_.end() || !found->second.greeted() || found->second.doomed()) return;
-  protocol::SceneReply reply;
-  const std::size_t text_bytes = std::min(parts.text.size(), protocol::kMaxMessageBytes - sizeof(reply));
-  reply.header.size = static_cast<std::uint32_t>(sizeof(reply) + text_bytes);
-  reply.number = parts.number;
-  reply.done = parts.done ? 1 : 0;
-  reply.file_bytes = parts.done ? parts.file_bytes : 0;
-  std::string packet(reinterpret_cast<const char*>(&reply), sizeof(reply));
-  packet.append(parts.text, 0, text_bytes);
-  found->second.Send(packet.data(), packet.size(), &parts.file, reply.file_bytes > 0 ? 1 : 0);
+  protocol::MessageHeader header;
+  std::memcpy(&header, message.data(), std::min(message.size(), sizeof(header)));
+  return found->second.Send(message, file, protocol::DeliveryOf(header.type));
 }
 
 }  // namespace omni::ipc

@@ -28,14 +28,9 @@ class ControlLoop {
 
   // Control thread only; null: unknown.
   const Peer* Find(ClientId id) const;
-  void SendNotice(ClientId id, int level, const std::string& text);
-  void SendSettings(ClientId id, const protocol::AppSettings& settings);
-  bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
-  void SendSceneReply(ClientId id, const SceneReplyParts& parts);
-  // A message that its sender repeats until it goes out. False: not now.
-  bool SendAgainLater(ClientId id, const void* bytes, std::size_t size);
-  bool SendPlacement(ClientId id, const protocol::Placement& placement);
-  void SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text);
+  // As Server's.
+  bool Send(ClientId id, const protocol::MessageHeader& head, std::size_t head_bytes, std::string_view tail, int file);
+  bool SendBytes(ClientId id, std::string_view message, int file);
 
  private:
   ControlLoop(const ServerOptions& options, ServerHandler& handler, Listener listener);
@@ -47,14 +42,11 @@ class ControlLoop {
   void RefuseOneWithoutDescriptors();
   void Admit(base::UniqueFd socket);
   void ReadFrom(Peer& peer);
-  // True: this peer may be read on in this round.
-  bool Handle(Peer& peer, const protocol::Message& message);
-  // Messages about the application's own scene (haptic_scene_messages.cc). False: this is none.
-  bool HandleHapticScene(Peer& peer, const protocol::Message& message);
+  // One message; `file`: what came along with it. True: this peer may be read on in this round.
+  bool Handle(Peer& peer, const protocol::ClientMessage& message, base::UniqueFd file);
+  template <class M>
+  void HandleAs(Peer& peer, const M& message, base::UniqueFd file);
   void Greet(Peer& peer, const protocol::Hello& hello);
-  bool HandleApplication(Peer& peer, const protocol::Message& message);
-  bool HandleForce(Peer& peer, const protocol::ForceRequest& request);
-  bool HandlePlacement(Peer& peer, const protocol::Message& message);
   void AnswerStatus(Peer& peer);
   void OnTimer();
   void Refuse(Peer& peer, const std::string& reason);
@@ -86,7 +78,6 @@ class ControlLoop {
   std::map<ClientId, Peer> peers_;
   ClientId next_id_ = 1;
   std::vector<std::byte> buffer_;
-  base::UniqueFd document_;  // that came along with the packet being handled
 };
 
 }  // namespace omni::ipc

@@ -66,14 +66,10 @@ base::Status Peer::Greet(const protocol::Hello& hello, std::uint64_t service_ins
   return base::Ok{};
 }
 
-void Peer::Send(const void* bytes, std::size_t size, const int* fds, std::size_t fd_count) noexcept {
-  const SendResult result = protocol::SendPacket(socket_.get(), bytes, size, fds, fd_count);
-  if (result == SendResult::kFull) ++dropped_;
-  if (result == SendResult::kGone) doomed_ = true;
-}
-
-bool Peer::TrySend(const void* bytes, std::size_t size, int fd) noexcept {
-  const SendResult result = protocol::SendPacket(socket_.get(), bytes, size, &fd, fd >= 0 ? 1 : 0);
+bool Peer::Send(std::string_view message, int file, protocol::Delivery delivery) noexcept {
+  const SendResult result =
+      protocol::SendPacket(socket_.get(), message.data(), message.size(), &file, file >= 0 ? 1 : 0);
+  if (result == SendResult::kFull && delivery == protocol::Delivery::kOnce) ++dropped_;
   if (result == SendResult::kGone) doomed_ = true;
   return result == SendResult::kSent;
 }

@@ -44,12 +44,9 @@ class Peer {
   // Makes the life page and sends Welcome. From here on the peer is a client.
   base::Status Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd, std::int64_t now_ns);
 
-  // Non-blocking: a peer that does not read loses the packet, a peer that is gone is doomed.
-  // `fd_count` descriptors go along; they stay the caller's.
-  void Send(const void* bytes, std::size_t size, const int* fds = nullptr, std::size_t fd_count = 0) noexcept;
-
-  // The same for what will be sent again later: a packet that does not go out is not counted as lost. `fd` < 0: none.
-  bool TrySend(const void* bytes, std::size_t size, int fd) noexcept;
+  // Non-blocking. False: the peer does not read now, or it is gone (and doomed). What is to be delivered once is then
+  // lost, and counted. `file` < 0: no descriptor goes along; it stays the caller's.
+  bool Send(std::string_view message, int file, protocol::Delivery delivery) noexcept;
 
   // Looks at the life page once.
   void ReadBeat(std::int64_t now_ns) noexcept;

@@ -50,37 +50,12 @@ std::int64_t Server::LastBeat_ns(ClientId id) const {
   return peer != nullptr ? peer->last_beat_ns() : 0;
 }
 
-void Server::SendNotice(ClientId id, int level, const std::string& text) { impl_->loop->SendNotice(id, level, text); }
-
-void Server::SendSettings(ClientId id, const protocol::AppSettings& settings) {
-  impl_->loop->SendSettings(id, settings);
+bool Server::Send(ClientId id, const protocol::MessageHeader& head, std::size_t head_bytes, std::string_view tail,
+                  int file) {
+  return impl_->loop->Send(id, head, head_bytes, tail, file);
 }
 
-bool Server::SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd) {
-  return impl_->loop->SendSurfaces(id, surfaces, fd);
-}
-
-void Server::SendSceneReply(ClientId id, const SceneReplyParts& parts) { impl_->loop->SendSceneReply(id, parts); }
-
-bool Server::SendForceOwner(ClientId id, const protocol::ForceOwner& owner) {
-  return impl_->loop->SendAgainLater(id, &owner, sizeof(owner));
-}
-
-bool Server::SendForceProperties(ClientId id, const protocol::ForceProperties& properties) {
-  return impl_->loop->SendAgainLater(id, &properties, sizeof(properties));
-}
-
-bool Server::TrySend(ClientId id, const void* message, std::size_t bytes) {
-  return impl_->loop->SendAgainLater(id, message, bytes);
-}
-
-bool Server::SendPlacement(ClientId id, const protocol::Placement& placement) {
-  return impl_->loop->SendPlacement(id, placement);
-}
-
-void Server::SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text) {
-  impl_->loop->SendPlacementReply(id, number, done, text);
-}
+bool Server::SendBytes(ClientId id, std::string_view message) { return impl_->loop->SendBytes(id, message, -1); }
 
 std::uint64_t Server::DroppedMessages(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);

@@ -2,19 +2,16 @@
 // Never on the tick thread. Decides nothing about force: it reports to a ServerHandler.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "service/base/result.h"
 #include "service/base/unique_fd.h"
-#include "service/protocol/app_settings.h"
-#include "service/protocol/control.h"
-#include "service/protocol/force_feedback.h"
-#include "service/protocol/haptic_scene.h"
-#include "service/protocol/placement.h"
-#include "service/protocol/waveform.h"
+#include "service/protocol/messages.h"
 
 namespace omni::ipc {
 
@@ -28,15 +25,6 @@ struct ClientInfo {
   std::string engine;
 };
 
-// The answer to a SceneCommand.
-struct SceneReplyParts {
-  std::uint32_t number = 0;  // of the command
-  bool done = false;
-  std::string text;              // longer than a message: cut
-  int file = -1;                 // descriptor that goes along if `done` and file_bytes > 0; stays the caller's
-  std::uint64_t file_bytes = 0;  // its size
-};
-
 // Called on the control thread only. Calls must be short. A call that throws costs the client that caused it its
 // connection, and nothing else. Stop() makes no OnGone calls.
 class ServerHandler {
@@ -44,34 +32,9 @@ class ServerHandler {
   virtual ~ServerHandler() = default;
   virtual void OnClient(const ClientInfo& client) = 0;
   virtual void OnGone(ClientId id) = 0;  // socket end, process death (pidfd), or protocol error
-  virtual void OnSession(ClientId id, protocol::SessionState state) = 0;
-  virtual void OnHaptic(ClientId id, const protocol::Haptic& haptic) = 0;
-  virtual void OnHapticStop(ClientId id) = 0;
-  // The samples are valid during the call.
-  virtual void OnWaveform(ClientId /*id*/, const protocol::ShapedHaptic& /*haptic*/) {}
-  // This client wants to draw surfaces that change, or no longer; it waits for SendSurfaces. Not overridden: there are
-  // none, ever.
-  virtual void OnSurfaceRequest(ClientId /*id*/, bool /*wanted*/) {}
-  // To be answered by one SendSceneReply, now or later. Any client.
-  virtual void OnSceneCommand(ClientId id, const protocol::SceneCommand& command) = 0;
-  // An application's claim on the pen, its force, its constraints. Not overridden: nothing is felt.
-  virtual void OnForce(ClientId /*id*/, const protocol::ForceRequest& /*request*/) {}
-  // An application's own scene (protocol/haptic_scene.h). `document` is sealed memory of load.bytes bytes, checked. Not
-  // overridden: there are none, ever.
-  virtual void OnHapticSceneLoad(ClientId /*id*/, const protocol::HapticSceneLoad& /*load*/,
-                                 base::UniqueFd /*document*/) {}
-  virtual void OnHapticSceneEnd(ClientId /*id*/, const protocol::HapticSceneEnd& /*end*/) {}
-  virtual void OnHapticScenePlace(ClientId /*id*/, const protocol::HapticScenePlace& /*place*/) {}
-  virtual void OnHapticSceneEnable(ClientId /*id*/, const protocol::HapticSceneEnable& /*enable*/) {}
-  virtual void OnHapticNodes(ClientId /*id*/, const protocol::HapticNodes& /*nodes*/) {}
-  virtual void OnHapticMaterial(ClientId /*id*/, const protocol::HapticMaterial& /*material*/) {}
-  // This application wants to know where the base stands in one of its spaces, now and whenever that changes; to be
-  // answered by SendPlacement. Not overridden, as the next two: nobody knows.
-  virtual void OnPlacementRequest(ClientId /*id*/, const protocol::PlacementRequest& /*request*/) {}
-  // Its runtime moves a space.
-  virtual void OnSpaceChange(ClientId /*id*/, const protocol::SpaceChange& /*change*/) {}
-  // To be answered by one SendPlacementReply. Tools only.
-  virtual void OnPlacementCommand(ClientId /*id*/, const protocol::PlacementCommand& /*command*/) {}
+  // A client's message that its role may send. Views in it are valid during the call. `file`: what came along with a
+  // message that has a descriptor, checked: a HapticSceneLoad's is sealed memory of load.bytes bytes.
+  virtual void OnRequest(ClientId id, const protocol::Request& request, base::UniqueFd file) = 0;
   // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
@@ -102,25 +65,24 @@ class Server {
 
   // Control thread only (from within handler calls).
   std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; read anew every period
-  void SendNotice(ClientId id, int level, const std::string& text);
-  void SendSettings(ClientId id, const protocol::AppSettings& settings);
-  // False: it does not read now and the message was not sent, or it is gone. `fd` < 0: none goes along.
-  bool SendSurfaces(ClientId id, const protocol::Surfaces& surfaces, int fd);
-  void SendSceneReply(ClientId id, const SceneReplyParts& parts);
-  // False: as SendSurfaces.
-  bool SendForceOwner(ClientId id, const protocol::ForceOwner& owner);
-  bool SendForceProperties(ClientId id, const protocol::ForceProperties& properties);
-  // A whole message, header included, that is sent again later if it does not go out. False as for SendSurfaces.
-  bool TrySend(ClientId id, const void* message, std::size_t bytes);
-  // False: as above.
-  bool SendPlacement(ClientId id, const protocol::Placement& placement);
-  void SendPlacementReply(ClientId id, std::uint32_t number, bool done, const std::string& text);
+  // One of OMNI_SERVER_MESSAGES, with what follows it: `tail`, cut to what a message holds. `file` < 0: no descriptor
+  // goes along; it stays the caller's. False: the client does not read now and the message was not sent, or it is gone.
+  // What is Delivery::kOnce is then lost, and counted.
+  template <class M>
+  bool Send(ClientId id, const M& message, std::string_view tail = {}, int file = -1) {
+    static_assert(offsetof(M, header) == 0);
+    return Send(id, message.header, sizeof(M), tail, file);
+  }
+  // A whole message, header included.
+  bool SendBytes(ClientId id, std::string_view message);
   // Messages to this client that were dropped because it does not read.
   std::uint64_t DroppedMessages(ClientId id) const;
 
   const std::string& socket_path() const;
 
  private:
+  bool Send(ClientId id, const protocol::MessageHeader& head, std::size_t head_bytes, std::string_view tail, int file);
+
   struct Impl;
   explicit Server(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

@@ -2,12 +2,15 @@
 // Plain data, std only. Every message starts with MessageHeader; `size` is the whole packet.
 // A receiver refuses a wrong magic, a size that does not fit the type, and an unterminated string.
 // Version rule: equal `kProtocolVersion` or the server answers Reject (its version, a text) and closes.
-// MessageHeader and Reject keep their layout in every version. validate.h is the gate for received bytes.
+// MessageHeader and Reject keep their layout in every version. message_table.h lists all messages; validate.h is the
+// gate for received bytes.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+
+#include "service/protocol/message_table.h"
 
 namespace omni::protocol {
 
@@ -16,44 +19,11 @@ inline constexpr std::uint16_t kProtocolVersion = 3;        // 2: scene commands
 inline constexpr std::size_t kMaxMessageBytes = 65536;
 inline constexpr std::size_t kMaxSocketPathBytes = 107;
 
+// Numbers of the table.
 enum class MessageType : std::uint16_t {
-  kHello = 1,            // client -> server, first message
-  kWelcome = 2,          // server -> client, with two descriptors: state memory (read only), life page (read/write)
-  kReject = 3,           // server -> client, then close
-  kSession = 4,          // client -> server: the application's session changed
-  kHaptic = 5,           // client -> server
-  kHapticStop = 6,       // client -> server
-  kStatusRequest = 7,    // client -> server
-  kStatusReply = 8,      // server -> client: JSON text after the header
-  kNotice = 9,           // server -> client: something a person should read (e.g. a scene that did not load)
-  kSceneCommand = 10,    // client -> server: undo, redo, save what was sculpted
-  kSceneReply = 11,      // server -> client: text after it; with a file: one descriptor, sealed memory
-  kSurfaceRequest = 12,  // client -> server: show me the surfaces that change, or no longer
-  kSurfaces = 13,        // server -> client, with one descriptor (surface memory, read only) if there is one
-  kWaveform = 14,        // client -> server: waveform.h
-  // Force feedback: force_feedback.h
-  kForceClaim = 20,        // client -> server: it has a handle, or no longer
-  kForceApply = 21,        // client -> server
-  kForceConstraints = 22,  // client -> server
-  kForceStop = 23,         // client -> server
-  kForceOwner = 24,        // server -> client: who is felt
-  kForceProperties = 25,   // server -> client: what the device can do
-  // haptic_scene.h
-  kHapticSceneLoad = 30,    // client -> server, with one descriptor: a glTF document
-  kHapticSceneEnd = 31,     // client -> server
-  kHapticScenePlace = 32,   // client -> server
-  kHapticSceneEnable = 33,  // client -> server
-  kHapticNodes = 34,        // client -> server: where kinematic nodes are
-  kHapticMaterial = 35,     // client -> server
-  kHapticSceneState = 36,   // server -> client: text after it
-  kHapticSceneTable = 37,   // server -> client: nodes and materials after it
-  // placement.h
-  kPlacementRequest = 40,  // client -> server: where does the base stand in one of my spaces?
-  kPlacement = 41,         // server -> client: there, and again when it changes
-  kSpaceChange = 42,       // client -> server: the runtime moves a space
-  kPlacementCommand = 43,  // client -> server: store, forget, policy
-  kPlacementReply = 44,    // server -> client
-  kAppSettings = 50        // server -> client: app_settings.h
+#define OMNI_NUMBER(name, number, ...) k##name = number,
+  OMNI_LINK_MESSAGES(OMNI_NUMBER) OMNI_REQUESTS(OMNI_NUMBER) OMNI_SERVER_MESSAGES(OMNI_NUMBER)
+#undef OMNI_NUMBER
 };
 
 struct MessageHeader {

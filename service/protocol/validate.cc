@@ -144,122 +144,95 @@ const char* Problem(const Waveform& waveform) noexcept {
   return rate_ok ? nullptr : "sample_rate_Hz is not in 0..1e5, without 0";
 }
 
+// A message of fixed size. False: `why` says what is wrong.
 template <class T>
-Message Take(const char* name, const void* bytes, std::size_t size) noexcept {
-  if (size != sizeof(T)) return Because("%s of %zu bytes, must be %zu", name, size, sizeof(T));
-  T message;
+bool Decode(const void* bytes, std::size_t size, T& message, Invalid& why) noexcept {
+  const char* name = Traits<T>::kName;
+  if (size != sizeof(T)) return why = Because("%s of %zu bytes, must be %zu", name, size, sizeof(T)), false;
   std::memcpy(static_cast<void*>(&message), bytes, sizeof(T));
-  if (const char* problem = Problem(message)) return Because("%s: %s", name, problem);
-  return message;
+  const char* problem = Problem(message);
+  if (problem != nullptr) why = Because("%s: %s", name, problem);
+  return problem == nullptr;
 }
 
-template <>
-Message Take<StatusReply>(const char*, const void* bytes, std::size_t size) noexcept {
-  return StatusReply{{static_cast<const char*>(bytes) + sizeof(MessageHeader), size - sizeof(MessageHeader)}};
+// The structure that begins a message which something follows.
+template <class Head>
+bool DecodeHead(const char* name, const void* bytes, std::size_t size, Head& head, Invalid& why) noexcept {
+  if (size < sizeof(head))
+    return why = Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(head)), false;
+  std::memcpy(static_cast<void*>(&head), bytes, sizeof(head));
+  const char* problem = Problem(head);
+  if (problem != nullptr) why = Because("%s: %s", name, problem);
+  return problem == nullptr;
 }
 
-template <>
-Message Take<SceneAnswer>(const char* name, const void* bytes, std::size_t size) noexcept {
-  SceneAnswer answer;
-  if (size < sizeof(answer.reply)) {
-    return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(answer.reply));
-  }
-  std::memcpy(static_cast<void*>(&answer.reply), bytes, sizeof(answer.reply));
-  if (const char* problem = Problem(answer.reply)) return Because("%s: %s", name, problem);
-  answer.text = {static_cast<const char*>(bytes) + sizeof(answer.reply), size - sizeof(answer.reply)};
-  return answer;
+std::string_view TextBehind(const void* bytes, std::size_t size, std::size_t head_bytes) noexcept {
+  return {static_cast<const char*>(bytes) + head_bytes, size - head_bytes};
 }
 
-template <>
-Message Take<HapticSceneNews>(const char* name, const void* bytes, std::size_t size) noexcept {
-  HapticSceneNews news;
-  if (size < sizeof(news.state))
-    return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(news.state));
-  std::memcpy(static_cast<void*>(&news.state), bytes, sizeof(news.state));
-  if (const char* problem = Problem(news.state)) return Because("%s: %s", name, problem);
-  news.text = {static_cast<const char*>(bytes) + sizeof(news.state), size - sizeof(news.state)};
-  return news;
+bool Decode(const void* bytes, std::size_t size, StatusReply& reply, Invalid& /*why*/) noexcept {
+  reply.json = TextBehind(bytes, size, sizeof(MessageHeader));
+  return true;
 }
 
-template <>
-Message Take<HapticSceneRows>(const char* name, const void* bytes, std::size_t size) noexcept {
-  HapticSceneRows rows;
-  if (size < sizeof(rows.table))
-    return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(rows.table));
-  std::memcpy(static_cast<void*>(&rows.table), bytes, sizeof(rows.table));
-  if (const char* problem = Problem(rows.table)) return Because("%s: %s", name, problem);
+bool Decode(const void* bytes, std::size_t size, SceneAnswer& answer, Invalid& why) noexcept {
+  if (!DecodeHead("SceneReply", bytes, size, answer.reply, why)) return false;
+  answer.text = TextBehind(bytes, size, sizeof(answer.reply));
+  return true;
+}
+
+bool Decode(const void* bytes, std::size_t size, HapticSceneNews& news, Invalid& why) noexcept {
+  if (!DecodeHead("HapticSceneState", bytes, size, news.state, why)) return false;
+  news.text = TextBehind(bytes, size, sizeof(news.state));
+  return true;
+}
+
+bool Decode(const void* bytes, std::size_t size, HapticSceneRows& rows, Invalid& why) noexcept {
+  const char* name = Traits<HapticSceneRows>::kName;
+  if (!DecodeHead(name, bytes, size, rows.table, why)) return false;
   const std::size_t needed = sizeof(rows.table) + rows.table.node_count * sizeof(HapticNodeRow) +
                              rows.table.material_count * sizeof(base::MaterialParameters);
-  if (size != needed) return Because("%s of %zu bytes, must be %zu", name, size, needed);
+  if (size != needed) return why = Because("%s of %zu bytes, must be %zu", name, size, needed), false;
   rows.rows = static_cast<const std::byte*>(bytes) + sizeof(rows.table);
   for (std::uint32_t i = 0; i < rows.table.node_count; ++i) {
-    if (const char* problem = Problem(rows.Node(i))) return Because("%s: node %u: %s", name, i, problem);
+    const char* problem = Problem(rows.Node(i));
+    if (problem != nullptr) return why = Because("%s: node %u: %s", name, i, problem), false;
   }
   for (std::uint32_t i = 0; i < rows.table.material_count; ++i) {
-    if (const char* problem = protocol::Problem(rows.Material(i)))
-      return Because("%s: material %u: %s", name, i, problem);
+    const char* problem = protocol::Problem(rows.Material(i));
+    if (problem != nullptr) return why = Because("%s: material %u: %s", name, i, problem), false;
   }
-  return rows;
+  return true;
 }
 
-template <>
-Message Take<ShapedHaptic>(const char* name, const void* bytes, std::size_t size) noexcept {
-  ShapedHaptic haptic;
+bool Decode(const void* bytes, std::size_t size, ShapedHaptic& haptic, Invalid& why) noexcept {
+  const char* name = Traits<ShapedHaptic>::kName;
   Waveform& waveform = haptic.waveform;
-  if (size < sizeof(waveform)) return Because("%s of %zu bytes, must be at least %zu", name, size, sizeof(waveform));
-  std::memcpy(&waveform, bytes, sizeof(waveform));
-  if (const char* problem = Problem(waveform)) return Because("%s: %s", name, problem);
+  if (!DecodeHead(name, bytes, size, waveform, why)) return false;
   const std::size_t expected = sizeof(waveform) + sizeof(float) * waveform.count;
-  if (size != expected) return Because("%s of %zu bytes, must be %zu", name, size, expected);
-  haptic.bytes = {static_cast<const char*>(bytes) + sizeof(waveform), size - sizeof(waveform)};
+  if (size != expected) return why = Because("%s of %zu bytes, must be %zu", name, size, expected), false;
+  haptic.bytes = TextBehind(bytes, size, sizeof(waveform));
   const float least = waveform.kind == WaveformKind::kPcm ? -1.0f : 0.0f;
   for (std::uint32_t i = 0; i < waveform.count; ++i) {
     const float value = haptic.sample(i);
-    if (!(value >= least && value <= 1.0f)) return Because("%s: sample %u is out of range", name, i);
+    if (!(value >= least && value <= 1.0f)) return why = Because("%s: sample %u is out of range", name, i), false;
   }
-  return haptic;
+  return true;
 }
 
 struct TypeRow {
   MessageType type;
   const char* name;
-  Message (*take)(const char* name, const void* bytes, std::size_t size) noexcept;
+  std::uint32_t roles;  // 0: of the server
+  Delivery delivery;
 };
 constexpr TypeRow kTypes[] = {
-    {MessageType::kHello, "Hello", Take<Hello>},
-    {MessageType::kWelcome, "Welcome", Take<Welcome>},
-    {MessageType::kReject, "Reject", Take<Reject>},
-    {MessageType::kSession, "Session", Take<Session>},
-    {MessageType::kHaptic, "Haptic", Take<Haptic>},
-    {MessageType::kHapticStop, "HapticStop", Take<HapticStop>},
-    {MessageType::kStatusRequest, "StatusRequest", Take<StatusRequest>},
-    {MessageType::kStatusReply, "StatusReply", Take<StatusReply>},
-    {MessageType::kNotice, "Notice", Take<Notice>},
-    {MessageType::kSurfaceRequest, "SurfaceRequest", Take<SurfaceRequest>},
-    {MessageType::kSurfaces, "Surfaces", Take<Surfaces>},
-    {MessageType::kSceneCommand, "SceneCommand", Take<SceneCommand>},
-    {MessageType::kSceneReply, "SceneReply", Take<SceneAnswer>},
-    {MessageType::kWaveform, "Waveform", Take<ShapedHaptic>},
-    {MessageType::kAppSettings, "AppSettings", Take<AppSettings>},
-    {MessageType::kForceClaim, "ForceClaim", Take<ForceClaim>},
-    {MessageType::kForceApply, "ForceApply", Take<ForceApply>},
-    {MessageType::kForceConstraints, "ForceConstraints", Take<ForceConstraints>},
-    {MessageType::kForceStop, "ForceStop", Take<ForceStop>},
-    {MessageType::kForceOwner, "ForceOwner", Take<ForceOwner>},
-    {MessageType::kForceProperties, "ForceProperties", Take<ForceProperties>},
-    {MessageType::kHapticSceneLoad, "HapticSceneLoad", Take<HapticSceneLoad>},
-    {MessageType::kHapticSceneEnd, "HapticSceneEnd", Take<HapticSceneEnd>},
-    {MessageType::kHapticScenePlace, "HapticScenePlace", Take<HapticScenePlace>},
-    {MessageType::kHapticSceneEnable, "HapticSceneEnable", Take<HapticSceneEnable>},
-    {MessageType::kHapticNodes, "HapticNodes", Take<HapticNodes>},
-    {MessageType::kHapticMaterial, "HapticMaterial", Take<HapticMaterial>},
-    {MessageType::kHapticSceneState, "HapticSceneState", Take<HapticSceneNews>},
-    {MessageType::kHapticSceneTable, "HapticSceneTable", Take<HapticSceneRows>},
-    {MessageType::kPlacementRequest, "PlacementRequest", Take<PlacementRequest>},
-    {MessageType::kPlacement, "Placement", Take<Placement>},
-    {MessageType::kSpaceChange, "SpaceChange", Take<SpaceChange>},
-    {MessageType::kPlacementCommand, "PlacementCommand", Take<PlacementCommand>},
-    {MessageType::kPlacementReply, "PlacementReply", Take<PlacementReply>},
+#define OMNI_CLIENT_ROW(name, number, received, roles, pace, descriptors) \
+  {MessageType::k##name, #name, roles, Delivery::kOnce},
+#define OMNI_SERVER_ROW(name, number, received, delivery, descriptors) {MessageType::k##name, #name, 0, delivery},
+    OMNI_LINK_MESSAGES(OMNI_CLIENT_ROW) OMNI_REQUESTS(OMNI_CLIENT_ROW) OMNI_SERVER_MESSAGES(OMNI_SERVER_ROW)
+#undef OMNI_CLIENT_ROW
+#undef OMNI_SERVER_ROW
 };
 
 const TypeRow* FindType(MessageType type) noexcept {
@@ -267,6 +240,51 @@ const TypeRow* FindType(MessageType type) noexcept {
     if (row.type == type) return &row;
   }
   return nullptr;
+}
+
+// What is wrong before the message itself is looked at. True: nothing.
+bool CheckHeader(const void* bytes, std::size_t size, MessageHeader& header, Invalid& why) noexcept {
+  if (size < sizeof(header)) return why = Because("a packet of %zu bytes is shorter than a header", size), false;
+  if (size > kMaxMessageBytes) {
+    return why = Because("a packet of %zu bytes, the limit is %zu", size, kMaxMessageBytes), false;
+  }
+  std::memcpy(&header, bytes, sizeof(header));
+  if (header.magic != kMessageMagic) {
+    return why = Because("magic 0x%08x, must be 0x%08x", header.magic, kMessageMagic), false;
+  }
+  if (header.size != size) return why = Because("header says %u bytes, the packet has %zu", header.size, size), false;
+  if (header.version != kProtocolVersion && header.type != MessageType::kReject) {
+    why = Because("protocol version %u, must be %u", header.version, kProtocolVersion);
+    why.other_version = true;
+    why.version = header.version;
+    return false;
+  }
+  return true;
+}
+
+// The alternative of the header's type, if there is one. False: there is none.
+template <class Variant, class M>
+bool DecodeAs(MessageType type, const void* bytes, std::size_t size, Variant& out) noexcept {
+  if (Traits<M>::kType != type) return false;
+  M message;
+  Invalid why;
+  if (Decode(bytes, size, message, why)) {
+    out = message;
+  } else {
+    out = why;
+  }
+  return true;
+}
+
+template <class... M>
+std::variant<Invalid, M...> ValidateAs(const void* bytes, std::size_t size, std::variant<Invalid, M...> out) noexcept {
+  MessageHeader header;
+  Invalid why;
+  if (!CheckHeader(bytes, size, header, why)) return why;
+  if ((DecodeAs<std::variant<Invalid, M...>, M>(header.type, bytes, size, out) || ...)) return out;
+  const TypeRow* row = FindType(header.type);
+  if (row == nullptr) return Because("message type %u is unknown", static_cast<unsigned>(header.type));
+  return Because("%s, a message that only %s", row->name, row->roles == 0 ? "omnid sends" : "clients send");
 }
 
 }  // namespace
@@ -284,27 +302,29 @@ base::MaterialParameters HapticSceneRows::Material(std::uint32_t i) const noexce
   return parameters;
 }
 
-Message Validate(const void* bytes, std::size_t size) noexcept {
-  if (size < sizeof(MessageHeader)) return Because("a packet of %zu bytes is shorter than a header", size);
-  if (size > kMaxMessageBytes) return Because("a packet of %zu bytes, the limit is %zu", size, kMaxMessageBytes);
-  MessageHeader header;
-  std::memcpy(&header, bytes, sizeof(header));
-  if (header.magic != kMessageMagic) return Because("magic 0x%08x, must be 0x%08x", header.magic, kMessageMagic);
-  if (header.size != size) return Because("header says %u bytes, the packet has %zu", header.size, size);
-  const TypeRow* row = FindType(header.type);
-  if (header.version != kProtocolVersion && header.type != MessageType::kReject) {
-    Invalid invalid = Because("protocol version %u, must be %u", header.version, kProtocolVersion);
-    invalid.other_version = true;
-    invalid.version = header.version;
-    return invalid;
-  }
-  if (row == nullptr) return Because("message type %u is unknown", static_cast<unsigned>(header.type));
-  return row->take(row->name, bytes, size);
+ClientMessage ValidateFromClient(const void* bytes, std::size_t size) noexcept {
+  return ValidateAs(bytes, size, ClientMessage());
 }
+
+ServerMessage ValidateFromServer(const void* bytes, std::size_t size) noexcept {
+  return ValidateAs(bytes, size, ServerMessage());
+}
+
+Message Validate(const void* bytes, std::size_t size) noexcept { return ValidateAs(bytes, size, Message()); }
 
 const char* TypeName(MessageType type) noexcept {
   const TypeRow* row = FindType(type);
   return row == nullptr ? "unknown" : row->name;
+}
+
+std::uint32_t RolesOf(MessageType type) noexcept {
+  const TypeRow* row = FindType(type);
+  return row == nullptr ? 0 : row->roles;
+}
+
+Delivery DeliveryOf(MessageType type) noexcept {
+  const TypeRow* row = FindType(type);
+  return row == nullptr ? Delivery::kOnce : row->delivery;
 }
 
 }  // namespace omni::protocol

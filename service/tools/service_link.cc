@@ -44,7 +44,7 @@ nlohmann::json ParseStatus(const std::string& text) {
 }
 
 base::Result<nlohmann::json> AskStatus(client::Connection& connection) {
-  if (!connection.RequestStatus()) return base::Error{"omnid does not take a request; restart omnid"};
+  if (!connection.Send(protocol::StatusRequest{})) return base::Error{"omnid does not take a request; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kPatience_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());

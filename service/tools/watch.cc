@@ -66,7 +66,7 @@ class Watcher {
  private:
   void ReadStatus(std::int64_t now_ns) {
     was_connected_ = true;
-    if (now_ns >= next_request_ns_ && connection_.RequestStatus()) {
+    if (now_ns >= next_request_ns_ && connection_.Send(protocol::StatusRequest{})) {
       next_request_ns_ = now_ns + (std::isnan(ticks_) ? kFirstPause_ns : kSecond_ns);
     }
     const std::string text = connection_.TakeStatus();

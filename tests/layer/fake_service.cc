@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <type_traits>
+#include <variant>
 
 namespace omni::test {
 namespace {
@@ -99,15 +101,6 @@ void FakeService::OnGone(ipc::ClientId) {
   ++heard_.gone;
 }
 
-void FakeService::OnSession(ipc::ClientId, protocol::SessionState state) { Hear(heard_.sessions, state); }
-
-void FakeService::OnHaptic(ipc::ClientId, const protocol::Haptic& haptic) { Hear(heard_.haptics, haptic); }
-
-void FakeService::OnHapticStop(ipc::ClientId) {
-  const std::lock_guard lock(mutex_);
-  ++heard_.haptic_stops;
-}
-
 void FakeService::SetForce(bool available, protocol::ForceStanding standing) {
   const std::lock_guard lock(mutex_);
   properties_.emplace();
@@ -128,29 +121,10 @@ void FakeService::SetForce(bool available, protocol::ForceStanding standing) {
   owner_->standing = standing;
 }
 
-void FakeService::OnForce(ipc::ClientId, const protocol::ForceRequest& request) { Hear(heard_.forces, request); }
-
 void FakeService::SetPlacement(const protocol::Placement& placement) {
   const std::lock_guard lock(mutex_);
   placement_ = placement;
   placement_changed_ = true;
-}
-
-void FakeService::OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) {
-  const std::lock_guard lock(mutex_);
-  heard_.placement_requests.push_back(request);
-  placed_.push_back(id);
-  server_->SendPlacement(id, placement_);
-}
-
-void FakeService::OnSpaceChange(ipc::ClientId, const protocol::SpaceChange& change) {
-  Hear(heard_.space_changes, change);
-}
-
-void FakeService::OnWaveform(ipc::ClientId, const protocol::ShapedHaptic& haptic) {
-  Heard::Shaped shaped{haptic.waveform, {}};
-  for (std::uint32_t i = 0; i < haptic.waveform.count; ++i) shaped.samples.push_back(haptic.sample(i));
-  Hear(heard_.waveforms, std::move(shaped));
 }
 
 void FakeService::SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfaces) {
@@ -159,30 +133,77 @@ void FakeService::SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfa
   surfaces_due_ = true;
 }
 
-void FakeService::OnSurfaceRequest(ipc::ClientId, bool wanted) {
-  const std::lock_guard lock(mutex_);
-  surfaces_wanted_ = surfaces_due_ = wanted;
+struct FakeService::RequestHandler {
+  FakeService& service;
+  const ipc::ClientId id;
+  base::UniqueFd& file;
+
+  void operator()(const protocol::Session& session) const { service.Hear(service.heard_.sessions, session.state); }
+  void operator()(const protocol::Haptic& haptic) const { service.Hear(service.heard_.haptics, haptic); }
+  void operator()(const protocol::HapticStop& /*stop*/) const {
+    const std::lock_guard lock(service.mutex_);
+    ++service.heard_.haptic_stops;
+  }
+  void operator()(const protocol::ShapedHaptic& haptic) const {
+    Heard::Shaped shaped{haptic.waveform, {}};
+    for (std::uint32_t i = 0; i < haptic.waveform.count; ++i) shaped.samples.push_back(haptic.sample(i));
+    service.Hear(service.heard_.waveforms, std::move(shaped));
+  }
+  template <class M>
+  requires std::is_constructible_v<protocol::ForceRequest, const M&>
+  void operator()(const M& force) const { service.Hear(service.heard_.forces, protocol::ForceRequest(force)); }
+  void operator()(const protocol::SurfaceRequest& request) const {
+    const std::lock_guard lock(service.mutex_);
+    service.surfaces_wanted_ = service.surfaces_due_ = request.wanted != 0;
+  }
+  void operator()(const protocol::HapticSceneLoad& load) const {
+    std::string bytes(load.bytes, '\0');
+    if (::pread(file.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) bytes.clear();
+    const std::lock_guard lock(service.mutex_);
+    service.heard_.scene_loads.push_back(load);
+    service.heard_.scene_documents.push_back(bytes);
+    if (!service.scene_answer_) return;
+    for (std::string& message : service.scene_answer_(load)) service.to_say_.push_back(std::move(message));
+  }
+  void operator()(const protocol::HapticSceneEnd& end) const { service.Hear(service.heard_.scene_ends, end.number); }
+  void operator()(const protocol::HapticScenePlace& place) const { service.Hear(service.heard_.scene_places, place); }
+  void operator()(const protocol::HapticSceneEnable& on) const { service.Hear(service.heard_.scene_enables, on); }
+  void operator()(const protocol::HapticNodes& nodes) const { service.Hear(service.heard_.scene_nodes, nodes); }
+  void operator()(const protocol::HapticMaterial& m) const { service.Hear(service.heard_.scene_materials, m); }
+  void operator()(const protocol::PlacementRequest& request) const {
+    const std::lock_guard lock(service.mutex_);
+    service.heard_.placement_requests.push_back(request);
+    service.placed_.push_back(id);
+    service.server_->Send(id, service.placement_);
+  }
+  void operator()(const protocol::SpaceChange& change) const { service.Hear(service.heard_.space_changes, change); }
+  void operator()(const protocol::SceneCommand& /*command*/) const {}
+  void operator()(const protocol::PlacementCommand& /*command*/) const {}
+};
+
+void FakeService::OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd file) {
+  std::visit(RequestHandler{*this, id, file}, request);
 }
 
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
   if (placement_changed_) {
-    for (const ipc::ClientId id : placed_) server_->SendPlacement(id, placement_);
+    for (const ipc::ClientId id : placed_) server_->Send(id, placement_);
     placement_changed_ = false;
   }
   if (client_ == 0) return;
   last_beat_ns_ = server_->LastBeat_ns(client_);
-  if (settings_due_) server_->SendSettings(client_, settings_);
+  if (settings_due_) server_->Send(client_, settings_);
   settings_due_ = false;
-  if (properties_ && server_->SendForceProperties(client_, *properties_)) properties_.reset();
-  if (owner_ && server_->SendForceOwner(client_, *owner_)) owner_.reset();
+  if (properties_ && server_->Send(client_, *properties_)) properties_.reset();
+  if (owner_ && server_->Send(client_, *owner_)) owner_.reset();
   if (surfaces_ && surfaces_wanted_ && surfaces_due_) {
     protocol::Surfaces announced;
     announced.total_bytes = surfaces_->bytes();
     announced.memory_generation = surfaces_->id().memory_generation;
-    surfaces_due_ = !server_->SendSurfaces(client_, announced, surfaces_->fd());
+    surfaces_due_ = !server_->Send(client_, announced, {}, surfaces_->fd());
   }
-  while (!to_say_.empty() && server_->TrySend(client_, to_say_.front().data(), to_say_.front().size())) {
+  while (!to_say_.empty() && server_->SendBytes(client_, to_say_.front())) {
     to_say_.erase(to_say_.begin());
   }
 }
@@ -195,34 +216,6 @@ void FakeService::Say(const std::string& message) {
 void FakeService::AnswerScenes(SceneAnswer answer) {
   const std::lock_guard lock(mutex_);
   scene_answer_ = std::move(answer);
-}
-
-void FakeService::OnHapticSceneLoad(ipc::ClientId, const protocol::HapticSceneLoad& load, base::UniqueFd document) {
-  std::string bytes(load.bytes, '\0');
-  if (::pread(document.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) bytes.clear();
-  const std::lock_guard lock(mutex_);
-  heard_.scene_loads.push_back(load);
-  heard_.scene_documents.push_back(bytes);
-  if (!scene_answer_) return;
-  for (std::string& message : scene_answer_(load)) to_say_.push_back(std::move(message));
-}
-
-void FakeService::OnHapticSceneEnd(ipc::ClientId, const protocol::HapticSceneEnd& end) {
-  Hear(heard_.scene_ends, end.number);
-}
-
-void FakeService::OnHapticScenePlace(ipc::ClientId, const protocol::HapticScenePlace& place) {
-  Hear(heard_.scene_places, place);
-}
-
-void FakeService::OnHapticSceneEnable(ipc::ClientId, const protocol::HapticSceneEnable& enable) {
-  Hear(heard_.scene_enables, enable);
-}
-
-void FakeService::OnHapticNodes(ipc::ClientId, const protocol::HapticNodes& nodes) { Hear(heard_.scene_nodes, nodes); }
-
-void FakeService::OnHapticMaterial(ipc::ClientId, const protocol::HapticMaterial& material) {
-  Hear(heard_.scene_materials, material);
 }
 
 }  // namespace omni::test

@@ -97,21 +97,8 @@ class FakeService : private ipc::ServerHandler {
 
   void OnClient(const ipc::ClientInfo& client) override;
   void OnGone(ipc::ClientId id) override;
-  void OnSession(ipc::ClientId id, protocol::SessionState state) override;
-  void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override;
-  void OnHapticStop(ipc::ClientId id) override;
-  void OnWaveform(ipc::ClientId id, const protocol::ShapedHaptic& haptic) override;
-  void OnSceneCommand(ipc::ClientId /*id*/, const protocol::SceneCommand& /*command*/) override {}
-  void OnSurfaceRequest(ipc::ClientId id, bool wanted) override;
-  void OnForce(ipc::ClientId id, const protocol::ForceRequest& request) override;
-  void OnHapticSceneLoad(ipc::ClientId id, const protocol::HapticSceneLoad& load, base::UniqueFd document) override;
-  void OnHapticSceneEnd(ipc::ClientId id, const protocol::HapticSceneEnd& end) override;
-  void OnHapticScenePlace(ipc::ClientId id, const protocol::HapticScenePlace& place) override;
-  void OnHapticSceneEnable(ipc::ClientId id, const protocol::HapticSceneEnable& enable) override;
-  void OnHapticNodes(ipc::ClientId id, const protocol::HapticNodes& nodes) override;
-  void OnHapticMaterial(ipc::ClientId id, const protocol::HapticMaterial& material) override;
-  void OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest& request) override;
-  void OnSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change) override;
+  void OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd file) override;
+  struct RequestHandler;
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
 

@@ -60,7 +60,7 @@ TEST(ServerFuzz, OthersLiveOn) {
   good.Poll(base::MonotonicNow_ns());
   ASSERT_TRUE(good.connected());
   const int stops = service.handler.Stops();
-  ASSERT_TRUE(good.SendHapticStop());
+  ASSERT_TRUE(good.Send(protocol::HapticStop{}));
   EXPECT_TRUE(Eventually([&] { return service.handler.Stops() > stops; }));
   for (const auto& [id, haptic] : service.handler.Haptics()) {
     ASSERT_TRUE(haptic.amplitude >= 0 && haptic.amplitude <= 1 && haptic.frequency_Hz >= 0);

@@ -63,22 +63,15 @@ class RecordingHandler : public ipc::ServerHandler {
     const std::lock_guard lock(mutex_);
     gone_[id] = base::MonotonicNow_ns();
   }
-  void OnSession(ipc::ClientId id, protocol::SessionState state) override {
+  void OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd /*file*/) override {
     const std::lock_guard lock(mutex_);
-    sessions_.emplace_back(id, state);
-  }
-  void OnHaptic(ipc::ClientId id, const protocol::Haptic& haptic) override {
-    const std::lock_guard lock(mutex_);
-    haptics_.emplace_back(id, haptic);
-  }
-  void OnHapticStop(ipc::ClientId) override {
-    const std::lock_guard lock(mutex_);
-    ++stops_;
-  }
-  void OnSceneCommand(ipc::ClientId id, const protocol::SceneCommand& command) override {
-    const std::lock_guard lock(mutex_);
-    scene_commands_.push_back(command);
-    if (on_scene_command) on_scene_command(id, command);
+    if (const auto* session = std::get_if<protocol::Session>(&request)) sessions_.emplace_back(id, session->state);
+    if (const auto* haptic = std::get_if<protocol::Haptic>(&request)) haptics_.emplace_back(id, *haptic);
+    if (std::holds_alternative<protocol::HapticStop>(request)) ++stops_;
+    if (const auto* command = std::get_if<protocol::SceneCommand>(&request)) {
+      scene_commands_.push_back(*command);
+      if (on_scene_command) on_scene_command(id, *command);
+    }
   }
   void OnPeriod(std::int64_t) override {
     const std::lock_guard lock(mutex_);
@@ -87,7 +80,10 @@ class RecordingHandler : public ipc::ServerHandler {
       if (gone_.count(id) > 0) continue;
       beats_[id] = server->LastBeat_ns(id);
       dropped_[id] = server->DroppedMessages(id);
-      for (int i = 0; i < notices_per_period; ++i) server->SendNotice(id, 1, "scene 'x' did not load");
+      protocol::Notice notice;
+      notice.level = 1;
+      protocol::SetField(notice.text, "scene 'x' did not load");
+      for (int i = 0; i < notices_per_period; ++i) server->Send(id, notice);
     }
   }
   std::string StatusJson() override {

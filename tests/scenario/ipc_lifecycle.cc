@@ -66,7 +66,7 @@ TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
     return !connection.connected();
   }));
   EXPECT_EQ(connection.state(), nullptr);
-  EXPECT_FALSE(connection.SendHapticStop());
+  EXPECT_FALSE(connection.Send(protocol::HapticStop{}));
   connection.Beat();
   protocol::ToolSample seen;
   EXPECT_TRUE(old_state->Newest(seen)) << "a reader that somebody holds stays readable";

@@ -178,7 +178,7 @@ TEST(ProcessAlign, AFaultyApplicationDoesNotSpoilAnAlignment) {
     change.pose_valid = 1;
     change.changes_at_ns = base::MonotonicNow_ns() + i * 2 * protocol::kSameChange_ns;
     change.new_in_previous.position_m = {20, 0, 0};
-    ASSERT_TRUE(application.connection().SendSpaceChange(change));
+    ASSERT_TRUE(application.connection().Send(change));
   }
   EXPECT_TRUE(taken(1)) << "it hears that the alignment is in doubt";
   EXPECT_EQ(placement->base_space.position_m[0], TrueBase().position_m.x);

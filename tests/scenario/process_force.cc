@@ -36,7 +36,7 @@ class ForceApplication : public TestApplication {
     apply.t_ns = base::MonotonicNow_ns();
     apply.duration_ns = duration_ns;
     apply.force_base_N = {0, 0, kPush_N};
-    connection().SendForce(apply);
+    connection().Send(apply);
     last_push_ns_ = apply.t_ns;
   }
   bool Hold() {
@@ -46,7 +46,7 @@ class ForceApplication : public TestApplication {
     set.constraints[0].stiffness_N_m = 300;
     set.constraints[0].max_force_N = 1;
     set.constraints[0].point_base_m = {0, 0, 0.065};
-    return connection().SendConstraints(set);
+    return connection().Send(set);
   }
   // Renews the force every 10 ms until it is felt, and for half a second more.
   bool PushUntilFelt() {
@@ -157,7 +157,7 @@ TEST(ProcessForce, AMonitorCannotPush) {
   }
   ASSERT_TRUE(monitor.connected());
   EXPECT_FALSE(monitor.ClaimForce(true));
-  EXPECT_FALSE(monitor.SendForce({}));
+  EXPECT_FALSE(monitor.Send(protocol::ForceApply{}));
 }
 
 }  // namespace test_process_force

@@ -48,7 +48,7 @@ class SceneApplication : public TestApplication {
     load.bytes = document.size();
     load.flags = flags;
     state = {};
-    return connection().SendHapticScene(load, fd.get());
+    return connection().Send(load, fd.get());
   }
 
   void Take() {

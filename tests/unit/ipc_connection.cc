@@ -92,7 +92,7 @@ TEST(Connection, WithoutServiceSaysSoAndKeepsTrying) {
   connection.Poll(base::MonotonicNow_ns());
   EXPECT_FALSE(connection.connected());
   EXPECT_NE(connection.last_error().find("no omnid at " + temp.Path("omnid.sock")), std::string::npos);
-  EXPECT_FALSE(connection.SendHapticStop());
+  EXPECT_FALSE(connection.Send(protocol::HapticStop{}));
   Service service(temp.Path("omnid.sock"));
   EXPECT_TRUE(PollUntilConnected(connection));
 }
@@ -238,7 +238,7 @@ TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
   ASSERT_TRUE(PollUntilConnected(connection));
   EXPECT_FALSE(connection.SendSession(protocol::SessionState::kFocused));
   EXPECT_FALSE(connection.SendHaptic(1, 1, 1));
-  EXPECT_FALSE(connection.SendHapticStop());
+  EXPECT_FALSE(connection.Send(protocol::HapticStop{}));
   connection.Poll(base::MonotonicNow_ns());
   EXPECT_TRUE(connection.connected());
 }

@@ -12,13 +12,26 @@ namespace test_ipc_scene {
 using namespace test;
 using protocol::SceneAction;
 
+struct SceneReplyParts {
+  std::uint32_t number = 0;  // of the command
+  bool done = false;
+  std::string text{};
+  int file = -1;  // goes along if file_bytes > 0
+  std::uint64_t file_bytes = 0;
+};
+
 // A service that answers every scene command at once.
 struct SceneService {
-  using Answer = std::function<ipc::SceneReplyParts(const protocol::SceneCommand&)>;
+  using Answer = std::function<SceneReplyParts(const protocol::SceneCommand&)>;
   SceneService(const std::string& path, const Answer& answer)
       : service(path, 77, [answer](ipc::ServerOptions&, RecordingHandler& handler) {
           handler.on_scene_command = [&handler, answer](ipc::ClientId id, const protocol::SceneCommand& command) {
-            handler.server->SendSceneReply(id, answer(command));
+            const SceneReplyParts parts = answer(command);
+            protocol::SceneReply reply;
+            reply.number = parts.number;
+            reply.done = parts.done ? 1 : 0;
+            reply.file_bytes = parts.file_bytes;
+            handler.server->Send(id, reply, parts.text, parts.file_bytes > 0 ? parts.file : -1);
           };
         }) {}
   Service service;
@@ -36,7 +49,7 @@ std::optional<client::SceneAnswer> AnswerOf(client::Connection& connection) {
 TEST(SceneCommands, CarryWhatWasAskedAndTheAnswerComesBack) {
   const TempFolder temp;
   SceneService scene(temp.Path("omnid.sock"), [](const protocol::SceneCommand& command) {
-    return ipc::SceneReplyParts{.number = command.number, .done = false, .text = "clay: nothing to undo"};
+    return SceneReplyParts{.number = command.number, .done = false, .text = "clay: nothing to undo"};
   });
   for (const protocol::ClientRole role : {protocol::ClientRole::kMonitor, protocol::ClientRole::kApplication}) {
     client::ConnectionInfo info = InfoFor(temp.Path("omnid.sock"), "asks");
@@ -68,7 +81,7 @@ TEST(SceneCommands, AFileComesAsSealedMemory) {
     auto memory = std::make_shared<base::UniqueFd>(std::move(*base::SealedCopy("test", content)));
     static std::vector<std::shared_ptr<base::UniqueFd>> kept;
     kept.push_back(memory);
-    return ipc::SceneReplyParts{
+    return SceneReplyParts{
         .number = command.number, .done = true, .text = "saved", .file = memory->get(), .file_bytes = content.size()};
   });
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "asks"));
@@ -89,11 +102,11 @@ TEST(SceneCommands, AFileThatIsNotWhatItSaysEndsTheConnection) {
   const auto memory = std::make_shared<base::UniqueFd>(std::move(*base::SealedCopy("test", "0123456789")));
   int which = 0;
   SceneService scene(temp.Path("omnid.sock"), [&](const protocol::SceneCommand& command) {
-    return ipc::SceneReplyParts{.number = command.number,
-                                .done = true,
-                                .text = "saved",
-                                .file = which == 0 ? memory->get() : 0,  // standard input: no sealed memory
-                                .file_bytes = 11};
+    return SceneReplyParts{.number = command.number,
+                           .done = true,
+                           .text = "saved",
+                           .file = which == 0 ? memory->get() : 0,  // standard input: no sealed memory
+                           .file_bytes = 11};
   });
   for (which = 0; which < 2; ++which) {
     client::Connection connection(InfoFor(temp.Path("omnid.sock"), "asks"));
@@ -107,7 +120,7 @@ TEST(SceneCommands, AFileThatIsNotWhatItSaysEndsTheConnection) {
 TEST(SceneCommands, ALongTextIsCutAndAServerTakesNoReply) {
   const TempFolder temp;
   SceneService scene(temp.Path("omnid.sock"), [](const protocol::SceneCommand& command) {
-    return ipc::SceneReplyParts{.number = command.number, .done = true, .text = std::string(100'000, 'x')};
+    return SceneReplyParts{.number = command.number, .done = true, .text = std::string(100'000, 'x')};
   });
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "asks"));
   ASSERT_TRUE(PollUntilConnected(connection));

@@ -47,7 +47,7 @@ TEST(Server, HandsOnSessionAndHaptics) {
   EXPECT_TRUE(connection.SendSession(SessionState::kFocused));
   EXPECT_TRUE(connection.SendHaptic(-500, 7.0f, -3.0f));  // an app's wild values are brought into range
   EXPECT_FALSE(connection.SendHaptic(1, std::numeric_limits<float>::quiet_NaN(), 0));
-  EXPECT_TRUE(connection.SendHapticStop());
+  EXPECT_TRUE(connection.Send(protocol::HapticStop{}));
   ASSERT_TRUE(Eventually([&] { return service.handler.Stops() == 1; }));
   ASSERT_EQ(service.handler.Sessions().size(), 1u);
   EXPECT_EQ(service.handler.Sessions()[0].second, SessionState::kFocused);
@@ -64,9 +64,9 @@ TEST(Server, AnswersStatus) {
   auto info = InfoFor(temp.Path("omnid.sock"), "status");
   info.role = protocol::ClientRole::kMonitor;
   client::Connection connection(info);
-  EXPECT_FALSE(connection.RequestStatus());
+  EXPECT_FALSE(connection.Send(protocol::StatusRequest{}));
   ASSERT_TRUE(PollUntilConnected(connection));
-  ASSERT_TRUE(connection.RequestStatus());
+  ASSERT_TRUE(connection.Send(protocol::StatusRequest{}));
   std::string status;
   ASSERT_TRUE(Eventually([&] {
     connection.Poll(base::MonotonicNow_ns());
@@ -122,6 +122,48 @@ TEST(Server, AnotherVersionIsToldBothVersions) {
   EXPECT_EQ(service.handler.ClientCount(), 0u);
 }
 
+// Who sends what its role does not send is told which role does.
+TEST(Server, AMessageOfAnotherRoleIsRefused) {
+  const TempFolder temp;
+  Service service(temp.Path("omnid.sock"));
+  const auto reason_of = [&](protocol::ClientRole role, const auto& message) {
+    RawClient raw(temp.Path("omnid.sock"));
+    raw.Greet("x", role) && raw.Send(message);
+    return raw.RejectReason();
+  };
+  protocol::SpaceChange change;
+  EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, protocol::Session{}),
+            "Session: only an application sends it; say Hello as an application");
+  EXPECT_EQ(reason_of(protocol::ClientRole::kTool, protocol::ForceStop{}),
+            "ForceStop: only an application sends it; say Hello as an application");
+  EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, change),
+            "SpaceChange: only an application sends it; say Hello as an application");
+  protocol::PlacementCommand command;
+  EXPECT_EQ(reason_of(protocol::ClientRole::kApplication, command),
+            "PlacementCommand: only a tool sends it; say Hello as a tool");
+  protocol::HapticSceneEnd end;
+  end.number = 1;
+  EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, end),
+            "HapticSceneEnd: only an application sends it; say Hello as an application");
+}
+
+// A descriptor that no row of the table has, and one that is missing.
+TEST(Server, DescriptorsAreThoseOfTheTable) {
+  const TempFolder temp;
+  Service service(temp.Path("omnid.sock"));
+  RawClient with(temp.Path("omnid.sock")), without(temp.Path("omnid.sock"));
+  ASSERT_TRUE(with.Greet("with") && without.Greet("without"));
+  const protocol::Session session;
+  const int fd = with.fd();
+  ASSERT_EQ(protocol::SendPacket(with.fd(), &session, sizeof(session), &fd, 1), protocol::SendResult::kSent);
+  EXPECT_EQ(with.RejectReason(), "Session: a packet with a descriptor that its message does not have");
+  protocol::HapticSceneLoad load;
+  load.number = 1;
+  load.bytes = 10;
+  ASSERT_TRUE(without.Send(load));
+  EXPECT_EQ(without.RejectReason(), "HapticSceneLoad: comes without its descriptor");
+}
+
 TEST(Server, GarbageCostsOnlyItsSender) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
@@ -167,7 +209,7 @@ TEST(Server, GarbageCostsOnlyItsSender) {
   ASSERT_TRUE(Eventually([&] { return service.handler.ClientCount() == 1; }));
   good.Poll(base::MonotonicNow_ns());
   EXPECT_TRUE(good.connected());
-  EXPECT_TRUE(good.SendHapticStop());
+  EXPECT_TRUE(good.Send(protocol::HapticStop{}));
   EXPECT_TRUE(Eventually([&] { return service.handler.Stops() == 1; }));
 }
 

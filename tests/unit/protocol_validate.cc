@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,42 @@ Welcome GoodWelcome() {
   welcome.state_bytes = sizeof(StateMemory);
   welcome.life_bytes = kLifePageBytes;
   return welcome;
+}
+
+template <class... M>
+std::set<MessageType> TypesOf(std::variant<Invalid, M...>* /*tag*/) {
+  return {Traits<M>::kType...};
+}
+
+// Each row of the table has a number of its own and stands in the variant of its direction.
+TEST(MessageTable, RowsAreUniqueAndOfOneDirection) {
+  const std::set<MessageType> client = TypesOf(static_cast<ClientMessage*>(nullptr));
+  const std::set<MessageType> server = TypesOf(static_cast<ServerMessage*>(nullptr));
+  EXPECT_EQ(client.size(), std::variant_size_v<ClientMessage> - 1);
+  EXPECT_EQ(server.size(), std::variant_size_v<ServerMessage> - 1);
+  EXPECT_EQ(client.size() + server.size(), std::variant_size_v<Message> - 1);
+  EXPECT_EQ(std::variant_size_v<Request>, client.size() - 2) << "Hello and StatusRequest are the server's own";
+  std::set<std::string> names;
+  for (const MessageType type : client) {
+    EXPECT_NE(RolesOf(type), 0U) << TypeName(type);
+    EXPECT_TRUE(names.insert(TypeName(type)).second);
+  }
+  for (const MessageType type : server) {
+    EXPECT_EQ(RolesOf(type), 0U) << TypeName(type);
+    EXPECT_TRUE(names.insert(TypeName(type)).second);
+  }
+}
+
+TEST(MessageTable, AMessageOfTheOtherDirectionIsInvalid) {
+  const Notice notice;
+  const Session session;
+  const ClientMessage of_client = ValidateFromClient(&notice, sizeof(notice));
+  const ServerMessage of_server = ValidateFromServer(&session, sizeof(session));
+  ASSERT_TRUE(std::holds_alternative<Invalid>(of_client) && std::holds_alternative<Invalid>(of_server));
+  EXPECT_STREQ(std::get<Invalid>(of_client).reason, "Notice, a message that only omnid sends");
+  EXPECT_STREQ(std::get<Invalid>(of_server).reason, "Session, a message that only clients send");
+  EXPECT_TRUE(std::holds_alternative<Session>(ValidateFromClient(&session, sizeof(session))));
+  EXPECT_TRUE(std::holds_alternative<Notice>(ValidateFromServer(&notice, sizeof(notice))));
 }
 
 TEST(Validate, LetsEveryDefaultMessageThrough) {

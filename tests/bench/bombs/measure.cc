@@ -212,7 +212,7 @@ Cost LoadByEntry(Omnid& omnid, const std::string& application, double limit_s) {
     // Of a scene without a word there is its name in the status.
     const std::string text = guest.connection().TakeStatus();
     if (text.find("\"scene\":\"/") == std::string::npos) {
-      guest.connection().RequestStatus();
+      guest.connection().Send(protocol::StatusRequest{});
       return {};
     }
     const nlohmann::json status = nlohmann::json::parse(text, nullptr, false);
@@ -247,7 +247,7 @@ Cost LoadByDocument(Omnid& omnid, const std::string& application, const std::str
     return {};
   };
   return Wait(
-      omnid, guest, limit_s, [&] { guest.connection().SendHapticScene(load, memory.get()); }, ended);
+      omnid, guest, limit_s, [&] { guest.connection().Send(load, memory.get()); }, ended);
 }
 
 }  // namespace omni::bombs

@@ -23,15 +23,11 @@ class GarbageService : private ipc::ServerHandler {
  private:
   void OnClient(const ipc::ClientInfo&) override {}
   void OnGone(ipc::ClientId) override {}
-  void OnSession(ipc::ClientId, protocol::SessionState) override {}
-  void OnHaptic(ipc::ClientId, const protocol::Haptic&) override {}
-  void OnHapticStop(ipc::ClientId) override {}
-  void OnSceneCommand(ipc::ClientId, const protocol::SceneCommand&) override {}
-  void OnPeriod(std::int64_t) override {}
-  // Unknown; without an answer each application would wait for one.
-  void OnPlacementRequest(ipc::ClientId id, const protocol::PlacementRequest&) override {
-    server_->SendPlacement(id, {});
+  // Where the base stands is unknown; without an answer each application would wait for one.
+  void OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd /*file*/) override {
+    if (std::holds_alternative<protocol::PlacementRequest>(request)) server_->Send(id, protocol::Placement{});
   }
+  void OnPeriod(std::int64_t) override {}
   std::string StatusJson() override { return "{}"; }
 
   void Publish(const protocol::ToolSample& sample, const protocol::InputSnapshot& inputs);
