@@ -1,6 +1,5 @@
 // Reading input. The next layer is always asked first: it validates, and its answer stands
 // wherever the pen has no part.
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
 
@@ -23,7 +22,7 @@ void Overlay(const Instance& instance, XrSession session, const XrActionStateGet
 
 template <class State>
 void AssignTimes(const ActionState& merged, State& state) {
-  state.changedSinceLastSync = merged.changed || OMNI_FAULT("changed-always") ? XR_TRUE : XR_FALSE;
+  state.changedSinceLastSync = merged.changed ? XR_TRUE : XR_FALSE;
   state.lastChangeTime = merged.last_change;
 }
 
@@ -32,7 +31,7 @@ void AssignTimes(const ActionState& merged, State& state) {
 XrResult Instance::GetBoolean(XrSession session, const XrActionStateGetInfo* info, XrActionStateBoolean* state) {
   const XrResult result = next.GetActionStateBoolean(session, info, state);
   link.Beat();
-  if (XR_FAILED(result)) return OMNI_FAULT("query-error-swallowed") ? XR_SUCCESS : result;
+  if (XR_FAILED(result)) return result;
   Overlay(*this, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
     out.currentState = merged.value.x > kPressThreshold ? XR_TRUE : XR_FALSE;
     AssignTimes(merged, out);
@@ -46,8 +45,6 @@ XrResult Instance::GetFloat(XrSession session, const XrActionStateGetInfo* info,
   if (XR_FAILED(result)) return result;
   Overlay(*this, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
     out.currentState = merged.value.x;
-    if (OMNI_FAULT("states-not-snapshotted"))
-      out.currentState = link.Read(base::MonotonicNow_ns()).inputs.components[0].value;
     AssignTimes(merged, out);
   });
   return result;

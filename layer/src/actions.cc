@@ -2,7 +2,6 @@
 #include <cstring>
 #include <string>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
 
@@ -15,7 +14,7 @@ class NextStates : public RuntimeStates {
   NextStates(const Dispatch& next, XrSession session) : next_(next), session_(session) {}
 
   StatePart Query(const Action& action, XrPath subaction) const override {
-    if (action.destroyed && !OMNI_FAULT("destroyed-handle-used")) return {};
+    if (action.destroyed) return {};
     const XrActionStateGetInfo info{XR_TYPE_ACTION_STATE_GET_INFO, nullptr, action.handle, subaction};
     switch (action.type) {
       case XR_ACTION_TYPE_BOOLEAN_INPUT: {
@@ -91,11 +90,9 @@ XrResult Instance::DestroyAction(XrAction action) {
   const auto record = actions.Find(action);
   const XrResult result = next.DestroyAction(action);
   link.Beat();
-  if (OMNI_FAULT("space-dies-with-its-action"))
-    spaces.EraseIf([action](const Space& space) { return space.action && space.action->handle == action; });
   if (XR_FAILED(result)) return result;
   if (record) record->destroyed = true;
-  if (record && !record->set->attached) record->withdrawn = !OMNI_FAULT("withdrawn-action-binds");
+  if (record && !record->set->attached) record->withdrawn = true;
   actions.Erase(action);
   return result;
 }
@@ -142,7 +139,7 @@ std::vector<ActiveSet> Instance::ActiveSets(const XrActionsSyncInfo& info) const
   }
   const auto* chain = static_cast<const XrBaseInStructure*>(info.next);
   for (; chain; chain = chain->next) {
-    if (chain->type != XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT || OMNI_FAULT("priority-override-ignored")) continue;
+    if (chain->type != XR_TYPE_ACTIVE_ACTION_SET_PRIORITIES_EXT) continue;
     XrActiveActionSetPrioritiesEXT overrides;
     std::memcpy(&overrides, chain, sizeof(overrides));
     for (std::uint32_t i = 0; i < overrides.actionSetPriorityCount; ++i)
@@ -178,7 +175,7 @@ void Instance::TellProfileChange(Session& session, XrPath user_path, const Profi
   if (!session.running) return;
   const XrPath below = before && after ? XR_NULL_PATH : ProfileBelow(session.handle, user_path);
   const auto shown = [&](const Profile* profile) { return profile ? PathOf(profile->path) : below; };
-  if (shown(before) != shown(after) || OMNI_FAULT("event-without-change")) session.profile_event_due = true;
+  if (shown(before) != shown(after)) session.profile_event_due = true;
 }
 
 XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
@@ -189,7 +186,7 @@ XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
   const std::int64_t now = base::MonotonicNow_ns();
   clock.Refresh(now);
   SyncInput input;
-  input.focused = result != XR_SESSION_NOT_FOCUSED || OMNI_FAULT("not-focused-is-success");
+  input.focused = result != XR_SESSION_NOT_FOCUSED;
   if (record->running) SetFocus(*record, input.focused);
   input.active = ActiveSets(*info);
   input.choice = Choice();

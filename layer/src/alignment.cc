@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
 #include "service/protocol/text.h"
@@ -14,20 +13,20 @@ namespace {
 Placement Guess(bool valid) {
   Placement guess;
   guess.valid = valid;
-  guess.tracked = OMNI_FAULT("guess-is-tracked");
+  guess.tracked = false;
   return guess;
 }
 
 Placement ToPlacement(const protocol::Placement& told) {
   const bool off = told.uncalibrated == protocol::Uncalibrated::kOff;
-  const bool front = told.uncalibrated == protocol::Uncalibrated::kFrontOfUser || OMNI_FAULT("always-guessed");
+  const bool front = told.uncalibrated == protocol::Uncalibrated::kFrontOfUser;
   if (off || told.known == 0) return Guess(!off && front);
   const auto& p = told.base_space.position_m;
   const auto& q = told.base_space.orientation_wxyz;
   Placement placement;
-  if (!OMNI_FAULT("placed-in-local")) placement.space = static_cast<XrReferenceSpaceType>(told.space);
+  placement.space = static_cast<XrReferenceSpaceType>(told.space);
   placement.X_LO = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
-  placement.tracked = told.doubtful == 0 || OMNI_FAULT("doubt-ignored");
+  placement.tracked = told.doubtful == 0;
   return placement;
 }
 
@@ -51,8 +50,7 @@ void Instance::AskPlacement(Session& session, XrSystemId system) {
   }
   protocol::PlacementRequest request;
   protocol::SetField(request.headset.runtime, std::string_view(runtime.runtimeName, strnlen(runtime.runtimeName, 127)));
-  if (!OMNI_FAULT("headset-not-named"))
-    protocol::SetField(request.headset.system, std::string_view(headset.systemName, strnlen(headset.systemName, 255)));
+  protocol::SetField(request.headset.system, std::string_view(headset.systemName, strnlen(headset.systemName, 255)));
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
     if (session.anchors[i] != XR_NULL_HANDLE) request.spaces[request.space_count++] = kAnchorTypes[i];
   }
@@ -72,8 +70,7 @@ void Instance::TakePlacement() {
       base::MonotonicNow_ns(), told->changes_until_ns == 0 ? 0 : told->changes_until_ns + protocol::kSameChange_ns);
   Placement placement = ToPlacement(*told);
   if (link.test() != nullptr) placement.valid = placement.tracked = true;
-  for (const auto& session : sessions.Values())
-    if (!OMNI_FAULT("placement-of-the-past")) session->placement.Set(placement, clock.ToXr(known_until_ns));
+  for (const auto& session : sessions.Values()) session->placement.Set(placement, clock.ToXr(known_until_ns));
   if (told->known == 0) log.Line("this headset is not aligned with the base: run `omni align`");
 }
 
@@ -82,8 +79,8 @@ void Instance::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
   if (!session) return;
   // Out of range, or not a number: it is not known where to.
   const bool in_range = protocol::PoseProblem(ToWire(change.poseInPreviousSpace)) == nullptr;
-  if (!in_range && !OMNI_FAULT("broken-recentre-followed")) change.poseValid = XR_FALSE;
-  const bool news = ReportChange(change) || OMNI_FAULT("change-made-twice");
+  if (!in_range) change.poseValid = XR_FALSE;
+  const bool news = ReportChange(change);
   if (!news || session->placement.OnChange(change)) return;
   log.Line(
       "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
@@ -104,7 +101,7 @@ bool Instance::ReportChange(const XrEventDataReferenceSpaceChangePending& change
       return false;
     }
   }
-  if (!OMNI_FAULT("recentre-not-told")) link.SendSpaceChange(told);
+  link.SendSpaceChange(told);
   return true;
 }
 

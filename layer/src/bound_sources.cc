@@ -3,7 +3,6 @@
 #include <cstring>
 #include <string>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -15,7 +14,7 @@ XrResult Fill(const T* values, std::size_t n, std::uint32_t capacity, std::uint3
   if (!count) return XR_ERROR_VALIDATION_FAILURE;
   *count = static_cast<std::uint32_t>(n);
   if (capacity == 0) return XR_SUCCESS;
-  if (capacity < n) return OMNI_FAULT("small-capacity-accepted") ? XR_SUCCESS : XR_ERROR_SIZE_INSUFFICIENT;
+  if (capacity < n) return XR_ERROR_SIZE_INSUFFICIENT;
   if (!out) return XR_ERROR_VALIDATION_FAILURE;
   std::copy_n(values, n, out);
   return XR_SUCCESS;
@@ -98,8 +97,7 @@ XrResult Instance::SourceName(XrSession session, const XrInputSourceLocalizedNam
     const std::string part = of_pen ? ComponentName(*profile, hand, path.substr(user.size())) : std::string();
     if (!part.empty()) {
       const XrInputSourceLocalizedNameFlags which = info->whichComponents;
-      if ((which == 0 || (which & ~kKnown) != 0) && !OMNI_FAULT("name-flags-unchecked"))
-        return XR_ERROR_VALIDATION_FAILURE;
+      if (which == 0 || (which & ~kKnown) != 0) return XR_ERROR_VALIDATION_FAILURE;
       const std::string name = JoinName(which, hand, *profile, part);
       return Fill(name.c_str(), name.size() + 1, capacity, count, text);
     }

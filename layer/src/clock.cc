@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 constexpr std::int64_t kRefreshInterval_ns = 1'000'000'000;
@@ -17,7 +15,6 @@ std::int64_t FrameClock::Add(const XrFrameState& frame, std::int64_t now_ns) noe
   offsets_ns_[frames_++ % kFrames] = seen_ns - period_ns * 3 / 2 - now_ns;
   std::array<std::int64_t, kFrames> sorted = offsets_ns_;
   const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(frames_, kFrames));
-  if (OMNI_FAULT("clock-believes-one-frame")) return seen_ns - period_ns * 3 / 2 - now_ns;
   const auto median = sorted.begin() + (end - sorted.begin()) / 2;
   std::nth_element(sorted.begin(), median, end);
   // A frame shown up to 4 periods after xrWaitFrame: both clocks are the same, and nothing has to be guessed.

@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "layer/src/fault.h"
 #include "layer/src/our_extensions.h"
 #include "layer/src/registry.h"
 
@@ -52,7 +51,7 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
   std::vector<const char*> names;
   for (const std::string& name : creation.asked) {
     const OurExtension* ours = FindOurs(name);
-    if (!ours || Contains(attempt.ours, name) || OMNI_FAULT("extension-leaks-below")) names.push_back(name.c_str());
+    if (!ours || Contains(attempt.ours, name)) names.push_back(name.c_str());
   }
   if (attempt.timespec) names.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   XrInstanceCreateInfo info = *creation.info;
@@ -134,7 +133,6 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   if (!IsFromLoader(layer_info)) return XR_ERROR_INITIALIZATION_FAILED;
   if (!info || !instance) return XR_ERROR_VALIDATION_FAILURE;
   const bool readable = ExtensionsAreReadable(*info);
-  if (!readable && OMNI_FAULT("create-info-judged-here")) return XR_ERROR_INITIALIZATION_FAILED;
   Creation creation{info, layer_info->nextInfo, *layer_info, {}};
   creation.below.nextInfo = layer_info->nextInfo->next;
   if (readable)

@@ -1,5 +1,4 @@
 // xrEndFrame: layers in spaces of the pen are drawn where the pen is when the frame is shown.
-#include "layer/src/fault.h"
 #include "layer/src/frame_layers.h"
 #include "layer/src/pen_space.h"
 
@@ -23,7 +22,7 @@ XrResult Instance::EndFrame(XrSession session, const XrFrameEndInfo* info) {
   if (!ShowsLayers(info)) return next.EndFrame(session, info);
   const auto is_ours = [&](const XrCompositionLayerBaseHeader* layer) { return LayerSide(*this, layer).ours(); };
   const bool ours = std::any_of(info->layers, info->layers + info->layerCount, is_ours);
-  if (!ours && !OMNI_FAULT("frame-always-copied")) return next.EndFrame(session, info);
+  if (!ours) return next.EndFrame(session, info);
 
   FrameLayers copies;
   std::vector<const XrCompositionLayerBaseHeader*> layers;
@@ -36,8 +35,7 @@ XrResult Instance::EndFrame(XrSession session, const XrFrameEndInfo* info) {
     }
     const PenAt pen = PenAtTime(*this, *side.session(), info->displayTime);
     const Located X_LS = side.pen() ? pen.Locate(side.X_TS) : Located{};
-    if ((X_LS.flags & kValid) != kValid && !OMNI_FAULT("unlocatable-layer-shown"))
-      continue;  // nobody knows where: not shown
+    if ((X_LS.flags & kValid) != kValid) continue;  // nobody knows where: not shown
     layers.push_back(copies.Move(*info->layers[i], pen.anchor, X_LS.motion.X));
   }
   XrFrameEndInfo changed = *info;

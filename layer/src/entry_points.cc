@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "layer/src/create_instance.h"
-#include "layer/src/fault.h"
 #include "layer/src/guarded.h"
 #include "layer/src/haptic_functions.h"
 #include "layer/src/own_functions.h"
@@ -17,7 +16,7 @@ XRAPI_ATTR XrResult XRAPI_CALL DestroyInstance(XrInstance instance) {
     if (!record) return XR_ERROR_HANDLE_INVALID;
     record->link.SetSession(protocol::SessionState::kNone);
     const XrResult result = record->next.DestroyInstance(instance);
-    if (XR_SUCCEEDED(result) && !OMNI_FAULT("instance-kept")) Registry::Get().Remove(instance);
+    if (XR_SUCCEEDED(result)) Registry::Get().Remove(instance);
     return result;
   });
 }
@@ -207,16 +206,14 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
     if (!record) return XR_ERROR_HANDLE_INVALID;
     for (const OwnFunction& own : OwnFunctions()) {
       if (std::strcmp(name, own.name) != 0) continue;
-      const bool enabled = record->Enabled(own.extension) || OMNI_FAULT("own-functions-always-there");
-      if (!enabled || (own.also && !record->Enabled(own.also) && !OMNI_FAULT("scene-without-force")))
-        return XR_ERROR_FUNCTION_UNSUPPORTED;
+      const bool enabled = record->Enabled(own.extension);
+      if (!enabled || (own.also && !record->Enabled(own.also))) return XR_ERROR_FUNCTION_UNSUPPORTED;
       *function = own.function;
       return XR_SUCCESS;
     }
     // Enabled for our own use: to the application it is not there.
-    if (record->hide_timespec && !OMNI_FAULT("own-extension-visible") &&
-        (std::strcmp(name, "xrConvertTimespecTimeToTimeKHR") == 0 ||
-         std::strcmp(name, "xrConvertTimeToTimespecTimeKHR") == 0))
+    if (record->hide_timespec && (std::strcmp(name, "xrConvertTimespecTimeToTimeKHR") == 0 ||
+                                  std::strcmp(name, "xrConvertTimeToTimespecTimeKHR") == 0))
       return XR_ERROR_FUNCTION_UNSUPPORTED;
     return record->next.GetInstanceProcAddr(instance, name, function);
   });

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "layer/src/locate.h"
 #include "service/base/clock.h"
@@ -14,9 +13,7 @@ namespace {
 bool Has(XrSpaceLocationFlags flags, XrSpaceLocationFlags bits) { return (flags & bits) == bits; }
 
 // Another application has the device.
-bool IsTaken(const ServiceLink& link) {
-  return link.force_standing() == protocol::ForceStanding::kTaken && !OMNI_FAULT("force-of-another-ignored");
-}
+bool IsTaken(const ServiceLink& link) { return link.force_standing() == protocol::ForceStanding::kTaken; }
 
 // Finds the place of each space once.
 class Places {
@@ -51,7 +48,7 @@ XrResult PlaceConstraints(Places& places, const std::vector<LocalConstraint>& co
   for (const LocalConstraint& constraint : constraints) {
     Located place;
     if (const XrResult result = places.Find(constraint.space, place); XR_FAILED(result)) return result;
-    if ((Has(place.flags, kValid) || OMNI_FAULT("unlocatable-constraint-acts")) && IsFinite(place.motion)) {
+    if (Has(place.flags, kValid) && IsFinite(place.motion)) {
       out.constraints[out.count++] = InBase(constraint.shape, KnownMotion(place));
     } else {
       all_placed = false;
@@ -72,11 +69,11 @@ XrResult Instance::CreateForceFeedback(XrSession session, const XrForceFeedbackC
     return XR_ERROR_VALIDATION_FAILURE;
   if (PathText(info->topLevelUserPath).empty()) return XR_ERROR_PATH_INVALID;
   const XrPath hand = hand_paths[static_cast<std::size_t>(Choice().hand)];
-  if (info->topLevelUserPath != hand && !OMNI_FAULT("force-for-any-hand")) return XR_ERROR_PATH_UNSUPPORTED;
+  if (info->topLevelUserPath != hand) return XR_ERROR_PATH_UNSUPPORTED;
   if (link.force_properties().available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
   if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
   const std::lock_guard lock(forces_mutex_);
-  if (!forces.Values().empty() && !OMNI_FAULT("second-force-handle")) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  if (!forces.Values().empty()) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
   const auto made = std::make_shared<ForceFeedback>(record, StatusNow(*record));
   forces.Insert(made->handle(), made);
   link.ClaimForce(true);
@@ -90,14 +87,13 @@ XrResult Instance::DestroyForceFeedback(XrForceFeedbackOMNIX1 force) {
   if (!forces.Contains(force)) return XR_ERROR_HANDLE_INVALID;
   forces.Erase(force);
   link.StopForce();
-  if (!OMNI_FAULT("force-claim-kept")) link.ClaimForce(false);
+  link.ClaimForce(false);
   return XR_SUCCESS;
 }
 
 void Instance::DestroyForcesOf(XrSession session) {
   const std::lock_guard lock(forces_mutex_);
   const std::size_t before = forces.Values().size();
-  if (OMNI_FAULT("force-outlives-session")) return;
   forces.EraseIf([session](const ForceFeedback& force) { return force.session->handle == session; });
   if (forces.Values().size() == before) return;
   link.StopForce();
@@ -106,7 +102,7 @@ void Instance::DestroyForcesOf(XrSession session) {
 
 void Instance::ForgetForces(const Session& session) {
   for (const auto& force : forces.Values()) {
-    if (force->session.get() != &session || OMNI_FAULT("force-outlives-focus")) continue;
+    if (force->session.get() != &session) continue;
     {
       const std::lock_guard lock(force->mutex);
       force->constraints.clear();
@@ -121,7 +117,7 @@ void Instance::ForgetSpace(XrSpace space) {
     const std::lock_guard lock(force->mutex);
     auto& all = force->constraints;
     const auto gone = std::remove_if(all.begin(), all.end(), [space](const auto& c) { return c.space == space; });
-    if (gone == all.end() || OMNI_FAULT("constraint-outlives-its-space")) continue;
+    if (gone == all.end()) continue;
     all.erase(gone, all.end());
     ++force->constraint_changes;
     force->told_connection = 0;  // told anew at the next sync, or here if none is left
@@ -133,27 +129,24 @@ XrResult Instance::ApplyForce(XrForceFeedbackOMNIX1 handle_in, const XrForceAppl
   Alive();
   const auto force = forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
-  const bool valid = info && info->type == XR_TYPE_FORCE_APPLY_INFO_OMNIX1 &&
-                     (IsFinite(info->force) || OMNI_FAULT("force-nan-accepted")) &&
-                     (info->duration > 0 || OMNI_FAULT("force-without-duration")) && info->rampDuration >= 0;
+  const bool valid = info && info->type == XR_TYPE_FORCE_APPLY_INFO_OMNIX1 && IsFinite(info->force) &&
+                     info->duration > 0 && info->rampDuration >= 0;
   if (!valid) return XR_ERROR_VALIDATION_FAILURE;
   if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
-  if (!force->session->focused && !OMNI_FAULT("force-without-focus")) return XR_SESSION_NOT_FOCUSED;
+  if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;
   if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
   Places places(*this, *force->session);
   Located place;
   if (const XrResult result = places.Find(info->baseSpace, place); XR_FAILED(result)) return result;
   const bool directed = Has(place.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) && IsFinite(place.motion);
-  if (!directed && !OMNI_FAULT("unlocatable-force-guessed")) return XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1;
+  if (!directed) return XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1;
   protocol::ForceApply apply;
   apply.t_ns = places.now_ns();
   apply.duration_ns = std::min<std::int64_t>(info->duration, protocol::kLongestForce_ns);
-  if (OMNI_FAULT("force-duration-fixed")) apply.duration_ns = protocol::kLongestForce_ns;
   apply.ramp_ns = std::min<std::int64_t>(info->rampDuration, protocol::kLongestForce_ns);
   glm::dvec3 f = place.motion.X.q * FromXr(info->force);
-  if (OMNI_FAULT("force-not-turned")) f = FromXr(info->force);
   const double size = glm::length(f);
-  if (size > protocol::kLargestForce_N && !OMNI_FAULT("force-clamped-by-axis")) f *= protocol::kLargestForce_N / size;
+  if (size > protocol::kLargestForce_N) f *= protocol::kLargestForce_N / size;
   apply.force_base_N = Clamped(f, protocol::kLargestForce_N);
   link.SendForce(apply);
   return XR_SUCCESS;
@@ -190,7 +183,6 @@ void Instance::TellConstraints(ForceFeedback& force, const protocol::ForceConstr
 
 // Spaces move, and a service that has come back knows nothing.
 void Instance::FollowConstraints() {
-  if (OMNI_FAULT("constraints-not-followed")) return;
   for (const auto& force : forces.Values()) {
     std::vector<LocalConstraint> constraints;
     std::uint64_t changes = 0;
@@ -206,8 +198,7 @@ void Instance::FollowConstraints() {
     if (XR_FAILED(PlaceConstraints(places, constraints, now, all_placed))) continue;
     const std::lock_guard lock(force->mutex);
     const bool other_ones = force->constraint_changes != changes;  // set, or gone, meanwhile
-    const bool same_service =
-        force->told_connection == link.connection_number() || OMNI_FAULT("constraints-not-told-again");
+    const bool same_service = force->told_connection == link.connection_number();
     const bool known = same_service && SameConstraints(force->told, now);
     if (!other_ones && !known) TellConstraints(*force, now);
   }
@@ -218,9 +209,9 @@ XrResult Instance::StopForce(XrForceFeedbackOMNIX1 handle_in) {
   const auto force = forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   const std::lock_guard lock(force->mutex);
-  if (!OMNI_FAULT("stopped-constraints-come-back")) force->constraints.clear();
+  force->constraints.clear();
   ++force->constraint_changes;
-  if (!OMNI_FAULT("force-stop-dropped")) link.StopForce();
+  link.StopForce();
   return XR_SUCCESS;
 }
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "layer/src/fault.h"
 #include "layer/src/force_feedback.h"
 #include "layer/src/instance.h"
 #include "layer/src/locate.h"
@@ -19,12 +18,11 @@ constexpr XrForceFeedbackCapabilityFlagsOMNIX1 kCapabilities = XR_FORCE_FEEDBACK
 // X_OW: base z up -> workspace y up, base y (away from the user) -> workspace -z.
 Pose WorkspaceInBase() {
   const double h = std::sqrt(0.5);
-  if (OMNI_FAULT("workspace-axes-of-the-base")) return {};
   return {{0.0, 0.0, 0.0}, glm::dquat(h, h, 0.0, 0.0)};
 }
 
 void FillSystem(const protocol::ForceProperties& can, XrSystemForceFeedbackPropertiesOMNIX1& out) {
-  const bool there = can.available != 0 || OMNI_FAULT("force-always-supported");
+  const bool there = can.available != 0;
   out.supportsForceFeedback = there ? XR_TRUE : XR_FALSE;
   out.capabilityFlags = there ? kCapabilities : 0;
   out.maxForce = static_cast<float>(can.max_force_N);
@@ -48,7 +46,7 @@ template <class GetInfo, class Out>
 XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* out, XrStructureType out_type) {
   if (!info || info->type != info_type || !out || out->type != out_type) return XR_ERROR_VALIDATION_FAILURE;
   if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
-  return info->time > 0 || OMNI_FAULT("force-time-unchecked") ? XR_SUCCESS : XR_ERROR_TIME_INVALID;
+  return info->time > 0 ? XR_SUCCESS : XR_ERROR_TIME_INVALID;
 }
 
 }  // namespace
@@ -64,7 +62,7 @@ XrResult Instance::SystemProperties(XrSystemId system, XrSystemProperties* prope
   if (!ours) return next.GetSystemProperties(handle, system, properties);
   before->next = ours->next;
   const XrResult result = next.GetSystemProperties(handle, system, properties);
-  if (!OMNI_FAULT("system-chain-cut")) before->next = ours;
+  before->next = ours;
   if (XR_FAILED(result)) return result;
   link.AwaitForceProperties();  // often asked right after xrCreateInstance, before the service has answered
   FillSystem(link.force_properties(), *reinterpret_cast<XrSystemForceFeedbackPropertiesOMNIX1*>(ours));
@@ -87,7 +85,7 @@ XrResult Instance::ForceProperties(XrForceFeedbackOMNIX1 handle_in, const XrForc
   if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
     return result;
   const bool fits = properties->reachCapacityInput == 0 || properties->reachCapacityInput >= can.reach_count;
-  if (!fits && !OMNI_FAULT("sizes-after-the-rest")) {
+  if (!fits) {
     properties->reachCountOutput = can.reach_count;
     return XR_ERROR_SIZE_INSUFFICIENT;
   }
@@ -118,8 +116,7 @@ XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeed
   protocol::ToolSample then;
   protocol::ToolSample after;
   const auto reader = link.reader();
-  const std::int64_t time_ns =
-      OMNI_FAULT("force-state-of-now") ? base::MonotonicNow_ns() : clock.ToMonotonic(info->time);
+  const std::int64_t time_ns = clock.ToMonotonic(info->time);
   const bool any = reader && reader->Newest(newest) && reader->Around(time_ns, then, after);
   const ForceStatus status = StatusOf({.focused = force->session->focused,
                                        .standing = link.force_standing(),
@@ -133,7 +130,7 @@ XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeed
   state->appliedForce = {0, 0, 0};
   if (state->isForceValid) {
     const glm::dvec3 f_O(then.force_base_N[0], then.force_base_N[1], then.force_base_N[2]);
-    state->appliedForce = ToXr(OMNI_FAULT("applied-force-in-the-base") ? f_O : glm::conjugate(X_OS.motion.X.q) * f_O);
+    state->appliedForce = ToXr(glm::conjugate(X_OS.motion.X.q) * f_O);
   }
   return XR_SUCCESS;
 }
@@ -155,7 +152,7 @@ void Instance::WatchForces() {
     ForceStatus told;
     {
       const std::lock_guard lock(force->mutex);
-      if (!force->watch.Step(now, now_ns, told) || OMNI_FAULT("force-event-missing")) continue;
+      if (!force->watch.Step(now, now_ns, told)) continue;
     }
     events.Push(XrEventDataForceFeedbackStateChangedOMNIX1{
         XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1, nullptr, force->session->handle, force->handle(),
@@ -167,7 +164,7 @@ bool Instance::IsOfDestroyedForce(const XrEventDataBuffer& event) const {
   if (event.type != XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1) return false;
   XrEventDataForceFeedbackStateChangedOMNIX1 changed;
   std::memcpy(&changed, &event, sizeof(changed));
-  return !forces.Contains(changed.forceFeedback) && !OMNI_FAULT("event-of-a-destroyed-handle");
+  return !forces.Contains(changed.forceFeedback);
 }
 
 }  // namespace omni::layer

@@ -5,8 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 
@@ -18,9 +16,7 @@ constexpr double kSamePlace_m = 1e-6;  // and as direction, m/s, rad/s
 
 glm::dvec3 VecOf(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 
-bool NotNegative(float value) noexcept {
-  return std::isfinite(value) && (value >= 0 || OMNI_FAULT("negative-stiffness-accepted"));
-}
+bool NotNegative(float value) noexcept { return std::isfinite(value) && value >= 0; }
 
 template <class T>
 const T& As(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header) noexcept {
@@ -100,7 +96,7 @@ XrResult ReadConstraints(const XrForceFeedbackConstraintsSetInfoOMNIX1& info, st
   out.clear();
   if (info.constraintCount > 0 && !info.constraints) return XR_ERROR_VALIDATION_FAILURE;
   const std::uint32_t count = std::min<std::uint32_t>(info.constraintCount, XR_MAX_FORCE_FEEDBACK_CONSTRAINTS_OMNIX1);
-  if (info.constraintCount > count && !OMNI_FAULT("ninth-constraint-dropped")) return XR_ERROR_LIMIT_REACHED;
+  if (info.constraintCount > count) return XR_ERROR_LIMIT_REACHED;
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto* header = info.constraints[i];
     if (!header || !NotNegative(header->stiffness) || !NotNegative(header->damping) || !NotNegative(header->maxForce))

@@ -1,11 +1,9 @@
 #include "layer/src/force_state.h"
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 
-std::int64_t GoneAfter_ns() noexcept { return OMNI_FAULT("every-flicker-told") ? 0 : 500'000'000; }
+std::int64_t GoneAfter_ns() noexcept { return 500'000'000; }
 
 struct SampleBit {
   std::uint32_t sample;
@@ -34,8 +32,7 @@ ForceStatus StatusOf(const ForceSituation& situation) noexcept {
   if (situation.sample)
     for (const SampleBit& bit : kSampleBits)
       if (situation.sample->flags & bit.sample) status.flags |= bit.state;
-  status.active = (situation.focused || OMNI_FAULT("active-without-focus")) && fresh &&
-                  situation.standing == protocol::ForceStanding::kYours &&
+  status.active = situation.focused && fresh && situation.standing == protocol::ForceStanding::kYours &&
                   !(status.flags & XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1);
   return status;
 }

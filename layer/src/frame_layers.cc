@@ -4,8 +4,6 @@
 #include <cstring>
 #include <type_traits>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 
@@ -45,7 +43,7 @@ bool WithLayerType(XrStructureType type, Visit visit) {
 XrPosef Moved(const Pose& X_LS, const XrPosef& pose) {
   const XrQuaternionf& q = pose.orientation;
   const double norm = std::sqrt(double{q.x} * q.x + double{q.y} * q.y + double{q.z} * q.z + double{q.w} * q.w);
-  if (!(norm >= 0.99 && norm <= 1.01) && !OMNI_FAULT("bad-pose-mended")) return pose;
+  if (!(norm >= 0.99 && norm <= 1.01)) return pose;
   return ToXr(Compose(X_LS, FromXr(pose)));
 }
 
@@ -64,8 +62,6 @@ const XrCompositionLayerBaseHeader* FrameLayers::Move(const XrCompositionLayerBa
     Layer moved;
     std::memcpy(&moved, &layer, sizeof(moved));
     moved.space = anchor;
-    if (OMNI_FAULT("layer-chain-dropped")) moved.next = nullptr;
-    if (OMNI_FAULT("layer-not-moved")) return static_cast<void>(std::memcpy(copy.layer, &moved, sizeof(moved)));
     if constexpr (std::is_same_v<Layer, XrCompositionLayerProjection>) {
       if (moved.views) copy.views.assign(moved.views, moved.views + moved.viewCount);
       for (XrCompositionLayerProjectionView& view : copy.views) view.pose = Moved(X_LS, view.pose);

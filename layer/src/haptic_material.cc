@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstring>
 
-#include "layer/src/fault.h"
 #include "service/base/aggregate.h"
 #include "service/base/material_fields.h"
 
@@ -29,8 +28,7 @@ Floats FloatsOf(const XrHapticMaterialOMNIX1& material) noexcept {
 
 bool IsMaterial(const XrHapticMaterialOMNIX1& material) noexcept {
   const Floats floats = FloatsOf(material);
-  return std::all_of(floats.begin(), floats.end(), [](float x) { return std::isfinite(x); }) ||
-         OMNI_FAULT("scene-nan-accepted");
+  return std::all_of(floats.begin(), floats.end(), [](float x) { return std::isfinite(x); });
 }
 
 base::MaterialParameters ToParameters(const XrHapticMaterialOMNIX1& material) noexcept {
@@ -38,8 +36,7 @@ base::MaterialParameters ToParameters(const XrHapticMaterialOMNIX1& material) no
   base::MaterialParameters given;
   for (std::size_t i = 0; i < floats.size(); ++i) given.*base::kLiveFields[i]->live = double{floats[i]};
   base::MaterialParameters parameters = base::Clamped(given);
-  if (!OMNI_FAULT("friction-as-told"))
-    parameters.dynamic_friction = std::min(parameters.dynamic_friction, parameters.static_friction);
+  parameters.dynamic_friction = std::min(parameters.dynamic_friction, parameters.static_friction);
   return parameters;
 }
 

@@ -8,7 +8,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "layer/src/fault.h"
 #include "layer/src/haptic_material.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
@@ -41,7 +40,7 @@ bool InReach(const protocol::ScenePose& pose) noexcept {
 // X_OZ = X_OG C^-1: as the service knows the scene's frame.
 Motion AxesTurned(const Motion& X_OG) {
   Motion turned = X_OG;
-  if (!OMNI_FAULT("scene-axes-not-turned")) turned.X = Compose(X_OG.X, Inverse(DocumentAxes()));
+  turned.X = Compose(X_OG.X, Inverse(DocumentAxes()));
   return turned;
 }
 
@@ -51,7 +50,6 @@ Motion FromRest(const Motion& X_GN, const protocol::HapticNodeRow& row, double s
   const auto& q = row.rest_rotation_wxyz;
   const auto& p = row.rest_position_m;
   Pose rest{{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
-  if (OMNI_FAULT("rest-pose-ignored")) rest = {};
   Motion moved;
   moved.X = Compose(X_GN.X, Inverse(rest));
   moved.w = X_GN.w;
@@ -84,7 +82,7 @@ Pose DocumentAxes() { return {glm::dvec3(0), glm::dquat(kHalfRoot, kHalfRoot, 0,
 bool IsUnitPose(const XrPosef& pose) noexcept {
   const XrQuaternionf& q = pose.orientation;
   const float norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  return (std::abs(norm - 1) <= 0.01f || OMNI_FAULT("scene-pose-unchecked")) && IsFinite(pose.position);
+  return std::abs(norm - 1) <= 0.01f && IsFinite(pose.position);
 }
 
 XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) noexcept {
@@ -93,7 +91,7 @@ XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) no
 
 std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOMNIX1 node) noexcept {
   const std::uint64_t object = (node & 0xFFFFFFFF) - 1;
-  const bool of_this_scene = node >> 32 == scene.number || OMNI_FAULT("node-of-an-old-scene");
+  const bool of_this_scene = node >> 32 == scene.number;
   if (!of_this_scene || object >= scene.table.nodes.size()) return std::nullopt;
   return static_cast<std::uint32_t>(object);
 }
@@ -109,21 +107,21 @@ HapticScene* HapticScenes::Find(XrHapticSceneOMNIX1 handle) const {
 
 XrResult HapticScenes::Usable(const HapticScene* scene) const {
   if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
-  const bool failed = scene->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1 && !OMNI_FAULT("failed-scene-usable");
+  const bool failed = scene->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
   return failed ? XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1 : XR_SUCCESS;
 }
 
 XrResult HapticScenes::Ready(const HapticScene* scene) const {
   const XrResult usable = Usable(scene);
   if (usable != XR_SUCCESS) return usable;
-  const bool ready = scene->ever_ready || OMNI_FAULT("loading-scene-usable");
+  const bool ready = scene->ever_ready;
   return ready ? XR_SUCCESS : XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
 }
 
 XrResult HapticScenes::Create(XrSession session, const XrHapticSceneCreateInfoOMNIX1* info,
                               XrHapticSceneOMNIX1* handle) {
   if (!info || info->type != XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1 || !handle || !info->buffer ||
-      ((info->createFlags & ~kKnownFlags) != 0 && !OMNI_FAULT("scene-flags-unchecked")) || info->bufferByteCount == 0 ||
+      (info->createFlags & ~kKnownFlags) != 0 || info->bufferByteCount == 0 ||
       info->bufferByteCount > XR_MAX_HAPTIC_SCENE_BYTES_OMNIX1) {
     return XR_ERROR_VALIDATION_FAILURE;
   }
@@ -138,7 +136,7 @@ XrResult HapticScenes::Create(XrSession session, const XrHapticSceneCreateInfoOM
   scene->flags = ToFlags(info->createFlags);
   scene->X_OG.X = DocumentAxes();
   const std::lock_guard lock(mutex_);
-  if (scene_ != nullptr && !OMNI_FAULT("second-scene-accepted")) return XR_ERROR_LIMIT_REACHED;
+  if (scene_ != nullptr) return XR_ERROR_LIMIT_REACHED;
   scene->number = ++scenes_made_;
   *handle = scene->handle;
   scene_ = std::move(scene);
@@ -155,7 +153,7 @@ XrResult HapticScenes::Destroy(XrHapticSceneOMNIX1 handle) {
 
 void HapticScenes::EndOf(XrSession session) {
   const std::lock_guard lock(mutex_);
-  if (scene_ != nullptr && scene_->session == session && !OMNI_FAULT("scene-outlives-session")) End();
+  if (scene_ != nullptr && scene_->session == session) End();
 }
 
 void HapticScenes::End() {
@@ -177,7 +175,7 @@ XrResult HapticScenes::State(XrHapticSceneOMNIX1 handle, XrHapticSceneStateOMNIX
   if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
   const bool ready = scene->status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1;
   state->status = scene->status;
-  state->isFelt = ready && (scene->state.generation != 0 || OMNI_FAULT("ready-is-felt"));
+  state->isFelt = ready && scene->state.generation != 0;
   state->nodeCount = ready ? static_cast<uint32_t>(scene->table.nodes.size()) : 0;
   state->materialCount = ready ? static_cast<uint32_t>(scene->table.materials.size()) : 0;
   state->triangleCount = ready ? scene->state.triangle_count : 0;
@@ -231,7 +229,7 @@ XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlac
   const protocol::ScenePose pose = ToScenePose(AxesTurned(X_OG));
   if (!InReach(pose)) return XR_ERROR_POSE_INVALID;
   const double scale_before = scene->placement ? scene->placement->scale : 1;
-  const bool anew = scale != scale_before && !OMNI_FAULT("scale-keeps-ready");
+  const bool anew = scale != scale_before;
   if (anew) SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
   scene->placement = {placement->baseSpace, X_SG.X, scale};
   scene->X_OG = X_OG;
@@ -248,13 +246,13 @@ void HapticScenes::FollowSpace(XrSession session_handle, XrTime time) {
   {
     const std::lock_guard lock(mutex_);
     if (scene_ == nullptr || scene_->session != session_handle || !scene_->placement) return;
-    if (scene_->placement->base == XR_NULL_HANDLE || OMNI_FAULT("scene-space-not-followed")) return;
+    if (scene_->placement->base == XR_NULL_HANDLE) return;
     placement = *scene_->placement;
   }
   const std::shared_ptr<Session> session = instance_.sessions.Find(session_handle);
   Located X_OS;
   if (session == nullptr || XR_FAILED(instance_.LocateInBase(*session, placement.base, time, X_OS))) return;
-  if (!IsThere(X_OS) && !OMNI_FAULT("lost-scene-moves")) return;  // it stays where it was
+  if (!IsThere(X_OS)) return;  // it stays where it was
   Motion X_SG;
   X_SG.X = placement.X_SG;
   const Motion X_OG = Compose(KnownMotion(X_OS), X_SG);
@@ -284,7 +282,7 @@ XrResult HapticScenes::Enable(XrHapticSceneOMNIX1 handle, XrBool32 enabled) {
   scene->enabled = enabled != XR_FALSE;
   protocol::HapticSceneEnable message;
   message.number = scene->number;
-  message.enabled = scene->enabled || OMNI_FAULT("scene-always-enabled") ? 1 : 0;
+  message.enabled = scene->enabled ? 1 : 0;
   instance_.link.With([&](client::Connection& connection) { connection.Send(message); });
   return XR_SUCCESS;
 }
@@ -296,10 +294,9 @@ XrResult HapticScenes::SetMaterial(XrHapticSceneOMNIX1 handle, uint32_t index, c
   HapticScene* scene = Find(handle);
   const XrResult ready = Ready(scene);
   if (ready != XR_SUCCESS) return ready;
-  if (index >= scene->table.materials.size() && !OMNI_FAULT("material-index-unchecked"))
-    return XR_ERROR_INDEX_OUT_OF_RANGE;
+  if (index >= scene->table.materials.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
   const bool full = scene->changed.size() >= XR_MAX_HAPTIC_MATERIALS_SET_OMNIX1;
-  if (full && scene->changed.count(index) == 0 && !OMNI_FAULT("seventeenth-material")) return XR_ERROR_LIMIT_REACHED;
+  if (full && scene->changed.count(index) == 0) return XR_ERROR_LIMIT_REACHED;
   protocol::HapticMaterial message;
   message.number = scene->number;
   message.material = index;
@@ -311,7 +308,7 @@ XrResult HapticScenes::SetMaterial(XrHapticSceneOMNIX1 handle, uint32_t index, c
 XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodesUpdateInfoOMNIX1* info) {
   if (!info || info->type != XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1 || info->nodeCount == 0 || !info->nodes)
     return XR_ERROR_VALIDATION_FAILURE;
-  if (info->time <= 0 && !OMNI_FAULT("scene-time-unchecked")) return XR_ERROR_TIME_INVALID;
+  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
   for (uint32_t i = 0; i < info->nodeCount; ++i) {
     const XrHapticNodePoseOMNIX1& node = info->nodes[i];
     if (!IsUnitPose(node.pose)) return XR_ERROR_POSE_INVALID;
@@ -346,7 +343,7 @@ XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodes
     const XrHapticNodePoseOMNIX1& from = info->nodes[i];
     const std::optional<std::uint32_t> object = ObjectOf(*scene, from.node);
     const auto is_kinematic = [&] { return (scene->table.nodes[*object].flags & protocol::kNodeKinematic) != 0; };
-    if (!object || (!is_kinematic() && !OMNI_FAULT("any-node-moves"))) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
+    if (!object || !is_kinematic()) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
     if (!is_there) continue;
     Motion X_GN{FromXr(from.pose), FromXr(from.linearVelocity), FromXr(from.angularVelocity)};
     if (info->baseSpace != XR_NULL_HANDLE) {
@@ -360,7 +357,6 @@ XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodes
     to.pose = ToScenePose(FromRest(X_GN, scene->table.nodes[*object], scale));
     if (!InReach(to.pose)) return XR_ERROR_POSE_INVALID;
     nodes[*object] = to;
-    if (OMNI_FAULT("half-an-update")) scene->nodes[*object] = to;
     if (std::find(moved.begin(), moved.end(), *object) == moved.end()) moved.push_back(*object);
   }
   if (!is_there) return XR_SUCCESS;  // nobody knows where that is: the nodes stay where they were

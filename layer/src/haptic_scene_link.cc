@@ -2,7 +2,6 @@
 #include <cstring>
 #include <utility>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
 
@@ -36,14 +35,14 @@ void HapticScenes::SetStatus(XrHapticSceneStatusOMNIX1 status) {
   const XrEventDataHapticSceneStateChangedOMNIX1 changed{
       XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1, nullptr, scene_->session, scene_->handle, status,
       instance_.clock.ToXr(base::MonotonicNow_ns())};
-  if (!OMNI_FAULT("scene-event-missing")) instance_.events.Push(changed);
+  instance_.events.Push(changed);
 }
 
 bool HapticScenes::IsOfDestroyed(const XrEventDataBuffer& event) const {
   if (event.type != XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1) return false;
   XrEventDataHapticSceneStateChangedOMNIX1 changed;
   std::memcpy(&changed, &event, sizeof(changed));
-  return !Contains(changed.scene) && !OMNI_FAULT("event-of-a-destroyed-scene");
+  return !Contains(changed.scene);
 }
 
 void HapticScenes::TakeNews() {
@@ -67,7 +66,7 @@ void HapticScenes::TakeNews() {
       if (update.table.number == scene_->number) scene_->table = std::move(update.table);
       continue;
     }
-    if (failed && !OMNI_FAULT("failed-scene-comes-back")) continue;
+    if (failed) continue;
     if (update.state.number != scene_->number || scene_->told != news.welcomes) continue;
     if (update.state.generation != scene_->state.generation) scene_->surfaces.clear();
     scene_->state = update.state;
@@ -87,14 +86,13 @@ void HapticScenes::TellAll() {
     load.bytes = scene_->bytes;
     load.scale = scene_->placement ? scene_->placement->scale : 1;
     if (!connection.Send(load, scene_->document.get())) return 0;
-    bool sent = !scene_->placement || OMNI_FAULT("place-not-told-again") || connection.Send(scene_->place);
+    bool sent = !scene_->placement || connection.Send(scene_->place);
     protocol::HapticNodes nodes;
     nodes.number = scene_->number;
     nodes.t_ns = scene_->nodes_t_ns;
     for (const auto& [object, pose] : scene_->nodes) nodes.nodes[nodes.count++] = pose;
     sent = sent && (nodes.count == 0 || connection.Send(nodes));
     for (const auto& [index, parameters] : scene_->changed) {
-      if (OMNI_FAULT("materials-not-told-again")) break;
       protocol::HapticMaterial material;
       material.number = scene_->number;
       material.material = index;

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "layer/src/fault.h"
 #include "layer/src/haptic_material.h"
 #include "layer/src/instance.h"
 
@@ -51,7 +50,7 @@ XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint
   if (ready != XR_SUCCESS) return ready;
   *count = static_cast<uint32_t>(scene->table.nodes.size());
   if (capacity == 0) return XR_SUCCESS;
-  if (capacity < *count) return OMNI_FAULT("too-few-nodes-accepted") ? XR_SUCCESS : XR_ERROR_SIZE_INSUFFICIENT;
+  if (capacity < *count) return XR_ERROR_SIZE_INSUFFICIENT;
   for (uint32_t i = 0; i < *count; ++i)
     if (nodes[i].type != XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
   for (uint32_t i = 0; i < *count; ++i) {
@@ -104,7 +103,7 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
   protocol::ContactSnapshot snapshot;
   const auto reader = instance_.link.reader();
   const bool known = generation != 0 && (X_OS.flags & kValid) == kValid && reader && reader->Contacts(snapshot) &&
-                     (snapshot.scene_generation == generation || OMNI_FAULT("contacts-of-another-scene"));
+                     snapshot.scene_generation == generation;
   const std::lock_guard lock(mutex_);
   const HapticScene* scene = Find(handle);
   if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
@@ -114,7 +113,7 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
   if (capacity < snapshot.count) return XR_ERROR_SIZE_INSUFFICIENT;
   for (uint32_t i = 0; i < snapshot.count; ++i)
     if (contacts[i].type != XR_TYPE_HAPTIC_CONTACT_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
-  const Pose X_SO = OMNI_FAULT("contacts-in-the-base") ? Pose{} : Inverse(X_OS.motion.X);
+  const Pose X_SO = Inverse(X_OS.motion.X);
   for (uint32_t i = 0; i < snapshot.count; ++i) {
     const protocol::ContactSample& from = snapshot.contacts[i];
     contacts[i].node =
@@ -146,14 +145,14 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
   if (ready != XR_SUCCESS) return ready;
   const std::optional<std::uint32_t> object = ObjectOf(*scene, info->node);
   const auto changes = [&] { return (scene->table.nodes[*object].flags & kChangesShape) != 0; };
-  if (!object || (!changes() && !OMNI_FAULT("mesh-of-any-node"))) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
+  if (!object || !changes()) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
   const bool ask = !std::exchange(scene->surfaces_asked, true);
   const auto reader = instance_.link.With([ask](client::Connection& connection) {
     if (ask) connection.RequestSurfaces(true);
     return connection.surfaces();
   });
   const bool of_this = reader && reader->scene_generation() == scene->state.generation;
-  if (!of_this && !(reader && OMNI_FAULT("mesh-of-a-former-scene"))) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
+  if (!of_this) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
   client::SurfaceCopy& copy = scene->surfaces[*object];
   bool found = false;
   for (std::size_t i = 0; i < reader->object_count() && !found; ++i) {
@@ -163,11 +162,11 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
   if (!found || copy.frame.t_ns <= 0) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;  // not of the tick yet
   const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
   const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
-  const double scale = OMNI_FAULT("mesh-as-scaled") ? 1 : scene->state.scale;
+  const double scale = scene->state.scale;
   mesh->vertexCountOutput = vertex_count;
   mesh->indexCountOutput = index_count;
   const bool fits = Fits(mesh->vertexCapacityInput, vertex_count) && Fits(mesh->indexCapacityInput, index_count);
-  if (!fits && !OMNI_FAULT("mesh-sizes-last")) return XR_ERROR_SIZE_INSUFFICIENT;
+  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
   mesh->time = instance_.clock.ToXr(copy.frame.t_ns);
   mesh->vertexChange = copy.frame.vertex_change;
   mesh->indexChange = copy.frame.triangle_change;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
 
@@ -47,18 +46,16 @@ std::optional<ShapedVibration> ReadEnvelope(const XrHapticAmplitudeEnvelopeVibra
   ShapedVibration out;
   out.waveform.kind = protocol::WaveformKind::kEnvelope;
   out.waveform.duration_ns = envelope.duration;
-  out.samples = Shrunk(envelope.amplitudes, envelope.amplitudeCount,
-                       protocol::kMaxWaveformSamples / (OMNI_FAULT("envelope-thinned") ? 2 : 1));
+  out.samples = Shrunk(envelope.amplitudes, envelope.amplitudeCount, protocol::kMaxWaveformSamples);
   return out;
 }
 
 std::optional<ShapedVibration> ReadPcm(const XrHapticPcmVibrationFB& pcm) {
   const bool rate_ok = pcm.sampleRate > 0 && pcm.sampleRate <= protocol::kHighestSampleRate_Hz;
-  const bool valid =
-      pcm.bufferSize > 0 && pcm.buffer && pcm.samplesConsumed && (rate_ok || OMNI_FAULT("pcm-rate-unchecked"));
+  const bool valid = pcm.bufferSize > 0 && pcm.buffer && pcm.samplesConsumed && rate_ok;
   if (!valid) return std::nullopt;
   const std::size_t count = std::min(pcm.bufferSize, protocol::kMaxWaveformSamples);
-  if (!AllFinite(pcm.buffer, count) && !OMNI_FAULT("pcm-nan-accepted")) return std::nullopt;
+  if (!AllFinite(pcm.buffer, count)) return std::nullopt;
   ShapedVibration out;
   out.waveform.kind = protocol::WaveformKind::kPcm;
   out.waveform.sample_rate_Hz = pcm.sampleRate;
@@ -76,7 +73,6 @@ XrHapticVibration WithoutShape(const ShapedVibration& shaped) {
   }
   const auto count = static_cast<double>(shaped.samples.size());
   double amplitude = envelope ? sum / count : std::min(1.0, std::sqrt(2 * sum / count));
-  if (OMNI_FAULT("plain-at-full-strength")) amplitude = 1;
   const double length_ns = envelope ? 0 : 1e9 * count / static_cast<double>(shaped.waveform.sample_rate_Hz);
   return {XR_TYPE_HAPTIC_VIBRATION, nullptr,
           envelope ? shaped.waveform.duration_ns : std::max<XrDuration>(1, static_cast<XrDuration>(length_ns)),
@@ -85,11 +81,11 @@ XrHapticVibration WithoutShape(const ShapedVibration& shaped) {
 
 std::uint32_t PcmBacklog::Book(XrAction action, const ShapedVibration& pcm, std::int64_t now_ns, bool& continues) {
   const std::lock_guard lock(mutex_);
-  continues = pcm.waveform.append == 1 && action == action_ && end_ns_ > now_ns && !OMNI_FAULT("append-starts-anew");
+  continues = pcm.waveform.append == 1 && action == action_ && end_ns_ > now_ns;
   const std::int64_t begin_ns = continues ? end_ns_ : now_ns;
   const double rate_Hz = static_cast<double>(pcm.waveform.sample_rate_Hz);
   const double room_s = protocol::kWaveformBuffer_s - 1e-9 * static_cast<double>(begin_ns - now_ns);
-  const double room = OMNI_FAULT("pcm-without-end") ? 1e9 : std::max(0.0, std::floor(room_s * rate_Hz));
+  const double room = std::max(0.0, std::floor(room_s * rate_Hz));
   const auto taken = static_cast<std::uint32_t>(std::min(room, static_cast<double>(pcm.samples.size())));
   action_ = action;
   end_ns_ = begin_ns + static_cast<std::int64_t>(1e9 * taken / rate_Hz);
@@ -108,12 +104,12 @@ Instance::HapticRoute Instance::RouteHaptic(XrSession session, const XrHapticAct
   const auto record = sessions.Find(session);
   const auto action = record ? actions.Find(info->action) : nullptr;
   if (!action || action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return {};
-  if (!record->focused && !OMNI_FAULT("haptic-without-focus")) return {};
+  if (!record->focused) return {};
   const std::shared_lock lock(record->mutex);
   const SessionActions& state = record->actions;
   if (!state.attached(*action->set) || !state.pen_owns_hand()) return {};
   const bool our_hand = info->subactionPath == state.hand_path() && action->Declares(state.hand_path());
-  return {state.HapticBound(*action, info->subactionPath), !our_hand && !OMNI_FAULT("haptic-to-pen-only")};
+  return {state.HapticBound(*action, info->subactionPath), !our_hand};
 }
 
 XrResult Instance::ApplyHaptic(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
@@ -136,7 +132,7 @@ XrResult Instance::ApplyTone(XrSession session, const XrHapticActionInfo* info, 
 }
 
 void Instance::Play(const Pulse& pulse) {
-  if (!OMNI_FAULT("append-to-a-tone")) pcm_backlog.Clear();
+  pcm_backlog.Clear();
   link.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
 }
 
@@ -144,7 +140,7 @@ void Instance::Play(const Pulse& pulse) {
 // paths.
 XrResult Instance::ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
                               const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const {
-  if (!only_ours || OMNI_FAULT("unknown-shape-goes-below")) return next.ApplyHapticFeedback(session, info, haptic);
+  if (!only_ours) return next.ApplyHapticFeedback(session, info, haptic);
   const XrHapticVibration plain = WithoutShape(*shaped);
   return next.ApplyHapticFeedback(session, info,
                                   static_cast<const XrHapticBaseHeader*>(static_cast<const void*>(&plain)));
@@ -174,10 +170,10 @@ XrResult Instance::ApplyPcm(XrSession session, const XrHapticActionInfo* info, c
   if (only_ours && !route.to_pen) *pcm.samplesConsumed = static_cast<std::uint32_t>(shaped->samples.size());
   if (!route.to_pen) return result;
   // Two devices: what the other has not taken will be sent again.
-  if (route.to_runtime && !only_ours && !OMNI_FAULT("other-device-not-waited-for"))
+  if (route.to_runtime && !only_ours)
     shaped->samples.resize(std::min<std::size_t>(shaped->samples.size(), *pcm.samplesConsumed));
   const std::uint32_t taken = PlayPcm(info->action, *shaped);
-  *pcm.samplesConsumed = OMNI_FAULT("consumed-not-told") ? 0 : taken;
+  *pcm.samplesConsumed = taken;
   return result;
 }
 
@@ -197,8 +193,8 @@ XrResult Instance::StopHaptic(XrSession session, const XrHapticActionInfo* info)
   const HapticRoute route = RouteHaptic(session, info);
   const XrResult result = route.to_runtime ? next.StopHapticFeedback(session, info) : XR_SUCCESS;
   if (route.to_pen && result == XR_SUCCESS) {
-    if (!OMNI_FAULT("append-after-a-stop")) pcm_backlog.Clear();
-    if (!OMNI_FAULT("haptic-stop-dropped")) link.HapticStop();
+    pcm_backlog.Clear();
+    link.HapticStop();
   }
   return result;
 }
@@ -214,7 +210,7 @@ XrResult Instance::DeviceSampleRate(XrSession session, const XrHapticActionInfo*
   if (action && action->type == XR_ACTION_TYPE_VIBRATION_OUTPUT) {
     const std::shared_lock lock(record->mutex);
     const bool declared = info->subactionPath == XR_NULL_PATH || action->Declares(info->subactionPath);
-    const bool bound = record->actions.HapticBound(*action, info->subactionPath) || OMNI_FAULT("rate-for-any-hand");
+    const bool bound = record->actions.HapticBound(*action, info->subactionPath);
     if (declared && bound) {
       rate->sampleRate = protocol::kDeviceSampleRate_Hz;
       return XR_SUCCESS;
@@ -224,8 +220,7 @@ XrResult Instance::DeviceSampleRate(XrSession session, const XrHapticActionInfo*
   if (!record) return XR_ERROR_HANDLE_INVALID;
   if (!readable) return XR_ERROR_VALIDATION_FAILURE;
   if (!action) return XR_ERROR_HANDLE_INVALID;
-  if (action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT && !OMNI_FAULT("rate-of-any-action"))
-    return XR_ERROR_ACTION_TYPE_MISMATCH;
+  if (action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return XR_ERROR_ACTION_TYPE_MISMATCH;
   if (info->subactionPath != XR_NULL_PATH && !action->Declares(info->subactionPath)) {
     return PathText(info->subactionPath).empty() ? XR_ERROR_PATH_INVALID : XR_ERROR_PATH_UNSUPPORTED;
   }

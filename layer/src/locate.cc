@@ -1,7 +1,5 @@
 #include "layer/src/locate.h"
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 
@@ -65,7 +63,7 @@ Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexce
   Motion offset;
   offset.X = X_TS;
   out.motion = Compose(Compose(placement, tool.X_BT), offset);
-  out.flags = tool.tracked || OMNI_FAULT("always-tracked") ? kValid | kTracked : kValid;
+  out.flags = tool.tracked ? kValid | kTracked : kValid;
   out.velocity_flags = kVelocityValid;
   return out;
 }
@@ -87,7 +85,7 @@ void Write(const Located& located, const LocationFields& location, const Velocit
   *location.pose = {{0, 0, 0, 1}, {0, 0, 0}};
   if (located.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) location.pose->orientation = pose.orientation;
   if (located.flags & XR_SPACE_LOCATION_POSITION_VALID_BIT) location.pose->position = pose.position;
-  if (!velocity.flags || OMNI_FAULT("velocity-untouched")) return;
+  if (!velocity.flags) return;
   *velocity.flags = located.velocity_flags;
   *velocity.linear = *velocity.angular = {0, 0, 0};
   if (located.velocity_flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) *velocity.linear = ToXr(located.motion.v);

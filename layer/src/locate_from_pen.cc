@@ -1,5 +1,4 @@
 // What else can be located in a space of the pen: the views, and a tracked hand.
-#include "layer/src/fault.h"
 #include "layer/src/pen_space.h"
 
 namespace omni::layer {
@@ -60,8 +59,7 @@ XrResult Instance::LocateViews(XrSession session, const XrViewLocateInfo* info, 
   changed.space = pen.Below(base);
   const XrResult result = next.LocateViews(session, &changed, state, capacity, count, views);
   if (XR_FAILED(result)) return result;
-  if (!OMNI_FAULT("views-not-moved"))
-    MoveViews(AnchorIn(base, pen), *state, views, capacity == 0 ? 0 : std::min(capacity, *count));
+  MoveViews(AnchorIn(base, pen), *state, views, capacity == 0 ? 0 : std::min(capacity, *count));
   return result;
 }
 
@@ -94,14 +92,12 @@ XrResult Instance::LocateHandJoints(XrHandTrackerEXT tracker, const XrHandJoints
   changed.baseSpace = pen.Below(base);
   const XrResult result = next.LocateHandJointsEXT(tracker, &changed, locations);
   if (XR_FAILED(result)) return result;
-  if (OMNI_FAULT("joints-not-moved")) return result;
   const Located X_SL = AnchorIn(base, pen);
   auto* const velocities = FindInChain<XrHandJointVelocitiesEXT>(locations->next, XR_TYPE_HAND_JOINT_VELOCITIES_EXT);
   for (std::uint32_t i = 0; i < locations->jointCount; ++i) {
     XrHandJointLocationEXT& joint = locations->jointLocations[i];
     const LocationFields fields{&joint.locationFlags, &joint.pose};
-    const VelocityFields velocity =
-        FieldsOf(velocities && !OMNI_FAULT("joints-without-velocities") ? &velocities->jointVelocities[i] : nullptr);
+    const VelocityFields velocity = FieldsOf(velocities ? &velocities->jointVelocities[i] : nullptr);
     Write(InPen(X_SL, fields, velocity), fields, velocity);
   }
   MoveHandExtras(X_SL, locations->next);

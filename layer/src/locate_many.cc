@@ -1,5 +1,4 @@
 // xrLocateSpaces of OpenXR 1.1 and of XR_KHR_locate_spaces: as xrLocateSpace, for many spaces in one call down.
-#include "layer/src/fault.h"
 #include "layer/src/pen_space.h"
 
 namespace omni::layer {
@@ -53,15 +52,12 @@ XrResult Instance::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession sessi
   const XrResult result = below(session, &changed, locations);
   if (XR_FAILED(result)) return result;
 
-  if (OMNI_FAULT("many-not-moved")) return result;
-  if (OMNI_FAULT("two-calls-down")) below(session, &changed, locations);
   auto* const velocities = FindInChain<XrSpaceVelocities>(locations->next, XR_TYPE_SPACE_VELOCITIES);
   for (std::uint32_t i = 0; i < info->spaceCount; ++i) {
     if (!base.ours() && !sides[i].ours()) continue;
     XrSpaceLocationData& location = locations->locations[i];
     const LocationFields fields{&location.locationFlags, &location.pose};
-    const VelocityFields velocity =
-        FieldsOf(velocities && !OMNI_FAULT("many-without-velocities") ? &velocities->velocities[i] : nullptr);
+    const VelocityFields velocity = FieldsOf(velocities ? &velocities->velocities[i] : nullptr);
     Write(Between(sides[i], base, FromBelow(fields, velocity, sides[i], base), pen), fields, velocity);
   }
   return result;

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "layer/src/fault.h"
 #include "service/base/clock.h"
 #include "service/protocol/text.h"
 
@@ -16,7 +15,7 @@ constexpr std::int64_t kPeriod_ns = 10'000'000'000;
 
 // O_NONBLOCK: to open a FIFO must not wait for its reader.
 base::UniqueFd OpenLogFile(const std::string& path) {
-  const int link = OMNI_FAULT("log-follows-links") ? 0 : O_NOFOLLOW;
+  const int link = O_NOFOLLOW;
   const int flags = O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | link;
   base::UniqueFd file(::open(path.c_str(), flags, S_IRUSR | S_IWUSR));
   struct stat info {};
@@ -46,7 +45,7 @@ void Log::Line(const std::string& text) {
   }
   if (dropped_ > 0) Write(std::to_string(dropped_) + " lines dropped");
   dropped_ = 0;
-  Write(OMNI_FAULT("log-lines-forged") ? text : protocol::Printable(text));
+  Write(protocol::Printable(text));
 }
 
 // In one piece, so that lines of several processes do not mix.

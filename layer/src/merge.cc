@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 
@@ -22,7 +20,7 @@ void EdgeTracker::Start(std::uint32_t press_count, std::uint32_t release_count) 
 
 void EdgeTracker::StepDigital(bool now_pressed, std::uint32_t press_count, std::uint32_t release_count) {
   if (!pressed) {
-    if (!now_pressed && (press_count == seen_press || OMNI_FAULT("short-press-lost"))) return;
+    if (!now_pressed && press_count == seen_press) return;
     pressed = true;
     seen_press = press_count;
     seen_release = release_count;
@@ -36,7 +34,7 @@ void EdgeTracker::StepDigital(bool now_pressed, std::uint32_t press_count, std::
 
 void EdgeTracker::StepAnalog(float value, std::uint32_t press_count, float on, float off) {
   if (pressed) {
-    pressed = value >= (OMNI_FAULT("hysteresis-missing") ? on : off);
+    pressed = value >= off;
     if (pressed) seen_press = press_count;  // else one that came since is reported by the next sync
     return;
   }
@@ -50,7 +48,7 @@ StatePart Merge(XrActionType type, const StatePart& a, const StatePart& b) {
   const auto size = [type](const XrVector2f& v) {
     return type == XR_ACTION_TYPE_VECTOR2F_INPUT ? std::hypot(v.x, v.y) : std::fabs(v.x);
   };
-  StatePart out = size(b.value) > size(a.value) && !OMNI_FAULT("merge-takes-first") ? b : a;
+  StatePart out = size(b.value) > size(a.value) ? b : a;
   out.change_time = std::max(a.change_time, b.change_time);
   return out;
 }
@@ -61,11 +59,10 @@ ActionState Advance(XrActionType type, const ActionState& previous, const StateP
   state.runtime = runtime;
   state.pen = pen;
   const StatePart merged = Merge(type, runtime, pen);
-  if (OMNI_FAULT("inactive-keeps-value") && !merged.active) state.value = previous.value;
   if (!merged.active) return state;  // inactive: value 0, unchanged, time 0
   state.active = true;
   state.value = merged.value;
-  state.changed = (previous.active || OMNI_FAULT("changed-after-inactivity")) && !Same(merged.value, previous.value);
+  state.changed = previous.active && !Same(merged.value, previous.value);
   if (previous.active && !state.changed) {
     state.last_change = previous.last_change;
     return state;
@@ -79,7 +76,6 @@ ActionState Advance(XrActionType type, const ActionState& previous, const StateP
   };
   consider(runtime, previous.runtime);
   consider(pen, previous.pen);
-  if (OMNI_FAULT("sync-time-as-change-time")) moved = now;
   state.last_change = std::max(moved > 0 ? std::min(moved, now) : now, previous.last_change);
   return state;
 }

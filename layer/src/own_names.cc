@@ -4,7 +4,6 @@
 
 #include "layer/include/openxr/omni_force_feedback.h"
 #include "layer/include/openxr/omni_haptic_scene.h"
-#include "layer/src/fault.h"
 
 namespace omni::layer {
 namespace {
@@ -55,7 +54,7 @@ constexpr Named<XrStructureType> kTypes[] = {
 template <class T, std::size_t N>
 const char* NameIn(const Named<T> (&names)[N], T value) noexcept {
   for (const Named<T>& row : names)
-    if (row.value == value && !OMNI_FAULT("own-names-missing")) return row.name;
+    if (row.value == value) return row.name;
   return nullptr;
 }
 

@@ -1,6 +1,5 @@
 #include "layer/src/pen_space.h"
 
-#include "layer/src/fault.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {
@@ -8,7 +7,7 @@ namespace {
 
 // Does not move against the anchor. A side that is the pen's stands for the anchor itself.
 bool StandsStill(const Side& side) {
-  if (side.pen() || OMNI_FAULT("velocity-made-up")) return true;
+  if (side.pen()) return true;
   if (!side.space || side.space->action) return false;
   const int type = side.space->reference;
   return type == XR_REFERENCE_SPACE_TYPE_LOCAL || type == XR_REFERENCE_SPACE_TYPE_STAGE ||
@@ -24,13 +23,11 @@ Side SideOf(const Instance& instance, XrSpace handle) {
   if (!side.space) return side;
   side.served_by = side.space->served_by.load(std::memory_order_acquire);
   if (side.pen()) side.X_TS = Compose(side.space->session->actions.PosePart(side.served_by), side.space->X_PS);
-  if (side.pen() && OMNI_FAULT("offset-ignored")) side.X_TS = {};
   return side;
 }
 
 PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time) {
   PenAt pen;
-  if (OMNI_FAULT("locate-ignores-time")) time = instance.clock.ToXr(base::MonotonicNow_ns());
   pen.placement = session.placement.At(time);
   pen.anchor = session.Anchor(pen.placement.space);
   if (const auto reader = instance.link.reader())
@@ -46,7 +43,7 @@ Located PenAt::Locate(const Pose& X_TS) const noexcept {
 }
 
 Located Between(const Side& s, const Side& b, const Located& below, const PenAt& pen) noexcept {
-  if (s.pen() && b.pen() && !OMNI_FAULT("rigid-pair-forgotten")) {  // one rigid body: known even when it is not seen
+  if (s.pen() && b.pen()) {  // one rigid body: known even when it is not seen
     Located rigid;
     rigid.motion.X = Compose(Inverse(b.X_TS), s.X_TS);
     rigid.flags = kValid | kTracked;
@@ -54,14 +51,13 @@ Located Between(const Side& s, const Side& b, const Located& below, const PenAt&
     return rigid;
   }
   if (s.served_by == kServedByNobody || b.served_by == kServedByNobody) return {};
-  if (s.pen() || OMNI_FAULT("base-not-inverted")) return Chain(below, pen.Locate(s.pen() ? s.X_TS : b.X_TS));
+  if (s.pen()) return Chain(below, pen.Locate(s.X_TS));
   return Chain(Invert(pen.Locate(b.X_TS)), below);
 }
 
 Located FromBelow(const LocationFields& location, const VelocityFields& velocity, const Side& s,
                   const Side& b) noexcept {
   Located below = Read(location, velocity);
-  if (OMNI_FAULT("base-velocity-ignored")) below.motion.v = below.motion.w = glm::dvec3(0.0);
   if (below.flags != 0 && StandsStill(s) && StandsStill(b)) below.velocity_flags = kVelocityValid;
   return below;
 }

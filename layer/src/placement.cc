@@ -4,8 +4,6 @@
 #include <limits>
 #include <mutex>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 constexpr double kInFront_m = 0.45;
@@ -22,7 +20,7 @@ void PlacementHistory::Set(const Placement& placement, XrTime now) {
   const std::unique_lock lock(mutex_);
   epochs_.assign(1, {std::numeric_limits<XrTime>::min(), placement});
   for (const auto& change : changes_)
-    if (change.changeTime > now && !OMNI_FAULT("pending-recentre-forgotten")) Append(change);
+    if (change.changeTime > now) Append(change);
 }
 
 bool PlacementHistory::OnChange(const XrEventDataReferenceSpaceChangePending& change) {
@@ -34,12 +32,11 @@ bool PlacementHistory::OnChange(const XrEventDataReferenceSpaceChangePending& ch
 
 bool PlacementHistory::Append(const XrEventDataReferenceSpaceChangePending& change) {
   Epoch next = epochs_.back();
-  if (change.referenceSpaceType != next.placement.space && !OMNI_FAULT("any-recentre-counts")) return true;
-  if (OMNI_FAULT("recentre-ignored")) return true;
-  next.since = OMNI_FAULT("recentre-too-early") ? 0 : change.changeTime;
+  if (change.referenceSpaceType != next.placement.space) return true;
+  next.since = change.changeTime;
   if (change.poseValid) {
     next.placement.X_LO = Compose(Inverse(FromXr(change.poseInPreviousSpace)), next.placement.X_LO);
-  } else if (!OMNI_FAULT("unknown-recentre-tracked")) {
+  } else {
     next.placement.tracked = false;
   }
   if (epochs_.size() >= kMostEpochs) epochs_.erase(epochs_.begin());

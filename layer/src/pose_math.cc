@@ -4,8 +4,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 
 Pose Compose(const Pose& X_AB, const Pose& X_BC) noexcept {
@@ -21,7 +19,7 @@ Pose Inverse(const Pose& X_AB) noexcept {
 Motion Compose(const Motion& X_AB, const Motion& X_BC) noexcept {
   Motion out;
   out.X = Compose(X_AB.X, X_BC.X);
-  const glm::dvec3 lever_A = OMNI_FAULT("lever-arm-missing") ? glm::dvec3(0.0) : X_AB.X.q * X_BC.X.p;
+  const glm::dvec3 lever_A = X_AB.X.q * X_BC.X.p;
   out.v = X_AB.v + glm::cross(X_AB.w, lever_A) + X_AB.X.q * X_BC.v;
   out.w = X_AB.w + X_AB.X.q * X_BC.w;
   return out;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 
@@ -24,7 +22,7 @@ int FindPose(const Profile& profile, std::string_view path) {
 // The scalar component that a path means: itself, or the first of the preferred children of a parent path.
 int ScalarFor(const Profile& profile, Hand hand, XrActionType type, const std::string& local) {
   const int exact = FindComponent(profile, hand, local);
-  if (exact >= 0 || OMNI_FAULT("parent-path-unresolved")) return exact;
+  if (exact >= 0) return exact;
   static constexpr const char* kForBoolean[] = {"/click", "/value", "/force"};
   static constexpr const char* kForFloat[] = {"/value", "/force", "/click"};
   for (const char* child : type == XR_ACTION_TYPE_BOOLEAN_INPUT ? kForBoolean : kForFloat) {

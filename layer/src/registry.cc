@@ -6,8 +6,6 @@
 #include <new>
 #include <utility>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 
 // Never destroyed: an application's threads may still call in while the process exits. Lives in static storage, so that
@@ -36,7 +34,6 @@ void Registry::Remove(XrInstance handle) {
 
 std::shared_ptr<Instance> Registry::Find(XrInstance handle) const {
   const std::shared_lock lock(mutex_);
-  if (OMNI_FAULT("instances-share-state") && !instances_.empty()) return instances_.front();
   for (const auto& instance : instances_)
     if (instance->handle == handle) return instance;
   return nullptr;

@@ -4,7 +4,6 @@
 #include <ctime>
 #include <utility>
 
-#include "layer/src/fault.h"
 #include "layer/src/tool_motion.h"
 #include "service/base/clock.h"
 
@@ -40,7 +39,7 @@ void ServiceLink::Poll(std::int64_t now_ns) {
     log_.Line(std::string("service says: ") + notice.text);
   if (connected && !was_connected_) connection_number_.fetch_add(1, std::memory_order_relaxed);
   if (connected != was_connected_) log_.Line(connected ? "connected to omnid" : "connection to omnid lost");
-  if (!connected && (connection_.last_error() != last_error_ || OMNI_FAULT("log-repeats"))) {
+  if (!connected && connection_.last_error() != last_error_) {
     last_error_ = connection_.last_error();
     if (!last_error_.empty()) log_.Line(last_error_);
   }
@@ -110,8 +109,7 @@ void ServiceLink::AwaitForceProperties() {
   std::int64_t now_ns = base::MonotonicNow_ns();
   const std::int64_t end_ns = now_ns + kDevicePatience_ns;
   PollNow(now_ns);
-  if (OMNI_FAULT("first-answer-not-awaited") || !AwaitsForceProperties() || force_properties_awaited_.exchange(true))
-    return;
+  if (!AwaitsForceProperties() || force_properties_awaited_.exchange(true)) return;
   while (now_ns < end_ns && AwaitsForceProperties()) {
     constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
     nanosleep(&kPause, nullptr);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 
 SessionActions::SessionActions(const std::vector<Profile>& profiles, const PenChoice& choice,
@@ -30,15 +28,11 @@ void SessionActions::Attach(const std::vector<std::shared_ptr<ActionSet>>& sets,
 void SessionActions::Bind() {
   chosen_ = nullptr;
   preference_unusable_ = false;
-  if (!choice_.profile.empty() && !OMNI_FAULT("pin-ignored")) {
+  if (!choice_.profile.empty()) {
     const auto preferred = std::find_if(profiles_.begin(), profiles_.end(),
                                         [this](const Profile& profile) { return profile.path == choice_.profile; });
     preference_unusable_ = preferred == profiles_.end() || !BindProfile(*preferred);
     if (!preference_unusable_) return;
-  }
-  if (OMNI_FAULT("lowest-profile-chosen")) {
-    for (auto profile = profiles_.rbegin(); profile != profiles_.rend(); ++profile)
-      if (BindProfile(*profile)) return;
   }
   for (const Profile& profile : profiles_)
     if (BindProfile(profile)) return;
@@ -78,16 +72,16 @@ bool SessionActions::attached(const ActionSet& set) const {
 
 // Who has the pen's hand. Selection is made in focused syncs only: before the first one no profile is current.
 void SessionActions::UpdateOwner(const SyncInput& input) {
-  start_edges_ = (input.start_edges || !focused_) && !OMNI_FAULT("unfocused-press-reported");
+  start_edges_ = input.start_edges || !focused_;
   focused_ = input.focused;
-  if (!input.focused && !OMNI_FAULT("unfocused-sync-selects")) return;
+  if (!input.focused) return;
   if (!(input.choice == choice_)) {
     choice_ = input.choice;
     start_edges_ = true;
     Bind();
   }
-  put_down_ = input.pen.present && input.put_down && !OMNI_FAULT("put-down-ignored");
-  bool owner = chosen_ != nullptr && (input.pen.present || OMNI_FAULT("absent-pen-present")) && !put_down_;
+  put_down_ = input.pen.present && input.put_down;
+  bool owner = chosen_ != nullptr && input.pen.present && !put_down_;
   if (owner && !merging_ && synced_) {
     // What the runtime says now is what the pen's first state is compared with: the hand changes in the next sync.
     merging_ = true;
@@ -103,10 +97,10 @@ void SessionActions::UpdateOwner(const SyncInput& input) {
 void SessionActions::StepBinding(LiveBinding& b, const InputValue& value, const InputValue& click) {
   const bool digital = inputs_[static_cast<std::size_t>(b.binding.first)].digital;
   const bool own_threshold =
-      b.threshold.has_value() && !OMNI_FAULT("threshold-ignored") &&
+      b.threshold.has_value() &&
       chosen_->components[static_cast<std::size_t>(b.binding.first)].type == ComponentType::kFloat;
   const InputValue& counted = own_threshold ? value : click;
-  if (start_edges_ && !OMNI_FAULT("old-presses-reported")) b.edges.Start(counted.press_count, counted.release_count);
+  if (start_edges_) b.edges.Start(counted.press_count, counted.release_count);
   const bool before = b.edges.pressed;
   if (own_threshold) {
     b.edges.StepAnalog(value.value, value.press_count, b.threshold->on, b.threshold->off);
@@ -135,15 +129,13 @@ void SessionActions::UpdateInputs(const SyncInput& input) {
 // [XrActionSetCreateInfo] A source feeds only the active sets of the highest priority that bind it.
 void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
   std::unordered_map<std::string_view, std::uint32_t> highest;
-  const auto source = [](const LiveBinding& b) -> std::string_view {
-    return OMNI_FAULT("components-apart") ? b.binding.path : b.binding.identifier;
-  };
+  const auto source = [](const LiveBinding& b) -> std::string_view { return b.binding.identifier; };
   const auto priority_of = [&](const Action& action, std::uint32_t* priority) {
     bool is_active = false;
     for (const ActiveSet& entry : active) {
       if (entry.set != action.set) continue;
       const bool other_hand = entry.subaction != XR_NULL_PATH && entry.subaction != hand_path();
-      if (other_hand && !OMNI_FAULT("active-subaction-ignored")) continue;
+      if (other_hand) continue;
       *priority = entry.priority;
       is_active = true;
     }
@@ -163,8 +155,7 @@ void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
     std::uint32_t priority = 0;
     if (!priority_of(*bound.action, &priority)) continue;
     for (LiveBinding& b : bound.bindings)
-      b.live =
-          b.binding.kind == BindingKind::kHaptic || priority >= highest[source(b)] || OMNI_FAULT("priority-ignored");
+      b.live = b.binding.kind == BindingKind::kHaptic || priority >= highest[source(b)];
   }
 }
 
@@ -194,7 +185,7 @@ StatePart SessionActions::PenPart(const Bound& bound, const RuntimeClock& clock)
     } else if (b.binding.kind == BindingKind::kVector2) {
       const StatePart x = Scalar(b, b.binding.first, clock);
       const StatePart y = Scalar(b, b.binding.second, clock);
-      part.value = {x.value.x, OMNI_FAULT("vector-loses-y") ? 0.0f : y.value.x};
+      part.value = {x.value.x, y.value.x};
       part.change_time = std::max(x.change_time, y.change_time);
     }
     out = Merge(bound.action->type, out, part);
@@ -209,7 +200,6 @@ StatePart SessionActions::RuntimePartOfAny(const Bound& bound, const RuntimeStat
   if (!owner_) return runtime.Query(action, XR_NULL_PATH);
   if (action.subactions.empty()) return bound.of_our_hand_only ? StatePart{} : runtime.Query(action, XR_NULL_PATH);
   StatePart out;
-  if (OMNI_FAULT("other-hand-stolen")) return out;
   for (const XrPath path : action.subactions)
     if (path != hand_path()) out = Merge(action.type, out, runtime.Query(action, path));
   return out;
@@ -227,7 +217,7 @@ void SessionActions::AdvanceView(View& view, const Action& action, const StatePa
     return;
   }
   // [input-multiple] One device; the XR_NULL_PATH view stays with the first it got, even when that goes off.
-  if (view.pose_device == Device::kNone || !sticky || OMNI_FAULT("pose-device-switches"))
+  if (view.pose_device == Device::kNone || !sticky)
     view.pose_device = pen.active ? Device::kPen : runtime.active ? Device::kRuntime : Device::kNone;
   view.state.active = PoseDevice(view) == Device::kPen ? pen.active : runtime.active;
 }
@@ -246,7 +236,7 @@ void SessionActions::Sync(const SyncInput& input, const RuntimeStates& runtime, 
     for (const Hand hand : {Hand::kLeft, Hand::kRight}) {
       if (!action.Declares(PathOf(hand))) continue;
       const bool pens = owner_ && hand == choice_.hand;
-      const bool runtimes = !pens || OMNI_FAULT("runtime-controller-heard");
+      const bool runtimes = !pens;
       const StatePart theirs = input.focused && runtimes ? runtime.Query(action, PathOf(hand)) : StatePart{};
       View& view = ViewAt(bound, hand);
       AdvanceView(view, action, theirs, pens ? pen : StatePart{}, false, now);
@@ -279,8 +269,7 @@ int SessionActions::SpaceServedBy(const Action& action, XrPath subaction) const 
   if (!owner_) return kServedByNobody;
   const int first = first_pose_[static_cast<std::size_t>(chosen_ - profiles_.data())];
   for (const LiveBinding& b : bound->bindings)
-    if ((b.live || OMNI_FAULT("unlocatable-stays-valid")) && b.binding.kind == BindingKind::kPose)
-      return first + b.binding.first;
+    if (b.live && b.binding.kind == BindingKind::kPose) return first + b.binding.first;
   return kServedByNobody;
 }
 
@@ -293,8 +282,7 @@ std::vector<std::string> SessionActions::BoundSources(const Action& action) cons
   const Bound* bound = owner_ ? FindBound(action) : nullptr;
   if (!bound || (!action.subactions.empty() && !action.Declares(hand_path()))) return out;
   for (const LiveBinding& b : bound->bindings)
-    if (std::find(out.begin(), out.end(), b.binding.path) == out.end() && !OMNI_FAULT("no-bound-sources"))
-      out.push_back(b.binding.path);
+    if (std::find(out.begin(), out.end(), b.binding.path) == out.end()) out.push_back(b.binding.path);
   return out;
 }
 

@@ -1,7 +1,6 @@
 // Sessions and events: when the pen has an application to serve, and which.
 #include <cstring>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 #include "service/base/clock.h"
 
@@ -40,7 +39,6 @@ XrResult Instance::BeginSession(XrSession session, const XrSessionBeginInfo* inf
   if (XR_FAILED(result)) return result;
   if (const auto record = sessions.Find(session)) {
     record->running = true;
-    if (OMNI_FAULT("event-outside-sync")) record->profile_event_due = true;
   }
   ReportSessionState();
   return result;
@@ -65,7 +63,7 @@ void Instance::SetFocus(Session& session, bool focused) {
   if (!focused) {
     session.focus_was_lost = true;
     pcm_backlog.Clear();
-    if (!OMNI_FAULT("haptic-outlives-focus")) link.HapticStop();
+    link.HapticStop();
     ForgetForces(session);
   }
   ReportSessionState();
@@ -74,7 +72,7 @@ void Instance::SetFocus(Session& session, bool focused) {
 void Instance::ReportSessionState() {
   protocol::SessionState state = protocol::SessionState::kNone;
   sessions.ForEach([&](const Session& session) {
-    if (!session.running || OMNI_FAULT("session-not-told")) return;
+    if (!session.running) return;
     state = std::max(state, session.focused ? protocol::SessionState::kFocused : protocol::SessionState::kBegun);
   });
   link.SetSession(state);
@@ -95,7 +93,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
       XrEventDataInteractionProfileChanged changed;
       std::memcpy(&changed, event, sizeof(changed));
       const auto session = sessions.Find(changed.session);
-      if (session && !OMNI_FAULT("duplicate-event")) session->profile_event_due = false;
+      if (session) session->profile_event_due = false;
     } else if (event->type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
       XrEventDataReferenceSpaceChangePending changed;
       std::memcpy(&changed, event, sizeof(changed));

@@ -2,7 +2,6 @@
 // unlocatable instead of failing.
 #include <unistd.h>
 
-#include "layer/src/fault.h"
 #include "layer/src/pen_space.h"
 
 namespace omni::layer {
@@ -86,16 +85,14 @@ void Instance::UpdateSpaces(const Session& session) {
 // One call down, into the application's own structure: what else is chained to it is the runtime's to fill. It also
 // finds the errors in handles and time.
 XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
-  if (!OMNI_FAULT("no-sign-of-life")) link.Beat();
+  link.Beat();
   const Side s = SideOf(*this, space);
   const Side b = SideOf(*this, base);
-  const bool one_session = OMNI_FAULT("sessions-mixed") || !s.ours() || !b.ours() || s.session() == b.session();
+  const bool one_session = !s.ours() || !b.ours() || s.session() == b.session();
   if ((!s.ours() && !b.ours()) || !one_session || !location || location->type != XR_TYPE_SPACE_LOCATION)
     return next.LocateSpace(space, base, time, location);
 
   const PenAt pen = PenAtTime(*this, *(s.ours() ? s : b).session(), time);
-  if (OMNI_FAULT("two-calls-down")) next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
-  if (OMNI_FAULT("system-call")) static_cast<void>(getppid());
   const XrResult result = next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
   if (XR_FAILED(result)) return result;
   const LocationFields fields{&location->locationFlags, &location->pose};
@@ -108,7 +105,7 @@ XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime ti
   X_OS = {};
   const Side s = SideOf(*this, space);
   const PenAt pen = PenAtTime(*this, session, time);
-  if (s.pen() && (s.session() == &session || OMNI_FAULT("space-of-another-session"))) {
+  if (s.pen() && s.session() == &session) {
     X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
     return XR_SUCCESS;
   }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <string>
 
-#include "layer/src/fault.h"
 #include "layer/src/instance.h"
 
 namespace omni::layer {
@@ -25,8 +24,7 @@ std::vector<XrActionSuggestedBinding> BindingsOf(const XrInteractionProfileSugge
 
 bool Instance::OnlyOurs(const Profile& profile) const {
   return !profile.extension.empty() &&
-         (OMNI_FAULT("profile-without-its-extension") ||
-          std::find(only_ours_.begin(), only_ours_.end(), profile.extension) != only_ours_.end());
+         std::find(only_ours_.begin(), only_ours_.end(), profile.extension) != only_ours_.end();
 }
 
 // A path that an extension of ours adds to a profile that the runtime knows.
@@ -43,7 +41,7 @@ XrResult Instance::CheckSuggestions(const Profile& profile, const std::vector<Xr
     const std::string path = PathText(binding.binding);
     if (path.empty()) return XR_ERROR_PATH_INVALID;
     if (!AnyHandHas(profile, path, enabled_)) return XR_ERROR_PATH_UNSUPPORTED;
-    if (action->set->attached && !OMNI_FAULT("suggest-after-attach")) return XR_ERROR_ACTIONSETS_ALREADY_ATTACHED;
+    if (action->set->attached) return XR_ERROR_ACTIONSETS_ALREADY_ATTACHED;
   }
   return XR_SUCCESS;
 }
@@ -53,7 +51,7 @@ XrResult Instance::Forward(const XrInteractionProfileSuggestedBinding& suggested
   std::vector<XrActionSuggestedBinding> ours;
   std::vector<XrActionSuggestedBinding> theirs;
   for (const XrActionSuggestedBinding& binding : BindingsOf(suggested)) {
-    const bool only_ours = known && !OMNI_FAULT("own-path-leaks-below") && OnlyOurs(*known, PathText(binding.binding));
+    const bool only_ours = known && OnlyOurs(*known, PathText(binding.binding));
     (only_ours ? ours : theirs).push_back(binding);
   }
   if (ours.empty()) return next.SuggestInteractionProfileBindings(handle, &suggested);
@@ -78,16 +76,11 @@ void Instance::Record(const std::string& profile_path, const XrInteractionProfil
     entries.push_back(std::move(entry));
   }
   const std::lock_guard lock(suggestions_mutex_);
-  if (OMNI_FAULT("second-suggestion-adds")) {
-    const std::vector<Suggestion>& before = suggestions_[profile_path];
-    entries.insert(entries.end(), before.begin(), before.end());
-  }
   suggestions_[profile_path] = std::move(entries);
 }
 
 XrResult Instance::Suggest(const XrInteractionProfileSuggestedBinding* suggested) {
   link.Beat();
-  if (OMNI_FAULT("suggest-always-succeeds")) return XR_SUCCESS;
   if (!suggested || suggested->type != XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING)
     return next.SuggestInteractionProfileBindings(handle, suggested);
   const std::string path = PathText(suggested->interactionProfile);
@@ -103,20 +96,18 @@ XrResult Instance::Suggest(const XrInteractionProfileSuggestedBinding* suggested
   } else {
     result = Forward(*suggested, known);
   }
-  if (XR_SUCCEEDED(result) || OMNI_FAULT("refused-suggestion-kept")) Record(path, *suggested, thresholds);
+  if (XR_SUCCEEDED(result)) Record(path, *suggested, thresholds);
   return result;
 }
 
 XrResult Instance::CurrentProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state) {
   const XrResult result = next.GetCurrentInteractionProfile(session, user_path, state);
   link.Beat();
-  if (XR_FAILED(result)) return OMNI_FAULT("profile-error-swallowed") ? XR_SUCCESS : result;
+  if (XR_FAILED(result)) return result;
   const auto record = sessions.Find(session);
   if (!record) return result;
   const std::shared_lock lock(record->mutex);
-  if (const Profile* profile =
-          record->actions.ProfileAt(OMNI_FAULT("both-hands-owned") ? record->actions.hand_path() : user_path))
-    state->interactionProfile = PathOf(profile->path);
+  if (const Profile* profile = record->actions.ProfileAt(user_path)) state->interactionProfile = PathOf(profile->path);
   return result;
 }
 

@@ -5,8 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "layer/src/fault.h"
-
 namespace omni::layer {
 namespace {
 
@@ -26,8 +24,7 @@ bool Has(const protocol::ToolSample& s, std::uint32_t flag) noexcept { return (s
 
 // Seen by the tracker, and surely enough.
 bool Tracked(const protocol::ToolSample& s) noexcept {
-  return Has(s, protocol::kToolPoseValid) && Has(s, protocol::kToolTracked) &&
-         (s.position_sigma_m <= kMaxTrackedSigma_m || OMNI_FAULT("unsure-pen-tracked"));
+  return Has(s, protocol::kToolPoseValid) && Has(s, protocol::kToolTracked) && s.position_sigma_m <= kMaxTrackedSigma_m;
 }
 
 }  // namespace
@@ -48,8 +45,6 @@ Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSampl
   // The tracker's own velocities, which it filters. The derivative of p(s) would have the positions' noise over h.
   m.v = (1 - s) * m0.v + s * m1.v;
   m.w = (1 - s) * m0.w + s * m1.w;
-  if (OMNI_FAULT("velocity-of-the-positions"))
-    m.v = ((6 * s2 - 6 * s) / h) * (m0.X.p - m1.X.p) + (3 * s2 - 4 * s + 1) * m0.v + (3 * s2 - 2 * s) * m1.v;
   return m;
 }
 
@@ -84,8 +79,8 @@ Motion Predict(const protocol::ToolSample& newest, const protocol::ToolSample& e
                Prediction method) noexcept {
   Motion m = MotionOf(newest);
   if (method == Prediction::kHold) return m;
-  if (method == Prediction::kTrusted && !OMNI_FAULT("resting-hand-shaken")) TrustVelocities(newest, earlier, m);
-  const std::int64_t longest_ns = OMNI_FAULT("prediction-without-end") ? 1'000'000'000 : kMaxPrediction_ns;
+  if (method == Prediction::kTrusted) TrustVelocities(newest, earlier, m);
+  const std::int64_t longest_ns = kMaxPrediction_ns;
   const double dt = 1e-9 * static_cast<double>(std::clamp<std::int64_t>(t_ns - newest.t_ns, 0, longest_ns));
   m.X.p += dt * m.v;
   m.X.q = glm::normalize(ExpRotation(dt * m.w) * m.X.q);
@@ -115,7 +110,7 @@ ToolMotion FromHistory(const protocol::ToolSample& before, const protocol::ToolS
   const bool near = t_ns >= before.t_ns && t_ns - before.t_ns <= kMaxGap_ns && after.t_ns - t_ns <= kMaxGap_ns;
   ToolMotion out;
   out.valid = before_valid || after_valid;
-  out.tracked = (near || OMNI_FAULT("gap-tracked")) && Tracked(before) && Tracked(after);
+  out.tracked = near && Tracked(before) && Tracked(after);
   if (before_valid && after_valid) {
     out.X_BT = Interpolate(before, after, std::max(t_ns, before.t_ns));
   } else if (out.valid) {
@@ -129,7 +124,7 @@ ToolMotion FromHistory(const protocol::ToolSample& before, const protocol::ToolS
 ToolMotion ToolMotionAt(const client::StateReader& reader, std::int64_t t_ns, std::int64_t now_ns) noexcept {
   protocol::ToolSample before;
   protocol::ToolSample after;
-  if (!reader.Newest(after) || (now_ns - after.t_ns > kPresenceTimeout_ns && !OMNI_FAULT("stale-pen-valid"))) return {};
+  if (!reader.Newest(after) || now_ns - after.t_ns > kPresenceTimeout_ns) return {};
   if (t_ns >= after.t_ns) return FromNewest(reader, after, t_ns);
   return reader.Around(t_ns, before, after) ? FromHistory(before, after, t_ns) : ToolMotion{};
 }

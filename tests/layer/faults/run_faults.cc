@@ -1,4 +1,4 @@
-// run_layer_faults: proves that the tests of the rules can fail. With each seeded fault (layer/src/fault.h) the tests
+// run_layer_faults: proves that the tests of the rules can fail. With each seeded fault (seeds.json) the tests
 // of the rules that it breaks run against the faulty build of the layer; at least one must fail. First all of them run
 // against that build without a fault: then all must pass. Prints the table; exit status 1 if a fault survives.
 //   run_layer_faults [FAULT...]   only these

@@ -36,7 +36,7 @@ int main() {
       "or\n"
       "names one that does not exist. %zu rules, %zu seeded faults.\n"
       "\n"
-      "A *seeded fault* is a place in layer/src where a second build of the layer (layer/src/fault.h) can be made to "
+      "A *seeded fault* is a place in layer/src where a second build of the layer (tests/layer/faults) can be made to "
       "break\n"
       "a rule. ctest's `layer.faults` runs the tests of its rules with each fault and fails if they all pass. Names of "
       "the\n"
