@@ -28,7 +28,8 @@ void AssignTimes(const ActionState& merged, State& state) {
 
 }  // namespace
 
-XrResult Instance::GetBoolean(XrSession session, const XrActionStateGetInfo* info, XrActionStateBoolean* state) {
+XrResult Instance::GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
+                                         XrActionStateBoolean* state) {
   const XrResult result = next.GetActionStateBoolean(session, info, state);
   link.Beat();
   if (XR_FAILED(result)) return result;
@@ -39,7 +40,7 @@ XrResult Instance::GetBoolean(XrSession session, const XrActionStateGetInfo* inf
   return result;
 }
 
-XrResult Instance::GetFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state) {
+XrResult Instance::GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state) {
   const XrResult result = next.GetActionStateFloat(session, info, state);
   link.Beat();
   if (XR_FAILED(result)) return result;
@@ -50,7 +51,8 @@ XrResult Instance::GetFloat(XrSession session, const XrActionStateGetInfo* info,
   return result;
 }
 
-XrResult Instance::GetVector2f(XrSession session, const XrActionStateGetInfo* info, XrActionStateVector2f* state) {
+XrResult Instance::GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
+                                          XrActionStateVector2f* state) {
   const XrResult result = next.GetActionStateVector2f(session, info, state);
   link.Beat();
   if (XR_FAILED(result)) return result;
@@ -61,7 +63,7 @@ XrResult Instance::GetVector2f(XrSession session, const XrActionStateGetInfo* in
   return result;
 }
 
-XrResult Instance::GetPose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state) {
+XrResult Instance::GetActionStatePose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state) {
   const XrResult result = next.GetActionStatePose(session, info, state);
   link.Beat();
   if (XR_FAILED(result)) return result;

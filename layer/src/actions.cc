@@ -97,7 +97,7 @@ XrResult Instance::DestroyAction(XrAction action) {
   return result;
 }
 
-XrResult Instance::Attach(XrSession session, const XrSessionActionSetsAttachInfo* info) {
+XrResult Instance::AttachSessionActionSets(XrSession session, const XrSessionActionSetsAttachInfo* info) {
   const XrResult result = next.AttachSessionActionSets(session, info);
   Alive();
   const auto record = sessions.Find(session);
@@ -178,7 +178,7 @@ void Instance::TellProfileChange(Session& session, XrPath user_path, const Profi
   if (shown(before) != shown(after)) session.profile_event_due = true;
 }
 
-XrResult Instance::Sync(XrSession session, const XrActionsSyncInfo* info) {
+XrResult Instance::SyncActions(XrSession session, const XrActionsSyncInfo* info) {
   const XrResult result = next.SyncActions(session, info);
   Alive();
   const auto record = sessions.Find(session);

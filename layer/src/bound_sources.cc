@@ -47,8 +47,8 @@ std::string JoinName(XrInputSourceLocalizedNameFlags which, Hand hand, const Pro
 
 }  // namespace
 
-XrResult Instance::BoundSources(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info, uint32_t capacity,
-                                uint32_t* count, XrPath* sources) {
+XrResult Instance::EnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info,
+                                                  uint32_t capacity, uint32_t* count, XrPath* sources) {
   link.Beat();
   const auto record = sessions.Find(session);
   const auto action = record && info ? actions.Find(info->action) : nullptr;
@@ -79,8 +79,8 @@ XrResult Instance::BoundSources(XrSession session, const XrBoundSourcesForAction
   return Fill(all.data(), all.size(), capacity, count, sources);
 }
 
-XrResult Instance::SourceName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info, uint32_t capacity,
-                              uint32_t* count, char* text) {
+XrResult Instance::GetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info,
+                                               uint32_t capacity, uint32_t* count, char* text) {
   link.Beat();
   constexpr XrInputSourceLocalizedNameFlags kKnown = XR_INPUT_SOURCE_LOCALIZED_NAME_USER_PATH_BIT |
                                                      XR_INPUT_SOURCE_LOCALIZED_NAME_INTERACTION_PROFILE_BIT |

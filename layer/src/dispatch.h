@@ -1,11 +1,10 @@
-// One list of the functions this layer touches. A new one is a word here and a body in entry_points.cc.
+// One list of the functions this layer touches. A new one is a word here and a method of that name of Instance.
 #pragma once
 
 #include "layer/src/omni_openxr_compat.h"
 
 // Functions the application reaches through us.
 #define OMNI_LAYER_INTERCEPTED(X)      \
-  X(DestroyInstance)                   \
   X(PollEvent)                         \
   X(CreateSession)                     \
   X(DestroySession)                    \
@@ -48,8 +47,9 @@
   X(LocateHandJointsEXT)       \
   X(GetDeviceSampleRateFB)
 
-// Functions of the next layer or runtime that we only call.
+// Functions of the next layer or runtime that we only call, or that are no method of an instance.
 #define OMNI_LAYER_CALLED(X)  \
+  X(DestroyInstance)          \
   X(StringToPath)             \
   X(PathToString)             \
   X(EnumerateReferenceSpaces) \

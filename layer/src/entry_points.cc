@@ -4,7 +4,6 @@
 
 #include "layer/src/create_instance.h"
 #include "layer/src/guarded.h"
-#include "layer/src/haptic_functions.h"
 #include "layer/src/own_functions.h"
 
 namespace omni::layer {
@@ -19,164 +18,6 @@ XRAPI_ATTR XrResult XRAPI_CALL DestroyInstance(XrInstance instance) {
     if (XR_SUCCEEDED(result)) Registry::Get().Remove(instance);
     return result;
   });
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL PollEvent(XrInstance instance, XrEventDataBuffer* event) {
-  return On(instance, &Instance::PollEvent, event);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL CreateSession(XrInstance instance, const XrSessionCreateInfo* info, XrSession* session) {
-  return On(instance, &Instance::CreateSession, info, session);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL DestroySession(XrSession session) {
-  return On(session, &Instance::DestroySession, session);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL BeginSession(XrSession session, const XrSessionBeginInfo* info) {
-  return On(session, &Instance::BeginSession, session, info);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL EndSession(XrSession session) { return On(session, &Instance::EndSession, session); }
-
-XRAPI_ATTR XrResult XRAPI_CALL WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state) {
-  return On(session, &Instance::WaitFrame, session, info, state);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL CreateActionSet(XrInstance instance, const XrActionSetCreateInfo* info,
-                                               XrActionSet* set) {
-  return On(instance, &Instance::CreateActionSet, info, set);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL DestroyActionSet(XrActionSet set) { return On(set, &Instance::DestroyActionSet, set); }
-
-XRAPI_ATTR XrResult XRAPI_CALL CreateAction(XrActionSet set, const XrActionCreateInfo* info, XrAction* action) {
-  return On(set, &Instance::CreateAction, set, info, action);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL DestroyAction(XrAction action) { return On(action, &Instance::DestroyAction, action); }
-
-XRAPI_ATTR XrResult XRAPI_CALL SuggestInteractionProfileBindings(XrInstance instance,
-                                                                 const XrInteractionProfileSuggestedBinding* info) {
-  return On(instance, &Instance::Suggest, info);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL AttachSessionActionSets(XrSession session, const XrSessionActionSetsAttachInfo* info) {
-  return On(session, &Instance::Attach, session, info);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL GetCurrentInteractionProfile(XrSession session, XrPath user_path,
-                                                            XrInteractionProfileState* state) {
-  return On(session, &Instance::CurrentProfile, session, user_path, state);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL SyncActions(XrSession session, const XrActionsSyncInfo* info) {
-  return On(session, &Instance::Sync, session, info);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
-                                                     XrActionStateBoolean* state) {
-  return On(session, &Instance::GetBoolean, session, info, state);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info,
-                                                   XrActionStateFloat* state) {
-  return On(session, &Instance::GetFloat, session, info, state);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
-                                                      XrActionStateVector2f* state) {
-  return On(session, &Instance::GetVector2f, session, info, state);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL GetActionStatePose(XrSession session, const XrActionStateGetInfo* info,
-                                                  XrActionStatePose* state) {
-  return On(session, &Instance::GetPose, session, info, state);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL EnumerateBoundSourcesForAction(XrSession session,
-                                                              const XrBoundSourcesForActionEnumerateInfo* info,
-                                                              uint32_t capacity, uint32_t* count, XrPath* sources) {
-  return On(session, &Instance::BoundSources, session, info, capacity, count, sources);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL GetInputSourceLocalizedName(XrSession session,
-                                                           const XrInputSourceLocalizedNameGetInfo* info,
-                                                           uint32_t capacity, uint32_t* count, char* text) {
-  return On(session, &Instance::SourceName, session, info, capacity, count, text);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info,
-                                                 XrSpace* space) {
-  return On(session, &Instance::CreateActionSpace, session, info, space);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info,
-                                                    XrSpace* space) {
-  return On(session, &Instance::CreateReferenceSpace, session, info, space);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL DestroySpace(XrSpace space) { return On(space, &Instance::DestroySpace, space); }
-
-XRAPI_ATTR XrResult XRAPI_CALL LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
-  return On(space, &Instance::LocateSpace, space, base, time, location);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL LocateSpaces(XrSession session, const XrSpacesLocateInfo* info,
-                                            XrSpaceLocations* locations) {
-  return On(session, &Instance::LocateSpaces, session, info, locations);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info,
-                                               XrSpaceLocations* locations) {
-  return On(session, &Instance::LocateSpacesKHR, session, info, locations);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state,
-                                           uint32_t capacity, uint32_t* count, XrView* views) {
-  return On(session, &Instance::LocateViews, session, info, state, capacity, count, views);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info,
-                                                    XrHandTrackerEXT* tracker) {
-  return On(session, &Instance::CreateHandTracker, session, info, tracker);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
-  return On(tracker, &Instance::DestroyHandTracker, tracker);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
-                                                   XrHandJointLocationsEXT* locations) {
-  return On(tracker, &Instance::LocateHandJoints, tracker, info, locations);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL EndFrame(XrSession session, const XrFrameEndInfo* info) {
-  return On(session, &Instance::EndFrame, session, info);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info,
-                                                   const XrHapticBaseHeader* haptic) {
-  return On(session, &Instance::ApplyHaptic, session, info, haptic);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL StopHapticFeedback(XrSession session, const XrHapticActionInfo* info) {
-  return On(session, &Instance::StopHaptic, session, info);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL GetSystemProperties(XrInstance instance, XrSystemId system,
-                                                   XrSystemProperties* properties) {
-  return On(instance, &Instance::SystemProperties, system, properties);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL ResultToString(XrInstance instance, XrResult value,
-                                              char buffer[XR_MAX_RESULT_STRING_SIZE]) {
-  return On(instance, &Instance::ResultText, value, buffer);
-}
-
-XRAPI_ATTR XrResult XRAPI_CALL StructureTypeToString(XrInstance instance, XrStructureType value,
-                                                     char buffer[XR_MAX_STRUCTURE_NAME_SIZE]) {
-  return On(instance, &Instance::StructureTypeText, value, buffer);
 }
 
 XRAPI_ATTR XrResult XRAPI_CALL EnumerateApiLayerProperties(uint32_t capacity, uint32_t* count,
@@ -221,16 +62,21 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
 
 }  // namespace
 
-PFN_xrVoidFunction FindIntercepted(const char* name, [[maybe_unused]] const Dispatch* below) {
-#define OMNI_LAYER_ROW(function) \
+PFN_xrVoidFunction FindIntercepted(const char* name, const Dispatch* below) {
+#define OMNI_LAYER_OWN(function) \
   if (std::strcmp(name, "xr" #function) == 0) return Erase(&(function));
-  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_ROW)
-  OMNI_LAYER_ROW(GetInstanceProcAddr)
-  OMNI_LAYER_ROW(EnumerateApiLayerProperties)
-  OMNI_LAYER_ROW(EnumerateInstanceExtensionProperties)
-#undef OMNI_LAYER_ROW
+  OMNI_LAYER_OWN(DestroyInstance)
+  OMNI_LAYER_OWN(GetInstanceProcAddr)
+  OMNI_LAYER_OWN(EnumerateApiLayerProperties)
+  OMNI_LAYER_OWN(EnumerateInstanceExtensionProperties)
+#undef OMNI_LAYER_OWN
 #define OMNI_LAYER_ROW(function) \
-  if (below && below->function && std::strcmp(name, "xr" #function) == 0) return Erase(&(function));
+  if (std::strcmp(name, "xr" #function) == 0) return Erase(&Entry<PFN_xr##function, &Instance::function>::Call);
+  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_ROW)
+#undef OMNI_LAYER_ROW
+#define OMNI_LAYER_ROW(function)                                          \
+  if (below && below->function && std::strcmp(name, "xr" #function) == 0) \
+    return Erase(&Entry<PFN_xr##function, &Instance::function>::Call);
   OMNI_LAYER_OPTIONAL(OMNI_LAYER_ROW)
 #undef OMNI_LAYER_ROW
   return nullptr;

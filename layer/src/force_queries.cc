@@ -52,7 +52,7 @@ XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* o
 }  // namespace
 
 // What lies below never sees a structure of ours.
-XrResult Instance::SystemProperties(XrSystemId system, XrSystemProperties* properties) {
+XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* properties) {
   Alive();
   if (!properties || !Enabled(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
     return next.GetSystemProperties(handle, system, properties);

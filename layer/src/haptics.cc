@@ -112,7 +112,8 @@ Instance::HapticRoute Instance::RouteHaptic(XrSession session, const XrHapticAct
   return {state.HapticBound(*action, info->subactionPath), !our_hand};
 }
 
-XrResult Instance::ApplyHaptic(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
+XrResult Instance::ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info,
+                                       const XrHapticBaseHeader* haptic) {
   Alive();
   if (haptic && haptic->type == XR_TYPE_HAPTIC_VIBRATION) return ApplyTone(session, info, haptic);
   if (haptic && haptic->type == XR_TYPE_HAPTIC_AMPLITUDE_ENVELOPE_VIBRATION_FB &&
@@ -188,7 +189,7 @@ std::uint32_t Instance::PlayPcm(XrAction action, ShapedVibration& pcm) {
   return 0;
 }
 
-XrResult Instance::StopHaptic(XrSession session, const XrHapticActionInfo* info) {
+XrResult Instance::StopHapticFeedback(XrSession session, const XrHapticActionInfo* info) {
   Alive();
   const HapticRoute route = RouteHaptic(session, info);
   const XrResult result = route.to_runtime ? next.StopHapticFeedback(session, info) : XR_SUCCESS;
@@ -200,8 +201,8 @@ XrResult Instance::StopHaptic(XrSession session, const XrHapticActionInfo* info)
 }
 
 // [xrGetDeviceSampleRateFB] The pen's coils for the pen's hand; without the extension below, 0 for all else.
-XrResult Instance::DeviceSampleRate(XrSession session, const XrHapticActionInfo* info,
-                                    XrDevicePcmSampleRateStateFB* rate) {
+XrResult Instance::GetDeviceSampleRateFB(XrSession session, const XrHapticActionInfo* info,
+                                         XrDevicePcmSampleRateStateFB* rate) {
   link.Beat();
   const auto record = sessions.Find(session);
   const bool readable =

@@ -66,7 +66,7 @@ Instance::Instance(InstanceSetup setup)
   link.Poll(now);
 }
 
-XrResult Instance::ResultText(XrResult value, char* buffer) {
+XrResult Instance::ResultToString(XrResult value, char* buffer) {
   link.Beat();
   const char* name = OwnName(value);
   if (!name || !buffer) return next.ResultToString(handle, value, buffer);
@@ -74,7 +74,7 @@ XrResult Instance::ResultText(XrResult value, char* buffer) {
   return XR_SUCCESS;
 }
 
-XrResult Instance::StructureTypeText(XrStructureType value, char* buffer) {
+XrResult Instance::StructureTypeToString(XrStructureType value, char* buffer) {
   link.Beat();
   const char* name = OwnName(value);
   if (!name || !buffer) return next.StructureTypeToString(handle, value, buffer);

@@ -69,29 +69,29 @@ class Instance {
   XrResult DestroyActionSet(XrActionSet set);
   XrResult CreateAction(XrActionSet set, const XrActionCreateInfo* info, XrAction* action);
   XrResult DestroyAction(XrAction action);
-  XrResult Attach(XrSession session, const XrSessionActionSetsAttachInfo* info);
-  XrResult Sync(XrSession session, const XrActionsSyncInfo* info);
+  XrResult AttachSessionActionSets(XrSession session, const XrSessionActionSetsAttachInfo* info);
+  XrResult SyncActions(XrSession session, const XrActionsSyncInfo* info);
 
   // suggestions.cc
-  XrResult Suggest(const XrInteractionProfileSuggestedBinding* suggested);
-  XrResult CurrentProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state);
+  XrResult SuggestInteractionProfileBindings(const XrInteractionProfileSuggestedBinding* suggested);
+  XrResult GetCurrentInteractionProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state);
 
   // action_states.cc
-  XrResult GetBoolean(XrSession session, const XrActionStateGetInfo* info, XrActionStateBoolean* state);
-  XrResult GetFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state);
-  XrResult GetVector2f(XrSession session, const XrActionStateGetInfo* info, XrActionStateVector2f* state);
-  XrResult GetPose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state);
+  XrResult GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info, XrActionStateBoolean* state);
+  XrResult GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state);
+  XrResult GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info, XrActionStateVector2f* state);
+  XrResult GetActionStatePose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state);
 
   // haptics.cc
-  XrResult ApplyHaptic(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
-  XrResult StopHaptic(XrSession session, const XrHapticActionInfo* info);
-  XrResult DeviceSampleRate(XrSession session, const XrHapticActionInfo* info, XrDevicePcmSampleRateStateFB* rate);
+  XrResult ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult StopHapticFeedback(XrSession session, const XrHapticActionInfo* info);
+  XrResult GetDeviceSampleRateFB(XrSession session, const XrHapticActionInfo* info, XrDevicePcmSampleRateStateFB* rate);
 
   // bound_sources.cc
-  XrResult BoundSources(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info, uint32_t capacity,
-                        uint32_t* count, XrPath* sources);
-  XrResult SourceName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info, uint32_t capacity,
-                      uint32_t* count, char* text);
+  XrResult EnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info,
+                                          uint32_t capacity, uint32_t* count, XrPath* sources);
+  XrResult GetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info,
+                                       uint32_t capacity, uint32_t* count, char* text);
 
   // spaces.cc
   XrResult CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space);
@@ -106,10 +106,10 @@ class Instance {
   // locate_from_pen.cc
   XrResult LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
                        uint32_t* count, XrView* views);
-  XrResult CreateHandTracker(XrSession session, const XrHandTrackerCreateInfoEXT* info, XrHandTrackerEXT* tracker);
-  XrResult DestroyHandTracker(XrHandTrackerEXT tracker);
-  XrResult LocateHandJoints(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
-                            XrHandJointLocationsEXT* locations);
+  XrResult CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info, XrHandTrackerEXT* tracker);
+  XrResult DestroyHandTrackerEXT(XrHandTrackerEXT tracker);
+  XrResult LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
+                               XrHandJointLocationsEXT* locations);
 
   // end_frame.cc
   XrResult EndFrame(XrSession session, const XrFrameEndInfo* info);
@@ -125,11 +125,11 @@ class Instance {
   XrResult StopForce(XrForceFeedbackOMNIX1 force);
 
   // What lies below does not know the names of our own enumerants.
-  XrResult ResultText(XrResult value, char* buffer);
-  XrResult StructureTypeText(XrStructureType value, char* buffer);
+  XrResult ResultToString(XrResult value, char* buffer);
+  XrResult StructureTypeToString(XrStructureType value, char* buffer);
 
   // force_queries.cc
-  XrResult SystemProperties(XrSystemId system, XrSystemProperties* properties);
+  XrResult GetSystemProperties(XrSystemId system, XrSystemProperties* properties);
   XrResult ForceProperties(XrForceFeedbackOMNIX1 force, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
                            XrForceFeedbackPropertiesOMNIX1* properties);
   XrResult ForceState(XrForceFeedbackOMNIX1 force, const XrForceFeedbackStateGetInfoOMNIX1* info,

@@ -63,8 +63,8 @@ XrResult Instance::LocateViews(XrSession session, const XrViewLocateInfo* info, 
   return result;
 }
 
-XrResult Instance::CreateHandTracker(XrSession session, const XrHandTrackerCreateInfoEXT* info,
-                                     XrHandTrackerEXT* tracker) {
+XrResult Instance::CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info,
+                                        XrHandTrackerEXT* tracker) {
   const XrResult result = next.CreateHandTrackerEXT(session, info, tracker);
   link.Beat();
   auto record = sessions.Find(session);
@@ -72,15 +72,15 @@ XrResult Instance::CreateHandTracker(XrSession session, const XrHandTrackerCreat
   return result;
 }
 
-XrResult Instance::DestroyHandTracker(XrHandTrackerEXT tracker) {
+XrResult Instance::DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
   const XrResult result = next.DestroyHandTrackerEXT(tracker);
   link.Beat();
   if (XR_SUCCEEDED(result)) hand_trackers.Erase(tracker);
   return result;
 }
 
-XrResult Instance::LocateHandJoints(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
-                                    XrHandJointLocationsEXT* locations) {
+XrResult Instance::LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
+                                       XrHandJointLocationsEXT* locations) {
   link.Beat();
   const bool readable = info && info->type == XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT && locations &&
                         locations->type == XR_TYPE_HAND_JOINT_LOCATIONS_EXT;

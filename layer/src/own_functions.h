@@ -1,4 +1,4 @@
-// The functions of our own extensions (layer/include), of all of them.
+// The functions of extensions that this layer brings: nothing below knows them.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,5 @@
 namespace omni::layer {
 
 const std::vector<OwnFunction>& OwnFunctions();
-
-const std::vector<OwnFunction>& ForceFeedbackFunctions();  // entry_force_feedback.cc
-const std::vector<OwnFunction>& HapticSceneFunctions();    // entry_haptic_scene.cc
 
 }  // namespace omni::layer

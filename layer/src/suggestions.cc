@@ -79,7 +79,7 @@ void Instance::Record(const std::string& profile_path, const XrInteractionProfil
   suggestions_[profile_path] = std::move(entries);
 }
 
-XrResult Instance::Suggest(const XrInteractionProfileSuggestedBinding* suggested) {
+XrResult Instance::SuggestInteractionProfileBindings(const XrInteractionProfileSuggestedBinding* suggested) {
   link.Beat();
   if (!suggested || suggested->type != XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING)
     return next.SuggestInteractionProfileBindings(handle, suggested);
@@ -100,7 +100,7 @@ XrResult Instance::Suggest(const XrInteractionProfileSuggestedBinding* suggested
   return result;
 }
 
-XrResult Instance::CurrentProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state) {
+XrResult Instance::GetCurrentInteractionProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state) {
   const XrResult result = next.GetCurrentInteractionProfile(session, user_path, state);
   link.Beat();
   if (XR_FAILED(result)) return result;
