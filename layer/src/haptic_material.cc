@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "service/base/aggregate.h"
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 
 namespace omni::layer {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 // The structure is its type, its chain, and a float for each live field, in their order (a test compares the names).
 using Floats = std::array<float, base::kLiveMaterialFields>;
 static_assert(base::FieldCount<XrHapticMaterialOMNIX1>() == 2 + base::kLiveMaterialFields,
-              "XrHapticMaterialOMNIX1 has a float for each live field of service/base/material_fields.h");
+              "XrHapticMaterialOMNIX1 has a float for each live field of service/base/material.h");
 constexpr std::size_t kFloatsAt = offsetof(XrHapticMaterialOMNIX1, stiffness);
 
 Floats FloatsOf(const XrHapticMaterialOMNIX1& material) noexcept {

@@ -9,7 +9,7 @@ namespace omni::layer {
 // Numbers, all of them: neither NaN nor infinite.
 bool IsMaterial(const XrHapticMaterialOMNIX1& material) noexcept;
 
-// In the ranges of service/base/material_fields.h; dynamic friction is at most static friction.
+// In the ranges of service/base/material.h; dynamic friction is at most static friction.
 base::MaterialParameters ToParameters(const XrHapticMaterialOMNIX1& material) noexcept;
 
 void Put(const base::MaterialParameters& parameters, XrHapticMaterialOMNIX1& material) noexcept;

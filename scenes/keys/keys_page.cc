@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/scene/haptic_keys.h"
 
 namespace omni::scenes {

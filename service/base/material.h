@@ -1,9 +1,19 @@
-// Haptic material: how a surface feels, SI. Ranges of its numbers and their keys in a scene: material_fields.h.
+// Haptic material: how a surface feels, SI; and the table of its numbers. From the table follow the keys of a scene's
+// tags, their checks, what an application may change while it is felt and in which range, what `omni scene explain`
+// prints, the numbers of scenes/schema/OMNI_haptic_material.schema.json and the table in docs/scenes.md
+// (`scene_keys_page` writes both). How to add a number: docs/howto/extend.md.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
+
+#include "service/base/aggregate.h"
+#include "service/base/number_field.h"
 
 namespace omni::base {
 
@@ -73,8 +83,8 @@ struct Material {
 };
 static_assert(std::is_trivially_copyable_v<Material>);
 
-// What of a material an application may change while it is felt: those of its numbers that material_fields.h calls
-// live, in that order. Travels between processes as it is.
+// What of a material an application may change while it is felt: the numbers that are live in the table below, in its
+// order. Travels between processes as it is.
 struct MaterialParameters {
   double stiffness_N_m = 0;
   double damping_Ns_m = 0;
@@ -89,5 +99,166 @@ struct MaterialParameters {
   double pop_through_N = 0;
 };
 static_assert(std::is_trivially_copyable_v<MaterialParameters>);
+
+struct MaterialField : NumberField<Material> {
+  std::string_view label;                      // for people: "static friction"
+  double MaterialParameters::*live = nullptr;  // null: fixed when the scene is loaded
+  double settled = 0;                          // of a live one: nearer than this to what is wanted is there
+};
+
+inline constexpr auto kMaterialFields = std::to_array<MaterialField>({
+    {{"stiffness", "N/m", 0, 2000, Member<&Material::stiffness_N_m>(),
+      "force per depth; lowered where the loop could not hold it stable"},
+     "stiffness",
+     &MaterialParameters::stiffness_N_m,
+     0.01},
+    {{"damping", "N*s/m", 0, 5, Member<&Material::damping_Ns_m>(), "while pressed in"},
+     "damping",
+     &MaterialParameters::damping_Ns_m,
+     1e-4},
+    {{"staticFriction", "1", 0, 2, Member<&Material::static_friction>(), "at least `dynamicFriction`"},
+     "static friction",
+     &MaterialParameters::static_friction,
+     1e-5},
+    {{"dynamicFriction", "1", 0, 2, Member<&Material::dynamic_friction>(), ""},
+     "dynamic friction",
+     &MaterialParameters::dynamic_friction,
+     1e-5},
+    {{"restitution", "1", 0, 1, Member<&Material::restitution>(), ""}, "restitution"},
+    {{"viscosity", "N*s/m", 0, 5, Member<&Material::viscosity_Ns_m>(), "inside the volume"},
+     "viscosity",
+     &MaterialParameters::viscosity_Ns_m,
+     1e-4},
+    {{"vibrotactileTexture.amplitude", "m", 0, 0.002, Member<&Material::texture_amplitude_m>(),
+      "height of a fine grating"},
+     "texture amplitude",
+     &MaterialParameters::texture_amplitude_m,
+     1e-8},
+    {{"vibrotactileTexture.wavelength", "m", 0.0001, 0.1, Member<&Material::texture_wavelength_m>(), ""},
+     "texture wavelength",
+     &MaterialParameters::texture_wavelength_m,
+     1e-7},
+    {{"vibrotactileTexture.gain", "1", 0, 10, Member<&Material::texture_gain>(), ""},
+     "texture gain",
+     &MaterialParameters::texture_gain,
+     1e-4},
+    {{"vibration.amplitude", "N", 0, 2, Member<&Material::vibration_amplitude_N>(), "while touched"},
+     "vibration amplitude",
+     &MaterialParameters::vibration_amplitude_N,
+     1e-3},
+    {{"vibration.frequency", "Hz", 1, 500, Member<&Material::vibration_frequency_Hz>(), ""},
+     "vibration frequency",
+     &MaterialParameters::vibration_frequency_Hz,
+     1e-3},
+    {{"softness.youngModulus", "Pa", 1e3, 1e7, Member<&Material::softness, &Softness::young_modulus_Pa>(),
+      "rubber foam 2e4, soft rubber 2e5"},
+     "young modulus"},
+    {{"softness.poissonRatio", "1", 0, 0.499, Member<&Material::softness, &Softness::poisson_ratio>(), ""},
+     "poisson ratio"},
+    {{"softness.thickness", "m", 0.0005, 0.1, Member<&Material::softness, &Softness::thickness_m>(),
+      "of the soft layer"},
+     "thickness"},
+    {{"softness.maxDepth", "m", 0.0001, 0.05, Member<&Material::softness, &Softness::max_depth_m>(),
+      "where it becomes hard"},
+     "max depth"},
+    {{"softness.relaxationTime", "s", 0.001, 10, Member<&Material::softness, &Softness::relaxation_time_s>(), ""},
+     "relaxation time"},
+    {{"softness.fibreRatio", "1", 1, 20, Member<&Material::softness, &Softness::fibre_ratio>(),
+      "Young's modulus along the fibres / across"},
+     "fibre ratio"},
+    {{"softness.hardening", "1", 0, 20, Member<&Material::softness, &Softness::hardening>(),
+      "grows with the square of depth / thickness"},
+     "hardening"},
+    {{"popThrough", "N", 0, 10, Member<&Material::pop_through_N>(), "the tip breaks through above; 0: never"},
+     "pop through",
+     &MaterialParameters::pop_through_N,
+     1e-4},
+    {{"magnet.maxForce", "N", 0, 2, Member<&Material::magnet_max_force_N>(), "pull towards the surface"},
+     "magnet force"},
+    {{"magnet.range", "m", 0.0001, 0.03, Member<&Material::magnet_range_m>(), ""}, "magnet range"},
+    {{"temperature", "K", 200, 400, Member<&Material::temperature_K>(), "carried, not rendered"}, "temperature"},
+    {{"extrude.step", "m", 0.0005, 0.02, Member<&Material::extrude, &Extrude::step_m>(),
+      "a connected region of this material moves along its normal in such steps"},
+     "step"},
+    {{"extrude.stepsOut", "1", 0, 20, Member<&Material::extrude, &Extrude::steps_out>(), "furthest step outwards"},
+     "steps out"},
+    {{"extrude.stepsIn", "1", 0, 20, Member<&Material::extrude, &Extrude::steps_in>(), "furthest step inwards"},
+     "steps in"},
+    {{"extrude.grabForce", "N", 0.05, 2, Member<&Material::extrude, &Extrude::grab_force_N>(),
+      "press at least this ..."},
+     "grab force"},
+    {{"extrude.dwell", "s", 0, 5, Member<&Material::extrude, &Extrude::dwell_s>(),
+      "... for this long to take hold; then a deeper press moves it in, a pull moves it out"},
+     "dwell"},
+    {{"sculptable.radius", "m", 0.0005, 0.03, Member<&Material::sculpt, &Sculpt::radius_m>(),
+      "the surface is formed by hand; this much of it moves, measured along it"},
+     "radius"},
+    {{"sculptable.snap", "m", 0, 0.02, Member<&Material::sculpt, &Sculpt::snap_m>(),
+      "grid of the displacement; 0: none"},
+     "snap"},
+    {{"sculptable.grabForce", "N", 0.05, 2, Member<&Material::sculpt, &Sculpt::grab_force_N>(),
+      "press at least this ..."},
+     "grab force"},
+    {{"sculptable.dwell", "s", 0, 5, Member<&Material::sculpt, &Sculpt::dwell_s>(), "... for this long to take hold"},
+     "dwell"},
+    {{"sculptable.resistance", "N/m", 0, 2000, Member<&Material::sculpt, &Sculpt::resistance_N_m>(),
+      "force per displacement while it is formed"},
+     "resistance"},
+});
+
+// The row of a key. Precondition: there is one; where the key is a constant, the compiler refuses any other.
+constexpr const MaterialField& MaterialFieldOf(std::string_view key) {
+  return kMaterialFields[IndexOfKey(kMaterialFields, key)];
+}
+
+// Each number of the structures has its row: what they have beside is counted here.
+consteval std::size_t RowsOf(std::string_view group) {
+  return static_cast<std::size_t>(std::count_if(kMaterialFields.begin(), kMaterialFields.end(), [group](const auto& f) {
+    const bool part = f.Group() == "softness" || f.Group() == "extrude" || f.Group() == "sculptable";
+    return group.empty() ? !part : f.Group() == group;
+  }));
+}
+static_assert(FieldCount<Material>() == RowsOf("") + 7, "smooth, three textures, three parts");
+static_assert(FieldCount<Softness>() == RowsOf("softness") + 2, "model, fibre_direction_base");
+static_assert(FieldCount<Extrude>() == RowsOf("extrude") + 1, "enabled");
+static_assert(FieldCount<Sculpt>() == RowsOf("sculptable") + 3, "enabled, falloff, symmetry");
+
+inline constexpr std::size_t kLiveMaterialFields = static_cast<std::size_t>(
+    std::count_if(kMaterialFields.begin(), kMaterialFields.end(), [](const auto& f) { return f.live != nullptr; }));
+static_assert(sizeof(MaterialParameters) == kLiveMaterialFields * sizeof(double),
+              "each member of MaterialParameters is the live one of a row, and of one only");
+
+// The live ones, in their order.
+inline constexpr auto kLiveFields = [] {
+  std::array<const MaterialField*, kLiveMaterialFields> live{};
+  std::size_t n = 0;
+  for (const MaterialField& field : kMaterialFields) {
+    if (field.live != nullptr) live[n++] = &field;
+  }
+  return live;
+}();
+
+inline MaterialParameters ParametersOf(const Material& material) noexcept {
+  MaterialParameters parameters;
+  for (const MaterialField* field : kLiveFields) parameters.*field->live = field->Get(material);
+  return parameters;
+}
+
+// The same with every value in its range; what is no number becomes the least.
+inline MaterialParameters Clamped(const MaterialParameters& parameters) noexcept {
+  MaterialParameters clamped;
+  for (const MaterialField* field : kLiveFields) {
+    const double value = parameters.*field->live;
+    clamped.*field->live = std::isnan(value) ? field->minimum : std::clamp(value, field->minimum, field->maximum);
+  }
+  return clamped;
+}
+
+// The first of kLiveFields whose value is out of range; kLiveMaterialFields: none.
+inline std::size_t FieldOutOfRange(const MaterialParameters& parameters) noexcept {
+  const auto out = std::find_if(kLiveFields.begin(), kLiveFields.end(),
+                                [&](const MaterialField* field) { return !field->Contains(parameters.*field->live); });
+  return static_cast<std::size_t>(out - kLiveFields.begin());
+}
 
 }  // namespace omni::base

@@ -1,7 +1,7 @@
 // What an application's own scene has, as rows for its client.
 #include <algorithm>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/daemon/app_scenes.h"
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/base/vec.h"
 #include "service/haptics/scene.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/haptics/scene.h"
 
 namespace omni::haptics {

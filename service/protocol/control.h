@@ -15,7 +15,9 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
-inline constexpr std::uint16_t kProtocolVersion = 3;        // 2: scene commands, surfaces; 3: see docs/protocol/ipc.md
+// 2: scene commands, surfaces; 3: see docs/protocol/ipc.md. Another one when a message changes its size or meaning.
+inline constexpr std::uint16_t kProtocolVersion = 3;
+inline constexpr std::size_t kMaterialBytes = 88;  // of base::MaterialParameters in this version
 inline constexpr std::size_t kMaxMessageBytes = 65536;
 inline constexpr std::size_t kMaxSocketPathBytes = 107;
 

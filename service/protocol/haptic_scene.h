@@ -137,8 +137,9 @@ struct HapticSceneTable {
   std::uint32_t reserved = 0;
 };
 
-static_assert(std::is_trivially_copyable_v<HapticNodes> && sizeof(HapticNodePose) == 112 &&
-              sizeof(base::MaterialParameters) == 88);
+static_assert(std::is_trivially_copyable_v<HapticNodes> && sizeof(HapticNodePose) == 112);
+static_assert(sizeof(base::MaterialParameters) == kMaterialBytes,
+              "a material has other live numbers: count up kProtocolVersion and set kMaterialBytes (control.h)");
 static_assert(sizeof(HapticSceneLoad) == 40 && sizeof(HapticScenePlace) == 144 && sizeof(HapticSceneState) == 56);
 static_assert(sizeof(HapticNodeRow) == 120 && sizeof(HapticSceneTable) == 32);
 static_assert(sizeof(HapticSceneTable) + kMaxHapticNodes * sizeof(HapticNodeRow) +

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/protocol/sample_range.h"
 #include "service/protocol/text.h"
 

@@ -1,4 +1,4 @@
-// What may stand in a haptic tag beside the numbers of a material (service/base/material_fields.h): its words, and the
+// What may stand in a haptic tag beside the numbers of a material (service/base/material.h): its words, and the
 // numbers of a joystick, a vehicle and a checkpoint. Drives parsing and clamping; `scene_keys_page` writes what of it
 // stands in scenes/schema/OMNI_haptic_material.schema.json and docs/scenes.md, and a test compares.
 #pragma once
@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/haptics/scene_input.h"
 
 namespace omni::scene {

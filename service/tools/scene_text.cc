@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
 #include "service/protocol/text.h"

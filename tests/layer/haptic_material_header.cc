@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 
 namespace omni {
 namespace test_haptic_material_header {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/base/force_limit.h"
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/live_material.h"
 #include "service/haptics/placed.h"

@@ -1,5 +1,5 @@
 // The one table of a material's numbers.
-#include "service/base/material_fields.h"
+#include "service/base/material.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 
 namespace omni::base {
-namespace test_base_material_fields {
+namespace test_base_material {
 
 // Within its range, and no two alike.
 double ValueFor(const NumberField<Material>& field, std::size_t i) {
@@ -95,5 +95,5 @@ TEST(FieldCount, CountsMembersOfAnAggregate) {
   EXPECT_EQ(FieldCount<Three>(), 3U);
 }
 
-}  // namespace test_base_material_fields
+}  // namespace test_base_material
 }  // namespace omni::base
