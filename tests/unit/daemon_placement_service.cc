@@ -10,6 +10,12 @@
 namespace omni::daemon {
 namespace test_daemon_placement_service {
 
+protocol::Session SessionOf(protocol::SessionState state) {
+  protocol::Session session;
+  session.state = state;
+  return session;
+}
+
 // The flag of every sample and the status are about the headset of whoever owns the force.
 TEST(DaemonPlacementService, TheServiceSaysWhetherTheOwnerIsAligned) {
   const TempFolder temp;
@@ -22,13 +28,13 @@ TEST(DaemonPlacementService, TheServiceSaysWhetherTheOwnerIsAligned) {
   const auto join = [&service](ipc::ClientId id, const protocol::PlacementRequest& request) {
     service.OnClient(
         {.id = id, .role = protocol::ClientRole::kApplication, .pid = 1, .application = "a", .engine = ""});
-    service.OnSession(id, protocol::SessionState::kFocused);
-    service.OnPlacementRequest(id, request);
+    service.OnRequest(id, SessionOf(protocol::SessionState::kFocused), {});
+    service.OnRequest(id, request, {});
   };
   const auto status = [&service] { return nlohmann::json::parse(service.StatusJson()); };
   join(1, Request({kSpaceLocal}));
   EXPECT_FALSE(aligned);
-  service.OnPlacementCommand(9, Store(kSpaceLocal));
+  service.OnRequest(9, Store(kSpaceLocal), {});
   EXPECT_TRUE(aligned);
   EXPECT_EQ(status()["aligned"], true);
   EXPECT_EQ(status()["alignments"]["stored"].size(), 1U);
@@ -51,25 +57,25 @@ TEST(DaemonPlacementService, TheServiceBelievesOnlyASessionThatHasBegun) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
   Service service({.version = "test", .instance = 1, .hull_radius_m = 0.0375, .alignment_path = path});
-  service.OnPlacementCommand(9, Store(kSpaceLocal));
+  service.OnRequest(9, Store(kSpaceLocal), {});
   const auto recentred = [&service] {
     return nlohmann::json::parse(service.StatusJson())["alignments"]["stored"][0]["recentred"].get<int>();
   };
   const auto now_ns = [] { return base::MonotonicNow_ns(); };
   service.OnClient({.id = 1, .role = protocol::ClientRole::kApplication, .pid = 1, .application = "a", .engine = ""});
-  service.OnPlacementRequest(1, Request({kSpaceLocal}));
-  service.OnSpaceChange(1, Moved(0.5, now_ns()));
+  service.OnRequest(1, Request({kSpaceLocal}), {});
+  service.OnRequest(1, Moved(0.5, now_ns()), {});
   EXPECT_EQ(recentred(), 0) << "no session has begun";
-  service.OnSession(1, protocol::SessionState::kBegun);
-  service.OnSpaceChange(1, Moved(0.5, now_ns() + 1'000'000'000));
+  service.OnRequest(1, SessionOf(protocol::SessionState::kBegun), {});
+  service.OnRequest(1, Moved(0.5, now_ns() + 1'000'000'000), {});
   EXPECT_EQ(recentred(), 1);
-  service.OnSession(1, protocol::SessionState::kNone);
-  service.OnSpaceChange(1, Moved(0.5, now_ns() + 2'000'000'000));
+  service.OnRequest(1, SessionOf(protocol::SessionState::kNone), {});
+  service.OnRequest(1, Moved(0.5, now_ns() + 2'000'000'000), {});
   EXPECT_EQ(recentred(), 2) << "the headset was taken off: the runtime still tells this application";
   service.OnClient({.id = 2, .role = protocol::ClientRole::kApplication, .pid = 1, .application = "b", .engine = ""});
-  service.OnSession(2, protocol::SessionState::kFocused);
-  service.OnPlacementRequest(2, Request({kSpaceStage}));
-  service.OnSpaceChange(2, Moved(0.5, now_ns() + 3'000'000'000));
+  service.OnRequest(2, SessionOf(protocol::SessionState::kFocused), {});
+  service.OnRequest(2, Request({kSpaceStage}), {});
+  service.OnRequest(2, Moved(0.5, now_ns() + 3'000'000'000), {});
   EXPECT_EQ(recentred(), 2) << "it has no LOCAL";
 }
 

@@ -20,6 +20,12 @@
 namespace omni::daemon {
 namespace test_daemon_service {
 
+protocol::Session SessionOf(protocol::SessionState state) {
+  protocol::Session session;
+  session.state = state;
+  return session;
+}
+
 using protocol::SessionState;
 
 // A pen held still in the extrusion block (simulated), five times faster than real.
@@ -79,8 +85,8 @@ class ServiceTest : public testing::Test {
     service_.OnClient({.id = id, .role = protocol::ClientRole::kApplication, .pid = 1, .application = application});
   }
   void Focus(std::uint64_t id) {
-    service_.OnSession(id, SessionState::kBegun);
-    service_.OnSession(id, SessionState::kFocused);
+    service_.OnRequest(id, SessionOf(SessionState::kBegun), {});
+    service_.OnRequest(id, SessionOf(SessionState::kFocused), {});
   }
   nlohmann::json Status() { return nlohmann::json::parse(service_.StatusJson()); }
   // Name of the scene's file that the tick has taken, "" for the empty one, "?" while it has not taken what is wanted.
@@ -113,7 +119,7 @@ TEST_F(ServiceTest, SceneIsBuiltSwappedInAndDroppedWithTheSession) {
   ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   EXPECT_EQ(Status()["scene"]["triangles"], 1608);
   EXPECT_TRUE(Status()["clients"][0]["owner"]);
-  service_.OnSession(1, SessionState::kNone);
+  service_.OnRequest(1, SessionOf(SessionState::kNone), {});
   EXPECT_TRUE(Until([&] { return InTheTick().empty(); }));
   EXPECT_EQ(Status()["scene"]["triangles"], 0);
 }
@@ -140,7 +146,7 @@ TEST_F(ServiceTest, InputsAreThoseOfTheOwner) {
   keys.slots[0] = {.press_count = 1, .release_count = 0, .t_press_ns = base::MonotonicNow_ns(), .t_release_ns = 0};
   service_.SetKeys(keys);
   EXPECT_TRUE(Until([&] { return times("key:KEY_B") == 1; }));
-  service_.OnSession(1, SessionState::kBegun);
+  service_.OnRequest(1, SessionOf(SessionState::kBegun), {});
   EXPECT_EQ(Status()["inputs"]["mapping"]["menu"], nlohmann::json({"flick"}));
   EXPECT_TRUE(Status()["inputs"]["devices"].empty());
 }
@@ -157,9 +163,9 @@ TEST_F(ServiceTest, VibrationsOfTheOwnerAreHandedToTheTick) {
   shaped.waveform.count = 200;
   shaped.waveform.duration_ns = 500'000'000;
   shaped.bytes = {reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof(float)};
-  service_.OnWaveform(2, shaped);
+  service_.OnRequest(2, shaped, {});
   EXPECT_FALSE(haptic().active) << "it does not own the force";
-  service_.OnWaveform(1, shaped);
+  service_.OnRequest(1, shaped, {});
   EXPECT_TRUE(haptic().active);
   EXPECT_EQ(haptic().kind, loop::VibrationKind::kEnvelope);
   EXPECT_EQ(loop_->vibration().Read().id, haptic().id);
@@ -168,17 +174,17 @@ TEST_F(ServiceTest, VibrationsOfTheOwnerAreHandedToTheTick) {
   shaped.waveform.kind = protocol::WaveformKind::kPcm;
   shaped.waveform.duration_ns = 0;
   shaped.waveform.sample_rate_Hz = 1000;
-  service_.OnWaveform(1, shaped);
+  service_.OnRequest(1, shaped, {});
   const std::uint64_t id = haptic().id;
   EXPECT_EQ(loop_->vibration().Read().id, id);
   shaped.waveform.append = 1;
-  service_.OnWaveform(1, shaped);
+  service_.OnRequest(1, shaped, {});
   EXPECT_EQ(haptic().id, id) << "what is appended is no vibration of its own";
   EXPECT_EQ(loop_->vibration().Read().count, 400U);
-  service_.OnHaptic(1, {.duration_ns = 500'000'000, .amplitude = 1});
+  service_.OnRequest(1, protocol::Haptic{.duration_ns = 500'000'000, .amplitude = 1}, {});
   EXPECT_EQ(haptic().kind, loop::VibrationKind::kTone);
   EXPECT_EQ(haptic().id, id + 1) << "the later replaces the earlier";
-  service_.OnSession(1, SessionState::kBegun);
+  service_.OnRequest(1, SessionOf(SessionState::kBegun), {});
   EXPECT_FALSE(haptic().active) << "without focus nothing vibrates";
 }
 
@@ -206,7 +212,7 @@ TEST_F(ServiceTest, ASceneThatDoesNotLoadIsAProblemAndOthersLiveOn) {
   Focus(1);
   ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   Connect(2, "broken 1");
-  service_.OnSession(2, SessionState::kBegun);
+  service_.OnRequest(2, SessionOf(SessionState::kBegun), {});
   ASSERT_TRUE(Until([&] { return !Status()["problems"].empty(); }));
   EXPECT_NE(Status()["problems"][0].get<std::string>().find("not_there.glb"), std::string::npos);
   EXPECT_EQ(InTheTick(), "extrusion.glb");
@@ -223,9 +229,9 @@ TEST_F(ServiceTest, UnknownApplicationHasNoScene) {
 TEST_F(ServiceTest, UnknownClientsAreIgnored) {
   Connect(1, "a");
   Focus(1);
-  service_.OnHaptic(99, {});
-  service_.OnHapticStop(99);
-  service_.OnSession(99, SessionState::kFocused);
+  service_.OnRequest(99, protocol::Haptic{}, {});
+  service_.OnRequest(99, protocol::HapticStop{}, {});
+  service_.OnRequest(99, SessionOf(SessionState::kFocused), {});
   service_.OnGone(99);
   EXPECT_EQ(Status()["clients"].size(), 1U);
   EXPECT_TRUE(Status()["clients"][0]["owner"]);
@@ -278,13 +284,13 @@ TEST_F(HeldPenTest, ScenesComeAndGoUnderATickInContact) {
     Focus(1);
     Until([&] { return i % 4 != 0 || InTheTick() == "extrusion.glb"; });
     std::this_thread::sleep_for(std::chrono::microseconds(wait_us(random)));
-    service_.OnSession(1, SessionState::kNone);
+    service_.OnRequest(1, SessionOf(SessionState::kNone), {});
     service_.OnPeriod(base::MonotonicNow_ns());
   }
   Focus(1);
   ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
   service_.Detach("unplugged");  // while the scene is touched
-  service_.OnSession(1, SessionState::kNone);
+  service_.OnRequest(1, SessionOf(SessionState::kNone), {});
   service_.OnPeriod(base::MonotonicNow_ns());
 }
 
