@@ -62,7 +62,7 @@ std::string HapticTableMessage(std::uint32_t number, const BuiltScene& built) {
   const haptics::LivePlan plan = scene.empty() ? haptics::LivePlan{} : haptics::PlanLive(scene);
   for (std::uint32_t i = 0; i < table.node_count; ++i) AppendBytes(NodeRowOf(built, plan, i), message);
   for (std::uint32_t i = 0; i < table.material_count; ++i)
-    AppendBytes(base::ParametersOf(scene.materials()[i]), message);
+    AppendBytes(base::Clamped(base::ParametersOf(scene.materials()[i])), message);
   return message;
 }
 

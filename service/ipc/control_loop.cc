@@ -72,7 +72,7 @@ std::string ProblemOfDocument(int fd, std::uint64_t bytes) {
 template <class M>
 std::string ProblemOfFile(const M& message, const UniqueFd& file) {
   if (protocol::Traits<M>::kDescriptors == 0)
-    return file ? "a packet with a descriptor that its message does not have" : "";
+    return file ? "a packet with descriptors that its message does not have" : "";
   if (!file) return "comes without its descriptor";
   if constexpr (std::is_same_v<M, protocol::HapticSceneLoad>) return ProblemOfDocument(file.get(), message.bytes);
   return {};
@@ -245,8 +245,8 @@ void ControlLoop::HandleAs(Peer& peer, const M& message, UniqueFd file) {
     return Refuse(peer, peer.greeted() ? "a second Hello" : "the first message must be Hello");
   }
   if (!kIsHello && (Row::kRoles & protocol::RoleBit(peer.info().role)) == 0) {
-    const std::string who = NamesOfRoles(Row::kRoles);
-    return Refuse(peer, std::string(Row::kName) + ": only " + who + " sends it; say Hello as " + who);
+    const std::string who = NamesOfRoles(Row::kRoles), is = NamesOfRoles(protocol::RoleBit(peer.info().role));
+    return Refuse(peer, std::string(Row::kName) + ": only " + who + " sends it, not " + is + "; say Hello as " + who);
   }
   if (const std::string problem = ProblemOfFile(message, file); !problem.empty()) {
     return Refuse(peer, std::string(Row::kName) + ": " + problem);

@@ -133,18 +133,18 @@ TEST(Server, AMessageOfAnotherRoleIsRefused) {
   };
   protocol::SpaceChange change;
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, protocol::Session{}),
-            "Session: only an application sends it; say Hello as an application");
+            "Session: only an application sends it, not a monitor; say Hello as an application");
   EXPECT_EQ(reason_of(protocol::ClientRole::kTool, protocol::ForceStop{}),
-            "ForceStop: only an application sends it; say Hello as an application");
+            "ForceStop: only an application sends it, not a tool; say Hello as an application");
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, change),
-            "SpaceChange: only an application sends it; say Hello as an application");
+            "SpaceChange: only an application sends it, not a monitor; say Hello as an application");
   protocol::PlacementCommand command;
   EXPECT_EQ(reason_of(protocol::ClientRole::kApplication, command),
-            "PlacementCommand: only a tool sends it; say Hello as a tool");
+            "PlacementCommand: only a tool sends it, not an application; say Hello as a tool");
   protocol::HapticSceneEnd end;
   end.number = 1;
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, end),
-            "HapticSceneEnd: only an application sends it; say Hello as an application");
+            "HapticSceneEnd: only an application sends it, not a monitor; say Hello as an application");
 }
 
 // A descriptor that no row of the table has, and one that is missing.
@@ -156,7 +156,7 @@ TEST(Server, DescriptorsAreThoseOfTheTable) {
   const protocol::Session session;
   const int fd = with.fd();
   ASSERT_EQ(protocol::SendPacket(with.fd(), &session, sizeof(session), &fd, 1), protocol::SendResult::kSent);
-  EXPECT_EQ(with.RejectReason(), "Session: a packet with a descriptor that its message does not have");
+  EXPECT_EQ(with.RejectReason(), "Session: a packet with descriptors that its message does not have");
   protocol::HapticSceneLoad load;
   load.number = 1;
   load.bytes = 10;
