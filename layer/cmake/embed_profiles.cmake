@@ -5,7 +5,7 @@ foreach(file ${FILES})
   get_filename_component(name ${file} NAME)
   string(APPEND rows "      {\"${name}\", R\"omni_json(${text})omni_json\"},\n")
 endforeach()
-file(WRITE ${OUTPUT} "#include \"layer/src/profile.h\"\n
+file(WRITE ${OUTPUT} "#include \"layer/src/actions/profile.h\"\n
 namespace omni::layer {\n
 const std::vector<EmbeddedFile>& EmbeddedProfiles() {
   static const std::vector<EmbeddedFile> files{\n${rows}  };

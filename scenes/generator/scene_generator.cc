@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "scenes/generator/scene_models.h"
+#include "scenes/generator/models/scene_models.h"
 
 int main(int argc, char** argv) {
   const bool help = argc == 2 && std::strcmp(argv[1], "--help") == 0;

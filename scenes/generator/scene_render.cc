@@ -17,11 +17,11 @@
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
-#include "scenes/generator/contact_picture.h"
-#include "scenes/generator/labels.h"
-#include "scenes/generator/picture.h"
-#include "scenes/generator/race_picture.h"
-#include "scenes/generator/rest_surface.h"
+#include "scenes/generator/pictures/contact_picture.h"
+#include "scenes/generator/pictures/labels.h"
+#include "scenes/generator/pictures/picture.h"
+#include "scenes/generator/pictures/race_picture.h"
+#include "scenes/generator/pictures/rest_surface.h"
 #include "service/config/paths.h"
 #include "service/config/scene_name.h"
 #include "service/console/command.h"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/material.h"
-#include "service/scene/haptic_keys.h"
+#include "service/scene/tags/haptic_keys.h"
 
 namespace omni::scenes {
 namespace {

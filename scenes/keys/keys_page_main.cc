@@ -7,7 +7,7 @@
 #include <string>
 
 #include "scenes/keys/keys_page.h"
-#include "service/base/whole_file.h"
+#include "service/base/files/whole_file.h"
 
 namespace {
 

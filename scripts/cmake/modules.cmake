@@ -7,7 +7,7 @@
 # libraries that stay behind our headers. SEPARATE: not joined, for sources full of Eigen's expressions, which gain nothing.
 function(omni_module name)
   cmake_parse_arguments(ARG "SEPARATE" "EXCLUDE" "DEPS;PRIVATE" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc ${CMAKE_CURRENT_SOURCE_DIR}/*/*.cc)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   list(FILTER sources EXCLUDE REGEX "main\\.cc$")
   if(ARG_EXCLUDE)
     list(FILTER sources EXCLUDE REGEX "${ARG_EXCLUDE}")
@@ -89,14 +89,15 @@ function(omni_discover target prefix)
   endif()
 endfunction()
 
-# omni_test(NAME [DEPS targets...] [LABELS ...] [TIMEOUT s] [REAL_TIME] [VIRTUAL_TIME [EXCEPT suites...]]): test_NAME from
-# tests/*/NAME.cc and tests/*/NAME_*.cc. REAL_TIME: needs the time that it takes on a quiet machine without sanitizers
+# omni_test(NAME [FOLDER f] [DEPS targets...] [LABELS ...] [TIMEOUT s] [REAL_TIME] [VIRTUAL_TIME [EXCEPT suites...]]):
+# test_NAME from tests/NAME/*.cc, or tests/f/*.cc. REAL_TIME: needs the time that it takes on a quiet machine without sanitizers
 # (scripts/check leaves it out, as what starts real processes). VIRTUAL_TIME: as above.
 function(omni_test name)
-  cmake_parse_arguments(ARG "REAL_TIME;VIRTUAL_TIME" "TIMEOUT" "DEPS;LABELS;EXCEPT" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/unit/${name}.cc ${CMAKE_SOURCE_DIR}/tests/unit/${name}_*.cc
-       ${CMAKE_SOURCE_DIR}/tests/property/${name}.cc ${CMAKE_SOURCE_DIR}/tests/property/${name}_*.cc
-       ${CMAKE_SOURCE_DIR}/tests/scenario/${name}.cc ${CMAKE_SOURCE_DIR}/tests/scenario/${name}_*.cc)
+  cmake_parse_arguments(ARG "REAL_TIME;VIRTUAL_TIME" "TIMEOUT;FOLDER" "DEPS;LABELS;EXCEPT" ${ARGN})
+  if(NOT ARG_FOLDER)
+    set(ARG_FOLDER ${name})
+  endif()
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${ARG_FOLDER}/*.cc)
   if(NOT sources)
     return()
   endif()

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "service/protocol/seqlock.h"
-#include "service/protocol/surface_range.h"
-#include "service/protocol/surface_words.h"
+#include "service/protocol/surfaces/surface_range.h"
+#include "service/protocol/surfaces/surface_words.h"
 
 namespace omni::client {
 

@@ -13,7 +13,7 @@
 #include "service/base/result.h"
 #include "service/base/sealed_memory.h"
 #include "service/base/unique_fd.h"
-#include "service/protocol/surface_layout.h"
+#include "service/protocol/surfaces/surface_layout.h"
 
 namespace omni::client {
 

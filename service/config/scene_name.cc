@@ -4,7 +4,7 @@
 #include <system_error>
 #include <vector>
 
-#include "service/base/nearest_word.h"
+#include "service/base/files/nearest_word.h"
 
 namespace omni::config {
 namespace {

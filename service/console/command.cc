@@ -11,7 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "service/base/nearest_word.h"
+#include "service/base/files/nearest_word.h"
 #include "service/console/wrap.h"
 
 namespace omni::console {

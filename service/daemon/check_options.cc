@@ -7,13 +7,13 @@
 #include <filesystem>
 #include <system_error>
 
-#include "service/config/alignment_file.h"
-#include "service/config/calibration_file.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
-#include "service/daemon/open_device.h"
+#include "service/config/files/alignment_file.h"
+#include "service/config/files/calibration_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
+#include "service/daemon/devices/open_device.h"
 #include "service/magnetics/nominal.h"
-#include "service/sim/hand.h"
+#include "service/sim/hand/hand.h"
 
 namespace omni::daemon {
 namespace {

@@ -2,10 +2,10 @@
 #include <exception>
 #include <string>
 
-#include "service/config/twin_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/console/command.h"
 #include "service/daemon/check_options.h"
-#include "service/daemon/open_device.h"
+#include "service/daemon/devices/open_device.h"
 #include "service/daemon/run.h"
 
 namespace {

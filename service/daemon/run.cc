@@ -9,15 +9,15 @@
 
 #include <spdlog/spdlog.h>
 
-#include "service/config/calibration_file.h"
-#include "service/config/device_file.h"
-#include "service/config/input_settings.h"
+#include "service/config/files/calibration_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/inputs/input_settings.h"
 #include "service/config/paths.h"
-#include "service/daemon/device_keeper.h"
+#include "service/daemon/clients/publish.h"
+#include "service/daemon/devices/device_keeper.h"
+#include "service/daemon/devices/open_device.h"
 #include "service/daemon/end_watch.h"
 #include "service/daemon/log_queue.h"
-#include "service/daemon/open_device.h"
-#include "service/daemon/publish.h"
 #include "service/daemon/service.h"
 #include "service/loop/tick_config.h"
 

@@ -9,7 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "service/base/clock.h"
-#include "service/daemon/status.h"
+#include "service/daemon/clients/status.h"
 #include "service/haptics/scene.h"
 #include "service/protocol/text.h"
 

@@ -9,7 +9,7 @@
 // sample a second is kept, and a line is fitted through those of the last 30 s, weighted by how much their round trip
 // exceeds the least. What remains is half the asymmetry of the two fastest ways; with jitter of 0.3 ms there and 1 ms
 // back (means) and crystals of +-100 ppm it is met within 150 us after 0.3 s, 60 us after 3 s and 25 us after 10 s
-// (tests/property/device_clock_map.cc).
+// (tests/device/clock_map.cc).
 //
 // t2 is the instant of the newest Hall sample, so the way back contains the time from there to sending.
 #pragma once

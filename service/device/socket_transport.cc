@@ -12,11 +12,11 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/clock.h"
-#include "service/device/arming.h"
-#include "service/device/command_life.h"
-#include "service/device/counters.h"
 #include "service/device/response_time.h"
 #include "service/device/scan_conversion.h"
+#include "service/device/usb/arming.h"
+#include "service/device/usb/command_life.h"
+#include "service/device/usb/counters.h"
 
 namespace omni::device {
 namespace {

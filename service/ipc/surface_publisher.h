@@ -10,7 +10,7 @@
 
 #include "service/base/result.h"
 #include "service/base/sealed_memory.h"
-#include "service/protocol/surface_layout.h"
+#include "service/protocol/surfaces/surface_layout.h"
 
 namespace omni::ipc {
 

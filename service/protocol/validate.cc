@@ -7,7 +7,7 @@
 
 #include "service/protocol/haptic_scene_range.h"
 #include "service/protocol/state_memory.h"
-#include "service/protocol/surface_memory.h"
+#include "service/protocol/surfaces/surface_memory.h"
 #include "service/protocol/text.h"
 
 namespace omni::protocol {

@@ -12,12 +12,12 @@
 #include <set>
 #include <utility>
 
-#include "service/scene/gltf_decode.h"
-#include "service/scene/gltf_file.h"
-#include "service/scene/instances.h"
-#include "service/scene/load_error.h"
-#include "service/scene/node_tree.h"
-#include "service/scene/triangle_count.h"
+#include "service/scene/gltf/gltf_decode.h"
+#include "service/scene/gltf/gltf_file.h"
+#include "service/scene/gltf/instances.h"
+#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/node_tree.h"
+#include "service/scene/gltf/triangle_count.h"
 
 namespace omni::scene {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/whole_file.h"
-#include "service/scene/haptic_keys.h"
+#include "service/base/files/whole_file.h"
+#include "service/scene/tags/haptic_keys.h"
 
 namespace omni::scene {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "service/haptics/scene.h"
-#include "service/scene/cache_store.h"
+#include "service/scene/cache/cache_store.h"
 
 namespace omni::scene {
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "service/haptics/check_scene.h"
-#include "service/scene/build_stamp.h"
-#include "service/scene/cached_scene.h"
+#include "service/scene/cache/build_stamp.h"
+#include "service/scene/cache/cached_scene.h"
 #include "service/scene/scene_reader.h"
 
 namespace omni::scene {

@@ -6,7 +6,7 @@
 
 #include "service/base/result.h"
 #include "service/haptics/scene.h"
-#include "service/scene/cache_store.h"
+#include "service/scene/cache/cache_store.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::scene {

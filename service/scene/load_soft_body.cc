@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "service/scene/build_stamp.h"
+#include "service/scene/cache/build_stamp.h"
 
 namespace omni::scene {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "service/haptics/deformable/build_soft_body.h"
+#include "service/haptics/deformable/build/build_soft_body.h"
 #include "service/haptics/geometry/mesh.h"
-#include "service/scene/cache_store.h"
+#include "service/scene/cache/cache_store.h"
 
 namespace omni::scene {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "service/haptics/scene_input.h"
-#include "service/scene/haptic_tag.h"
 #include "service/scene/scene_file.h"
+#include "service/scene/tags/haptic_tag.h"
 
 namespace omni::scene {
 

@@ -11,17 +11,17 @@
 #include <utility>
 
 #include "service/haptics/scene.h"
-#include "service/scene/gltf_decode.h"
-#include "service/scene/gltf_file.h"
-#include "service/scene/gltf_subset.h"
-#include "service/scene/haptic_binding.h"
-#include "service/scene/haptic_texture.h"
-#include "service/scene/instances.h"
+#include "service/scene/gltf/gltf_decode.h"
+#include "service/scene/gltf/gltf_file.h"
+#include "service/scene/gltf/gltf_subset.h"
+#include "service/scene/gltf/instances.h"
+#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/node_tree.h"
+#include "service/scene/gltf/triangle_count.h"
 #include "service/scene/join_objects.h"
-#include "service/scene/load_error.h"
-#include "service/scene/node_tree.h"
 #include "service/scene/reach.h"
-#include "service/scene/triangle_count.h"
+#include "service/scene/tags/haptic_binding.h"
+#include "service/scene/tags/haptic_texture.h"
 
 namespace omni::scene {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "service/haptics/scene_input.h"
+#include "service/scene/cache/sha256.h"
 #include "service/scene/scene_file.h"
-#include "service/scene/sha256.h"
 
 namespace omni::scene {
 

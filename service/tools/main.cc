@@ -1,3 +1,3 @@
-#include "service/tools/command_line.h"
+#include "service/tools/common/command_line.h"
 
 int main(int argc, char** argv) { return omni::tools::RunCommandLine(argc, argv); }

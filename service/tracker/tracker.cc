@@ -9,12 +9,12 @@
 #include "service/base/stamp.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/nominal.h"
-#include "service/tracker/findings.h"
-#include "service/tracker/fit_scan.h"
-#include "service/tracker/gap.h"
-#include "service/tracker/nuisance.h"
-#include "service/tracker/point_noise.h"
-#include "service/tracker/steel.h"
+#include "service/tracker/kernel/steel.h"
+#include "service/tracker/room/findings.h"
+#include "service/tracker/room/nuisance.h"
+#include "service/tracker/room/point_noise.h"
+#include "service/tracker/solve/fit_scan.h"
+#include "service/tracker/solve/gap.h"
 
 namespace omni::tracker {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/console/command.h"
-#include "service/sim/twin.h"
+#include "service/sim/twin/twin.h"
 #include "service/twin/socket_guide.h"
 
 namespace omni::twin {

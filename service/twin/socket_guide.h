@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "service/ipc/hand_listener.h"
-#include "service/sim/hand_guide.h"
+#include "service/sim/hand/hand_guide.h"
 
 namespace omni::twin {
 

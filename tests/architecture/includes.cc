@@ -110,9 +110,9 @@ const std::vector<Rule>& Rules() {
 
 const std::vector<Confined>& ConfinedHeaders() {
   static const std::vector<Confined> kConfined = {
-      {"tiny_gltf.h", {"tests/unit/scene_decode_judge.cc"}},
-      {"stb/", {"service/scene/haptic_texture.cc", "tests/bench/haptics/scene_files.cc"}},
-      {"libusb", {"service/device/libusb_"}},
+      {"tiny_gltf.h", {"tests/scene/decode_judge.cc"}},
+      {"stb/", {"service/scene/tags/haptic_texture.cc", "tests/bench/haptics/scene_files.cc"}},
+      {"libusb", {"service/device/usb/libusb_"}},
       {"ceres/", {"tests/bench/peers/"}},
       {"openxr/", {"layer/", "service/tools/doctor/openxr_loader.cc"}},
       {"toml++/", {"service/config/"}},

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "service/haptics/contact/ball_proxy.h"
+#include "service/haptics/contact/ball/ball_proxy.h"
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/scene.h"
-#include "tests/unit/haptics_story.h"
+#include "tests/haptics/story.h"
 
 namespace omni::haptics {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <iterator>
 
-#include "tests/support/ball_bodies.h"
-#include "tests/support/ball_judge.h"
+#include "tests/support/touch/ball_bodies.h"
+#include "tests/support/touch/ball_judge.h"
 
 namespace omni::haptics {
 namespace {

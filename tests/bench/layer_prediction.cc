@@ -15,21 +15,21 @@
 
 #include <nlohmann/json.hpp>
 
-#include "layer/src/tool_motion.h"
+#include "layer/src/spaces/tool_motion.h"
 #include "service/client/state_reader.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
-#include "service/daemon/publish.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
+#include "service/daemon/clients/publish.h"
 #include "service/daemon/virtual_run.h"
 #include "service/haptics/scene.h"
-#include "service/sim/twin.h"
-#include "service/tools/csv_table.h"
-#include "service/tools/scene_source.h"
-#include "service/tools/statistics.h"
+#include "service/sim/twin/twin.h"
+#include "service/tools/common/csv_table.h"
+#include "service/tools/common/statistics.h"
+#include "service/tools/scene/scene_source.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/harness/work_folder.h"
 #include "tests/bench/printed_rows.h"
-#include "tests/support/loop_replay.h"
+#include "tests/support/rig/loop_replay.h"
 
 namespace omni::bench {
 namespace {

@@ -7,12 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/haptics/sculpt/check_manifold.h"
 #include "service/haptics/sculpt/handover.h"
-#include "service/tools/statistics.h"
+#include "service/haptics/sculpt/mesh/check_manifold.h"
+#include "service/tools/common/statistics.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/printed_rows.h"
-#include "tests/support/sculpt_hand.h"
+#include "tests/support/touch/sculpt_hand.h"
 
 namespace omni::haptics::sculpt {
 namespace {

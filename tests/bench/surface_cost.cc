@@ -9,7 +9,7 @@
 
 #include "service/base/latest.h"
 #include "service/client/surface_reader.h"
-#include "service/haptics/deformable/build_soft_body.h"
+#include "service/haptics/deformable/build/build_soft_body.h"
 #include "service/haptics/deformable/soft_contact.h"
 #include "service/haptics/live/surface_frame.h"
 #include "service/haptics/scene.h"
@@ -17,7 +17,7 @@
 #include "service/loop/surface_snapshot.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/printed_rows.h"
-#include "tests/support/sculpt_body.h"
+#include "tests/support/touch/sculpt_body.h"
 
 namespace omni::haptics {
 namespace {

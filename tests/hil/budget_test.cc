@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "tests/hil/tools.h"
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::hil {
 namespace {

@@ -10,16 +10,16 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/config/calibration_file.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/calibration_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/magnetics/nominal.h"
-#include "service/tools/calibrate_hand.h"
-#include "service/tools/calibrate_twin.h"
-#include "service/tools/hand_path.h"
-#include "tests/support/calibration_error.h"
-#include "tests/support/child_process.h"
-#include "tests/support/temp_folder.h"
+#include "service/tools/calibrate/calibrate_hand.h"
+#include "service/tools/calibrate/calibrate_twin.h"
+#include "service/tools/twin/hand_path.h"
+#include "tests/support/process/child_process.h"
+#include "tests/support/process/temp_folder.h"
+#include "tests/support/rig/calibration_error.h"
 
 namespace omni::hil {
 namespace {

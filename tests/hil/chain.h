@@ -8,7 +8,7 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/result.h"
-#include "service/sim/plant.h"
+#include "service/sim/coils/plant.h"
 #include "tests/hil/faulty_link.h"
 #include "tests/hil/hil_board.h"
 #include "tests/hil/usb_function.h"

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "firmware/drivers/usb_descriptors.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
-#include "service/sim/plant.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
+#include "service/sim/coils/plant.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/fake_host.h"
 #include "tests/hil/hil_board.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "service/sim/random.h"
+#include "service/sim/fields/random.h"
 
 namespace omni::hil {
 

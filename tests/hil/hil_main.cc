@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/console/command.h"
-#include "service/sim/twin.h"
+#include "service/sim/twin/twin.h"
 #include "tests/hil/hil_run.h"
 #include "tests/hil/scenario.h"
 #include "tests/hil/usb_emulator.h"

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/core/settings.h"
-#include "service/sim/recording.h"
+#include "service/sim/twin/recording.h"
 #include "service/twin/socket_guide.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/hil_board.h"

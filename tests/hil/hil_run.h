@@ -9,7 +9,7 @@
 
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
-#include "service/sim/plant.h"
+#include "service/sim/coils/plant.h"
 
 namespace omni::hil {
 

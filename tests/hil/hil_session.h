@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "tests/support/child_process.h"
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/child_process.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::hil {
 

@@ -9,7 +9,7 @@
 #include "firmware/core/lockstep.h"
 #include "service/base/result.h"
 #include "tests/hil/qemu_process.h"
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::hil {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "service/base/result.h"
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::hil {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "service/base/result.h"
-#include "service/sim/plant.h"
+#include "service/sim/coils/plant.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/host_process.h"
 #include "tests/hil/usb_emulator.h"

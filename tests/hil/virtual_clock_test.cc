@@ -16,8 +16,8 @@
 #include "tests/hil/host_process.h"
 #include "tests/hil/quiet.h"
 #include "tests/hil/virtual_clock.h"
+#include "tests/support/process/temp_folder.h"
 #include "tests/support/sanitized.h"
-#include "tests/support/temp_folder.h"
 
 namespace omni::hil {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "layer/src/profile.h"
+#include "layer/src/actions/profile.h"
 
 namespace omni::test {
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <memory>
 
-#include "layer/src/locate.h"
+#include "layer/src/spaces/locate.h"
 #include "service/protocol/placement.h"
 #include "tests/layer/app.h"
 

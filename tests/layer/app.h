@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "layer/src/omni_openxr_compat.h"
+#include "layer/src/entry/omni_openxr_compat.h"
 #include "tests/layer/fake_service.h"
 #include "tests/runtime/hooks.h"
 

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "tests/layer/app.h"
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::test {
 namespace test_examples {

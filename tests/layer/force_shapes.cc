@@ -1,5 +1,5 @@
 // Constraints from a space into the base frame, over random places; and which changes of state are told.
-#include "layer/src/force_shapes.h"
+#include "layer/src/force/force_shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "layer/src/force_state.h"
+#include "layer/src/force/force_state.h"
 
 namespace omni::layer {
 namespace test_force_shapes {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "layer/src/locate.h"
+#include "layer/src/spaces/locate.h"
 #include "tests/layer/scene_story.h"
 
 namespace omni::test {

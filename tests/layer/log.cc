@@ -1,5 +1,5 @@
 // The layer's log: where it may be written, and what a line may be made of.
-#include "layer/src/log.h"
+#include "layer/src/instance/log.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::test {
 namespace test_log {

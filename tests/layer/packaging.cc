@@ -13,12 +13,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "layer/src/loader_interface.h"
-#include "layer/src/own_functions.h"
-#include "layer/src/profile.h"
+#include "layer/src/actions/profile.h"
+#include "layer/src/entry/loader_interface.h"
+#include "layer/src/entry/own_functions.h"
 #include "tests/layer/app.h"
-#include "tests/support/scoped_variable.h"
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/scoped_variable.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::test {
 namespace test_packaging {

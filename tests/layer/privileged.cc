@@ -12,7 +12,7 @@
 #include <fstream>
 #include <string>
 
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::test {
 namespace test_privileged {

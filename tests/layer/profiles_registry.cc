@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "layer/src/profile.h"
+#include "layer/src/actions/profile.h"
 
 namespace omni::test {
 namespace test_profiles_registry {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <thread>
 
-#include "layer/src/event_queue.h"
+#include "layer/src/instance/event_queue.h"
 #include "tests/layer/app.h"
 #include "tests/layer/mini_loader/chain_app.h"
 #include "tests/support/sanitized.h"

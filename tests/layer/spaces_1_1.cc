@@ -6,7 +6,7 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
-#include "layer/src/loader_interface.h"
+#include "layer/src/entry/loader_interface.h"
 #include "tests/layer/spaces_fixture.h"
 #include "tests/runtime/negotiation.h"
 

@@ -3,7 +3,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "layer/src/clock.h"
+#include "layer/src/instance/clock.h"
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "layer/src/locate.h"
+#include "layer/src/spaces/locate.h"
 #include "tests/layer/app.h"
 
 namespace omni::test {

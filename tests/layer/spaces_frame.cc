@@ -4,7 +4,7 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
-#include "layer/src/frame_layers.h"
+#include "layer/src/spaces/frame_layers.h"
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <random>
 
-#include "layer/src/tool_motion.h"
+#include "layer/src/spaces/tool_motion.h"
 #include "service/ipc/state_publisher.h"
 #include "tests/layer/spaces_fixture.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "layer/src/placement.h"
+#include "layer/src/spaces/placement.h"
 #include "tests/layer/spaces_fixture.h"
 
 namespace omni::test {

@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "layer/src/session_actions.h"
+#include "layer/src/actions/session_actions.h"
 #include "tests/layer/action_model.h"
 
 namespace omni::test {

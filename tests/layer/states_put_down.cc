@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "layer/src/pen_rest.h"
+#include "layer/src/actions/pen_rest.h"
 #include "tests/layer/app.h"
 
 namespace omni::test {

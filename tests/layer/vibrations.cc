@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "layer/src/haptics.h"
+#include "layer/src/vibration/haptics.h"
 #include "tests/layer/app.h"
 
 namespace omni::test {

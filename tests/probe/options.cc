@@ -6,7 +6,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "service/base/nearest_word.h"
+#include "service/base/files/nearest_word.h"
 #include "tests/probe/bindings.h"
 
 namespace probe {

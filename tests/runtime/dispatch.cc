@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/frame/vulkan.h"
 #include "tests/runtime/negotiation.h"
 #include "tests/runtime/state.h"
-#include "tests/runtime/vulkan.h"
 
 namespace omni::runtime {
 namespace {

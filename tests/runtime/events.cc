@@ -3,8 +3,8 @@
 
 #include <mutex>
 
-#include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/spaces/clock.h"
 #include "tests/runtime/state.h"
 
 namespace omni::runtime {

@@ -4,10 +4,10 @@
 #include <mutex>
 #include <string_view>
 
-#include "tests/runtime/clock.h"
 #include "tests/runtime/commands.h"
 #include "tests/runtime/entry_points.h"
-#include "tests/runtime/frame_layers.h"
+#include "tests/runtime/frame/frame_layers.h"
+#include "tests/runtime/spaces/clock.h"
 #include "tests/runtime/state.h"
 
 namespace {

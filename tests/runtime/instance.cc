@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "tests/runtime/clock.h"
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/frame/vulkan.h"
 #include "tests/runtime/newer_openxr.h"
+#include "tests/runtime/spaces/clock.h"
 #include "tests/runtime/state.h"
-#include "tests/runtime/vulkan.h"
 
 namespace omni::runtime {
 namespace {

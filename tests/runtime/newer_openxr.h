@@ -1,7 +1,7 @@
 #pragma once
 // What Debian's OpenXR 1.0.20 headers lack and this runtime has: values of the registry, which the layer needs as well.
 
-#include "layer/src/omni_openxr_compat.h"
+#include "layer/src/entry/omni_openxr_compat.h"
 
 namespace omni::runtime {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/runtime/clock.h"
 #include "tests/runtime/commands.h"
+#include "tests/runtime/spaces/clock.h"
 
 namespace omni::runtime {
 namespace {

@@ -4,9 +4,9 @@
 #include <mutex>
 
 #include "tests/runtime/entry_points.h"
+#include "tests/runtime/frame/vulkan.h"
 #include "tests/runtime/state.h"
 #include "tests/runtime/system.h"
-#include "tests/runtime/vulkan.h"
 
 namespace omni::runtime {
 

@@ -1,7 +1,7 @@
 #include "tests/runtime/world.h"
 
-#include "tests/runtime/clock.h"
 #include "tests/runtime/newer_openxr.h"
+#include "tests/runtime/spaces/clock.h"
 
 namespace omni::runtime {
 namespace {

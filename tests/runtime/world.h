@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/runtime/motion.h"
-#include "tests/runtime/profiles.h"
+#include "tests/runtime/actions/profiles.h"
+#include "tests/runtime/spaces/motion.h"
 
 namespace omni::runtime {
 

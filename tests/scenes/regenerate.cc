@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "scenes/generator/scene_models.h"
+#include "scenes/generator/models/scene_models.h"
 #include "service/haptics/scene.h"
 #include "service/scene/scene_file.h"
 

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/unit/scene_files.h"
+#include "tests/scene/files.h"
 
 namespace omni::test {
 

@@ -1,6 +1,6 @@
 #include "service/haptics/contact/contact_set.h"
 
-#include "service/haptics/contact/ball_touch.h"
+#include "service/haptics/contact/ball/ball_touch.h"
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/scene.h"

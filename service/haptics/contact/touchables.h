@@ -3,7 +3,7 @@
 // docs/theory/haptics.md, section 9.
 #pragma once
 
-#include "service/haptics/contact/ball_proxy.h"
+#include "service/haptics/contact/ball/ball_proxy.h"
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/geometry/surface.h"
 #include "service/haptics/live/live_parts.h"

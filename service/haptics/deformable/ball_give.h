@@ -2,7 +2,7 @@
 // body gives way and a spring, in series. Runs in the tick. docs/theory/deformable.md, section 6.
 #pragma once
 
-#include "service/haptics/deformable/local_law.h"
+#include "service/haptics/deformable/build/local_law.h"
 
 namespace omni::haptics {
 

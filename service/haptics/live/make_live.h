@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/deformable/build_soft_body.h"
+#include "service/haptics/deformable/build/build_soft_body.h"
 #include "service/haptics/geometry/mesh.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"

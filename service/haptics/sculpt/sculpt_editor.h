@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "service/haptics/sculpt/remesh.h"
+#include "service/haptics/sculpt/mesh/remesh.h"
 #include "service/haptics/sculpt/stroke.h"
 
 namespace omni::haptics::sculpt {

@@ -1,9 +1,9 @@
 // Are the application files sound, and do their scenes load?
-#include "service/config/app_file.h"
-#include "service/config/device_file.h"
-#include "service/daemon/scene_builder.h"
+#include "service/config/files/app_file.h"
+#include "service/config/files/device_file.h"
+#include "service/daemon/scenes/scene_builder.h"
 #include "service/tools/doctor/diagnosis.h"
-#include "service/tools/scene_source.h"
+#include "service/tools/scene/scene_source.h"
 
 namespace omni::tools {
 Finding LookAtApplications(const Surroundings& surroundings) {

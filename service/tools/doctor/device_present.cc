@@ -1,6 +1,6 @@
 // Does the service have a base to talk to?
+#include "service/tools/common/json_text.h"
 #include "service/tools/doctor/diagnosis.h"
-#include "service/tools/json_text.h"
 
 namespace omni::tools {
 

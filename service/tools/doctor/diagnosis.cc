@@ -6,8 +6,8 @@
 
 #include "service/client/connection.h"
 #include "service/config/paths.h"
+#include "service/tools/common/service_link.h"
 #include "service/tools/doctor/openxr_loader.h"
-#include "service/tools/service_link.h"
 
 namespace omni::tools {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "service/base/read_file.h"
-#include "service/tools/json_file.h"
+#include "service/base/files/read_file.h"
+#include "service/tools/common/json_file.h"
 
 namespace omni::tools {
 namespace {

@@ -1,6 +1,6 @@
 // Is there an OpenXR runtime below the layer?
+#include "service/tools/common/json_file.h"
 #include "service/tools/doctor/openxr_manifests.h"
-#include "service/tools/json_file.h"
 
 namespace omni::tools {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <thread>
 
+#include "service/tools/common/json_text.h"
 #include "service/tools/doctor/diagnosis.h"
-#include "service/tools/json_text.h"
 
 namespace omni::tools {
 namespace {

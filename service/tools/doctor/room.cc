@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/tools/common/json_text.h"
 #include "service/tools/doctor/diagnosis.h"
-#include "service/tools/json_text.h"
 
 namespace omni::tools {
 

@@ -1,6 +1,6 @@
 // Does omnid run, and is it of this version?
+#include "service/tools/common/json_text.h"
 #include "service/tools/doctor/diagnosis.h"
-#include "service/tools/json_text.h"
 
 namespace omni::tools {
 

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/tools/json_text.h"
-#include "service/tools/service_link.h"
+#include "service/tools/common/json_text.h"
+#include "service/tools/common/service_link.h"
 
 namespace omni::tools {
 namespace {

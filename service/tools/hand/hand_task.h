@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "service/sim/hand_guide.h"
+#include "service/sim/hand/hand_guide.h"
 #include "service/tools/hand/perceived.h"
 
 namespace omni::tools {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "service/client/connection.h"
-#include "tests/support/child_process.h"
+#include "tests/support/process/child_process.h"
 
 namespace omni::bombs {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "tests/unit/haptics_story.h"
+#include "tests/haptics/story.h"
 
 namespace omni::collision {
 namespace {

@@ -3,7 +3,7 @@
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/scene.h"
 #include "tests/bench/collision/engine.h"
-#include "tests/unit/haptics_story.h"
+#include "tests/haptics/story.h"
 
 namespace omni::collision {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/unit/haptics_story.h"
+#include "tests/haptics/story.h"
 
 namespace omni::collision {
 namespace {

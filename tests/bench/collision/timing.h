@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "service/tools/statistics.h"
+#include "service/tools/common/statistics.h"
 #include "tests/bench/collision/engine.h"
 
 namespace omni::collision {

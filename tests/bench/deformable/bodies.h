@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "service/haptics/deformable/build_soft_body.h"
+#include "service/haptics/deformable/build/build_soft_body.h"
 #include "tests/bench/deformable/axis_mesh.h"
 #include "tests/bench/deformable/axisymmetric.h"
 

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
-#include "service/haptics/deformable/fem.h"
-#include "service/haptics/deformable/patch_load.h"
+#include "service/haptics/deformable/build/fem.h"
+#include "service/haptics/deformable/build/patch_load.h"
 #include "tests/bench/deformable/rows.h"
 
 namespace omni::bench {

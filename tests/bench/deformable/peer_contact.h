@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "service/haptics/deformable/lattice.h"
+#include "service/haptics/deformable/build/lattice.h"
 
 namespace omni::bench {
 

@@ -10,10 +10,10 @@
 #include "service/base/limits.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick.h"
-#include "service/sim/loopback.h"
-#include "service/sim/vec3.h"
+#include "service/sim/fields/vec3.h"
+#include "service/sim/twin/loopback.h"
 #include "tests/bench/harness/room_conditions.h"
-#include "tests/support/hand_at_wall.h"
+#include "tests/support/touch/hand_at_wall.h"
 
 namespace omni::bench {
 namespace {

@@ -1,5 +1,5 @@
 // omni-bench collision: runs omni_bench_collision, which is built with the peers and stands alone because of them.
-#include "service/tools/statistics.h"
+#include "service/tools/common/statistics.h"
 #include "tests/bench/harness/program.h"
 
 namespace omni::bench {

@@ -6,8 +6,8 @@
 
 #include "service/haptics/scene.h"
 #include "service/haptics/vehicle/car.h"
-#include "service/sim/random.h"
-#include "service/tools/scene_source.h"
+#include "service/sim/fields/random.h"
+#include "service/tools/scene/scene_source.h"
 #include "tests/bench/haptics/race.h"
 #include "tests/bench/harness/quiet_timing.h"
 

@@ -2,13 +2,13 @@
 #include <filesystem>
 
 #include "service/config/paths.h"
-#include "service/tools/json_file.h"
-#include "service/tools/row_table.h"
-#include "service/tools/scene_source.h"
+#include "service/tools/common/json_file.h"
+#include "service/tools/common/row_table.h"
+#include "service/tools/scene/scene_source.h"
 #include "tests/bench/haptics/scene_files.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/work_folder.h"
-#include "tests/support/child_process.h"
+#include "tests/support/process/child_process.h"
 
 namespace omni::bench {
 namespace {

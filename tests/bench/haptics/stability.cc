@@ -9,7 +9,7 @@
 #include "service/base/limits.h"
 #include "tests/bench/haptics/closed_loop.h"
 #include "tests/bench/harness/bench.h"
-#include "tests/support/hand_at_wall.h"
+#include "tests/support/touch/hand_at_wall.h"
 
 namespace omni::bench {
 namespace {

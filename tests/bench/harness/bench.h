@@ -1,4 +1,4 @@
-// The benchmarks of omni-bench. Each gives rows (service/tools/row_table.h).
+// The benchmarks of omni-bench. Each gives rows (service/tools/common/row_table.h).
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "service/base/result.h"
-#include "service/tools/row_table.h"
+#include "service/tools/common/row_table.h"
 
 namespace omni::bench {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "service/console/command.h"
-#include "service/tools/row_table.h"
+#include "service/tools/common/row_table.h"
 
 namespace omni::bench {
 

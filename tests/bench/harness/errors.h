@@ -10,9 +10,9 @@
 
 #include "service/base/tool_state.h"
 #include "service/base/vec.h"
-#include "service/sim/charges.h"
-#include "service/sim/vec3.h"
-#include "service/tools/statistics.h"
+#include "service/sim/fields/charges.h"
+#include "service/sim/fields/vec3.h"
+#include "service/tools/common/statistics.h"
 
 namespace omni::bench {
 

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/tools/command_line.h"
-#include "service/tools/row_table.h"
-#include "service/tools/text_output.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/row_table.h"
+#include "service/tools/common/text_output.h"
 #include "tests/bench/harness/commands.h"
 
 namespace omni::bench {

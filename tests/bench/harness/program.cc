@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-#include "service/tools/json_file.h"
-#include "service/tools/row_table.h"
+#include "service/tools/common/json_file.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/printed_rows.h"
-#include "tests/support/child_process.h"
+#include "tests/support/process/child_process.h"
 
 namespace omni::bench {
 

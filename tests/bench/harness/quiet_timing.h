@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "service/tools/statistics.h"
+#include "service/tools/common/statistics.h"
 
 namespace omni::bench {
 

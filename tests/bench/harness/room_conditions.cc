@@ -5,14 +5,14 @@
 #include <numbers>
 
 #include "service/base/in_parallel.h"
-#include "service/config/calibration_file.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/calibration_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/magnetics/nominal.h"
-#include "service/sim/vec3.h"
-#include "service/tools/calibrate_kept.h"
-#include "service/tools/calibrate_twin.h"
-#include "tests/support/rig.h"
+#include "service/sim/fields/vec3.h"
+#include "service/tools/calibrate/calibrate_kept.h"
+#include "service/tools/calibrate/calibrate_twin.h"
+#include "tests/support/rig/rig.h"
 
 namespace omni::bench {
 namespace {

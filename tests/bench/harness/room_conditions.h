@@ -11,7 +11,7 @@
 #include "service/base/result.h"
 #include "service/base/truth_parameters.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/random.h"
+#include "service/sim/fields/random.h"
 
 namespace omni::bench {
 

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "service/tools/statistics.h"
+#include "service/tools/common/statistics.h"
 
 namespace omni::bench {
 

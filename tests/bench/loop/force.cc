@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "service/actuation/actuation.h"
-#include "service/config/device_file.h"
+#include "service/config/files/device_file.h"
 #include "service/loop/denormals.h"
-#include "service/sim/random.h"
-#include "service/sim/truth_model.h"
-#include "service/sim/twin.h"
+#include "service/sim/fields/random.h"
+#include "service/sim/fields/truth_model.h"
+#include "service/sim/twin/twin.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/quiet_timing.h"

@@ -9,15 +9,15 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/limits.h"
-#include "service/config/device_file.h"
+#include "service/config/files/device_file.h"
 #include "service/haptics/scene.h"
 #include "service/haptics/stability.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/loopback.h"
-#include "service/sim/motion.h"
-#include "service/tools/statistics.h"
+#include "service/sim/hand/motion.h"
+#include "service/sim/twin/loopback.h"
+#include "service/tools/common/statistics.h"
 #include "tests/bench/harness/bench.h"
 
 namespace omni::bench {

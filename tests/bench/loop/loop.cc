@@ -1,12 +1,12 @@
 // omni-bench loop: the whole tick on the shipped scenes, of a calibrated base in a room.
 #include <vector>
 
-#include "service/config/twin_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/loop/denormals.h"
-#include "service/tools/scene_source.h"
-#include "service/tools/statistics.h"
+#include "service/tools/common/statistics.h"
+#include "service/tools/scene/scene_source.h"
 #include "tests/bench/harness/bench.h"
-#include "tests/support/loop_replay.h"
+#include "tests/support/rig/loop_replay.h"
 
 namespace omni::bench {
 namespace {

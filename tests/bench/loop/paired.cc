@@ -13,16 +13,16 @@
 #include <vector>
 
 #include "service/base/truth_parameters.h"
-#include "service/config/device_file.h"
+#include "service/config/files/device_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
-#include "service/tools/command_line.h"
-#include "service/tools/row_table.h"
-#include "service/tools/scene_source.h"
-#include "service/tools/statistics.h"
-#include "service/tools/text_output.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/row_table.h"
+#include "service/tools/common/statistics.h"
+#include "service/tools/common/text_output.h"
+#include "service/tools/scene/scene_source.h"
 #include "tests/bench/harness/commands.h"
-#include "tests/support/loop_replay.h"
+#include "tests/support/rig/loop_replay.h"
 
 namespace omni::bench {
 namespace {

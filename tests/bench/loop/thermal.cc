@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "service/actuation/actuation.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
-#include "service/sim/coil_bank.h"
-#include "service/sim/loopback.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
+#include "service/sim/coils/coil_bank.h"
+#include "service/sim/twin/loopback.h"
 #include "tests/bench/harness/bench.h"
 
 namespace omni::bench {

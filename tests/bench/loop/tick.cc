@@ -14,17 +14,17 @@
 #include <vector>
 
 #include "service/base/limits.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
-#include "service/tools/scene_source.h"
+#include "service/tools/scene/scene_source.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/quiet_timing.h"
 #include "tests/bench/loop/tick_features.h"
-#include "tests/support/loop_replay.h"
+#include "tests/support/rig/loop_replay.h"
 #include "tests/support/usual_limit.h"
 
 namespace omni::bench {

@@ -12,7 +12,7 @@
 #include "service/haptics/state.h"
 #include "service/scene/load_live.h"
 #include "tests/bench/harness/quiet_timing.h"
-#include "tests/support/fresh_scene.h"
+#include "tests/support/touch/fresh_scene.h"
 
 namespace omni::bench {
 namespace {

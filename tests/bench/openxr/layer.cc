@@ -1,8 +1,8 @@
 // omni-bench layer: what the OpenXR layer costs, and how well it knows where the pen is.
 #include <map>
 
-#include "service/tools/elf_file.h"
-#include "service/tools/statistics.h"
+#include "service/tools/common/statistics.h"
+#include "service/tools/doctor/elf_file.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/program.h"
 #include "tests/bench/openxr/layer_stage.h"

@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/tools/json_file.h"
-#include "service/tools/row_table.h"
-#include "service/tools/scene_source.h"
+#include "service/tools/common/json_file.h"
+#include "service/tools/common/row_table.h"
+#include "service/tools/scene/scene_source.h"
 
 namespace omni::bench {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "service/base/result.h"
 #include "tests/bench/harness/work_folder.h"
-#include "tests/support/child_process.h"
+#include "tests/support/process/child_process.h"
 
 namespace omni::bench {
 

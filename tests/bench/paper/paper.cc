@@ -3,9 +3,9 @@
 #include <iostream>
 #include <memory>
 
-#include "service/config/device_file.h"
-#include "service/tools/command_line.h"
-#include "service/tools/text_output.h"
+#include "service/config/files/device_file.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/text_output.h"
 #include "tests/bench/harness/commands.h"
 
 namespace omni::bench {

@@ -6,7 +6,7 @@
 #include "service/actuation/force_map.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/nominal.h"
-#include "service/sim/truth_model.h"
+#include "service/sim/fields/truth_model.h"
 #include "tests/bench/peers/paper_method.h"
 
 namespace omni::bench {

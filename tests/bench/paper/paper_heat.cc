@@ -7,7 +7,7 @@
 
 #include "service/actuation/heat.h"
 #include "service/base/eigen.h"
-#include "service/sim/coil_bank.h"
+#include "service/sim/coils/coil_bank.h"
 #include "tests/bench/paper/paper.h"
 
 namespace omni::bench {

@@ -10,17 +10,17 @@
 #include <numbers>
 #include <optional>
 
-#include "service/calibration/self_calibration.h"
-#include "service/config/twin_file.h"
+#include "service/calibration/fit/self_calibration.h"
+#include "service/config/files/twin_file.h"
 #include "service/magnetics/nominal.h"
-#include "service/sim/motion.h"
-#include "service/sim/vec3.h"
-#include "service/tools/statistics.h"
+#include "service/sim/fields/vec3.h"
+#include "service/sim/hand/motion.h"
+#include "service/tools/common/statistics.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/paper/paper.h"
 #include "tests/bench/peers/paper_method.h"
-#include "tests/support/rig.h"
-#include "tests/support/rig_recording.h"
+#include "tests/support/rig/rig.h"
+#include "tests/support/rig/rig_recording.h"
 
 namespace omni::bench {
 namespace {

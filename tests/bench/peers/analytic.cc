@@ -1,6 +1,6 @@
 #include "tests/bench/peers/analytic.h"
 
-#include "service/tracker/solver.h"
+#include "service/tracker/solve/solver.h"
 #include "tests/bench/peers/whitening.h"
 
 namespace omni::peers {

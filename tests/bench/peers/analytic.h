@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "service/tracker/model.h"
+#include "service/tracker/kernel/model.h"
 #include "tests/bench/peers/peer.h"
 
 namespace omni::peers {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "service/calibration/residual.h"
+#include "service/calibration/fit/residual.h"
 #include "service/magnetics/disc_magnet.h"
 
 namespace omni::peers {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "service/calibration/system.h"
+#include "service/calibration/fit/system.h"
 
 namespace omni::peers {
 

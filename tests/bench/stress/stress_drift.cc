@@ -9,16 +9,16 @@
 #include <numbers>
 #include <vector>
 
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/vec3.h"
-#include "service/tools/calibrate_twin.h"
+#include "service/sim/fields/vec3.h"
+#include "service/tools/calibrate/calibrate_twin.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/stress/stress.h"
-#include "tests/support/trace.h"
+#include "tests/support/rig/trace.h"
 
 namespace omni::bench {
 namespace {

@@ -4,14 +4,14 @@
 #include <memory>
 #include <numbers>
 
-#include "service/config/device_file.h"
+#include "service/config/files/device_file.h"
 #include "service/haptics/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/vec3.h"
+#include "service/sim/fields/vec3.h"
 #include "tests/bench/stress/stress.h"
 #include "tests/bench/tracking/static.h"
-#include "tests/support/rig.h"
+#include "tests/support/rig/rig.h"
 
 namespace omni::bench {
 namespace {

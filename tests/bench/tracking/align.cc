@@ -1,9 +1,9 @@
 // omni-bench align: simulated people align bases by each method; what comes out is judged by the truth.
 #include <cmath>
 
-#include "service/tools/statistics.h"
+#include "service/tools/common/statistics.h"
 #include "tests/bench/harness/bench.h"
-#include "tests/support/align_simulation.h"
+#include "tests/support/rig/align_simulation.h"
 
 namespace omni::bench {
 namespace {

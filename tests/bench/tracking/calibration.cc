@@ -8,18 +8,18 @@
 #include <functional>
 
 #include "service/base/in_parallel.h"
-#include "service/calibration/adjust.h"
-#include "service/calibration/self_calibration.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/calibration/fit/adjust.h"
+#include "service/calibration/fit/self_calibration.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/magnetics/nominal.h"
-#include "service/tools/calibrate_twin.h"
-#include "service/tools/statistics.h"
+#include "service/tools/calibrate/calibrate_twin.h"
+#include "service/tools/common/statistics.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/peers/ceres_bundle.h"
-#include "tests/support/adjustment_start.h"
-#include "tests/support/calibration_error.h"
-#include "tests/support/rig_recording.h"
+#include "tests/support/rig/adjustment_start.h"
+#include "tests/support/rig/calibration_error.h"
+#include "tests/support/rig/rig_recording.h"
 
 namespace omni::bench {
 namespace {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "service/sim/loopback.h"
-#include "service/sim/motion.h"
-#include "service/sim/random.h"
-#include "service/sim/vec3.h"
-#include "service/tools/statistics.h"
+#include "service/sim/fields/random.h"
+#include "service/sim/fields/vec3.h"
+#include "service/sim/hand/motion.h"
+#include "service/sim/twin/loopback.h"
+#include "service/tools/common/statistics.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/room_conditions.h"

@@ -7,8 +7,8 @@
 
 #include "service/base/eigen.h"
 #include "service/magnetics/disc_magnet.h"
-#include "service/sim/charges.h"
-#include "service/sim/vec3.h"
+#include "service/sim/fields/charges.h"
+#include "service/sim/fields/vec3.h"
 
 namespace omni::bench {
 

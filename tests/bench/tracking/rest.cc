@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/config/twin_file.h"
-#include "service/sim/loopback.h"
-#include "service/sim/ordinary_hand.h"
-#include "service/sim/vec3.h"
+#include "service/config/files/twin_file.h"
+#include "service/sim/fields/vec3.h"
+#include "service/sim/hand/ordinary_hand.h"
+#include "service/sim/twin/loopback.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/tracking/tracking.h"
 

@@ -12,19 +12,19 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/loopback.h"
-#include "service/sim/ordinary_hand.h"
-#include "service/sim/vec3.h"
-#include "service/tools/statistics.h"
+#include "service/sim/fields/vec3.h"
+#include "service/sim/hand/ordinary_hand.h"
+#include "service/sim/twin/loopback.h"
+#include "service/tools/common/statistics.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"
-#include "tests/support/trace.h"
+#include "tests/support/rig/trace.h"
 
 namespace omni::bench {
 namespace {

@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "service/base/eigen.h"
-#include "service/config/device_file.h"
+#include "service/config/files/device_file.h"
 #include "service/loop/denormals.h"
-#include "service/sim/vec3.h"
-#include "service/tracker/doubt.h"
+#include "service/sim/fields/vec3.h"
+#include "service/tracker/room/doubt.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"

@@ -8,10 +8,10 @@
 
 #include "service/base/calibration.h"
 #include "service/base/hall_scan.h"
-#include "service/tracker/solver.h"
+#include "service/tracker/solve/solver.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/peers/peer.h"
-#include "tests/support/rig.h"
+#include "tests/support/rig/rig.h"
 
 namespace omni::bench {
 

@@ -1,6 +1,6 @@
 #include "service/base/eigen.h"
-#include "service/tracker/cold_start.h"
-#include "service/tracker/static_solve.h"
+#include "service/tracker/solve/cold_start.h"
+#include "service/tracker/solve/static_solve.h"
 #include "tests/bench/tracking/solver.h"
 
 namespace omni::bench {

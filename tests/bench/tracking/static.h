@@ -7,7 +7,7 @@
 #include "service/base/eigen.h"
 #include "service/base/hall_scan.h"
 #include "service/base/tool_state.h"
-#include "service/tracker/static_solve.h"
+#include "service/tracker/solve/static_solve.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/errors.h"
 

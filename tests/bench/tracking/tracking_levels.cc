@@ -1,11 +1,11 @@
 // What it costs not to know the currents: time of the tracker's part of a tick, and error. Batches take turns.
 #include <vector>
 
-#include "service/config/device_file.h"
+#include "service/config/files/device_file.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/timing.h"
 #include "tests/bench/tracking/tracking.h"
-#include "tests/support/trace.h"
+#include "tests/support/rig/trace.h"
 
 namespace omni::bench {
 namespace {

@@ -5,14 +5,14 @@
 #include <string>
 
 #include "service/base/in_parallel.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
-#include "service/sim/vec3.h"
-#include "service/tools/calibrate_twin.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
+#include "service/sim/fields/vec3.h"
+#include "service/tools/calibrate/calibrate_twin.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/tracking/nees.h"
 #include "tests/bench/tracking/tracking.h"
-#include "tests/support/trace.h"
+#include "tests/support/rig/trace.h"
 
 namespace omni::bench {
 namespace {

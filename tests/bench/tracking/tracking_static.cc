@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "service/base/eigen.h"
-#include "service/config/device_file.h"
+#include "service/config/files/device_file.h"
 #include "tests/bench/tracking/nees.h"
 #include "tests/bench/tracking/static.h"
 #include "tests/bench/tracking/tracking.h"
-#include "tests/support/bound.h"
-#include "tests/support/trace.h"
+#include "tests/support/rig/bound.h"
+#include "tests/support/rig/trace.h"
 
 namespace omni::bench {
 namespace {

@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "firmware/core/settings.h"
-#include "service/config/device_file.h"
-#include "service/config/twin_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/console/command.h"
-#include "service/sim/twin.h"
+#include "service/sim/twin/twin.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/deep/redir_port.h"
 #include "tests/hil/host_process.h"

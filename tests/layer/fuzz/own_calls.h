@@ -3,7 +3,7 @@
 
 #include "layer/include/openxr/omni_force_feedback.h"
 #include "layer/include/openxr/omni_haptic_scene.h"
-#include "layer/src/omni_openxr_compat.h"
+#include "layer/src/entry/omni_openxr_compat.h"
 #include "tests/layer/mini_loader/mini_loader.h"
 
 namespace omni::test {

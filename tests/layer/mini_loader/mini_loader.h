@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "layer/src/loader_interface.h"
+#include "layer/src/entry/loader_interface.h"
 #include "tests/runtime/entry_points.h"
 
 namespace omni::test {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "layer/src/loader_interface.h"
+#include "layer/src/entry/loader_interface.h"
 
 namespace {
 

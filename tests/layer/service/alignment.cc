@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <memory>
 
-#include "layer/src/locate.h"
+#include "layer/src/spaces/locate.h"
 #include "service/base/clock.h"
-#include "service/tools/align_service.h"
+#include "service/tools/align/align_service.h"
 #include "tests/layer/service/child_app.h"
 
 namespace omni::test {

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "tests/layer/app.h"
-#include "tests/support/forked.h"
-#include "tests/support/service_process.h"
+#include "tests/support/process/forked.h"
+#include "tests/support/process/service_process.h"
 
 namespace omni::test {
 

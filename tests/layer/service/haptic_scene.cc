@@ -11,7 +11,7 @@
 #include <system_error>
 #include <vector>
 
-#include "layer/src/locate.h"
+#include "layer/src/spaces/locate.h"
 #include "tests/layer/scene_functions.h"
 #include "tests/layer/service/child_app.h"
 #include "tests/support/box_document.h"

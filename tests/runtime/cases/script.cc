@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "tests/runtime/cases/fixture.h"
-#include "tests/support/temp_folder.h"
+#include "tests/support/process/temp_folder.h"
 
 namespace omni::runtime {
 namespace test_script {

@@ -1,0 +1,74 @@
+// Reading input. The next layer is always asked first: it validates, and its answer stands
+// wherever the pen has no part.
+#include "layer/src/instance/instance.h"
+#include "service/base/clock.h"
+
+namespace omni::layer {
+namespace {
+
+// Fills `state` with what the last sync found, if the pen has had a part in this session.
+template <class State, class Assign>
+void Overlay(const Instance& instance, XrSession session, const XrActionStateGetInfo& info, State& state,
+             Assign assign) {
+  const auto record = instance.sessions.Find(session);
+  const auto action = record ? instance.actions.Find(info.action) : nullptr;
+  if (!action) return;
+  const std::shared_lock lock(record->mutex);
+  const ActionState* merged = record->actions.Find(*action, info.subactionPath);
+  if (!merged) return;
+  state.isActive = merged->active ? XR_TRUE : XR_FALSE;
+  assign(*merged, state);
+}
+
+template <class State>
+void AssignTimes(const ActionState& merged, State& state) {
+  state.changedSinceLastSync = merged.changed ? XR_TRUE : XR_FALSE;
+  state.lastChangeTime = merged.last_change;
+}
+
+}  // namespace
+
+XrResult Instance::GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
+                                         XrActionStateBoolean* state) {
+  const XrResult result = next.GetActionStateBoolean(session, info, state);
+  link.Beat();
+  if (XR_FAILED(result)) return result;
+  Overlay(*this, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
+    out.currentState = merged.value.x > kPressThreshold ? XR_TRUE : XR_FALSE;
+    AssignTimes(merged, out);
+  });
+  return result;
+}
+
+XrResult Instance::GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state) {
+  const XrResult result = next.GetActionStateFloat(session, info, state);
+  link.Beat();
+  if (XR_FAILED(result)) return result;
+  Overlay(*this, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
+    out.currentState = merged.value.x;
+    AssignTimes(merged, out);
+  });
+  return result;
+}
+
+XrResult Instance::GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
+                                          XrActionStateVector2f* state) {
+  const XrResult result = next.GetActionStateVector2f(session, info, state);
+  link.Beat();
+  if (XR_FAILED(result)) return result;
+  Overlay(*this, session, *info, *state, [](const ActionState& merged, XrActionStateVector2f& out) {
+    out.currentState = merged.value;
+    AssignTimes(merged, out);
+  });
+  return result;
+}
+
+XrResult Instance::GetActionStatePose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state) {
+  const XrResult result = next.GetActionStatePose(session, info, state);
+  link.Beat();
+  if (XR_FAILED(result)) return result;
+  Overlay(*this, session, *info, *state, [](const ActionState&, XrActionStatePose&) {});
+  return result;
+}
+
+}  // namespace omni::layer

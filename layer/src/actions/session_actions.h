@@ -1,0 +1,167 @@
+// The action state of one session: what the pen feeds, what the runtime feeds, and what the application sees of both.
+// Not thread safe: Session guards it. Changes only in Attach and Sync.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "layer/src/actions/binding_modifications.h"
+#include "layer/src/actions/merge.h"
+#include "layer/src/actions/pen_inputs.h"
+#include "layer/src/actions/profile.h"
+#include "layer/src/instance/clock.h"
+#include "layer/src/instance/records.h"
+#include "layer/src/service/service_link.h"
+
+namespace omni::layer {
+
+// One profile's suggestions of an application: (action, full path).
+struct Suggestion {
+  std::shared_ptr<Action> action;
+  std::string path;
+  std::optional<AnalogThreshold> threshold;  // for this conversion instead of ours
+};
+// Key: the profile's path. Kept per instance, for every profile that the application suggests.
+using Suggestions = std::unordered_map<std::string, std::vector<Suggestion>>;
+
+// One entry of XrActionsSyncInfo, priority resolved.
+struct ActiveSet {
+  std::shared_ptr<ActionSet> set;
+  XrPath subaction = XR_NULL_PATH;
+  std::uint32_t priority = 0;
+};
+
+// The runtime's own part of an action, asked at sync.
+class RuntimeStates {
+ public:
+  virtual ~RuntimeStates() = default;
+  virtual StatePart Query(const Action& action, XrPath subaction) const = 0;
+};
+
+// Which hand holds the pen, and the profile to prefer (empty: the order of priorities).
+struct PenChoice {
+  Hand hand = Hand::kRight;
+  std::string profile;
+  bool operator==(const PenChoice& other) const { return hand == other.hand && profile == other.profile; }
+};
+
+struct SyncInput {
+  std::vector<ActiveSet> active;
+  bool focused = false;
+  PenChoice choice;
+  PenSnapshot pen;
+  bool put_down = false;             // the pen is there, but its hand is the runtime's controller's now
+  const TestInputs* test = nullptr;  // conformance automation speaks instead of the pen
+  bool start_edges = false;          // what was pressed since the last sync was not meant for this session
+};
+
+class SessionActions {
+ public:
+  // `profiles`, highest priority first, outlive this. `hand_paths`: by Hand.
+  SessionActions(const std::vector<Profile>& profiles, const PenChoice& choice,
+                 const std::array<XrPath, 2>& hand_paths);
+
+  void Attach(const std::vector<std::shared_ptr<ActionSet>>& sets, const std::vector<std::shared_ptr<Action>>& actions,
+              const Suggestions& suggestions);
+
+  void Sync(const SyncInput& input, const RuntimeStates& runtime, const RuntimeClock& clock, XrTime now);
+
+  bool attached(const ActionSet& set) const;
+  bool any_attached() const { return any_attached_; }
+
+  Hand hand() const { return choice_.hand; }
+  XrPath hand_path() const { return PathOf(choice_.hand); }
+  // True while our hand is the pen's. Changes in Sync only.
+  bool pen_owns_hand() const { return owner_; }
+  // The pen's profile, while it owns its hand. Changes in Sync only.
+  const Profile* profile() const { return owner_ ? chosen_ : nullptr; }
+  // ... as seen at a hand: null where the runtime's answer stands.
+  const Profile* ProfileAt(XrPath user_path) const { return user_path == hand_path() ? profile() : nullptr; }
+  // A preferred profile that the application suggests nothing of the pen's for.
+  bool preference_unusable() const { return preference_unusable_; }
+
+  // State of (action, subaction) at the last sync; null: the runtime's own answer stands.
+  const ActionState* Find(const Action& action, XrPath subaction) const;
+
+  // Brings Space::served_by of an action space up to date.
+  void Serve(Space& space) const;
+
+  // X_TP of a pose that Serve has named. Needs no lock: the profiles are constant.
+  const Pose& PosePart(int pose) const { return poses_[static_cast<std::size_t>(pose)]->X_TP; }
+
+  // Sources of the pen for this action, and whether it may vibrate for it now.
+  std::vector<std::string> BoundSources(const Action& action) const;
+  bool HapticBound(const Action& action, XrPath subaction) const;
+
+  // Vibrations that thresholds asked for in the last sync; taking them clears them.
+  std::vector<Pulse> TakePulses() { return std::exchange(pulses_, {}); }
+
+ private:
+  enum class Device { kNone, kPen, kRuntime };
+  struct LiveBinding {
+    Binding binding;
+    std::optional<AnalogThreshold> threshold;
+    EdgeTracker edges;
+    bool live = false;  // feeds its action in the present sync
+  };
+  struct View {  // of an action, at one subaction path or at XR_NULL_PATH
+    ActionState state;
+    Device pose_device = Device::kNone;
+    bool ours = false;  // the pen has fed it once: from then on the application's answer comes from here
+  };
+  struct Bound {
+    std::shared_ptr<Action> action;
+    std::vector<LiveBinding> bindings;
+    bool of_our_hand_only = false;  // no subaction paths, and nothing suggested outside of the pen's hand
+    View any;
+    std::array<View, 2> at_hand;
+  };
+
+  XrPath PathOf(Hand hand) const { return hand_paths_[static_cast<std::size_t>(hand)]; }
+  View& ViewAt(Bound& bound, Hand hand) const { return bound.at_hand[static_cast<std::size_t>(hand)]; }
+  void Bind();
+  bool BindProfile(const Profile& profile);
+  void UpdateOwner(const SyncInput& input);
+  void UpdateInputs(const SyncInput& input);
+  void UpdateLive(const std::vector<ActiveSet>& active);
+  void UpdateBound(Bound& bound, bool focused, const RuntimeStates& runtime, XrTime now) const;
+  void StepBinding(LiveBinding& b, const InputValue& value, const InputValue& click);
+  StatePart Scalar(const LiveBinding& b, int component, const RuntimeClock& clock) const;
+  StatePart PenPart(const Bound& bound, const RuntimeClock& clock) const;
+  StatePart RuntimePartOfAny(const Bound& bound, const RuntimeStates& runtime) const;
+  void AdvanceView(View& view, const Action& action, const StatePart& runtime, const StatePart& pen, bool sticky,
+                   XrTime now) const;
+  Device PoseDevice(const View& view) const;
+  int SpaceServedBy(const Action& action, XrPath subaction) const;
+  const Bound* FindBound(const Action& action) const;
+
+  const std::vector<Profile>& profiles_;
+  const std::array<XrPath, 2> hand_paths_;
+  std::vector<const PoseComponent*> poses_;  // of all profiles, one after another
+  std::vector<int> first_pose_;              // of each profile, in poses_
+
+  PenChoice choice_;
+  const Profile* chosen_ = nullptr;
+  bool preference_unusable_ = false;
+  bool any_attached_ = false;
+  bool synced_ = false;   // with focus, once
+  bool focused_ = false;  // in the last sync
+  bool owner_ = false;
+  bool merging_ = false;  // states are remembered here; from the sync before the pen first owns its hand
+  bool put_down_ = false;
+  bool start_edges_ = false;
+  std::uint64_t service_instance_ = 0;
+  std::vector<std::shared_ptr<ActionSet>> sets_;
+  Suggestions suggestions_;
+  std::unordered_map<const Action*, Bound> bound_;
+  std::vector<ComponentInput> inputs_;  // by component of the chosen profile
+  std::vector<Pulse> pulses_;
+};
+
+}  // namespace omni::layer

@@ -1,0 +1,205 @@
+// Which extensions the next layer is asked for.
+//
+// xrEnumerateInstanceExtensionProperties of what lies below is not to be relied on (layers and runtimes that lack it
+// exist), so we ask for what we want and, where that fails, again for less. Where it fails for whatever reason:
+// LunarG's core_validation 1.0.20 makes XR_ERROR_INITIALIZATION_FAILED of a runtime's XR_ERROR_EXTENSION_NOT_PRESENT.
+// The last attempt asks for no more than the application did, and its result stands.
+//
+// What is wrong with the application's XrInstanceCreateInfo is for what lies below to find: its result is the same with
+// this layer as without.
+#include "layer/src/entry/create_instance.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "layer/src/entry/our_extensions.h"
+#include "layer/src/instance/registry.h"
+
+namespace omni::layer {
+namespace {
+
+// Only the manifest for conformance tests names it (manifests/layer/conformance.json.in).
+constexpr OurExtension kAutomation{XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, 3, true};
+
+const OurExtension* FindOurs(const std::string& name) {
+  if (name == kAutomation.name) return TestDevice::Wanted() ? &kAutomation : nullptr;
+  const auto all = OurExtensions();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const OurExtension& extension) { return name == extension.name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+struct Attempt {
+  std::vector<std::string> ours;  // those of our extensions that are asked for below
+  bool timespec = false;          // add XR_KHR_convert_timespec_time
+};
+
+struct Creation {
+  const XrInstanceCreateInfo* info;
+  const XrApiLayerNextInfo* next;
+  XrApiLayerCreateInfo below;  // what the next layer gets
+  std::vector<std::string> asked;
+};
+
+XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* instance) {
+  std::vector<const char*> names;
+  for (const std::string& name : creation.asked) {
+    const OurExtension* ours = FindOurs(name);
+    if (!ours || Contains(attempt.ours, name)) names.push_back(name.c_str());
+  }
+  if (attempt.timespec) names.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  XrInstanceCreateInfo info = *creation.info;
+  info.enabledExtensionCount = static_cast<std::uint32_t>(names.size());
+  info.enabledExtensionNames = names.data();
+  return creation.next->nextCreateApiLayerInstance(&info, &creation.below, instance);
+}
+
+// Of the extensions that both may answer, which ones what lies below has is found by trying: all of them, then fewer
+// and fewer. An application asks for one or two of them. Of more than five: all or none.
+std::vector<std::vector<std::string>> ChoicesOf(const std::vector<std::string>& asked) {
+  std::vector<std::string> shared;
+  for (const std::string& name : asked)
+    if (const OurExtension* ours = FindOurs(name); ours && ours->may_be_below) shared.push_back(name);
+  if (shared.size() > 5) return {shared, {}};
+  std::vector<std::vector<std::string>> choices;
+  for (unsigned mask = 0; mask < 1u << shared.size(); ++mask) {
+    std::vector<std::string> choice;
+    for (std::size_t i = 0; i < shared.size(); ++i)
+      if (mask & (1u << i)) choice.push_back(shared[i]);
+    choices.push_back(std::move(choice));
+  }
+  std::stable_sort(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return choices;
+}
+
+XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
+  const bool timespec = !Contains(creation.asked, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  XrResult result = XR_ERROR_EXTENSION_NOT_PRESENT;
+  for (const bool with_timespec : {true, false}) {
+    if (with_timespec && !timespec) continue;
+    for (const std::vector<std::string>& choice : ChoicesOf(creation.asked)) {
+      done = {choice, with_timespec};
+      result = Try(creation, done, instance);
+      if (XR_SUCCEEDED(result)) return result;
+    }
+  }
+  return result;
+}
+
+// The application's structure as it came: its extensions cannot be read.
+XrResult TryUnchanged(const Creation& creation, XrInstance* instance) {
+  return creation.next->nextCreateApiLayerInstance(creation.info, &creation.below, instance);
+}
+
+bool ExtensionsAreReadable(const XrInstanceCreateInfo& info) {
+  if (info.type != XR_TYPE_INSTANCE_CREATE_INFO) return false;
+  if (info.enabledExtensionCount == 0) return true;
+  const char* const* const names = info.enabledExtensionNames;
+  return names && std::all_of(names, names + info.enabledExtensionCount, [](const char* name) { return name; });
+}
+
+// The loader's part of the call.
+bool IsFromLoader(const XrApiLayerCreateInfo* layer_info) {
+  return layer_info && layer_info->structType == XR_LOADER_INTERFACE_STRUCT_API_LAYER_CREATE_INFO &&
+         layer_info->structVersion == kApiLayerCreateInfoVersion &&
+         layer_info->structSize >= sizeof(XrApiLayerCreateInfo) && layer_info->nextInfo &&
+         layer_info->nextInfo->structType == XR_LOADER_INTERFACE_STRUCT_API_LAYER_NEXT_INFO &&
+         layer_info->nextInfo->structVersion == kApiLayerNextInfoVersion &&
+         layer_info->nextInfo->structSize >= sizeof(XrApiLayerNextInfo) &&
+         layer_info->nextInfo->nextGetInstanceProcAddr && layer_info->nextInfo->nextCreateApiLayerInstance;
+}
+
+std::string Text(const char* bytes, std::size_t capacity) { return {bytes, strnlen(bytes, capacity)}; }
+
+client::ConnectionInfo ConnectionFor(const XrApplicationInfo& application) {
+  client::ConnectionInfo info;
+  info.application = Text(application.applicationName, sizeof(application.applicationName));
+  info.engine = Text(application.engineName, sizeof(application.engineName));
+  info.api_version_major = static_cast<std::uint32_t>(XR_VERSION_MAJOR(application.apiVersion));
+  info.api_version_minor = static_cast<std::uint32_t>(XR_VERSION_MINOR(application.apiVersion));
+  return info;
+}
+
+}  // namespace
+
+XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLayerCreateInfo* layer_info,
+                                XrInstance* instance) {
+  if (!IsFromLoader(layer_info)) return XR_ERROR_INITIALIZATION_FAILED;
+  if (!info || !instance) return XR_ERROR_VALIDATION_FAILURE;
+  const bool readable = ExtensionsAreReadable(*info);
+  Creation creation{info, layer_info->nextInfo, *layer_info, {}};
+  creation.below.nextInfo = layer_info->nextInfo->next;
+  if (readable)
+    creation.asked.assign(info->enabledExtensionNames, info->enabledExtensionNames + info->enabledExtensionCount);
+  Attempt done;
+  const XrResult result = readable ? TryAll(creation, done, instance) : TryUnchanged(creation, instance);
+  if (XR_FAILED(result)) return result;
+
+  InstanceSetup setup;
+  setup.handle = *instance;
+  const char* missing = nullptr;
+  if (!LoadDispatch(*instance, creation.next->nextGetInstanceProcAddr, setup.next, &missing)) {
+    Log().Line(std::string("not loaded: what lies below has no ") + missing);
+    if (setup.next.DestroyInstance) setup.next.DestroyInstance(*instance);
+    return XR_ERROR_INITIALIZATION_FAILED;
+  }
+  setup.enabled = creation.asked;
+  const XrVersion version = info->applicationInfo.apiVersion;
+  if (XR_VERSION_MAJOR(version) > 1 || XR_VERSION_MINOR(version) >= 1) setup.enabled.push_back("1.1");
+  for (const std::string& name : creation.asked)
+    if (const OurExtension* ours = FindOurs(name); ours && !Contains(done.ours, name)) setup.only_ours.push_back(name);
+  setup.hide_timespec = done.timespec;
+  setup.connection = ConnectionFor(info->applicationInfo);
+  try {
+    Registry::Get().Add(std::make_shared<Instance>(std::move(setup)));
+  } catch (...) {
+    setup.next.DestroyInstance(*instance);
+    throw;
+  }
+  return result;
+}
+
+XrResult EnumerateLayers(uint32_t capacity, uint32_t* count, XrApiLayerProperties* properties) {
+  if (!count) return XR_ERROR_VALIDATION_FAILURE;
+  *count = 1;
+  if (capacity == 0) return XR_SUCCESS;
+  if (!properties || properties->type != XR_TYPE_API_LAYER_PROPERTIES) return XR_ERROR_VALIDATION_FAILURE;
+  std::strncpy(properties->layerName, kLayerName, sizeof(properties->layerName) - 1);
+  std::strncpy(properties->description, "Omni: a magnetically tracked pen as a hand's controller",
+               sizeof(properties->description) - 1);
+  properties->specVersion = XR_MAKE_VERSION(1, 0, 20);
+  properties->layerVersion = 1;
+  return XR_SUCCESS;
+}
+
+XrResult EnumerateExtensions(const char* layer_name, uint32_t capacity, uint32_t* count,
+                             XrExtensionProperties* properties) {
+  if (!count) return XR_ERROR_VALIDATION_FAILURE;
+  if (!layer_name || std::strcmp(layer_name, kLayerName) != 0) {
+    // Not a question for us. The loader adds what the manifest names.
+    const auto below = Registry::Get().Owner(XrSession{});
+    if (below && below->next.EnumerateInstanceExtensionProperties)
+      return below->next.EnumerateInstanceExtensionProperties(layer_name, capacity, count, properties);
+    *count = 0;
+    return layer_name ? XR_ERROR_API_LAYER_NOT_PRESENT : XR_SUCCESS;
+  }
+  const auto ours = OurExtensions();
+  *count = static_cast<std::uint32_t>(ours.size());
+  if (capacity == 0) return XR_SUCCESS;
+  if (capacity < ours.size()) return XR_ERROR_SIZE_INSUFFICIENT;
+  if (!properties) return XR_ERROR_VALIDATION_FAILURE;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (properties[i].type != XR_TYPE_EXTENSION_PROPERTIES) return XR_ERROR_VALIDATION_FAILURE;
+    std::strncpy(properties[i].extensionName, ours[i].name, sizeof(properties[i].extensionName) - 1);
+    properties[i].extensionVersion = ours[i].version;
+  }
+  return XR_SUCCESS;
+}
+
+}  // namespace omni::layer

@@ -1,0 +1,87 @@
+// One list of the functions this layer touches. A new one is a word here and a method of that name of Instance.
+#pragma once
+
+#include "layer/src/entry/omni_openxr_compat.h"
+
+// Functions the application reaches through us.
+#define OMNI_LAYER_INTERCEPTED(X)      \
+  X(PollEvent)                         \
+  X(CreateSession)                     \
+  X(DestroySession)                    \
+  X(BeginSession)                      \
+  X(EndSession)                        \
+  X(WaitFrame)                         \
+  X(CreateActionSet)                   \
+  X(DestroyActionSet)                  \
+  X(CreateAction)                      \
+  X(DestroyAction)                     \
+  X(SuggestInteractionProfileBindings) \
+  X(AttachSessionActionSets)           \
+  X(GetCurrentInteractionProfile)      \
+  X(SyncActions)                       \
+  X(GetActionStateBoolean)             \
+  X(GetActionStateFloat)               \
+  X(GetActionStateVector2f)            \
+  X(GetActionStatePose)                \
+  X(EnumerateBoundSourcesForAction)    \
+  X(GetInputSourceLocalizedName)       \
+  X(CreateActionSpace)                 \
+  X(CreateReferenceSpace)              \
+  X(DestroySpace)                      \
+  X(LocateSpace)                       \
+  X(LocateViews)                       \
+  X(EndFrame)                          \
+  X(ApplyHapticFeedback)               \
+  X(StopHapticFeedback)                \
+  X(GetSystemProperties)               \
+  X(ResultToString)                    \
+  X(StructureTypeToString)
+
+// Functions that not every runtime has (extensions, OpenXR 1.1): intercepted where what lies below has them. The
+// application gets the answer from below where it does not.
+#define OMNI_LAYER_OPTIONAL(X) \
+  X(LocateSpaces)              \
+  X(LocateSpacesKHR)           \
+  X(CreateHandTrackerEXT)      \
+  X(DestroyHandTrackerEXT)     \
+  X(LocateHandJointsEXT)       \
+  X(GetDeviceSampleRateFB)
+
+// Functions of the next layer or runtime that we only call, or that are no method of an instance.
+#define OMNI_LAYER_CALLED(X)  \
+  X(DestroyInstance)          \
+  X(StringToPath)             \
+  X(PathToString)             \
+  X(EnumerateReferenceSpaces) \
+  X(GetInstanceProperties)
+
+namespace omni::layer {
+
+struct Dispatch {
+  PFN_xrGetInstanceProcAddr GetInstanceProcAddr = nullptr;
+#define OMNI_LAYER_MEMBER(name) PFN_xr##name name = nullptr;
+  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_MEMBER)
+  OMNI_LAYER_CALLED(OMNI_LAYER_MEMBER)
+  // Absent below: nullptr.
+  OMNI_LAYER_OPTIONAL(OMNI_LAYER_MEMBER)
+#undef OMNI_LAYER_MEMBER
+  PFN_xrConvertTimespecTimeToTimeKHR ConvertTimespecTimeToTimeKHR = nullptr;
+  PFN_xrEnumerateInstanceExtensionProperties EnumerateInstanceExtensionProperties = nullptr;
+};
+
+// Fills `next`. False: a core function is missing below (`*missing` names it).
+bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispatch& next, const char** missing);
+
+// Our own function of that name, or nullptr. `below` is the table of the instance that asks; null: there is none yet.
+PFN_xrVoidFunction FindIntercepted(const char* name, const Dispatch* below);
+
+// A function of an extension that this layer brings: nothing below knows it. Each extension has a file of entry points
+// with such a table.
+struct OwnFunction {
+  const char* name;       // "xrApplyForceOMNIX1"
+  const char* extension;  // answered only to applications that enabled it
+  PFN_xrVoidFunction function;
+  const char* also = nullptr;  // another extension that must be enabled too
+};
+
+}  // namespace omni::layer

@@ -1,0 +1,57 @@
+// What every entry point does: finds the instance that made the handle, and lets no exception out.
+#pragma once
+
+#include <memory>
+#include <new>
+#include <type_traits>
+
+#include "layer/src/instance/registry.h"
+
+namespace omni::layer {
+
+// Exceptions must not cross the C interface.
+template <class Body>
+XrResult Guarded(Body body) noexcept {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    return XR_ERROR_OUT_OF_MEMORY;
+  } catch (...) {
+    return XR_ERROR_RUNTIME_FAILURE;
+  }
+}
+
+inline std::shared_ptr<Instance> InstanceOf(XrInstance instance) { return Registry::Get().Find(instance); }
+template <class Handle>
+std::shared_ptr<Instance> InstanceOf(Handle handle) {
+  return Registry::Get().Owner(handle);
+}
+
+// The C function of type `Function` that calls a method of the instance that made its first argument, or of that
+// instance's scenes. The method gets all arguments; that of an XrInstance, which it is, not.
+template <class Function, auto kMethod>
+struct Entry;
+template <class Handle, class... Arguments, auto kMethod>
+struct Entry<XrResult(XRAPI_PTR*)(Handle, Arguments...), kMethod> {
+  static XRAPI_ATTR XrResult XRAPI_CALL Call(Handle handle, Arguments... arguments) noexcept {
+    return Guarded([&] {
+      const auto instance = InstanceOf(handle);
+      if (!instance) return XR_ERROR_HANDLE_INVALID;
+      if constexpr (std::is_invocable_v<decltype(kMethod), HapticScenes&, Handle, Arguments...>) {
+        instance->Alive();
+        return (instance->haptic_scenes.*kMethod)(handle, arguments...);
+      } else if constexpr (std::is_same_v<Handle, XrInstance>) {
+        return ((*instance).*kMethod)(arguments...);
+      } else {
+        return ((*instance).*kMethod)(handle, arguments...);
+      }
+    });
+  }
+};
+
+template <class Function>
+PFN_xrVoidFunction Erase(Function function) {
+  return reinterpret_cast<PFN_xrVoidFunction>(function);
+}
+
+}  // namespace omni::layer

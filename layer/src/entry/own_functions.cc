@@ -1,0 +1,54 @@
+#include "layer/src/entry/own_functions.h"
+
+#include "layer/include/openxr/omni_force_feedback.h"
+#include "layer/include/openxr/omni_haptic_scene.h"
+#include "layer/src/entry/entry_automation.h"
+#include "layer/src/entry/guarded.h"
+
+namespace omni::layer {
+namespace {
+
+constexpr const char* kForce = XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME;
+constexpr const char* kScene = XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME;
+
+}  // namespace
+
+const std::vector<OwnFunction>& OwnFunctions() {
+#define OMNI_FORCE(name, method) \
+  { "xr" #name, kForce, Erase(&Entry<PFN_xr##name, &Instance::method>::Call) }
+#define OMNI_SCENE(name, method) \
+  { "xr" #name, kScene, Erase(&Entry<PFN_xr##name, &HapticScenes::method>::Call), kForce }
+  static const std::vector<OwnFunction> all = [] {
+    std::vector<OwnFunction> functions{
+        OMNI_FORCE(CreateForceFeedbackOMNIX1, CreateForceFeedback),
+        OMNI_FORCE(DestroyForceFeedbackOMNIX1, DestroyForceFeedback),
+        OMNI_FORCE(GetForceFeedbackPropertiesOMNIX1, ForceProperties),
+        OMNI_FORCE(ApplyForceOMNIX1, ApplyForce),
+        OMNI_FORCE(SetForceFeedbackConstraintsOMNIX1, SetConstraints),
+        OMNI_FORCE(StopForceFeedbackOMNIX1, StopForce),
+        OMNI_FORCE(GetForceFeedbackStateOMNIX1, ForceState),
+        OMNI_SCENE(CreateHapticSceneOMNIX1, Create),
+        OMNI_SCENE(DestroyHapticSceneOMNIX1, Destroy),
+        OMNI_SCENE(GetHapticSceneStateOMNIX1, State),
+        OMNI_SCENE(GetHapticSceneDiagnosticsOMNIX1, Diagnostics),
+        OMNI_SCENE(EnumerateHapticSceneNodesOMNIX1, Nodes),
+        OMNI_SCENE(SetHapticScenePlacementOMNIX1, Place),
+        OMNI_SCENE(SetHapticSceneEnabledOMNIX1, Enable),
+        OMNI_SCENE(UpdateHapticNodesOMNIX1, MoveNodes),
+        OMNI_SCENE(GetHapticMaterialOMNIX1, Material),
+        OMNI_SCENE(SetHapticMaterialOMNIX1, SetMaterial),
+        OMNI_SCENE(EnumerateHapticContactsOMNIX1, Contacts),
+        OMNI_SCENE(GetHapticNodeMeshOMNIX1, Mesh),
+        // For runtimes that have no such function.
+        {"xrGetDeviceSampleRateFB", XR_FB_HAPTIC_PCM_EXTENSION_NAME,
+         Erase(&Entry<PFN_xrGetDeviceSampleRateFB, &Instance::GetDeviceSampleRateFB>::Call)},
+    };
+    functions.insert(functions.end(), AutomationFunctions().begin(), AutomationFunctions().end());
+    return functions;
+  }();
+#undef OMNI_FORCE
+#undef OMNI_SCENE
+  return all;
+}
+
+}  // namespace omni::layer

@@ -1,0 +1,218 @@
+// XR_OMNIX1_force_feedback: handles, forces, constraints. docs/extensions/XR_OMNIX1_force_feedback.md
+#include "layer/src/force/force_feedback.h"
+
+#include <algorithm>
+
+#include "layer/src/instance/instance.h"
+#include "layer/src/spaces/locate.h"
+#include "service/base/clock.h"
+
+namespace omni::layer {
+namespace {
+
+bool Has(XrSpaceLocationFlags flags, XrSpaceLocationFlags bits) { return (flags & bits) == bits; }
+
+// Another application has the device.
+bool IsTaken(const ServiceLink& link) { return link.force_standing() == protocol::ForceStanding::kTaken; }
+
+// Finds the place of each space once.
+class Places {
+ public:
+  Places(Instance& instance, const Session& session) : instance_(instance), session_(session) {}
+
+  XrResult Find(XrSpace space, Located& place) {
+    for (const auto& [known, at] : found_) {
+      if (known != space) continue;
+      place = at;
+      return XR_SUCCESS;
+    }
+    const XrResult result = instance_.LocateInBase(session_, space, instance_.clock.ToXr(now_ns_), place);
+    if (XR_SUCCEEDED(result)) found_.emplace_back(space, place);
+    return result;
+  }
+  std::int64_t now_ns() const { return now_ns_; }
+
+ private:
+  Instance& instance_;
+  const Session& session_;
+  const std::int64_t now_ns_ = base::MonotonicNow_ns();
+  std::vector<std::pair<XrSpace, Located>> found_;
+};
+
+// Those whose space is somewhere. `all_placed`: every one is.
+XrResult PlaceConstraints(Places& places, const std::vector<LocalConstraint>& constraints,
+                          protocol::ForceConstraints& out, bool& all_placed) {
+  all_placed = true;
+  out.t_ns = places.now_ns();
+  out.count = 0;
+  for (const LocalConstraint& constraint : constraints) {
+    Located place;
+    if (const XrResult result = places.Find(constraint.space, place); XR_FAILED(result)) return result;
+    if (Has(place.flags, kValid) && IsFinite(place.motion)) {
+      out.constraints[out.count++] = InBase(constraint.shape, KnownMotion(place));
+    } else {
+      all_placed = false;
+    }
+  }
+  return XR_SUCCESS;
+}
+
+}  // namespace
+
+XrResult Instance::CreateForceFeedback(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info,
+                                       XrForceFeedbackOMNIX1* handle_out) {
+  link.Beat();
+  link.PollNow(base::MonotonicNow_ns());
+  const auto record = sessions.Find(session);
+  if (!record) return XR_ERROR_HANDLE_INVALID;
+  if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_CREATE_INFO_OMNIX1 || !handle_out)
+    return XR_ERROR_VALIDATION_FAILURE;
+  if (PathText(info->topLevelUserPath).empty()) return XR_ERROR_PATH_INVALID;
+  const XrPath hand = hand_paths[static_cast<std::size_t>(Choice().hand)];
+  if (info->topLevelUserPath != hand) return XR_ERROR_PATH_UNSUPPORTED;
+  if (link.force_properties().available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
+  if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  const std::lock_guard lock(forces_mutex_);
+  if (!forces.Values().empty()) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  const auto made = std::make_shared<ForceFeedback>(record, StatusNow(*record));
+  forces.Insert(made->handle(), made);
+  link.ClaimForce(true);
+  *handle_out = made->handle();
+  return XR_SUCCESS;
+}
+
+XrResult Instance::DestroyForceFeedback(XrForceFeedbackOMNIX1 force) {
+  Alive();
+  const std::lock_guard lock(forces_mutex_);
+  if (!forces.Contains(force)) return XR_ERROR_HANDLE_INVALID;
+  forces.Erase(force);
+  link.StopForce();
+  link.ClaimForce(false);
+  return XR_SUCCESS;
+}
+
+void Instance::DestroyForcesOf(XrSession session) {
+  const std::lock_guard lock(forces_mutex_);
+  const std::size_t before = forces.Values().size();
+  forces.EraseIf([session](const ForceFeedback& force) { return force.session->handle == session; });
+  if (forces.Values().size() == before) return;
+  link.StopForce();
+  link.ClaimForce(false);
+}
+
+void Instance::ForgetForces(const Session& session) {
+  for (const auto& force : forces.Values()) {
+    if (force->session.get() != &session) continue;
+    {
+      const std::lock_guard lock(force->mutex);
+      force->constraints.clear();
+      ++force->constraint_changes;
+    }
+    link.StopForce();
+  }
+}
+
+void Instance::ForgetSpace(XrSpace space) {
+  for (const auto& force : forces.Values()) {
+    const std::lock_guard lock(force->mutex);
+    auto& all = force->constraints;
+    const auto gone = std::remove_if(all.begin(), all.end(), [space](const auto& c) { return c.space == space; });
+    if (gone == all.end()) continue;
+    all.erase(gone, all.end());
+    ++force->constraint_changes;
+    force->told_connection = 0;  // told anew at the next sync, or here if none is left
+    if (all.empty()) link.SendConstraints(protocol::ForceConstraints{});
+  }
+}
+
+XrResult Instance::ApplyForce(XrForceFeedbackOMNIX1 handle_in, const XrForceApplyInfoOMNIX1* info) {
+  Alive();
+  const auto force = forces.Find(handle_in);
+  if (!force) return XR_ERROR_HANDLE_INVALID;
+  const bool valid = info && info->type == XR_TYPE_FORCE_APPLY_INFO_OMNIX1 && IsFinite(info->force) &&
+                     info->duration > 0 && info->rampDuration >= 0;
+  if (!valid) return XR_ERROR_VALIDATION_FAILURE;
+  if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
+  if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;
+  if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  Places places(*this, *force->session);
+  Located place;
+  if (const XrResult result = places.Find(info->baseSpace, place); XR_FAILED(result)) return result;
+  const bool directed = Has(place.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) && IsFinite(place.motion);
+  if (!directed) return XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1;
+  protocol::ForceApply apply;
+  apply.t_ns = places.now_ns();
+  apply.duration_ns = std::min<std::int64_t>(info->duration, protocol::kLongestForce_ns);
+  apply.ramp_ns = std::min<std::int64_t>(info->rampDuration, protocol::kLongestForce_ns);
+  glm::dvec3 f = place.motion.X.q * FromXr(info->force);
+  const double size = glm::length(f);
+  if (size > protocol::kLargestForce_N) f *= protocol::kLargestForce_N / size;
+  apply.force_base_N = Clamped(f, protocol::kLargestForce_N);
+  link.SendForce(apply);
+  return XR_SUCCESS;
+}
+
+XrResult Instance::SetConstraints(XrForceFeedbackOMNIX1 handle_in,
+                                  const XrForceFeedbackConstraintsSetInfoOMNIX1* info) {
+  Alive();
+  const auto force = forces.Find(handle_in);
+  if (!force) return XR_ERROR_HANDLE_INVALID;
+  if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_CONSTRAINTS_SET_INFO_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
+  std::vector<LocalConstraint> read;
+  if (const XrResult result = ReadConstraints(*info, read); XR_FAILED(result)) return result;
+  if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;
+  if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  Places places(*this, *force->session);
+  protocol::ForceConstraints message;
+  bool all_placed = false;
+  if (const XrResult result = PlaceConstraints(places, read, message, all_placed); XR_FAILED(result)) return result;
+  if (!all_placed) return XR_ERROR_FORCE_FEEDBACK_SPACE_NOT_LOCATABLE_OMNIX1;
+  const std::lock_guard lock(force->mutex);
+  if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;  // lost meanwhile
+  force->constraints = std::move(read);
+  ++force->constraint_changes;
+  TellConstraints(*force, message);
+  return XR_SUCCESS;
+}
+
+// The caller holds force.mutex.
+void Instance::TellConstraints(ForceFeedback& force, const protocol::ForceConstraints& message) {
+  force.told_connection = link.SendConstraints(message) ? link.connection_number() : 0;
+  force.told = message;
+}
+
+// Spaces move, and a service that has come back knows nothing.
+void Instance::FollowConstraints() {
+  for (const auto& force : forces.Values()) {
+    std::vector<LocalConstraint> constraints;
+    std::uint64_t changes = 0;
+    {
+      const std::lock_guard lock(force->mutex);
+      constraints = force->constraints;
+      changes = force->constraint_changes;
+    }
+    if (constraints.empty() || !force->session->focused) continue;
+    Places places(*this, *force->session);
+    protocol::ForceConstraints now;
+    bool all_placed = false;
+    if (XR_FAILED(PlaceConstraints(places, constraints, now, all_placed))) continue;
+    const std::lock_guard lock(force->mutex);
+    const bool other_ones = force->constraint_changes != changes;  // set, or gone, meanwhile
+    const bool same_service = force->told_connection == link.connection_number();
+    const bool known = same_service && SameConstraints(force->told, now);
+    if (!other_ones && !known) TellConstraints(*force, now);
+  }
+}
+
+XrResult Instance::StopForce(XrForceFeedbackOMNIX1 handle_in) {
+  Alive();
+  const auto force = forces.Find(handle_in);
+  if (!force) return XR_ERROR_HANDLE_INVALID;
+  const std::lock_guard lock(force->mutex);
+  force->constraints.clear();
+  ++force->constraint_changes;
+  link.StopForce();
+  return XR_SUCCESS;
+}
+
+}  // namespace omni::layer

@@ -1,0 +1,142 @@
+#include "layer/src/force/force_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace omni::layer {
+namespace {
+
+using protocol::ForceConstraint;
+using protocol::ForceShape;
+using protocol::ForceSide;
+
+constexpr double kSamePlace_m = 1e-6;  // and as direction, m/s, rad/s
+
+glm::dvec3 VecOf(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
+bool NotNegative(float value) noexcept { return std::isfinite(value) && value >= 0; }
+
+template <class T>
+const T& As(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header) noexcept {
+  return *reinterpret_cast<const T*>(&header);
+}
+
+bool ReadDirection(const XrVector3f& direction, ForceConstraint& shape) noexcept {
+  const glm::dvec3 d = FromXr(direction);
+  const double length = glm::length(d);
+  if (!(IsFinite(direction) && length > 1e-20)) return false;
+  shape.direction_base = ToArray(d / length);
+  return true;
+}
+
+bool ReadSide(XrForceFeedbackSideOMNIX1 side, ForceConstraint& shape) noexcept {
+  shape.side = static_cast<ForceSide>(side);
+  return side >= XR_FORCE_FEEDBACK_SIDE_ON_OMNIX1 && side <= XR_FORCE_FEEDBACK_SIDE_INSIDE_OMNIX1;
+}
+
+bool ReadPoint(const XrVector3f& point, ForceConstraint& shape) noexcept {
+  shape.point_base_m = ToArray(FromXr(point));
+  return IsFinite(point);
+}
+
+bool ReadRadius(float radius, ForceConstraint& shape) noexcept {
+  shape.radius_m = std::min<double>(radius, protocol::kFarthestConstraint_m);
+  return NotNegative(radius);
+}
+
+bool ReadShape(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header, ForceConstraint& shape) noexcept {
+  switch (static_cast<int>(header.type)) {
+    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_POINT_OMNIX1):
+      shape.shape = ForceShape::kPoint;
+      return ReadPoint(As<XrForceFeedbackConstraintPointOMNIX1>(header).position, shape);
+    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_LINE_OMNIX1): {
+      const auto& line = As<XrForceFeedbackConstraintLineOMNIX1>(header);
+      shape.shape = ForceShape::kLine;
+      return ReadPoint(line.position, shape) && ReadDirection(line.direction, shape) && ReadRadius(line.radius, shape);
+    }
+    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_PLANE_OMNIX1): {
+      const auto& plane = As<XrForceFeedbackConstraintPlaneOMNIX1>(header);
+      shape.shape = ForceShape::kPlane;
+      return ReadPoint(plane.position, shape) && ReadDirection(plane.normal, shape) && ReadSide(plane.side, shape);
+    }
+    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_SPHERE_OMNIX1): {
+      const auto& sphere = As<XrForceFeedbackConstraintSphereOMNIX1>(header);
+      shape.shape = ForceShape::kSphere;
+      return ReadPoint(sphere.position, shape) && ReadRadius(sphere.radius, shape) && sphere.radius > 0 &&
+             ReadSide(sphere.side, shape);
+    }
+    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_VISCOUS_OMNIX1):
+      shape.shape = ForceShape::kViscous;
+      return header.stiffness == 0;
+    default:
+      return false;
+  }
+}
+
+bool Near(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!(std::abs(a[i] - b[i]) <= kSamePlace_m)) return false;
+  }
+  return true;
+}
+
+bool SameAndStill(const ForceConstraint& a, const ForceConstraint& b) noexcept {
+  const bool same_feel = a.shape == b.shape && a.side == b.side && a.stiffness_N_m == b.stiffness_N_m &&
+                         a.damping_Ns_m == b.damping_Ns_m && a.max_force_N == b.max_force_N && a.radius_m == b.radius_m;
+  return same_feel && Near(a.point_base_m, b.point_base_m) && Near(a.direction_base, b.direction_base) &&
+         Near(b.velocity_base_m_s, {}) && Near(b.angular_velocity_base_rad_s, {}) && Near(a.velocity_base_m_s, {}) &&
+         Near(a.angular_velocity_base_rad_s, {});
+}
+
+}  // namespace
+
+XrResult ReadConstraints(const XrForceFeedbackConstraintsSetInfoOMNIX1& info, std::vector<LocalConstraint>& out) {
+  out.clear();
+  if (info.constraintCount > 0 && !info.constraints) return XR_ERROR_VALIDATION_FAILURE;
+  const std::uint32_t count = std::min<std::uint32_t>(info.constraintCount, XR_MAX_FORCE_FEEDBACK_CONSTRAINTS_OMNIX1);
+  if (info.constraintCount > count) return XR_ERROR_LIMIT_REACHED;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto* header = info.constraints[i];
+    if (!header || !NotNegative(header->stiffness) || !NotNegative(header->damping) || !NotNegative(header->maxForce))
+      return XR_ERROR_VALIDATION_FAILURE;
+    LocalConstraint constraint;
+    constraint.space = header->baseSpace;
+    constraint.shape.stiffness_N_m = std::min<double>(header->stiffness, protocol::kLargestStiffness_N_m);
+    constraint.shape.damping_Ns_m = std::min<double>(header->damping, protocol::kLargestDamping_Ns_m);
+    constraint.shape.max_force_N = std::min<double>(header->maxForce, protocol::kLargestForce_N);
+    if (!ReadShape(*header, constraint.shape)) return XR_ERROR_VALIDATION_FAILURE;
+    if (constraint.space == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
+    out.push_back(constraint);
+  }
+  return XR_SUCCESS;
+}
+
+std::array<double, 3> Clamped(const glm::dvec3& v, double limit) noexcept {
+  std::array<double, 3> out = ToArray(v);
+  for (double& x : out) x = std::isfinite(x) ? std::clamp(x, -limit, limit) : 0;
+  return out;
+}
+
+// v = v_S + w x R p. A line or a plane is named by its point nearest to the base: farther ones name the same shape.
+protocol::ForceConstraint InBase(const protocol::ForceConstraint& shape, const Motion& X_BS) noexcept {
+  protocol::ForceConstraint out = shape;
+  const glm::dvec3 d = glm::normalize(X_BS.X.q * VecOf(shape.direction_base));
+  glm::dvec3 p = X_BS.X.p + X_BS.X.q * VecOf(shape.point_base_m);
+  if (shape.shape == ForceShape::kPlane) p = glm::dot(p, d) * d;
+  if (shape.shape == ForceShape::kLine) p -= glm::dot(p, d) * d;
+  out.direction_base = ToArray(d);
+  out.point_base_m = Clamped(p, protocol::kFarthestConstraint_m);
+  out.velocity_base_m_s = Clamped(X_BS.v + glm::cross(X_BS.w, p - X_BS.X.p), protocol::kFastestConstraint_m_s);
+  out.angular_velocity_base_rad_s = Clamped(X_BS.w, protocol::kFastestConstraint_m_s);
+  return out;
+}
+
+bool SameConstraints(const protocol::ForceConstraints& told, const protocol::ForceConstraints& now) noexcept {
+  if (told.count != now.count) return false;
+  return std::equal(told.constraints.begin(), told.constraints.begin() + told.count, now.constraints.begin(),
+                    SameAndStill);
+}
+
+}  // namespace omni::layer

@@ -1,0 +1,45 @@
+// All instances of this process: the layer's only global state.
+#pragma once
+
+#include <memory>
+#include <shared_mutex>
+#include <vector>
+
+#include "layer/src/instance/instance.h"
+
+namespace omni::layer {
+
+class Registry {
+ public:
+  static Registry& Get();
+
+  void Add(std::shared_ptr<Instance> instance);
+  void Remove(XrInstance handle);
+  std::shared_ptr<Instance> Find(XrInstance handle) const;
+
+  // The instance that made this handle. A handle that nobody knows (made by a function that we do not intercept, or
+  // wrong) is a matter for the runtime: it goes down through the newest instance. Null: there is no instance.
+  template <class Handle>
+  std::shared_ptr<Instance> Owner(Handle handle) const {
+    const std::shared_lock lock(mutex_);
+    if (instances_.empty()) return nullptr;
+    if (instances_.size() == 1) return instances_.front();
+    for (const auto& instance : instances_)
+      if (Knows(*instance, handle)) return instance;
+    return instances_.back();
+  }
+
+ private:
+  static bool Knows(const Instance& i, XrSession handle) { return i.sessions.Contains(handle); }
+  static bool Knows(const Instance& i, XrActionSet handle) { return i.action_sets.Contains(handle); }
+  static bool Knows(const Instance& i, XrAction handle) { return i.actions.Contains(handle); }
+  static bool Knows(const Instance& i, XrSpace handle) { return i.spaces.Contains(handle); }
+  static bool Knows(const Instance& i, XrHandTrackerEXT handle) { return i.hand_trackers.Contains(handle); }
+  static bool Knows(const Instance& i, XrForceFeedbackOMNIX1 handle) { return i.forces.Contains(handle); }
+  static bool Knows(const Instance& i, XrHapticSceneOMNIX1 handle) { return i.haptic_scenes.Contains(handle); }
+
+  mutable std::shared_mutex mutex_;
+  std::vector<std::shared_ptr<Instance>> instances_;
+};
+
+}  // namespace omni::layer

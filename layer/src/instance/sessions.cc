@@ -1,0 +1,137 @@
+// Sessions and events: when the pen has an application to serve, and which.
+#include <cstring>
+
+#include "layer/src/instance/instance.h"
+#include "service/base/clock.h"
+
+namespace omni::layer {
+
+XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* session) {
+  const XrResult result = next.CreateSession(handle, info, session);
+  Alive();
+  if (XR_FAILED(result)) return result;
+  auto record = std::make_shared<Session>(*session, profiles, Choice(), hand_paths);
+  MakeAnchors(*record);
+  AskPlacement(*record, info->systemId);
+  sessions.Insert(*session, std::move(record));
+  return result;
+}
+
+XrResult Instance::DestroySession(XrSession session) {
+  const XrResult result = next.DestroySession(session);
+  if (XR_FAILED(result)) return result;
+  DestroyForcesOf(session);
+  haptic_scenes.EndOf(session);
+  spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
+  hand_trackers.EraseIf([session](const Session& owner) { return owner.handle == session; });
+  if (const auto record = sessions.Find(session)) {
+    record->running = false;
+    SetFocus(*record, false);
+  }
+  sessions.Erase(session);
+  ReportSessionState();
+  return result;
+}
+
+XrResult Instance::BeginSession(XrSession session, const XrSessionBeginInfo* info) {
+  const XrResult result = next.BeginSession(session, info);
+  Alive();
+  if (XR_FAILED(result)) return result;
+  if (const auto record = sessions.Find(session)) {
+    record->running = true;
+  }
+  ReportSessionState();
+  return result;
+}
+
+XrResult Instance::EndSession(XrSession session) {
+  const XrResult result = next.EndSession(session);
+  Alive();
+  if (XR_FAILED(result)) return result;
+  if (const auto record = sessions.Find(session)) {
+    SetFocus(*record, false);
+    record->running = false;
+    record->profile_event_due = false;
+  }
+  ReportSessionState();
+  return result;
+}
+
+// Leaving focus ends what vibrates and takes the force away.
+void Instance::SetFocus(Session& session, bool focused) {
+  if (session.focused.exchange(focused) == focused) return;
+  if (!focused) {
+    session.focus_was_lost = true;
+    pcm_backlog.Clear();
+    link.HapticStop();
+    ForgetForces(session);
+  }
+  ReportSessionState();
+}
+
+void Instance::ReportSessionState() {
+  protocol::SessionState state = protocol::SessionState::kNone;
+  sessions.ForEach([&](const Session& session) {
+    if (!session.running) return;
+    state = std::max(state, session.focused ? protocol::SessionState::kFocused : protocol::SessionState::kBegun);
+  });
+  link.SetSession(state);
+}
+
+XrResult Instance::PollEvent(XrEventDataBuffer* event) {
+  const XrResult result = next.PollEvent(handle, event);
+  Alive();
+  haptic_scenes.Look();
+  if (result == XR_SUCCESS && event) {
+    if (event->type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
+      XrEventDataSessionStateChanged changed;
+      std::memcpy(&changed, event, sizeof(changed));
+      if (const auto session = sessions.Find(changed.session))
+        SetFocus(*session, changed.state == XR_SESSION_STATE_FOCUSED);
+    } else if (event->type == XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED) {
+      // One event says that any profile of the session may have changed: ours is delivered with it.
+      XrEventDataInteractionProfileChanged changed;
+      std::memcpy(&changed, event, sizeof(changed));
+      const auto session = sessions.Find(changed.session);
+      if (session) session->profile_event_due = false;
+    } else if (event->type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
+      XrEventDataReferenceSpaceChangePending changed;
+      std::memcpy(&changed, event, sizeof(changed));
+      OnSpaceChange(changed);
+    }
+    return result;
+  }
+  if (result != XR_EVENT_UNAVAILABLE || !event) return result;
+  WatchForces();
+  XrSession due = XR_NULL_HANDLE;
+  sessions.ForEach([&](Session& session) {
+    if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
+  });
+  if (due == XR_NULL_HANDLE) {
+    XrEventDataBuffer ours;
+    do {
+      if (!events.Pop(ours)) return result;
+    } while (IsOfDestroyedForce(ours) || haptic_scenes.IsOfDestroyed(ours));
+    *event = ours;
+    return XR_SUCCESS;
+  }
+  const XrEventDataInteractionProfileChanged changed{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr, due};
+  std::memcpy(event, &changed, sizeof(changed));
+  return XR_SUCCESS;
+}
+
+XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state) {
+  const XrResult result = next.WaitFrame(session, info, state);
+  const std::int64_t now = base::MonotonicNow_ns();
+  Alive();
+  clock.Refresh(now);
+  if (XR_SUCCEEDED(result) && state) {
+    clock.OnFrame(*state, now);
+    haptic_scenes.FollowSpace(session, state->predictedDisplayTime);
+  }
+  FollowConstraints();
+  WatchForces();
+  return result;
+}
+
+}  // namespace omni::layer

@@ -1,0 +1,116 @@
+// XR_OMNIX1_haptic_scene: what we remember of the scene that an application gave, and what goes to the service about
+// it. At most one per instance, since the service keeps one per client. One mutex orders all that is said about it;
+// nothing of the runtime is called under it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "layer/include/openxr/omni_haptic_scene.h"
+#include "layer/src/spaces/locate.h"
+#include "service/base/unique_fd.h"
+#include "service/client/connection.h"
+
+namespace omni::layer {
+
+class Instance;
+
+// The scene's own frame at the service (z up, scaled) against the document's (y up): x_Z = scale * C x_G.
+Pose DocumentAxes();  // C as a pose without translation
+
+// Where an application has put its scene.
+struct ScenePlacement {
+  XrSpace base = XR_NULL_HANDLE;
+  Pose X_SG;  // document's frame in the space, lengths in metres
+  double scale = 1;
+};
+
+struct HapticScene {
+  XrHapticSceneOMNIX1 handle = XR_NULL_HANDLE;  // its own address
+  XrSession session = XR_NULL_HANDLE;
+  std::uint32_t number = 0;
+  base::UniqueFd document;
+  std::uint64_t bytes = 0;
+  std::uint32_t flags = 0;
+
+  // As the service was told, and is told again after a reconnection.
+  std::optional<ScenePlacement> placement;
+  protocol::HapticScenePlace place;                         // in the base frame
+  Motion X_OG;                                              // document's frame in the base frame, lengths in metres
+  std::map<std::uint32_t, protocol::HapticNodePose> nodes;  // by object
+  std::int64_t nodes_t_ns = 0;
+  std::map<std::uint32_t, base::MaterialParameters> changed;  // by material
+  bool enabled = true;
+  std::uint64_t told = 0;  // the connection that has been told of it; 0: none
+
+  // As the service said.
+  XrHapticSceneStatusOMNIX1 status = XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1;
+  protocol::HapticSceneState state;
+  std::string text;
+  client::HapticSceneTable table;
+  bool ever_ready = false;
+
+  bool surfaces_asked = false;
+  std::map<std::uint32_t, client::SurfaceCopy> surfaces;  // by object
+};
+
+class HapticScenes {
+ public:
+  explicit HapticScenes(Instance& instance) : instance_(instance) {}
+
+  bool Contains(XrHapticSceneOMNIX1 handle) const;
+
+  // haptic_scene.cc
+  XrResult Create(XrSession session, const XrHapticSceneCreateInfoOMNIX1* info, XrHapticSceneOMNIX1* scene);
+  XrResult Destroy(XrHapticSceneOMNIX1 scene);
+  XrResult State(XrHapticSceneOMNIX1 scene, XrHapticSceneStateOMNIX1* state);
+  XrResult Diagnostics(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count, char* text);
+  XrResult Place(XrHapticSceneOMNIX1 scene, const XrHapticScenePlacementOMNIX1* placement);
+  XrResult Enable(XrHapticSceneOMNIX1 scene, XrBool32 enabled);
+  XrResult SetMaterial(XrHapticSceneOMNIX1 scene, uint32_t material, const XrHapticMaterialOMNIX1* wanted);
+  XrResult MoveNodes(XrHapticSceneOMNIX1 scene, const XrHapticNodesUpdateInfoOMNIX1* info);
+
+  // haptic_scene_queries.cc
+  XrResult Nodes(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count, XrHapticSceneNodeOMNIX1* nodes);
+  XrResult Material(XrHapticSceneOMNIX1 scene, uint32_t material, XrHapticMaterialOMNIX1* out);
+  XrResult Contacts(XrHapticSceneOMNIX1 scene, const XrHapticContactsGetInfoOMNIX1* info, uint32_t capacity,
+                    uint32_t* count, XrHapticContactOMNIX1* contacts);
+  XrResult Mesh(XrHapticSceneOMNIX1 scene, const XrHapticNodeMeshGetInfoOMNIX1* info, XrHapticNodeMeshOMNIX1* mesh);
+
+  // Takes what the service has said and tells it what it does not know; events go to the instance's queue.
+  void Look();
+  // The placement of a scene follows its space: once a frame.
+  void FollowSpace(XrSession session, XrTime time);
+  void ForgetSpace(XrSpace space);
+  void EndOf(XrSession session);
+  // A status event whose scene is no more.
+  bool IsOfDestroyed(const XrEventDataBuffer& event) const;
+
+ private:
+  // All with the mutex held. Null: no such scene.
+  HapticScene* Find(XrHapticSceneOMNIX1 handle) const;
+  void End();
+  void TakeNews();
+  void TellAll();
+  void SetStatus(XrHapticSceneStatusOMNIX1 status);
+  XrResult Usable(const HapticScene* scene) const;  // for all but state, diagnostics and end
+  XrResult Ready(const HapticScene* scene) const;   // has nodes and materials
+
+  Instance& instance_;
+  mutable std::mutex mutex_;
+  std::unique_ptr<HapticScene> scene_;
+  std::uint32_t scenes_made_ = 0;
+};
+
+XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) noexcept;
+// The object of a node of this scene; none: nothing.
+std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOMNIX1 node) noexcept;
+
+bool IsUnitPose(const XrPosef& pose) noexcept;
+
+}  // namespace omni::layer

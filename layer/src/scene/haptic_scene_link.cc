@@ -1,0 +1,111 @@
+// What goes between the scene's record and the service: told anew after a reconnection, heard at every look.
+#include <cstring>
+#include <utility>
+
+#include "layer/src/instance/instance.h"
+#include "service/base/clock.h"
+
+namespace omni::layer {
+namespace {
+
+XrHapticSceneStatusOMNIX1 ToStatus(protocol::HapticSceneStatus status) noexcept {
+  switch (status) {
+    case protocol::HapticSceneStatus::kReady:
+      return XR_HAPTIC_SCENE_STATUS_READY_OMNIX1;
+    case protocol::HapticSceneStatus::kFailed:
+      return XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
+    default:
+      return XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1;
+  }
+}
+
+}  // namespace
+
+void HapticScenes::Look() {
+  const std::lock_guard lock(mutex_);
+  if (scene_ == nullptr) return;
+  TakeNews();
+  TellAll();
+}
+
+void HapticScenes::SetStatus(XrHapticSceneStatusOMNIX1 status) {
+  if (scene_->status == status) return;
+  scene_->status = status;
+  scene_->ever_ready = scene_->ever_ready || status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1;
+  const XrEventDataHapticSceneStateChangedOMNIX1 changed{
+      XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1, nullptr, scene_->session, scene_->handle, status,
+      instance_.clock.ToXr(base::MonotonicNow_ns())};
+  instance_.events.Push(changed);
+}
+
+bool HapticScenes::IsOfDestroyed(const XrEventDataBuffer& event) const {
+  if (event.type != XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1) return false;
+  XrEventDataHapticSceneStateChangedOMNIX1 changed;
+  std::memcpy(&changed, &event, sizeof(changed));
+  return !Contains(changed.scene);
+}
+
+void HapticScenes::TakeNews() {
+  struct News {
+    bool connected = false;
+    std::uint64_t welcomes = 0;
+    std::vector<client::HapticSceneUpdate> updates;
+  };
+  News news = instance_.link.With([](client::Connection& connection) {
+    return News{connection.connected(), connection.welcomes(), connection.TakeHapticSceneUpdates()};
+  });
+  const bool failed = scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
+  if (!failed && scene_->told != 0 && (!news.connected || scene_->told != news.welcomes)) {
+    scene_->told = 0;  // the service has forgotten it, or is gone
+    scene_->state = {};
+    scene_->surfaces.clear();
+    SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
+  }
+  for (client::HapticSceneUpdate& update : news.updates) {
+    if (update.is_table) {
+      if (update.table.number == scene_->number) scene_->table = std::move(update.table);
+      continue;
+    }
+    if (failed) continue;
+    if (update.state.number != scene_->number || scene_->told != news.welcomes) continue;
+    if (update.state.generation != scene_->state.generation) scene_->surfaces.clear();
+    scene_->state = update.state;
+    scene_->text = std::move(update.text);
+    SetStatus(ToStatus(update.state.status));
+  }
+}
+
+// All of it, once a connection: what does not go out is tried again at the next look.
+void HapticScenes::TellAll() {
+  if (scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1) return;
+  scene_->told = instance_.link.With([this](client::Connection& connection) -> std::uint64_t {
+    if (!connection.connected() || scene_->told == connection.welcomes()) return scene_->told;
+    protocol::HapticSceneLoad load;
+    load.number = scene_->number;
+    load.flags = scene_->flags;
+    load.bytes = scene_->bytes;
+    load.scale = scene_->placement ? scene_->placement->scale : 1;
+    if (!connection.Send(load, scene_->document.get())) return 0;
+    bool sent = !scene_->placement || connection.Send(scene_->place);
+    protocol::HapticNodes nodes;
+    nodes.number = scene_->number;
+    nodes.t_ns = scene_->nodes_t_ns;
+    for (const auto& [object, pose] : scene_->nodes) nodes.nodes[nodes.count++] = pose;
+    sent = sent && (nodes.count == 0 || connection.Send(nodes));
+    for (const auto& [index, parameters] : scene_->changed) {
+      protocol::HapticMaterial material;
+      material.number = scene_->number;
+      material.material = index;
+      material.parameters = parameters;
+      sent = sent && connection.Send(material);
+    }
+    protocol::HapticSceneEnable enable;
+    enable.number = scene_->number;
+    enable.enabled = scene_->enabled ? 1 : 0;
+    sent = sent && connection.Send(enable);
+    if (scene_->surfaces_asked) connection.RequestSurfaces(true);
+    return sent ? connection.welcomes() : 0;
+  });
+}
+
+}  // namespace omni::layer

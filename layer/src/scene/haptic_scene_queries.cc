@@ -1,0 +1,191 @@
+// What an application asks about its scene.
+#include <algorithm>
+#include <cstring>
+
+#include "layer/src/instance/instance.h"
+#include "layer/src/scene/haptic_material.h"
+
+namespace omni::layer {
+namespace {
+
+XrPosef RestPoseOf(const protocol::HapticNodeRow& row) noexcept {
+  const auto& q = row.rest_rotation_wxyz;
+  const auto& p = row.rest_position_m;
+  return ToXr(Pose{{p[0], p[1], p[2]}, glm::dquat(q[0], q[1], q[2], q[3])});
+}
+
+struct FlagPair {
+  std::uint32_t ours;
+  XrHapticNodeFlagsOMNIX1 theirs;
+};
+
+XrHapticNodeFlagsOMNIX1 NodeFlags(std::uint32_t flags) noexcept {
+  XrHapticNodeFlagsOMNIX1 out = 0;
+  for (const FlagPair& pair : {FlagPair{protocol::kNodeKinematic, XR_HAPTIC_NODE_KINEMATIC_BIT_OMNIX1},
+                               FlagPair{protocol::kNodeSoft, XR_HAPTIC_NODE_SOFT_BIT_OMNIX1},
+                               FlagPair{protocol::kNodeSculptable, XR_HAPTIC_NODE_SCULPTABLE_BIT_OMNIX1},
+                               FlagPair{protocol::kNodeExtrudable, XR_HAPTIC_NODE_EXTRUDABLE_BIT_OMNIX1},
+                               FlagPair{protocol::kNodeDoubleSided, XR_HAPTIC_NODE_DOUBLE_SIDED_BIT_OMNIX1}}) {
+    if ((flags & pair.ours) != 0) out |= pair.theirs;
+  }
+  return out;
+}
+
+glm::dvec3 ToVector(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
+constexpr std::uint32_t kChangesShape = protocol::kNodeSoft | protocol::kNodeSculptable | protocol::kNodeExtrudable;
+
+// The two-call idiom for one of two arrays. False: there is room, but not enough.
+bool Fits(std::uint32_t capacity, std::uint32_t count) noexcept { return capacity == 0 || capacity >= count; }
+
+}  // namespace
+
+XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count,
+                             XrHapticSceneNodeOMNIX1* nodes) {
+  if (!count || (capacity > 0 && !nodes)) return XR_ERROR_VALIDATION_FAILURE;
+  Look();
+  const std::lock_guard lock(mutex_);
+  const HapticScene* scene = Find(handle);
+  const XrResult ready = Ready(scene);
+  if (ready != XR_SUCCESS) return ready;
+  *count = static_cast<uint32_t>(scene->table.nodes.size());
+  if (capacity == 0) return XR_SUCCESS;
+  if (capacity < *count) return XR_ERROR_SIZE_INSUFFICIENT;
+  for (uint32_t i = 0; i < *count; ++i)
+    if (nodes[i].type != XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
+  for (uint32_t i = 0; i < *count; ++i) {
+    const protocol::HapticNodeRow& row = scene->table.nodes[i];
+    nodes[i].node = NodeIdOf(*scene, i);
+    nodes[i].gltfNode = row.gltf_node;
+    nodes[i].flags = NodeFlags(row.flags);
+    nodes[i].materialIndex = row.material;
+    nodes[i].triangleCount = row.triangle_count;
+    nodes[i].restPose = RestPoseOf(row);
+    static_assert(sizeof(nodes[i].name) == sizeof(row.name));
+    std::memcpy(nodes[i].name, row.name, sizeof(row.name));
+  }
+  return XR_SUCCESS;
+}
+
+XrResult HapticScenes::Material(XrHapticSceneOMNIX1 handle, uint32_t index, XrHapticMaterialOMNIX1* out) {
+  if (!out || out->type != XR_TYPE_HAPTIC_MATERIAL_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
+  Look();
+  const std::lock_guard lock(mutex_);
+  const HapticScene* scene = Find(handle);
+  const XrResult ready = Ready(scene);
+  if (ready != XR_SUCCESS) return ready;
+  if (index >= scene->table.materials.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
+  const auto changed = scene->changed.find(index);
+  Put(changed != scene->changed.end() ? changed->second : scene->table.materials[index], *out);
+  return XR_SUCCESS;
+}
+
+XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContactsGetInfoOMNIX1* info,
+                                uint32_t capacity, uint32_t* count, XrHapticContactOMNIX1* contacts) {
+  if (!info || info->type != XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1 || !count || (capacity > 0 && !contacts))
+    return XR_ERROR_VALIDATION_FAILURE;
+  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
+  Look();
+  std::shared_ptr<Session> session;
+  std::uint64_t generation = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const HapticScene* scene = Find(handle);
+    const XrResult ready = Ready(scene);
+    if (ready != XR_SUCCESS) return ready;
+    session = instance_.sessions.Find(scene->session);
+    generation = scene->state.generation;
+  }
+  if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
+  Located X_OS;
+  const XrResult located = instance_.LocateInBase(*session, info->baseSpace, info->time, X_OS);
+  if (XR_FAILED(located)) return located;
+  protocol::ContactSnapshot snapshot;
+  const auto reader = instance_.link.reader();
+  const bool known = generation != 0 && (X_OS.flags & kValid) == kValid && reader && reader->Contacts(snapshot) &&
+                     snapshot.scene_generation == generation;
+  const std::lock_guard lock(mutex_);
+  const HapticScene* scene = Find(handle);
+  if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
+  if (!known) snapshot.count = 0;
+  *count = snapshot.count;
+  if (capacity == 0) return XR_SUCCESS;
+  if (capacity < snapshot.count) return XR_ERROR_SIZE_INSUFFICIENT;
+  for (uint32_t i = 0; i < snapshot.count; ++i)
+    if (contacts[i].type != XR_TYPE_HAPTIC_CONTACT_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
+  const Pose X_SO = Inverse(X_OS.motion.X);
+  for (uint32_t i = 0; i < snapshot.count; ++i) {
+    const protocol::ContactSample& from = snapshot.contacts[i];
+    contacts[i].node =
+        from.object < scene->table.nodes.size() ? NodeIdOf(*scene, from.object) : XR_NULL_HAPTIC_NODE_ID_OMNIX1;
+    contacts[i].materialIndex = from.material;
+    contacts[i].point = ToXr(X_SO.p + X_SO.q * ToVector(from.point_base_m));
+    contacts[i].normal = ToXr(X_SO.q * ToVector(from.normal_base));
+    contacts[i].force = ToXr(X_SO.q * ToVector(from.force_base_N));
+    contacts[i].normalForce = static_cast<float>(from.normal_force_N);
+    contacts[i].tangentialForce = static_cast<float>(from.tangential_force_N);
+    contacts[i].penetration = static_cast<float>(from.penetration_m);
+    contacts[i].slipVelocity = ToXr(X_SO.q * ToVector(from.slip_base_m_s));
+    contacts[i].time = instance_.clock.ToXr(snapshot.t_ns);
+  }
+  return XR_SUCCESS;
+}
+
+XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGetInfoOMNIX1* info,
+                            XrHapticNodeMeshOMNIX1* mesh) {
+  if (!info || info->type != XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1 || !mesh ||
+      mesh->type != XR_TYPE_HAPTIC_NODE_MESH_OMNIX1 || (mesh->vertexCapacityInput > 0 && !mesh->vertices) ||
+      (mesh->indexCapacityInput > 0 && !mesh->indices)) {
+    return XR_ERROR_VALIDATION_FAILURE;
+  }
+  Look();
+  const std::lock_guard lock(mutex_);
+  HapticScene* scene = Find(handle);
+  const XrResult ready = Ready(scene);
+  if (ready != XR_SUCCESS) return ready;
+  const std::optional<std::uint32_t> object = ObjectOf(*scene, info->node);
+  const auto changes = [&] { return (scene->table.nodes[*object].flags & kChangesShape) != 0; };
+  if (!object || !changes()) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
+  const bool ask = !std::exchange(scene->surfaces_asked, true);
+  const auto reader = instance_.link.With([ask](client::Connection& connection) {
+    if (ask) connection.RequestSurfaces(true);
+    return connection.surfaces();
+  });
+  const bool of_this = reader && reader->scene_generation() == scene->state.generation;
+  if (!of_this) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
+  client::SurfaceCopy& copy = scene->surfaces[*object];
+  bool found = false;
+  for (std::size_t i = 0; i < reader->object_count() && !found; ++i) {
+    if (reader->object(i).object != *object) continue;
+    found = reader->Read(i, copy) != client::SurfaceRead::kNothing;
+  }
+  if (!found || copy.frame.t_ns <= 0) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;  // not of the tick yet
+  const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
+  const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
+  const double scale = scene->state.scale;
+  mesh->vertexCountOutput = vertex_count;
+  mesh->indexCountOutput = index_count;
+  const bool fits = Fits(mesh->vertexCapacityInput, vertex_count) && Fits(mesh->indexCapacityInput, index_count);
+  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
+  mesh->time = instance_.clock.ToXr(copy.frame.t_ns);
+  mesh->vertexChange = copy.frame.vertex_change;
+  mesh->indexChange = copy.frame.triangle_change;
+  mesh->maxDisplacement = static_cast<float>(copy.frame.largest_displacement_m / scale);
+  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
+  const auto per_scale = static_cast<float>(1 / scale);
+  if (mesh->vertexCapacityInput > 0) {
+    // (x, y, z) of the service's frame of the scene, z up, is (x, z, -y) of the document's.
+    std::transform(copy.vertices_base_m.begin(), copy.vertices_base_m.end(), mesh->vertices,
+                   [per_scale](const protocol::SurfacePoint& p) {
+                     return XrVector3f{per_scale * p[0], per_scale * p[2], -per_scale * p[1]};
+                   });
+  }
+  if (mesh->indexCapacityInput > 0) {
+    uint32_t* to = mesh->indices;
+    for (const protocol::SurfaceTriangle& triangle : copy.triangles)
+      to = std::copy(triangle.begin(), triangle.end(), to);
+  }
+  return XR_SUCCESS;
+}
+
+}  // namespace omni::layer

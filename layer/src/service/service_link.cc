@@ -1,0 +1,166 @@
+#include "layer/src/service/service_link.h"
+
+#include <cstring>
+#include <ctime>
+#include <utility>
+
+#include "layer/src/spaces/tool_motion.h"
+#include "service/base/clock.h"
+
+namespace omni::layer {
+namespace {
+constexpr std::int64_t kPollInterval_ns = 5'000'000;
+// A service answers at once; one that knows no placements never does.
+constexpr std::int64_t kPlacementPatience_ns = 300'000'000;
+}  // namespace
+
+ServiceLink::ServiceLink(client::ConnectionInfo info, Log& log) : connection_(std::move(info)), log_(log) {}
+
+void ServiceLink::Poll(std::int64_t now_ns) {
+  if (now_ns < next_poll_ns_.load(std::memory_order_relaxed)) return;
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return;
+  next_poll_ns_.store(now_ns + kPollInterval_ns, std::memory_order_relaxed);
+  connection_.Poll(now_ns);
+  PublishReader();
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits
+  if (std::memcmp(&connection_.settings(), &settings_, sizeof(settings_)) != 0) {
+    const std::unique_lock settings_lock(reader_mutex_);
+    settings_ = connection_.settings();
+  }
+  const bool connected = connection_.connected();
+  if (connected && !was_connected_ && placement_asked_) placement_patience_ns_ = now_ns + kPlacementPatience_ns;
+  if (const auto placement = connection_.TakePlacement()) {
+    placement_ = placement;
+    placement_patience_ns_ = 0;
+    placement_came_.store(true, std::memory_order_release);
+  }
+  for (const protocol::Notice& notice : connection_.TakeNotices())
+    log_.Line(std::string("service says: ") + notice.text);
+  if (connected && !was_connected_) connection_number_.fetch_add(1, std::memory_order_relaxed);
+  if (connected != was_connected_) log_.Line(connected ? "connected to omnid" : "connection to omnid lost");
+  if (!connected && connection_.last_error() != last_error_) {
+    last_error_ = connection_.last_error();
+    if (!last_error_.empty()) log_.Line(last_error_);
+  }
+  was_connected_ = connected;
+}
+
+void ServiceLink::PublishReader() {
+  std::shared_ptr<const client::StateReader> now = connection_.state();
+  if (now == reader_) return;  // only written under mutex_, which we hold
+  const std::unique_lock lock(reader_mutex_);
+  reader_.swap(now);
+}
+
+void ServiceLink::SetSession(protocol::SessionState state) {
+  const std::lock_guard lock(mutex_);
+  if (state == session_) return;
+  session_ = state;
+  connection_.SendSession(state);  // the connection repeats what did not get through
+}
+
+void ServiceLink::Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) {
+  const std::lock_guard lock(mutex_);
+  connection_.SendHaptic(duration_ns, amplitude, frequency_Hz);
+}
+
+void ServiceLink::HapticStop() {
+  const std::lock_guard lock(mutex_);
+  connection_.Send(protocol::HapticStop{});
+}
+
+void ServiceLink::ClaimForce(bool wanted) {
+  const std::lock_guard lock(mutex_);
+  connection_.ClaimForce(wanted);  // the connection repeats what did not get through
+}
+
+void ServiceLink::SendForce(const protocol::ForceApply& apply) {
+  const std::lock_guard lock(mutex_);
+  connection_.Send(apply);
+}
+
+bool ServiceLink::SendConstraints(const protocol::ForceConstraints& constraints) {
+  const std::lock_guard lock(mutex_);
+  return connection_.Send(constraints);
+}
+
+void ServiceLink::StopForce() {
+  const std::lock_guard lock(mutex_);
+  connection_.Send(protocol::ForceStop{});
+}
+
+protocol::ForceStanding ServiceLink::force_standing() const {
+  const std::lock_guard lock(mutex_);
+  return connection_.force_standing();
+}
+
+protocol::ForceProperties ServiceLink::force_properties() const {
+  const std::lock_guard lock(mutex_);
+  return connection_.force_properties();
+}
+
+bool ServiceLink::AwaitsForceProperties() const {
+  const std::lock_guard lock(mutex_);
+  return connection_.awaits_force_properties();
+}
+
+void ServiceLink::AwaitForceProperties() {
+  std::int64_t now_ns = base::MonotonicNow_ns();
+  const std::int64_t end_ns = now_ns + kDevicePatience_ns;
+  PollNow(now_ns);
+  if (!AwaitsForceProperties() || force_properties_awaited_.exchange(true)) return;
+  while (now_ns < end_ns && AwaitsForceProperties()) {
+    constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
+    nanosleep(&kPause, nullptr);
+    now_ns = base::MonotonicNow_ns();
+    PollNow(now_ns);
+  }
+}
+
+void ServiceLink::RequestPlacement(const protocol::PlacementRequest& request) {
+  const std::lock_guard lock(mutex_);
+  placement_asked_ = true;
+  if (connection_.RequestPlacement(request)) placement_patience_ns_ = base::MonotonicNow_ns() + kPlacementPatience_ns;
+}
+
+std::optional<protocol::Placement> ServiceLink::TakePlacement() {
+  if (!placement_came_.load(std::memory_order_acquire)) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  placement_came_.store(false, std::memory_order_relaxed);
+  return std::exchange(placement_, std::nullopt);
+}
+
+void ServiceLink::SendSpaceChange(const protocol::SpaceChange& change) {
+  const std::lock_guard lock(mutex_);
+  connection_.Send(change);
+}
+
+bool ServiceLink::Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples) {
+  const std::lock_guard lock(mutex_);
+  return connection_.SendWaveform(waveform, samples);
+}
+
+std::shared_ptr<const client::StateReader> ServiceLink::reader() const {
+  if (test_ && test_->in_control()) return test_->reader();
+  const std::shared_lock lock(reader_mutex_);
+  return reader_;
+}
+
+protocol::AppSettings ServiceLink::settings() const {
+  const std::shared_lock lock(reader_mutex_);
+  return settings_;
+}
+
+PenSnapshot ServiceLink::Read(std::int64_t now_ns) const {
+  PenSnapshot pen;
+  const std::shared_ptr<const client::StateReader> state = reader();
+  if (!state || !state->Newest(pen.sample) || !state->Inputs(pen.inputs)) return pen;
+  pen.service_instance = state->service_instance();
+  const bool placed = now_ns >= placement_patience_ns_.load(std::memory_order_relaxed);
+  pen.present =
+      placed && now_ns - pen.sample.t_ns <= kPresenceTimeout_ns && (pen.sample.flags & protocol::kToolPoseValid) != 0;
+  return pen;
+}
+
+}  // namespace omni::layer

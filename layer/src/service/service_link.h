@@ -1,0 +1,110 @@
+// The one connection to omnid of an XrInstance: who may call what, and when.
+//
+// Poll and the sends take a mutex; Beat and reader() may be called from any thread at any time. Nothing blocks but
+// AwaitForceProperties: every socket call below is non-blocking, and Poll gives way when another thread is already
+// polling.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <string>
+#include <vector>
+
+#include "layer/src/actions/test_device.h"
+#include "layer/src/instance/log.h"
+#include "service/client/connection.h"
+
+namespace omni::layer {
+
+// The pen as one xrSyncActions sees it.
+struct PenSnapshot {
+  bool present = false;
+  std::uint64_t service_instance = 0;
+  protocol::ToolSample sample;
+  protocol::InputSnapshot inputs;
+};
+
+class ServiceLink {
+ public:
+  ServiceLink(client::ConnectionInfo info, Log& log);
+
+  void Beat() noexcept {
+    connection_.Beat();
+    if (test_) test_->Beat();
+  }
+  void Poll(std::int64_t now_ns);
+  // The same, however short ago the last look was.
+  void PollNow(std::int64_t now_ns) {
+    next_poll_ns_.store(0, std::memory_order_relaxed);
+    Poll(now_ns);
+  }
+
+  void SetSession(protocol::SessionState state);
+  void Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz);
+  void HapticStop();
+  // False: not sent.
+  bool Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples);
+
+  // Before anybody else knows of this link: a pen that a conformance test may take over.
+  void OfferTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
+  // Null: no test mode.
+  TestDevice* test() const { return test_.get(); }
+  void ClaimForce(bool wanted);
+  void SendForce(const protocol::ForceApply& apply);
+  bool SendConstraints(const protocol::ForceConstraints& constraints);  // false: they did not go out
+  void StopForce();
+  protocol::ForceStanding force_standing() const;
+  protocol::ForceProperties force_properties() const;
+  // Looks at the socket. Where the service was reached and has not said yet what its device can do, the first call
+  // waits for that, at most kDevicePatience_ns; no other call waits, and none where there is no service.
+  void AwaitForceProperties();
+  static constexpr std::int64_t kDevicePatience_ns = 100'000'000;
+  // Counts connections from 1: what an earlier one was told, this one does not know.
+  std::uint64_t connection_number() const { return connection_number_.load(std::memory_order_relaxed); }
+  // use(connection) while nobody else does; short, and nothing of the runtime in it.
+  template <class Use>
+  auto With(Use use) {
+    const std::lock_guard lock(mutex_);
+    return use(connection_);
+  }
+  // Where does the base stand? Asked again after a lost connection.
+  void RequestPlacement(const protocol::PlacementRequest& request);
+  // The newest answer since the last call. No lock where there is none.
+  std::optional<protocol::Placement> TakePlacement();
+  void SendSpaceChange(const protocol::SpaceChange& change);
+
+  std::shared_ptr<const client::StateReader> reader() const;
+  PenSnapshot Read(std::int64_t now_ns) const;
+  // What the service wishes of this application's layer; defaults while it has said nothing.
+  protocol::AppSettings settings() const;
+
+ private:
+  void PublishReader();
+  bool AwaitsForceProperties() const;
+
+  client::Connection connection_;
+  std::unique_ptr<TestDevice> test_;
+  Log& log_;
+  mutable std::mutex mutex_;  // of connection_ (except Beat) and of what follows
+  protocol::SessionState session_ = protocol::SessionState::kNone;
+  bool was_connected_ = false;
+  std::string last_error_;
+  bool placement_asked_ = false;
+  std::optional<protocol::Placement> placement_;
+  std::atomic<bool> placement_came_{false};
+  // Until then the pen is not there for a session that waits for its placement: it would jump. 0: nobody waits.
+  std::atomic<std::int64_t> placement_patience_ns_{0};
+  std::atomic<std::int64_t> next_poll_ns_{0};
+  std::atomic<std::uint64_t> connection_number_{0};
+  std::atomic<bool> force_properties_awaited_{false};
+
+  mutable std::shared_mutex reader_mutex_;
+  std::shared_ptr<const client::StateReader> reader_;
+  protocol::AppSettings settings_;
+};
+
+}  // namespace omni::layer

@@ -1,0 +1,108 @@
+// Where the service says that the base stands: asked for once a session, followed from then on.
+#include <algorithm>
+#include <cstring>
+
+#include "layer/src/instance/instance.h"
+#include "service/base/clock.h"
+#include "service/protocol/text.h"
+
+namespace omni::layer {
+namespace {
+
+// Nobody has aligned the base: a place to reach for, and not a measured one, which the missing TRACKED bits tell.
+Placement Guess(bool valid) {
+  Placement guess;
+  guess.valid = valid;
+  guess.tracked = false;
+  return guess;
+}
+
+Placement ToPlacement(const protocol::Placement& told) {
+  const bool off = told.uncalibrated == protocol::Uncalibrated::kOff;
+  const bool front = told.uncalibrated == protocol::Uncalibrated::kFrontOfUser;
+  if (off || told.known == 0) return Guess(!off && front);
+  const auto& p = told.base_space.position_m;
+  const auto& q = told.base_space.orientation_wxyz;
+  Placement placement;
+  placement.space = static_cast<XrReferenceSpaceType>(told.space);
+  placement.X_LO = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
+  placement.tracked = told.doubtful == 0;
+  return placement;
+}
+
+protocol::PlacementPose ToWire(const XrPosef& pose) {
+  const Pose unit = FromXr(pose);
+  return {.position_m = {unit.p.x, unit.p.y, unit.p.z}, .orientation_wxyz = {unit.q.w, unit.q.x, unit.q.y, unit.q.z}};
+}
+
+}  // namespace
+
+void Instance::AskPlacement(Session& session, XrSystemId system) {
+  Placement guess = Guess(true);
+  guess.tracked = link.test() != nullptr;  // a conformance test says itself where the device is
+  session.placement.Set(guess, 0);
+  XrInstanceProperties runtime{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
+  XrSystemProperties headset{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
+  if (XR_FAILED(next.GetInstanceProperties(handle, &runtime)) ||
+      XR_FAILED(next.GetSystemProperties(handle, system, &headset))) {
+    log.Line("the runtime does not name itself or its headset: the base is assumed in front of the user");
+    return;
+  }
+  protocol::PlacementRequest request;
+  protocol::SetField(request.headset.runtime, std::string_view(runtime.runtimeName, strnlen(runtime.runtimeName, 127)));
+  protocol::SetField(request.headset.system, std::string_view(headset.systemName, strnlen(headset.systemName, 255)));
+  for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
+    if (session.anchors[i] != XR_NULL_HANDLE) request.spaces[request.space_count++] = kAnchorTypes[i];
+  }
+  if (request.space_count > 0) link.RequestPlacement(request);
+}
+
+// Called wherever the socket is looked at; almost always there is nothing.
+void Instance::TakePlacement() {
+  const std::optional<protocol::Placement> told = link.TakePlacement();
+  if (!told) return;
+  {
+    const std::lock_guard lock(placement_mutex_);
+    placed_ = told;
+  }
+  // What the runtime has already changed is in the service's file. A change to come is not, unless it says so.
+  const std::int64_t known_until_ns = std::max(
+      base::MonotonicNow_ns(), told->changes_until_ns == 0 ? 0 : told->changes_until_ns + protocol::kSameChange_ns);
+  Placement placement = ToPlacement(*told);
+  if (link.test() != nullptr) placement.valid = placement.tracked = true;
+  for (const auto& session : sessions.Values()) session->placement.Set(placement, clock.ToXr(known_until_ns));
+  if (told->known == 0) log.Line("this headset is not aligned with the base: run `omni align`");
+}
+
+void Instance::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
+  const auto session = sessions.Find(change.session);
+  if (!session) return;
+  // Out of range, or not a number: it is not known where to.
+  const bool in_range = protocol::PoseProblem(ToWire(change.poseInPreviousSpace)) == nullptr;
+  if (!in_range) change.poseValid = XR_FALSE;
+  const bool news = ReportChange(change);
+  if (!news || session->placement.OnChange(change)) return;
+  log.Line(
+      "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
+      "poses are no longer tracked; align the base again");
+}
+
+// Tells the service, whose file follows. False: another application was faster, and our placement has it already.
+bool Instance::ReportChange(const XrEventDataReferenceSpaceChangePending& change) {
+  protocol::SpaceChange told;
+  told.space = change.referenceSpaceType;
+  told.pose_valid = change.poseValid ? 1 : 0;
+  told.changes_at_ns = clock.ToMonotonic(change.changeTime);
+  if (change.poseValid) told.new_in_previous = ToWire(change.poseInPreviousSpace);
+  {
+    const std::lock_guard lock(placement_mutex_);
+    if (placed_ && placed_->known == 1 && placed_->space == told.space && placed_->changes_until_ns != 0 &&
+        told.changes_at_ns <= placed_->changes_until_ns + protocol::kSameChange_ns) {
+      return false;
+    }
+  }
+  link.SendSpaceChange(told);
+  return true;
+}
+
+}  // namespace omni::layer

@@ -1,0 +1,129 @@
+// Spaces. An action space of ours is a real space of the runtime plus a record: calls that we do not know treat it as
+// unlocatable instead of failing.
+#include <unistd.h>
+
+#include "layer/src/spaces/pen_space.h"
+
+namespace omni::layer {
+namespace {
+
+std::vector<XrReferenceSpaceType> OfferedSpaces(const Dispatch& next, XrSession session) {
+  std::uint32_t count = 0;
+  if (XR_FAILED(next.EnumerateReferenceSpaces(session, 0, &count, nullptr))) return {};
+  std::vector<XrReferenceSpaceType> offered(count);
+  if (XR_FAILED(next.EnumerateReferenceSpaces(session, count, &count, offered.data()))) return {};
+  offered.resize(std::min<std::size_t>(count, offered.size()));
+  return offered;
+}
+
+}  // namespace
+
+// LOCAL is tried unasked: every runtime must have it, and the default placement is told in it.
+void Instance::MakeAnchors(Session& session) {
+  const std::vector<XrReferenceSpaceType> offered = OfferedSpaces(next, session.handle);
+  for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
+    const XrReferenceSpaceType type = kAnchorTypes[i];
+    const bool is_offered = std::find(offered.begin(), offered.end(), type) != offered.end();
+    if (!is_offered && type != XR_REFERENCE_SPACE_TYPE_LOCAL) continue;
+    const XrReferenceSpaceCreateInfo info{
+        XR_TYPE_REFERENCE_SPACE_CREATE_INFO, nullptr, type, {{0, 0, 0, 1}, {0, 0, 0}}};
+    if (XR_FAILED(next.CreateReferenceSpace(session.handle, &info, &session.anchors[i])))
+      session.anchors[i] = XR_NULL_HANDLE;
+  }
+  if (session.Anchor(XR_REFERENCE_SPACE_TYPE_LOCAL) == XR_NULL_HANDLE)
+    log.Line("the runtime gives no LOCAL space: until the base is aligned the pen has no pose in this session");
+}
+
+XrResult Instance::CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
+  const XrResult result = next.CreateActionSpace(session, info, space);
+  link.Beat();
+  const auto record = sessions.Find(session);
+  if (XR_FAILED(result) || !record) return result;
+  auto made = std::make_shared<Space>();
+  made->handle = *space;
+  made->session = record;
+  made->action = actions.Find(info->action);
+  made->subaction = info->subactionPath;
+  made->X_PS = FromXr(info->poseInActionSpace);
+  if (!made->action) return result;
+  spaces.Insert(*space, made);
+  const std::shared_lock lock(record->mutex);
+  record->actions.Serve(*made);
+  return result;
+}
+
+XrResult Instance::CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space) {
+  const XrResult result = next.CreateReferenceSpace(session, info, space);
+  link.Beat();
+  const auto record = sessions.Find(session);
+  if (XR_FAILED(result) || !record) return result;
+  auto made = std::make_shared<Space>();
+  made->handle = *space;
+  made->session = record;
+  made->reference = info->referenceSpaceType;
+  spaces.Insert(*space, std::move(made));
+  return result;
+}
+
+XrResult Instance::DestroySpace(XrSpace space) {
+  const XrResult result = next.DestroySpace(space);
+  link.Beat();
+  if (XR_SUCCEEDED(result)) {
+    ForgetSpace(space);
+    haptic_scenes.ForgetSpace(space);
+    spaces.Erase(space);
+  }
+  return result;
+}
+
+void Instance::UpdateSpaces(const Session& session) {
+  spaces.ForEach([&](Space& space) {
+    if (space.action && space.session.get() == &session) session.actions.Serve(space);
+  });
+}
+
+// One call down, into the application's own structure: what else is chained to it is the runtime's to fill. It also
+// finds the errors in handles and time.
+XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
+  link.Beat();
+  const Side s = SideOf(*this, space);
+  const Side b = SideOf(*this, base);
+  const bool one_session = !s.ours() || !b.ours() || s.session() == b.session();
+  if ((!s.ours() && !b.ours()) || !one_session || !location || location->type != XR_TYPE_SPACE_LOCATION)
+    return next.LocateSpace(space, base, time, location);
+
+  const PenAt pen = PenAtTime(*this, *(s.ours() ? s : b).session(), time);
+  const XrResult result = next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
+  if (XR_FAILED(result)) return result;
+  const LocationFields fields{&location->locationFlags, &location->pose};
+  const VelocityFields velocity = FieldsOf(FindInChain<XrSpaceVelocity>(location->next, XR_TYPE_SPACE_VELOCITY));
+  Write(Between(s, b, FromBelow(fields, velocity, s, b), pen), fields, velocity);
+  return result;
+}
+
+XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS) {
+  X_OS = {};
+  const Side s = SideOf(*this, space);
+  const PenAt pen = PenAtTime(*this, session, time);
+  if (s.pen() && s.session() == &session) {
+    X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
+    return XR_SUCCESS;
+  }
+  // Also where nobody knows the base's place: the runtime finds what is wrong with the space and the time.
+  if (pen.anchor == XR_NULL_HANDLE) return XR_SUCCESS;
+  XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
+  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
+  const XrResult result = next.LocateSpace(space, pen.anchor, time, &location);
+  if (XR_FAILED(result) || s.served_by == kServedByNobody || !pen.placement.valid) return result;
+  Side anchor;
+  anchor.served_by = 0;  // stands for L, as a space of the pen does
+  const Located X_LS = FromBelow({&location.locationFlags, &location.pose}, FieldsOf(&velocity), s, anchor);
+  Located X_LO;
+  X_LO.motion.X = pen.placement.X_LO;
+  X_LO.flags = pen.placement.tracked ? kValid | kTracked : kValid;
+  X_LO.velocity_flags = kVelocityValid;
+  X_OS = Chain(Invert(X_LO), X_LS);
+  return result;
+}
+
+}  // namespace omni::layer

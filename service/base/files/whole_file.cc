@@ -1,0 +1,181 @@
+#include "service/base/files/whole_file.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <filesystem>
+#include <system_error>
+
+namespace omni::base {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t kNamesTried = 100;
+
+std::string FolderOf(const std::string& path) {
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+// Only then does a name in it survive a power cut. A file system that cannot sync folders keeps them in its own time.
+void SyncFolder(const std::string& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
+}
+
+int MakeFolder(const std::string& folder) {
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) return 0;
+  const std::string above = FolderOf(folder);
+  if (const int error = MakeFolder(above); error != 0) return error;
+  if (::mkdir(folder.c_str(), 0777) != 0) return errno == EEXIST ? ENOTDIR : errno;
+  SyncFolder(above);
+  return 0;
+}
+
+bool WriteAll(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t done = ::write(fd, content.data(), content.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done == 0) errno = EIO;
+    if (done <= 0) return false;
+    content.remove_prefix(static_cast<std::size_t>(done));
+  }
+  return true;
+}
+
+// The unfinished file beside its place; gone with this unless it was put there.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(const std::string& path) {
+    std::uint32_t number = 0;
+    [[maybe_unused]] const auto any = ::getrandom(&number, sizeof number, GRND_NONBLOCK);
+    for (std::uint32_t i = 0; i < kNamesTried; ++i) {
+      char digits[9];
+      std::snprintf(digits, sizeof digits, "%08x", number + i);
+      name_ = path + std::string(kUnfinishedMark) + digits;
+      fd_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+      if (fd_ >= 0 || errno != EEXIST) break;
+    }
+    if (fd_ < 0) error_ = errno;
+  }
+  ~UnfinishedFile() {
+    if (fd_ >= 0) ::close(fd_);
+    if (fd_ >= 0 && !placed_) ::unlink(name_.c_str());
+  }
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+  int error() const { return error_; }
+
+  int Fill(std::initializer_list<std::string_view> content, std::optional<mode_t> mode) {
+    for (const std::string_view piece : content) {
+      if (!WriteAll(fd_, piece)) return errno;
+    }
+    if (mode && ::fchmod(fd_, *mode) != 0) return errno;
+    return ::fsync(fd_) == 0 ? 0 : errno;
+  }
+
+  int Place(const std::string& path, bool replace) {
+    placed_ = replace ? ::rename(name_.c_str(), path.c_str()) == 0
+                      : ::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path.c_str(), RENAME_NOREPLACE) == 0;
+    if (!placed_ && !replace && (errno == EINVAL || errno == ENOSYS)) {
+      // A file system without that flag: a second name is refused where there is one already.
+      return ::link(name_.c_str(), path.c_str()) == 0 ? 0 : errno;
+    }
+    return placed_ ? 0 : errno;
+  }
+
+ private:
+  std::string name_;
+  int fd_ = -1;
+  int error_ = 0;
+  bool placed_ = false;
+};
+
+// What stands at the place now: the mode that a new file takes over, or why none may be put there.
+int CheckPlace(const std::string& path, bool replace, std::optional<mode_t>& mode) {
+  struct stat there {};
+  if (::lstat(path.c_str(), &there) != 0) return 0;  // nothing; where even that cannot be seen, opening says why
+  if (S_ISDIR(there.st_mode)) return EISDIR;
+  if (!replace) return EEXIST;
+  if (S_ISREG(there.st_mode) && !mode) mode = there.st_mode & 0777;
+  // /dev/stdout is a link, too, and must stay one.
+  struct stat end {};
+  const bool ends_in_file = ::stat(path.c_str(), &end) != 0 || S_ISREG(end.st_mode);
+  return ends_in_file ? 0 : EINVAL;
+}
+
+int Prepare(const std::string& path, const WholeFileOptions& options, std::optional<mode_t>& mode) {
+  if (options.make_folder) {
+    if (const int error = MakeFolder(FolderOf(path)); error != 0) return error;
+  }
+  return CheckPlace(path, options.replace, mode);
+}
+
+std::string CauseAndRemedy(const std::string& path, int error) {
+  switch (error) {
+    case ENOSPC:
+      return "no space left on its disk; free some and try again";
+    case EDQUOT:
+      return "no space left in your quota; delete files of yours and try again";
+    case EROFS:
+      return "it is on a read-only file system; mount that for writing, or choose another folder";
+    case EACCES:
+    case EPERM:
+      return "no permission; make the folder " + FolderOf(path) + " writable for you, or choose another folder";
+    case ENOENT:
+    case ENOTDIR:
+      return "there is no folder " + FolderOf(path) + "; make it, or choose another folder";
+    case EISDIR:
+      return "it is a folder; give a file's name";
+    case EINVAL:
+      return "something that is no regular file is there; give another name";
+    case EEXIST:
+      return "it is there already; give another name, or move it away";
+    case EFBIG:
+      return "larger than a file may be here; raise the limit (ulimit -f), or choose another disk";
+    default:
+      return std::error_code(error, std::generic_category()).message() + "; check the disk and the folder";
+  }
+}
+
+}  // namespace
+
+int PutWholeFile(const std::string& path, std::initializer_list<std::string_view> content,
+                 const WholeFileOptions& options) {
+  std::optional<mode_t> mode = options.mode;
+  if (const int error = Prepare(path, options, mode); error != 0) return error;
+  UnfinishedFile unfinished(path);
+  if (unfinished.error() != 0) return unfinished.error();
+  if (const int error = unfinished.Fill(content, mode); error != 0) return error;
+  if (const int error = unfinished.Place(path, options.replace); error != 0) return error;
+  SyncFolder(FolderOf(path));
+  return 0;
+}
+
+int TryWholeFile(const std::string& path, const WholeFileOptions& options) {
+  std::optional<mode_t> mode;
+  if (const int error = Prepare(path, options, mode); error != 0) return error;
+  return UnfinishedFile(path).error();
+}
+
+std::string WriteProblem(const std::string& path, int error) {
+  return path + ": cannot be written: " + CauseAndRemedy(path, error);
+}
+
+Status WriteWholeFile(const std::string& path, std::string_view content, const WholeFileOptions& options) {
+  const int error = PutWholeFile(path, {content}, options);
+  if (error != 0) return Error{WriteProblem(path, error)};
+  return Ok{};
+}
+
+}  // namespace omni::base

@@ -1,0 +1,13 @@
+// From an adjustment to its report: residuals, what the data did not fix, what error remains.
+// docs/theory/calibration.md (9) - (12)
+#pragma once
+
+#include "service/calibration/fit/adjust.h"
+#include "service/calibration/fit/report.h"
+
+namespace omni::calibration {
+
+// Leaves samples, coverage, rejected, seconds to the caller.
+Report Assess(const Problem& problem, const Adjustment& adjustment);
+
+}  // namespace omni::calibration

@@ -1,0 +1,27 @@
+// Self-calibration: from "sweep the coils, wave the pen for 20 s, touch the hull in 100 places" to a Calibration. No
+// true pose is needed. Set-up only: allocates, takes about a second. docs/theory/calibration.md
+#pragma once
+
+#include <span>
+
+#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
+#include "service/base/result.h"
+#include "service/calibration/fit/options.h"
+#include "service/calibration/fit/report.h"
+#include "service/calibration/fit/samples.h"
+
+namespace omni::calibration {
+
+struct Outcome {
+  base::Calibration calibration;
+  Report report;
+};
+
+// `nominal`: the array as drawn (magnetics::NominalCalibration, or any other); its sensor_noise_T is that of
+// Sample::noise_scale = 1. `coils`: as drawn, in the order of the current maps; empty: none, or not to be used. Refuses
+// a recording that would make a bad calibration, with the reason.
+base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
+                                    const Recording& recording, const Options& options = {});
+
+}  // namespace omni::calibration

@@ -1,0 +1,34 @@
+// Where the pen was in each sample, without any hint: the tracker's cold start on the array as drawn.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "service/base/calibration.h"
+#include "service/base/result.h"
+#include "service/calibration/fit/options.h"
+#include "service/calibration/fit/samples.h"
+#include "service/tracker/solve/static_solve.h"
+
+namespace omni::calibration {
+
+struct ColdPose {
+  bool found = false;  // false: the readings fit no pose within the tolerances
+  Eigen::Vector3d position_base_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis_base = -Eigen::Vector3d::UnitZ();
+};
+
+class ColdStart {
+ public:
+  // `nominal` with measured maps and background.
+  static base::Result<ColdStart> Make(const base::Calibration& nominal, const Tolerances& tolerances);
+
+  ColdPose Find(const Sample& sample) const;
+
+ private:
+  explicit ColdStart(tracker::StaticSolver solver) : solver_(std::move(solver)) {}
+
+  tracker::StaticSolver solver_;
+};
+
+}  // namespace omni::calibration

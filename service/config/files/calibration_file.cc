@@ -1,0 +1,342 @@
+#include "service/config/files/calibration_file.h"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+#include "service/base/files/whole_file.h"
+#include "service/config/files/calibration_check.h"
+#include "service/config/files/device_file.h"
+#include "service/config/paths.h"
+#include "service/config/text/text_file.h"
+#include "service/config/text/toml_reader.h"
+
+namespace omni::config {
+namespace {
+
+using base::Calibration;
+using base::DeviceGeometry;
+using base::SensorCalibration;
+using base::Vec3;
+
+constexpr const char* kMeasureAgain = "; measure this base: omni calibrate --replace";
+constexpr std::size_t kMaxNameBytes = 64;
+constexpr Range kFormat{1, 1000};
+constexpr Range kPosition_m{-0.5, 0.5};
+constexpr Range kGain{-2, 2};
+constexpr Range kMap_T_A{-1e-2, 1e-2};
+constexpr Range kBackground_T{-1e-3, 1e-3};
+constexpr Range kMoment_Am2{1e-3, 1e3};
+constexpr Range kKappa{0, 1.2};
+constexpr Range kCoreKept_A{0, base::kCoreKeptMax_A};
+constexpr Range kTipOffset_m{0, kTipOffsetMax_m};
+constexpr Range kHullRadius_m{0, 0.5};
+constexpr Range kSteelStrength{-2, 2};
+constexpr Range kSteelHeight_m{-2, -0.03};
+
+std::string Hex(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+// FNV-1a, 64 bit; numbers as written to nine digits: a file that says 0.06 and one that says 60e-3 are the same.
+class TextDigest {
+ public:
+  void Add(const std::string& text) {
+    for (const char c : text + "\n") hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  }
+  void Add(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.9g", value == 0 ? 0.0 : value);  // -0 is 0
+    Add(std::string(text));
+  }
+  void Add(const Vec3& v) {
+    Add(v.x);
+    Add(v.y);
+    Add(v.z);
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037ULL;
+};
+
+void CheckHeader(FileProblem& problem, TableReader& root, const ExpectedBase& expected, CalibrationFile& file) {
+  const int format = root.Integer("format", kFormat);
+  if (problem.ok() && format != kCalibrationFormat) {
+    problem.Report(root.table().get("format"), "format = " + std::to_string(format) +
+                                                   " is not known, this version reads " +
+                                                   std::to_string(kCalibrationFormat) + kMeasureAgain);
+  }
+  file.calibration.device = root.Text("device", kMaxNameBytes);
+  file.serial = root.Text("serial", kMaxNameBytes);
+  file.date = root.Text("date", kMaxNameBytes);
+  const std::string hash = root.Text("device_hash", kMaxNameBytes);
+  if (!problem.ok()) return;
+  const std::string expected_hash = Hex(GeometryHash(expected.device));
+  if (hash != expected_hash || file.calibration.device != expected.device.name) {
+    problem.Report(root.table().get("device_hash"),
+                   "device = \"" + file.calibration.device + "\" with device_hash = " + hash +
+                       " belongs to another geometry than that of device \"" + expected.device.name + "\" (" +
+                       expected_hash + ")" + kMeasureAgain);
+  } else if (!expected.serial.empty() && file.serial != expected.serial) {
+    problem.Report(root.table().get("serial"),
+                   "serial = \"" + file.serial + "\" is another base than \"" + expected.serial + "\"" + kMeasureAgain);
+  }
+}
+
+void ReadQuality(FileProblem& problem, TableReader& root, CalibrationQuality& quality) {
+  const toml::table* table = root.Table("quality");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "quality");
+  quality.expected_error_mm = reader.Number("expected_error_mm", {0, 100});
+  quality.frame_rotation_deg = reader.Number("frame_rotation_deg", {0, 180});
+  quality.chi2_per_dof = reader.Number("chi2_per_dof", {0, 1e6});
+  quality.coverage = reader.Number("coverage", {0, 1});
+  quality.samples = reader.Integer("samples", {0, 1e6});
+  quality.touches = reader.Integer("touches", {0, 1e6});
+  quality.unfixed = reader.Integer("unfixed", {0, 1e6});
+  reader.Finish();
+}
+
+// A pen whose tip nobody has measured has the drawing's, and its file says nothing of it.
+void ReadMagnet(FileProblem& problem, TableReader& root, CalibrationFile& file) {
+  const toml::table* table = root.Table("magnet");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "magnet");
+  Calibration& calibration = file.calibration;
+  calibration.moment_Am2 = reader.Number("moment_Am2", kMoment_Am2);
+  calibration.core_kappa = reader.Number("core_kappa", kKappa);
+  calibration.core_kept_A = reader.Number("core_kept_A", kCoreKept_A, 0.0);
+  file.tip_measured = table->contains("tip_offset_m");
+  double& tip_offset_m = calibration.magnet.tip_offset_m;
+  tip_offset_m = reader.Number("tip_offset_m", kTipOffset_m, tip_offset_m);
+  reader.Finish();
+}
+
+void ReadBase(FileProblem& problem, TableReader& root, Calibration& calibration) {
+  const toml::table* table = root.Table("base");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "base");
+  calibration.hull_radius_m = reader.Number("hull_radius_m", kHullRadius_m);
+  calibration.core_centre_base_m = reader.Vector("core_centre_base_m", kPosition_m);
+  reader.Finish();
+}
+
+// A base without steel under it says nothing of it.
+void ReadSteel(FileProblem& problem, TableReader& root, Calibration& calibration) {
+  if (!root.table().contains("steel")) return;
+  const toml::table* table = root.Table("steel");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "steel");
+  calibration.steel.strength = reader.Number("strength", kSteelStrength);
+  calibration.steel.height_base_m = reader.Number("height_base_m", kSteelHeight_m);
+  reader.Finish();
+}
+
+std::string SensorName(std::size_t i) { return "sensors[" + std::to_string(i) + "]"; }
+
+void ReadSensors(FileProblem& problem, TableReader& root, std::size_t count, Calibration& calibration) {
+  for (const toml::table* table : root.Tables("sensors", count, count)) {
+    TableReader reader(problem, *table, SensorName(calibration.sensors.size()));
+    SensorCalibration sensor;
+    sensor.position_base_m = reader.Vector("position_base_m", kPosition_m);
+    reader.Numbers("gain_sensor_base", kGain, sensor.gain_sensor_base);
+    reader.Numbers("current_map_T_A", kMap_T_A, sensor.current_map_T_A);
+    sensor.background_sensor_T = reader.Vector("background_sensor_T", kBackground_T);
+    reader.Finish();
+    calibration.sensors.push_back(sensor);
+  }
+}
+
+template <std::size_t N>
+std::string List(const std::array<double, N>& values) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < N; ++i) text += (i == 0 ? "" : ", ") + TomlFloat(values[i]);
+  return text + "]";
+}
+
+std::string List(const Vec3& v) { return List(std::array<double, 3>{v.x, v.y, v.z}); }
+
+// What a file says, apart from its layout and its checksum.
+std::string Content(const CalibrationFile& file, const DeviceGeometry& device) {
+  const CalibrationQuality& quality = file.quality;
+  std::string text = "format = " + std::to_string(kCalibrationFormat) + "\n";
+  text += "device = " + TomlText(device.name) + "\n";
+  text += "device_hash = \"" + Hex(GeometryHash(device)) + "\"\n";
+  text += "serial = " + TomlText(file.serial) + "\n";
+  text += "date = " + TomlText(file.date) + "\n\n[quality]\n";
+  text += "expected_error_mm = " + TomlFloat(quality.expected_error_mm) + "\n";
+  text += "frame_rotation_deg = " + TomlFloat(quality.frame_rotation_deg) + "\n";
+  text += "chi2_per_dof = " + TomlFloat(quality.chi2_per_dof) + "\n";
+  text += "coverage = " + TomlFloat(quality.coverage) + "\n";
+  text += "samples = " + std::to_string(quality.samples) + "\n";
+  text += "touches = " + std::to_string(quality.touches) + "\n";
+  text += "unfixed = " + std::to_string(quality.unfixed) + "\n\n[magnet]\n";
+  text += "moment_Am2 = " + TomlFloat(file.calibration.moment_Am2) + "\n";
+  text += "core_kappa = " + TomlFloat(file.calibration.core_kappa) + "\n";
+  if (file.calibration.core_kept_A != 0) text += "core_kept_A = " + TomlFloat(file.calibration.core_kept_A) + "\n";
+  if (file.tip_measured) text += "tip_offset_m = " + TomlFloat(file.calibration.magnet.tip_offset_m) + "\n";
+  text += "\n[base]\n";
+  text += "hull_radius_m = " + TomlFloat(file.calibration.hull_radius_m) + "\n";
+  text += "core_centre_base_m = " + List(file.calibration.core_centre_base_m) + "\n";
+  if (const base::SteelPlane& steel = file.calibration.steel; steel.strength != 0) {
+    text += "\n[steel]\nstrength = " + TomlFloat(steel.strength) + "\n";
+    text += "height_base_m = " + TomlFloat(steel.height_base_m) + "\n";
+  }
+  for (const SensorCalibration& sensor : file.calibration.sensors) {
+    text += "\n[[sensors]]\nposition_base_m = " + List(sensor.position_base_m) + "\n";
+    text += "gain_sensor_base = " + List(sensor.gain_sensor_base) + "\n";
+    text += "current_map_T_A = " + List(sensor.current_map_T_A) + "\n";
+    text += "background_sensor_T = " + List(sensor.background_sensor_T) + "\n";
+  }
+  return text;
+}
+
+std::string ChecksumOf(const std::string& content) {
+  TextDigest digest;
+  digest.Add(content);
+  return Hex(digest.value());
+}
+
+void CheckChecksum(FileProblem& problem, TableReader& root, const DeviceGeometry& device, CalibrationFile& file) {
+  file.has_checksum = root.table().contains("checksum");
+  if (!file.has_checksum) return;
+  const std::string said = root.Text("checksum", kMaxNameBytes);
+  if (!problem.ok() || said == ChecksumOf(Content(file, device))) return;
+  problem.Report(
+      root.table().get("checksum"),
+      "checksum = " + said +
+          " is not that of what the file says: it was damaged, or edited; if it was edited on purpose, "
+          "delete this line; else take the one before (omni calibrate --restore), or measure this base again "
+          "(omni calibrate --replace)");
+}
+
+void CheckSense(FileProblem& problem, const toml::table& root, const Calibration& drawing, const Calibration& found) {
+  if (!problem.ok()) return;
+  const std::optional<ImplausibleValue> implausible = FindImplausible(drawing, found);
+  if (!implausible) return;
+  const bool of_sensor = implausible->sensor >= 0;
+  const auto index = static_cast<std::size_t>(of_sensor ? implausible->sensor : 0);
+  const auto table = of_sensor ? root["sensors"][index] : root[implausible->table];
+  problem.Report(table[implausible->key].node(), (of_sensor ? SensorName(index) : implausible->table) + "." +
+                                                     implausible->key + " " + implausible->what + ": " +
+                                                     implausible->remedy);
+}
+
+}  // namespace
+
+std::uint64_t GeometryHash(const DeviceGeometry& device) {
+  TextDigest digest;
+  digest.Add(device.name);
+  for (const base::SensorGeometry& sensor : device.sensors) {
+    const base::Quat& q = sensor.orientation_base_sensor;
+    digest.Add(sensor.position_base_m);
+    for (const double value : {q.w, q.x, q.y, q.z}) digest.Add(value);
+  }
+  for (const base::CoilGeometry& coil : device.coils) {
+    digest.Add(coil.axis_base);
+    for (const double value : {static_cast<double>(coil.turns), static_cast<double>(coil.layers),
+                               coil.shell_radius_min_m, coil.shell_radius_max_m, coil.band_half_width_m}) {
+      digest.Add(value);
+    }
+  }
+  const base::MagnetGeometry& magnet = device.magnet;
+  for (const double value :
+       {magnet.shape == base::MagnetShape::kSphere ? 1.0 : 0.0, magnet.radius_m, magnet.half_height_m,
+        magnet.remanence_T, device.core_radius_m, device.core_kappa, device.hull_radius_m, device.sensor_range_T}) {
+    digest.Add(value);
+  }
+  return digest.value();
+}
+
+base::Result<CalibrationFile> ParseCalibration(const std::string& text, const std::string& name,
+                                               const ExpectedBase& expected) {
+  const base::Result<toml::table> parsed = ParseToml(text, name);
+  if (!parsed.ok()) return base::Error{parsed.error()};
+  FileProblem problem(name);
+  TableReader root(problem, *parsed, "");
+  CalibrationFile file;
+  file.calibration.magnet = expected.device.magnet;
+  CheckHeader(problem, root, expected, file);
+  if (!problem.ok()) return base::Error{problem.message()};  // of another device or version the rest says nothing
+  ReadQuality(problem, root, file.quality);
+  ReadMagnet(problem, root, file);
+  ReadBase(problem, root, file.calibration);
+  ReadSteel(problem, root, file.calibration);
+  ReadSensors(problem, root, expected.device.sensors.size(), file.calibration);
+  CheckChecksum(problem, root, expected.device, file);
+  root.Finish();
+  CheckSense(problem, *parsed, expected.drawing, file.calibration);
+  if (!problem.ok()) return base::Error{problem.message()};
+  file.calibration.expected_error_m = 1e-3 * file.quality.expected_error_mm;
+  file.calibration.sensor_noise_T = expected.device.sensor_noise_T;
+  file.calibration.sensor_range_T = expected.device.sensor_range_T;
+  file.calibration.core_radius_m = expected.device.core_radius_m;
+  return file;
+}
+
+base::Result<CalibrationFile> LoadCalibrationFile(const std::string& path, const ExpectedBase& expected) {
+  const base::Result<std::string> text = ReadTextFile(path);
+  if (!text.ok()) return base::Error{text.error()};
+  return ParseCalibration(*text, path, expected);
+}
+
+std::string WriteCalibration(const CalibrationFile& file, const DeviceGeometry& device) {
+  const std::string content = Content(file, device);
+  return "# Self-calibration of one base, written by omni calibrate. SI units, frame B.\nchecksum = \"" +
+         ChecksumOf(content) + "\"  # of what follows; to use a file that you have edited, delete this line\n" +
+         content;
+}
+
+std::string PreviousCalibration(const std::string& path) {
+  const std::filesystem::path file(path);
+  return (file.parent_path() / (file.stem().string() + ".previous" + file.extension().string())).string();
+}
+
+base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const ExpectedBase& expected,
+                                 bool replace) {
+  const std::string text = WriteCalibration(file, expected.device);
+  if (auto checked = ParseCalibration(text, path, expected); !checked.ok()) return base::Error{checked.error()};
+  std::error_code error;
+  if (replace && std::filesystem::exists(path, error)) {
+    const base::Result<std::string> old = ReadTextFile(path);
+    if (!old.ok()) return base::Error{old.error()};
+    if (auto kept = base::WriteWholeFile(PreviousCalibration(path), *old); !kept.ok()) return kept;
+  }
+  return base::WriteWholeFile(path, text, {.replace = replace, .make_folder = true});
+}
+
+base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected) {
+  const std::string previous = PreviousCalibration(path);
+  const base::Result<std::string> back = ReadTextFile(previous);
+  if (!back.ok()) return base::Error{back.error()};
+  if (auto checked = ParseCalibration(*back, previous, expected); !checked.ok()) return base::Error{checked.error()};
+  std::error_code error;
+  const bool there = std::filesystem::exists(path, error);
+  const base::Result<std::string> current = there ? ReadTextFile(path) : std::string();
+  if (!current.ok()) return base::Error{current.error()};
+  if (auto put = base::WriteWholeFile(path, *back); !put.ok()) return put;
+  return there ? base::WriteWholeFile(previous, *current) : base::Status(base::Ok{});
+}
+
+CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected) {
+  CalibrationChoice choice;
+  choice.path = path.empty() ? UserCalibrationFile() : path;
+  std::error_code error;
+  if (path.empty() && (choice.path.empty() || !std::filesystem::exists(choice.path, error))) {
+    choice.path.clear();
+    return choice;
+  }
+  base::Result<CalibrationFile> loaded = LoadCalibrationFile(choice.path, expected);
+  if (loaded.ok()) {
+    if (!loaded->has_checksum) choice.note = "without a checksum: of an older version, or edited by hand";
+    choice.file = std::move(*loaded);
+  } else {
+    choice.problem = loaded.error() + " (not used: the base works as drawn, less precisely)";
+  }
+  return choice;
+}
+
+}  // namespace omni::config

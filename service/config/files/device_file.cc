@@ -1,0 +1,194 @@
+#include "service/config/files/device_file.h"
+
+#include <cmath>
+
+#include "service/config/files/built_in_device.h"
+#include "service/config/files/geometry_check.h"
+#include "service/config/text/text_file.h"
+#include "service/config/text/toml_reader.h"
+
+namespace omni::config {
+namespace {
+
+using base::CoilGeometry;
+using base::DeviceGeometry;
+using base::MagnetGeometry;
+
+// One number of a table: its key is the field's name. Ranges are those of desktop devices of this kind: a value outside
+// is a slip of the pen (mm for m, gauss for tesla), not a bolder design.
+template <class T>
+struct NumberKey {
+  const char* key;
+  double T::*field;
+  Range range;
+};
+
+constexpr NumberKey<MagnetGeometry> kMagnetKeys[] = {
+    {"radius_m", &MagnetGeometry::radius_m, {1e-3, 0.05}},
+    {"half_height_m", &MagnetGeometry::half_height_m, {2e-4, 0.05}},
+    {"remanence_T", &MagnetGeometry::remanence_T, {0.1, 1.6}},
+    {"mass_kg", &MagnetGeometry::mass_kg, {1e-3, 1}},
+    {"tip_offset_m", &MagnetGeometry::tip_offset_m, {0, kTipOffsetMax_m}},
+};
+constexpr NumberKey<DeviceGeometry> kCoreKeys[] = {
+    {"core_radius_m", &DeviceGeometry::core_radius_m, {1e-3, 0.1}},
+    {"core_kappa", &DeviceGeometry::core_kappa, {0, 1}},
+};
+constexpr NumberKey<DeviceGeometry> kHullKeys[] = {
+    {"hull_radius_m", &DeviceGeometry::hull_radius_m, {2e-3, 0.2}},
+};
+constexpr NumberKey<DeviceGeometry> kSensorKeys[] = {
+    {"sensor_range_T", &DeviceGeometry::sensor_range_T, {1e-5, 1}},
+    {"sensor_lsb_T", &DeviceGeometry::sensor_lsb_T, {1e-12, 1e-3}},
+};
+constexpr NumberKey<DeviceGeometry> kLimitKeys[] = {
+    {"current_max_A", &DeviceGeometry::current_max_A, {0.01, 100}},
+    {"current_slew_A_s", &DeviceGeometry::current_slew_A_s, {1, 1e7}},
+    {"force_max_N", &DeviceGeometry::force_max_N, {0.01, 20}},
+    {"temperature_derate_C", &DeviceGeometry::temperature_derate_C, {0, 150}},
+    {"temperature_max_C", &DeviceGeometry::temperature_max_C, {0, 200}},
+    {"supply_V", &DeviceGeometry::supply_V, {1, 100}},
+};
+constexpr NumberKey<base::HeatGeometry> kHeatKeys[] = {
+    {"copper_J_K", &base::HeatGeometry::copper_J_K, {0.1, 1e5}},
+    {"body_J_K", &base::HeatGeometry::body_J_K, {0.1, 1e6}},
+    {"copper_to_body_W_K", &base::HeatGeometry::copper_to_body_W_K, {1e-3, 1e3}},
+    {"body_to_air_W_K", &base::HeatGeometry::body_to_air_W_K, {1e-3, 1e3}},
+    {"air_C", &base::HeatGeometry::air_C, {-20, 60}},
+};
+constexpr NumberKey<CoilGeometry> kCoilKeys[] = {
+    {"shell_radius_min_m", &CoilGeometry::shell_radius_min_m, {1e-3, 0.2}},
+    {"shell_radius_max_m", &CoilGeometry::shell_radius_max_m, {1e-3, 0.2}},
+    {"band_half_width_m", &CoilGeometry::band_half_width_m, {1e-4, 0.2}},
+    {"resistance_20C_ohm", &CoilGeometry::resistance_20C_ohm, {1e-3, 1e3}},
+    {"inductance_H", &CoilGeometry::inductance_H, {1e-7, 1}},
+};
+constexpr Range kSensorNoise_T{0, 1e-3};
+constexpr Range kPosition_m{-0.5, 0.5};
+constexpr Range kDirection{-1.01, 1.01};
+constexpr Range kTurns{1, 100000};
+constexpr Range kLayers{1, 1000};
+constexpr double kUnitTolerance = 1e-2;  // a direction typed by hand is normalised, a wrong one refused
+constexpr std::size_t kMaxNameBytes = 64;
+
+template <class T, std::size_t N>
+void ReadNumbers(TableReader& reader, const NumberKey<T> (&keys)[N], T& into) {
+  for (const NumberKey<T>& entry : keys) into.*entry.field = reader.Number(entry.key, entry.range);
+}
+
+// [name]: a table of numbers of DeviceGeometry, nothing else.
+template <std::size_t N>
+void ReadSection(FileProblem& problem, TableReader& root, const char* name, const NumberKey<DeviceGeometry> (&keys)[N],
+                 DeviceGeometry& device) {
+  const toml::table* table = root.Table(name);
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, name);
+  ReadNumbers(reader, keys, device);
+  reader.Finish();
+}
+
+void ReadMagnet(FileProblem& problem, TableReader& root, MagnetGeometry& magnet) {
+  const toml::table* table = root.Table("magnet");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "magnet");
+  ReadNumbers(reader, kMagnetKeys, magnet);
+  reader.Finish();
+}
+
+// Optional: without the table the defaults hold, with it every key is required.
+void ReadHeat(FileProblem& problem, const toml::table& file, TableReader& root, base::HeatGeometry& heat) {
+  if (!file.contains("heat")) return;
+  const toml::table* table = root.Table("heat");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "heat");
+  ReadNumbers(reader, kHeatKeys, heat);
+  reader.Finish();
+}
+
+void ReadSensor(FileProblem& problem, TableReader& root, DeviceGeometry& device) {
+  const toml::table* table = root.Table("sensor");
+  if (table == nullptr) return;
+  TableReader reader(problem, *table, "sensor");
+  ReadNumbers(reader, kSensorKeys, device);
+  reader.Numbers("sensor_noise_T", kSensorNoise_T, device.sensor_noise_T);
+  reader.Finish();
+}
+
+// Scales `values` to length 1.
+void ReadUnit(FileProblem& problem, TableReader& reader, const char* key, std::span<double> values) {
+  reader.Numbers(key, kDirection, values);
+  if (!problem.ok()) return;
+  double square = 0;
+  for (const double value : values) square += value * value;
+  const double length = std::sqrt(square);
+  if (!(std::abs(length - 1) <= kUnitTolerance)) {
+    problem.Report(reader.table().get(key), reader.NameOf(key) + " has length " + std::to_string(length) +
+                                                "; must be a unit vector or quaternion (length 1)");
+    return;
+  }
+  for (double& value : values) value /= length;
+}
+
+void ReadSensorPlaces(FileProblem& problem, TableReader& root, DeviceGeometry& device) {
+  const auto tables = root.Tables("sensors", base::kSensorCount, base::kSensorCount);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    TableReader reader(problem, *tables[i], "sensors[" + std::to_string(i) + "]");
+    device.sensors[i].position_base_m = reader.Vector("position_base_m", kPosition_m);
+    double q[4];
+    ReadUnit(problem, reader, "orientation_base_sensor", q);
+    device.sensors[i].orientation_base_sensor = {q[0], q[1], q[2], q[3]};
+    reader.Finish();
+  }
+}
+
+void ReadCoils(FileProblem& problem, TableReader& root, DeviceGeometry& device) {
+  const auto tables = root.Tables("coils", base::kCoilCount, base::kCoilCount);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    TableReader reader(problem, *tables[i], "coils[" + std::to_string(i) + "]");
+    double axis[3];
+    ReadUnit(problem, reader, "axis_base", axis);
+    device.coils[i].axis_base = {axis[0], axis[1], axis[2]};
+    device.coils[i].turns = reader.Integer("turns", kTurns);
+    device.coils[i].layers = reader.Integer("layers", kLayers);
+    ReadNumbers(reader, kCoilKeys, device.coils[i]);
+    reader.Finish();
+  }
+}
+
+}  // namespace
+
+base::Result<DeviceGeometry> ParseDevice(const std::string& text, const std::string& name) {
+  const base::Result<toml::table> parsed = ParseToml(text, name);
+  if (!parsed.ok()) return base::Error{parsed.error()};
+  FileProblem problem(name);
+  TableReader root(problem, *parsed, "");
+  DeviceGeometry device;
+  device.name = root.Text("name", kMaxNameBytes);
+  ReadMagnet(problem, root, device.magnet);
+  ReadSection(problem, root, "core", kCoreKeys, device);
+  ReadSection(problem, root, "hull", kHullKeys, device);
+  ReadSensor(problem, root, device);
+  ReadSensorPlaces(problem, root, device);
+  ReadCoils(problem, root, device);
+  ReadSection(problem, root, "limits", kLimitKeys, device);
+  ReadHeat(problem, *parsed, root, device.heat);
+  root.Finish();
+  if (!problem.ok()) return base::Error{problem.message()};
+  if (const std::string contradiction = GeometryProblem(device); !contradiction.empty()) {
+    return base::Error{name + ": " + contradiction};
+  }
+  return device;
+}
+
+base::Result<DeviceGeometry> LoadDeviceFile(const std::string& path) {
+  const base::Result<std::string> text = ReadTextFile(path);
+  if (!text.ok()) return base::Error{text.error()};
+  return ParseDevice(*text, path);
+}
+
+const DeviceGeometry& DefaultDevice() {
+  static const DeviceGeometry device = ParsedBuiltIn(ParseDevice, kBuiltInDeviceText, "manifests/device/omni.toml");
+  return device;
+}
+
+}  // namespace omni::config

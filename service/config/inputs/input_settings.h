@@ -1,0 +1,44 @@
+// inputs.toml in the user's folder: the keyboards and foot pedals that omnid may read (none without it), and the
+// mapping of applications that have none of their own.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/config/files/app_file.h"
+#include "service/config/inputs/input_table.h"
+
+namespace omni::config {
+
+inline constexpr std::size_t kMaxKeyDevices = 8;  // rules in the file
+
+// One or several devices: those at `path`, or all whose name matches `name_glob`.
+struct KeyDeviceRule {
+  std::string path;       // absolute; empty: by name
+  std::string name_glob;  // fnmatch pattern on the device's own name
+  bool grab = false;      // true: its keys reach nobody else while omnid reads it
+};
+
+struct InputSettings {
+  std::vector<KeyDeviceRule> devices;
+  std::optional<InputTable> inputs;
+};
+
+base::Result<InputSettings> ParseInputSettings(const std::string& text, const std::string& file);
+
+// All that omnid knows of inputs.
+struct InputPlan {
+  std::vector<KeyDeviceRule> devices;
+  InputTable fallback;               // of applications without their own; keys as below
+  std::vector<std::uint16_t> slots;  // evdev code of key source i, for all mappings
+  std::string file;                  // the user's, if it is there
+};
+
+// Reads `file` (empty or not there: nothing, no problem) and gives the keys of all of `apps` their common slots. What
+// is wrong goes to apps.problems: a file that cannot be used counts as not there, an application whose keys do not fit
+// keeps the fallback's mapping.
+InputPlan PlanInputs(const std::string& file, AppTable& apps);
+
+}  // namespace omni::config

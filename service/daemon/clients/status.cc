@@ -1,0 +1,229 @@
+#include "service/daemon/clients/status.h"
+
+#include <unistd.h>
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "firmware/wire/names.h"
+#include "service/base/vec.h"
+#include "service/config/inputs/input_table.h"
+#include "service/daemon/devices/open_device.h"
+
+namespace omni::daemon {
+namespace {
+
+using nlohmann::json;
+
+const char* SessionName(protocol::SessionState state) {
+  switch (state) {
+    case protocol::SessionState::kBegun:
+      return "begun";
+    case protocol::SessionState::kFocused:
+      return "focused";
+    case protocol::SessionState::kNone:
+      break;
+  }
+  return "none";
+}
+
+json FaultNames(std::uint32_t faults) {
+  json names = json::array();
+  for (const wire::FaultText& fault : wire::Faults()) {
+    if ((faults & fault.fault) != 0) names.push_back(fault.name);
+  }
+  return names;
+}
+
+json Device(const StatusInput& input) {
+  if (input.transport == nullptr) return {{"name", nullptr}, {"absent", input.device_absent_why}};
+  const device::TransportCounters counters = input.transport->counters();
+  const device::TransportInfo& info = input.transport->info();
+  const device::TransportState state = input.transport->state();
+  return {{"name", info.name},
+          {"serial", info.serial},
+          {"simulation", info.simulation},
+          {"state", wire::StateName(static_cast<wire::State>(state.state))},
+          {"faults", FaultNames(state.faults)},
+          {"waits_for_person", state.waits_for_person},
+          {"received", counters.received},
+          {"missed", counters.missed},
+          {"superseded", counters.superseded},
+          {"bad_frames", counters.bad_frames},
+          {"bad_crc", counters.bad_crc},
+          {"interrupted", counters.interrupted},
+          {"sent", counters.sent},
+          {"send_failed", counters.send_failed}};
+}
+
+json TextOrNull(const std::string& text) { return text.empty() ? json() : json(text); }
+
+// Null: the base works as drawn.
+json Calibration(const config::CalibrationChoice& choice) {
+  if (!choice.file) return nullptr;
+  return {{"file", choice.path},
+          {"date", choice.file->date},
+          {"serial", choice.file->serial},
+          {"note", TextOrNull(choice.note)},
+          {"expected_error_mm", choice.file->quality.expected_error_mm}};
+}
+
+json Room(const std::vector<RoomFinding>& findings) {
+  json rows = json::array();
+  for (const RoomFinding& finding : findings) {
+    rows.push_back(
+        {{"kind", finding.kind}, {"sensors", finding.sensors}, {"what", finding.what}, {"fix", finding.fix}});
+  }
+  return rows;
+}
+
+json Ticks(const loop::TickThread& loop) {
+  const loop::TickStatistics& s = loop.statistics();
+  const loop::RealtimeStatus& realtime = loop.realtime();
+  return {{"count", s.ticks.load()},
+          {"late", s.late.load()},
+          {"timeouts", s.timeouts.load()},
+          {"us_median", s.tick_time.Quantile_us(0.5)},
+          {"us_p99", s.tick_time.Quantile_us(0.99)},
+          {"us_max", s.tick_time.max_us()},
+          {"latency_us_median", s.latency.Quantile_us(0.5)},
+          {"latency_us_p99", s.latency.Quantile_us(0.99)},
+          {"response_us", 1e-3 * static_cast<double>(s.response_ns.load())},
+          {"realtime", realtime.fifo && realtime.memory_locked},
+          {"realtime_reason", realtime.reason}};
+}
+
+// Null: the scene has no car.
+json Race(const loop::VehicleStatistics& car) {
+  if (!car.on.load()) return nullptr;
+  return {{"laps", car.laps.load()},
+          {"hits", car.hits.load()},
+          {"speed_m_s", car.speed_m_s.load()},
+          {"sliding", car.sliding.load()},
+          {"lap_s", car.lap_s.load()},
+          {"last_lap_s", car.last_lap_s.load()},
+          {"best_lap_s", car.best_lap_s.load()}};
+}
+
+// Null: the scene has none.
+json SoftBodies(const SoftProgress& soft) {
+  if (soft.objects == 0) return nullptr;
+  return {{"objects", soft.objects}, {"ready", soft.ready}, {"failed", soft.failed}, {"done", soft.done}};
+}
+
+json SourceNames(base::SourceMask mask, const std::string& sign, const std::vector<std::uint16_t>& slots) {
+  json names = json::array();
+  for (; mask != 0; mask &= mask - 1) {
+    names.push_back(sign + config::SourceText(static_cast<base::InputSource>(__builtin_ctzll(mask)), slots));
+  }
+  return names;
+}
+
+// Which sources feed each component now; of the sources that one of them hears, and of gestures, what they do.
+json Inputs(const StatusInput& input) {
+  json mapping = json::object();
+  json sources = json::array();
+  json devices = json::array();
+  for (const KeyThread::DeviceStatus& device : input.key_devices) {
+    devices.push_back({{"rule", device.rule}, {"paths", device.paths}, {"problem", device.problem}});
+  }
+  if (input.mapping == nullptr || input.key_slots == nullptr) return nullptr;
+  for (int i = 0; i < base::kInputComponentCount; ++i) {
+    const auto component = static_cast<base::InputComponent>(i);
+    const base::ComponentSources& feeds = input.mapping->at(component);
+    json names = SourceNames(feeds.plus, "", *input.key_slots);
+    for (json& name : SourceNames(feeds.minus, "-", *input.key_slots)) names.push_back(std::move(name));
+    mapping[config::ComponentText(component)] = std::move(names);
+  }
+  if (input.loop != nullptr) {
+    const loop::SourceStatistics& state = input.loop->statistics().sources;
+    const base::SourceMask on = state.on.load(std::memory_order_relaxed);
+    const base::SourceMask gestures = Bit(base::InputSource::kThumbstickX) - Bit(base::InputSource::kPress);
+    for (base::SourceMask mask = input.mapping->used() | gestures; mask != 0; mask &= mask - 1) {
+      const auto index = static_cast<std::size_t>(__builtin_ctzll(mask));
+      sources.push_back({{"name", config::SourceText(static_cast<base::InputSource>(index), *input.key_slots)},
+                         {"on", ((on >> index) & 1) != 0},
+                         {"times", state.times[index].load(std::memory_order_relaxed)}});
+    }
+  }
+  return {{"mapping", mapping}, {"sources", sources}, {"devices", devices}};
+}
+
+json Clients(const StatusInput& input) {
+  json rows = json::array();
+  for (const StatusInput::ClientRow& row : input.clients) {
+    rows.push_back({{"id", row.id},
+                    {"pid", row.pid},
+                    {"application", row.application},
+                    {"monitor", row.monitor},
+                    {"session", SessionName(row.session)},
+                    {"owner", row.owner},
+                    {"scene", row.scene},
+                    {"soft_bodies", SoftBodies(row.soft)},
+                    {"sculpted", row.sculpted},
+                    {"aligned", row.aligned},
+                    {"runtime", row.runtime},
+                    {"system", row.system}});
+  }
+  return rows;
+}
+
+double MovedSinceMeasured_m(const config::AlignmentEntry& entry) {
+  return base::Distance(entry.position_space_m, entry.measured_position_space_m);
+}
+
+json Alignments(const config::AlignmentFile& file) {
+  json rows = json::array();
+  for (const config::AlignmentEntry& entry : file.entries) {
+    const base::Quat& q = entry.orientation_space;
+    const base::Vec3& p = entry.position_space_m;
+    rows.push_back({{"runtime", entry.runtime},
+                    {"system", entry.system},
+                    {"space", entry.space},
+                    {"method", entry.method},
+                    {"date", entry.date},
+                    {"samples", entry.samples},
+                    {"rms_mm", entry.rms_mm},
+                    {"expected_error_mm", entry.expected_error_mm},
+                    {"rotation_deg", entry.rotation_deg},
+                    {"recentred", entry.recentred},
+                    {"doubtful", entry.doubtful},
+                    {"moved_m", MovedSinceMeasured_m(entry)},
+                    {"position_space_m", {p.x, p.y, p.z}},
+                    {"orientation_space_wxyz", {q.w, q.x, q.y, q.z}}});
+  }
+  return {{"placement", config::PolicyName(file.uncalibrated)}, {"stored", rows}};
+}
+
+}  // namespace
+
+std::string WriteStatus(const StatusInput& input) {
+  json status = {
+      {"service",
+       {{"version", input.version}, {"pid", getpid()}, {"uptime_s", input.uptime_s}, {"instance", input.instance}}},
+      {"device", Device(input)},
+      {"calibration", Calibration(input.calibration)},
+      {"calibration_refused", TextOrNull(input.calibration.problem)},
+      {"calibration_misfit", TextOrNull(input.misfit)},
+      {"room", Room(input.room)},
+      {"clients", Clients(input)},
+      {"inputs", Inputs(input)},
+      {"scene",
+       {{"name", input.scene_file},
+        {"generation", input.scene_generation},
+        {"triangles", input.scene_triangles},
+        {"soft_bodies", SoftBodies(input.scene_soft)},
+        {"sculpted", input.scene_sculpted}}},
+      {"aligned", input.aligned},
+      {"alignments", Alignments(input.alignments)},
+      {"problems", input.problems}};
+  if (input.loop != nullptr) status["tick"] = Ticks(*input.loop);
+  status["race"] = input.loop == nullptr ? json() : Race(input.loop->statistics().vehicle);
+  // In capitals, which come first in the sorted text that people read.
+  if (input.transport != nullptr && input.transport->info().simulation) status["SIMULATION"] = kSimulationText;
+  // Names come from other programs: invalid UTF-8 is replaced, never thrown on.
+  return status.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace omni::daemon

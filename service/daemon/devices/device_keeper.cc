@@ -1,0 +1,220 @@
+#include "service/daemon/devices/device_keeper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "service/base/clock.h"
+#include "service/config/files/calibration_file.h"
+#include "service/daemon/clients/force_properties.h"
+#include "service/daemon/devices/fault_log.h"
+#include "service/daemon/devices/fit_watch.h"
+#include "service/daemon/devices/recorder.h"
+#include "service/daemon/devices/room_watch.h"
+#include "service/daemon/devices/transport_tick_source.h"
+#include "service/magnetics/nominal.h"
+
+namespace omni::daemon {
+namespace {
+
+constexpr int kReopenPolls = 10;  // one second between attempts to open a device
+
+// `path`: of the calibration in use; empty: the drawing. `share`: of the time, without an explanation.
+std::string MisfitText(const std::string& path, double share) {
+  const std::string what = path.empty() ? "the drawing" : path;
+  const std::string again = path.empty() ? "measure this base: omni calibrate"
+                                         : "measure this base again: omni calibrate --replace, or take the file before "
+                                           "back: omni calibrate --restore";
+  return what + " does not fit this base: a magnet is near, and " + std::to_string(std::lround(100 * share)) +
+         " % of the time no pose explains what the sensors read, and then there is no force; take other magnets and "
+         "steel away, and if it stays, " +
+         again;
+}
+
+// Of `findings`, what `others` do not have.
+void LogNew(const std::vector<RoomFinding>& findings, const std::vector<RoomFinding>& others,
+            spdlog::level::level_enum level, const char* before) {
+  for (const RoomFinding& finding : findings) {
+    const auto same = [&](const RoomFinding& o) { return o.kind == finding.kind && o.sensors == finding.sensors; };
+    if (std::none_of(others.begin(), others.end(), same)) spdlog::log(level, "room: {}{}", before, RoomText(finding));
+  }
+}
+
+}  // namespace
+
+// One opened device with its loop; destroyed in reverse order.
+struct DeviceKeeper::Session {
+  Session(OpenedDevice device, const loop::TickConfig& config, const base::Calibration* calibration,
+          const RunOptions& options, loop::TickSink& sink)
+      : opened(std::move(device)),
+        room(calibration),
+        source(*opened.transport),
+        loop(config, {.realtime = WantsRealtime(options), .telemetry = !options.record_path.empty()}, source, sink) {}
+
+  // A loop that never waits would starve the rest of the machine.
+  bool WantsRealtime(const RunOptions& options) const {
+    return options.realtime && !opened.transport->info().virtual_time;
+  }
+
+  OpenedDevice opened;
+  RoomWatch room;
+  TransportTickSource source;
+  loop::TickThread loop;
+  std::unique_ptr<Recorder> recorder;
+  FaultLog faults;
+  FitWatch fit;
+  bool misfit_told = false;
+  bool recording_failed = false;  // and told
+};
+
+DeviceKeeper::DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
+                           Service& service, EndWatch& end)
+    : options_(options), device_(device), sink_(sink), service_(service), end_(end) {}
+
+DeviceKeeper::~DeviceKeeper() { Close("the service is ending"); }
+
+bool DeviceKeeper::Open() {
+  auto opened = OpenDevice(options_);
+  if (!opened.ok()) {
+    service_.Detach(opened.error());
+    const char* next = IsReplay(options_.device) ? "" : "; omnid waits for it and looks every second";
+    if (opened.error() != told_) spdlog::error("device: {}{}", opened.error(), next);
+    told_ = opened.error();
+    return false;
+  }
+  told_.clear();
+  ++opened_;
+  if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
+  const loop::TickConfig config = Calibrated(opened->serial);
+  Record(*opened);
+  session_ =
+      std::make_unique<Session>(std::move(*opened), config, calibration_ ? &*calibration_ : nullptr, options_, sink_);
+  if (!options_.record_path.empty()) {
+    auto recorder = Recorder::Open(options_.record_path, session_->loop.telemetry());
+    if (recorder.ok()) {
+      session_->recorder = std::move(*recorder);
+      end_.SetRecording(true);
+    } else {
+      spdlog::error("{}", recorder.error());
+    }
+  }
+  service_.SetForceProperties(DescribeForce(config, device_));
+  session_->loop.Start();
+  service_.Attach(session_->loop, *session_->opened.transport);
+  const std::string& refused = session_->loop.realtime().reason;
+  if (session_->WantsRealtime(options_) && !refused.empty()) spdlog::warn("real-time: {}", refused);
+  spdlog::info("device: {} (serial {})", session_->opened.transport->info().name, session_->opened.serial);
+  return true;
+}
+
+// A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
+loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
+  const config::CalibrationChoice choice = config::ChooseCalibration(
+      options_.calibration_path,
+      {.device = device_, .drawing = magnetics::NominalCalibration(device_), .serial = serial});
+  if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
+  if (!choice.note.empty()) spdlog::warn("calibration: {}: {}", choice.path, choice.note);
+  if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
+  if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
+  service_.SetCalibration(choice);
+  calibration_path_ = choice.file ? choice.path : std::string();
+  calibration_ = choice.file ? std::optional(choice.file->calibration) : std::nullopt;
+  return choice.file ? loop::MakeTickConfig(device_, choice.file->calibration) : loop::MakeTickConfig(device_);
+}
+
+void DeviceKeeper::WatchRoom() {
+  RoomWatch& room = session_->room;
+  const std::vector<RoomFinding> before = room.findings();
+  if (!room.Add(session_->loop.room().Read())) return;
+  LogNew(room.findings(), before, spdlog::level::warn, "");
+  LogNew(before, room.findings(), spdlog::level::info, "no longer: ");
+  service_.SetRoom(room.findings());
+}
+
+void DeviceKeeper::WatchFit() {
+  const loop::FitStatistics& fit = session_->loop.statistics().fit;
+  session_->fit.Update(fit.explained.load(), fit.contradicted.load(), base::MonotonicNow_ns());
+  const bool misfit = session_->fit.misfit() && !session_->room.explains_misfit();
+  if (misfit == session_->misfit_told) return;
+  session_->misfit_told = misfit;
+  const std::string text = misfit ? MisfitText(calibration_path_, session_->fit.share()) : std::string();
+  service_.SetMisfit(text);
+  if (misfit) {
+    spdlog::error("calibration: {}", text);
+  } else if (!session_->fit.misfit()) {
+    spdlog::info("calibration: what the sensors read is explained again");
+  }
+}
+
+// The state first: a fault that it shows has said before where it came.
+void DeviceKeeper::TellFaults() {
+  device::Transport& transport = *session_->opened.transport;
+  const device::TransportState state = transport.state();
+  device::BaseNote note;
+  for (std::size_t i = 0; i < device::BaseNotes::kCapacity && transport.TakeNote(note); ++i) {
+    session_->faults.Hear(note, base::MonotonicNow_ns());
+  }
+  for (const FaultLine& line : session_->faults.News(state)) {
+    spdlog::log(line.is_problem ? spdlog::level::err : spdlog::level::info, "device: {}", line.text);
+  }
+}
+
+void DeviceKeeper::Record(OpenedDevice& opened) {
+  if (opened.replay != nullptr && !opened.replay->summary().cut.empty()) {
+    spdlog::warn("replay: {}", opened.replay->summary().cut);
+  }
+  if (options_.record_device_path.empty()) return;
+  const std::string problem = RecordDevice(options_, device_.current_max_A, opened_, opened);
+  if (!problem.empty()) spdlog::error("{}", problem);
+  end_.SetRecording(problem.empty());
+}
+
+void DeviceKeeper::WatchRecording() {
+  if (session_ == nullptr || session_->opened.recording == nullptr || session_->recording_failed) return;
+  const std::string problem = session_->opened.recording->recorder().problem();
+  if (problem.empty()) return;
+  session_->recording_failed = true;
+  spdlog::error("{}", problem);
+}
+
+bool DeviceKeeper::Watch() {
+  WatchRecording();
+  if (session_ != nullptr) TellFaults();
+  if (session_ != nullptr) WatchRoom();
+  if (session_ != nullptr) WatchFit();
+  if (session_ != nullptr && session_->loop.finished()) {
+    if (session_->loop.end_status() == loop::WaitStatus::kEnd) {
+      Close("the recording is over");
+      return false;
+    }
+    spdlog::error("device: lost; omnid waits for it and looks every second");
+    Close("lost");
+    polls_ = 0;
+  }
+  if (session_ == nullptr && ++polls_ % kReopenPolls == 0) Open();
+  return true;
+}
+
+void DeviceKeeper::Close(const std::string& why) {
+  if (session_ == nullptr) return;
+  service_.Detach(why);  // the loop has ended: nobody reads or writes any more
+  if (session_->opened.replay != nullptr) {
+    const device::ReplayComparison commands = session_->opened.replay->comparison();
+    spdlog::info("replay: {} scans; commands: {} as recorded, {} others (by at most {:.3g} A), {} extra, {} missing",
+                 session_->opened.replay->counters().received, commands.same, commands.different,
+                 commands.largest_difference_A, commands.extra, commands.missing);
+  }
+  if (session_->opened.recording != nullptr) {
+    device::DeviceRecorder& recorder = session_->opened.recording->recorder();
+    recorder.Close();
+    WatchRecording();
+    spdlog::info("recorded: {}: {} scans and commands, {} lost", recorder.path(), recorder.written(), recorder.lost());
+  }
+  session_->recorder.reset();
+  end_.SetRecording(false);
+  session_.reset();
+}
+
+}  // namespace omni::daemon

@@ -1,0 +1,56 @@
+// Opens the device, runs the loop on it, and opens it again when it was lost.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
+#include "service/daemon/devices/open_device.h"
+#include "service/daemon/end_watch.h"
+#include "service/daemon/run.h"
+#include "service/daemon/service.h"
+#include "service/loop/tick_config.h"
+#include "service/loop/tick_thread.h"
+
+namespace omni::daemon {
+
+// Main thread. Everything handed over outlives it.
+class DeviceKeeper {
+ public:
+  DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink, Service& service,
+               EndWatch& end);
+  ~DeviceKeeper();
+  DeviceKeeper(const DeviceKeeper&) = delete;
+  DeviceKeeper& operator=(const DeviceKeeper&) = delete;
+
+  // False: it cannot be opened now. A lost device may come back; a replay that is refused never will.
+  bool Open();
+  // Ten times a second; opens a lost device again. False: a replay is over.
+  bool Watch();
+
+ private:
+  struct Session;
+  loop::TickConfig Calibrated(const std::string& serial);
+  void WatchRoom();
+  void WatchFit();
+  void Record(OpenedDevice& opened);
+  void WatchRecording();
+  void TellFaults();
+  void Close(const std::string& why);
+
+  const RunOptions& options_;
+  const base::DeviceGeometry& device_;
+  loop::TickSink& sink_;
+  Service& service_;
+  EndWatch& end_;
+  std::unique_ptr<Session> session_;
+  std::string calibration_path_;                  // in use; empty: the drawing
+  std::optional<base::Calibration> calibration_;  // in use
+  std::string told_;                              // the last error, which is not told again every second
+  int opened_ = 0;
+  int polls_ = 0;  // since it was lost
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,57 @@
+// Whether the field about the base is the one that it was calibrated in: from samples of the loop, second by second,
+// with a pen (what the tracker has learnt) and without (the readings themselves).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "service/base/calibration.h"
+#include "service/base/eigen.h"
+#include "service/base/limits.h"
+#include "service/daemon/devices/room_finding.h"
+#include "service/daemon/devices/verdict.h"
+#include "service/loop/telemetry.h"
+#include "service/tracker/solve/static_solve.h"
+
+namespace omni::daemon {
+
+class FieldWatch {
+ public:
+  static constexpr double kUniform_T = 15e-6;  // more than a field drifts in an hour; a base that is turned sees more
+  static constexpr double kSteady_T = 10e-6;   // back below it: as it was
+  static constexpr double kUneven_T = 3e-6;    // more than what the zeros of sensors drift
+  static constexpr double kEven = 0.15;        // of the uniform part: a field from far away has no more that is uneven
+  static constexpr double kWanders_T = 1e-6;   // rms of a second: no magnet that lies there answers a pen
+
+  explicit FieldWatch(const base::Calibration& calibration);
+
+  void Add(const loop::RoomSample& sample);
+  // useless: bit i: not sensor i. contradicted: a magnet is near, and neither a pose nor what is known of the sensors
+  // explains the readings.
+  void EndSecond(std::uint32_t useless, bool contradicted);
+  void Tell(std::vector<RoomFinding>& findings) const;
+  bool magnet_near() const noexcept { return is_magnet_.holds(); }
+
+ private:
+  using Fields = Eigen::Matrix<double, 3, base::kSensorCount>;
+  struct Second {
+    int samples = 0, tracked = 0, stray = 0, quiet = 0;
+    Eigen::Vector3d ambient_sum_T = Eigen::Vector3d::Zero();
+    double ambient_square_T2 = 0;
+    Fields reading_sum_T = Fields::Zero();  // of quiet samples
+    Eigen::Vector3d current_sum_A = Eigen::Vector3d::Zero();
+  };
+  void JudgeTracked();
+  void JudgeQuiet(std::uint32_t useless);
+  bool IsPen(const Fields& reading_T, const Eigen::Vector3d& current_A, std::uint32_t useless) const;
+
+  base::Calibration calibration_;
+  std::optional<tracker::StaticSolver> solver_;
+  Second second_;
+  bool has_fitted_ = false;  // poses have explained the readings of a whole second
+  double uniform_T_ = 0;     // of the last second that said so
+  Verdict is_magnet_{3}, wanders_{5}, is_uniform_{3}, is_uneven_{3};  // a magnet that comes wanders too
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,74 @@
+#include "service/daemon/devices/room_watch.h"
+
+#include <string>
+#include <utility>
+
+#include "service/base/stamp.h"
+
+namespace omni::daemon {
+namespace {
+
+RoomFinding Swapped(const std::pair<int, int>& pair) {
+  return {.kind = "sensors-swapped",
+          .sensors = {pair.first, pair.second},
+          .what = "sensors " + std::to_string(pair.first) + " and " + std::to_string(pair.second) +
+                  " are swapped (cables or addresses): exchanged, their readings fit a pose, as they are none does",
+          .fix = "exchange their cables or addresses"};
+}
+
+}  // namespace
+
+RoomWatch::RoomWatch(const base::Calibration* calibration) {
+  if (calibration == nullptr || calibration->sensors.size() != base::kSensorCount) return;
+  field_.emplace(*calibration);
+  swap_.emplace(*calibration);
+}
+
+bool RoomWatch::Add(const loop::RoomSample& sample) {
+  if (sample.scan.t_ns == last_ns_) return false;
+  last_ns_ = sample.scan.t_ns;
+  const bool near = sample.tool.field_rms_T >= loop::FitStatistics::kNear_T;
+  const bool contradicted = near && (sample.tool.limits & base::kToolContradicted) != 0;
+  ++samples_;
+  near_ += near ? 1 : 0;
+  contradicted_ += contradicted ? 1 : 0;
+  sensors_.Add(sample);
+  if (field_) field_->Add(sample);
+  if (swap_ && contradicted && is_contradicted_.holds()) swap_->Keep(sample.scan);
+  if (swap_) swap_->Step();
+  const std::int64_t elapsed_ns = base::StampDifference_ns(last_ns_, second_ns_);
+  if (elapsed_ns >= 0 && elapsed_ns < kSecond_ns) return false;
+  EndSecond();
+  std::vector<RoomFinding> now = Tell();
+  if (now == findings_) return false;
+  findings_ = std::move(now);
+  return true;
+}
+
+void RoomWatch::EndSecond() {
+  second_ns_ = last_ns_;
+  if (near_ >= kSamplesMin) {
+    is_contradicted_.Add(2 * contradicted_ > near_);
+    if (swap_ && !is_contradicted_.holds()) swap_->Forget();
+  }
+  const bool enough = samples_ >= kSamplesMin;
+  const bool contradicted = IsMostly(contradicted_, samples_);
+  samples_ = near_ = contradicted_ = 0;
+  if (!enough) return;
+  sensors_.EndSecond();
+  if (field_) field_->EndSecond(sensors_.useless(), contradicted && !IsExplained());
+}
+
+std::vector<RoomFinding> RoomWatch::Tell() const {
+  std::vector<RoomFinding> findings;
+  sensors_.Tell(field_ && field_->magnet_near(), findings);
+  if (swap_ && swap_->found()) findings.push_back(Swapped(*swap_->found()));
+  if (field_ && !IsExplained()) field_->Tell(findings);
+  return findings;
+}
+
+bool RoomWatch::IsExplained() const noexcept { return sensors_.too_few() || (swap_ && swap_->found().has_value()); }
+
+bool RoomWatch::explains_misfit() const noexcept { return IsExplained() || (field_ && field_->magnet_near()); }
+
+}  // namespace omni::daemon

@@ -1,0 +1,49 @@
+// Which sensors give nothing, repeat themselves or are wrong: from samples of the loop, second by second.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "service/base/limits.h"
+#include "service/base/vec.h"
+#include "service/daemon/devices/room_finding.h"
+#include "service/daemon/devices/verdict.h"
+#include "service/loop/telemetry.h"
+
+namespace omni::daemon {
+
+class SensorWatch {
+ public:
+  // A sensor is blamed when it was wrong while the pen was in so many places so far apart: a magnet beside it is not
+  // everywhere.
+  static constexpr std::size_t kPlaces = 3;
+  static constexpr double kPlace_m = 0.02;
+  static constexpr int kSensorsMin = 4;  // fewer leave too few readings for a pose
+
+  void Add(const loop::RoomSample& sample);
+  void EndSecond();
+  // magnet_near: is told of; a sensor that may only be near it is not named too.
+  void Tell(bool magnet_near, std::vector<RoomFinding>& findings) const;
+
+  // Bit i: sensor i cannot be used.
+  std::uint32_t useless() const noexcept;
+  // No pose can be expected, whatever the calibration.
+  bool too_few() const noexcept;
+
+ private:
+  struct Sensor {
+    int silent = 0, repeats = 0, wrong = 0;  // samples of this second
+    base::Vec3 last_T;
+    std::vector<base::Vec3> places_base_m;  // of the pen, where it was wrong
+    Verdict is_silent{2}, is_stuck{2}, is_wrong{2};
+  };
+  void AddPlace(const base::ToolState& tool, Sensor& sensor) const;
+
+  std::array<Sensor, base::kSensorCount> sensors_{};
+  int samples_ = 0, tracked_ = 0, frozen_ = 0;  // of this second
+  Verdict is_frozen_{2};
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,69 @@
+// Reads keyboards and foot pedals that the user has named (config::InputSettings): one thread, waiting for events,
+// which looks once a second for devices that are not there yet or have come back. Only the keys of mappings leave it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "service/daemon/keys/key_book.h"
+#include "service/daemon/keys/key_ports.h"
+
+namespace omni::daemon {
+
+struct KeyThreadOptions {
+  std::vector<config::KeyDeviceRule> devices;
+  std::vector<std::uint16_t> codes;  // of key source i
+  int search_ms = 1000;
+};
+
+class KeyThread {
+ public:
+  // Called on the thread when a key of ours has changed. Must be short.
+  using Changed = std::function<void(const base::KeyStates&)>;
+
+  KeyThread(KeyThreadOptions options, std::unique_ptr<KeyPorts> ports, Changed changed);
+  ~KeyThread();  // stops; closes all
+  KeyThread(const KeyThread&) = delete;
+  KeyThread& operator=(const KeyThread&) = delete;
+
+  struct DeviceStatus {
+    std::string rule;     // path or name as written
+    std::string paths;    // of what is being read, separated by spaces; empty: nothing
+    std::string problem;  // why not, for people; empty: simply not there
+  };
+  std::vector<DeviceStatus> Status() const;  // any thread
+
+ private:
+  struct Port {
+    int fd = -1;
+    std::size_t rule = 0;
+    std::string path;
+    KeyDecoder decoder;
+  };
+  void Run();
+  void Search();
+  void OpenPort(std::size_t rule, const std::string& path);
+  void ReadPort(int index);
+  void AskAnew(int index, std::int64_t now_ns, bool& changed);
+  void ClosePort(int index);
+  void Tell(std::size_t rule, const std::string& problem);
+  void UpdateStatus();
+
+  const KeyThreadOptions options_;
+  const std::unique_ptr<KeyPorts> ports_;
+  const Changed changed_;
+  KeyBook book_;
+  std::array<Port, kMaxKeyDevicesOpen> open_;
+  std::vector<std::string> problems_;  // one a rule, of the thread
+  int wake_ = -1;                      // eventfd: the end
+  mutable std::mutex status_mutex_;
+  std::vector<DeviceStatus> status_;
+  std::thread thread_;
+};
+
+}  // namespace omni::daemon

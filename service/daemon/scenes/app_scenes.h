@@ -1,0 +1,95 @@
+// Scenes that applications give themselves (XR_OMNIX1_haptic_scene): at most one a client, built by the builder, felt
+// in place of the client's scene from apps.d. All on the control thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "service/daemon/scenes/scene_builder.h"
+#include "service/ipc/server.h"
+#include "service/loop/scene_motion.h"
+#include "service/protocol/haptic_scene.h"
+
+namespace omni::daemon {
+
+class AppScenes {
+ public:
+  using Retired = std::vector<std::shared_ptr<const BuiltScene>>;
+  // A whole message to a client; false: it does not read now, and gets it at the next period.
+  using Send = std::function<bool(ipc::ClientId id, const std::string& message)>;
+
+  // What stops being a client's scene goes to `retired`. Both outlive this.
+  AppScenes(SceneBuilder& builder, double hull_radius_m, Retired& retired, Send send)
+      : builder_(builder), hull_radius_m_(hull_radius_m), retired_(retired), send_(std::move(send)) {}
+
+  // The builder knows these jobs by another number than the client's own scene from apps.d.
+  static constexpr std::uint64_t kJobBit = std::uint64_t{1} << 63;
+  static bool IsJob(std::uint64_t job) noexcept { return (job & kJobBit) != 0; }
+  static ipc::ClientId ClientOf(std::uint64_t job) noexcept { return job & ~kJobBit; }
+  static std::uint64_t JobOf(ipc::ClientId id) noexcept { return id | kJobBit; }
+
+  // Messages of a client. False: about a scene that is gone, nothing has changed.
+  void Load(ipc::ClientId id, const std::string& application, const protocol::HapticSceneLoad& load,
+            base::UniqueFd document);
+  bool End(ipc::ClientId id, std::uint32_t number);
+  bool Place(ipc::ClientId id, const protocol::HapticScenePlace& place);
+  bool Enable(ipc::ClientId id, const protocol::HapticSceneEnable& enable);
+  bool MoveNodes(ipc::ClientId id, const protocol::HapticNodes& nodes);
+  bool SetMaterial(ipc::ClientId id, const protocol::HapticMaterial& material);
+  void Remove(ipc::ClientId id);
+
+  // A result of the builder, of a job of these. The scene that is to be felt from now on, for the log and for
+  // sculpting; null: there is none, see built.error.
+  std::shared_ptr<const BuiltScene> Take(BuiltScene built);
+
+  // From the first time that it was ready: what apps.d says is not felt.
+  bool Stands(ipc::ClientId id) const;
+  // Null: nothing, for it is not enabled.
+  std::shared_ptr<const BuiltScene> Felt(ipc::ClientId id) const;
+  bool Holds(const std::shared_ptr<const BuiltScene>& scene) const;
+  // What the tick is to know. Precondition: Stands(id).
+  void FillControl(ipc::ClientId id, std::uint64_t generation, loop::SceneControl& control) const;
+
+  // Tells every client what it does not know yet. `felt`: whose scene is felt, and its number there.
+  void Tell(ipc::ClientId felt, std::uint64_t generation);
+
+ private:
+  struct AppScene {
+    std::uint32_t number = 0;
+    std::uint32_t flags = 0;
+    std::string name;
+    std::shared_ptr<const base::UniqueFd> document;
+    double scale = 1;        // wanted
+    double built_scale = 1;  // of `built`, or of what is being built
+    bool loading = true, failed = false, enabled = true;
+    std::int64_t asked_ns = 0, load_ns = 0;
+    std::string text;
+    std::shared_ptr<const BuiltScene> built;
+    double felt_scale = 1;  // of `built`
+    loop::SceneControl control;
+    bool table_due = false;
+    std::optional<protocol::HapticSceneState> told;
+  };
+  AppScene* Find(ipc::ClientId id, std::uint32_t number);
+  void Request(ipc::ClientId id, AppScene& scene);
+  void Drop(AppScene& scene);
+  protocol::HapticSceneState StateOf(const AppScene& scene, std::uint64_t generation) const;
+
+  SceneBuilder& builder_;
+  const double hull_radius_m_;
+  Retired& retired_;
+  const Send send_;
+  std::map<ipc::ClientId, AppScene> scenes_;
+  std::uint64_t samples_ = 0;  // poses taken so far
+};
+
+// The rows that tell a client what its scene has: a whole message.
+std::string HapticTableMessage(std::uint32_t number, const BuiltScene& built);
+
+}  // namespace omni::daemon

@@ -1,0 +1,67 @@
+#include "service/daemon/scenes/surface_clients.h"
+
+#include <utility>
+
+namespace omni::daemon {
+
+SurfaceClients::SurfaceClients(std::uint64_t service_instance, Snapshot snapshot, Send send)
+    : service_instance_(service_instance), snapshot_(std::move(snapshot)), send_(std::move(send)) {}
+
+void SurfaceClients::Ask(ipc::ClientId id, bool wanted) {
+  if (wanted) {
+    told_[id] = std::nullopt;
+  } else {
+    told_.erase(id);
+  }
+}
+
+void SurfaceClients::Remove(ipc::ClientId id) { told_.erase(id); }
+
+std::string SurfaceClients::Update(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t scene_generation) {
+  const bool needed = !told_.empty() && scene != nullptr && !haptics::ChangingObjects(*scene).empty();
+  KeepThread(scene, scene_generation, needed);
+  if (!needed) {
+    Announce(nullptr);
+    return {};
+  }
+  if (thread_ == nullptr || is_ending_) return {};
+  const std::string problem = thread_->problem();
+  const auto memory = thread_->memory();
+  if (memory != nullptr || !problem.empty()) Announce(memory.get());
+  return problem != std::exchange(problem_, problem) ? problem : std::string();
+}
+
+// A thread that is asked to end is waited for only once it has: this one must not wait for a look at a large surface.
+// Whoever asks meanwhile gets a new one after it.
+// One that ended with a problem is kept, so that it is not tried again for the same scene.
+void SurfaceClients::KeepThread(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t scene_generation,
+                                bool needed) {
+  if (thread_ != nullptr && (!needed || thread_generation_ != scene_generation)) {
+    thread_->RequestStop();
+    is_ending_ = true;
+  }
+  if (thread_ != nullptr && is_ending_ && thread_->finished()) thread_ = nullptr;
+  if (!needed || thread_ != nullptr) return;
+  is_ending_ = false;
+  thread_generation_ = scene_generation;
+  thread_ = std::make_unique<SurfaceThread>(SurfaceSource{.scene = scene,
+                                                          .scene_generation = scene_generation,
+                                                          .service_instance = service_instance_,
+                                                          .snapshot = snapshot_,
+                                                          .memory_generation = &memory_generation_});
+}
+
+// Whoever does not know yet. A message that does not go out is tried again at the next period.
+void SurfaceClients::Announce(const ipc::SurfacePublisher* memory) {
+  protocol::Surfaces message;
+  if (memory != nullptr) {
+    message.total_bytes = memory->bytes();
+    message.memory_generation = memory->id().memory_generation;
+  }
+  for (auto& [id, told] : told_) {
+    if (told == message.memory_generation) continue;
+    if (send_(id, message, memory == nullptr ? -1 : memory->fd())) told = message.memory_generation;
+  }
+}
+
+}  // namespace omni::daemon

@@ -1,0 +1,130 @@
+#include "service/device/recording/device_recorder.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+namespace omni::device {
+namespace {
+
+constexpr std::chrono::milliseconds kNap{20};
+constexpr std::size_t kWriteSize = 1U << 18;  // bytes handed to the kernel at once
+
+// 0, or the errno of what went wrong.
+int WriteAll(int fd, const std::uint8_t* bytes, std::size_t size) noexcept {
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t written = write(fd, bytes + done, size - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return written < 0 ? errno : EIO;
+    done += static_cast<std::size_t>(written);
+  }
+  return 0;
+}
+
+}  // namespace
+
+base::Result<std::unique_ptr<DeviceRecorder>> DeviceRecorder::Open(const std::string& path, const RecordingInfo& info) {
+  const auto refused = [&](int error) {
+    return base::Error{path + ": the recording cannot be written: " + std::strerror(error) +
+                       ": choose a folder that exists, is writable and has room"};
+  };
+  base::UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (!file) return refused(errno);
+  std::array<std::uint8_t, kRecordingHeaderSize> header;
+  EncodeHeader(info, header.data());
+  if (const int error = WriteAll(file.get(), header.data(), header.size()); error != 0) return refused(error);
+  return std::unique_ptr<DeviceRecorder>(new DeviceRecorder(std::move(file), path));
+}
+
+DeviceRecorder::DeviceRecorder(base::UniqueFd file, std::string path)
+    : file_(std::move(file)), path_(std::move(path)), ring_(std::make_unique<Ring>()) {
+  bytes_.reserve(kWriteSize + kRecordSizeMax);
+  thread_ = std::thread([this] { Run(); });
+}
+
+DeviceRecorder::~DeviceRecorder() { Close(); }
+
+void DeviceRecorder::Close() {
+  stop_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void DeviceRecorder::Add(const ScanRecord& record) noexcept {
+  Push({.kind = RecordKind::kScan, .sent = 0, .t_ns = record.read_ns, .scan = record.scan});
+}
+
+void DeviceRecorder::Add(const CommandRecord& record) noexcept {
+  Entry entry{.kind = RecordKind::kCommand, .sent = record.sent, .t_ns = record.written_ns, .scan = {}};
+  entry.scan.coil_current_A = record.currents.current_A;
+  Push(entry);
+}
+
+void DeviceRecorder::Push(const Entry& entry) noexcept {
+  if (!ring_->TryPush(entry)) ++lost_;
+}
+
+std::string DeviceRecorder::problem() const {
+  const int error = error_.load(std::memory_order_acquire);
+  if (error == 0) return "";
+  return path_ + ": the recording ends here: " + std::strerror(error) + ": free some space and record again";
+}
+
+void DeviceRecorder::Run() {
+  while (!stop_.load(std::memory_order_acquire)) {
+    Drain();
+    std::this_thread::sleep_for(kNap);
+  }
+  Drain();
+  Append(EndRecord{.scans = scans_,
+                   .commands = commands_,
+                   .lost = lost_.value(),
+                   .last_status = static_cast<std::uint32_t>(last_status_.load(std::memory_order_relaxed))});
+  Write();
+}
+
+void DeviceRecorder::Drain() {
+  Entry entry;
+  while (ring_->TryPop(entry)) {
+    if (entry.kind == RecordKind::kScan) {
+      Append(ScanRecord{.read_ns = entry.t_ns, .scan = entry.scan});
+      ++scans_;
+    } else {
+      Append(CommandRecord{.written_ns = entry.t_ns, .currents = {entry.scan.coil_current_A}, .sent = entry.sent});
+      ++commands_;
+    }
+    if (bytes_.size() >= kWriteSize) Write();
+  }
+  if (const std::uint64_t lost = lost_.value(); lost != lost_told_) {
+    Append(LossRecord{.lost = lost});
+    lost_told_ = lost;
+  }
+  Write();
+}
+
+// After a failure the ring is emptied all the same.
+void DeviceRecorder::Write() {
+  int error = error_.load(std::memory_order_relaxed);
+  if (error == 0) {
+    error = WriteAll(file_.get(), bytes_.data(), bytes_.size());
+    if (error == 0) {
+      written_.Set(scans_ + commands_);
+    } else {
+      error_.store(error, std::memory_order_release);
+    }
+  }
+  bytes_.clear();
+}
+
+template <class Record>
+void DeviceRecorder::Append(const Record& record) {
+  std::array<std::uint8_t, kRecordSizeMax> bytes;
+  const std::size_t size = EncodeRecord(record, bytes.data());
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+}
+
+}  // namespace omni::device

@@ -1,0 +1,77 @@
+// Writes a device recording (recording_format.h) from a thread of its own. The caller hands over scans and commands
+// through a ring: it never waits, and what finds the ring full is lost and counted.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/base/spsc_ring.h"
+#include "service/base/unique_fd.h"
+#include "service/device/recording/recording_format.h"
+#include "service/device/usb/counters.h"
+
+namespace omni::device {
+
+class DeviceRecorder {
+ public:
+  // Creates or truncates `path` and writes the header.
+  static base::Result<std::unique_ptr<DeviceRecorder>> Open(const std::string& path, const RecordingInfo& info);
+  ~DeviceRecorder();  // closes
+  DeviceRecorder(const DeviceRecorder&) = delete;
+  DeviceRecorder& operator=(const DeviceRecorder&) = delete;
+
+  // One thread at a time, that of the transport. No system call, no lock, no allocation.
+  void Add(const ScanRecord& record) noexcept;
+  void Add(const CommandRecord& record) noexcept;
+  // After the last Add: writes what is queued and the end record. written() and problem() are final then.
+  void Close();
+  void SetLastStatus(ReadStatus status) noexcept { last_status_.store(status, std::memory_order_relaxed); }
+
+  // Any thread.
+  std::uint64_t lost() const noexcept { return lost_.value(); }        // found the ring full
+  std::uint64_t written() const noexcept { return written_.value(); }  // scans and commands in the file
+  // Empty, or what kept a record from being written (disk full): then nothing more is written.
+  std::string problem() const;
+  const std::string& path() const noexcept { return path_; }
+
+ private:
+  static constexpr std::size_t kRingSize = 4096;  // about two seconds
+
+  struct Entry {
+    RecordKind kind;
+    std::uint32_t sent;
+    std::int64_t t_ns;
+    base::HallScan scan;  // of a command: coil_current_A are its set-points
+  };
+  using Ring = base::SpscRing<Entry, kRingSize>;
+
+  DeviceRecorder(base::UniqueFd file, std::string path);
+  void Push(const Entry& entry) noexcept;
+  void Run();
+  void Drain();
+  void Write();
+  template <class Record>
+  void Append(const Record& record);
+
+  base::UniqueFd file_;
+  const std::string path_;
+  std::unique_ptr<Ring> ring_;
+  Counter lost_;
+  Counter written_;
+  std::atomic<ReadStatus> last_status_{ReadStatus::kScan};
+  std::atomic<int> error_{0};  // errno of the write that failed
+  std::atomic<bool> stop_{false};
+  // Writer thread only.
+  std::vector<std::uint8_t> bytes_;
+  std::uint64_t scans_ = 0;
+  std::uint64_t commands_ = 0;
+  std::uint64_t lost_told_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace omni::device

@@ -1,0 +1,57 @@
+#include "service/device/usb/arming.h"
+
+namespace omni::device {
+namespace {
+
+bool OfOthers(std::uint32_t faults) noexcept { return (faults & ~wire::kFaultsOfTheHost) != 0; }
+
+}  // namespace
+
+void Arming::Rest(std::int64_t until_ns) noexcept {
+  phase_ = Phase::kRest;
+  not_before_ns_ = until_ns;
+}
+
+void Arming::OnTelemetry(const wire::Telemetry& telemetry, std::int64_t t_ns) noexcept {
+  armed_ = telemetry.state == wire::State::kArmed && telemetry.faults == 0;
+  held_ = held_ || OfOthers(telemetry.faults);
+  if (armed_ || held_) {
+    Rest(0);
+    return;
+  }
+  const bool ready = telemetry.state == wire::State::kIdle || telemetry.state == wire::State::kFault;
+  if (phase_ != Phase::kRest && t_ns - since_ns_ > kAnswer_ns) Rest(t_ns);
+  if (phase_ == Phase::kRest && ready && t_ns >= not_before_ns_) {
+    phase_ = Phase::kAsk;
+    since_ns_ = t_ns;
+  }
+}
+
+bool Arming::OnArm(const wire::Arm& arm, std::int64_t t_ns) noexcept {
+  if (arm.step == wire::ArmStep::kChallenge && phase_ == Phase::kAsked) {
+    nonce_ = arm.nonce;
+    phase_ = Phase::kConfirm;
+    return true;
+  }
+  if (arm.step == wire::ArmStep::kArmed && phase_ == Phase::kConfirmed) return true;  // telemetry says it, too
+  const bool asked = phase_ == Phase::kAsked || phase_ == Phase::kConfirmed;
+  if (arm.step == wire::ArmStep::kRefused && asked) {
+    // A self-test that is running refuses, too; one that failed stands in the telemetry.
+    held_ = held_ || OfOthers(arm.faults & ~wire::kFaultSelfTest);
+    Rest(t_ns + kPause_ns);
+    return true;
+  }
+  return false;
+}
+
+bool Arming::Next(std::int64_t t_ns, wire::Arm& arm) noexcept {
+  if (phase_ != Phase::kAsk && phase_ != Phase::kConfirm) return false;
+  arm = {};
+  arm.step = phase_ == Phase::kAsk ? wire::ArmStep::kRequest : wire::ArmStep::kConfirm;
+  arm.nonce = phase_ == Phase::kAsk ? 0 : nonce_;
+  phase_ = phase_ == Phase::kAsk ? Phase::kAsked : Phase::kConfirmed;
+  since_ns_ = t_ns;
+  return true;
+}
+
+}  // namespace omni::device

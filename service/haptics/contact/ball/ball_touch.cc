@@ -1,0 +1,179 @@
+#include "service/haptics/contact/ball/ball_touch.h"
+
+#include "service/haptics/contact/contact_slots.h"
+#include "service/haptics/geometry/topology.h"
+#include "service/haptics/scene.h"
+
+namespace omni::haptics {
+namespace {
+
+ContactState* ContactOn(std::uint32_t object, State& state) noexcept {
+  for (ContactState& contact : state.contacts) {
+    if (contact.active && contact.object == object) return &contact;
+  }
+  return nullptr;
+}
+
+// The place that carries most stands for the contact; the ball's centre holds the tip.
+void Hold(const BallContact& touched, const BallState& ball, const Vec3& tip, ContactState& contact) noexcept {
+  std::size_t main = 0;
+  for (std::size_t k = 1; k < static_cast<std::size_t>(touched.touch_count); ++k) {
+    if (touched.touches[k].share > touched.touches[main].share) main = k;
+  }
+  contact.triangle = touched.touches[main].triangle;
+  contact.proxy_m = touched.touches[main].at.point;
+  contact.held_m = ball.centre_m;
+  contact.depth_m = Norm(ball.centre_m - tip);
+  contact.one_place = touched.touch_count == 1;
+  contact.in_flight = !touched.felt;
+  contact.side = 1;
+}
+
+ContactState NewContact(std::uint32_t object) noexcept {
+  ContactState contact;
+  contact.active = true;
+  contact.object = object;
+  return contact;
+}
+
+std::uint64_t TouchedObjects(const State& state) noexcept {
+  std::uint64_t objects = 0;
+  for (const ContactState& contact : state.contacts) {
+    if (contact.active) objects |= std::uint64_t{1} << contact.object;
+  }
+  return objects;
+}
+
+// Where there are more contacts than slots, the ball of the one that is left out is lost.
+void KeepBall(const ContactState& contact, State& state) noexcept {
+  const std::uint64_t known = TouchedObjects(state) | std::uint64_t{1} << contact.object;
+  Keep(contact, state);
+  state.ball_restarts |= known & ~TouchedObjects(state);
+}
+
+template <TreeView View>
+bool IsNear(const View& view, const Target& target, double distance_m) noexcept {
+  if (target.boxed && BoxDistance(target.object, target.tip) > distance_m) return false;
+  return NearestInTree(view, target.root, target.tip, distance_m).triangle != kNoIndex;
+}
+
+// Gave way to the ball: nothing is felt until it is out again.
+template <TreeView View>
+bool IsStillIn(const View& view, const Target& target, double radius_m) noexcept {
+  NearestResult nearest;
+  return IsNear(view, target, radius_m) || (HasInside(target.object) && IsInside(view, target, target.tip, nearest));
+}
+
+// Rolls the ball from `centre` after the tip; `tip` is the tip over the surface as a soft body carries it. False: it is
+// at the tip, where it touches nothing.
+template <TreeView View>
+bool RollBall(const View& view, const Target& target, double radius_m, const Vec3& centre, Vec3 tip,
+              ContactState& contact) noexcept {
+  BallState ball{centre, target.from};
+  BallContact touched = FollowBall(view, target.root, radius_m, tip, ball);
+  if (!touched.felt && tip != target.tip) {  // lifted out by what the body gave way a tick ago
+    tip = target.tip;
+    touched = FollowBall(view, target.root, radius_m, tip, ball);
+  }
+  if (touched.touch_count > 0) Hold(touched, ball, tip, contact);
+  return touched.touch_count > 0;
+}
+
+// The same from a free place near `place`, which may be inside.
+template <TreeView View>
+bool RestartBall(const View& view, const Target& target, double radius_m, const Vec3& place,
+                 ContactState& contact) noexcept {
+  const BallState ball = StartBall(view, target.root, HasInside(target.object), radius_m, place);
+  return RollBall(view, target, radius_m, ball.centre_m, target.tip, contact);
+}
+
+// To a nearer face around a convex edge   (2.3), if the ball has room in front of it.
+template <TreeView View>
+void LeaveCrease(const View& view, const Target& target, double radius_m, const Vec3& tip,
+                 ContactState& contact) noexcept {
+  const NearestResult face = NearerFace(view, target, tip, contact.triangle, contact.proxy_m);
+  if (face.triangle == kNoIndex) return;
+  const Vec3 centre = face.closest.point + radius_m * FaceNormal(view, face.triangle);
+  if (NearestInTree(view, target.root, centre, radius_m * (1 - kBallGive)).triangle != kNoIndex) return;
+  contact.anchor_triangle = kNoIndex;
+  StartSwap(contact);
+  RollBall(view, target, radius_m, centre, tip, contact);
+}
+
+// What moved by itself may have passed the ball: then it starts again, outside, and the force comes in gently.
+template <TreeView View>
+bool FollowTip(const View& view, const Target& target, const Touchables& touchables, const ContactState* known,
+               bool restarts, double dt_s, ContactState& contact) noexcept {
+  const double radius_m = touchables.tip_radius_m();
+  const Vec3 last = known != nullptr ? known->held_m : restarts ? target.tip : target.from;
+  bool starts = restarts && known == nullptr;
+  if (!starts && (restarts || touchables.FaceMoved(target.index))) {
+    NearestResult nearest;
+    starts = HasInside(target.object) && IsInside(view, target, last, nearest);
+  }
+  if (starts) {
+    StartSwap(contact);
+    return RestartBall(view, target, radius_m, last, contact);
+  }
+  const Vec3 tip = known != nullptr ? touchables.TipOver(target, *known) : target.tip;
+  if (!RollBall(view, target, radius_m, last, tip, contact)) return false;
+  if (CameThrough(view, target, target.tip, dt_s, contact)) {
+    contact = NewContact(target.index);
+    return RestartBall(view, target, radius_m, target.tip, contact);
+  }
+  if (contact.IsFelt()) LeaveCrease(view, target, radius_m, tip, contact);
+  return true;
+}
+
+template <TreeView View>
+void UpdateBall(const View& view, const Target& target, const Touchables& touchables, double dt_s,
+                State& state) noexcept {
+  const std::uint64_t bit = std::uint64_t{1} << target.index;
+  const bool restarts = touchables.ChangedUnderTip(target.index) || (state.ball_restarts & bit) != 0;
+  state.ball_restarts &= ~bit;
+  ContactState* known = ContactOn(target.index, state);
+  const double radius_m = touchables.tip_radius_m();
+  if (known == nullptr && target.boxed &&
+      BoxDistance(target.object, target.tip) > radius_m + Norm(target.tip - target.from)) {
+    return;
+  }
+  if (known != nullptr && known->popped) {
+    if (!IsStillIn(view, target, radius_m)) *known = {};
+    return;
+  }
+  ContactState contact = known != nullptr ? *known : NewContact(target.index);
+  const bool touches = FollowTip(view, target, touchables, known, restarts, dt_s, contact);
+  if (known != nullptr) {
+    *known = touches ? contact : ContactState{};
+  } else if (touches) {
+    KeepBall(contact, state);
+  }
+}
+
+}  // namespace
+
+void StartBalls(const Touchables& touchables, State& state) noexcept {
+  state.ball_restarts = 0;
+  const double radius_m = touchables.tip_radius_m();
+  const auto objects = touchables.scene().objects();
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    if ((objects[i].flags & kCollidable) == 0) continue;
+    const Target target = touchables.TargetOf(i);
+    if (target.boxed && BoxDistance(target.object, target.tip) > radius_m) continue;
+    touchables.On(i, [&](const auto& view) noexcept {
+      ContactState contact = NewContact(i);
+      if (RestartBall(view, target, radius_m, target.tip, contact)) KeepBall(contact, state);
+    });
+  }
+}
+
+void UpdateBalls(const Touchables& touchables, double dt_s, State& state) noexcept {
+  const auto objects = touchables.scene().objects();
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    if ((objects[i].flags & kCollidable) == 0) continue;
+    const Target target = touchables.TargetOf(i);
+    touchables.On(i, [&](const auto& view) noexcept { UpdateBall(view, target, touchables, dt_s, state); });
+  }
+}
+
+}  // namespace omni::haptics

@@ -1,0 +1,57 @@
+// Linear finite elements on a tetrahedral lattice: straight-edged ten-node tetrahedra (linear ones lock when nearly
+// incompressible and are several times stiffer at equal cost), a clamped set of nodes, and one factorisation for
+// many loads. docs/theory/deformable.md, section 3. Set-up only.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/haptics/deformable/build/elasticity.h"
+#include "service/haptics/deformable/build/lattice.h"
+
+namespace omni::haptics {
+
+// Nodes: the lattice's vertices, then one in the middle of each edge.
+struct QuadraticMesh {
+  std::vector<Vec3> nodes_base_m;
+  std::vector<std::array<std::uint32_t, 10>> tets;    // corners, then edges 01 12 02 03 13 23
+  std::vector<std::array<std::uint32_t, 6>> surface;  // corners, then edges 01 12 20; outwards
+};
+
+QuadraticMesh MakeQuadratic(const TetLattice& lattice);
+
+// 30 x 30, row-major, degree of freedom 3 node + axis, N/m.   (3.1)
+std::array<double, 900> ElementStiffness(const std::array<Vec3, 4>& corners, const Stiffness6& stiffness);
+
+inline constexpr std::size_t kSolveWidth = 8;  // loads solved together
+// Row 3 node + axis, one column per load.
+using LoadBlock = std::vector<std::array<double, kSolveWidth>>;
+
+class ElasticFem {
+ public:
+  // `stiffness(p)`: of the material at p. Fails if nothing is clamped, all is, or the matrix is singular. `go_on` is
+  // asked now and then with 0 ... 1; false: stop, with the error "cancelled".
+  static base::Result<ElasticFem> Build(const QuadraticMesh& mesh,
+                                        const std::function<Stiffness6(const Vec3&)>& stiffness,
+                                        const std::vector<bool>& clamped,
+                                        const std::function<bool(double done)>& go_on = {});
+  ElasticFem(ElasticFem&&) noexcept;
+  ElasticFem& operator=(ElasticFem&&) noexcept;
+  ~ElasticFem();
+
+  // Forces in (N), displacements out (m); clamped nodes give 0.   K u = f
+  void Solve(LoadBlock& block) const;
+  std::size_t factor_entries() const;
+
+ private:
+  struct Factor;
+  explicit ElasticFem(std::unique_ptr<Factor> factor);
+  std::unique_ptr<Factor> factor_;
+};
+
+}  // namespace omni::haptics

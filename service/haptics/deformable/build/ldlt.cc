@@ -1,0 +1,114 @@
+#include "service/haptics/deformable/build/ldlt.h"
+
+namespace omni::haptics {
+namespace {
+
+constexpr std::uint32_t kNoParent = 0xFFFFFFFF;
+constexpr std::size_t kWorkPerQuestion = 4'000'000;  // multiplications between two questions
+
+class LdltBuilder {
+ public:
+  LdltBuilder(const UpperColumns& matrix, LdltFactor& factor)
+      : matrix_(matrix),
+        factor_(factor),
+        size_(matrix.first.size() - 1),
+        parent_(size_, kNoParent),
+        seen_(size_, kNoParent),
+        filled_(size_, 0),
+        pattern_(size_),
+        path_(size_),
+        y_(size_, 0) {}
+
+  // Elimination tree and room for L.
+  void Symbolic() {
+    for (std::uint32_t k = 0; k < size_; ++k) {
+      seen_[k] = k;
+      for (std::size_t p = Begin(k); p < Begin(k + 1); ++p) {
+        for (std::uint32_t i = Row(p); seen_[i] != k; i = parent_[i]) {
+          if (parent_[i] == kNoParent) parent_[i] = k;
+          ++filled_[i];
+          seen_[i] = k;
+        }
+      }
+    }
+    factor_.first.assign(size_ + 1, 0);
+    for (std::size_t k = 0; k < size_; ++k) factor_.first[k + 1] = factor_.first[k] + filled_[k];
+    factor_.row.resize(factor_.first[size_]);
+    factor_.value.resize(factor_.first[size_]);
+    factor_.diagonal.assign(size_, 0);
+    filled_.assign(size_, 0);
+    seen_.assign(size_, kNoParent);
+  }
+
+  LdltOutcome Numeric(const std::function<bool(double)>& go_on) {
+    std::size_t work = 0;
+    for (std::uint32_t k = 0; k < size_; ++k) {
+      const std::size_t top = Scatter(k);
+      for (std::size_t t = top; t < size_; ++t) work += Eliminate(pattern_[t], k);
+      if (!(factor_.diagonal[k] > 0)) return LdltOutcome::kNotPositive;
+      if (work < kWorkPerQuestion || !go_on) continue;
+      work = 0;
+      if (!go_on(static_cast<double>(entries_) / static_cast<double>(factor_.row.size()))) return LdltOutcome::kStopped;
+    }
+    return LdltOutcome::kDone;
+  }
+
+ private:
+  std::size_t Begin(std::uint32_t column) const { return static_cast<std::size_t>(matrix_.first[column]); }
+  std::uint32_t Row(std::size_t entry) const { return static_cast<std::uint32_t>(matrix_.row[entry]); }
+
+  // Puts column k into y and the columns of L that row k uses into pattern_, in the order of elimination; where they
+  // start there.
+  std::size_t Scatter(std::uint32_t k) {
+    std::size_t top = size_;
+    seen_[k] = k;
+    for (std::size_t p = Begin(k); p < Begin(k + 1); ++p) {
+      std::uint32_t i = Row(p);
+      y_[i] += matrix_.value[p];
+      std::size_t length = 0;
+      for (; seen_[i] != k; i = parent_[i]) {
+        path_[length++] = i;
+        seen_[i] = k;
+      }
+      while (length > 0) pattern_[--top] = path_[--length];
+    }
+    factor_.diagonal[k] = y_[k];
+    y_[k] = 0;
+    return top;
+  }
+
+  // l_ki = y_i / d_i; y -= L_i y_i; d_k -= l_ki y_i. The multiplications it took.
+  std::size_t Eliminate(std::uint32_t i, std::uint32_t k) {
+    const double y = y_[i];
+    y_[i] = 0;
+    const std::size_t first = factor_.first[i], count = filled_[i]++;
+    for (std::size_t p = first; p < first + count; ++p) y_[factor_.row[p]] -= factor_.value[p] * y;
+    const double l = y / factor_.diagonal[i];
+    factor_.diagonal[k] -= l * y;
+    factor_.row[first + count] = k;
+    factor_.value[first + count] = l;
+    ++entries_;
+    return count + 1;
+  }
+
+  const UpperColumns& matrix_;
+  LdltFactor& factor_;
+  const std::size_t size_;
+  std::vector<std::uint32_t> parent_, seen_;
+  std::vector<std::size_t> filled_;  // entries of each column so far
+  std::vector<std::uint32_t> pattern_, path_;
+  std::vector<double> y_;
+  std::size_t entries_ = 0;
+};
+
+}  // namespace
+
+LdltOutcome FactoriseLdlt(const UpperColumns& matrix, const std::function<bool(double done)>& go_on,
+                          LdltFactor& factor) {
+  factor = {};
+  LdltBuilder builder(matrix, factor);
+  builder.Symbolic();
+  return builder.Numeric(go_on);
+}
+
+}  // namespace omni::haptics

@@ -1,0 +1,30 @@
+// Is a paged mesh what every reader relies on: closed, oriented, 2-manifold, positive areas? Looks at everything; for
+// tests and benchmarks.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "service/haptics/sculpt/mesh/page.h"
+
+namespace omni::haptics::sculpt {
+
+struct ManifoldReport {
+  bool ok() const noexcept { return problem.empty(); }
+  std::string problem;  // the first one found; empty: none
+  std::uint32_t triangles = 0, vertices = 0;
+  double least_area_m2 = 0;
+  double least_shape = 0;  // 2 area / longest edge^2 of the worst triangle; equilateral: 0.87
+};
+
+ManifoldReport CheckManifold(const Page* const* pages, std::uint32_t page_count);
+
+// The same of whatever has View() or is a view, and page_count().
+template <class M>
+ManifoldReport CheckManifold(const M& mesh) {
+  std::vector<const Page*> pages;
+  for (std::uint32_t page = 0; page < mesh.page_count(); ++page) pages.push_back(&mesh.GetPage(page));
+  return CheckManifold(pages.data(), mesh.page_count());
+}
+
+}  // namespace omni::haptics::sculpt

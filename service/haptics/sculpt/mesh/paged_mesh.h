@@ -1,0 +1,116 @@
+// The editor's side of a sculpted mesh: writing copies a page the first time after a publish (copy on write), and what
+// a stroke changed can be taken back bit by bit. One thread. docs/theory/sculpting.md, section 1.
+#pragma once
+
+#include "service/base/result.h"
+#include "service/haptics/geometry/mesh.h"
+#include "service/haptics/sculpt/mesh/page_pool.h"
+#include "service/haptics/sculpt/publisher.h"
+
+namespace omni::haptics::sculpt {
+
+// What turns the mesh before a stroke into the mesh after it, and back: runs of 64-bit words, each the old exclusive-or
+// the new. A run is one header word (page << 32 | first word << 16 | words) and its words; a header without words names
+// a page whose triangles have moved with vertices of other pages.
+struct UndoStep {
+  std::vector<std::uint64_t> words;
+  std::size_t bytes() const noexcept { return words.size() * sizeof(std::uint64_t); }
+};
+
+struct PublishReport {
+  bool published = false;   // false: nothing to publish, or the reader is too far behind; try again later
+  std::uint32_t pages = 0;  // that went out new
+};
+
+class PagedMesh {
+ public:
+  // `mesh`: connected and oriented (ConnectAndOrient). Fails if it is empty, not closed, or too large. `object`: goes
+  // into each triangle. Vertices where two fans of triangles meet in one point are doubled.
+  static base::Result<std::unique_ptr<PagedMesh>> Make(const Mesh& mesh, std::uint32_t object);
+  PagedMesh(const PagedMesh&) = delete;
+  PagedMesh& operator=(const PagedMesh&) = delete;
+
+  // Reading; a MeshView of the state being edited. References hold until the next write.
+  Vec3 VertexPosition(std::uint32_t v) const noexcept { return View().VertexPosition(v); }
+  const Triangle& GetTriangle(std::uint32_t t) const noexcept { return View().GetTriangle(t); }
+  Corners TriangleCorners(std::uint32_t t) const noexcept { return View().TriangleCorners(t); }
+  std::uint32_t FirstTriangle(std::uint32_t v) const noexcept {
+    return pages_[PageOf(v)]->content.first_triangle[SlotOf(v)];
+  }
+  bool IsLive(std::uint32_t triangle) const noexcept {
+    return PageOf(triangle) < pages_.size() && UsesTriangle(pages_[PageOf(triangle)]->content, SlotOf(triangle));
+  }
+  PageView View() const noexcept { return PageView(pages_.data()); }
+  std::uint32_t page_count() const noexcept { return static_cast<std::uint32_t>(pages_.size()); }
+  const Page& GetPage(std::uint32_t page) const noexcept { return *pages_[page]; }
+  std::uint32_t triangle_count() const noexcept { return triangle_count_; }
+  std::uint32_t vertex_count() const noexcept { return vertex_count_; }
+  bool HasRoom() const noexcept { return pages_.size() < kMaxPages; }  // for any split
+
+  // Writing. MoveVertex leaves it to the caller to call Moved for every triangle around the vertex.
+  void MoveVertex(std::uint32_t v, const Vec3& position) { Write(PageOf(v)).vertex[SlotOf(v)] = position; }
+  void Moved(std::uint32_t triangle) { Write(PageOf(triangle)); }
+  void SetTriangle(std::uint32_t t, const Triangle& triangle) {
+    slots_[PageOf(t)].keep_order = false;
+    Write(PageOf(t)).triangle[SlotOf(t)] = triangle;
+  }
+  void SetFirstTriangle(std::uint32_t v, std::uint32_t t) {
+    if (FirstTriangle(v) != t) Write(PageOf(v)).first_triangle[SlotOf(v)] = t;
+  }
+  // In the same page as `near`, or where that one spills to. Precondition: HasRoom().
+  std::uint32_t AddTriangle(std::uint32_t near, const Triangle& triangle);
+  std::uint32_t AddVertex(std::uint32_t near, const Vec3& position);
+  void RemoveTriangle(std::uint32_t t);
+  void RemoveVertex(std::uint32_t v);
+
+  // Between the two, what is written is remembered; End returns it.
+  void BeginStep();
+  UndoStep EndStep();
+  bool recording() const noexcept { return recording_; }
+  // Undoes or redoes: the step's words turn either state into the other. Precondition: !recording().
+  void Apply(const UndoStep& step);
+
+  // Fits the trees and makes the present state the newest generation.
+  PublishReport Publish();
+  SculptPublisher& publisher() noexcept { return publisher_; }
+  const SculptPublisher& publisher() const noexcept { return publisher_; }
+
+  // Of positions, connections and slots, for tests: equal states have equal hashes.
+  std::uint64_t Hash() const noexcept;
+  std::size_t page_bytes() const noexcept { return pool_.bytes(); }
+
+ private:
+  struct Slot {
+    Page* before = nullptr;    // state at BeginStep; null: not written since
+    bool before_seen = false;  // it was published
+    bool writable = false;     // not published yet
+    bool keep_order = false;   // the tree's grouping is still right
+  };
+  PagedMesh() = default;
+  friend class PageBuilder;
+
+  PageContent& Write(std::uint32_t page) {
+    const Slot& slot = slots_[page];
+    if (!slot.writable || (recording_ && slot.before == nullptr)) MakeWritable(page);
+    return pages_[page]->content;
+  }
+  void MakeWritable(std::uint32_t page);
+  std::uint32_t NewPage(std::uint32_t near_page);
+  std::uint32_t EmptyPageFor(std::uint32_t near_page);
+  template <class Full>
+  std::uint32_t PageWithRoom(std::uint32_t page, Full full);
+  void CountAgain(std::uint32_t page, int sign) noexcept;
+
+  PagePool pool_;
+  SculptPublisher publisher_;
+  std::vector<Page*> pages_;
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> dirty_;    // writable pages, each once
+  std::vector<std::uint32_t> touched_;  // pages with a `before`, each once
+  std::vector<std::uint32_t> empty_;    // pages that were empty when put here
+  TopTree top_;
+  bool recording_ = false;
+  std::uint32_t triangle_count_ = 0, vertex_count_ = 0;
+};
+
+}  // namespace omni::haptics::sculpt

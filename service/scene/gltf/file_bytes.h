@@ -1,0 +1,44 @@
+// A regular file read by byte ranges with pread; counts what was read, and adds it to a digest.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "service/scene/cache/sha256.h"
+
+namespace omni::scene {
+
+class FileBytes {
+ public:
+  FileBytes() = default;
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+  ~FileBytes();
+
+  // Throws LoadError: missing, not a regular file, unreadable, or larger than `max_bytes`.
+  // `follow_links` = false also refuses a symbolic link in the last component.
+  void Open(const std::string& path, std::uint64_t max_bytes, bool follow_links);
+
+  // The same for an open descriptor, which stays the caller's.
+  void OpenDescriptor(int descriptor, std::uint64_t max_bytes);
+
+  // Everything read from now on is added to `digest`, which outlives this.
+  void AddTo(Sha256* digest) { digest_ = digest; }
+
+  std::uint64_t size() const { return size_; }
+  std::uint64_t bytes_read() const { return bytes_read_; }
+
+  // Fills [to, to + count) from `offset`. Throws LoadError when the file ends before.
+  void Read(std::uint64_t offset, void* to, std::size_t count);
+
+ private:
+  void Examine(std::uint64_t max_bytes);
+
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  std::uint64_t bytes_read_ = 0;
+  Sha256* digest_ = nullptr;
+};
+
+}  // namespace omni::scene

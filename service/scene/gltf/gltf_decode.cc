@@ -1,0 +1,239 @@
+#include "service/scene/gltf/gltf_decode.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "service/haptics/scene.h"
+#include "service/scene/gltf/accessor_use.h"
+#include "service/scene/gltf/load_error.h"
+
+namespace omni::scene {
+namespace {
+
+constexpr std::uint32_t kUnused = 0xFFFFFFFF;
+
+template <class T>
+T Load(const unsigned char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+// Component -> number; normalised integers: max(c / (2^(b-1) - 1), -1) and c / (2^b - 1)   [glTF 2.0, 3.6.2.2]
+double Component(const unsigned char* bytes, std::uint64_t type, bool normalized) {
+  switch (type) {
+    case 5120:
+      return normalized ? std::max(Load<std::int8_t>(bytes) / 127.0, -1.0) : Load<std::int8_t>(bytes);
+    case 5121:
+      return normalized ? *bytes / 255.0 : *bytes;
+    case 5122:
+      return normalized ? std::max(Load<std::int16_t>(bytes) / 32767.0, -1.0) : Load<std::int16_t>(bytes);
+    case 5123:
+      return normalized ? Load<std::uint16_t>(bytes) / 65535.0 : Load<std::uint16_t>(bytes);
+    case 5125:
+      return Load<std::uint32_t>(bytes);
+    default:
+      return static_cast<double>(Load<float>(bytes));
+  }
+}
+
+// Elements of an accessor as rows of numbers, each decoded when it is asked for: an accessor may have a million
+// elements and a primitive use three. Its ranges were checked when the subset was built.
+class Elements {
+ public:
+  using Row = std::array<double, 4>;
+
+  Elements(const Subset& subset, std::size_t index) : accessor_(subset.accessors.at(index)), bytes_(subset.bytes) {
+    const std::size_t index_bytes = accessor_.changed > 0 ? ComponentBytes(accessor_.index_component) : 0;
+    replaced_.reserve(accessor_.changed);
+    for (std::size_t i = 0; i < accessor_.changed; ++i) {
+      const unsigned char* at = bytes_.data() + accessor_.index_offset + i * index_bytes;
+      const auto element = static_cast<std::size_t>(Component(at, accessor_.index_component, false));
+      if (element >= accessor_.count) {
+        throw LoadError("/accessors", "sparse index " + std::to_string(element) + " is beyond the accessor's " +
+                                          std::to_string(accessor_.count) + " elements");
+      }
+      replaced_.emplace_back(element, i);
+    }
+    std::sort(replaced_.begin(), replaced_.end());
+  }
+
+  std::size_t count() const { return accessor_.count; }
+  std::size_t width() const { return accessor_.width; }
+
+  Row operator[](std::size_t i) const {
+    const std::size_t bytes = ComponentBytes(accessor_.component);
+    std::size_t at = accessor_.offset + i * accessor_.stride;
+    bool zero = accessor_.zeros;
+    // Of several that replace it, the last.
+    const auto after = std::upper_bound(replaced_.begin(), replaced_.end(), std::pair(i, accessor_.changed));
+    if (after != replaced_.begin() && std::prev(after)->first == i) {
+      at = accessor_.value_offset + std::prev(after)->second * bytes * accessor_.width;
+      zero = false;
+    }
+    Row row{};
+    for (std::size_t c = 0; !zero && c < accessor_.width; ++c)
+      row[c] = Component(bytes_.data() + at + c * bytes, accessor_.component, accessor_.normalized);
+    return row;
+  }
+
+ private:
+  const SubsetAccessor& accessor_;
+  const std::vector<unsigned char>& bytes_;
+  std::vector<std::pair<std::size_t, std::size_t>> replaced_;  // element, its place among the sparse values; sorted
+};
+
+// Corner numbers of a primitive, three per triangle   [glTF 2.0, 3.7.2.1: strips alternate their winding]
+std::vector<std::uint32_t> Corners(const std::vector<std::uint32_t>& run, std::uint64_t mode) {
+  std::vector<std::uint32_t> corners;
+  const std::size_t n = run.size();
+  if (mode == 4) return {run.begin(), run.begin() + static_cast<std::ptrdiff_t>(n / 3 * 3)};
+  for (std::size_t i = 0; i + 2 < n; ++i) {
+    if (mode == 5) {
+      corners.insert(corners.end(), {run[i], run[i + 1 + i % 2], run[i + 2 - i % 2]});
+    } else {
+      corners.insert(corners.end(), {run[i + 1], run[i + 2], run[0]});
+    }
+  }
+  return corners;
+}
+
+// Three corners of each triangle from a table of the vertices.
+std::vector<haptics::CornerUv> CornerUvs(const Elements& uv, const std::vector<std::uint32_t>& corners) {
+  std::vector<haptics::CornerUv> triangles(corners.size() / 3);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Elements::Row row = uv[corners[i]];
+    for (std::size_t c = 0; c < 2; ++c) triangles[i / 3][2 * (i % 3) + c] = static_cast<float>(row[c]);
+  }
+  return triangles;
+}
+
+// The first three components at the vertices that are kept.
+std::vector<base::Vec3> Kept(const Elements& elements, const std::vector<std::uint32_t>& vertices) {
+  std::vector<base::Vec3> values;
+  values.reserve(vertices.size());
+  for (const std::uint32_t vertex : vertices) {
+    const Elements::Row v = elements[vertex];
+    values.push_back({v[0], v[1], v[2]});
+  }
+  return values;
+}
+
+// Costs what a primitive's triangles cost, however many vertices there are that others use.
+class Decoder {
+ public:
+  explicit Decoder(const Subset& subset) : subset_(subset) {}
+
+  DecodedPrimitive Decode(const SubsetPrimitive& primitive) {
+    const Elements& positions = ElementsOf(primitive.positions);
+    const std::vector<std::uint32_t> corners = Corners(VertexRun(primitive, positions.count()), primitive.mode);
+    DecodedPrimitive decoded;
+    std::vector<std::uint32_t> kept;  // vertices, in the order of decoded.positions
+    if (numbers_.size() < positions.count()) numbers_.resize(positions.count(), kUnused);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      std::uint32_t& number = numbers_[corners[i]];
+      if (number == kUnused) {
+        number = static_cast<std::uint32_t>(decoded.positions.size());
+        decoded.positions.push_back(Position(positions, corners[i], primitive));
+        kept.push_back(corners[i]);
+      }
+      if (i % 3 == 0) decoded.triangles.emplace_back();
+      decoded.triangles.back()[i % 3] = number;
+    }
+    for (const std::uint32_t vertex : kept) numbers_[vertex] = kUnused;
+    if (primitive.normals) decoded.normals = Kept(ElementsOf(*primitive.normals), kept);
+    if (primitive.colours) decoded.colours = Kept(ElementsOf(*primitive.colours), kept);
+    for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
+      if ((primitive.uv_sets >> set & 1) != 0) decoded.uv[set] = CornerUvs(ElementsOf(primitive.uv[set]), corners);
+    }
+    return decoded;
+  }
+
+  std::vector<Instance> DecodeInstances(const SubsetInstances& from) {
+    std::vector<Instance> instances(static_cast<std::size_t>(from.count));
+    const auto fill = [&](const std::optional<std::size_t>& accessor, auto Instance::*field) {
+      if (!accessor) return;
+      const Elements& elements = ElementsOf(*accessor);
+      for (std::size_t i = 0; i < instances.size(); ++i) {
+        const Elements::Row row = elements[i];
+        for (std::size_t c = 0; c < elements.width(); ++c) {
+          if (!(std::abs(row[c]) <= 1e12)) {
+            throw LoadError("/nodes/" + std::to_string(from.node) + "/extensions/EXT_mesh_gpu_instancing",
+                            "instance " + std::to_string(i) + " is not finite");
+          }
+          (instances[i].*field)[c] = row[c];
+        }
+      }
+    };
+    fill(from.translation, &Instance::translation);
+    fill(from.rotation, &Instance::rotation);
+    fill(from.scale, &Instance::scale);
+    return instances;
+  }
+
+ private:
+  const Elements& ElementsOf(std::size_t accessor) {
+    return elements_.try_emplace(accessor, subset_, accessor).first->second;
+  }
+
+  std::vector<std::uint32_t> VertexRun(const SubsetPrimitive& primitive, std::size_t vertices) {
+    if (!primitive.indices) {
+      std::vector<std::uint32_t> all(vertices);
+      std::iota(all.begin(), all.end(), 0U);
+      return all;
+    }
+    const Elements& indices = ElementsOf(*primitive.indices);
+    std::vector<std::uint32_t> run;
+    run.reserve(indices.count());
+    for (std::size_t i = 0; i < indices.count(); ++i) {
+      const double index = indices[i][0];
+      if (!(index < static_cast<double>(vertices))) {
+        throw LoadError(primitive.pointer + "/indices", "index " + std::to_string(i) + " names vertex " +
+                                                            std::to_string(static_cast<std::uint64_t>(index)) + " of " +
+                                                            std::to_string(vertices) + "; export the file again");
+      }
+      run.push_back(static_cast<std::uint32_t>(index));
+    }
+    return run;
+  }
+
+  static base::Vec3 Position(const Elements& positions, std::uint32_t vertex, const SubsetPrimitive& primitive) {
+    const Elements::Row p = positions[vertex];
+    if (!(std::abs(p[0]) <= 1e12 && std::abs(p[1]) <= 1e12 && std::abs(p[2]) <= 1e12)) {
+      throw LoadError("/accessors/" + std::to_string(primitive.accessor),
+                      "vertex " + std::to_string(vertex) + " is not finite or beyond 1e12 m; repair the model");
+    }
+    return {p[0], p[1], p[2]};
+  }
+
+  const Subset& subset_;
+  std::map<std::size_t, Elements> elements_;  // by accessor
+  std::vector<std::uint32_t> numbers_;        // of the present primitive's vertices; kUnused between two of them
+};
+
+}  // namespace
+
+DecodedSubset DecodeSubset(const Subset& subset) {
+  DecodedSubset decoded;
+  Decoder decoder(subset);
+  std::size_t triangles = 0;
+  for (const SubsetPrimitive& primitive : subset.primitives) {
+    if (!primitive.skipped.empty()) continue;
+    decoded.primitives.push_back(decoder.Decode(primitive));
+    triangles += decoded.primitives.back().triangles.size();
+    if (triangles > haptics::kMaxTriangles) {
+      throw LoadError(primitive.pointer, "with those before, has more than " + std::to_string(haptics::kMaxTriangles) +
+                                             " triangles; simplify the model");
+    }
+  }
+  for (const SubsetInstances& from : subset.instances) decoded.instances.push_back(decoder.DecodeInstances(from));
+  return decoded;
+}
+
+}  // namespace omni::scene

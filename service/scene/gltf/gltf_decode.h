@@ -1,0 +1,37 @@
+// Triangles out of the bytes of a subset.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/base/vec.h"
+#include "service/haptics/scene_input.h"
+#include "service/scene/gltf/gltf_subset.h"
+
+namespace omni::scene {
+
+struct DecodedPrimitive {
+  std::vector<base::Vec3> positions;  // glTF frame of the mesh; only vertices that a triangle uses
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::array<std::vector<haptics::CornerUv>, haptics::kMaxUvSets> uv;  // per triangle, where the subset has them
+  std::vector<base::Vec3> normals, colours;  // per vertex, as stored, where the subset has them; else empty
+};
+
+// One place of an instanced mesh, in the frame of its node: X = T R S.
+struct Instance {
+  std::array<double, 3> translation{0, 0, 0};
+  std::array<double, 4> rotation{0, 0, 0, 1};  // x, y, z, w; as stored, of any length
+  std::array<double, 3> scale{1, 1, 1};
+};
+
+struct DecodedSubset {
+  std::vector<DecodedPrimitive> primitives;      // those of the subset that are not skipped, in order
+  std::vector<std::vector<Instance>> instances;  // as the subset's
+};
+
+// Throws LoadError: an index beyond the vertices, a vertex or transform that is not finite.
+DecodedSubset DecodeSubset(const Subset& subset);
+
+}  // namespace omni::scene

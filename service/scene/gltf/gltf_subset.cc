@@ -1,0 +1,311 @@
+#include "service/scene/gltf/gltf_subset.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "service/haptics/scene.h"
+#include "service/scene/gltf/accessor_use.h"
+#include "service/scene/gltf/instances.h"
+#include "service/scene/gltf/load_error.h"
+
+namespace omni::scene {
+namespace {
+
+constexpr std::uint64_t kMaxOffset = 1ull << 40;
+constexpr std::uint64_t kMaxElements = 3ull * haptics::kMaxTriangles;  // of one accessor
+constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
+// Accessors may share bytes, as those of interleaved vertices do: each attribute reaches over all of them. A file whose
+// accessors share more than a handful of attributes can would be far larger in memory than on disk.
+constexpr std::uint64_t kMaxShares = 6;
+constexpr std::uint64_t kMaxZeros = 1'000'000;  // elements of accessors without data, which cost a file nothing
+
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
+
+const char* ModeName(std::uint64_t mode) {
+  constexpr const char* kNames[] = {"points", "lines", "a line loop", "a line strip"};
+  return kNames[mode];
+}
+
+bool Requires(const Json& root, std::string_view extension) {
+  const Json* required = FindArray(root, "", "extensionsRequired");
+  return required && std::any_of(required->elements().begin(), required->elements().end(),
+                                 [extension](const Json& name) { return name.text() == extension; });
+}
+
+// Byte ranges of the original buffers, one after another. A range asked for twice is read once.
+class Packer {
+ public:
+  explicit Packer(GltfFile& file) : file_(file) {}
+
+  // Where `bytes` bytes at `offset` of bufferView `view` are now.
+  std::size_t Add(std::uint32_t view, const std::string& pointer, std::uint64_t offset, std::uint64_t bytes) {
+    const Json& json = ElementOf(file_.root(), "bufferViews", view);
+    const std::string view_pointer = Join("/bufferViews", view);
+    CheckUncompressed(json, view_pointer);
+    const auto buffer = Index(json, view_pointer, "buffer", CountOf(file_.root(), "buffers"));
+    if (!buffer) throw LoadError(Join(view_pointer, "buffer"), "is missing");
+    const std::uint64_t view_offset = Whole(json, view_pointer, "byteOffset", kMaxOffset, 0);
+    const std::uint64_t view_length = Whole(json, view_pointer, "byteLength", kMaxOffset, std::nullopt);
+    if (!(offset <= view_length && bytes <= view_length - offset)) {
+      throw LoadError(pointer, "needs " + std::to_string(bytes) + " bytes at " + std::to_string(offset) + " of " +
+                                   view_pointer + ", which has " + std::to_string(view_length) +
+                                   "; count, byteOffset or byteStride is wrong");
+    }
+    const Key key{*buffer, view_offset + offset, bytes};
+    if (const auto found = places_.find(key); found != places_.end()) return found->second;
+    return places_[key] = Read(key);
+  }
+
+  std::vector<unsigned char> TakeBytes() { return std::move(bytes_); }
+  std::uint64_t fresh_bytes() { return std::exchange(fresh_bytes_, 0); }
+
+ private:
+  struct Key {
+    std::uint32_t buffer;
+    std::uint64_t offset, bytes;
+    auto operator<=>(const Key&) const = default;  // NOLINT(modernize-use-nullptr): seen in generated code
+  };
+
+  static void CheckUncompressed(const Json& view, const std::string& pointer) {
+    const Json* extensions = FindObject(view, pointer, "extensions");
+    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+      if (extensions && Find(*extensions, name)) {
+        throw LoadError(pointer,
+                        std::string(name) + " is not supported; export without mesh compression (gltfpack: no -c)");
+      }
+    }
+  }
+
+  std::size_t Read(const Key& key) {
+    const std::size_t at = (bytes_.size() + 3) / 4 * 4;
+    // Whether the file has these bytes is known before memory is asked for: the read of the last one.
+    unsigned char last = 0;
+    if (key.bytes > 0) file_.ReadBuffer(key.buffer, key.offset + key.bytes - 1, &last, 1);
+    const std::uint64_t most = std::min(kMaxPackedBytes, kMaxShares * file_.stored_bytes());
+    if (key.bytes > most - std::min<std::uint64_t>(at, most)) {
+      const std::string why = most == kMaxPackedBytes
+                                  ? "the limit; simplify the model"
+                                  : "six times what its files hold: accessors overlap, export it again";
+      throw LoadError("/bufferViews", "the touched meshes need more than " + std::to_string(most) + " bytes, " + why);
+    }
+    bytes_.resize(at + static_cast<std::size_t>(key.bytes));
+    file_.ReadBuffer(key.buffer, key.offset, bytes_.data() + at, static_cast<std::size_t>(key.bytes));
+    fresh_bytes_ += key.bytes;
+    return at;
+  }
+
+  GltfFile& file_;
+  std::map<Key, std::size_t> places_;
+  std::vector<unsigned char> bytes_;
+  std::uint64_t fresh_bytes_ = 0;
+};
+
+class SubsetBuilder {
+ public:
+  explicit SubsetBuilder(GltfFile& file) : file_(file), packer_(file), draco_required_(Requires(file.root(), kDraco)) {}
+
+  Subset Run(const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced) {
+    for (const MeshRequest& mesh : meshes) AddMesh(mesh);
+    for (const std::uint32_t node : instanced) AddInstances(node);
+    subset_.bytes = packer_.TakeBytes();
+    return std::move(subset_);
+  }
+
+ private:
+  void AddMesh(const MeshRequest& request) {
+    const std::uint32_t mesh = request.mesh;
+    const std::string pointer = Join("/meshes", mesh);
+    const Json* primitives = FindArray(ElementOf(file_.root(), "meshes", mesh), pointer, "primitives");
+    if (!primitives) throw LoadError(Join(pointer, "primitives"), "is missing");
+    for (std::uint32_t i = 0; i < primitives->elements().size(); ++i) {
+      const Json& json = primitives->elements()[i];
+      SubsetPrimitive primitive;
+      primitive.mesh = mesh;
+      primitive.primitive = i;
+      primitive.pointer = Join(Join(pointer, "primitives"), i);
+      if (!json.is_object()) throw LoadError(primitive.pointer, "must be an object");
+      AddPrimitive(json, i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, request.paint, primitive);
+      subset_.primitives.push_back(std::move(primitive));
+    }
+  }
+
+  void AddPrimitive(const Json& json, std::uint8_t uv_sets, bool paint, SubsetPrimitive& primitive) {
+    const std::uint64_t mode = Whole(json, primitive.pointer, "mode", 6, 4);
+    if (mode < 4) {
+      primitive.skipped = std::string("is drawn as ") + ModeName(mode) + "; only triangles are read";
+      return;
+    }
+    const std::uint64_t accessors = CountOf(file_.root(), "accessors");
+    const Json* attributes = FindObject(json, primitive.pointer, "attributes");
+    const auto position =
+        attributes ? Index(*attributes, Join(primitive.pointer, "attributes"), "POSITION", accessors) : std::nullopt;
+    if (!position) {
+      primitive.skipped = "has no POSITION";
+      return;
+    }
+    CheckDraco(json, primitive.pointer, *position);
+    primitive.accessor = *position;
+    primitive.mode = mode;
+    primitive.positions = AddAccessor(*position, kPosition);
+    if (const auto indices = Index(json, primitive.pointer, "indices", accessors))
+      primitive.indices = AddAccessor(*indices, kIndex);
+    for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
+      if ((uv_sets >> set & 1) == 0) continue;
+      const std::string name = "TEXCOORD_" + std::to_string(set);
+      const auto uv = Index(*attributes, Join(primitive.pointer, "attributes"), name.c_str(), accessors);
+      if (!uv) continue;
+      CheckCount(*uv, *position, Join(Join(primitive.pointer, "attributes"), name));
+      primitive.uv[set] = AddAccessor(*uv, kUv);
+      primitive.uv_sets = static_cast<std::uint8_t>(primitive.uv_sets | 1U << set);
+    }
+    if (paint) AddPaint(*attributes, *position, primitive);
+    primitive.bytes = packer_.fresh_bytes();
+  }
+
+  // Of a picture: those of NORMAL and COLOR_0 that are there.
+  void AddPaint(const Json& attributes, std::uint32_t position, SubsetPrimitive& primitive) {
+    const std::string pointer = Join(primitive.pointer, "attributes");
+    const auto find = [&](const char* name) {
+      const auto accessor = Index(attributes, pointer, name, CountOf(file_.root(), "accessors"));
+      if (accessor) CheckCount(*accessor, position, Join(pointer, name));
+      return accessor;
+    };
+    if (const auto normals = find("NORMAL")) primitive.normals = AddAccessor(*normals, kNormal);
+    if (const auto colours = find("COLOR_0")) {
+      const Json& json = ElementOf(file_.root(), "accessors", *colours);
+      const bool four = FindString(json, Join("/accessors", *colours), "type", "") == "VEC4";
+      primitive.colours = AddAccessor(*colours, four ? kColour4 : kColour3);
+    }
+  }
+
+  void CheckCount(std::uint32_t accessor, std::uint32_t as_many_as, const std::string& pointer) {
+    const auto count = [&](std::uint32_t index) {
+      return Whole(ElementOf(file_.root(), "accessors", index), Join("/accessors", index), "count", kMaxElements,
+                   std::nullopt);
+    };
+    if (count(accessor) != count(as_many_as)) {
+      throw LoadError(pointer, "has " + std::to_string(count(accessor)) + " elements, must have " +
+                                   std::to_string(count(as_many_as)));
+    }
+  }
+
+  void AddInstances(std::uint32_t node) {
+    const std::string pointer = Join(Join(Join("/nodes", node), "extensions"), kInstancingExtension);
+    const Json& json = *Find(*Find(ElementOf(file_.root(), "nodes", node), "extensions"), kInstancingExtension);
+    const Json* attributes = FindObject(json, pointer, "attributes");
+    if (!attributes) throw LoadError(Join(pointer, "attributes"), "is missing");
+    SubsetInstances instances;
+    instances.node = node;
+    instances.count = CountInstances(file_.root(), node);
+    const auto add = [&](const char* name, Use use) -> std::optional<std::size_t> {
+      const auto accessor = Index(*attributes, Join(pointer, "attributes"), name, CountOf(file_.root(), "accessors"));
+      return accessor ? std::optional(AddAccessor(*accessor, use)) : std::nullopt;
+    };
+    instances.translation = add("TRANSLATION", kVector);
+    instances.rotation = add("ROTATION", kRotation);
+    instances.scale = add("SCALE", kVector);
+    packer_.fresh_bytes();
+    subset_.instances.push_back(instances);
+  }
+
+  // Without the extension in extensionsRequired a document carries the plain data as well, and that is read.
+  void CheckDraco(const Json& primitive, const std::string& pointer, std::uint32_t position) {
+    const Json* extensions = FindObject(primitive, pointer, "extensions");
+    if (!extensions || !Find(*extensions, kDraco)) return;
+    if (draco_required_ || !Find(ElementOf(file_.root(), "accessors", position), "bufferView")) {
+      throw LoadError(pointer, std::string(kDraco) + " is not supported; export without mesh compression");
+    }
+  }
+
+  std::size_t AddAccessor(std::uint32_t index, Use use) {
+    const auto found = accessor_numbers_.find({index, use});
+    if (found != accessor_numbers_.end()) return found->second;
+    const std::string pointer = Join("/accessors", index);
+    const Json& json = ElementOf(file_.root(), "accessors", index);
+    const ComponentRow& component = ComponentOf(json, pointer, use);
+    const char* type = RowOf(use).type;
+    if (FindString(json, pointer, "type", "") != type)
+      throw LoadError(Join(pointer, "type"), std::string("must be ") + type);
+    const std::uint64_t count = Whole(json, pointer, "count", kMaxElements, std::nullopt);
+    const Json* normalized = Find(json, "normalized");
+    if (normalized && !normalized->is_boolean()) throw LoadError(Join(pointer, "normalized"), "must be true or false");
+    SubsetAccessor packed;
+    packed.component = component.type;
+    packed.normalized = normalized && normalized->boolean() && component.type != 5126;
+    packed.width = RowOf(use).components;
+    packed.count = static_cast<std::size_t>(count);
+    AddData(json, pointer, packed);
+    AddSparse(json, pointer, packed);
+    subset_.accessors.push_back(packed);
+    return accessor_numbers_[{index, use}] = subset_.accessors.size() - 1;
+  }
+
+  void AddData(const Json& json, const std::string& pointer, SubsetAccessor& packed) {
+    const auto view = Index(json, pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
+    if (!view) return AddZeros(pointer, packed);
+    const std::uint64_t element = ElementBytes(packed);
+    const std::uint64_t offset = Whole(json, pointer, "byteOffset", kMaxOffset, 0);
+    const Json& view_json = ElementOf(file_.root(), "bufferViews", *view);
+    const std::uint64_t stride = Whole(view_json, Join("/bufferViews", *view), "byteStride", 252, 0);
+    if (!(stride == 0 || (stride >= element && stride % 4 == 0))) {
+      throw LoadError(Join(Join("/bufferViews", *view), "byteStride"),
+                      "is " + std::to_string(stride) + ", must be a multiple of 4 and at least the element's " +
+                          std::to_string(element) + " bytes");
+    }
+    packed.zeros = false;
+    packed.stride = static_cast<std::size_t>(stride == 0 ? element : stride);
+    const std::uint64_t bytes = packed.count == 0 ? 0 : packed.stride * (packed.count - 1) + element;
+    packed.offset = packer_.Add(*view, pointer, offset, bytes);
+  }
+
+  // Without data all elements are zero   [glTF 2.0, 3.6.2.1]
+  void AddZeros(const std::string& pointer, const SubsetAccessor& packed) {
+    zeros_ += packed.count;
+    if (zeros_ > kMaxZeros) {
+      throw LoadError(pointer, "with those before, has " + std::to_string(zeros_) +
+                                   " elements without a bufferView, the limit is " + std::to_string(kMaxZeros) +
+                                   "; give it the bufferView with its data");
+    }
+  }
+
+  static std::uint64_t ElementBytes(const SubsetAccessor& packed) {
+    return ComponentBytes(packed.component) * packed.width;
+  }
+
+  void AddSparse(const Json& json, const std::string& pointer, SubsetAccessor& packed) {
+    const Json* sparse = FindObject(json, pointer, "sparse");
+    if (!sparse) return;
+    const std::string place = Join(pointer, "sparse");
+    packed.changed = static_cast<std::size_t>(Whole(*sparse, place, "count", packed.count, std::nullopt));
+    const auto add = [&](const char* part, std::uint64_t element) {
+      const std::string part_pointer = Join(place, part);
+      const Json& part_json = *Find(*sparse, part);
+      const auto view = Index(part_json, part_pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
+      if (!view) throw LoadError(Join(part_pointer, "bufferView"), "is missing");
+      const std::uint64_t offset = Whole(part_json, part_pointer, "byteOffset", kMaxOffset, 0);
+      return packer_.Add(*view, part_pointer, offset, element * packed.changed);
+    };
+    for (const char* part : {"indices", "values"})
+      if (!FindObject(*sparse, place, part)) throw LoadError(Join(place, part), "is missing");
+    packed.index_component = ComponentOf(*Find(*sparse, "indices"), Join(place, "indices"), kIndex).type;
+    packed.index_offset = add("indices", ComponentBytes(packed.index_component));
+    packed.value_offset = add("values", ElementBytes(packed));
+  }
+
+  GltfFile& file_;
+  Packer packer_;
+  Subset subset_;
+  std::map<std::pair<std::uint32_t, Use>, std::size_t> accessor_numbers_;
+  std::uint64_t zeros_ = 0;
+  const bool draco_required_;
+};
+
+}  // namespace
+
+Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes,
+                   const std::vector<std::uint32_t>& instanced) {
+  return SubsetBuilder(file).Run(meshes, instanced);
+}
+
+}  // namespace omni::scene

@@ -1,0 +1,69 @@
+// The part of a document that touch needs: positions and indices of chosen meshes, texture coordinates where a haptic
+// texture needs them, normals and colours for a picture, transforms of instances; checked against the document's own
+// limits, their bytes read.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/haptics/scene.h"
+#include "service/scene/gltf/gltf_file.h"
+#include "service/scene/gltf/json_reading.h"
+
+namespace omni::scene {
+
+struct MeshRequest {
+  std::uint32_t mesh = 0;             // index into /meshes, each once
+  std::vector<std::uint8_t> uv_sets;  // of each primitive: bit k asks for TEXCOORD_k; those beyond the list need none
+  bool paint = false;                 // NORMAL and COLOR_0 too, where they are
+};
+
+// An accessor whose bytes were read, in Subset::bytes. Elements are `width` components wide.
+struct SubsetAccessor {
+  std::uint64_t component = 0;  // OpenGL's number of its type
+  bool normalized = false;
+  std::size_t width = 1;
+  std::size_t count = 0;
+  bool zeros = true;  // without data of its own; the sparse ones replace some
+  std::size_t offset = 0, stride = 0;
+  std::size_t changed = 0;  // elements that are replaced
+  std::uint64_t index_component = 0;
+  std::size_t index_offset = 0, value_offset = 0;
+};
+
+// The accessors of EXT_mesh_gpu_instancing of a node.
+struct SubsetInstances {
+  std::uint32_t node = 0;
+  std::uint64_t count = 0;
+  std::optional<std::size_t> translation, rotation, scale;  // accessors of the subset
+};
+
+struct SubsetPrimitive {
+  std::uint32_t mesh = 0;  // in the original document
+  std::uint32_t primitive = 0;
+  std::string pointer;         // /meshes/0/primitives/1
+  std::uint64_t bytes = 0;     // read for it
+  std::string skipped;         // why it is not in the subset; empty: it is, in the order of this list
+  std::uint8_t uv_sets = 0;    // bit k: TEXCOORD_k was asked for and is there
+  std::uint32_t accessor = 0;  // POSITION, in the original document (for messages)
+  std::uint64_t mode = 4;      // 4 triangles, 5 strip, 6 fan
+  // Accessors of the subset.
+  std::size_t positions = 0;
+  std::optional<std::size_t> indices, normals, colours;
+  std::array<std::size_t, haptics::kMaxUvSets> uv{};
+};
+
+struct Subset {
+  std::vector<SubsetPrimitive> primitives;
+  std::vector<SubsetInstances> instances;
+  std::vector<SubsetAccessor> accessors;
+  std::vector<unsigned char> bytes;
+};
+
+// Throws LoadError on anything that is not as glTF 2.0 says. `instanced`: nodes whose instances are wanted.
+Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced);
+
+}  // namespace omni::scene

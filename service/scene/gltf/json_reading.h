@@ -1,0 +1,57 @@
+// JSON of files that nobody vouches for: bounded parsing, and typed fields whose errors carry a JSON pointer.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "service/base/files/json_document.h"
+
+namespace omni::scene {
+
+using Json = base::JsonValue;
+
+// 100,000 nodes have 40 values each: a node has some 10, a mesh of its own with accessors some 50. As a document they
+// take at most 128 MB.
+inline constexpr base::JsonLimits kSceneJson{
+    .bytes = 64u << 20, .values = 4'000'000, .members = 4'000'000, .depth = 128};
+
+// Throws LoadError on a syntax error, a limit of kSceneJson, a key that is there twice, or a root that is no object.
+base::JsonDocument ParseJson(std::string_view text);
+
+// A value as text, cut to 60 characters; for messages.
+std::string Shown(const Json& value);
+
+// RFC 6901: "/" and "~" in keys are escaped.
+std::string Join(const std::string& pointer, std::string_view key);
+std::string Join(const std::string& pointer, std::uint64_t index);
+
+// The member `key`, or nullptr when absent or when `parent` is no object.
+const Json* Find(const Json& parent, std::string_view key);
+
+// As Find, but a member of another type is an error.
+const Json* FindObject(const Json& parent, const std::string& pointer, const char* key);
+const Json* FindArray(const Json& parent, const std::string& pointer, const char* key);
+std::string FindString(const Json& parent, const std::string& pointer, const char* key, const std::string& fallback);
+
+// Element `index` of the root array `key`, which must hold an object there. Throws LoadError otherwise.
+const Json& ElementOf(const Json& root, const char* key, std::uint64_t index);
+std::uint64_t CountOf(const Json& root, const char* key);
+
+// A whole number in [0, maximum]; absent: `fallback`, or an error when there is none.
+std::uint64_t Whole(const Json& parent, const std::string& pointer, const char* key, std::uint64_t maximum,
+                    std::optional<std::uint64_t> fallback);
+
+// An index into something with `count` elements.
+std::uint32_t IndexIn(const Json& value, const std::string& pointer, std::uint64_t count);
+
+// The same of a member; absent: nullopt.
+std::optional<std::uint32_t> Index(const Json& parent, const std::string& pointer, const char* key,
+                                   std::uint64_t count);
+
+// Exactly `count` finite numbers; absent: empty.
+std::vector<double> Numbers(const Json& parent, const std::string& pointer, const char* key, std::size_t count);
+
+}  // namespace omni::scene

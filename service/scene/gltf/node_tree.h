@@ -1,0 +1,32 @@
+// The node hierarchy of the scene that is shown: transforms by GLM, tags inherited from ancestors.
+#pragma once
+
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/scene/gltf/json_reading.h"
+#include "service/scene/scene_file.h"
+#include "service/scene/tags/haptic_tag.h"
+
+namespace omni::scene {
+
+struct NodeVisit {
+  std::uint32_t node = 0;
+  std::string pointer;  // /nodes/3
+  std::string name;
+  glm::dmat4 world{1.0};                 // glTF frame, node -> scene
+  std::shared_ptr<const HapticTag> own;  // of this node alone; nullptr: it has none
+  std::shared_ptr<const HapticTag>
+      inherited;  // of its ancestors and itself, the nearest has the last word; never nullptr
+  std::optional<std::uint32_t> mesh;
+};
+
+// Nodes reachable from the default scene (or from the roots, if there is none), parents first. Throws LoadError on a
+// cycle, a node with two parents, bad indices, too many nodes or levels, transforms that are not finite.
+std::vector<NodeVisit> WalkNodes(const Json& root, const LoadOptions& options, Warnings& warnings);
+
+}  // namespace omni::scene

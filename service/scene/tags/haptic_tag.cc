@@ -1,0 +1,407 @@
+#include "service/scene/tags/haptic_tag.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "service/base/files/nearest_word.h"
+#include "service/scene/gltf/load_error.h"
+
+namespace omni::scene {
+namespace {
+
+// A hostile file must not fill the log; the last line says that there were more.
+constexpr std::size_t kMaxLines = 200;
+
+using RoleWord = TagWord<Role>;
+constexpr std::array kRoles = {
+    RoleWord{"solid", Role::kSolid},          RoleWord{"ignore", Role::kIgnore}, RoleWord{"joystick", Role::kJoystick},
+    RoleWord{"vehicle", Role::kVehicle},      RoleWord{"wall", Role::kWall},     RoleWord{"track", Role::kTrack},
+    RoleWord{"checkpoint", Role::kCheckpoint}};
+
+std::string Text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+template <class Value, std::size_t kCount>
+const Value* ValueNamed(const std::array<TagWord<Value>, kCount>& words, const Json& name) {
+  if (!name.is_text()) return nullptr;
+  const auto found =
+      std::find_if(words.begin(), words.end(), [&](const TagWord<Value>& word) { return name.text() == word.name; });
+  return found == words.end() ? nullptr : &found->value;
+}
+
+// A tag's object, walked with dotted paths.
+class TagReader {
+ public:
+  // `besides`: a key that is not the tag's.
+  TagReader(HapticTag& tag, Warnings& warnings, std::string_view besides = {})
+      : tag_(tag), warnings_(warnings), besides_(besides) {}
+
+  void ReadObject(const Json& object, const std::string& prefix, const std::string& pointer) {
+    const Json* role = prefix.empty() ? Find(object, "role") : nullptr;
+    if (role) ReadRole(*role, Join(pointer, "role"));
+    for (const auto& [key, value] : object.members()) {
+      const std::string path = prefix + std::string(key);
+      if (path != besides_) ReadKey(path, value, Join(pointer, key));
+    }
+  }
+
+  void ReadKey(const std::string& path, const Json& value, const std::string& pointer) {
+    if (path == "name" || path == "role") return;  // the role was read first: it decides which keys there are
+    if (path == "doubleSided") return ReadFlag(value, pointer, tag_.double_sided);
+    if (path == "kinematic") return ReadFlag(value, pointer, tag_.kinematic);
+    if (path == "smooth") return ReadFlag(value, pointer, tag_.smooth);
+    if (path == "sculptable" && value.is_object()) tag_.sculptable = true;
+    if (path == "sculptable" && !value.is_object()) return ReadFlag(value, pointer, tag_.sculptable);
+    if (path == "sculptable.falloff") return ReadWord(kFalloffs, value, pointer, tag_.falloff);
+    if (path == "sculptable.symmetry") return ReadWord(kSymmetries, value, pointer, tag_.symmetry);
+    if (path == "softness.fibreDirection") return ReadDirection(value, pointer);
+    if (path == "extrude" && value.is_object()) tag_.extrude = true;
+    if (path == "extrude" && !value.is_object()) return ReadFlag(value, pointer, tag_.extrude);
+    if (path == "softness" && value.is_object() && !tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
+    if (path == "softness.model" || (path == "softness" && !value.is_object())) return ReadModel(value, pointer);
+    if (value.is_object() && IsGroup(path)) return ReadObject(value, path + ".", pointer);
+    if (path.starts_with("extrude.") && !tag_.extrude) tag_.extrude = true;
+    if (path.starts_with("sculptable.") && !tag_.sculptable) tag_.sculptable = true;
+    if (path.starts_with("softness.") && !tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
+    const bool known = ReadRoleNumber(path, value, pointer);
+    if (known) return;
+    warnings_.Add(pointer, "is no key of a haptic tag and is ignored; see docs/scenes.md for the keys" +
+                               (warnings_.full() ? std::string() : base::DidYouMean(path, KeysOfRole())));
+  }
+
+  void ReadRole(const Json& value, const std::string& pointer) {
+    if (const Role* role = ValueNamed(kRoles, value)) {
+      tag_.role = *role;
+    } else {
+      warnings_.Add(pointer,
+                    "is " + Shown(value) +
+                        ", must be solid, ignore, joystick, vehicle, wall, track or checkpoint; solid is used" +
+                        Meant(value, kRoles));
+    }
+  }
+
+  // False: `fields`, a table of base::NumberField<T>, has no such key.
+  template <class Fields, class T>
+  bool ReadNumber(const Fields& fields, Values<T>& values, const std::string& path, const Json& value,
+                  const std::string& pointer) {
+    const std::size_t i = base::IndexOfKey(fields, path);
+    if (i == fields.size()) return false;
+    const base::NumberField<T>& field = fields[i];
+    const auto number =
+        InRange(field.minimum, field.maximum, field.member.whole, std::string(field.unit), value, pointer);
+    if (number) values.Set(i, *number);
+    return true;
+  }
+
+ private:
+  // "; did you mean 'wall'?"
+  template <class Value, std::size_t kCount>
+  std::string Meant(const Json& value, const std::array<TagWord<Value>, kCount>& words) const {
+    if (!value.is_text() || warnings_.full()) return {};
+    std::vector<std::string_view> names;
+    for (const TagWord<Value>& word : words) names.push_back(word.name);
+    return base::DidYouMean(value.text(), names);
+  }
+
+  // What may stand in a tag of this role; in groups as "softness.thickness".
+  std::vector<std::string> KeysOfRole() const {
+    std::vector<std::string> keys{"role", "doubleSided", "kinematic", "smooth"};
+    const auto add = [&keys](const auto& table) {
+      for (const auto& row : table) keys.emplace_back(row.key);
+    };
+    const Role role = tag_.role.value_or(Role::kSolid);
+    if (role == Role::kJoystick) return add(kJoystickKeys), keys;
+    if (role == Role::kVehicle) return add(kVehicleKeys), keys;
+    if (role == Role::kCheckpoint) return add(kCheckpointKeys), keys;
+    add(base::kMaterialFields);
+    for (const char* key : {"softness", "softness.model", "softness.fibreDirection", "extrude", "sculptable",
+                            "sculptable.falloff", "sculptable.symmetry", "vibrotactileTexture", "vibration", "magnet"})
+      keys.emplace_back(key);
+    return keys;
+  }
+
+  static bool IsGroup(const std::string& path) {
+    return std::any_of(base::kMaterialFields.begin(), base::kMaterialFields.end(), [&](const auto& row) {
+      return row.key.size() > path.size() && row.key[path.size()] == '.' && row.key.starts_with(path);
+    });
+  }
+
+  void ReadModel(const Json& value, const std::string& pointer) {
+    if (const haptics::SoftnessModel* model = ValueNamed(kSoftnessModels, value)) {
+      tag_.softness = *model;
+    } else {
+      warnings_.Add(pointer, "is " + Shown(value) + ", must be none, winkler or tet; it is ignored" +
+                                 Meant(value, kSoftnessModels));
+    }
+  }
+
+  template <class Value, std::size_t kCount>
+  void ReadWord(const std::array<TagWord<Value>, kCount>& words, const Json& value, const std::string& pointer,
+                std::optional<Value>& read) {
+    if (!tag_.sculptable) tag_.sculptable = true;
+    if (const Value* known = ValueNamed(words, value)) {
+      read = *known;
+      return;
+    }
+    std::string names;
+    for (const TagWord<Value>& word : words) names += (names.empty() ? "" : ", ") + std::string(word.name);
+    warnings_.Add(pointer,
+                  "is " + Shown(value) + ", must be one of " + names + "; it is ignored" + Meant(value, words));
+  }
+
+  void ReadDirection(const Json& value, const std::string& pointer) {
+    if (!tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
+    std::array<double, 3> direction{};
+    const std::span<const Json> numbers = value.elements();
+    bool sound = numbers.size() == 3;
+    for (std::size_t k = 0; sound && k < 3; ++k) {
+      direction[k] = numbers[k].number();
+      sound = std::abs(direction[k]) <= 1e6;
+    }
+    if (sound && direction != std::array<double, 3>{}) {
+      tag_.fibre_direction = direction;
+    } else {
+      warnings_.Add(pointer, "is " + Shown(value) + ", must be three numbers, not all zero; it is ignored");
+    }
+  }
+
+  // 0 and 1 count as well: some editors' custom properties know no booleans.
+  void ReadFlag(const Json& value, const std::string& pointer, std::optional<bool>& flag) {
+    if (value.is_boolean()) {
+      flag = value.boolean();
+    } else if (value.number() == 0 || value.number() == 1) {
+      flag = value.number() == 1;
+    } else {
+      warnings_.Add(pointer, "is " + Shown(value) + ", must be true or false; it is ignored");
+    }
+  }
+
+  bool ReadRoleNumber(const std::string& path, const Json& value, const std::string& pointer) {
+    const Role role = tag_.role.value_or(Role::kSolid);
+    if (role == Role::kJoystick) return ReadNumber(kJoystickKeys, tag_.joystick, path, value, pointer);
+    if (role == Role::kVehicle) return ReadNumber(kVehicleKeys, tag_.vehicle, path, value, pointer);
+    if (role == Role::kCheckpoint) return ReadNumber(kCheckpointKeys, tag_.checkpoint, path, value, pointer);
+    return ReadNumber(base::kMaterialFields, tag_.material, path, value, pointer);
+  }
+
+  std::optional<double> InRange(double minimum, double maximum, bool whole, const std::string& unit, const Json& value,
+                                const std::string& pointer) {
+    const double number = value.number();
+    if (!std::isfinite(number)) {
+      warnings_.Add(pointer, "is " + Shown(value) + ", must be a number; the default is used");
+      return std::nullopt;
+    }
+    const double clamped = std::clamp(whole ? std::round(number) : number, minimum, maximum);
+    if (clamped != number) {
+      warnings_.Add(pointer, "is " + Text(number) + ", must be " + (whole ? "a whole number " : "") + "from " +
+                                 Text(minimum) + " to " + Text(maximum) + " " + unit + "; " + Text(clamped) +
+                                 " is used");
+    }
+    return clamped;
+  }
+
+  HapticTag& tag_;
+  Warnings& warnings_;
+  const std::string_view besides_;
+};
+
+template <class T>
+void Override(std::optional<T>& weaker, const std::optional<T>& stronger) {
+  if (stronger) weaker = stronger;
+}
+
+template <class T>
+void Override(Values<T>& weaker, const Values<T>& stronger) {
+  for (const auto& [key, number] : stronger.given()) weaker.Set(key, number);
+}
+
+template <class Fields, class T>
+T Filled(const Fields& fields, const Values<T>& values) {
+  T filled;
+  for (const auto& [place, number] : values.given()) fields[place].Set(filled, number);
+  return filled;
+}
+
+}  // namespace
+
+std::string_view NameOf(Role role) { return NameOf(kRoles, role); }
+
+bool Warnings::full() const { return lines_.size() >= kMaxLines; }
+
+void Warnings::Add(const std::string& pointer, const std::string& what) {
+  if (lines_.size() == kMaxLines) lines_.push_back(file_ + ": further warnings are left out");
+  if (lines_.size() < kMaxLines) lines_.push_back(Printable(file_ + ": " + pointer + ": " + what));
+}
+
+void HapticTag::OverrideBy(const HapticTag& stronger) {
+  present = present || stronger.present;
+  Override(role, stronger.role);
+  Override(double_sided, stronger.double_sided);
+  Override(kinematic, stronger.kinematic);
+  Override(smooth, stronger.smooth);
+  Override(extrude, stronger.extrude);
+  Override(sculptable, stronger.sculptable);
+  Override(falloff, stronger.falloff);
+  Override(symmetry, stronger.symmetry);
+  Override(fibre_direction, stronger.fibre_direction);
+  for (std::size_t i = 0; i < kTextureRoles; ++i) {
+    if (stronger.textures[i]) textures[i] = stronger.textures[i];
+  }
+  Override(softness, stronger.softness);
+  Override(material, stronger.material);
+  Override(joystick, stronger.joystick);
+  Override(vehicle, stronger.vehicle);
+  Override(checkpoint, stronger.checkpoint);
+}
+
+HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warnings, std::string_view besides) {
+  HapticTag read;
+  TagReader reader(read, warnings, besides);
+  read.present = true;
+  if (tag.is_object()) {
+    reader.ReadObject(tag, "", pointer);
+  } else if (tag.is_text() && tag.text().starts_with("{")) {
+    const base::Result<base::JsonDocument> document = base::JsonDocument::Parse(tag.text(), kSceneJson);
+    if (document.ok() && document->root().is_object()) {
+      reader.ReadObject(document->root(), "", pointer);
+    } else {
+      const std::string why = document.ok() ? "its root is none" : document.error();
+      warnings.Add(pointer, "text is no JSON object (" + why + "); the default material is used");
+    }
+  } else if (tag.is_text()) {
+    reader.ReadRole(tag, pointer);
+  } else if (tag.is_boolean() || tag.number() == 0 || tag.number() == 1) {
+    read.present = tag.boolean() || tag.number() == 1;
+  } else {
+    warnings.Add(pointer, "is " + Shown(tag) + ", must be an object, a role or true; the default material is used");
+  }
+  return read;
+}
+
+HapticTag ReadNumbers(const Json& object, std::initializer_list<const char*> keys, const std::string& pointer,
+                      Warnings& warnings) {
+  HapticTag read;
+  TagReader reader(read, warnings);
+  read.present = true;
+  for (const char* key : keys) {
+    if (const Json* value = Find(object, key)) reader.ReadKey(key, *value, Join(pointer, key));
+  }
+  return read;
+}
+
+HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& warnings) {
+  HapticTag read;
+  const Json* extras = Find(owner, "extras");
+  if (!extras || !extras->is_object()) return read;
+  const std::string place = Join(pointer, "extras");
+  if (const Json* tag = Find(*extras, "haptic")) read = ReadTag(*tag, Join(place, "haptic"), warnings);
+  TagReader reader(read, warnings);
+  if (const Json* role = Find(*extras, "haptic.role")) reader.ReadRole(*role, Join(place, "haptic.role"));
+  for (const auto& [key, value] : extras->members()) {
+    if (!key.starts_with("haptic.")) continue;
+    read.present = true;
+    reader.ReadKey(std::string(key.substr(7)), value, Join(place, key));
+  }
+  return read;
+}
+
+double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings) {
+  struct Tip {
+    double radius_m = 0;
+  };
+  constexpr std::array kKeys = {base::NumberField<Tip>{"tip.radius", "m", 0, 0.01, base::Member<&Tip::radius_m>(), ""}};
+  const Json* extras = Find(scene, "extras");
+  const Json* haptic = extras ? Find(*extras, "haptic") : nullptr;
+  const Json* tip = haptic ? Find(*haptic, "tip") : nullptr;
+  const Json* radius = tip ? Find(*tip, "radius") : (extras ? Find(*extras, "haptic.tip.radius") : nullptr);
+  if (!radius) return 0;
+  HapticTag unused;
+  Values<Tip> values;
+  const std::string place = Join(pointer, "extras");
+  TagReader(unused, warnings)
+      .ReadNumber(kKeys, values, "tip.radius", *radius,
+                  tip ? Join(Join(Join(place, "haptic"), "tip"), "radius") : Join(place, "haptic.tip.radius"));
+  return Filled(kKeys, values).radius_m;
+}
+
+// Settles what cannot be both.
+static void Settle(const HapticTag& tag, const std::string& pointer, Warnings& warnings, haptics::Material& material) {
+  if (material.sculpt.enabled && tag.kinematic.value_or(false)) {
+    warnings.Add(pointer, "is kinematic and sculptable; kinematic holds, it cannot be sculpted");
+    material.sculpt.enabled = false;
+  }
+  if (material.extrude.enabled && tag.kinematic.value_or(false)) {
+    warnings.Add(pointer, "is kinematic and to be extruded; kinematic holds, its faces stay");
+    material.extrude.enabled = false;
+  }
+  if (material.sculpt.enabled && material.extrude.enabled) {
+    warnings.Add(pointer, "is sculptable and to be extruded; sculptable holds");
+    material.extrude.enabled = false;
+  }
+  if (material.sculpt.enabled && material.softness.model == haptics::SoftnessModel::kTet) {
+    warnings.Add(pointer, "is sculptable and softness tet; sculptable holds, softness is a winkler layer");
+    material.softness.model = haptics::SoftnessModel::kWinkler;
+  }
+}
+
+haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings) {
+  haptics::Material material = Filled(base::kMaterialFields, tag.material);
+  material.softness.model = tag.softness.value_or(haptics::SoftnessModel::kNone);
+  material.smooth = tag.smooth.value_or(false);
+  material.extrude.enabled = tag.extrude.value_or(false);
+  material.sculpt.enabled = tag.sculptable.value_or(false);
+  material.sculpt.falloff = tag.falloff.value_or(material.sculpt.falloff);
+  material.sculpt.symmetry = tag.symmetry.value_or(material.sculpt.symmetry);
+  Settle(tag, pointer, warnings, material);
+  if (!(material.dynamic_friction <= material.static_friction)) {
+    // Only what was said is complained about.
+    if (tag.material.Get(base::IndexOfKey(base::kMaterialFields, "dynamicFriction"))) {
+      warnings.Add(pointer, "dynamicFriction " + Text(material.dynamic_friction) + " is above staticFriction " +
+                                Text(material.static_friction) + "; " + Text(material.static_friction) +
+                                " is used for both");
+    }
+    material.dynamic_friction = material.static_friction;
+  }
+  return material;
+}
+
+std::vector<double> FieldsOf(const haptics::Material& m) {
+  const auto& [x, y, z] = m.softness.fibre_direction_base;
+  std::vector<double> fields = {static_cast<double>(m.smooth),
+                                static_cast<double>(m.softness.model),
+                                static_cast<double>(m.extrude.enabled),
+                                static_cast<double>(m.sculpt.enabled),
+                                static_cast<double>(m.sculpt.falloff),
+                                static_cast<double>(m.sculpt.symmetry),
+                                x,
+                                y,
+                                z,
+                                static_cast<double>(m.stiffness_texture),
+                                static_cast<double>(m.friction_texture),
+                                static_cast<double>(m.vibrotactile_texture)};
+  fields.reserve(fields.size() + base::kMaterialFields.size());
+  for (const auto& row : base::kMaterialFields) fields.push_back(row.Get(m));
+  return fields;
+}
+
+haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings) {
+  haptics::JoystickInput joystick = Filled(kJoystickKeys, tag.joystick);
+  if (!(joystick.dead_zone_m < joystick.range_m)) {
+    if (tag.joystick.Get(base::IndexOfKey(kJoystickKeys, "deadZone"))) {
+      warnings.Add(pointer, "deadZone " + Text(joystick.dead_zone_m) + " m must be below range " +
+                                Text(joystick.range_m) + " m; a tenth of the range is used");
+    }
+    joystick.dead_zone_m = joystick.range_m / 10;
+  }
+  return joystick;
+}
+
+haptics::VehicleInput VehicleOf(const HapticTag& tag) { return Filled(kVehicleKeys, tag.vehicle); }
+
+haptics::Checkpoint CheckpointOf(const HapticTag& tag) { return Filled(kCheckpointKeys, tag.checkpoint); }
+
+}  // namespace omni::scene

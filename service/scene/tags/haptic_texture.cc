@@ -1,0 +1,211 @@
+#include "service/scene/tags/haptic_texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include <stb/stb_image.h>
+
+#include "service/haptics/scene.h"
+#include "service/scene/gltf/load_error.h"
+
+namespace omni::scene {
+namespace {
+
+// Of a list of textures the first of these that is there is taken; entries beyond the limit are ignored.
+constexpr const char* kTypes[] = {"High_Resolution", "Low_Resolution", "Other"};
+constexpr std::size_t kMaxEntries = 16;
+// Different uses of textures: they are searched one by one.
+constexpr std::size_t kMaxMade = 4 * haptics::kMaxTextures;
+
+// u' = T R S u, with R turning clockwise on the image   [KHR_texture_transform]
+std::array<double, 6> TransformOf(const Json& info, const std::string& pointer, std::uint64_t& uv_set) {
+  std::array<double, 6> affine{1, 0, 0, 0, 1, 0};
+  const Json* extensions = FindObject(info, pointer, "extensions");
+  const Json* transform =
+      extensions ? FindObject(*extensions, Join(pointer, "extensions"), "KHR_texture_transform") : nullptr;
+  if (!transform) return affine;
+  const std::string place = Join(Join(pointer, "extensions"), "KHR_texture_transform");
+  const auto offset = Numbers(*transform, place, "offset", 2), scale = Numbers(*transform, place, "scale", 2);
+  const Json* angle = Find(*transform, "rotation");
+  if (angle && !(std::abs(angle->number()) <= 1e6))
+    throw LoadError(Join(place, "rotation"), "is " + Shown(*angle) + ", must be an angle in radians");
+  const double turn = angle ? angle->number() : 0;
+  const double sx = scale.empty() ? 1 : scale[0], sy = scale.empty() ? 1 : scale[1];
+  affine = {std::cos(turn) * sx,  std::sin(turn) * sy, offset.empty() ? 0 : offset[0],
+            -std::sin(turn) * sx, std::cos(turn) * sy, offset.empty() ? 0 : offset[1]};
+  for (const double x : affine) {
+    if (!(std::abs(x) <= 1e6)) throw LoadError(place, "scales or moves by more than a million");
+  }
+  uv_set = Whole(*transform, place, "texCoord", 1000, uv_set);
+  return affine;
+}
+
+haptics::Wrap WrapOf(const Json& sampler, const std::string& pointer, const char* key) {
+  switch (Whole(sampler, pointer, key, 1 << 16, 10497)) {
+    case 33071:
+      return haptics::Wrap::kClamp;
+    case 33648:
+      return haptics::Wrap::kMirror;
+    case 10497:
+      return haptics::Wrap::kRepeat;
+    default:
+      throw LoadError(Join(pointer, key), "must be 33071 (clamp), 33648 (mirror) or 10497 (repeat)");
+  }
+}
+
+TextureUse UseOf(const Json& root, const Json& info, const std::string& pointer) {
+  TextureUse use;
+  use.pointer = pointer;
+  const auto texture = Index(info, pointer, "index", CountOf(root, "textures"));
+  if (!texture) throw LoadError(Join(pointer, "index"), "is missing");
+  std::uint64_t uv_set = Whole(info, pointer, "texCoord", 1000, 0);
+  use.to_image = TransformOf(info, pointer, uv_set);
+  if (uv_set >= haptics::kMaxUvSets) {
+    throw LoadError(Join(pointer, "texCoord"), "is " + std::to_string(uv_set) + ", only TEXCOORD_0 and _1 are read");
+  }
+  use.uv_set = static_cast<std::uint32_t>(uv_set);
+  const Json& json = ElementOf(root, "textures", *texture);
+  const std::string place = Join("/textures", *texture);
+  const auto source = Index(json, place, "source", CountOf(root, "images"));
+  if (!source) throw LoadError(place, "has no source that is PNG or JPEG");
+  use.image = *source;
+  if (const auto sampler = Index(json, place, "sampler", CountOf(root, "samplers"))) {
+    const Json& wraps = ElementOf(root, "samplers", *sampler);
+    use.wrap_u = WrapOf(wraps, Join("/samplers", *sampler), "wrapS");
+    use.wrap_v = WrapOf(wraps, Join("/samplers", *sampler), "wrapT");
+  }
+  return use;
+}
+
+bool IsPngOrJpeg(const std::vector<unsigned char>& stored) {
+  constexpr unsigned char kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  constexpr unsigned char kJpeg[] = {0xFF, 0xD8, 0xFF};
+  const auto starts = [&](const auto& magic) {
+    return stored.size() > sizeof magic && std::memcmp(stored.data(), magic, sizeof magic) == 0;
+  };
+  return starts(kPng) || starts(kJpeg);
+}
+
+// The first channel as it is stored: linear, whatever colour the file says it is.
+haptics::InputImage RedOf(const std::vector<unsigned char>& stored, std::uint64_t most_pixels,
+                          const std::string& pointer) {
+  int width = 0, height = 0, channels = 0;
+  const int bytes = static_cast<int>(stored.size());  // at most kMaxImageBytes
+  if (!IsPngOrJpeg(stored) || stbi_info_from_memory(stored.data(), bytes, &width, &height, &channels) == 0)
+    throw LoadError(pointer, "is neither PNG nor JPEG");
+  if (!(width > 0 && height > 0 &&
+        static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) <= most_pixels)) {
+    throw LoadError(pointer, "has " + std::to_string(width) + " x " + std::to_string(height) +
+                                 " pixels, the limit is " + std::to_string(kMaxImagePixels) + " in all, and " +
+                                 std::to_string(haptics::kMaxTexels) + " with the images before it");
+  }
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load_from_memory(stored.data(), bytes, &width, &height, &channels, 0), stbi_image_free);
+  if (!pixels || channels < 1) throw LoadError(pointer, "cannot be decoded; the image is damaged");
+  haptics::InputImage image;
+  image.width = static_cast<std::uint32_t>(width);
+  image.height = static_cast<std::uint32_t>(height);
+  image.texels.resize(std::size_t{image.width} * image.height);
+  for (std::size_t i = 0; i < image.texels.size(); ++i)
+    image.texels[i] = pixels.get()[i * static_cast<std::size_t>(channels)];
+  return image;
+}
+
+}  // namespace
+
+std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, const std::string& pointer,
+                                         Warnings& warnings) {
+  std::optional<TextureUse> best;
+  std::size_t best_type = std::size(kTypes);
+  // The standard has a list; a single entry is what a person writes.
+  const std::span<const Json> entries = list.is_array() ? list.elements() : std::span(&list, 1);
+  for (std::size_t i = 0; i < std::min(entries.size(), kMaxEntries); ++i) {
+    const std::string place = list.is_array() ? Join(pointer, i) : pointer;
+    try {
+      const std::string type = FindString(entries[i], place, "type", kTypes[0]);
+      const auto row = std::find(std::begin(kTypes), std::end(kTypes), type);
+      if (row == std::end(kTypes)) throw LoadError(Join(place, "type"), "is " + type + ": not rendered");
+      const Json* info = FindObject(entries[i], place, "texture");
+      if (!info) throw LoadError(Join(place, "texture"), "is missing");
+      const auto rank = static_cast<std::size_t>(row - std::begin(kTypes));
+      if (rank >= best_type) continue;
+      best = UseOf(root, *info, Join(place, "texture"));
+      best_type = rank;
+    } catch (const LoadError& error) {
+      warnings.Add(place, std::string("is not used: ") + error.what());
+    }
+  }
+  return best;
+}
+
+TextureReader::Image* TextureReader::ImageOf(const TextureUse& use) {
+  const auto found =
+      std::find_if(images_.begin(), images_.end(), [&](const Image& image) { return image.number == use.image; });
+  return found == images_.end() ? nullptr : &*found;
+}
+
+void TextureReader::Read(const TextureUse& use) {
+  if (ImageOf(use)) return;
+  if (images_.size() == haptics::kMaxTextures)
+    return warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxTextures) +
+                                          " images: 1 is used everywhere");
+  Image& image = images_.emplace_back();
+  image.number = use.image;
+  image.pointer = Join("/images", use.image);
+  try {
+    if (stored_bytes_ <= file_.stored_bytes()) {
+      image.stored = file_.ReadImage(use.image, kMaxImageBytes);
+      stored_bytes_ += image.stored.size();
+    }
+    if (stored_bytes_ > file_.stored_bytes()) {
+      image.stored = {};
+      throw LoadError(image.pointer, "is among images that share their bytes; give each its own");
+    }
+  } catch (const LoadError& error) {
+    warnings_.Add(use.pointer, std::string("has no image, 1 is used everywhere: ") + error.what());
+  }
+}
+
+void TextureReader::Decode() {
+  std::uint64_t left = haptics::kMaxTexels;
+  for (Image& image : images_) {
+    if (image.stored.empty()) continue;
+    try {
+      image.image = RedOf(image.stored, std::min(kMaxImagePixels, left), image.pointer);
+      left -= image.image.texels.size();
+      ++decoded_;
+    } catch (const LoadError& error) {
+      warnings_.Add(image.pointer, std::string("is not used, 1 is used everywhere: ") + error.what());
+    }
+    image.stored = {};
+  }
+}
+
+std::int32_t TextureReader::IndexOf(const TextureUse& use, haptics::SceneInput& input) {
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& made) { return made.use == use; });
+  if (found != made_.end()) return found->index;
+  std::int32_t index = -1;
+  Image* image = ImageOf(use);
+  if (made_.size() == kMaxMade) return -1;
+  if (image && (image->index >= 0 || !image->image.texels.empty())) {
+    if (input.textures.size() == haptics::kMaxTextures) {
+      warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxTextures) +
+                                     " textures: 1 is used everywhere");
+    } else {
+      if (image->index < 0) {
+        image->index = static_cast<std::int32_t>(input.images.size());
+        input.images.push_back(std::move(image->image));
+        image->image = {};
+      }
+      index = static_cast<std::int32_t>(input.textures.size());
+      input.textures.push_back(
+          {static_cast<std::uint32_t>(image->index), use.uv_set, use.wrap_u, use.wrap_v, use.to_image});
+    }
+  }
+  made_.push_back({use, index});
+  return index;
+}
+
+}  // namespace omni::scene

@@ -1,0 +1,65 @@
+// Textures that haptic tags name: which image, how it is looked up, and its red channel. No other image of a file is
+// read. stb_image is confined to haptic_texture.cc.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/haptics/scene_input.h"
+#include "service/scene/gltf/gltf_file.h"
+#include "service/scene/gltf/json_reading.h"
+#include "service/scene/tags/haptic_tag.h"
+
+namespace omni::scene {
+
+inline constexpr std::uint64_t kMaxImageBytes = 64ull << 20;   // as stored
+inline constexpr std::uint64_t kMaxImagePixels = 16ull << 20;  // 4096 x 4096
+
+// One of the lists stiffness, friction or vibrotactileTexture of an MPEG haptic material. The entry of type
+// High_Resolution is taken, else Low_Resolution, else Other; Reference (an effect of another file) is not rendered.
+// Anything wrong with it: a warning, and no texture.
+std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, const std::string& pointer,
+                                         Warnings& warnings);
+
+class TextureReader {
+ public:
+  TextureReader(GltfFile& file, Warnings& warnings) : file_(file), warnings_(warnings) {}
+
+  // Reads the stored bytes of the image; a second time, and of an image already read, nothing. An image that is not
+  // there: a warning, and `IndexOf` gives -1.
+  void Read(const TextureUse& use);
+
+  // Decodes what was read (PNG, JPEG). Once, before IndexOf.
+  void Decode();
+
+  // Index into `input.textures`, made on first use; -1: there is none.
+  std::int32_t IndexOf(const TextureUse& use, haptics::SceneInput& input);
+
+  std::uint32_t images_decoded() const { return decoded_; }
+
+ private:
+  struct Image {
+    std::uint32_t number = 0;  // in the document
+    std::string pointer;
+    std::vector<unsigned char> stored;
+    haptics::InputImage image;  // empty: could not be decoded
+    std::int32_t index = -1;    // in the scene's list
+  };
+  struct Made {
+    TextureUse use;
+    std::int32_t index;
+  };
+  Image* ImageOf(const TextureUse& use);
+
+  GltfFile& file_;
+  Warnings& warnings_;
+  std::vector<Image> images_;
+  std::vector<Made> made_;
+  std::uint64_t stored_bytes_ = 0;  // of all images that were read
+  std::uint32_t decoded_ = 0;
+};
+
+}  // namespace omni::scene

@@ -1,0 +1,17 @@
+// Compiled with -mavx2 (CMakeLists.txt).
+#include "service/sim/fields/charge_kernel.h"
+#include "service/sim/fields/charge_kernel_body.h"
+
+namespace omni::sim {
+
+void ChargeSumAvx2(const double* x, const double* y, const double* z, const double* q, std::size_t count,
+                   const double point[3], double out[3]) noexcept {
+  SumOfCharges(x, y, z, q, count, point, out);
+}
+
+void ZonalFieldsAvx2(const ZonalTerms& terms, const double* x, const double* y, const double* z, std::size_t count,
+                     double* bx, double* by, double* bz) noexcept {
+  FieldsOfZonal(terms, x, y, z, count, bx, by, bz);
+}
+
+}  // namespace omni::sim

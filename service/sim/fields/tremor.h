@@ -1,0 +1,48 @@
+// The shake of a hand: 8 to 12 Hz, three waves per direction [Elble, Koller 1990: physiological tremor].
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "service/sim/fields/random.h"
+#include "service/sim/fields/vec3.h"
+
+namespace omni::sim {
+
+class Tremor {
+ public:
+  // rms of the whole displacement.
+  Tremor(double rms_m, Random& random) noexcept {
+    const double amplitude_m = rms_m * std::sqrt(2.0 / kWaves);
+    const std::array<Vec3, 3> directions{Vec3{amplitude_m, 0, 0}, Vec3{0, amplitude_m, 0}, Vec3{0, 0, amplitude_m}};
+    for (std::size_t i = 0; i < waves_.size(); ++i) {
+      waves_[i].rate_rad_s = 2 * std::numbers::pi * random.Uniform(kMin_Hz, kMax_Hz);
+      waves_[i].phase_rad = 2 * std::numbers::pi * random.Uniform();
+      waves_[i].amplitude_m = directions[i % 3];
+    }
+  }
+
+  void Add(double t_s, Vec3& position_m, Vec3& velocity_m_s) const noexcept {
+    for (const Wave& wave : waves_) {
+      const double phase = wave.rate_rad_s * t_s + wave.phase_rad;
+      position_m += std::sin(phase) * wave.amplitude_m;
+      velocity_m_s += (wave.rate_rad_s * std::cos(phase)) * wave.amplitude_m;
+    }
+  }
+
+  // No displacement is longer than this many rms: all waves of all directions at their crests.
+  static constexpr double kReach_rms = 2.45;
+
+ private:
+  struct Wave {
+    double rate_rad_s = 0;
+    double phase_rad = 0;
+    Vec3 amplitude_m;
+  };
+  static constexpr double kMin_Hz = 8, kMax_Hz = 12;
+  static constexpr int kWaves = 9;
+  std::array<Wave, kWaves> waves_{};
+};
+
+}  // namespace omni::sim

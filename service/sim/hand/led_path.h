@@ -1,0 +1,30 @@
+// The far end of the hand's spring when somebody leads the hand: it goes to the newest aim as an arm does, smoothly,
+// and stays there until another one comes. How often aims come, and how evenly, makes no difference to what it can do.
+#pragma once
+
+#include "service/sim/hand/hand_guide.h"
+#include "service/sim/hand/hand_target.h"
+
+namespace omni::sim {
+
+class LedPath {
+ public:
+  // At rest at `start`.
+  LedPath(const HandTarget& start, double tip_offset_m) noexcept;
+
+  void Aim(const HandAim& aim) noexcept { aim_ = aim; }
+  void Step(double dt_s) noexcept;
+
+  HandTarget Target() const noexcept;
+
+ private:
+  void StepTip(double dt_s) noexcept;
+  void StepAxis(double dt_s) noexcept;
+
+  HandAim aim_;
+  double tip_offset_m_;
+  Vec3 tip_m_, velocity_m_s_;
+  Vec3 axis_, axis_rate_1_s_;
+};
+
+}  // namespace omni::sim

@@ -1,0 +1,190 @@
+// omni align: measures where the base stands in a headset's space, and keeps it in omnid.
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "service/alignment/rigid.h"
+#include "service/base/clock.h"
+#include "service/protocol/text.h"
+#include "service/tools/align/align_nudge.h"
+#include "service/tools/align/align_run.h"
+#include "service/tools/align/align_service.h"
+#include "service/tools/align/align_text.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/service_link.h"
+#include "service/tools/common/text_output.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr const char* kAlign = "omni align";
+constexpr const char* kMethods[] = {"touch", "sweep", "fingertip", "nudge"};
+constexpr const char* kPlacements[] = {"front-of-user", "calibrated", "off"};
+
+struct AlignArguments {
+  std::string method = "touch";
+  std::string socket, marks, placement;
+  bool show = false, forget = false, restore = false, tilted = false;
+  int number = 0;
+  AlignRunOptions run;
+};
+
+// Keys arrive one by one, unseen, until this is gone.
+class RawKeys {
+ public:
+  RawKeys() : terminal_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
+    termios raw = before_;
+    raw.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
+    if (terminal_) ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
+  }
+  ~RawKeys() {
+    if (terminal_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  }
+  RawKeys(const RawKeys&) = delete;
+  RawKeys& operator=(const RawKeys&) = delete;
+
+ private:
+  termios before_{};
+  bool terminal_;
+};
+
+int NudgeStored(client::Connection& connection, const nlohmann::json& status, int number) {
+  const auto chosen = ChooseAlignment(status, number);
+  if (!chosen.ok()) return Fail(kAlign, chosen.error());
+  std::printf("headset      %s / %s, in its %s space\n", chosen->headset.runtime.c_str(),
+              chosen->headset.system.c_str(), SpaceName(chosen->headset.space).c_str());
+  Print("arrows: left, right, away, near; Page Up/Down: up, down; [ ]: turn; + -: step; u: undo all; q: done\n");
+  Nudge nudge(chosen->base_space);
+  const RawKeys keys;
+  for (char byte = 0; ::read(STDIN_FILENO, &byte, 1) == 1;) {
+    const Nudge::Does does = nudge.Key(byte);
+    if (does == Nudge::Does::kDone) break;
+    if (does == Nudge::Does::kNothing) continue;
+    alignment::Outcome outcome;
+    outcome.base_space = nudge.placement();
+    outcome.samples = chosen->samples;
+    outcome.rms_m = chosen->rms_m;
+    connection.Poll(base::MonotonicNow_ns());
+    const auto stored = AskPlacement(connection, StoreCommand(chosen->headset, outcome, "nudge"));
+    if (!stored.ok()) return Fail(kAlign, stored.error());
+    std::printf("moved        %.1f mm and %.1f deg from where it was\n",
+                1e3 * alignment::Distance_m(nudge.placement(), chosen->base_space, {}),
+                57.29577951308232 * alignment::Angle_rad(nudge.placement(), chosen->base_space));
+    std::fflush(stdout);
+  }
+  return kExitOk;
+}
+
+int ForgetStored(client::Connection& connection, const nlohmann::json& status, int number) {
+  protocol::PlacementCommand command;
+  command.action = protocol::PlacementAction::kForget;
+  if (number > 0) {
+    const auto chosen = ChooseAlignment(status, number);
+    if (!chosen.ok()) return Fail(kAlign, chosen.error());
+    command = StoreCommand(chosen->headset, {}, "");
+    command.action = protocol::PlacementAction::kForget;
+  }
+  const auto done = AskPlacement(connection, command);
+  if (!done.ok()) return Fail(kAlign, done.error());
+  Print(*done + "\n");
+  return kExitOk;
+}
+
+int RestoreStored(client::Connection& connection, const nlohmann::json& status, int number) {
+  const auto chosen = ChooseAlignment(status, number);
+  if (!chosen.ok()) return Fail(kAlign, chosen.error());
+  protocol::PlacementCommand command = StoreCommand(chosen->headset, {}, "");
+  command.action = protocol::PlacementAction::kRestore;
+  const auto done = AskPlacement(connection, command);
+  if (!done.ok()) return Fail(kAlign, done.error());
+  std::printf("%s\n", done->c_str());
+  return kExitOk;
+}
+
+int SetPolicy(client::Connection& connection, const std::string& placement) {
+  protocol::PlacementCommand command;
+  command.action = protocol::PlacementAction::kPolicy;
+  for (std::size_t i = 0; i < std::size(kPlacements); ++i) {
+    if (placement == kPlacements[i]) command.uncalibrated = static_cast<protocol::Uncalibrated>(i);
+  }
+  const auto done = AskPlacement(connection, command);
+  if (!done.ok()) return Fail(kAlign, done.error());
+  Print(*done + "\n");
+  return kExitOk;
+}
+
+int Measure(client::Connection& connection, AlignArguments arguments) {
+  arguments.run.session.level = !arguments.tilted;
+  for (const AlignMethod method : {AlignMethod::kTouch, AlignMethod::kSweep, AlignMethod::kFingertip}) {
+    if (arguments.method == AlignMethodName(method)) arguments.run.session.method = method;
+  }
+  if (!arguments.marks.empty()) {
+    auto marks = config::LoadMarksFile(arguments.marks);
+    if (!marks.ok()) return Fail(kAlign, marks.error());
+    arguments.run.session.marks = std::move(*marks);
+  }
+  const auto aligned = RunAlignment(connection, arguments.run);
+  if (!aligned.ok()) return Fail(kAlign, aligned.error());
+  Print(AlignOutcomeText(arguments.run.session, aligned->outcome));
+  const auto stored = AskPlacement(connection, StoreCommand(aligned->headset, aligned->outcome, arguments.method));
+  if (!stored.ok()) return Fail(kAlign, stored.error());
+  std::printf("stored       %s; applications that run have it already\n", stored->c_str());
+  return kExitOk;
+}
+
+int Align(const AlignArguments& arguments) {
+  auto connection = ConnectToService(arguments.socket, protocol::ClientRole::kTool);
+  if (!connection.ok()) {
+    Fail(kAlign, connection.error());
+    return kExitNoService;
+  }
+  if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
+  const bool stored = arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
+  if (!stored) return Measure(**connection, arguments);
+  const auto status = AskStatus(**connection);
+  if (!status.ok()) return Fail(kAlign, status.error());
+  if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
+  if (arguments.restore) return RestoreStored(**connection, *status, arguments.number);
+  if (!arguments.show) return NudgeStored(**connection, *status, arguments.number);
+  Print(StoredAlignmentsText(*status));
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddAlign(Command& app) {
+  auto arguments = std::make_shared<AlignArguments>();
+  Command align = app.AddCommand("align", "measure where the base stands in a headset's space; kept by omnid");
+  align
+      .Add("method", arguments->method,
+           "touch: marks of the base with a controller; sweep: pen and controller held together; fingertip: "
+           "an index finger on the pen's tip; nudge: keys")
+      .OneOf({std::begin(kMethods), std::end(kMethods)})
+      .ShowDefault();
+  align.Add("--show", arguments->show, "list what is stored");
+  align.Add("--forget", arguments->forget, "forget it, or number N of it");
+  align.Add("--restore", arguments->restore, "take it as it was measured, before any recentring");
+  align
+      .Add("--placement", arguments->placement,
+           "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
+      .OneOf({std::begin(kPlacements), std::end(kPlacements)});
+  align.Add("--number", arguments->number, "of --show, for nudge, --forget and --restore").Range(1, 64);
+  align.Add("--hand", arguments->run.hand, "which controller").OneOf({"auto", "left", "right"}).ShowDefault();
+  align.Add("--tilted", arguments->tilted, "the base does not stand level");
+  align.Add("--marks", arguments->marks, "file of marks (default: the built-in marks.toml)");
+  align.Add("--places", arguments->run.session.fingertips, "fingertip: how many places to touch")
+      .Range(4, 20)
+      .ShowDefault();
+  align.Add("--patience", arguments->run.patience_s, "seconds until it gives up").Range(5.0, 3600.0).ShowDefault();
+  align.Add("--probe", arguments->run.probe, "the program that asks the runtime (default: omni_align_probe)");
+  align.Add("--socket", arguments->socket, "omnid's socket (default: as omnid's)");
+  align.Run(arguments, Align);
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,89 @@
+// The guided part of `omni align`: poses of a controller and the pen in, steps out, and at the end a placement. Pure:
+// it neither reads a clock nor prints, so that tests and benchmarks run it in virtual time.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/alignment/dwell.h"
+#include "service/alignment/fit.h"
+#include "service/alignment/pivot.h"
+#include "service/config/files/marks_file.h"
+
+namespace omni::tools {
+
+enum class AlignMethod { kTouch, kSweep, kFingertip };
+// "touch", "sweep", "fingertip"
+const char* AlignMethodName(AlignMethod method);
+
+struct AlignOptions {
+  AlignMethod method = AlignMethod::kTouch;
+  std::vector<config::Mark> marks = config::DefaultMarks();  // touch
+  bool level = true;                                         // the base stands level
+  int fingertips = 5;                                        // places to touch
+  double sweep_s_max = 25;
+};
+
+struct PenSeen {
+  base::Vec3 position_base_m;  // tip
+  base::Vec3 velocity_base_m_s;
+};
+
+enum class AlignStep { kPivot, kTouch, kSweep, kFingertip, kDone, kRefused };
+
+class AlignSession {
+ public:
+  explicit AlignSession(AlignOptions options);
+
+  // The controller's grip (fingertip: the finger's joint) at that time, and the pen where it is tracked. Times grow.
+  void Add(double t_s, const alignment::Rigid& controller_space, const std::optional<PenSeen>& pen);
+  // The space was moved: what was measured is void.
+  void Restart();
+
+  AlignStep step() const { return step_; }
+  int touched() const { return touched_; }           // marks or places that are done
+  double progress() const;                           // of this step, 0 to 1
+  const std::string& hint() const { return hint_; }  // what is missing yet; empty: nothing to say
+  // After kDone.
+  const alignment::Outcome& outcome() const { return outcome_; }
+  // After kRefused: why, and what to do.
+  const std::string& problem() const { return problem_; }
+  const AlignOptions& options() const { return options_; }
+
+ private:
+  struct Posed {
+    double t_s;
+    alignment::Rigid pose;
+    std::optional<PenSeen> pen;
+  };
+  void AddPivot();
+  void AddTouch();
+  void AddSweep();
+  void AddFingertip();
+  // What the dwell of the last half second saw.
+  std::vector<Posed> Dwelt() const;
+  void Finish(base::Result<alignment::Outcome> outcome);
+
+  AlignOptions options_;
+  AlignStep step_ = AlignStep::kPivot;
+  std::deque<Posed> recent_;
+  alignment::DwellDetector dwell_;
+  alignment::Pivot pivot_;
+  std::vector<alignment::Sample> samples_;
+  double next_try_s_ = 0;
+  double start_s_ = 0;
+  bool started_ = false;
+  int touched_ = 0;
+  double quality_ = 0;  // progress of pivot and sweep
+  std::string hint_;
+  alignment::Outcome outcome_;
+  std::string problem_;
+};
+
+// What each method believes and refuses; used by the session and by those who judge it.
+alignment::Prior PriorOf(AlignMethod method, bool level);
+alignment::Limits LimitsOf(AlignMethod method);
+
+}  // namespace omni::tools

@@ -1,0 +1,22 @@
+// Calibrations as files: what `omni calibrate` writes, and those of simulated bases, which are made once and kept.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "service/base/device_geometry.h"
+#include "service/base/result.h"
+#include "service/calibration/fit/self_calibration.h"
+#include "service/config/files/calibration_file.h"
+
+namespace omni::tools {
+
+// With today's date.
+config::CalibrationFile CalibrationFileOf(const calibration::Outcome& outcome, const std::string& serial);
+
+// Of the twin (a simulation) with this seed and these parameters, as config::FindTwin takes them: from the cache
+// folder, or measured as `omni calibrate` does, which takes half a minute, and kept there.
+base::Result<base::Calibration> KeptTwinCalibration(const base::DeviceGeometry& device, std::uint64_t seed,
+                                                    const std::string& twin);
+
+}  // namespace omni::tools

@@ -1,0 +1,45 @@
+#include "service/tools/common/command_line.h"
+
+#include <exception>
+#include <string>
+
+#include "service/tools/common/commands.h"
+
+namespace omni::tools {
+namespace {
+
+// One row a subcommand.
+struct CommandEntry {
+  void (*add)(Command& app);
+};
+constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},    {AddDoctor},    {AddScene},  {AddTwin},
+                                      {AddReport}, {AddTrack},    {AddCalibrate}, {AddDevice}, {AddRecord},
+                                      {AddReplay}, {AddSurfaces}, {AddLayer},     {AddAlign}};
+
+constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
+
+// What left for omni-bench.
+void AddMoved(Command& app, const std::string& name, const std::string& now) {
+  app.AddHidden(name).Run([name, now] {
+    return Refuse("omni " + name, "it is `" + now +
+                                      "` now, a program of its own in the source tree: cmake --preset release && " +
+                                      "cmake --build --preset release --target omni-bench; build/release/bin/" + now);
+  });
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, const char* const* argv) {
+  try {
+    console::Program omni("omni", kAbout, OMNI_VERSION);
+    omni.RequireCommand();
+    for (const CommandEntry& command : kCommands) command.add(omni);
+    AddMoved(omni, "bench", "omni-bench");
+    AddMoved(omni, "paper", "omni-bench paper");
+    return omni.Parse(argc, argv).value_or(kExitOk);
+  } catch (const std::exception& error) {
+    return Fail("omni", error.what());
+  }
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,77 @@
+// omni device list|info|selftest|flash-help|estop: bases on USB.
+#include "service/tools/device/device_command.h"
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/text_output.h"
+#include "service/tools/device/device_text.h"
+
+namespace omni::tools {
+namespace {
+
+struct DeviceArguments {
+  std::string serial;
+  bool yes = false;
+};
+
+bool AskToGoOn() {
+  std::cout << "Go on? [y/N] " << std::flush;
+  std::string answer;
+  return std::getline(std::cin, answer) && (answer == "y" || answer == "Y" || answer == "yes");
+}
+
+using Action = int (*)(device::UsbBus& bus, const DeviceArguments& arguments);
+
+int List(device::UsbBus& bus, const DeviceArguments& /*arguments*/) { return DeviceList(bus, std::cout); }
+int Info(device::UsbBus& bus, const DeviceArguments& arguments) { return DeviceInfo(bus, arguments.serial, std::cout); }
+int SelfTest(device::UsbBus& bus, const DeviceArguments& arguments) {
+  return DeviceSelfTest(
+      bus, arguments.serial, [&] { return arguments.yes || AskToGoOn(); }, std::cout);
+}
+int Estop(device::UsbBus& bus, const DeviceArguments& arguments) {
+  return DeviceEstop(bus, arguments.serial, std::cout);
+}
+
+struct ActionEntry {
+  const char* name;
+  const char* about;
+  Action action;
+  bool takes_serial;
+  bool asks;
+};
+constexpr ActionEntry kDeviceActions[] = {
+    {"list", "all bases: serial, port, speed, firmware, who holds them", List, false, false},
+    {"info", "one base: identity, limits, temperatures, faults and what to do, the fault it kept", Info, true, false},
+    {"selftest", "looks at one base, arms it for a moment without current, and says what fails", SelfTest, true, true},
+    {"estop", "coils off now, on every base or on one; works while omnid runs", Estop, true, false},
+};
+
+int RunAction(const ActionEntry& entry, const DeviceArguments& arguments) {
+  const base::Result<std::unique_ptr<device::UsbBus>> bus = device::MakeUsbBus(false);
+  if (!bus.ok()) return Fail(std::string("omni device ") + entry.name, bus.error());
+  return entry.action(**bus, arguments);
+}
+
+}  // namespace
+
+void AddDevice(Command& app) {
+  auto arguments = std::make_shared<DeviceArguments>();
+  Command device = app.AddCommand("device", "bases on USB");
+  device.RequireCommand();
+  for (const ActionEntry& entry : kDeviceActions) {
+    Command action = device.AddCommand(entry.name, entry.about);
+    if (entry.takes_serial) action.Add("serial", arguments->serial, "of the base, when there are several");
+    if (entry.asks) action.Add("-y,--yes", arguments->yes, "do not ask");
+    action.Run([&entry, arguments] { return RunAction(entry, *arguments); });
+  }
+  device.AddCommand("flash-help", "how to put the firmware on a Teensy 4.0").Run([] {
+    Print(FlashHelpText());
+    return kExitOk;
+  });
+}
+
+}  // namespace omni::tools

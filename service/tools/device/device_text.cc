@@ -1,0 +1,190 @@
+#include "service/tools/device/device_text.h"
+
+#include <cstdio>
+
+#include "firmware/wire/names.h"
+#include "firmware/wire/scaling.h"
+#include "service/device/base_notes.h"
+#include "service/tools/common/printed.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr double kResistanceUnit_mohm = 0.1;  // of wire::Telemetry
+constexpr double kTelemetryRate_Hz = 1000;
+constexpr double kTelemetryTolerance = 0.05;
+
+std::string Titled(const char* title, const std::string& text) { return Printed("%-12s ", title) + text + "\n"; }
+
+// "24.1, 24.0, 23.9"
+template <class Count>
+std::string ThreeCounts(const Count (&counts)[wire::kCoils], double unit, const char* format) {
+  std::string text;
+  for (const Count count : counts) {
+    char number[32];
+    std::snprintf(number, sizeof number, format, count * unit);
+    text += (text.empty() ? "" : ", ") + std::string(number);
+  }
+  return text;
+}
+
+std::string CapabilityNames(std::uint32_t capabilities) {
+  std::string text;
+  for (const wire::Name& capability : wire::Capabilities()) {
+    if ((capabilities & capability.value) != 0) text += (text.empty() ? "" : ", ") + std::string(capability.name);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string FaultNames(std::uint32_t faults) {
+  std::string text;
+  for (const wire::FaultText& fault : wire::Faults()) {
+    if ((faults & fault.fault) != 0) text += (text.empty() ? "" : ", ") + std::string(fault.name);
+  }
+  return text.empty() ? "none" : text;
+}
+
+// Sensors of a mask, for people: counted from 0 as in the manifest.
+std::string SensorList(unsigned mask) {
+  std::string text;
+  for (unsigned i = 0; i < wire::kSensors; ++i) {
+    if ((mask >> i & 1U) != 0) text += (text.empty() ? "" : ", ") + std::to_string(i);
+  }
+  return text;
+}
+
+SelfTestRow JudgeRate(const device::UsbProbe& probe) {
+  if (probe.frames < 2 || !(probe.listened_s > 0)) return {"telemetry", false, "none comes"};
+  const double rate_Hz = static_cast<double>(probe.frames - 1 + probe.missed) / probe.listened_s;
+  const bool steady = rate_Hz >= kTelemetryRate_Hz * (1 - kTelemetryTolerance) &&
+                      rate_Hz <= kTelemetryRate_Hz * (1 + kTelemetryTolerance);
+  return {"telemetry", steady, Printed("%.0f a second by its own clock, %.0f wanted", rate_Hz, kTelemetryRate_Hz)};
+}
+
+SelfTestRow JudgeFrames(const device::UsbProbe& probe) {
+  const bool whole = probe.frames > 0 && probe.missed == 0 && probe.bad_frames == 0;
+  return {"frames", whole,
+          Printed("%llu came, %llu lost, %llu bad", static_cast<unsigned long long>(probe.frames),
+                  static_cast<unsigned long long>(probe.missed), static_cast<unsigned long long>(probe.bad_frames)) +
+              (whole ? "" : "; use another cable or port, without a hub")};
+}
+
+SelfTestRow JudgeSensors(const device::UsbProbe& probe) {
+  const unsigned missing = ~static_cast<unsigned>(probe.fresh_sensors) & ((1U << wire::kSensors) - 1);
+  unsigned saturated = 0;
+  for (unsigned i = 0; i < wire::kSensors; ++i) {
+    if ((probe.saturated_mask >> (3 * i) & 7U) != 0) saturated |= 1U << i;
+  }
+  if (missing != 0) return {"Hall sensors", false, "no new sample from " + SensorList(missing)};
+  if (saturated != 0) {
+    return {"Hall sensors", false, "saturated: " + SensorList(saturated) + "; take the pen and other magnets away"};
+  }
+  return {"Hall sensors", true, Printed("all %d give samples, none is saturated", wire::kSensors)};
+}
+
+// Passed when none of `faults` is there.
+SelfTestRow JudgeFaults(const char* name, const device::UsbProbe& probe, std::uint32_t faults, std::string measured) {
+  const std::uint32_t there = probe.telemetry.faults & faults;
+  if (there != 0) measured += "; " + FaultNames(there);
+  return {name, there == 0, std::move(measured)};
+}
+
+SelfTestRow JudgeArming(const device::UsbProbe& probe) {
+  if ((probe.hello.capabilities & wire::kArming) == 0) return {"arming", true, "this base needs none"};
+  if (probe.armed) return {"arming", true, "armed; it falls asleep by itself"};
+  if (probe.refused_by != 0) return {"arming", false, "refused because of: " + FaultNames(probe.refused_by)};
+  return {"arming", false, std::string("no answer, state ") + wire::StateName(probe.armed_state)};
+}
+
+}  // namespace
+
+std::string FirmwareText(std::uint16_t version) { return Printed("%d.%d", version >> 8, version & 0xFF); }
+
+std::string DeviceListText(const std::vector<ListedBase>& bases) {
+  std::string text = Printed("%-17s %-8s %-12s %-9s %s\n", "serial", "port", "speed", "firmware", "held by");
+  for (const ListedBase& listed : bases) {
+    const device::UsbBase& base = listed.base;
+    const std::string holders = device::HoldersText(listed.holders);
+    text += Printed("%-17s %-8s %-12s %-9s ", base.serial.empty() ? "-" : base.serial.c_str(), base.port.c_str(),
+                    base.speed.c_str(), listed.firmware.empty() ? "-" : listed.firmware.c_str());
+    text += (holders.empty() ? "nobody" : holders) + "\n";
+    if (!base.problem.empty()) text += "  " + base.problem + "\n";
+  }
+  return text;
+}
+
+std::string DeviceIdentityText(const device::UsbBase& base, const wire::Hello& hello) {
+  std::string text = Titled("base", device::PrintableText(hello.serial, sizeof hello.serial) + " at port " + base.port +
+                                        ", " + base.speed + ", " + base.node);
+  text += Titled("firmware",
+                 FirmwareText(hello.firmware_version) + Printed("; speaks protocol %d to %d, omni speaks %d",
+                                                                hello.version_min, hello.version_max, wire::kVersion));
+  text += Titled("limits", Printed("%.2f A a coil; a field count is %.2f nT, %u and more are saturated",
+                                   static_cast<double>(hello.current_max_A),
+                                   1e9 * static_cast<double>(hello.field_lsb_T), hello.field_full_scale));
+  text += Titled("calibration", hello.calibration_hash == 0
+                                    ? "counts are nominal"
+                                    : Printed("hash %016llx", static_cast<unsigned long long>(hello.calibration_hash)));
+  return text + Titled("can", CapabilityNames(hello.capabilities));
+}
+
+std::string DeviceLiveText(const device::UsbProbe& probe) {
+  const wire::Telemetry& now = probe.telemetry;
+  std::string text = Titled("state", wire::StateName(now.state));
+  text += Titled("supply", Printed("%.2f V", now.supply * wire::kSupplyUnit_V));
+  text += Titled("currents", ThreeCounts(now.current[wire::kStepsPerTick - 1], wire::kCurrentUnit_A, "%.3f") + " A");
+  text += Titled("coils", ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
+                              ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm");
+  text += Titled("board",
+                 Printed("%.1f C, fan %u a minute", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
+  text += Titled("faults", FaultNames(now.faults));
+  for (const wire::FaultText& fault : wire::Faults()) {
+    if ((now.faults & fault.fault) != 0) text += Titled("", std::string(fault.name) + ": " + fault.advice);
+  }
+  return text + Titled("kept fault", probe.kept_fault ? device::FaultEventText(*probe.kept_fault) : "none");
+}
+
+std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {
+  const wire::Telemetry& now = probe.telemetry;
+  return {JudgeRate(probe),
+          JudgeFrames(probe),
+          JudgeSensors(probe),
+          JudgeFaults("supply", probe, wire::kFaultSupplyLow | wire::kFaultSupplyHigh,
+                      Printed("%.2f V", now.supply * wire::kSupplyUnit_V)),
+          JudgeFaults("coils", probe,
+                      wire::kFaultCoilOpen | wire::kFaultCoilShort | wire::kFaultModel | wire::kFaultOverTemperature |
+                          wire::kFaultOverCurrent | wire::kFaultDriver | wire::kFaultCurrentSensor,
+                      ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
+                          ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm"),
+          JudgeFaults("fan", probe, wire::kFaultFan, Printed("%u a minute", now.fan_rpm)),
+          JudgeFaults("own test", probe, wire::kFaultSelfTest | wire::kFaultWatchdog | wire::kFaultInternal,
+                      std::string("state ") + wire::StateName(now.state)),
+          JudgeArming(probe)};
+}
+
+std::string SelfTestText(const std::vector<SelfTestRow>& rows) {
+  std::string text;
+  for (const SelfTestRow& row : rows)
+    text += Printed("%-4s  ", row.passed ? "ok" : "FAIL") + Titled(row.name.c_str(), row.text);
+  return text;
+}
+
+std::string FlashHelpText() {
+  return R"(How to put the firmware on a Teensy 4.0
+
+1. Build it (needs gcc-arm-none-eabi, libnewlib-arm-none-eabi, libstdc++-arm-none-eabi-newlib):
+     scripts/setup --hil && cmake --preset release && cmake --build --preset release
+   The image is omni_teensy40.hex below build/release.
+2. Switch the coils' supply off. The Teensy lives from USB.
+3. Install the loader and let this user reach it:
+     sudo apt-get install teensy-loader-cli
+     https://www.pjrc.com/teensy/00-teensy.rules belongs into /etc/udev/rules.d/
+4. Load; press the button on the Teensy when it says that it waits:
+     teensy_loader_cli --mcu=TEENSY40 -w -v omni_teensy40.hex
+5. `omni device list` shows the base. If it has no permission: docs/howto/device.md.
+6. Before the first time with coils: the bring-up checklist in firmware/README.md.
+7. Supply on, then `omni device selftest`.
+)";
+}
+
+}  // namespace omni::tools

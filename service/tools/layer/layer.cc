@@ -1,0 +1,132 @@
+// omni layer enable, disable, status: whether applications that know nothing of Omni get the pen.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/text_output.h"
+#include "service/tools/doctor/elf_file.h"
+#include "service/tools/layer/layer_store.h"
+
+namespace omni::tools {
+namespace {
+
+struct LayerArguments {
+  bool user = false;
+  bool system = false;
+  bool as_json = false;
+  bool binary = false;
+
+  LayerScope scope() const { return system ? LayerScope::kSystem : LayerScope::kUser; }
+};
+
+constexpr const char* kEnableCommand = "omni layer enable";
+constexpr const char* kDisableCommand = "omni layer disable";
+constexpr const char* kStatusCommand = "omni layer status";
+
+int Enable(const LayerArguments& arguments) {
+  const Surroundings surroundings = SurroundingsOfThisProcess({});
+  const auto enabled = EnableLayer(surroundings, arguments.scope());
+  if (!enabled.ok()) return Fail(kEnableCommand, enabled.error());
+  const LayerManifest manifest = ReadLayerManifest(enabled->file, true);
+  Print((enabled->replaced ? "renewed " : "wrote ") + enabled->file.string() + "\nevery OpenXR application of " +
+        (arguments.system ? "this machine" : "yours") + " gets " + manifest.library +
+        "\none application without it: " + manifest.disable_environment + "=1\n");
+  return kExitOk;
+}
+
+int Disable(const LayerArguments& arguments) {
+  const Surroundings surroundings = SurroundingsOfThisProcess({});
+  const auto removed = DisableLayer(surroundings, arguments.scope());
+  if (!removed.ok()) return Fail(kDisableCommand, removed.error());
+  for (const auto& file : *removed) Print("removed " + file.string() + "\n");
+  if (removed->empty()) Print("it was not enabled there\n");
+  const Finding left = LookAtEnabledLayers(surroundings);
+  if (left.verdict == Verdict::kOk) Print("still enabled: " + left.what + "\n");
+  return kExitOk;
+}
+
+nlohmann::ordered_json StatusJson(const Surroundings& surroundings) {
+  nlohmann::ordered_json manifests = nlohmann::ordered_json::array();
+  for (const LayerManifest& manifest : FindLayerManifests(surroundings)) {
+    if (!IsOurs(manifest)) continue;
+    manifests.push_back({{"file", manifest.file.string()},
+                         {"implicit", manifest.implicit},
+                         {"library", manifest.library},
+                         {"problem", manifest.problem},
+                         {"disable_environment", manifest.disable_environment}});
+  }
+  const Finding enabled = LookAtEnabledLayers(surroundings);
+  return {{"layer", kLayerName},
+          {"enabled", enabled.verdict == Verdict::kOk},
+          {"why", enabled.what},
+          {"fix", enabled.fix},
+          {"manifests", manifests}};
+}
+
+nlohmann::ordered_json BinaryJson(const std::string& library, const ElfFile& elf) {
+  return {{"library", library},        {"bytes", elf.bytes},   {"architecture", elf.architecture()},
+          {"glibc", elf.newest_glibc}, {"needed", elf.needed}, {"exported", elf.exported}};
+}
+
+std::string LayerStatusText(const nlohmann::ordered_json& status) {
+  std::string text = "layer        " + status["layer"].get<std::string>() + "\n";
+  text += std::string("enabled      ") + (status["enabled"].get<bool>() ? "yes: " : "no: ") +
+          status["why"].get<std::string>() + "\n";
+  for (const auto& manifest : status["manifests"]) {
+    const std::string problem = manifest["problem"];
+    text += (manifest["implicit"].get<bool>() ? "implicit     " : "explicit     ") +
+            manifest["file"].get<std::string>() + " -> " +
+            (problem.empty() ? manifest["library"].get<std::string>() : "skipped: " + problem) + "\n";
+  }
+  if (const std::string fix = status["fix"]; !fix.empty()) text += "to enable it " + fix + "\n";
+  return text;
+}
+
+int Status(const LayerArguments& arguments) {
+  const Surroundings surroundings = SurroundingsOfThisProcess({});
+  nlohmann::ordered_json status = StatusJson(surroundings);
+  std::string binary;
+  if (arguments.binary) {
+    const auto layer = FindInstalledLayer(surroundings);
+    if (!layer.ok()) return Fail(kStatusCommand, layer.error());
+    const auto elf = ReadElfFile(layer->library);
+    if (!elf.ok()) return Fail(kStatusCommand, elf.error());
+    status["binary"] = BinaryJson(layer->library, *elf);
+    binary = "library      " + layer->library + "\n" + DescribeElf(*elf);
+  }
+  if (arguments.as_json) {
+    std::cout << status.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    Print(LayerStatusText(status) + binary);
+  }
+  return kExitOk;
+}
+
+void AddScope(Command& sub, const std::shared_ptr<LayerArguments>& arguments) {
+  Option user = sub.Add("--user", arguments->user, "for you alone (the default)");
+  sub.Add("--system", arguments->system, "for everybody on this machine; needs root").Excludes(user);
+}
+
+}  // namespace
+
+void AddLayer(Command& app) {
+  auto arguments = std::make_shared<LayerArguments>();
+  Command layer = app.AddCommand("layer", "the OpenXR layer: enable it for all applications, or not");
+  layer.RequireCommand();
+  Command enable = layer.AddCommand("enable", "every OpenXR application gets the pen (an implicit manifest)");
+  AddScope(enable, arguments);
+  enable.Run(arguments, Enable);
+  Command disable = layer.AddCommand("disable", "only applications that name the layer get the pen");
+  AddScope(disable, arguments);
+  disable.Run(arguments, Disable);
+  Command status = layer.AddCommand("status", "which manifests there are, and whether applications get the layer");
+  status.Add("--json", arguments->as_json, "as JSON");
+  status.Add("--binary", arguments->binary, "the library too: size, the C library it needs, what it exports");
+  status.Run(arguments, Status);
+}
+
+}  // namespace omni::tools

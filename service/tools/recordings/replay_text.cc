@@ -1,0 +1,80 @@
+#include "service/tools/recordings/replay_text.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <ctime>
+
+#include "firmware/wire/names.h"
+
+namespace omni::tools {
+namespace {
+
+using Count = unsigned long long;
+
+__attribute__((format(printf, 1, 2))) std::string Line(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return std::string(text) + "\n";
+}
+
+std::string Date(std::int64_t unix_s) {
+  const std::time_t time = unix_s;
+  std::tm utc{};
+  char text[40];
+  if (gmtime_r(&time, &utc) == nullptr || std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &utc) == 0) {
+    return "an unknown time";
+  }
+  return text;
+}
+
+std::string DeviceLine(const device::RecordingInfo& info) {
+  return Line("device    %s, serial %s%s%s, up to %.3g A, recorded %s", info.name.c_str(), info.serial.c_str(),
+              info.simulation ? ", a simulation" : "", info.virtual_time ? ", virtual time" : "", info.current_max_A,
+              Date(info.begun_unix_s).c_str());
+}
+
+std::string ScanLines(const device::RecordingSummary& summary) {
+  std::string text = Line("scans     %llu in %.3f s, largest measured current %.2f A", Count{summary.scans},
+                          summary.duration_s, summary.current_peak_A);
+  text += Line("gaps      %llu ticks missing; longest %.3f ms, at %.3f s; %llu stamps that do not advance",
+               Count{summary.missed}, summary.longest_gap_s * 1e3, summary.longest_gap_at_s, Count{summary.backward});
+  text += Line("commands  %llu, %llu of them refused", Count{summary.commands}, Count{summary.refused_commands});
+  if (summary.lost > 0) text += Line("lost      %llu records: the recorder's ring was full", Count{summary.lost});
+  return text;
+}
+
+std::string FaultLines(const device::RecordingSummary& summary) {
+  std::string text;
+  for (unsigned bit = 0; bit < summary.faults.size(); ++bit) {
+    const device::RecordedFault& fault = summary.faults[bit];
+    if (fault.scans == 0) continue;
+    text += Line("fault     %s: in %llu scans, first at %.3f s", wire::FaultName(1U << bit), Count{fault.scans},
+                 fault.first_s);
+  }
+  return text.empty() ? Line("faults    none") : text;
+}
+
+const char* EndWords(device::ReadStatus status) {
+  switch (status) {
+    case device::ReadStatus::kScan:
+    case device::ReadStatus::kTimeout:
+      return "closed by its writer";
+    case device::ReadStatus::kGone:
+      return "the device was gone";
+    case device::ReadStatus::kEnd:
+      return "the recorded run was over";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string RecordingText(const std::string& path, const device::RecordingSummary& summary) {
+  const std::string end = summary.cut.empty() ? EndWords(summary.last_status) : summary.cut;
+  return path + "\n" + DeviceLine(summary.info) + ScanLines(summary) + FaultLines(summary) + "end       " + end + "\n";
+}
+
+}  // namespace omni::tools

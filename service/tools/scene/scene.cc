@@ -1,0 +1,91 @@
+// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: that as
+// the system counts it. omni scene cache: the built scenes that are kept. The rest: scene_edit.cc.
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "service/config/files/device_file.h"
+#include "service/config/paths.h"
+#include "service/scene/cache/cache_store.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/text_output.h"
+#include "service/tools/scene/scene_cost.h"
+#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene_text.h"
+
+namespace omni::tools {
+namespace {
+
+struct ExplainArguments {
+  std::string scene;
+  bool fit = false;
+  bool touch_all = false;
+  bool as_json = false;
+  bool no_cache = false;
+  bool clear = false;
+};
+
+int Explain(const ExplainArguments& arguments) {
+  const base::Result<std::string> path = FindScene(arguments.scene);
+  if (!path.ok()) return Fail("omni scene explain", path.error());
+  const base::Result<LoadedScene> loaded = LoadScene(*path,
+                                                     {.touch_untagged = arguments.fit || arguments.touch_all,
+                                                      .fit = arguments.fit,
+                                                      .hull_radius_m = config::DefaultDevice().hull_radius_m},
+                                                     !arguments.no_cache);
+  if (!loaded.ok()) return Fail("omni scene explain", loaded.error());
+  if (arguments.as_json) {
+    std::cout << SceneJson(*path, *loaded).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    Print(SceneText(*path, *loaded));
+  }
+  return kExitOk;
+}
+
+int Cost(const ExplainArguments& arguments) {
+  const base::Result<std::string> path = FindScene(arguments.scene);
+  if (!path.ok()) return Fail("omni scene cost", path.error());
+  const auto cost = SceneCost(*path, {.touch_untagged = arguments.touch_all}, !arguments.no_cache);
+  if (!cost.ok()) return Fail("omni scene cost", cost.error());
+  std::cout << cost->dump(2) << "\n";
+  return kExitOk;
+}
+
+int Cache(const ExplainArguments& arguments) {
+  scene::CacheStore store(config::CacheFolder());
+  if (!store.problem().empty()) return Fail("omni scene cache", store.problem());
+  const scene::CacheUse use = arguments.clear ? store.Clear() : store.Use();
+  std::printf("%s: %llu files, %.1f MB%s\n", store.folder().c_str(), static_cast<unsigned long long>(use.files),
+              static_cast<double>(use.bytes) * 1e-6, arguments.clear ? " removed" : "");
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddScene(Command& app) {
+  auto arguments = std::make_shared<ExplainArguments>();
+  Command scene = app.AddCommand("scene", "scene files, and what was sculpted");
+  scene.RequireCommand();
+  Command explain = scene.AddCommand("explain", "what of a glTF file is loaded, what not and why, and its cost");
+  explain.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  explain.Add("--fit", arguments->fit, "scale and move the model into reach, as placement = \"fit\" does");
+  explain.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  explain.Add("--json", arguments->as_json, "as JSON");
+  explain.Add("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  Command cost = scene.AddCommand("cost", "load a scene and print what it cost this process, as JSON");
+  cost.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  cost.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags");
+  cost.Add("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  cost.Run(arguments, Cost);
+  Command cache = scene.AddCommand("cache", "the built scenes that are kept on disk");
+  cache.Add("--clear", arguments->clear, "remove them");
+  cache.Run(arguments, Cache);
+  explain.Run(arguments, Explain);
+  AddSceneEdits(scene);
+}
+
+}  // namespace omni::tools

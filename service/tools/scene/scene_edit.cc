@@ -1,0 +1,130 @@
+#include "service/tools/scene/scene_edit.h"
+
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
+#include "service/tools/common/service_link.h"
+#include "service/tools/common/text_output.h"
+#include "service/tools/common/whole_file.h"
+
+namespace omni::tools {
+namespace {
+
+using protocol::SceneAction;
+
+struct EditArguments {
+  std::string socket, object, file;
+  std::uint64_t client = 0;
+  bool as_json = false;
+  bool force = false;
+};
+
+std::string KiloBytes(double bytes) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f kB", bytes * 1e-3);
+  return text;
+}
+
+// Prints why not; the exit status. With an answer: kExitOk.
+int Ask(const std::string& command, SceneAction action, const EditArguments& arguments, client::SceneAnswer& answer) {
+  auto connection = ConnectToService(arguments.socket);
+  if (!connection.ok()) {
+    Fail(command, connection.error());
+    return kExitNoService;
+  }
+  base::Result<client::SceneAnswer> answered = AskScene(**connection, action, arguments.client, arguments.object);
+  if (!answered.ok()) {
+    Fail(command, answered.error());
+    return kExitNoService;
+  }
+  answer = std::move(*answered);
+  return answer.done ? kExitOk : Fail(command, answer.text);
+}
+
+int Edits(const EditArguments& arguments) {
+  client::SceneAnswer answer;
+  if (const int status = Ask("omni scene edits", SceneAction::kEdits, arguments, answer); status != kExitOk) {
+    return status;
+  }
+  const nlohmann::json edits = ParseStatus(answer.text);
+  if (!edits.is_object()) {
+    return Fail("omni scene edits", "omnid's answer is no JSON object; install the same Omni version for both");
+  }
+  if (arguments.as_json) {
+    std::cout << edits.dump(2) << "\n";
+  } else {
+    Print(EditsText(edits));
+  }
+  return kExitOk;
+}
+
+int UndoOrRedo(const char* command, SceneAction action, const EditArguments& arguments) {
+  client::SceneAnswer answer;
+  const int status = Ask(command, action, arguments, answer);
+  if (status == kExitOk) Print(answer.text + "\n");
+  return status;
+}
+
+int Undo(const EditArguments& arguments) { return UndoOrRedo("omni scene undo", SceneAction::kUndo, arguments); }
+
+int Redo(const EditArguments& arguments) { return UndoOrRedo("omni scene redo", SceneAction::kRedo, arguments); }
+
+int Save(const EditArguments& arguments) {
+  constexpr const char* kCommand = "omni scene save";
+  client::SceneAnswer answer;
+  if (const int status = Ask(kCommand, SceneAction::kSave, arguments, answer); status != kExitOk) return status;
+  if (answer.file.compare(0, 4, "glTF") != 0) {
+    return Fail(kCommand, "omnid sent no .glb file; install the same Omni version for both");
+  }
+  const base::Status written = WriteWholeFile(arguments.file, answer.file, arguments.force);
+  if (!written.ok()) return Fail(kCommand, written.error());
+  Print(arguments.file + ": " + answer.text + ", " + KiloBytes(static_cast<double>(answer.file.size())) + "\n");
+  return kExitOk;
+}
+
+void AddPlace(Command command, const std::shared_ptr<EditArguments>& arguments) {
+  command.Add("--client", arguments->client,
+              "whose scene, by the id of `omni status --json` (default: the owner's, or the only one)");
+  command.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+}
+
+}  // namespace
+
+void AddSceneEdits(Command& scene) {
+  auto arguments = std::make_shared<EditArguments>();
+  Command edits = scene.AddCommand("edits", "what was sculpted in the running service: objects, strokes, memory");
+  edits.Add("--json", arguments->as_json, "as JSON");
+  edits.Run(arguments, Edits);
+  Command undo = scene.AddCommand("undo", "take the last stroke of a sculpted object back");
+  undo.Run(arguments, Undo);
+  Command redo = scene.AddCommand("redo", "do the stroke again that was taken back last");
+  redo.Run(arguments, Redo);
+  for (Command command : {undo, redo}) {
+    command.Add("--object", arguments->object, "name or number (default: the one that was edited last)");
+  }
+  Command save = scene.AddCommand("save", "write the sculpted surfaces as a .glb file, as they are felt now");
+  save.Add("file", arguments->file, "the file to write").Required().WritesOnly(".glb", "binary glTF");
+  save.Add("--force", arguments->force, "replace a file that is there");
+  save.Run(arguments, Save);
+  for (const Command& command : {edits, undo, redo, save}) AddPlace(command, arguments);
+}
+
+std::string EditsText(const nlohmann::json& edits) {
+  std::string text = TextAt(edits, "/scene") + " (client " + TextAt(edits, "/client") + ")\n";
+  for (const nlohmann::json& object : ArrayAt(edits, "/objects")) {
+    text += "  " + TextAt(object, "/object") + "  " + TextAt(object, "/name") + ": " + TextAt(object, "/triangles") +
+            " triangles, " + TextAt(object, "/strokes") + " strokes, " + TextAt(object, "/undone") +
+            " undone, undo takes " + KiloBytes(NumberAt(object, "/undo_bytes")) + ", the surface " +
+            KiloBytes(NumberAt(object, "/page_bytes")) + (TrueAt(object, "/stroke_open") ? "; a stroke is open" : "") +
+            "\n";
+  }
+  return text;
+}
+
+}  // namespace omni::tools

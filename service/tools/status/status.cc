@@ -1,0 +1,46 @@
+// omni status: what the service does right now.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/service_link.h"
+#include "service/tools/common/text_output.h"
+#include "service/tools/status/status_text.h"
+
+namespace omni::tools {
+namespace {
+
+struct StatusArguments {
+  std::string socket;
+  bool as_json = false;
+};
+
+int Status(const StatusArguments& arguments) {
+  const base::Result<nlohmann::json> status = FetchStatus(arguments.socket);
+  if (!status.ok()) {
+    Fail("omni status", status.error());
+    return kExitNoService;
+  }
+  if (arguments.as_json) {
+    std::cout << status->dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    Print(StatusText(*status));
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddStatus(Command& app) {
+  auto arguments = std::make_shared<StatusArguments>();
+  Command status = app.AddCommand("status", "what omnid does: device, tick, pen, force, clients, problems");
+  status.Add("--json", arguments->as_json, "as JSON");
+  status.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  status.Run(arguments, Status);
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,55 @@
+// Tracks a recording pose by pose: each row cold, without any hint, and once more warm, from the row before.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "service/base/calibration.h"
+#include "service/base/result.h"
+#include "service/tools/common/row_table.h"
+#include "service/tools/track/track_recording.h"
+
+namespace omni::tools {
+
+// What is known of the coil currents while a row was read.
+enum class TrackCurrents { kMeasured, kHidden };
+
+struct TrackOptions {
+  TrackCurrents currents = TrackCurrents::kMeasured;
+  double chi2_max = 80;  // gate at 19 degrees of freedom, scaled to others
+};
+
+struct TrackedPose {
+  const char* status = "";  // found, poor-fit, no-fit, too-few
+  bool found = false;       // a pose is there (found or poor-fit)
+  base::Vec3 position_base_m;
+  base::Vec3 axis_base;
+  std::array<double, 25> covariance{};  // (position in m, turns along two tangents of the axis in rad), row-major
+  double chi2 = 0;
+  int dof = 0;
+  int iterations = 0;
+  std::vector<base::Vec3> residual_sensor_T;  // reading minus model; NaN: axis not used
+  double residual_rms_T = 0;
+};
+
+struct TrackedRow {
+  std::size_t number = 0;
+  TrackedPose cold, warm;
+  bool same = false;  // both within 0.01 mm and 0.01 deg of each other
+};
+
+base::Result<std::vector<TrackedRow>> TrackRecording(const base::Calibration& array, const Recording& recording,
+                                                     const TrackOptions& options);
+
+// One line a pose: the cold answer with its covariance and residuals, and the warm one's pose.
+std::string WritePoses(const std::vector<TrackedRow>& rows);
+
+// One line a pose and sensor: residuals of the cold answer.
+std::string WriteResiduals(const std::vector<TrackedRow>& rows);
+
+// Errors against the truth, a row a start: start, n, mean_mm, median_mm, p95_mm, max_mm, orientation_mean_deg, ...
+// Poses that the truth does not know, and those without an answer, are counted, not averaged.
+Rows TrackErrors(const std::vector<TrackedRow>& rows, const Truth& truth);
+
+}  // namespace omni::tools

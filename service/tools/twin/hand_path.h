@@ -1,0 +1,22 @@
+// A hand path that touches any scene: found by looking down on it, for the twin and for demos of unknown files.
+#pragma once
+
+#include "service/base/result.h"
+#include "service/haptics/scene.h"
+#include "service/sim/twin/twin.h"
+#include "service/tools/hand/touch_places.h"
+
+namespace omni::tools {
+
+struct HandPathOptions {
+  PlaceOptions places;
+  double press_m = 0.005;  // how far below the surface the hand aims
+};
+
+// Approaches, presses, slides to the next point. Error when nothing of the scene lies within reach (says what does).
+base::Result<sim::HandScript> MakeHandPath(const haptics::Scene& scene, const HandPathOptions& options);
+
+// The JSON text that sim::LoadHandScript reads.
+std::string WriteHandScript(const sim::HandScript& script);
+
+}  // namespace omni::tools

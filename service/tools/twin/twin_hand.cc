@@ -1,0 +1,99 @@
+// omni twin hand: a person's stand-in at the pen of the digital twin. Sees and feels what omnid tells its clients, and
+// moves nothing but the aim of the simulated hand.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "service/base/clock.h"
+#include "service/client/hand_link.h"
+#include "service/config/files/device_file.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/terminal.h"
+#include "service/tools/hand/eyes.h"
+#include "service/tools/hand/person.h"
+#include "service/tools/scene/scene_source.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr const char* kHandCommand = "omni twin hand";
+constexpr auto kHandPeriod = std::chrono::milliseconds(8);
+constexpr double kReachForTouches_m = 0.010;  // from the z axis: where the device is strong
+constexpr int kTouchPlaces = 8;
+
+struct HandArguments {
+  std::string scene, hand, socket;
+  double patience_s = 90;
+  bool fit = false, touch_all = false;
+};
+
+protocol::HandAim MessageOf(const sim::HandAim& aim) {
+  const base::Vec3 &p = aim.tip_base_m, &u = aim.axis_base;
+  return {.present = aim.present ? 1U : 0U, .tip_base_m = {p.x, p.y, p.z}, .axis_base = {u.x, u.y, u.z}};
+}
+
+// Until the task is done, nothing answers any more, or patience is at its end.
+int LeadHand(const HandArguments& arguments, const Intent& intent) {
+  const EndSignals signals;
+  Eyes eyes(arguments.socket, {.soft = intent.soft, .clay = intent.clay});
+  client::HandLink hand(arguments.hand);
+  const std::int64_t begin_ns = base::MonotonicNow_ns();
+  const auto elapsed_s = [&] { return static_cast<double>(base::MonotonicNow_ns() - begin_ns) * 1e-9; };
+  bool was_connected = false;
+  while (!intent.task->done() && !EndSignals::asked()) {
+    if (elapsed_s() > arguments.patience_s) {
+      if (!was_connected) break;
+      char after[32];
+      std::snprintf(after, sizeof(after), " after %.0f s", arguments.patience_s);
+      return Fail(kHandCommand, intent.task->Account() + after);
+    }
+    const Perceived seen = eyes.Look(base::MonotonicNow_ns());
+    if (was_connected && !eyes.connected()) return Fail(kHandCommand, "omnid has gone: " + intent.task->Account());
+    was_connected = eyes.connected();
+    const auto aim = intent.task->Next(seen);
+    if (aim && hand.Connect()) hand.Send(MessageOf(*aim));
+    if (aim && !hand.connected()) return Fail(kHandCommand, hand.problem());
+    std::this_thread::sleep_for(kHandPeriod);
+  }
+  if (!was_connected) {
+    std::fprintf(stderr, "%s: %s\n", kHandCommand, eyes.problem().c_str());
+    return kExitNoService;
+  }
+  if (!intent.task->done()) return Fail(kHandCommand, "ended by a signal: " + intent.task->Account());
+  std::printf("%s (%.1f s)\n", intent.task->Account().c_str(), elapsed_s());
+  return kExitOk;
+}
+
+int TwinHand(const HandArguments& arguments) {
+  const base::Result<std::string> found = FindScene(arguments.scene);
+  if (!found.ok()) return Fail(kHandCommand, found.error());
+  const std::string& path = *found;
+  const auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
+  if (!loaded.ok()) return Fail(kHandCommand, loaded.error());
+  const auto intent = IntentFor(
+      loaded->scene,
+      {.hull_radius_m = config::DefaultDevice().hull_radius_m, .reach_m = kReachForTouches_m, .places = kTouchPlaces});
+  if (!intent.ok()) return Fail(kHandCommand, path + ": " + intent.error());
+  return LeadHand(arguments, *intent);
+}
+
+}  // namespace
+
+void AddTwinHand(Command& twin) {
+  auto arguments = std::make_shared<HandArguments>();
+  Command hand = twin.AddCommand(
+      "hand", "hold the twin's pen like a person: drive, sculpt or press by what omnid tells applications");
+  hand.Add("scene", arguments->scene, "what the application shows: a .glb or .gltf file, or a shipped scene")
+      .Required();
+  hand.Add("--hand", arguments->hand, "the socket of `omnid --device twin --twin-hand`").Required();
+  hand.Add("--patience", arguments->patience_s, "seconds until it gives up").Range(1.0, 3600.0).ShowDefault();
+  hand.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  hand.Add("--fit", arguments->fit, "the application's scene is scaled and moved into reach");
+  hand.Add("--touch-all", arguments->touch_all, "it has no haptic tags and is touched anyway (--fit does too)");
+  hand.Run(arguments, TwinHand);
+}
+
+}  // namespace omni::tools

@@ -1,0 +1,216 @@
+// omni twin run: the whole loop against the twin in this process, in virtual time. Deterministic: prints a hash. The
+// truth is recorded by the twin and compared when the run is over.
+// omni twin path: a hand script for any scene.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "service/config/files/calibration_file.h"
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
+#include "service/daemon/virtual_run.h"
+#include "service/loop/tick_config.h"
+#include "service/magnetics/nominal.h"
+#include "service/sim/twin/twin.h"
+#include "service/tools/calibrate/calibrate_hand.h"
+#include "service/tools/calibrate/calibrate_kept.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/recordings/report.h"
+#include "service/tools/scene/scene_source.h"
+#include "service/tools/twin/hand_path.h"
+
+namespace omni::tools {
+namespace {
+
+struct RunArguments {
+  std::string scene;
+  std::string hand;
+  std::string record;
+  std::string twin;
+  std::string calibration;
+  std::uint64_t seed = 1;
+  double seconds = 0;
+  bool as_drawn = false;
+  bool fit = false;
+  bool touch_all = false;
+  bool flip_coil_sign = false;
+};
+
+struct PathArguments {
+  std::string scene, output;
+  bool calibration = false;
+  bool fit = false, touch_all = false;
+};
+
+base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::string& scene_path,
+                                      const haptics::Scene& scene) {
+  const std::string file = arguments.hand.empty() ? FindHandScript(scene_path) : arguments.hand;
+  if (!file.empty()) return sim::LoadHandScript(file);
+  return MakeHandPath(scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
+}
+
+// Where the twin records its truth: the file asked for, else one of our own that goes away again.
+class TruthFile {
+ public:
+  explicit TruthFile(const std::string& wanted) : path_(wanted), ours_(wanted.empty()) {
+    if (!ours_) return;
+    path_ = (std::filesystem::temp_directory_path() / "omni-truth-XXXXXX").string();
+    const int fd = ::mkstemp(path_.data());
+    if (fd >= 0) ::close(fd);
+  }
+  ~TruthFile() {
+    std::error_code error;
+    if (ours_) std::filesystem::remove(path_, error);
+  }
+  TruthFile(const TruthFile&) = delete;
+  TruthFile& operator=(const TruthFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  bool ours_;
+};
+
+base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const base::DeviceGeometry& device) {
+  if (arguments.as_drawn) return loop::MakeTickConfig(device);
+  if (arguments.calibration.empty()) {
+    const auto kept = KeptTwinCalibration(device, arguments.seed, arguments.twin);
+    if (!kept.ok()) return base::Error{kept.error()};
+    return loop::MakeTickConfig(device, *kept);
+  }
+  auto file = config::LoadCalibrationFile(
+      arguments.calibration, {.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}});
+  if (!file.ok()) return base::Error{file.error()};
+  return loop::MakeTickConfig(device, file->calibration);
+}
+
+std::string ErrorsText(const TrackingErrors& errors) {
+  if (errors.compared_ticks == 0) return "tracking error   not measured\n";
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "tracking error   mean %.3f mm, p95 %.3f mm, max %.3f mm over %llu ticks\n"
+                "published sigma  median %.3f mm; error above 5 sigma in %.2g of the ticks\n",
+                errors.mean_mm, errors.p95_mm, errors.max_mm, static_cast<unsigned long long>(errors.compared_ticks),
+                errors.sigma_median_mm, errors.silent_share);
+  return text;
+}
+
+int RunTwin(const RunArguments& arguments) {
+  const base::Result<std::string> found = FindScene(arguments.scene);
+  if (!found.ok()) return Fail("omni twin run", found.error());
+  const std::string& path = *found;
+  auto loaded = LoadLiveScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
+  if (!loaded.ok()) return Fail("omni twin run", loaded.error());
+  for (const std::string& line : loaded->live.lines) Fail("omni twin run", path + ": " + line);
+  auto hand = HandFor(arguments, path, loaded->scene);
+  if (!hand.ok()) return Fail("omni twin run", hand.error());
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  const double seconds = arguments.seconds > 0 ? arguments.seconds : hand->duration_s();
+  const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.twin);
+  if (!truth.ok()) return Fail("omni twin run", truth.error());
+  const auto tick = ConfigFor(arguments, device);
+  if (!tick.ok()) return Fail("omni twin run", tick.error());
+  const TruthFile recording(arguments.record);
+  auto twin = sim::MakeVirtualTwin(device,
+                                   {.seed = arguments.seed,
+                                    .script = *hand,
+                                    .truth = *truth,
+                                    .flip_coil_sign = arguments.flip_coil_sign,
+                                    .recording_path = recording.path()},
+                                   seconds);
+  std::vector<TrackedPosition> tracked;
+  const daemon::VirtualRunSummary summary =
+      daemon::RunVirtual(*tick, *twin, loaded->scene, {}, [&](const base::HallScan& scan, const loop::TickOutput& out) {
+        if (out.tool.status != base::TrackingStatus::kTracking) return;
+        const auto& C = out.tool.covariance;
+        tracked.push_back({static_cast<double>(scan.t_ns), out.tool.position_base_m, std::sqrt(C[0] + C[6] + C[12])});
+      });
+  twin.reset();  // the recording is complete then
+  const auto table = CsvTable::Read(recording.path());
+  if (!table.ok()) return Fail("omni twin run", table.error());
+  const TrackingErrors errors = CompareTracking(tracked, *table);
+  std::printf("scene            %s\n", path.c_str());
+  std::printf("what changes     %u soft bodies, %u sculptable surfaces\n", loaded->live.soft_bodies,
+              loaded->live.workshops);
+  std::printf("device           digital twin (a simulation), seed %llu\n",
+              static_cast<unsigned long long>(arguments.seed));
+  std::printf("ticks            %llu (virtual time, %.3f s)\n", static_cast<unsigned long long>(summary.ticks),
+              seconds);
+  std::printf("tracked ticks    %llu\n", static_cast<unsigned long long>(summary.tracked_ticks));
+  std::printf("contact ticks    %llu\n", static_cast<unsigned long long>(summary.contact_ticks));
+  std::printf("select presses   %llu\n", static_cast<unsigned long long>(summary.select_presses));
+  std::printf("peak force       %.3f N\n", summary.peak_force_N);
+  std::printf("%s", ErrorsText(errors).c_str());
+  std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
+  if (errors.compared_ticks > 0) return kExitOk;
+  return Fail("omni twin run", "the pen was tracked in no tick, so there is no error to tell");
+}
+
+// A base that has just been plugged in arms and is swept before the pen comes.
+constexpr CalibratingHand kCalibratingHand{.away_s = 12};
+
+base::Result<sim::HandScript> PathFor(const PathArguments& arguments) {
+  if (arguments.calibration) return MakeCalibratingHand(config::DefaultDevice(), kCalibratingHand);
+  if (arguments.scene.empty()) return base::Error{"a scene is missing, or --calibration"};
+  const base::Result<std::string> found = FindScene(arguments.scene);
+  if (!found.ok()) return base::Error{found.error()};
+  const std::string& path = *found;
+  auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
+  if (!loaded.ok()) return base::Error{loaded.error()};
+  auto hand = MakeHandPath(loaded->scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
+  if (!hand.ok()) return base::Error{path + ": " + hand.error()};
+  return hand;
+}
+
+int WritePath(const PathArguments& arguments) {
+  const base::Result<sim::HandScript> hand = PathFor(arguments);
+  if (!hand.ok()) return Fail("omni twin path", hand.error());
+  std::ofstream file(arguments.output);
+  file << WriteHandScript(*hand);
+  file.close();
+  return file ? 0 : Fail("omni twin path", arguments.output + ": cannot be written");
+}
+
+}  // namespace
+
+void AddTwin(Command& app) {
+  Command twin = app.AddCommand("twin", "the digital twin: a simulated base, pen and hand");
+  twin.RequireCommand();
+  auto arguments = std::make_shared<RunArguments>();
+  Command run = twin.AddCommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
+  run.Add("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
+  run.Add("--seed", arguments->seed, "of noise and imperfections").ShowDefault();
+  run.Add("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
+  run.Add("--seconds", arguments->seconds, "default: the script's length");
+  run.Add("--record", arguments->record, "CSV file of the twin's truth");
+  const Option twin_option = run.Add("--twin", arguments->twin, config::kTwinHelp);
+  run.AddShort("--ideal", arguments->twin, config::kIdeal, config::kIdealHelp).Excludes(twin_option);
+  Option calibration = run.Add("--calibration", arguments->calibration,
+                               "calibration.toml of `omni calibrate` with the same seed; default: made once and kept");
+  run.Add("--as-drawn", arguments->as_drawn, "not calibrated").Excludes(calibration);
+  run.Add("--fit", arguments->fit, "scale and move the model into reach");
+  run.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
+  run.Run(arguments, RunTwin);
+
+  auto path_arguments = std::make_shared<PathArguments>();
+  Command path = twin.AddCommand("path", "write a hand script that touches a scene or calibrates the base");
+  path.Add("scene", path_arguments->scene, "a .glb or .gltf file, or the name of a shipped scene");
+  path.Add("--calibration", path_arguments->calibration, "what a person does for omni calibrate instead; no scene");
+  path.Add("--output,-o", path_arguments->output, "hand script to write").Required();
+  path.Add("--fit", path_arguments->fit, "scale and move the model into reach");
+  path.Add("--touch-all", path_arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  path.Run(path_arguments, WritePath);
+  AddTwinHand(twin);
+}
+
+}  // namespace omni::tools

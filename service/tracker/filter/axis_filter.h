@@ -1,0 +1,14 @@
+// Of the filter, the axis. docs/theory/tracking.md (10) - (12)
+#pragma once
+
+#include "service/tracker/filter/filter.h"
+
+namespace omni::tracker {
+
+void ResetTurning(const FilterNoise& noise, const PoseMeasurement& measured, FilterState& state) noexcept;
+void PredictTurning(const FilterNoise& noise, const TransitionRates& follows_1_s, double dt_s,
+                    FilterState& state) noexcept;
+void CorrectTurning(const FilterNoise& noise, const PoseMeasurement& measured, double dt_s,
+                    FilterState& state) noexcept;
+
+}  // namespace omni::tracker

@@ -1,0 +1,25 @@
+// What a steel plane under the base answers to the pen. docs/theory/tracking.md (21)
+#pragma once
+
+#include "service/tracker/kernel/measurement.h"
+#include "service/tracker/solve/solver.h"
+
+namespace omni::tracker {
+
+inline bool HasSteel(const Model& model) noexcept { return model.steel.strength != 0; }
+
+// At each sensor, and how it changes with the pose: position, turn about the tangents of its axis.
+struct SteelAnswer {
+  LocalField field_T{};
+  std::array<LocalField, kParameters> derivative{};
+};
+
+// `moment_scale`: of the model's moment. Precondition: HasSteel.
+SteelAnswer AnswerOfSteel(const Model& model, const Pose& pose, double moment_scale) noexcept;
+
+// To a fit of readings from which the answer at the pose `expected` was taken off: where the pen is with the answer at
+// that place, and how well that is known.
+void CorrectForSteel(const Model& model, const Measurement& measurement, const Pose& expected,
+                     const SteelAnswer& answer, Fit& fit) noexcept;
+
+}  // namespace omni::tracker

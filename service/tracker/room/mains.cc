@@ -1,0 +1,197 @@
+#include "service/tracker/room/mains.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "service/base/stamp.h"
+#include "service/tracker/kernel/cholesky.h"
+
+namespace omni::tracker {
+namespace {
+
+constexpr double kTurn_rad = 2 * std::numbers::pi;
+constexpr double kThird = 3;
+
+void Restart(double frequency_Hz, Tone& tone) noexcept {
+  tone = {};
+  tone.frequency_Hz = frequency_Hz;
+}
+
+void Restart(const MainsOptions& options, Mains& mains) noexcept {
+  mains.found = false;
+  for (std::size_t k = 0; k < mains.tones.size(); ++k) Restart(options.candidates_Hz[k], mains.tones[k]);
+}
+
+// The field and its first two derivatives, if the tone is believed.
+void AddTone(const Tone& tone, double age_s, AmbientChange& change) noexcept {
+  if (!tone.believed) return;
+  const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
+  const double cosine = std::cos(tone.phase_rad - rate_rad_s * age_s);
+  const double sine = std::sin(tone.phase_rad - rate_rad_s * age_s);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double a_T = tone.mean_T[c], b_T = tone.mean_T[3 + c];
+    const double field_T = a_T * cosine + b_T * sine;
+    change.field_T[c] += field_T;
+    change.rate_T_s[c] += rate_rad_s * (b_T * cosine - a_T * sine);
+    change.acceleration_T_s2[c] -= rate_rad_s * rate_rad_s * field_T;
+  }
+}
+
+// Two scans' difference of what they say of the ambient field, as information and gradient, what their offsets held of
+// the tones left out: J = (I + I') / 4,   e = (g - g' + I' (b - b')) / 2
+struct Difference {
+  std::array<double, 9> information{};
+  std::array<double, 3> gradient{};
+};
+Difference DifferenceOf(const AmbientEvidence& now, const std::array<double, 3>& ambient_T,
+                        const AmbientEvidence& before, const std::array<double, 3>& before_T) noexcept {
+  Difference difference;
+  for (std::size_t a = 0; a < 3; ++a) {
+    double gradient = now.gradient[a] - before.gradient[a];
+    for (std::size_t b = 0; b < 3; ++b) {
+      const double information = before.information[3 * a + b];
+      gradient += information * (ambient_T[b] - before_T[b]);
+      difference.information[3 * a + b] = (now.information[3 * a + b] + information) / 4;
+    }
+    difference.gradient[a] = gradient / 2;
+  }
+  return difference;
+}
+
+bool IsJump(const MainsOptions& options, const Difference& difference) noexcept {
+  SmallCholesky<3> factors;
+  if (!factors.Factor(difference.information.data(), 3, 0)) return true;
+  const auto [x_T, y_T, z_T] = factors.Solve(difference.gradient);
+  return !(std::hypot(x_T, y_T, z_T) < options.jump_T);
+}
+
+std::array<double, 3> HeldOf(const Tone& tone, double age_s) noexcept {
+  AmbientChange held;
+  AddTone(tone, age_s, held);
+  return held.field_T;
+}
+
+// I += H^T J H, g += H^T (e + J (m - m')) with H = [cos - cos', sin - sin'] and m, m' what the offsets held of this
+// tone; x = I^-1 g.
+void Learn(const MainsOptions& options, const Difference& difference, double age_s, double apart_s,
+           Tone& tone) noexcept {
+  const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
+  const double phase_rad = tone.phase_rad - rate_rad_s * age_s, before_rad = phase_rad - rate_rad_s * apart_s;
+  const std::array<double, 2> H{std::cos(phase_rad) - std::cos(before_rad), std::sin(phase_rad) - std::sin(before_rad)};
+  const std::array<double, 3> held_T = HeldOf(tone, age_s);
+  for (std::size_t a = 0; a < 3; ++a) {
+    double gradient_1_T = difference.gradient[a];
+    for (std::size_t b = 0; b < 3; ++b) {
+      gradient_1_T += difference.information[3 * a + b] * (held_T[b] - tone.held_T[b]);
+    }
+    for (std::size_t h = 0; h < 2; ++h) {
+      tone.gradient_1_T[3 * h + a] += H[h] * gradient_1_T;
+      for (std::size_t g = 0; g < 2; ++g) {
+        for (std::size_t b = 0; b < 3; ++b) {
+          tone.information_1_T2[kToneStates * (3 * h + a) + 3 * g + b] +=
+              H[h] * H[g] * difference.information[3 * a + b];
+        }
+      }
+    }
+  }
+  tone.held_T = held_T;
+  tone.heard_s += apart_s;
+  SmallCholesky<kToneStates> factors;
+  if (!factors.Factor(tone.information_1_T2.data(), kToneStates, 0)) return;  // a scan or two say nothing of all six
+  tone.mean_T = factors.Solve(tone.gradient_1_T);
+  tone.chi2 = 0;
+  for (std::size_t s = 0; s < kToneStates; ++s) tone.chi2 += tone.mean_T[s] * tone.gradient_1_T[s];
+  tone.believed =
+      tone.heard_s >= options.heard_min_s && tone.chi2 > (tone.believed ? options.gone_chi2 : options.believed_chi2);
+}
+
+// The stronger candidate is the first harmonic.
+void Find(Mains& mains) noexcept {
+  const std::size_t best = mains.tones[1].chi2 > mains.tones[0].chi2 ? 1 : 0;
+  if (!mains.tones[best].believed) return;
+  mains.found = true;
+  mains.tones[0] = mains.tones[best];
+  mains.candidate_Hz = mains.tones[0].frequency_Hz;
+  Restart(kThird * mains.candidate_Hz, mains.tones[1]);
+  mains.heard_T = mains.tones[0].mean_T;
+  mains.listened_s = 0;
+}
+
+// By how much a cos + b sin has turned since it was heard, mains are faster than was thought.
+void Tune(const MainsOptions& options, Mains& mains) noexcept {
+  double along = 0, across = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double a_T = mains.tones[0].mean_T[c], b_T = mains.tones[0].mean_T[3 + c];
+    along += mains.heard_T[c] * a_T + mains.heard_T[3 + c] * b_T;
+    across += mains.heard_T[3 + c] * a_T - mains.heard_T[c] * b_T;
+  }
+  const double pull_Hz = options.pull * std::atan2(across, along) / (kTurn_rad * mains.listened_s);
+  const double tuned_Hz = std::clamp(mains.tones[0].frequency_Hz + pull_Hz, mains.candidate_Hz - options.pull_max_Hz,
+                                     mains.candidate_Hz + options.pull_max_Hz);
+  mains.tones[0].frequency_Hz = tuned_Hz;
+  mains.tones[1].frequency_Hz = kThird * tuned_Hz;
+  mains.heard_T = mains.tones[0].mean_T;
+  mains.listened_s = 0;
+}
+
+double MemoryOf_s(const MainsOptions& options, const Tone& tone) noexcept {
+  const double weaker = options.strong_chi2 / std::max(tone.chi2, 1.0);
+  return std::clamp(options.memory_s * weaker, options.memory_s, options.memory_max_s);
+}
+
+}  // namespace
+
+void AdvanceMains(const MainsOptions& options, std::int64_t t_ns, Mains& mains) noexcept {
+  if (!mains.started) {
+    Restart(options, mains);
+    mains.t_ns = t_ns;
+    mains.started = true;
+  }
+  const double step_s = base::Elapsed_s(t_ns, mains.t_ns);
+  mains.t_ns = t_ns;
+  if (!(step_s >= 0 && step_s < options.memory_s)) return Restart(options, mains);
+  for (Tone& tone : mains.tones) {
+    const double keep = std::exp(-step_s / MemoryOf_s(options, tone));
+    tone.phase_rad = std::fmod(tone.phase_rad + kTurn_rad * tone.frequency_Hz * step_s, kTurn_rad);
+    tone.chi2 *= keep;
+    for (double& sum : tone.information_1_T2) sum *= keep;
+    for (double& sum : tone.gradient_1_T) sum *= keep;
+  }
+  mains.listened_s += step_s;
+  if (mains.found && mains.tones[0].chi2 < options.gone_chi2) Restart(options, mains);
+}
+
+void LearnMains(const MainsOptions& options, const AmbientEvidence& evidence, const std::array<double, 3>& ambient_T,
+                double age_s, Mains& mains) noexcept {
+  double sum = 0;
+  for (const double entry : evidence.information) sum += entry;
+  for (const double entry : evidence.gradient) sum += entry;
+  if (!mains.started || !std::isfinite(sum)) return;
+  const double apart_s = base::Elapsed_s(mains.t_ns, mains.before_t_ns);
+  if (mains.before.valid && apart_s >= 0 && apart_s < options.apart_min_s) return;
+  const bool close = mains.before.valid && apart_s >= 0 && apart_s <= options.apart_max_s;
+  const Difference difference = DifferenceOf(evidence, ambient_T, mains.before, mains.before_ambient_T);
+  mains.before_t_ns = mains.t_ns;
+  mains.before = evidence;
+  mains.before_ambient_T = ambient_T;
+  if (!close || IsJump(options, difference)) {
+    for (Tone& tone : mains.tones) tone.held_T = HeldOf(tone, age_s);
+    return;
+  }
+  for (Tone& tone : mains.tones) Learn(options, difference, age_s, apart_s, tone);
+  if (!mains.found) {
+    Find(mains);
+  } else if (mains.listened_s >= options.listen_s) {
+    Tune(options, mains);
+  }
+}
+
+AmbientChange FieldOfMains(const Mains& mains) noexcept {
+  AmbientChange change;
+  if (!mains.found) return change;
+  for (const Tone& tone : mains.tones) AddTone(tone, 0, change);
+  return change;
+}
+
+}  // namespace omni::tracker

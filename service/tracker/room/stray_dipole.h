@@ -1,0 +1,78 @@
+// One magnet nearby, another pen say, as a dipole: where it is and its moment, found in what scans say of offsets in
+// their readings, then followed from scan to scan. docs/theory/tracking.md (25), (26)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "service/tracker/room/stray_scan.h"
+
+namespace omni::tracker {
+
+inline constexpr std::size_t kDipoleParameters = 6;  // position from the core's centre, m; moment, A m^2; frame B
+
+struct DipoleOptions {
+  bool enabled = true;
+  double near_m = 0.12, far_m = 1.2;                // from the core's centre
+  double position_m = 0.5, moment_Am2 = 5;          // prior, rms each way
+  double moment_max_Am2 = 15;                       // three pens: one that starts with more is somewhere else
+  double keep = 0.9, keep_moving = 0.4, moves = 2;  // of what was said, a cycle; its innovation over what is expected
+  int places_a_scan = 8, steps_a_scan = 2, search_steps = 32;
+  // Of the misfit: what a dipole must save, and leave per degree of freedom. While it is followed: what ends it.
+  double saves = 30, leaves = 2, ends = 2.5;
+  // The same of one sensor's gain that is wrong, and by how much; a dipole, which has five numbers more, must save so
+  // much more than that.
+  double gain_saves = 30, gain_leaves = 1.5, gain_error = 3e-3, than_gain = 10;
+  double other_T = 3e-7;  // of its field, what is not a dipole's
+  // While it is followed. Its speed is learnt, as a share of these: above `faster` it moves, below `slower` it rests.
+  double speed_m_s = 1, turn_1_s = 5;
+  double wander_start = 1e-2, wander_min = 1e-10, wander_max = 4, wander_grows = 4, wander_shrinks = 0.9;
+  double faster = 1.5, slower = 1;
+};
+
+struct StrayDipole {
+  using Parameters = std::array<double, kDipoleParameters>;
+
+  bool found = false;
+  Parameters parameters{};
+  std::array<double, kDipoleParameters * kDipoleParameters> covariance{};
+  // Of the search: what was said lately; the place that is looked at next, those that led nowhere, and the best.
+  StrayEvidence lately;
+  bool started = false;  // from the best, by steps
+  int place = 0, steps = 0, best_place = 0;
+  std::array<std::uint64_t, 2> nowhere{};
+  double best_saved = 0, damping = 0;
+  Parameters best{};
+  // While it is followed: speed squared, as a share; scans since it moved; means of innovation over what is expected
+  // and of misfit per degree of freedom.
+  double wander = 0, scans = 0, innovation = 1, misfit = 1;
+  int wrong_gain = -1;  // the sensor whose gain explains better what was said lately
+};
+static_assert(std::is_trivially_copyable_v<StrayDipole>);
+
+// Every few scans until it is found: looks at some more places, or takes some steps from the best.
+void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
+
+// A search in what one scan says: everywhere, or so many steps on from where the last one ended.
+void StartSearch(const DipoleOptions& options, const StrayEvidence& said, int steps, StrayDipole& dipole) noexcept;
+bool IsSearching(const StrayDipole& dipole) noexcept;  // after SearchDipole: that has not been all
+
+// What ended such a search is the magnet. False: what was said does not tell where it is.
+bool FindDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
+
+// Each cycle until it is found, or a sensor whose gain is wrong. repeats: scans that have the model's error in common,
+// systematic: its share of their variance.
+void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEvidence& cycle, double repeats,
+                 double systematic, StrayDipole& dipole) noexcept;
+
+// A scan whose measurement had its field taken off. step_s: since the scan before.
+void FollowDipole(const DipoleOptions& options, const Model& model, const StrayScan& scan, double repeats,
+                  double systematic, double step_s, StrayDipole& dipole) noexcept;
+
+// What it makes of the readings, without what it makes at all sensors alike.
+ReadingLanes FieldOfDipole(const Model& model, const StrayDipole& dipole) noexcept;
+void OffsetsOfDipole(const DipoleOptions& options, const Model& model, const StrayDipole& dipole, ReadingLanes& mean_T,
+                     ReadingMatrix& covariance_T2) noexcept;
+
+}  // namespace omni::tracker

@@ -1,0 +1,279 @@
+#include "service/tracker/room/stray_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "service/base/eigen.h"
+#include "service/tracker/kernel/cholesky.h"
+
+namespace omni::tracker {
+namespace {
+
+constexpr std::size_t kRows = kReadings;
+
+using Rows = ReadingLanes;
+
+void SetGain(const StrayScan& scan, StrayField& stray) noexcept {
+  for (std::size_t k = 0; k < kParameters; ++k) {
+    for (std::size_t a = 0; a < kRows; ++a) stray.gain[k][a] = scan.gain[k][a] * scan.inverse_sigma[a];
+  }
+}
+
+void SetVariance(StrayField& stray) noexcept {
+  for (std::size_t a = 0; a < kRows; ++a) stray.variance_T2[a] = stray.covariance_T2[a * (kRows + 1)];
+}
+
+void Widen(const Model& model, double share, StrayField& stray) noexcept {
+  for (std::size_t e = 0; e < stray.covariance_T2.size(); ++e) {
+    stray.covariance_T2[e] += share * model.stray.covariance_T2[e];
+  }
+  SetVariance(stray);
+  stray.widened += share;
+}
+
+// Of the prior's mean variance.
+double ShareOfPrior(const Model& model, double sum_T2) noexcept {
+  double prior_T2 = 0;
+  for (std::size_t a = 0; a < kRows; ++a) prior_T2 += model.stray.covariance_T2[a * (kRows + 1)];
+  return sum_T2 / prior_T2;
+}
+double Sum(const Rows& values) noexcept {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum;
+}
+
+// gain x x^T gain^T: as wrong as a pose is if x, which is not believed yet, is there.
+void SetPoseCovarianceOfMean(const StrayOptions& options, StrayField& stray) noexcept {
+  stray.position_covariance_m2 = {};
+  stray.axis_variance = 0;
+  if (stray.chi2 < options.nothing_chi2) return;
+  std::array<double, kParameters> shift{};
+  for (std::size_t k = 0; k < kParameters; ++k) shift[k] = Dot(stray.gain[k], stray.mean_T);
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t j = 0; j < 3; ++j) stray.position_covariance_m2[3 * k + j] = shift[k] * shift[j];
+  }
+  stray.axis_variance = 0.5 * (shift[3] * shift[3] + shift[4] * shift[4]);
+}
+
+// gain P gain^T
+void SetPoseCovariance(const StrayOptions& options, StrayField& stray) noexcept {
+  if (!stray.believed) return SetPoseCovarianceOfMean(options, stray);
+  std::array<Rows, kParameters> covered{};
+  for (std::size_t k = 0; k < kParameters; ++k) {
+    for (std::size_t a = 0; a < kRows; ++a) {
+      const double factor = stray.gain[k][a];
+      for (std::size_t b = 0; b < kRows; ++b) covered[k][b] += factor * stray.covariance_T2[a * kRows + b];
+    }
+  }
+  const double factor = stray.places < options.places_min ? options.few_places_factor : 1;
+  const auto covariance = [&](std::size_t k, std::size_t j) {
+    double sum = 0;
+    for (std::size_t a = 0; a < kRows; ++a) sum += covered[k][a] * stray.gain[j][a];
+    return factor * sum;
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t j = 0; j < 3; ++j) stray.position_covariance_m2[3 * k + j] = covariance(k, j);
+  }
+  stray.axis_variance = 0.5 * (covariance(3, 3) + covariance(4, 4));
+}
+
+// m^T P^-1 m
+double Chi2OfMean(const StrayField& stray) noexcept {
+  double chi2 = 0;
+  for (std::size_t a = 0; a < kRows; ++a) {
+    for (std::size_t b = 0; b < kRows; ++b) {
+      chi2 += stray.mean_T[a] * stray.inverse_1_T2[a * kRows + b] * stray.mean_T[b];
+    }
+  }
+  return chi2;
+}
+
+void Forget(StrayField& stray) noexcept {
+  stray.cycle = {};
+  stray.share = stray.repeats = stray.systematic = 0;
+  stray.scan = 0;
+}
+
+// g - I x
+Rows GradientAt(const StrayEvidence& said, const Rows& offset_T) noexcept {
+  Rows gradient = said.gradient_1_T;
+  for (std::size_t a = 0; a < kRows; ++a) {
+    for (std::size_t b = 0; b < kRows; ++b) gradient[a] -= said.information_1_T2[a * kRows + b] * offset_T[b];
+  }
+  return gradient;
+}
+
+// x' = x + P' g,  P' = (P^-1 + I)^-1: Kalman's correction in information form, in which E(g^T P' g) = tr(P I) when P is
+// right. More surprise than that: x moves. Far more: P was too small, and x stays as it is until P has grown.
+void Correct(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  ReadingMatrix P;
+  const double share = stray.share / stray.cycle.scans;
+  const Rows gradient_1_T = GradientAt(stray.cycle, stray.mean_T);
+  double expected = 0, surprise = 0;
+  for (std::size_t e = 0; e < P.size(); ++e) {
+    const double information = share * stray.cycle.information_1_T2[e];
+    expected += stray.covariance_T2[e] * information;
+    P[e] = stray.inverse_1_T2[e] + information;
+  }
+  if (!InvertPositive<kReadings>(P.data(), kReadings)) return;
+  Rows mean_T = stray.mean_T;
+  for (std::size_t a = 0; a < kRows; ++a) {
+    double step_T = 0;
+    for (std::size_t b = 0; b < kRows; ++b) step_T += P[a * kRows + b] * share * gradient_1_T[b];
+    mean_T[a] += step_T;
+    surprise += step_T * share * gradient_1_T[a];
+  }
+  if (!std::isfinite(surprise)) return;
+  if (surprise > options.jumps * expected) {
+    const double ratio = std::min(surprise / (options.moves * expected), options.jumps_max);
+    Widen(model, (ratio - 1) * ShareOfPrior(model, Sum(stray.variance_T2)), stray);
+  } else {
+    stray.mean_T = mean_T;
+    stray.covariance_T2 = P;
+  }
+  if (surprise > options.moves * expected) stray.wander_1_s *= options.wander_grows;
+  if (surprise < options.steady * expected) stray.wander_1_s *= options.wander_shrinks;
+  stray.wander_1_s = std::clamp(stray.wander_1_s, options.wander_min_1_s, options.wander_max_1_s);
+}
+
+// What was found is as large as what is unknown was once, at the least: what readings hide is as large as what they
+// show.
+void Renew(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  Correct(options, model, stray);
+  const double wandered = stray.wander_1_s * options.cycle_scans * base::kTickPeriod_s;
+  const double found = ShareOfPrior(model, Dot(stray.mean_T, stray.mean_T));
+  Widen(model, std::max(wandered, found - stray.widened), stray);
+  if (stray.wander_1_s > options.moving_1_s) stray.places = 0;
+  SetPoseCovariance(options, stray);
+}
+
+bool IsAtNewPlace(const StrayOptions& options, const Pose& pose, StrayField& stray) noexcept {
+  if ((pose.position_base_m - base::ToEigen(stray.place_base_m)).norm() <= options.place_m) return false;
+  stray.place_base_m = base::FromEigen(pose.position_base_m);
+  return true;
+}
+
+double SystematicShare(const Measurement& measurement) noexcept {
+  return std::clamp(measurement.systematic_share, 0.0, 1.0);
+}
+
+// False: it makes a field that no room has, and is forgotten.
+bool TakeDipole(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  Rows mean_T;
+  ReadingMatrix covariance_T2;
+  OffsetsOfDipole(options.dipole, model, stray.dipole, mean_T, covariance_T2);
+  if (!(RootMeanSquare(mean_T) <= options.max_T)) {
+    stray.dipole = {};
+    return false;
+  }
+  stray.mean_T = mean_T;
+  stray.covariance_T2 = covariance_T2;
+  SetVariance(stray);
+  stray.believed = true;
+  stray.places = options.places_min;
+  SetPoseCovariance(options, stray);
+  return true;
+}
+
+void JudgeCycle(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  const double scans = stray.cycle.scans, systematic = stray.systematic / scans;
+  JudgeDipole(options.dipole, model, stray.cycle, stray.repeats / scans, systematic, stray.dipole);
+}
+
+// What was found last is where offsets begin if it is no dipole any more.
+void Follow(const StrayOptions& options, const Model& model, const Measurement& measurement, const StrayScan& scan,
+            double repeats, StrayField& stray) noexcept {
+  const double systematic = SystematicShare(measurement);
+  FollowDipole(options.dipole, model, scan, repeats, systematic, options.every_scans * base::kTickPeriod_s,
+               stray.dipole);
+  SetGain(scan, stray);
+  if (stray.dipole.found && TakeDipole(options, model, stray)) {
+    stray.nothing_cycles = RootMeanSquare(stray.mean_T) < options.something_T ? stray.nothing_cycles + 1 : 0;
+    return;
+  }
+  stray.places = 0;
+  stray.widened = ShareOfPrior(model, Dot(stray.mean_T, stray.mean_T));
+  Widen(model, options.lost, stray);
+  SetPoseCovariance(options, stray);
+  Forget(stray);
+}
+
+}  // namespace
+
+void StartStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  stray = {};
+  stray.on = true;
+  stray.wander_1_s = options.wander_start_1_s;
+  Widen(model, options.start, stray);
+}
+
+bool StartFromDipole(const StrayOptions& options, const Model& model, const StrayDipole& dipole,
+                     StrayField& stray) noexcept {
+  StartStray(options, model, stray);
+  stray.dipole = dipole;
+  stray.places_to_prove = options.places_min;
+  return TakeDipole(options, model, stray);
+}
+
+void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
+  stray.places = 0;
+  if (ShareOfPrior(model, Sum(stray.variance_T2)) < options.lost_max) Widen(model, options.lost, stray);
+  SetPoseCovariance(options, stray);
+  Forget(stray);
+}
+
+void LearnStray(const StrayOptions& options, const Model& model, const DriftState& drift,
+                const base::HallScan& readings, const Measurement& measurement, const Pose& pose, double repeats,
+                StrayField& stray) noexcept {
+  // The search and the two inversions take turns with the scans that are gathered.
+  const int number = ++stray.scan;
+  if (stray.dipole.found || number < options.cycle_scans - 1) {
+    const int turn = number % options.every_scans;
+    if (turn == 3 && !stray.dipole.found && options.dipole.enabled) SearchDipole(options.dipole, model, stray.dipole);
+    if (turn != 1) return;
+    StrayScan scan;
+    const Rows* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
+    if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
+    if (stray.dipole.found) {
+      Follow(options, model, measurement, scan, repeats, stray);
+      const bool proves = stray.places_to_prove > 0 && stray.dipole.misfit <= options.proves;
+      if (proves && IsAtNewPlace(options, pose, stray)) --stray.places_to_prove;
+      if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
+      return;
+    }
+    AddScan(scan, readings, stray.mean_T, stray.cycle);
+    const double systematic = SystematicShare(measurement);
+    stray.share += EvidenceShare(repeats, systematic);
+    stray.repeats += repeats;
+    stray.systematic += systematic;
+    SetGain(scan, stray);
+    return;
+  }
+  if (number < options.cycle_scans) {
+    stray.inverse_1_T2 = stray.covariance_T2;
+    stray.inverted = InvertPositive<kReadings>(stray.inverse_1_T2.data(), kReadings);
+    stray.chi2 = stray.inverted ? Chi2OfMean(stray) : 0;
+    stray.believed =
+        stray.believed || (stray.chi2 > options.something_chi2 && RootMeanSquare(stray.mean_T) > options.something_T);
+    stray.nothing_cycles = stray.chi2 < options.nothing_chi2 ? stray.nothing_cycles + 1 : 0;
+    return;
+  }
+  if (IsAtNewPlace(options, pose, stray)) ++stray.places;
+  if (stray.inverted && stray.cycle.scans > 0) {
+    JudgeCycle(options, model, stray);
+    if (!stray.dipole.found || !TakeDipole(options, model, stray)) Renew(options, model, stray);
+  }
+  Forget(stray);
+  if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
+}
+
+void AddStrayCovariance(const StrayOptions& options, const StrayField& stray, Fit& fit) noexcept {
+  using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  fit.covariance.topLeftCorner<3, 3>() += Eigen::Map<const RowMajor3>(stray.position_covariance_m2.data());
+  fit.covariance(3, 3) += stray.axis_variance;
+  fit.covariance(4, 4) += stray.axis_variance;
+  if (stray.places_to_prove > 0) fit.covariance *= options.unproven_factor;
+}
+
+}  // namespace omni::tracker

@@ -1,0 +1,223 @@
+#include "service/tracker/solve/away.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "service/base/stamp.h"
+#include "service/tracker/kernel/cholesky.h"
+
+namespace omni::tracker {
+namespace {
+
+constexpr std::size_t kRows = kReadings;
+// Of what is no zero: three uniform fields, three of what the core keeps, and five gradients.
+constexpr std::size_t kUniform = 3, kKnown = kUniform + base::kCoilCount, kGradients = 5;
+constexpr std::size_t kShapes = kKnown + kGradients;
+constexpr std::size_t kRest = kRows - kShapes;
+
+using Rows = ReadingLanes;
+using Shapes = std::array<Rows, kShapes>;
+
+double Square(double x) noexcept { return x * x; }
+
+// What comes from afar is at a sensor a uniform field and, to first order, B = T s with T symmetric and of no trace:
+// five gradients after three uniform fields.
+std::array<double, 3> FieldAt(std::size_t shape, double x, double y, double z) noexcept {
+  switch (shape) {
+    case 0:
+      return {1, 0, 0};
+    case 1:
+      return {0, 1, 0};
+    case 2:
+      return {0, 0, 1};
+    case 3:
+      return {x, -y, 0};
+    case 4:
+      return {x, y, -2 * z};
+    case 5:
+      return {y, x, 0};
+    case 6:
+      return {z, 0, x};
+    default:
+      return {0, z, y};
+  }
+}
+
+Shapes ShapesOf(const Model& model) noexcept {
+  Shapes shapes;
+  const auto& at = model.places[0].position_base_m;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t row = kSensors * axis + i;
+      for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+        shapes[kUniform + k][row] = model.coil_map_T_A[(3 * i + axis) * base::kCoilCount + k];
+      }
+      for (std::size_t far = 0; far < kUniform + kGradients; ++far) {
+        const std::array<double, 3> B = FieldAt(far, at[0][i], at[1][i], at[2][i]);
+        double sum = 0;
+        for (std::size_t c = 0; c < 3; ++c) sum += model.gain_sensor_base[3 * axis + c][i] * B[c];
+        shapes[far < kUniform ? far : far + base::kCoilCount][row] = sum;
+      }
+    }
+  }
+  return shapes;
+}
+
+// Takes the part along `shape` out of `rows`.
+void Remove(const Rows& shape, Rows& rows) noexcept {
+  const double size = Dot(shape, rows) / Dot(shape, shape);
+  for (std::size_t row = 0; row < kRows; ++row) rows[row] -= size * shape[row];
+}
+
+// (U^T U + R)^-1 U^T y, R = diag(0, core_T2_A2): what a zero's variance is over that of what the core keeps
+bool FitKnown(const Shapes& shapes, double core_T2_A2, const Rows& mean_T, std::array<double, kKnown>& sizes) noexcept {
+  std::array<double, kKnown * kKnown> H;
+  for (std::size_t a = 0; a < kKnown; ++a) {
+    for (std::size_t b = 0; b < kKnown; ++b) H[kKnown * a + b] = Dot(shapes[a], shapes[b]);
+  }
+  for (std::size_t a = kUniform; a < kKnown; ++a) H[(kKnown + 1) * a] += core_T2_A2;
+  if (!InvertPositive<kKnown>(H.data(), kKnown)) return false;
+  sizes = {};
+  double sum = 0;
+  for (std::size_t b = 0; b < kKnown; ++b) {
+    const double along = Dot(shapes[b], mean_T);
+    for (std::size_t a = 0; a < kKnown; ++a) sizes[a] += H[kKnown * a + b] * along;
+    sum += along;
+  }
+  return std::isfinite(sum);
+}
+
+// A mean of scans: the uniform field, what neither that nor the core makes, and how much of it a magnet afar could.
+struct Found {
+  std::array<double, 3> uniform_base_T{};
+  Rows rest_T{};
+  Rows zeros_T{};       // the same with no more for the core than it ever keeps
+  double rest_T2 = 0;   // mean square
+  double gradient = 0;  // of the rest: mean square along the gradients over that of all else
+};
+
+void TakeOff(const Shapes& shapes, const std::array<double, kKnown>& sizes, Rows& rows) noexcept {
+  for (std::size_t a = 0; a < kKnown; ++a) {
+    for (std::size_t row = 0; row < kRows; ++row) rows[row] -= sizes[a] * shapes[a][row];
+  }
+}
+
+bool Find(const Model& model, const Rows& mean_T, double core_T2_A2, Found& found) noexcept {
+  Shapes shapes = ShapesOf(model);
+  std::array<double, kKnown> sizes;
+  found.rest_T = found.zeros_T = mean_T;
+  if (!FitKnown(shapes, core_T2_A2, mean_T, sizes)) return false;
+  TakeOff(shapes, sizes, found.zeros_T);
+  if (!FitKnown(shapes, 0, mean_T, sizes)) return false;
+  TakeOff(shapes, sizes, found.rest_T);
+  std::copy_n(sizes.begin(), kUniform, found.uniform_base_T.begin());
+  for (std::size_t a = 1; a < kShapes; ++a) {  // Gram-Schmidt
+    for (std::size_t b = 0; b < a; ++b) Remove(shapes[b], shapes[a]);
+  }
+  const double all_T2 = Dot(found.rest_T, found.rest_T);
+  Rows other_T = found.rest_T;
+  for (std::size_t a = kKnown; a < kShapes; ++a) Remove(shapes[a], other_T);
+  const double other_T2 = Dot(other_T, other_T);
+  found.rest_T2 = all_T2 / kRows;
+  found.gradient = (all_T2 - other_T2) / kGradients / (other_T2 / kRest);
+  return std::isfinite(found.gradient);
+}
+
+// All 24 readings, without background and coils; false: one is unusable, or coils are on.
+bool AddScan(const AwayOptions& options, const Model& model, const base::HallScan& scan, Rows& sum_T) noexcept {
+  double current_A = 0;
+  for (const double I : scan.coil_current_A) current_A += std::abs(I);
+  if (!(current_A <= options.current_max_A) || scan.saturated_mask != 0) return false;
+  Rows next = sum_T;
+  double total = 0;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    if (!base::IsFreshSample(scan, i)) return false;
+    const base::Vec3& B = scan.field_sensor_T[i];
+    const std::array<double, 3> field_T{B.x, B.y, B.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double& sum = next[kSensors * axis + i];
+      sum += field_T[axis] - model.background_sensor_T[axis][i];
+      const double* row = &model.coil_map_T_A[(3 * i + axis) * base::kCoilCount];
+      for (std::size_t k = 0; k < base::kCoilCount; ++k) sum -= row[k] * scan.coil_current_A[k];
+      total += sum;
+    }
+  }
+  if (!std::isfinite(total)) return false;
+  sum_T = next;
+  return true;
+}
+
+double SquareDistance(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept {
+  return Square(a[0] - b[0]) + Square(a[1] - b[1]) + Square(a[2] - b[2]);
+}
+
+// P grows as a random walk to zero_T^2 in zero_s, never beyond.
+void WidenZeros(const AwayOptions& options, std::int64_t t_ns, Away& away) noexcept {
+  const double dt_s = std::clamp(base::Elapsed_s(t_ns, away.zero_ns), 0.0, options.zero_s);
+  const double all_T2 = Square(options.zero_T);
+  away.zero_variance_T2 = std::min(all_T2, away.zero_variance_T2 + all_T2 * dt_s / options.zero_s);
+  away.zero_ns = t_ns;
+}
+
+// x <- x + k rest, k = P / (P + R), P <- (1 - k) P                                       docs/theory/tracking.md (29)
+void LearnZeros(const AwayOptions& options, const Rows& rest_T, Away& away) noexcept {
+  const double gain = away.zero_variance_T2 / (away.zero_variance_T2 + Square(options.window_error_T));
+  for (std::size_t row = 0; row < kRows; ++row) away.zero_T[row] += gain * rest_T[row];
+  away.zero_variance_T2 *= 1 - gain;
+  away.learnt = true;
+}
+
+bool Conclude(const AwayOptions& options, const Found& found, DriftState& drift, Away& away) noexcept {
+  const double moved_T2 = away.has_uniform ? SquareDistance(found.uniform_base_T, away.uniform_base_T) : 0;
+  const bool steady = away.has_uniform && moved_T2 <= Square(options.steady_T);
+  away.uniform_base_T = found.uniform_base_T;
+  away.has_uniform = true;
+  const bool quiet =
+      found.gradient <= options.gradient_max && found.rest_T2 <= 4 * away.zero_variance_T2 + Square(options.quiet_T);
+  if (quiet) {
+    SetAmbient(found.uniform_base_T, Square(options.ambient_T) + moved_T2, drift);
+  } else if (steady) {  // a magnet at rest, in what may be another field
+    WidenAmbient(SquareDistance(found.uniform_base_T, AmbientField_T(drift)), drift);
+  }
+  if (!quiet || !steady) return false;
+  LearnZeros(options, found.zeros_T, away);
+  return true;
+}
+
+}  // namespace
+
+void StartAway(const AwayOptions& options, std::int64_t t_ns, Away& away) noexcept {
+  away = {};
+  away.zero_ns = t_ns;
+  away.zero_variance_T2 = Square(options.zero_T);
+}
+
+void TakeOffZeros(const Away& away, base::HallScan& scan) noexcept {
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    base::Vec3& B = scan.field_sensor_T[i];
+    B = {B.x - away.zero_T[i], B.y - away.zero_T[kSensors + i], B.z - away.zero_T[2 * kSensors + i]};
+  }
+}
+
+bool WatchAway(const AwayOptions& options, const Model& model, const base::HallScan& scan, DriftState& drift,
+               Away& away) noexcept {
+  if (away.scans == 0) {
+    away.begun_ns = scan.t_ns;
+    away.sum_T = {};
+  }
+  if (!AddScan(options, model, scan, away.sum_T)) {
+    EndAwayWindow(away);
+    return false;
+  }
+  ++away.scans;
+  if (away.scans < options.window_scans || base::Elapsed_s(scan.t_ns, away.begun_ns) < options.window_s) return false;
+  Rows mean_T = away.sum_T;
+  for (double& value : mean_T) value /= away.scans;
+  away.scans = 0;
+  WidenZeros(options, scan.t_ns, away);
+  Found found;
+  const double core_T2_A2 = (away.zero_variance_T2 + Square(options.quiet_T)) / Square(options.core_A);
+  return Find(model, mean_T, core_T2_A2, found) && Conclude(options, found, drift, away);
+}
+
+}  // namespace omni::tracker

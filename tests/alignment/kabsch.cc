@@ -1,0 +1,91 @@
+// Closed-form fits against truth, and where textbooks go wrong: reflections, weights.
+#include <gtest/gtest.h>
+
+#include "tests/support/rig/alignment_story.h"
+
+namespace omni::alignment {
+namespace test_alignment_kabsch {
+
+std::vector<PointPair> Pairs(test::AlignmentStory& story, const Rigid& X_LB, int count) {
+  std::vector<PointPair> pairs;
+  for (int i = 0; i < count; ++i) {
+    const base::Vec3 p = story.PointOfBase();
+    pairs.push_back({.base_m = p, .space_m = Apply(X_LB, p), .weight = story.Uniform(0.1, 3)});
+  }
+  return pairs;
+}
+
+TEST(AlignmentKabsch, SixDofFindsAnyPlacement) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    test::AlignmentStory story(seed);
+    const Rigid truth = story.AnyBase();
+    const Rigid found = FitSixDof(Pairs(story, truth, 3 + static_cast<int>(seed % 5)));
+    EXPECT_LT(Angle_rad(found, truth), 1e-7) << seed;
+    EXPECT_LT(Distance_m(found, truth, kWorkingPoint_base_m), 1e-9) << seed;
+  }
+}
+
+TEST(AlignmentKabsch, FourDofFindsLevelPlacementsFromTwoPoints) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    test::AlignmentStory story(seed);
+    const Rigid truth = story.LevelBase();
+    const Rigid found = FitFourDof(Pairs(story, truth, 2));
+    EXPECT_LT(Angle_rad(found, truth), 1e-6) << seed;
+    EXPECT_LT(Distance_m(found, truth, kWorkingPoint_base_m), 1e-8) << seed;
+  }
+}
+
+// Points in a plane, mirrored by noise: without the guard the determinant is -1.
+TEST(AlignmentKabsch, NeverAReflection) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    test::AlignmentStory story(seed);
+    std::vector<PointPair> pairs = Pairs(story, story.AnyBase(), 4);
+    for (PointPair& pair : pairs) pair.space_m = {-pair.space_m.x, pair.space_m.y, pair.space_m.z};
+    const Eigen::Quaterniond q = base::ToEigen(FitSixDof(pairs).orientation);
+    EXPECT_NEAR(q.norm(), 1, 1e-12);
+    EXPECT_NEAR(q.toRotationMatrix().determinant(), 1, 1e-9) << seed;
+  }
+}
+
+TEST(AlignmentKabsch, AHeavyPointCountsMore) {
+  test::AlignmentStory story(4);
+  const Rigid truth = story.AnyBase();
+  std::vector<PointPair> pairs = Pairs(story, truth, 6);
+  pairs[0].space_m.x += 0.01;
+  pairs[0].weight = 1e-6;
+  EXPECT_LT(Distance_m(FitSixDof(pairs), truth, {}), 1e-6);
+  pairs[0].weight = 1e6;
+  EXPECT_GT(Distance_m(FitSixDof(pairs), truth, {}), 3e-3);
+}
+
+// The level fit is the best yaw: turning it either way makes the residual larger.
+TEST(AlignmentKabsch, FourDofIsTheLeastSquaresYaw) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    test::AlignmentStory story(seed);
+    std::vector<PointPair> pairs = Pairs(story, story.LevelBase(), 5);
+    for (PointPair& pair : pairs) {
+      const Eigen::Vector3d noisy = base::ToEigen(pair.space_m) + story.Normal(3e-3);
+      pair.space_m = base::FromEigen(noisy);
+    }
+    const Rigid found = FitFourDof(pairs);
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double weight = 0;
+    for (const PointPair& pair : pairs) mean += pair.weight * base::ToEigen(pair.space_m), weight += pair.weight;
+    mean /= weight;
+    const auto cost = [&](double yaw) {
+      // About the centroid, where yaw and place do not mix.
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()));
+      double sum = 0;
+      for (const PointPair& pair : pairs) {
+        const Eigen::Vector3d p = base::ToEigen(Apply(found, pair.base_m));
+        sum += pair.weight * (mean + turn * (p - mean) - base::ToEigen(pair.space_m)).squaredNorm();
+      }
+      return sum;
+    };
+    EXPECT_LT(cost(0), cost(1e-3));
+    EXPECT_LT(cost(0), cost(-1e-3));
+  }
+}
+
+}  // namespace test_alignment_kabsch
+}  // namespace omni::alignment

@@ -1,0 +1,187 @@
+// Placements follow a space that is recentred, and believe only what recentring can be.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <random>
+
+#include "service/alignment/rigid.h"
+#include "tests/daemon/placement_story.h"
+
+namespace omni::daemon {
+namespace test_daemon_recentring {
+
+alignment::Rigid PoseOf(const protocol::PlacementPose& pose) {
+  const auto& q = pose.orientation_wxyz;
+  const auto& p = pose.position_m;
+  return {.orientation = {q[0], q[1], q[2], q[3]}, .position_m = {p[0], p[1], p[2]}};
+}
+
+// An alignment in LOCAL is stored, and client 1 has asked for it.
+struct AlignedInLocal {
+  AlignedInLocal() {
+    EXPECT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+    placements.Ask(1, Request({kSpaceLocal}));
+  }
+  const TempFolder temp;
+  Placements placements{temp.Path("a.toml")};
+};
+
+// The base does not move in the world: X_WL X_LB before is X_WL' X_L'B after, for any recentring; once for all clients.
+TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int i = 0; i < 50; ++i) {
+    const TempFolder temp;
+    const std::string path = temp.Path("a.toml");
+    Placements placements(path);
+    ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+    for (const ipc::ClientId id : {1, 2}) placements.Ask(id, Request({kSpaceLocal}));
+    Listener listener;
+    listener.Listen(placements);
+    const alignment::Rigid before = PoseOf(listener.told[1].back().base_space);
+    protocol::SpaceChange change;
+    change.pose_valid = 1;
+    change.changes_at_ns = 5'000'000'000;
+    const double half_yaw = 3 * any(random);  // these spaces have gravity along -y: they are turned about y only
+    change.new_in_previous = {.position_m = {any(random), any(random), any(random)},
+                              .orientation_wxyz = {std::cos(half_yaw), 0, std::sin(half_yaw), 0}};
+    placements.Change(1, change, kNow_ns);
+    change.changes_at_ns += 3'000'000;  // another application's idea of the same time
+    placements.Change(2, change, kNow_ns);
+    listener.Listen(placements);
+    EXPECT_EQ(listener.told[1].size(), 1U) << "they know";
+    Placements again(path);
+    again.Ask(3, Request({kSpaceLocal}));
+    listener.Listen(again);
+    const alignment::Rigid after = PoseOf(listener.told[3].back().base_space);
+    const alignment::Rigid in_previous = alignment::Compose(PoseOf(change.new_in_previous), after);
+    EXPECT_LT(alignment::Distance_m(in_previous, before, {0.1, 0.1, 0.1}), 1e-12);
+    EXPECT_LT(alignment::Angle_rad(in_previous, before), 1e-7);
+    EXPECT_EQ(again.file().entries[0].recentred, 1);
+    change.changes_at_ns += 2'000'000'000;
+    placements.Change(2, change, kNow_ns);
+    EXPECT_EQ(placements.file().entries[0].recentred, 2) << "a second one, later";
+  }
+}
+
+// Nobody recentres a headset by 20 m: what an application says of that costs TRACKED, and moves nothing.
+TEST(DaemonRecentring, WhatNoRecentringDoesMovesNothing) {
+  AlignedInLocal aligned;
+  Listener listener;
+  listener.Listen(aligned.placements);
+  for (int i = 1; i <= 5; ++i) {
+    const std::int64_t now_ns = kNow_ns + i * std::int64_t{1'000'000'000};
+    aligned.placements.Change(1, Moved(20, now_ns), now_ns);
+  }
+  const double moved_m = std::abs(Placements(aligned.temp.Path("a.toml")).file().entries[0].position_space_m.x - 0.1);
+  std::printf("[ figure   ] five changes of 20 m have moved the alignment by %.1f m\n", moved_m);
+  EXPECT_EQ(moved_m, 0);
+  EXPECT_FALSE(aligned.placements.Aligned(1));
+  listener.Listen(aligned.placements);
+  EXPECT_EQ(listener.told[1].back().doubtful, 1U) << "who is connected hears of it";
+  aligned.placements.Change(1, Moved(1, kNow_ns + 5'000'000'000), kNow_ns + 5'000'000'000);
+  EXPECT_EQ(aligned.placements.file().entries[0].recentred, 1) << "it hides no real recentring at the same time";
+}
+
+// The bound holds against the pose as measured: many steps lead no further than one.
+TEST(DaemonRecentring, ManyStepsLeadNoFurtherThanOne) {
+  AlignedInLocal aligned;
+  std::int64_t now_ns = kNow_ns;
+  for (int i = 0; i < 40; ++i) {
+    now_ns += 1'000'000'000;
+    aligned.placements.Change(1, Moved(-0.9, now_ns), now_ns);
+  }
+  const config::AlignmentEntry& entry = aligned.placements.file().entries[0];
+  EXPECT_LE(entry.position_space_m.x - entry.measured_position_space_m.x, protocol::kFarthestRecentring_m);
+  EXPECT_TRUE(entry.doubtful);
+}
+
+// A space that tips over is none that OpenXR has.
+TEST(DaemonRecentring, ATiltIsNoRecentring) {
+  const auto doubtful_after = [](double angle_rad) {
+    AlignedInLocal aligned;
+    protocol::SpaceChange change = Moved(0, kNow_ns);
+    change.new_in_previous.orientation_wxyz = {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)};
+    aligned.placements.Change(1, change, kNow_ns);
+    return aligned.placements.file().entries[0].doubtful;
+  };
+  EXPECT_FALSE(doubtful_after(0.9 * protocol::kMostRecentringTilt_rad));
+  EXPECT_TRUE(doubtful_after(1.1 * protocol::kMostRecentringTilt_rad));
+}
+
+TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
+  const TempFolder temp;
+  const std::string path = temp.Path("a.toml");
+  protocol::PlacementCommand restore = Store(kSpaceLocal);
+  restore.action = protocol::PlacementAction::kRestore;
+  {
+    Placements placements(path);
+    EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "there is none";
+    ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
+    EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "it has not moved";
+    placements.Ask(1, Request({kSpaceLocal}));
+    placements.Change(1, Moved(3, kNow_ns), kNow_ns);
+    placements.Change(1, Moved(50, kNow_ns + 1'000'000'000), kNow_ns + 1'000'000'000);
+    EXPECT_NEAR(placements.file().entries[0].position_space_m.x, -2.9, 1e-12);
+    EXPECT_FALSE(placements.Aligned(1));
+  }
+  Placements placements(path);
+  placements.Ask(1, Request({kSpaceLocal}));
+  Listener listener;
+  listener.Listen(placements);
+  ASSERT_TRUE(placements.Do(restore, kDate_s).ok);
+  EXPECT_TRUE(placements.Aligned(1));
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.1) << "who is connected hears of it";
+  const config::AlignmentEntry entry = Placements(path).file().entries[0];
+  EXPECT_EQ(entry.position_space_m.x, 0.1);
+  EXPECT_EQ(entry.recentred, 0);
+  EXPECT_FALSE(entry.doubtful);
+}
+
+TEST(DaemonRecentring, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
+  AlignedInLocal aligned;
+  protocol::SpaceChange change;
+  change.changes_at_ns = 1;
+  aligned.placements.Change(1, change, kNow_ns);
+  EXPECT_FALSE(aligned.placements.Aligned(1));
+  Placements again(aligned.temp.Path("a.toml"));
+  again.Ask(2, Request({kSpaceLocal}));
+  Listener listener;
+  listener.Listen(again);
+  EXPECT_EQ(listener.told[2].back().known, 1U);
+  EXPECT_EQ(listener.told[2].back().doubtful, 1U);
+  ASSERT_TRUE(again.Do(Store(kSpaceLocal), kDate_s).ok);
+  EXPECT_TRUE(again.Aligned(2)) << "measured anew";
+}
+
+TEST(DaemonRecentring, OfOtherSpacesAndStrangersNothingFollows) {
+  const TempFolder temp;
+  Placements placements(temp.Path("a.toml"));
+  ASSERT_TRUE(placements.Do(Store(kSpaceStage), kDate_s).ok);
+  placements.Ask(1, Request({kSpaceStage, kSpaceLocal}));
+  protocol::SpaceChange change;
+  change.pose_valid = 1;
+  change.changes_at_ns = 1;
+  change.new_in_previous.position_m = {1, 2, 3};
+  placements.Change(1, change, kNow_ns);   // LOCAL
+  placements.Change(99, change, kNow_ns);  // never asked
+  EXPECT_EQ(placements.file().entries[0].recentred, 0);
+  EXPECT_EQ(placements.file().entries[0].position_space_m.x, 0.1);
+}
+
+TEST(DaemonRecentring, ATimeInTheFarFutureHidesNoLaterChange) {
+  AlignedInLocal aligned;
+  protocol::SpaceChange change;
+  change.pose_valid = 1;
+  change.changes_at_ns = std::numeric_limits<std::int64_t>::max();
+  aligned.placements.Change(1, change, kNow_ns);
+  change.changes_at_ns = kNow_ns + 30'000'000'000;
+  aligned.placements.Change(1, change, kNow_ns + 30'000'000'000);
+  EXPECT_EQ(aligned.placements.file().entries[0].recentred, 2);
+}
+
+}  // namespace test_daemon_recentring
+}  // namespace omni::daemon

@@ -1,0 +1,143 @@
+// The watch over swings: hands that are lighter, and loops that are later, than the rule of stability assumes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "service/haptics/scene.h"
+#include "service/haptics/swing_watch.h"
+#include "tests/haptics/story.h"
+#include "tests/support/touch/hand_at_wall.h"
+
+namespace omni::haptics {
+namespace test_haptics_swing {
+
+using test::PressWall;
+using test::WallHand;
+using test::WallLoop;
+using test::WallRule;
+using test::WallRun;
+
+constexpr double kAsked_N_m = 6000;  // the rule decides
+constexpr std::size_t kSecond = 1000;
+
+// Above 30 Hz, in the last second.
+double Buzz_N(const WallRun& run) {
+  return test::RmsAbove(run.force_N, run.force_N.size() - 2 * kSecond, run.force_N.size(), 30);
+}
+
+// Hands of 10 to 50 g that hardly damp, and answers that come up to 3 ms later than the base says of itself.
+TEST(SwingWatch, QuietensLightHandsAndLateAnswers) {
+  for (const double mass_kg : {0.01, 0.02, 0.05}) {
+    for (const double damping_Ns_m : {0.1, 0.5}) {
+      for (const double late_s : {0.0, 1e-3, 3e-3}) {
+        SCOPED_TRACE(testing::Message() << mass_kg << " kg, " << damping_Ns_m << " Ns/m, late " << late_s);
+        const WallHand hand{mass_kg, damping_Ns_m};
+        const WallLoop loop{.delay_s = 2e-3, .late_s = late_s, .noise_m = 1e-4};
+        EXPECT_LT(Buzz_N(PressWall(hand, loop, {}, WallRule::kOffered, kAsked_N_m, 3)), 0.03);
+        const WallRun pressed =
+            PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kOffered, kAsked_N_m, 3);
+        EXPECT_LT(pressed.given_J, 0.015);
+      }
+    }
+  }
+}
+
+// No limit cycle: the measured tip keeps to twice its noise, or what is over that dies away.
+void ExpectHoldsStill(const WallHand& hand, const WallLoop& loop) {
+  SCOPED_TRACE(testing::Message() << hand.mass_kg << " kg, late " << loop.late_s << ", noise " << loop.noise_m);
+  const auto last_m = [](const WallRun& of, std::size_t second) {
+    const std::size_t end = of.measured_m.size() - second * kSecond;
+    return test::RmsAboutMean(of.measured_m, end - kSecond, end);
+  };
+  const WallRun free = PressWall(hand, {.noise_m = loop.noise_m}, {}, WallRule::kFixed, 0, 3);
+  const WallRun run = PressWall(hand, loop, {}, WallRule::kOffered, kAsked_N_m, 3);
+  EXPECT_FALSE(last_m(run, 0) > 2 * last_m(free, 0) && last_m(run, 0) >= 0.8 * last_m(run, 1));
+}
+
+TEST(SwingWatch, FirmHandsHoldStill) {
+  for (const double mass_kg : {0.05, 0.1, 0.2}) {
+    for (const double late_s : {0.0, 1e-3, 2e-3}) {
+      for (const double noise_m : {2e-5, 1e-4}) {
+        ExpectHoldsStill({mass_kg, 1}, {.delay_s = 2e-3, .late_s = late_s, .noise_m = noise_m});
+      }
+    }
+  }
+}
+
+// The least damped hands, and answers later than said by up to 5 ms.
+TEST(SwingWatch, LightHandsComeToRest) {
+  for (const double mass_kg : {0.02, 0.05}) {
+    for (const double late_s : {2e-3, 3e-3, 5e-3}) {
+      for (const double noise_m : {1e-4, 3e-4}) {
+        ExpectHoldsStill({mass_kg, 0.1}, {.delay_s = 2e-3, .late_s = late_s, .noise_m = noise_m});
+      }
+    }
+  }
+}
+
+// Longer in the air than in touch: 40 mJ and 4.6 mm in a second otherwise.
+TEST(SwingWatch, AHeavyPenDoesNotBounceOn) {
+  const WallHand hand{0.2, 1};
+  const WallLoop loop{.delay_s = 1e-3, .late_s = 5e-3, .noise_m = 2e-5};
+  const WallRun run = PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kOffered, kAsked_N_m, 2004);
+  EXPECT_LT(run.given_J, 0.01);
+}
+
+// The nine hands of the rule.
+TEST(SwingWatch, LeavesFirmHandsWhatTheyAreOffered) {
+  for (const double mass_kg : {0.05, 0.1, 0.2}) {
+    for (const double damping_Ns_m : {1.0, 2.0, 5.0}) {
+      for (const double noise_m : {2e-5, 1e-4, 3e-4}) {
+        SCOPED_TRACE(testing::Message() << mass_kg << " kg, " << damping_Ns_m << " Ns/m, noise " << noise_m);
+        const WallRun run = PressWall({mass_kg, damping_Ns_m}, {.delay_s = 2e-3, .noise_m = noise_m}, {.hold_s = 2},
+                                      WallRule::kOffered, kAsked_N_m, 3);
+        EXPECT_EQ(run.least_gain, 1);
+      }
+    }
+  }
+}
+
+class SwingWatchHand : public testing::Test {
+ protected:
+  SwingWatchHand() {
+    Material m;
+    m.stiffness_N_m = 350;
+    pen_ = std::make_unique<Pen>(Built(SceneOf(Block(4, {0.02, 0.02, 0.02}), m)));
+  }
+  // Half a millimetre above the surface at 0; what a watch leaves in the end.
+  double Move(double middle_m, double amplitude_m, double rate_Hz, double seconds) {
+    for (int k = 0; k < 1000 * seconds; ++k) {
+      const double z = 0.0205 + middle_m + amplitude_m * std::sin(2 * 3.14159265358979 * rate_Hz * 1e-3 * k);
+      pen_->MoveTo({0, 0, z});
+    }
+    return pen_->output.energy_gain;
+  }
+  std::unique_ptr<Pen> pen_;
+};
+
+TEST_F(SwingWatchHand, MayTap) { EXPECT_EQ(Move(0, 4e-3, 6, 3), 1); }
+TEST_F(SwingWatchHand, MayTremble) { EXPECT_EQ(Move(-3e-3, 2e-4, 10, 3), 1); }
+TEST_F(SwingWatchHand, MayRub) { EXPECT_EQ(Move(-4e-3, 3e-3, 2, 3), 1); }
+
+// 25 Hz is no hand's: the surface makes it swing. Lifted and put down again it is as stiff as before.
+TEST_F(SwingWatchHand, IsHeldBackWhileItTouches) {
+  EXPECT_LT(Move(-3e-3, 2e-4, 25, 1), 0.1);
+  EXPECT_LT(Move(-3e-3, 0, 1, 1), 0.1);
+  EXPECT_EQ(Move(5e-3, 0, 1, 0.3), 1);
+  EXPECT_EQ(Move(-3e-3, 0, 1, 0.5), 1);
+}
+
+TEST_F(SwingWatchHand, NoiseIsNoSwing) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal;
+  pen_->input.noise = {1e-8, 0, 1e-4};
+  for (int k = 0; k < 20000; ++k) {
+    pen_->MoveTo({0, 0, 0.018 + 1e-4 * normal(generator)});
+    ASSERT_EQ(pen_->output.energy_gain, 1) << k;
+  }
+}
+
+}  // namespace test_haptics_swing
+}  // namespace omni::haptics

@@ -1,0 +1,159 @@
+// An application's own forces and constraints through the whole loop against the twin, in virtual time.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "service/base/limits.h"
+#include "service/haptics/scene.h"
+#include "tests/support/touch/story.h"
+
+namespace omni::test {
+namespace test_loop_force {
+
+// Still above the base, in the air.
+sim::HandScript HoldStill() {
+  sim::HandScript script;
+  script.name = "hold";
+  script.waypoints = {{.duration_s = 0, .tip_base_m = {0, 0, 0.055}}};
+  return script;
+}
+
+// Commands of an owner that pushes: `Story::Open` plus this.
+struct PushStory {
+  explicit PushStory(double seconds, const sim::HandScript& script = HoldStill()) : story(script, seconds) {}
+
+  bool Step() {
+    return story.Step(nothing, [this](const base::HallScan& scan) {
+      loop::Commands commands = Story::Open(scan);
+      commands.applied = applied;
+      now_ns = scan.t_ns;
+      return commands;
+    });
+  }
+  void Run(int ticks) {
+    for (int i = 0; i < ticks; ++i) ASSERT_TRUE(Step());
+  }
+  void Push(const base::Vec3& force_N, int ms, double ramp_s = 0) {
+    applied.open = true;
+    ++applied.force_id;
+    applied.force_base_N = force_N;
+    applied.force_end_ns = now_ns + ms * 1'000'000LL;
+    applied.ramp_s = ramp_s;
+  }
+  void Set(const haptics::Constraint& constraint) {
+    applied.open = true;
+    ++applied.constraints_id;
+    applied.constraints_t_ns = now_ns;
+    applied.constraint_count = 1;
+    applied.constraints[0] = constraint;
+  }
+
+  const haptics::Scene nothing;
+  Story story;
+  haptics::AppliedCommand applied;
+  std::int64_t now_ns = 0;
+};
+
+TEST(LoopForce, AForceReachesTheWrenchAndTheCoilsAndEnds) {
+  PushStory push(1.5);
+  push.Run(600);  // found, gate open
+  ASSERT_EQ(push.story.current_A(), 0);
+  push.Push({0.3, -0.2, 0.4}, 80);
+  push.Run(40);
+  const base::Vec3& f = push.story.output.wrench.force_N;
+  EXPECT_NEAR(f.x, 0.3, 1e-9);
+  EXPECT_NEAR(f.y, -0.2, 1e-9);
+  EXPECT_NEAR(f.z, 0.4, 1e-9);
+  EXPECT_GT(push.story.current_A(), 0.1);
+  EXPECT_FALSE(push.story.output.saturated);
+  push.Run(40);
+  int ms = 0;
+  for (; ms < 60 && push.story.current_A() != 0; ++ms) ASSERT_TRUE(push.Step());
+  EXPECT_LE(ms, 25) << "after the deadman's end";
+}
+
+TEST(LoopForce, ATooLargeForceKeepsItsDirection) {
+  PushStory push(1.5);
+  push.Run(600);
+  push.Push({30, 0, 40}, 80);
+  push.Run(40);
+  const base::Vec3& f = push.story.output.wrench.force_N;
+  EXPECT_TRUE(push.story.output.saturated || push.story.force_N() <= 2.0 + 1e-9);
+  EXPECT_LE(push.story.force_N(), 2.0 + 1e-9);
+  EXPECT_GT(push.story.force_N(), 0.1);
+  EXPECT_NEAR(f.x / push.story.force_N(), 0.6, 1e-6);
+  EXPECT_NEAR(f.z / push.story.force_N(), 0.8, 1e-6);
+}
+
+TEST(LoopForce, StuckControlThreadEndsIt) {
+  PushStory push(1.5);
+  push.Run(600);
+  push.Set(
+      {.kind = haptics::ConstraintKind::kPoint, .stiffness_N_m = 100, .max_force_N = 1, .point_base_m = {0, 0, 0.060}});
+  push.Run(300);
+  ASSERT_GT(push.story.force_N(), 0.1);
+  int ms = 0;
+  const std::int64_t written_ns = push.now_ns;
+  for (; ms < 100 && push.story.current_A() != 0; ++ms) {
+    ASSERT_TRUE(push.story.Step(push.nothing, [&](const base::HallScan& scan) {
+      loop::Commands commands = Story::Open(scan);
+      commands.applied = push.applied;
+      commands.t_ns = written_ns;
+      return commands;
+    }));
+  }
+  EXPECT_LE(ms, 55);
+}
+
+TEST(LoopForce, DeviceFaultEndsIt) {
+  PushStory push(1.5);
+  push.Run(600);
+  push.Push({0.5, 0, 0}, 100);
+  push.Run(30);
+  ASSERT_GT(push.story.current_A(), 0.1);
+  base::HallScan scan = push.story.scan;
+  for (int i = 0; i < 20; ++i) {
+    scan.t_ns += base::kTickPeriod_ns;
+    scan.device_faults = 1;
+    loop::Commands commands = Story::Open(scan);
+    commands.applied = push.applied;
+    loop::Tick(push.story.config, scan, commands, push.nothing, push.story.state, push.story.output);
+  }
+  EXPECT_EQ(push.story.current_A(), 0);
+  EXPECT_FALSE(push.story.output.applied.acts);
+}
+
+// The twin's hand holds the pen by a spring: a constraint draws it towards its point, and it stays calm there.
+TEST(LoopForce, AConstraintDrawsTheHandAndStaysCalm) {
+  PushStory push(4.0);
+  push.Run(800);
+  const base::Vec3 rest = push.story.output.tool.device_point_base_m;
+  push.Set({.kind = haptics::ConstraintKind::kPoint,
+            .stiffness_N_m = 5000,
+            .damping_Ns_m = 1,
+            .max_force_N = 1.5,
+            .point_base_m = {rest.x, rest.y, rest.z + 0.004}});
+  push.Run(2000);
+  double highest = -1, lowest = 1;
+  for (int i = 0; i < 500; ++i) {
+    push.Run(1);
+    highest = std::max(highest, push.story.output.tool.device_point_base_m.z);
+    lowest = std::min(lowest, push.story.output.tool.device_point_base_m.z);
+  }
+  EXPECT_GT(0.5 * (highest + lowest), rest.z + 0.0003) << "it was drawn upwards";
+  EXPECT_LT(highest - lowest, 0.001) << "and does not swing";
+  EXPECT_TRUE(push.story.output.applied.stiffness_limited) << "5000 N/m are not to be had";
+  EXPECT_EQ(push.story.output.applied.energy_gain, 1);
+}
+
+TEST(LoopForce, NothingAskedNothingDone) {
+  PushStory push(1.0);
+  push.applied.open = true;
+  for (int i = 0; i < 900; ++i) {
+    push.Run(1);
+    ASSERT_EQ(push.story.current_A(), 0);
+  }
+}
+
+}  // namespace test_loop_force
+}  // namespace omni::test

@@ -1,0 +1,143 @@
+// The log of omnid: who reads it, or does not, changes nothing for the service; who makes it write cannot fill the
+// disk.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "service/tools/common/service_link.h"
+#include "tests/support/process/service_end.h"
+#include "tests/support/process/service_process.h"
+
+namespace omni::test {
+namespace test_process_log {
+
+constexpr const char* kStranger = "log_test";  // no scene: each of its sessions is worth a line
+
+// Waits at most 2 s for the service to take it.
+bool Send(TestApplication& app, protocol::SessionState state) {
+  for (int tries = 0; tries < 2000; ++tries) {
+    if (app.connection().SendSession(state)) return true;
+    app.connection().Poll(base::MonotonicNow_ns());
+    SleepMs(1);
+  }
+  return false;
+}
+
+// Sessions that begin and end, `count` times. How many did.
+int Toggle(TestApplication& app, int count) {
+  for (int i = 0; i < count; ++i) {
+    if (!Send(app, protocol::SessionState::kBegun) || !Send(app, protocol::SessionState::kNone)) return i;
+    if (i % 16 == 0) app.connection().Poll(base::MonotonicNow_ns());  // what the service tells is read
+  }
+  return count;
+}
+
+bool AnswersStatus(const ServiceProcess& service) { return tools::FetchStatus(service.socket_path()).ok(); }
+
+std::string Content(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// With a log that nobody reads and an application that is focused.
+struct UnreadLog {
+  UnreadLog() : pipe(service.Path("log"), UnreadPipe::Reader::kSleeps), app(service.socket_path(), kStranger) {
+    service.Start({}, pipe.path());
+    EXPECT_TRUE(app.Focus()) << app.connection().last_error();
+    pipe.Fill();
+  }
+  ServiceProcess service;
+  UnreadPipe pipe;
+  TestApplication app;
+};
+
+void ExpectGoodEnd(ServiceProcess& service, const char* what) {
+  const ServiceEnd end = EndAndWait(service, what);
+  EXPECT_EQ(end.status, 0);
+  EXPECT_LT(end.ms, kEndsWithin_ms);
+}
+
+TEST(ProcessLog, UnreadFullPipeStopsNeitherControlThreadNorEnd) {
+  UnreadLog log;
+  EXPECT_EQ(Toggle(log.app, 2000), 2000);
+  EXPECT_TRUE(AnswersStatus(log.service));
+  ExpectGoodEnd(log.service, "its log is a full pipe");
+}
+
+TEST(ProcessLog, LostLinesAreCountedOnceTheLogIsReadAgain) {
+  UnreadLog log;
+  ASSERT_EQ(Toggle(log.app, 2000), 2000);  // more than the service's own pipe holds
+  ASSERT_TRUE(AnswersStatus(log.service));
+  const std::string text = log.pipe.Read(500);
+  EXPECT_NE(text.find("lines of this log are missing"), std::string::npos) << text.substr(text.find_first_not_of('.'));
+  EXPECT_EQ(log.service.Stop(), 0);
+}
+
+// Bytes of log that so many toggles cost.
+double BytesFor(int toggles) {
+  ServiceProcess service;
+  service.Start({}, service.Path("log"));
+  {
+    TestApplication app(service.socket_path(), kStranger);
+    EXPECT_TRUE(app.Focus()) << app.connection().last_error();
+    EXPECT_EQ(Toggle(app, toggles), toggles);
+    EXPECT_TRUE(AnswersStatus(service)) << "all of them have been heard";
+  }
+  EXPECT_EQ(service.Stop(), 0);
+  const std::string text = Content(service.Path("log"));
+  std::printf("[ figure   ] %d toggles: %zu bytes of log\n", toggles, text.size());
+  EXPECT_NE(text.find("no scene for application"), std::string::npos);
+  if (toggles > 1000) {
+    EXPECT_NE(text.find("more of these in the last"), std::string::npos) << text.substr(0, 4000);
+  }
+  return static_cast<double>(text.size());
+}
+
+TEST(ProcessLog, TogglingSessionsDoesNotGrowTheLog) {
+  const double few = BytesFor(200);
+  const double many = BytesFor(10'000);
+  EXPECT_LT(many, 2 * few);
+}
+
+TEST(ProcessLog, ErrorsBeforeTheServiceRunsAreWritten) {
+  ServiceProcess service;
+  service.StartProgram(
+      {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--socket", "/proc/no/omnid.sock"},
+      service.Path("log"));
+  EXPECT_EQ(service.Wait(), 1);
+  EXPECT_NE(Content(service.Path("log")).find("/proc/no"), std::string::npos);
+}
+
+// libusb writes its own messages, from the thread that looks for a base.
+TEST(ProcessLog, WhatLibrariesWriteBlocksNobodyEither) {
+  ServiceProcess service;
+  const UnreadPipe log(service.Path("log"), UnreadPipe::Reader::kSleeps);
+  log.Fill();  // before anything is written
+  service.StartProgram({std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "usb"}, log.path(),
+                       {"LIBUSB_DEBUG=4"});
+  EXPECT_TRUE(WaitUntilServing(service));
+  ExpectGoodEnd(service, "libusb writes into a full pipe");
+}
+
+// The simulation is a process of its own that writes to the same log.
+TEST(ProcessLog, WhatTheTwinWritesIsInTheLog) {
+  ServiceProcess service;
+  const std::string open_folder = service.Path("open");
+  std::filesystem::create_directory(open_folder);
+  std::filesystem::permissions(open_folder, std::filesystem::perms(0755));
+  service.StartProgram(
+      {std::string(OMNI_BINARY_DIR) + "/bin/omnid", "--device", "twin", "--twin-hand", open_folder + "/hand.sock"},
+      service.Path("log"));
+  EXPECT_TRUE(WaitUntilServing(service));
+  EXPECT_EQ(service.Stop(), 0);
+  EXPECT_NE(Content(service.Path("log")).find(open_folder), std::string::npos);
+}
+
+}  // namespace test_process_log
+}  // namespace omni::test

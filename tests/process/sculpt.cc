@@ -1,0 +1,115 @@
+// A pen that presses into clay, holds it and pulls: omnid, the twin and the command line as real processes, from the
+// stroke to the file.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "service/scene/glb_save.h"
+#include "service/scene/scene_file.h"
+#include "service/tools/common/command_line.h"
+#include "tests/haptics/story.h"
+#include "tests/support/process/omni_command.h"
+#include "tests/support/process/service_process.h"
+
+namespace omni::test {
+namespace test_process_sculpt {
+
+constexpr double kTop_m = 0.056;  // 18 mm above the hull
+
+// Onto the top, held, pulled up, away; and once more.
+constexpr const char* kPressAndPull = R"({"name": "pull", "repeat": true, "waypoints": [
+  {"s": 0, "tip_m": [0, 0, 0.075], "axis": [0, 0, -1]},
+  {"s": 0.5, "tip_m": [0, 0, 0.062], "axis": [0, 0, -1]},
+  {"s": 0.5, "tip_m": [0, 0, 0.050], "axis": [0, 0, -1]},
+  {"s": 0.8, "tip_m": [0, 0, 0.050], "axis": [0, 0, -1]},
+  {"s": 1.0, "tip_m": [0, 0, 0.066], "axis": [0, 0, -1]},
+  {"s": 1.0, "tip_m": [0, 0, 0.066], "axis": [0, 0, -1]},
+  {"s": 0.5, "tip_m": [0, 0, 0.075], "axis": [0, 0, -1]}]})";
+
+std::string ClayFile(const TempFolder& folder) {
+  haptics::Material clay;
+  clay.sculpt.enabled = true;
+  clay.sculpt.grab_force_N = 0.15;
+  clay.sculpt.dwell_s = 0.1;
+  clay.sculpt.resistance_N_m = 60;
+  haptics::InputObject pad = haptics::CubeGrid(16, [](const haptics::Vec3& p) {
+    const haptics::Vec3 u = base::Normalized(p);
+    return haptics::Vec3{0.02 * u.x, 0.02 * u.y, kTop_m - 0.007 + 0.007 * u.z};
+  });
+  pad.name = "pad";
+  const std::string path = folder.Path("clay.glb");
+  EXPECT_TRUE(scene::SaveGlb(path, haptics::SceneOf(pad, clay)).ok());
+  return path;
+}
+
+Outcome OmniScene(const ServiceProcess& service, std::vector<std::string> words) {
+  words.insert(words.begin(), "scene");
+  words.insert(words.end(), {"--socket", service.socket_path()});
+  return RunOmni(words);
+}
+
+double TopOf(const std::string& glb) {
+  scene::LoadReport report;
+  const auto loaded = scene::LoadSceneFile(glb, {}, report);
+  if (!loaded.ok() || loaded->objects.size() != 1) return std::nan("");
+  double top_m = 0;
+  for (const base::Vec3& v : loaded->objects[0].vertices_base_m) top_m = std::max(top_m, v.z);
+  return top_m;
+}
+
+TEST(ProcessSculpt, FromTheStrokeToTheFile) {
+  const TempFolder folder;
+  ServiceProcess service(ClayFile(folder), kPressAndPull);
+  service.Start();
+  TestApplication app(service);
+  ASSERT_TRUE(app.Focus()) << app.connection().last_error();
+  nlohmann::json edits;
+  const auto look = [&] {
+    const Outcome said = OmniScene(service, {"edits", "--json"});
+    if (said.status == tools::kExitOk) edits = nlohmann::json::parse(said.out)["objects"][0];
+    return said.status == tools::kExitOk;
+  };
+  ASSERT_TRUE(app.Run(15000, 100, [&] { return look() && edits["strokes"] > 0; })) << edits;
+  EXPECT_EQ(edits["name"], "pad");
+  EXPECT_NE(OmniScene(service, {"edits"}).out.find("pad: "), std::string::npos);
+  // As the strokes go on, each of these may meet an open one, and is asked again.
+  Outcome said;
+  const auto until_done = [&](const std::vector<std::string>& words) {
+    return app.Run(15000, 50, [&] { return (said = OmniScene(service, words)).status == tools::kExitOk; });
+  };
+  const std::string file = folder.Path("saved.glb"), undone = folder.Path("undone.glb");
+  ASSERT_TRUE(until_done({"save", file})) << said.err;
+  EXPECT_NE(said.out.find("1 object, "), std::string::npos) << said.out;
+  EXPECT_GT(std::abs(TopOf(file) - kTop_m), 1e-4) << "it was formed";
+  said = OmniScene(service, {"save", file});
+  EXPECT_EQ(said.status, tools::kExitFailed);
+  EXPECT_NE(said.err.find("saved.glb"), std::string::npos) << said.err;
+  ASSERT_TRUE(until_done({"save", file, "--force"})) << said.err;
+  // The application goes on without the force: nothing touches the pad any more, and all of it can be taken back.
+  ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kBegun));
+  app.Run(300, 10);
+  ASSERT_TRUE(look());
+  EXPECT_EQ(edits["stroke_open"], false);
+  for (int strokes = edits["strokes"]; strokes > 0; --strokes) EXPECT_EQ(OmniScene(service, {"undo"}).status, 0);
+  said = OmniScene(service, {"undo"});
+  EXPECT_EQ(said.status, tools::kExitFailed);
+  EXPECT_EQ(said.err, "omni scene undo: pad: nothing to undo\n");
+  ASSERT_EQ(OmniScene(service, {"save", undone}).status, 0);
+  EXPECT_NEAR(TopOf(undone), kTop_m, 1e-6) << "as it was";
+  EXPECT_EQ(OmniScene(service, {"redo", "--object", "pad"}).status, 0);
+  said = OmniScene(service, {"redo", "--object", "vase"});
+  EXPECT_NE(said.err.find("no object \"vase\""), std::string::npos) << said.err;
+  // Its end takes the scene along.
+  ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kNone));
+  EXPECT_TRUE(app.Run(3000, 20, [&] {
+    return OmniScene(service, {"edits"}).err.find("no application has a scene with a sculptable object") !=
+           std::string::npos;
+  }));
+}
+
+}  // namespace test_process_sculpt
+}  // namespace omni::test

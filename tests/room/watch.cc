@@ -1,0 +1,251 @@
+// What people are told of sensors and the room: the twin's base, calibrated, through the whole tick; RoomWatch sees
+// what omnid would hand to it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
+#include "service/daemon/devices/room_watch.h"
+#include "service/haptics/scene.h"
+#include "service/loop/tick_config.h"
+#include "service/sim/hand/ordinary_hand.h"
+#include "service/sim/twin/loopback.h"
+#include "tests/support/rig/rig.h"
+
+namespace omni::test {
+namespace test_room_watch {
+
+using base::TruthParameters;
+using Kind = base::SensorFaultKind;
+
+constexpr double kEvent_s = 3;
+constexpr double kNamed_s = 10;  // after the event
+constexpr std::uint64_t kIdleDivider = 16;
+
+base::DeviceGeometry Device() {
+  base::DeviceGeometry device = config::DefaultDevice();
+  device.sensor_noise_T = config::DefaultTwin().sensor.noise_lp_T;
+  return device;
+}
+
+// What a perfect calibration would find.
+base::Calibration CalibrationOf(const base::DeviceGeometry& device, const TruthParameters& truth, std::uint64_t seed) {
+  const sim::Rig rig(device,
+                     {.seed = seed, .sizes = truth.imperfections, .effects = truth.effects, .sensor = truth.sensor});
+  base::Calibration calibration = rig.ExactCalibration();
+  calibration.expected_error_m = 1e-4;
+  return calibration;
+}
+
+enum class Pen { kAway, kWaved, kHeld };
+
+struct Story {
+  std::uint64_t seed = 5;
+  bool ideal = false;
+  Pen pen = Pen::kWaved;
+  bool idle = false;  // no application: the tick runs as slowly as without a pen
+  std::function<void(TruthParameters&)> event = [](TruthParameters&) {};
+  double run_s = kEvent_s + kNamed_s;
+};
+
+sim::HandScript HandOf(const Story& story, const base::DeviceGeometry& device) {
+  if (story.pen == Pen::kAway) return {};
+  if (story.pen == Pen::kWaved) return sim::MakeOrdinaryHand(device, {.seed = story.seed, .duration_s = story.run_s});
+  sim::HandScript held;
+  held.waypoints = {{0, {0.01, 0, 0.06}, {0, 0, -1}, true}, {story.run_s, {0.01, 0, 0.06}, {0, 0, -1}, true}};
+  return held;
+}
+
+struct Told {
+  std::vector<daemon::RoomFinding> last;
+  std::set<std::string> kinds;  // that were ever told
+  bool early = false;           // before the event
+};
+
+// `wanted`: ends when it is told.
+Told Tell(const Story& story, const std::string& wanted = {}) {
+  const base::DeviceGeometry device = Device();
+  TruthParameters truth = story.ideal ? config::IdealTwin() : config::RoomTwin();
+  const base::Calibration calibration = CalibrationOf(device, truth, story.seed);
+  story.event(truth);
+  sim::PlantOptions plant{.seed = story.seed, .script = HandOf(story, device)};
+  plant.truth = truth;
+  sim::Loopback base(device, plant);
+  const loop::TickConfig config = loop::MakeTickConfig(device, calibration);
+  const auto state = std::make_unique<loop::LoopState>();
+  const auto output = std::make_unique<loop::TickOutput>();
+  const haptics::Scene scene;
+  const bool idle = story.idle || story.pen == Pen::kAway;
+  daemon::RoomWatch watch(&calibration);
+  base::HallScan scan;
+  Told told;
+  for (int tick = 1; tick <= 1000 * story.run_s; ++tick) {
+    base.Tick(scan);
+    if (idle && scan.sequence % kIdleDivider != 0) continue;
+    loop::Tick(config, scan, {.t_ns = scan.t_ns}, scene, *state, *output);
+    base.Write(output->currents);
+    if (tick % 100 >= (idle ? static_cast<int>(kIdleDivider) : 1)) continue;
+    watch.Add({scan, output->tool});
+    for (const daemon::RoomFinding& finding : watch.findings()) {
+      told.kinds.insert(finding.kind);
+      told.early = told.early || tick < 1000 * kEvent_s;
+      if (finding.kind == wanted) tick = static_cast<int>(1000 * story.run_s);
+    }
+  }
+  told.last = watch.findings();
+  return told;
+}
+
+void ExpectTold(const Story& story, const std::string& kind, const std::vector<int>& sensors,
+                std::initializer_list<const char*> words) {
+  const Told told = Tell(story, kind);
+  EXPECT_FALSE(told.early);
+  std::string all;
+  for (const daemon::RoomFinding& finding : told.last) all += finding.kind + ": " + daemon::RoomText(finding) + "\n";
+  const auto found = std::find_if(told.last.begin(), told.last.end(), [&](const auto& f) { return f.kind == kind; });
+  ASSERT_NE(found, told.last.end()) << kind << " is not told, but: " << all;
+  EXPECT_EQ(found->sensors, sensors) << all;
+  for (const char* word : words) {
+    EXPECT_NE(daemon::RoomText(*found).find(word), std::string::npos) << word << " not in: " << all;
+  }
+}
+
+std::function<void(TruthParameters&)> Fault(Kind kind, int sensor, double value = 0, int other = 0) {
+  return [=](TruthParameters& truth) {
+    truth.effects.room.faults.push_back(
+        {.kind = kind, .sensor = sensor, .other = other, .value = value, .from_s = kEvent_s});
+  };
+}
+
+std::function<void(TruthParameters&)> SecondPen(double away_m) {
+  return [=](TruthParameters& truth) {
+    truth.effects.room.magnets.push_back({.moment_Am2 = {0.7, 0.5, 0.3},
+                                          .from_base_m = {1, 0, 0},
+                                          .to_base_m = {away_m, 0, 0},
+                                          .leaves_s = kEvent_s,
+                                          .arrives_s = kEvent_s + 1});
+  };
+}
+
+void AmbientStep(TruthParameters& truth) {
+  truth.effects.room.steps.push_back({.change_base_T = {40e-6, 30e-6, 33e-6}, .at_s = kEvent_s});
+}
+
+std::function<void(TruthParameters&)> SteelLater(double z_m) {
+  return [=](TruthParameters& truth) {
+    truth.effects.room.steel.push_back(
+        {.shape = base::SteelShape::kPlane, .position_base_m = {0, 0, z_m}, .strength = 1, .from_s = kEvent_s});
+  };
+}
+
+TEST(RoomWatch, AGainThatIsWrongBlamesTheSensorOnceThePenWasAbout) {
+  ExpectTold({.event = Fault(Kind::kGain, 3, 1.1)}, "sensor-wrong", {3}, {"sensor 3 reads wrong", "left out", "omni"});
+  ExpectTold({.pen = Pen::kHeld, .event = Fault(Kind::kGain, 3, 1.1)}, "sensor-doubtful", {3},
+             {"sensor 3, or a magnet near it", "take magnets and steel away"});
+}
+
+TEST(RoomWatch, ASensorThatIsStuckIsNamedWithAPenAndWithout) {
+  for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
+    SCOPED_TRACE(static_cast<int>(pen));
+    ExpectTold({.pen = pen, .event = Fault(Kind::kStuck, 6)}, "sensor-repeats", {6},
+               {"sensor 6 repeats itself", "cable"});
+  }
+}
+
+TEST(RoomWatch, AHugeReadingIsNamed) {
+  ExpectTold({.event = Fault(Kind::kHuge, 2, 1e-3)}, "sensor-wrong", {2}, {"sensor 2 reads wrong"});
+}
+
+TEST(RoomWatch, SensorsThatGiveNothingAreNamedWithAPenAndWithout) {
+  const auto five = [](TruthParameters& truth) {
+    for (const int sensor : {0, 2, 3, 5, 7}) Fault(Kind::kStopped, sensor)(truth);
+  };
+  for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
+    SCOPED_TRACE(static_cast<int>(pen));
+    ExpectTold({.pen = pen, .event = five}, "sensor-silent", {0, 2, 3, 5, 7},
+               {"sensors 0, 2, 3, 5 and 7 give nothing", "too few", "no force"});
+    ExpectTold({.pen = pen, .event = Fault(Kind::kStopped, 4)}, "sensor-silent", {4}, {"sensor 4 gives nothing"});
+  }
+}
+
+TEST(RoomWatch, ASwappedPairIsNamed) {
+  ExpectTold({.event = Fault(Kind::kSwapped, 3, 0, 4)}, "sensors-swapped", {3, 4}, {"sensors 3 and 4 are swapped"});
+  ExpectTold({.pen = Pen::kHeld, .event = Fault(Kind::kSwapped, 2, 0, 6)}, "sensors-swapped", {2, 6},
+             {"cables or addresses"});
+}
+
+TEST(RoomWatch, ASecondPenIsNamed) {
+  ExpectTold({.pen = Pen::kHeld, .event = SecondPen(0.3)}, "magnet-near", {}, {"another magnet", "take it away"});
+  ExpectTold({.event = SecondPen(0.2)}, "magnet-near", {}, {"another magnet", "take it away"});
+}
+
+// So near that the tracker may find no pose any more while the pen lies still: that is no misfit of the calibration.
+TEST(RoomWatch, ASecondPenThatHidesAHeldOneIsNamed) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (const bool ideal : {false, true}) {
+      SCOPED_TRACE(testing::Message() << seed << (ideal ? " ideal" : " room"));
+      ExpectTold({.seed = seed, .ideal = ideal, .pen = Pen::kHeld, .idle = true, .event = SecondPen(0.2)},
+                 "magnet-near", {}, {"another magnet", "take it away"});
+    }
+  }
+}
+
+TEST(RoomWatch, ABaseThatWasTurnedIsNamedWithAPenAndWithout) {
+  for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
+    SCOPED_TRACE(static_cast<int>(pen));
+    ExpectTold({.pen = pen, .event = AmbientStep}, "field-changed", {},
+               {"by 60 uT", "carried or turned", "omni calibrate --zero"});
+  }
+}
+
+TEST(RoomWatch, SteelThatCameLaterIsNamed) {
+  ExpectTold({.event = SteelLater(-0.2)}, "steel-near", {}, {"steel", "omni calibrate"});
+}
+
+// The pen itself, laid down beside the base, is no other magnet and no other field.
+TEST(RoomWatch, AMagnetWithoutThePenIsNamedUnlessItIsAPen) {
+  const auto at = [](base::Vec3 moment_Am2) {
+    return [=](TruthParameters& truth) {
+      truth.effects.room.magnets.push_back(
+          {.moment_Am2 = moment_Am2, .from_base_m = {0.3, 0, 0}, .to_base_m = {0.3, 0, 0}});
+    };
+  };
+  const double pen_Am2 = CalibrationOf(Device(), config::RoomTwin(), 5).moment_Am2;
+  EXPECT_TRUE(Tell({.pen = Pen::kAway, .event = at({0, pen_Am2, 0})}).kinds.empty());
+  EXPECT_EQ(Tell({.pen = Pen::kAway, .event = at({0, 4 * pen_Am2, 0})}).kinds.count("field-uneven"), 1U);
+}
+
+TEST(RoomWatch, WhatIsGoneIsNoLongerTold) {
+  const auto comes_and_goes = [](TruthParameters& truth) {
+    SecondPen(0.3)(truth);
+    truth.effects.room.magnets.push_back({.moment_Am2 = {-0.7, -0.5, -0.3},
+                                          .from_base_m = {1, 0, 0},
+                                          .to_base_m = {0.3, 0, 0},
+                                          .leaves_s = kEvent_s + 6,
+                                          .arrives_s = kEvent_s + 7});
+  };
+  const Told told = Tell({.event = comes_and_goes, .run_s = 25});
+  EXPECT_EQ(told.kinds, std::set<std::string>{"magnet-near"});
+  EXPECT_TRUE(told.last.empty());
+}
+
+class RoomWatchAtPeace : public testing::TestWithParam<std::tuple<bool, Pen>> {};
+INSTANTIATE_TEST_SUITE_P(IdealAndRoom, RoomWatchAtPeace,
+                         testing::Combine(testing::Bool(), testing::Values(Pen::kWaved, Pen::kAway)));
+
+TEST_P(RoomWatchAtPeace, NothingIsSaidInAnUndisturbedRoom) {
+  const auto [ideal, pen] = GetParam();
+  const Told told = Tell({.seed = 7, .ideal = ideal, .pen = pen, .run_s = 30});
+  EXPECT_TRUE(told.kinds.empty()) << *told.kinds.begin();
+}
+
+}  // namespace test_room_watch
+}  // namespace omni::test

@@ -1,0 +1,321 @@
+// Textures that tags name: read, decoded, looked up; and nothing else is.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <stb/stb_image_write.h>
+
+#include "service/haptics/check_scene.h"
+#include "service/haptics/contact/texture.h"
+#include "service/haptics/scene.h"
+#include "service/scene/load_scene.h"
+#include "tests/scene/files.h"
+
+namespace omni::scene::test {
+namespace test_scene_textures {
+
+using Pixels = std::vector<unsigned char>;
+
+void Take(void* to, void* data, int size) {
+  static_cast<std::string*>(to)->append(static_cast<char*>(data), static_cast<std::size_t>(size));
+}
+
+std::string Png(int width, int height, int channels, const Pixels& pixels) {
+  std::string bytes;
+  EXPECT_NE(stbi_write_png_to_func(Take, &bytes, width, height, channels, pixels.data(), width * channels), 0);
+  return bytes;
+}
+
+// 4 x 2 pixels; red rises by 30 a pixel, row after row; green and blue are something else.
+std::string Stairs() {
+  Pixels pixels;
+  for (int i = 0; i < 8; ++i) pixels.insert(pixels.end(), {static_cast<unsigned char>(30 * i), 7, 200});
+  return Png(4, 2, 3, pixels);
+}
+
+double RedOfStairs(int column, int row) { return 30.0 * (4 * row + column) / 255; }
+
+// A square from (0, 0) to (0.02, 0.02) m of the base's x, y, 50 mm up, its coordinates (u, v) = (x, y) / 0.02, with a
+// tag whose stiffness is multiplied by `image`.
+Model Square(const std::string& image) {
+  Model model;
+  const std::vector<float> positions = {0, 0.05F, 0, 0.02F, 0.05F, 0, 0.02F, 0.05F, -0.02F, 0, 0.05F, -0.02F};
+  const std::vector<float> uv = {0, 0, 1, 0, 1, 1, 0, 1};
+  const std::vector<std::uint16_t> indices = {0, 1, 2, 0, 2, 3};
+  model.bin = Bytes(positions) + Bytes(uv) + Bytes(indices) + image;
+  model.json = Json::parse(R"({
+    "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "square", "mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2}],
+                "extensions": {"MPEG_haptic_material": {"hapticMaterialIndex": 0}}}],
+    "extensions": {"MPEG_haptic_material": {"materials": [{
+      "stiffness": [{"texture": {"index": 0}, "type": "High_Resolution"}],
+      "extensions": {"OMNI_haptic_material": {"stiffness": 800}}}]}},
+    "textures": [{"source": 0}], "images": [{"bufferView": 3, "mimeType": "image/png"}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                  {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+                  {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+    "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+                    {"buffer": 0, "byteOffset": 80, "byteLength": 12}, {"buffer": 0, "byteOffset": 92}],
+    "buffers": [{}]})");
+  model.json["bufferViews"][3]["byteLength"] = image.size();
+  model.json["buffers"][0]["byteLength"] = model.bin.size();
+  return model;
+}
+
+Json& Entry(Model& model) { return model.json["extensions"]["MPEG_haptic_material"]["materials"][0]["stiffness"][0]; }
+
+struct Felt {
+  haptics::Scene scene;
+  LoadReport load;
+  std::string error;
+
+  // At (u, v) of the square.
+  double At(double u, double v) const {
+    const std::int32_t texture = scene.materials()[scene.triangles()[0].material].stiffness_texture;
+    const base::Vec3 p{0.02 * u, 0.02 * v, 0.05};
+    for (std::uint32_t t = 0; t < scene.triangles().size(); ++t) {
+      std::array<base::Vec3, 3> c;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const haptics::Vertex& vertex = scene.vertices()[scene.triangles()[t].vertex[k]];
+        c[k] = {vertex.x, vertex.y, vertex.z};
+      }
+      const auto area = [](const base::Vec3& a, const base::Vec3& b, const base::Vec3& d) {
+        return (b.x - a.x) * (d.y - a.y) - (b.y - a.y) * (d.x - a.x);
+      };
+      const double whole = area(c[0], c[1], c[2]);
+      const std::array<double, 3> w{area(p, c[1], c[2]) / whole, area(c[0], p, c[2]) / whole,
+                                    area(c[0], c[1], p) / whole};
+      if (w[0] >= -1e-9 && w[1] >= -1e-9 && w[2] >= -1e-9)
+        return static_cast<double>(haptics::SampleTexture(scene, texture, t, w));
+    }
+    return -1;
+  }
+};
+
+Felt Feel(const Model& model) {
+  const TempFolder folder;
+  Felt felt;
+  haptics::BuildReport build;
+  auto scene = LoadScene(folder.Write("square.glb", model.Bytes()), {}, nullptr, felt.load, build);
+  if (scene.ok()) {
+    felt.scene = std::move(*scene);
+    EXPECT_TRUE(haptics::CheckScene(felt.scene).ok());
+  } else {
+    felt.error = scene.error();
+  }
+  return felt;
+}
+
+std::string WarningsOf(const Felt& felt) {
+  std::string all;
+  for (const std::string& line : felt.load.warnings) all += line + "\n";
+  return all;
+}
+
+TEST(SceneTextures, RedChannelLinearBilinear) {
+  const Felt felt = Feel(Square(Stairs()));
+  ASSERT_EQ(felt.error, "");
+  EXPECT_EQ(WarningsOf(felt), "");
+  EXPECT_EQ(felt.load.images_decoded, 1U);
+  EXPECT_EQ(felt.scene.materials()[felt.scene.triangles()[0].material].stiffness_N_m, 800);
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 4; ++column) {  // centres of texels
+      EXPECT_NEAR(felt.At((column + 0.5) / 4, (row + 0.5) / 2), RedOfStairs(column, row), 1e-6) << column << row;
+    }
+  }
+  EXPECT_NEAR(felt.At(0.25, 0.25), (RedOfStairs(0, 0) + RedOfStairs(1, 0)) / 2, 1e-6);
+  EXPECT_NEAR(felt.At(0.375, 0.5), (RedOfStairs(1, 0) + RedOfStairs(1, 1)) / 2, 1e-6);
+  // At the left border repeat mixes in the right end.
+  EXPECT_NEAR(felt.At(0, 0.25), (RedOfStairs(0, 0) + RedOfStairs(3, 0)) / 2, 1e-6);
+}
+
+TEST(SceneTextures, SamplerWraps) {
+  Model model = Square(Stairs());
+  model.json["samplers"] = Json::parse(R"([{"wrapS": 33071, "wrapT": 33648}])");
+  model.json["textures"][0]["sampler"] = 0;
+  const Felt clamp = Feel(model);
+  EXPECT_NEAR(clamp.At(0, 0.25), RedOfStairs(0, 0), 1e-6);
+  EXPECT_NEAR(clamp.At(0.125, 0), RedOfStairs(0, 0), 1e-6) << "mirrored at the edge: itself";
+  model.json["samplers"][0]["wrapS"] = 5;
+  EXPECT_NE(WarningsOf(Feel(model)).find("/samplers/0/wrapS"), std::string::npos);
+}
+
+TEST(SceneTextures, TransformAndOtherSet) {
+  Model model = Square(Stairs());
+  Entry(model)["texture"]["extensions"]["KHR_texture_transform"] =
+      Json::parse(R"({"offset": [0.25, 0.5], "scale": [0.5, 0.5], "rotation": 0})");
+  Felt felt = Feel(model);
+  // u' = u / 2 + 1/4, v' = v / 2 + 1/2
+  EXPECT_NEAR(felt.At(0.25, 0.5), RedOfStairs(1, 1), 1e-6);
+  // A quarter turn: (u, v) -> (v, -u) by the extension's matrix [c s; -s c].
+  Entry(model)["texture"]["extensions"]["KHR_texture_transform"] = Json::parse(R"({"rotation": 1.5707963267948966})");
+  felt = Feel(model);
+  EXPECT_NEAR(felt.At(0.25, 0.125), RedOfStairs(0, 1), 1e-5) << "u' = 0.125, v' = -0.25 = 0.75";
+  // The other set of coordinates, by both ways to say it.
+  model = Square(Stairs());
+  model.json["meshes"][0]["primitives"][0]["attributes"] = Json::parse(R"({"POSITION": 0, "TEXCOORD_1": 1})");
+  Entry(model)["texture"]["texCoord"] = 1;
+  EXPECT_NEAR(Feel(model).At(0.125, 0.25), 0.0, 1e-6);
+  EXPECT_NEAR(Feel(model).At(0.875, 0.75), RedOfStairs(3, 1), 1e-6);
+  Entry(model)["texture"]["texCoord"] = 0;
+  Entry(model)["texture"]["extensions"]["KHR_texture_transform"]["texCoord"] = 1;
+  EXPECT_NEAR(Feel(model).At(0.875, 0.75), RedOfStairs(3, 1), 1e-6);
+}
+
+TEST(SceneTextures, FrictionAndVibrationShareAnImage) {
+  Model model = Square(Stairs());
+  Json& material = model.json["extensions"]["MPEG_haptic_material"]["materials"][0];
+  material["friction"] = material["stiffness"];
+  material["vibrotactileTexture"] = material["stiffness"][0];  // without the list, as a person writes it
+  const Felt felt = Feel(model);
+  ASSERT_EQ(felt.error, "");
+  const haptics::Material& m = felt.scene.materials()[0];
+  EXPECT_EQ(m.stiffness_texture, 0);
+  EXPECT_EQ(m.friction_texture, 0);
+  EXPECT_EQ(m.vibrotactile_texture, 0);
+  EXPECT_EQ(felt.scene.textures().size(), 1U);
+  EXPECT_EQ(felt.scene.texels().size(), 8U);
+  EXPECT_EQ(felt.load.images_decoded, 1U);
+}
+
+TEST(SceneTextures, OneImageOfManyIsRead) {
+  Model model = Square(Stairs());
+  const std::string other(500'000, 'x');
+  for (std::size_t i = 0; i < 3; ++i) {
+    model.json["images"].push_back({{"bufferView", model.json["bufferViews"].size()}, {"mimeType", "image/png"}});
+    model.json["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", model.bin.size()}, {"byteLength", other.size()}});
+    model.bin += other;
+  }
+  model.json["buffers"][0]["byteLength"] = model.bin.size();
+  const Felt felt = Feel(model);
+  ASSERT_EQ(felt.error, "");
+  EXPECT_EQ(felt.load.images_decoded, 1U);
+  EXPECT_LT(felt.load.bytes_read, 10'000U);
+}
+
+// So many squares, each with a tag and an image of its own; all images in the same bytes, or each in its own.
+Model Squares(int count, const std::string& image, bool same_bytes) {
+  Model model = Square(image);
+  Json& json = model.json;
+  for (int i = 1; i < count; ++i) {
+    if (!same_bytes) {
+      json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", model.bin.size()}, {"byteLength", image.size()}});
+      model.bin += image;
+    }
+    json["images"].push_back({{"bufferView", json["bufferViews"].size() - 1}, {"mimeType", "image/png"}});
+    json["textures"].push_back({{"source", i}});
+    Json material = json["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material["stiffness"][0]["texture"]["index"] = i;
+    json["extensions"]["MPEG_haptic_material"]["materials"].push_back(material);
+    Json mesh = json["meshes"][0];
+    mesh["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = i;
+    json["meshes"].push_back(mesh);
+    json["nodes"].push_back({{"mesh", i}});
+    json["scenes"][0]["nodes"].push_back(i);
+  }
+  json["buffers"][0]["byteLength"] = model.bin.size();
+  return model;
+}
+
+TEST(SceneTextures, ImagesHaveLimitsInAll) {
+  const Felt many = Feel(Squares(66, Stairs(), false));
+  ASSERT_EQ(many.error, "");
+  EXPECT_EQ(many.load.images_decoded, 64U);
+  EXPECT_NE(WarningsOf(many).find("is beyond the limit of 64 images"), std::string::npos) << WarningsOf(many);
+
+  Pixels noise(90'000);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<unsigned char>(i * i * 2654435761U >> 13);
+  const Felt shared = Feel(Squares(5, Png(300, 300, 1, noise), true));
+  ASSERT_EQ(shared.error, "");
+  EXPECT_EQ(shared.load.images_decoded, 1U);
+  EXPECT_NE(WarningsOf(shared).find("is among images that share their bytes"), std::string::npos) << WarningsOf(shared);
+
+  // 2 kB each, and 16 million texels.
+  const Felt large = Feel(Squares(6, Png(4096, 4096, 1, Pixels(4096 * 4096)), false));
+  ASSERT_EQ(large.error, "");
+  EXPECT_EQ(large.load.images_decoded, 4U);
+  EXPECT_NE(WarningsOf(large).find("with the images before it"), std::string::npos) << WarningsOf(large);
+}
+
+TEST(SceneTextures, WhatIsMissingOrWrongIsOneWithAWarning) {
+  struct Case {
+    std::function<void(Model&)> spoil;
+    const char* warning;
+  };
+  const Case cases[] = {
+      {[](Model& m) { m.bin[95] = 'x'; }, "neither PNG nor JPEG"},
+      {[](Model& m) {
+         m.bin.resize(130);
+         m.json["buffers"][0]["byteLength"] = 130;
+       },
+       "has no image"},
+      {[](Model& m) {
+         for (std::size_t i = 135; i < m.bin.size(); ++i) m.bin[i] = 0;
+       },
+       "/images/0"},
+      {[](Model& m) {
+         m.json["images"][0] = {{"uri", "not_there.png"}};
+       },
+       "not_there.png"},
+      {[](Model& m) {
+         m.json["images"][0] = {{"uri", "../x.png"}};
+       },
+       "/images/0/uri"},
+      {[](Model& m) { m.json["images"][0] = Json::object(); }, "neither bufferView nor uri"},
+      {[](Model& m) { m.json["textures"][0] = Json::object(); }, "/textures/0"},
+      {[](Model& m) { Entry(m)["texture"]["index"] = 9; }, "/stiffness/0/texture/index"},
+      {[](Model& m) { Entry(m)["texture"] = 5; }, "/stiffness/0/texture"},
+      {[](Model& m) { Entry(m)["type"] = "Reference"; }, "not rendered"},
+      {[](Model& m) { Entry(m)["texture"]["texCoord"] = 2; }, "only TEXCOORD_0 and _1"},
+      {[](Model& m) { Entry(m)["texture"]["texCoord"] = 1; }, "has no TEXCOORD_1"},
+      {[](Model& m) {
+         Entry(m)["texture"]["extensions"]["KHR_texture_transform"]["scale"] = {1e9, 1};
+       },
+       "million"},
+  };
+  for (const Case& c : cases) {
+    Model model = Square(Stairs());
+    c.spoil(model);
+    const Felt felt = Feel(model);
+    ASSERT_EQ(felt.error, "") << c.warning;
+    EXPECT_NE(WarningsOf(felt).find(c.warning), std::string::npos) << WarningsOf(felt) << "\nexpected " << c.warning;
+    EXPECT_EQ(felt.At(0.3, 0.7), 1) << c.warning;
+  }
+}
+
+TEST(SceneTextures, TooManyPixelsAreNotDecoded) {
+  std::string image = Stairs();
+  const auto big_endian = [&](std::size_t at, std::uint32_t value) {
+    for (std::size_t i = 0; i < 4; ++i) image[at + i] = static_cast<char>(value >> (24 - 8 * i) & 0xFF);
+  };
+  big_endian(16, 8192);  // IHDR: width, height
+  big_endian(20, 8192);
+  const Felt felt = Feel(Square(image));
+  ASSERT_EQ(felt.error, "");
+  EXPECT_NE(WarningsOf(felt).find("8192 x 8192 pixels"), std::string::npos) << WarningsOf(felt);
+}
+
+TEST(SceneTextures, DamagedImagesAreDecodedOrNotUsed) {
+  std::uint32_t random = 12345;
+  const std::string image = Stairs();
+  int used = 0;
+  for (int i = 0; i < 600; ++i) {
+    std::string damaged = image;
+    for (int k = 0; k < 3; ++k) {
+      random = random * 1664525U + 1013904223U;
+      damaged[8 + (random >> 8) % (damaged.size() - 8)] = static_cast<char>(random >> 24);
+    }
+    if (i % 7 == 0) damaged.resize(9 + random % (damaged.size() - 9));
+    const Felt felt = Feel(Square(damaged));
+    ASSERT_EQ(felt.error, "") << i;
+    const double value = felt.At(0.4, 0.4);
+    ASSERT_TRUE(value >= 0 && value <= 1) << i;
+    used += felt.load.images_decoded > 0;
+  }
+  EXPECT_GT(used, 0);
+  EXPECT_LT(used, 600);
+}
+
+}  // namespace test_scene_textures
+}  // namespace omni::scene::test

@@ -1,0 +1,34 @@
+// A scene to be touched again and again from the start. One that can be sculpted changes under the pen: it is copied as
+// it was, and edited by the service's own thread.
+#pragma once
+
+#include <memory>
+
+#include "service/daemon/scenes/sculpt_thread.h"
+#include "service/haptics/scene.h"
+
+namespace omni::test {
+
+class FreshScene {
+ public:
+  // `original` outlives this and is not changed.
+  explicit FreshScene(const haptics::Scene& original);
+  ~FreshScene();
+  FreshScene(const FreshScene&) = delete;
+  FreshScene& operator=(const FreshScene&) = delete;
+
+  // As nobody has touched it. Free for a scene that cannot be sculpted; else it may take a second. Not in a tick:
+  // scene() is another one afterwards.
+  void Renew();
+  const haptics::Scene& scene() const { return *scene_; }
+
+ private:
+  void Drop();
+
+  const haptics::Scene& original_;
+  const haptics::Scene* scene_;
+  std::shared_ptr<const haptics::Scene> copy_;  // null: the original serves
+  daemon::SculptThread editor_;
+};
+
+}  // namespace omni::test
