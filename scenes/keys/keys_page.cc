@@ -61,12 +61,8 @@ std::vector<std::string> LinesOf(const std::string& text) {
   return lines;
 }
 
-bool StartsWith(const std::string& text, const std::string& prefix) {
-  return text.compare(0, prefix.size(), prefix) == 0;
-}
-
 std::string KeyIn(const std::string& line) {
-  const std::size_t end = StartsWith(line, "| `") ? line.find('`', 3) : std::string::npos;
+  const std::size_t end = line.starts_with("| `") ? line.find('`', 3) : std::string::npos;
   return end == std::string::npos ? std::string() : line.substr(3, end - 3);
 }
 
@@ -81,7 +77,7 @@ std::string RowText(const KeyRow& row, bool with_meaning) {
 // A row of words ("constant, linear, smooth") has no range.
 bool IsOfNumbers(const std::string& line) { return line.find(" .. ") != std::string::npos; }
 
-// Rows of numbers come anew, in the order of the table; a row of words stays behind the number that it stood behind.
+// Rows of numbers are written again, in the order of the table; a row of words keeps its place behind its number.
 std::vector<std::string> NewRows(const std::vector<std::string>& old, const KeyTable& table, bool with_meaning) {
   std::vector<std::string> rows;
   const auto words_behind = [&](const std::string& key) {
@@ -101,13 +97,13 @@ std::vector<std::string> NewRows(const std::vector<std::string>& old, const KeyT
 
 void UpdateTable(std::vector<std::string>& lines, const KeyTable& table) {
   const auto heading = std::find_if(lines.begin(), lines.end(),
-                                    [&](const std::string& line) { return StartsWith(line, table.heading); });
+                                    [&](const std::string& line) { return line.starts_with(table.heading); });
   const auto header =
-      std::find_if(heading, lines.end(), [](const std::string& line) { return StartsWith(line, "| key |"); });
+      std::find_if(heading, lines.end(), [](const std::string& line) { return line.starts_with("| key |"); });
   if (header == lines.end()) throw std::runtime_error("no table of keys below \"" + table.heading + "\"");
   const bool with_meaning = header->find("meaning") != std::string::npos;
   const auto first = header + 2;
-  const auto end = std::find_if(first, lines.end(), [](const std::string& line) { return !StartsWith(line, "|"); });
+  const auto end = std::find_if(first, lines.end(), [](const std::string& line) { return !line.starts_with("|"); });
   const std::vector<std::string> rows = NewRows({first, end}, table, with_meaning);
   lines.insert(lines.erase(first, end), rows.begin(), rows.end());
 }

@@ -7,7 +7,7 @@
 
 namespace omni::actuation {
 
-// A pose of a base that nobody has calibrated is hardly ever further off: tests/loop/uncalibrated.cc.
+// A pose of a base that nobody has calibrated is almost never further off: tests/loop/uncalibrated.cc.
 inline constexpr double kDrawnError_m = 12e-3;
 
 // The share of the greatest force, 0 to 1, that leaves the true force within it although the pen may touch the hull

@@ -211,12 +211,16 @@ constexpr const MaterialField& MaterialFieldOf(std::string_view key) {
   return kMaterialFields[IndexOfKey(kMaterialFields, key)];
 }
 
+// A part that a material may do without: a structure of its own, whose numbers stand together. Empty: of none.
+constexpr std::string_view PartOf(const MaterialField& field) {
+  const std::string_view group = field.Group();
+  return group == "softness" || group == "extrude" || group == "sculptable" ? group : std::string_view();
+}
+
 // Each number of the structures has its row: what they have beside is counted here.
-consteval std::size_t RowsOf(std::string_view group) {
-  return static_cast<std::size_t>(std::count_if(kMaterialFields.begin(), kMaterialFields.end(), [group](const auto& f) {
-    const bool part = f.Group() == "softness" || f.Group() == "extrude" || f.Group() == "sculptable";
-    return group.empty() ? !part : f.Group() == group;
-  }));
+consteval std::size_t RowsOf(std::string_view part) {
+  return static_cast<std::size_t>(std::count_if(kMaterialFields.begin(), kMaterialFields.end(),
+                                                [part](const auto& field) { return PartOf(field) == part; }));
 }
 static_assert(FieldCount<Material>() == RowsOf("") + 7, "smooth, three textures, three parts");
 static_assert(FieldCount<Softness>() == RowsOf("softness") + 2, "model, fibre_direction_base");

@@ -16,13 +16,6 @@ struct NumberMember {
   bool whole;
 };
 
-// A member, or a member of a member: Member<&Material::softness, &Softness::thickness_m>().
-template <class T, class Number, auto... kPath>
-constexpr NumberMember<T> MakeMember() {
-  return {[](const T& object) noexcept { return static_cast<double>((object.*....*kPath)); },
-          [](T& object, double value) noexcept { (object.*....*kPath) = static_cast<Number>(value); },
-          std::is_integral_v<Number>};
-}
 template <class T>
 struct MemberOf;
 template <class T, class Value>
@@ -30,14 +23,16 @@ struct MemberOf<Value T::*> {
   using Object = T;
   using Number = Value;
 };
+
+// A member, or a member of a member: Member<&Material::softness, &Softness::thickness_m>().
 template <auto kFirst, auto... kMore>
 constexpr auto Member() {
   using Object = typename MemberOf<decltype(kFirst)>::Object;
-  if constexpr (sizeof...(kMore) == 0) {
-    return MakeMember<Object, typename MemberOf<decltype(kFirst)>::Number, kFirst>();
-  } else {
-    return MakeMember<Object, typename MemberOf<decltype((kMore, ...))>::Number, kFirst, kMore...>();
-  }
+  using Number = typename MemberOf<decltype((kFirst, ..., kMore))>::Number;  // of the last
+  return NumberMember<Object>{
+      [](const Object& object) noexcept { return static_cast<double>(((object.*kFirst).*....*kMore)); },
+      [](Object& object, double value) noexcept { ((object.*kFirst).*....*kMore) = static_cast<Number>(value); },
+      std::is_integral_v<Number>};
 }
 
 template <class T>

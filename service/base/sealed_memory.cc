@@ -16,7 +16,8 @@ struct SealName {
   int seal;
   const char* name;
 };
-constexpr SealName kSealNames[] = {{F_SEAL_SEAL, "F_SEAL_SEAL"},
+constexpr SealName kSealNames[] = {{F_SEAL_WRITE, "F_SEAL_WRITE"},
+                                   {F_SEAL_SEAL, "F_SEAL_SEAL"},
                                    {F_SEAL_SHRINK, "F_SEAL_SHRINK"},
                                    {F_SEAL_GROW, "F_SEAL_GROW"},
                                    {F_SEAL_FUTURE_WRITE, "F_SEAL_FUTURE_WRITE"}};
@@ -82,7 +83,7 @@ Result<UniqueFd> SealedCopy(const char* name, std::string_view content) {
   return fd;
 }
 
-Result<Mapping> MapSealed(int fd, int seals, std::size_t bytes, int protection) {
+Status CheckSealed(int fd, int seals, std::size_t bytes) {
   const auto failed = [](const char* what) { return Error{what + std::string(std::strerror(errno))}; };
   const int present = ::fcntl(fd, F_GET_SEALS);
   if (present < 0) return failed("is no sealable memory: ");
@@ -92,8 +93,13 @@ Result<Mapping> MapSealed(int fd, int seals, std::size_t bytes, int protection) 
   if (info.st_size != static_cast<off_t>(bytes)) {
     return Error{"has " + std::to_string(info.st_size) + " bytes, must have " + std::to_string(bytes)};
   }
+  return Ok{};
+}
+
+Result<Mapping> MapSealed(int fd, int seals, std::size_t bytes, int protection) {
+  if (const Status checked = CheckSealed(fd, seals, bytes); !checked.ok()) return Error{checked.error()};
   void* memory = ::mmap(nullptr, bytes, protection, MAP_SHARED, fd, 0);
-  if (memory == MAP_FAILED) return failed("cannot be mapped: ");
+  if (memory == MAP_FAILED) return Error{"cannot be mapped: " + std::string(std::strerror(errno))};
   return Mapping(memory, bytes);
 }
 

@@ -44,11 +44,14 @@ struct SealedMemory {
 // pages are taken now: a full machine is an error here, not a SIGBUS later.
 Result<SealedMemory> MakeSealedMemory(const char* name, std::size_t bytes, int protection, int seals);
 
-// A copy of `content` that nobody can change any more, its maker neither.
+// A copy of `content` that nobody can change any more, including its maker.
 Result<UniqueFd> SealedCopy(const char* name, std::string_view content);
 
-// Memory that another process made, mapped with `protection`. Refused unless all of `seals` are on it and it has
-// exactly `bytes`; the error reads on from the memory's name: "lacks the seals F_SEAL_GROW".
+// Memory that another process made has all of `seals` and exactly `bytes`. The error reads on from the memory's name:
+// "lacks the seals F_SEAL_GROW".
+Status CheckSealed(int fd, int seals, std::size_t bytes);
+
+// The same, mapped with `protection`.
 Result<Mapping> MapSealed(int fd, int seals, std::size_t bytes, int protection);
 
 }  // namespace omni::base

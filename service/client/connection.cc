@@ -98,9 +98,9 @@ struct Connection::Impl {
 
   template <class T>
   bool Send(const T& message) noexcept {
-    return phase == Phase::kConnected &&
-           protocol::SendPacket(socket.get(), &message, sizeof(message)) == SendResult::kSent;
+    return SendBytes({reinterpret_cast<const char*>(&message), sizeof(message)}, -1);
   }
+  bool SendBytes(std::string_view message, int file) noexcept;
 
   ConnectionInfo info;
   std::string path;
@@ -364,8 +364,6 @@ bool Connection::SendSession(protocol::SessionState state) noexcept {
 }
 
 bool Connection::SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept {
-  if (impl_->info.role != protocol::ClientRole::kApplication) return false;
-  if (std::isnan(amplitude) || std::isnan(frequency_Hz)) return false;
   protocol::Haptic message;
   message.duration_ns = std::max(duration_ns, protocol::kShortestPulse_ns);
   message.amplitude = std::clamp(amplitude, 0.0f, 1.0f);
@@ -374,7 +372,6 @@ bool Connection::SendHaptic(std::int64_t duration_ns, float amplitude, float fre
 }
 
 bool Connection::SendWaveform(const protocol::Waveform& waveform, std::span<const float> samples) noexcept {
-  if (impl_->info.role != protocol::ClientRole::kApplication || !connected()) return false;
   if (samples.empty() || samples.size() > protocol::kMaxWaveformSamples) return false;
   const float least = waveform.kind == protocol::WaveformKind::kPcm ? -1.0f : 0.0f;
   protocol::Waveform head = waveform;
@@ -389,15 +386,17 @@ bool Connection::SendWaveform(const protocol::Waveform& waveform, std::span<cons
   return SendBytes({reinterpret_cast<const char*>(packet.data()), head.header.size}, -1);
 }
 
-// What omnid would drop this client for is not sent: a sample that is no number shows here, too.
-bool Connection::SendBytes(std::string_view message, int file) noexcept {
+bool Connection::SendBytes(std::string_view message, int file) noexcept { return impl_->SendBytes(message, file); }
+
+// What omnid would drop this client for is not sent: a number that is none shows here, too.
+bool Connection::Impl::SendBytes(std::string_view message, int file) noexcept {
   protocol::MessageHeader header;
-  if (!connected() || message.size() < sizeof(header)) return false;
+  if (phase != Phase::kConnected || message.size() < sizeof(header)) return false;
   std::memcpy(&header, message.data(), sizeof(header));
-  if ((protocol::RolesOf(header.type) & protocol::RoleBit(impl_->info.role)) == 0) return false;
+  if ((protocol::RolesOf(header.type) & protocol::RoleBit(info.role)) == 0) return false;
   const protocol::ClientMessage checked = protocol::ValidateFromClient(message.data(), message.size());
   if (std::holds_alternative<protocol::Invalid>(checked)) return false;
-  return protocol::SendPacket(impl_->socket.get(), message.data(), message.size(), &file, file >= 0 ? 1 : 0) ==
+  return protocol::SendPacket(socket.get(), message.data(), message.size(), &file, file >= 0 ? 1 : 0) ==
          SendResult::kSent;
 }
 
@@ -457,7 +456,6 @@ std::optional<protocol::Placement> Connection::TakePlacement() noexcept {
 }
 
 std::uint32_t Connection::SendPlacementCommand(protocol::PlacementCommand command) noexcept {
-  if (impl_->info.role != protocol::ClientRole::kTool) return 0;
   command.number = impl_->placement_commands + 1;
   return impl_->Send(command) ? ++impl_->placement_commands : 0;
 }

@@ -124,7 +124,7 @@ struct Service::RequestHandler {
   const ipc::ClientId id;
   base::UniqueFd& file;
 
-  // The newest of what the tick is told, at once: an application does not wait for the next period.
+  // Passes changes on to the tick now: an application does not wait for the next period.
   void Commit(bool changed = true) const {
     if (changed) service.WriteCommands(base::MonotonicNow_ns());
   }

@@ -153,7 +153,7 @@ Status CheckMaterial(const Material& m, std::size_t index) {
   const std::string where = "material " + std::to_string(index) + ": ";
   for (const base::MaterialField& field : base::kMaterialFields) {
     // What moves geometry keeps to its range; a wall may be stiffer than a file can say (benchmarks have such walls).
-    const bool strict = field.member.whole || (m.extrude.enabled && field.Group() == "extrude");
+    const bool strict = field.member.whole || (m.extrude.enabled && base::PartOf(field) == "extrude");
     const double minimum = strict ? field.minimum : 0, maximum = strict ? field.maximum : kLargestNumber;
     const double value = field.Get(m);
     if (!(value >= minimum && value <= maximum)) {

@@ -4,7 +4,6 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
@@ -56,25 +55,17 @@ base::Status CheckOptions(const ServerOptions& options) {
   return base::Ok{};
 }
 
-// Why this is no document of `bytes` bytes that stays as it is; empty: it is one.
-std::string ProblemOfDocument(int fd, std::uint64_t bytes) {
-  const int needed = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW;
-  const int seals = ::fcntl(fd, F_GET_SEALS);
-  if (seals < 0 || (seals & needed) != needed) return "its memory is not sealed WRITE, SHRINK and GROW";
-  struct stat info {};
-  if (::fstat(fd, &info) != 0 || info.st_size != static_cast<off_t>(bytes)) {
-    return "its memory does not have the " + std::to_string(bytes) + " bytes that it says";
-  }
-  return {};
-}
-
 // Why what came along with a message is not what it needs; empty: it is.
 template <class M>
 std::string ProblemOfFile(const M& message, const UniqueFd& file) {
   if (protocol::Traits<M>::kDescriptors == 0)
     return file ? "a packet with descriptors that its message does not have" : "";
   if (!file) return "comes without its descriptor";
-  if constexpr (std::is_same_v<M, protocol::HapticSceneLoad>) return ProblemOfDocument(file.get(), message.bytes);
+  if constexpr (std::is_same_v<M, protocol::HapticSceneLoad>) {
+    // A document that stays as it is.
+    const auto checked = base::CheckSealed(file.get(), F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW, message.bytes);
+    if (!checked.ok()) return "its memory " + checked.error();
+  }
   return {};
 }
 

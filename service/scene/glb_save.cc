@@ -59,9 +59,9 @@ OrderedJson TagOf(const haptics::Material& material) {
     tag["sculptable"]["symmetry"] = NameOf(kSymmetries, material.sculpt.symmetry);
   }
   for (const base::MaterialField& field : base::kMaterialFields) {
-    if (field.Group() == "softness" && !soft) continue;
-    if (field.Group() == "extrude" && !material.extrude.enabled) continue;
-    if (field.Group() == "sculptable" && !material.sculpt.enabled) continue;
+    if (base::PartOf(field) == "softness" && !soft) continue;
+    if (base::PartOf(field) == "extrude" && !material.extrude.enabled) continue;
+    if (base::PartOf(field) == "sculptable" && !material.sculpt.enabled) continue;
     PutKey(field.key, field.Get(material), tag);
   }
   return tag;

@@ -122,7 +122,7 @@ TEST(Server, AnotherVersionIsToldBothVersions) {
   EXPECT_EQ(service.handler.ClientCount(), 0u);
 }
 
-// Who sends what its role does not send is told which role does.
+// The reason names the role that may send the message.
 TEST(Server, AMessageOfAnotherRoleIsRefused) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/unique_fd.h"
+#include "service/base/sealed_memory.h"
 #include "tests/support/box_document.h"
 #include "tests/support/process/service_process.h"
 
@@ -40,15 +40,14 @@ class SceneApplication : public TestApplication {
 
   // False: it was not sent.
   bool Load(const std::string& document, std::uint32_t flags = 0) {
-    const base::UniqueFd fd(::memfd_create("test-scene", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-    if (::write(fd.get(), document.data(), document.size()) != static_cast<ssize_t>(document.size())) return false;
-    ::fcntl(fd.get(), F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW);
+    const auto fd = base::SealedCopy("test-scene", document);
+    if (!fd.ok()) return false;
     protocol::HapticSceneLoad load;
     load.number = ++number;
     load.bytes = document.size();
     load.flags = flags;
     state = {};
-    return connection().Send(load, fd.get());
+    return connection().Send(load, fd->get());
   }
 
   void Take() {

@@ -229,8 +229,8 @@ XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlac
   const protocol::ScenePose pose = ToScenePose(AxesTurned(X_OG));
   if (!InReach(pose)) return XR_ERROR_POSE_INVALID;
   const double scale_before = scene->placement ? scene->placement->scale : 1;
-  const bool anew = scale != scale_before;
-  if (anew) SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
+  const bool reload = scale != scale_before;
+  if (reload) SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
   scene->placement = {placement->baseSpace, X_SG.X, scale};
   scene->X_OG = X_OG;
   scene->place.number = scene->number;

@@ -35,7 +35,7 @@ XrResult Instance::EndFrame(XrSession session, const XrFrameEndInfo* info) {
     }
     const PenAt pen = PenAtTime(*this, *side.session(), info->displayTime);
     const Located X_LS = side.pen() ? pen.Locate(side.X_TS) : Located{};
-    if ((X_LS.flags & kValid) != kValid) continue;  // nobody knows where: not shown
+    if ((X_LS.flags & kValid) != kValid) continue;  // its place is unknown: not shown
     layers.push_back(copies.Move(*info->layers[i], pen.anchor, X_LS.motion.X));
   }
   XrFrameEndInfo changed = *info;

@@ -10,6 +10,7 @@
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
 #include "service/protocol/text.h"
+#include "service/scene/tags/haptic_keys.h"
 #include "service/tools/scene/scene_features.h"
 
 namespace omni::tools {
@@ -21,17 +22,7 @@ using haptics::SoftnessModel;
 using nlohmann::json;
 using protocol::Printable;
 
-const char* NameOf(SoftnessModel model) {
-  switch (model) {
-    case SoftnessModel::kWinkler:
-      return "winkler";
-    case SoftnessModel::kTet:
-      return "tet";
-    case SoftnessModel::kNone:
-      break;
-  }
-  return "none";
-}
+std::string NameOf(SoftnessModel model) { return std::string(scene::NameOf(scene::kSoftnessModels, model)); }
 
 std::string Number(double value) {
   char text[32];
@@ -68,23 +59,20 @@ std::string FieldText(const base::MaterialField& field, const Material& material
   return std::string(field.label) + " " + Number(field.Get(material)) + UnitText(field);
 }
 
-// A part that a material may do without: its numbers stand together.
-bool IsPart(std::string_view group) { return group == "softness" || group == "extrude" || group == "sculptable"; }
-
 // ", name 12 unit" for what differs from the default; the four that always matter come first, whatever their value.
 std::string MaterialLine(const Material& material) {
   constexpr int kAlways = 4;
   std::string text;
   int count = 0;
   for (const base::MaterialField& field : base::kMaterialFields) {
-    if (IsPart(field.Group())) continue;
+    if (!base::PartOf(field).empty()) continue;
     if (count++ >= kAlways && field.Get(material) == field.Default()) continue;
     text += (text.empty() ? "" : ", ") + FieldText(field, material);
   }
   if (material.softness.model != SoftnessModel::kNone) {
-    text += std::string(", softness ") + NameOf(material.softness.model);
+    text += ", softness " + NameOf(material.softness.model);
     for (const base::MaterialField& field : base::kMaterialFields) {
-      if (field.Group() == "softness") text += ", " + FieldText(field, material);
+      if (base::PartOf(field) == "softness") text += ", " + FieldText(field, material);
     }
   }
   if (material.extrude.enabled) {
@@ -161,7 +149,8 @@ json MaterialJson(const Material& material) {
   values["extrude"] = {{"enabled", material.extrude.enabled}};
   values["sculptable"] = {{"enabled", material.sculpt.enabled}};
   for (const base::MaterialField& field : base::kMaterialFields) {
-    json& place = IsPart(field.Group()) ? values[std::string(field.Group())] : values;
+    const std::string part(base::PartOf(field));
+    json& place = part.empty() ? values : values[part];
     if (field.member.whole) {
       place[KeyOf(field)] = static_cast<int>(field.Get(material));
     } else {

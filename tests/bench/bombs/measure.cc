@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/base/unique_fd.h"
+#include "service/base/sealed_memory.h"
 
 namespace omni::bombs {
 namespace {
@@ -227,13 +227,8 @@ Cost LoadByEntry(Omnid& omnid, const std::string& application, double limit_s) {
 
 Cost LoadByDocument(Omnid& omnid, const std::string& application, const std::string& document, double limit_s) {
   Guest guest(omnid, application);
-  const base::UniqueFd memory(memfd_create("bomb", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  for (std::size_t done = 0; done < document.size();) {
-    const ssize_t more = write(memory.get(), document.data() + done, document.size() - done);
-    if (more <= 0) return {.end = "no memory"};
-    done += static_cast<std::size_t>(more);
-  }
-  fcntl(memory.get(), F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW);
+  const auto memory = base::SealedCopy("bomb", document);
+  if (!memory.ok()) return {.end = "no memory"};
   protocol::HapticSceneLoad load;
   load.number = 1;
   load.bytes = document.size();
@@ -247,7 +242,7 @@ Cost LoadByDocument(Omnid& omnid, const std::string& application, const std::str
     return {};
   };
   return Wait(
-      omnid, guest, limit_s, [&] { guest.connection().Send(load, memory.get()); }, ended);
+      omnid, guest, limit_s, [&] { guest.connection().Send(load, memory->get()); }, ended);
 }
 
 }  // namespace omni::bombs
