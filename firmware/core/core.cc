@@ -1,6 +1,6 @@
 #include "firmware/core/core.h"
 
-#include "firmware/core/config_table.h"
+#include "firmware/core/link/config_table.h"
 #include "firmware/wire/names.h"
 #include "firmware/wire/scaling.h"
 

@@ -12,18 +12,18 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/core/arming.h"
 #include "firmware/core/board_io.h"
-#include "firmware/core/command_gate.h"
 #include "firmware/core/drive.h"
-#include "firmware/core/fault_latch.h"
-#include "firmware/core/log_line.h"
-#include "firmware/core/outbox.h"
-#include "firmware/core/output_check.h"
-#include "firmware/core/safety_monitor.h"
-#include "firmware/core/self_test.h"
-#include "firmware/core/settings.h"
-#include "firmware/core/tick_report.h"
+#include "firmware/core/link/log_line.h"
+#include "firmware/core/link/outbox.h"
+#include "firmware/core/link/settings.h"
+#include "firmware/core/link/tick_report.h"
+#include "firmware/core/safety/arming.h"
+#include "firmware/core/safety/command_gate.h"
+#include "firmware/core/safety/fault_latch.h"
+#include "firmware/core/safety/output_check.h"
+#include "firmware/core/safety/safety_monitor.h"
+#include "firmware/core/safety/self_test.h"
 
 namespace omni::firmware {
 

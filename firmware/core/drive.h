@@ -2,9 +2,9 @@
 // coil's energy ends in its copper and not in the supply. docs/theory/firmware.md (19) to (22)
 #pragma once
 
-#include "firmware/core/coil_heat.h"
 #include "firmware/core/current_control.h"
-#include "firmware/core/fault_rules.h"
+#include "firmware/core/safety/coil_heat.h"
+#include "firmware/core/safety/fault_rules.h"
 
 namespace omni::firmware {
 

@@ -61,10 +61,10 @@ function(omni_precompile_test target)
   endif()
 endfunction()
 
-# omni_discover(TARGET PREFIX [VIRTUAL_TIME [EXCEPT suites...]] [PROPERTIES ...]): registers a program's tests with ctest
-# one by one. VIRTUAL_TIME: they start real processes and wait for them: in virtual time (tests/hil/virtual_time_main.cc),
-# which a busy machine does not stretch; the suites of EXCEPT in real time, and nothing else runs meanwhile. Under a
-# sanitizer, which wants to be the first library of a program, all do that.
+# omni_discover(TARGET PREFIX [VIRTUAL_TIME [EXCEPT suites...]] [PROPERTIES ...]): registers each test of a program with
+# ctest. VIRTUAL_TIME is for tests that start processes and wait for them: they run in virtual time, which a busy machine
+# does not stretch (tests/hil/time/virtual_time_main.cc). The suites of EXCEPT run in real time, alone; under a sanitizer,
+# which has to be the first library of a program, all of them do.
 function(omni_discover target prefix)
   cmake_parse_arguments(ARG "VIRTUAL_TIME" "" "EXCEPT;PROPERTIES" ${ARGN})
   set(real "*")

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "firmware/board/teensy40/board.h"
-#include "firmware/board/teensy40/clocks.h"
+#include "firmware/board/teensy40/chip/clocks.h"
 #include "firmware/board/teensy40/watchdog.h"
 #include "firmware/core/run.h"
 #include "tests/support/chips/teensy_chip.h"

@@ -1,7 +1,7 @@
 // Temperatures told twice.
 #include <gtest/gtest.h>
 
-#include "firmware/core/coil_heat.h"
+#include "firmware/core/safety/coil_heat.h"
 #include "tests/support/chips/firmware_bench.h"
 
 namespace omni::firmware {

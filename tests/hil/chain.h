@@ -11,7 +11,7 @@
 #include "service/sim/coils/plant.h"
 #include "tests/hil/faulty_link.h"
 #include "tests/hil/hil_board.h"
-#include "tests/hil/usb_function.h"
+#include "tests/hil/usb/usb_function.h"
 
 namespace omni::hil {
 

@@ -12,10 +12,10 @@
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
 #include "service/sim/coils/plant.h"
+#include "tests/hil/board/tools.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/fake_host.h"
 #include "tests/hil/hil_board.h"
-#include "tests/hil/tools.h"
 
 namespace omni::hil {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "firmware/core/lockstep_board.h"
-#include "tests/hil/qemu_board.h"
+#include "tests/hil/board/qemu_board.h"
 
 namespace omni::hil {
 namespace {

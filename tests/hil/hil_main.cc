@@ -13,7 +13,7 @@
 #include "service/sim/twin/twin.h"
 #include "tests/hil/hil_run.h"
 #include "tests/hil/scenario.h"
-#include "tests/hil/usb_emulator.h"
+#include "tests/hil/usb/usb_emulator.h"
 
 namespace {
 

@@ -13,17 +13,17 @@
 
 #include <nlohmann/json.hpp>
 
-#include "firmware/core/settings.h"
+#include "firmware/core/link/settings.h"
 #include "service/sim/twin/recording.h"
 #include "service/twin/socket_guide.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/hil_board.h"
-#include "tests/hil/host_process.h"
-#include "tests/hil/pacer.h"
-#include "tests/hil/quiet.h"
 #include "tests/hil/scenario.h"
-#include "tests/hil/usb_emulator.h"
-#include "tests/hil/virtual_clock.h"
+#include "tests/hil/time/host_process.h"
+#include "tests/hil/time/pacer.h"
+#include "tests/hil/time/quiet.h"
+#include "tests/hil/time/virtual_clock.h"
+#include "tests/hil/usb/usb_emulator.h"
 
 namespace omni::hil {
 namespace {

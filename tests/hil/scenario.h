@@ -12,8 +12,8 @@
 #include "service/base/result.h"
 #include "service/sim/coils/plant.h"
 #include "tests/hil/chain.h"
-#include "tests/hil/host_process.h"
-#include "tests/hil/usb_emulator.h"
+#include "tests/hil/time/host_process.h"
+#include "tests/hil/usb/usb_emulator.h"
 
 namespace omni::hil {
 

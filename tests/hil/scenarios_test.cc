@@ -7,8 +7,8 @@
 #include <string>
 
 #include "firmware/wire/messages.h"
+#include "tests/hil/board/tools.h"
 #include "tests/hil/hil_session.h"
-#include "tests/hil/tools.h"
 
 namespace omni::hil {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "layer/src/spaces/locate.h"
 #include "service/protocol/placement.h"
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace test_alignment {

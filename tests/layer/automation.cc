@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace test_automation {

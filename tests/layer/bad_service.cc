@@ -12,7 +12,7 @@
 #include "service/protocol/control.h"
 #include "service/protocol/socket_path.h"
 #include "service/protocol/text.h"
-#include "tests/layer/force_fixture.h"
+#include "tests/layer/force/fixture.h"
 
 namespace omni::test {
 namespace test_bad_service {

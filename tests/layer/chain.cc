@@ -8,8 +8,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "tests/layer/app.h"
 #include "tests/layer/mini_loader/chain_app.h"
+#include "tests/layer/support/app.h"
 #include "tests/support/sanitized.h"
 
 namespace omni::test {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/layer/app.h"
 #include "tests/layer/mini_loader/mini_loader.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace test_create_instance {

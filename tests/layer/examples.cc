@@ -10,7 +10,7 @@
 #include <sstream>
 #include <thread>
 
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::test {

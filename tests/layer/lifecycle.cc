@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace test_lifecycle {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <regex>
 
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace test_own_names {

@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "layer/src/instance/event_queue.h"
-#include "tests/layer/app.h"
 #include "tests/layer/mini_loader/chain_app.h"
+#include "tests/layer/support/app.h"
 #include "tests/support/sanitized.h"
 
 namespace omni::test {

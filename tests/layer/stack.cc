@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 #include "tests/support/sanitized.h"
 
 namespace omni::test {

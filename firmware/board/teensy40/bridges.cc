@@ -1,6 +1,6 @@
 #include "firmware/board/teensy40/bridges.h"
 
-#include "firmware/board/teensy40/registers.h"
+#include "firmware/board/teensy40/chip/registers.h"
 
 namespace omni::board {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "firmware/board/teensy40/clocks.h"
-#include "firmware/board/teensy40/pins.h"
+#include "firmware/board/teensy40/chip/clocks.h"
+#include "firmware/board/teensy40/chip/pins.h"
 
 namespace omni::board {
 

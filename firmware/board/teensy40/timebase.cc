@@ -1,7 +1,7 @@
 #include "firmware/board/teensy40/timebase.h"
 
-#include "firmware/board/teensy40/clocks.h"
-#include "firmware/board/teensy40/registers.h"
+#include "firmware/board/teensy40/chip/clocks.h"
+#include "firmware/board/teensy40/chip/registers.h"
 
 namespace omni::board {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/board/teensy40/chip/registers.h"
 #include "firmware/board/teensy40/frame_ring.h"
-#include "firmware/board/teensy40/registers.h"
-#include "firmware/core/settings.h"
+#include "firmware/core/link/settings.h"
 #include "firmware/drivers/usb_device.h"
 
 namespace omni::board {

@@ -1,7 +1,7 @@
 #include "firmware/board/teensy40/watchdog.h"
 
-#include "firmware/board/teensy40/critical.h"
-#include "firmware/board/teensy40/registers.h"
+#include "firmware/board/teensy40/chip/critical.h"
+#include "firmware/board/teensy40/chip/registers.h"
 
 namespace omni::board {
 namespace {

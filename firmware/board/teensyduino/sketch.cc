@@ -5,9 +5,9 @@
 // Two things are less than in the register-level image: the fault record does not outlive a reset, and a processor
 // fault is answered by the watchdog after 8 ms, not by a brake at once.
 #include "firmware/board/teensy40/board.h"
-#include "firmware/board/teensy40/chip.h"
-#include "firmware/board/teensy40/clocks.h"
-#include "firmware/board/teensy40/retained.h"
+#include "firmware/board/teensy40/boot/retained.h"
+#include "firmware/board/teensy40/chip/chip.h"
+#include "firmware/board/teensy40/chip/clocks.h"
 #include "firmware/board/teensy40/watchdog.h"
 #include "firmware/core/run.h"
 

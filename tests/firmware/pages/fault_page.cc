@@ -1,7 +1,7 @@
 // docs/protocol/faults.md: the rules as they stand in the code, and what the runs gave.
 #include <algorithm>
 
-#include "firmware/core/fault_rules.h"
+#include "firmware/core/safety/fault_rules.h"
 #include "firmware/wire/names.h"
 #include "service/device/usb/command_life.h"
 #include "tests/firmware/pages/fault_matrix.h"
@@ -97,7 +97,7 @@ std::string SilenceTable(const std::vector<SilenceRow>& rows) {
 std::string FaultPage(const std::vector<MatrixRow>& rows, const std::vector<SilenceRow>& silence) {
   return R"(# Faults
 
-Printed by the target `fault_matrix` from `firmware/core/fault_rules.h`, `firmware/wire/names.h` and runs of the control
+Printed by the target `fault_matrix` from `firmware/core/safety/fault_rules.h`, `firmware/wire/names.h` and runs of the control
 core against a simulated base in virtual time. A test compares. What a person does about each fault: `wire.md`.
 
 ## Rules

@@ -1,7 +1,7 @@
 // What Teensyduino does around a sketch, so that the check links: a vector table in RAM, and main.
 #include <Arduino.h>
 
-#include "firmware/board/teensy40/cpu.h"
+#include "firmware/board/teensy40/chip/cpu.h"
 
 namespace {
 void (*g_vectors[omni::board::kVectors])();

@@ -15,15 +15,15 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/core/settings.h"
+#include "firmware/core/link/settings.h"
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
 #include "service/console/command.h"
 #include "service/sim/twin/twin.h"
 #include "tests/hil/chain.h"
 #include "tests/hil/deep/redir_port.h"
-#include "tests/hil/host_process.h"
-#include "tests/hil/pacer.h"
+#include "tests/hil/time/host_process.h"
+#include "tests/hil/time/pacer.h"
 
 namespace omni::hil {
 namespace {

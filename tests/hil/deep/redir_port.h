@@ -13,7 +13,7 @@
 
 #include "firmware/drivers/usb_control.h"
 #include "service/base/unique_fd.h"
-#include "tests/hil/usb_function.h"
+#include "tests/hil/usb/usb_function.h"
 
 // usbredirparser.h stays in redir_port.cc.
 struct usbredirparser;

@@ -129,7 +129,7 @@ void RunSurvivorsAgain(std::vector<Job>& jobs, const fs::path& folder) {
 int main(int argc, char** argv) {
   const fs::path folder = fs::path(OMNI_FAULTY_FOLDER) / "run";
   fs::create_directories(folder);
-  const nlohmann::json table = ReadJson(OMNI_SOURCE_DIR "/tests/layer/rules.json");
+  const nlohmann::json table = ReadJson(OMNI_SOURCE_DIR "/tests/layer/rules/rules.json");
   std::map<std::string, std::set<std::string>> tests = TestsByFault(table);
   const std::set<std::string> only(argv + 1, argv + argc);
   std::vector<Job> jobs;

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "tests/layer/app.h"
 #include "tests/layer/fuzz/pick.h"
 #include "tests/layer/fuzz/sequence.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace {

@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 
-#include "tests/layer/app.h"
 #include "tests/layer/fuzz/pick.h"
 #include "tests/layer/fuzz/sequence.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace {
@@ -27,11 +27,11 @@ XrHapticNodeIdOMNIX1 Sequence::AnyNode() {
 
 void Sequence::MakeScene() {
   if (!own_.CreateHapticSceneOMNIX1) return;
-  static constexpr std::array<std::uint8_t, 16> kDocument{'{', '"', 'a', '"', ':', '1', '}'};
+  static constexpr std::array<std::uint8_t, 16> kShortestDocument{'{', '"', 'a', '"', ':', '1', '}'};
   static constexpr std::uint32_t kSizes[] = {0, XR_MAX_HAPTIC_SCENE_BYTES_OMNIX1 + 1, 0xFFFFFFFF};
   const std::uint32_t size = random_.Percent(85) ? 1 + random_.Below(16) : kSizes[random_.Below(3)];
   const XrHapticSceneCreateInfoOMNIX1 info{Type(XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1), Chain(), random_.Below(5),
-                                           size, OrNull(kDocument.data())};
+                                           size, OrNull(kShortestDocument.data())};
   XrHapticSceneOMNIX1 scene = XR_NULL_HANDLE;
   const XrSession session = Pick(sessions_);
   const XrResult result = own_.CreateHapticSceneOMNIX1(session, OrNull(&info), OrNull(&scene));

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/layer/app.h"
 #include "tests/layer/fuzz/pick.h"
 #include "tests/layer/fuzz/sequence.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace {

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "service/protocol/seqlock.h"
-#include "tests/layer/fake_service.h"
+#include "tests/layer/support/fake_service.h"
 
 namespace omni::test {
 namespace {

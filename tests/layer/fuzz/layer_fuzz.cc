@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
-#include "tests/layer/app.h"
 #include "tests/layer/fuzz/garbage_service.h"
 #include "tests/layer/fuzz/sequence.h"
-#include "tests/layer/scene_messages.h"
+#include "tests/layer/support/app.h"
+#include "tests/layer/support/scene_messages.h"
 
 namespace omni::test {
 namespace test_layer_fuzz {

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "tests/layer/app.h"
 #include "tests/layer/fuzz/pick.h"
 #include "tests/layer/mini_loader/chain_app.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 
 namespace omni::test {
 namespace {

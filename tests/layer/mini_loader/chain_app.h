@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/layer/fake_service.h"
 #include "tests/layer/mini_loader/mini_loader.h"
+#include "tests/layer/support/fake_service.h"
 
 namespace omni::test {
 

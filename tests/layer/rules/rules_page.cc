@@ -1,4 +1,4 @@
-// Prints docs/howto/openxr-rules.md from tests/layer/rules.json; Rules.PageIsTheCommittedOne compares.
+// Prints docs/howto/openxr-rules.md from tests/layer/rules/rules.json; Rules.PageIsTheCommittedOne compares.
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -24,15 +24,16 @@ void PrintGroup(const nlohmann::json& group) {
 }  // namespace
 
 int main() {
-  std::ifstream in(OMNI_SOURCE_DIR "/tests/layer/rules.json");
-  if (!in) return std::fprintf(stderr, "no " OMNI_SOURCE_DIR "/tests/layer/rules.json\n"), 1;
+  std::ifstream in(OMNI_SOURCE_DIR "/tests/layer/rules/rules.json");
+  if (!in) return std::fprintf(stderr, "no " OMNI_SOURCE_DIR "/tests/layer/rules/rules.json\n"), 1;
   const nlohmann::json root = nlohmann::json::parse(in);
   std::size_t rules = 0;
   for (const nlohmann::json& group : root.at("groups")) rules += group.at("rules").size();
   std::printf(
       "# The rules that the OpenXR layer keeps, and what proves each\n"
       "\n"
-      "Printed from tests/layer/rules.json by `layer_rules_page`; a test compares, and fails where a rule has no test "
+      "Printed from tests/layer/rules/rules.json by `layer_rules_page`; a test compares, and fails where a rule has no "
+      "test "
       "or\n"
       "names one that does not exist. %zu rules, %zu seeded faults.\n"
       "\n"

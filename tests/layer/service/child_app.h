@@ -8,7 +8,7 @@
 #include <functional>
 #include <string>
 
-#include "tests/layer/app.h"
+#include "tests/layer/support/app.h"
 #include "tests/support/process/forked.h"
 #include "tests/support/process/service_process.h"
 

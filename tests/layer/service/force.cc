@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "tests/layer/force_fixture.h"
+#include "tests/layer/force/fixture.h"
 #include "tests/layer/service/child_app.h"
 
 namespace omni::test {

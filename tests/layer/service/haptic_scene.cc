@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "layer/src/spaces/locate.h"
-#include "tests/layer/scene_functions.h"
 #include "tests/layer/service/child_app.h"
+#include "tests/layer/support/scene_functions.h"
 #include "tests/support/box_document.h"
 
 namespace omni::test {

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "firmware/core/board_io.h"
-#include "firmware/core/settings.h"
+#include "firmware/core/link/settings.h"
 #include "firmware/wire/scaling.h"
 
 namespace omni::firmware {

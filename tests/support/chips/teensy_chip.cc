@@ -1,6 +1,6 @@
 #include "tests/support/chips/teensy_chip.h"
 
-#include "firmware/board/teensy40/pins.h"
+#include "firmware/board/teensy40/chip/pins.h"
 
 namespace omni::support {
 namespace {

@@ -1,0 +1,45 @@
+// The firmware of a base on a Teensy 4.0: what to call when.
+#include "firmware/board/teensy40/board.h"
+#include "firmware/board/teensy40/boot/retained.h"
+#include "firmware/board/teensy40/chip/chip.h"
+#include "firmware/board/teensy40/chip/clocks.h"
+#include "firmware/board/teensy40/chip/cpu.h"
+#include "firmware/board/teensy40/watchdog.h"
+#include "firmware/core/run.h"
+
+namespace omni::board {
+namespace {
+
+Board* g_board = nullptr;
+firmware::Runner<Board>* g_runner = nullptr;
+
+}  // namespace
+}  // namespace omni::board
+
+extern "C" {
+void OnControlStep() {
+  using omni::board::Timebase;
+  if (Timebase::AcknowledgeStep()) omni::board::g_runner->Step();
+}
+void OnCurrentBus() { omni::board::g_board->CurrentBusInterrupt(); }
+void OnUsb() { omni::board::g_board->UsbInterrupt(); }
+
+int main() {
+  using namespace omni::board;
+  SetUpClocks();
+  const omni::firmware::ResetCause cause = TakeResetCause();
+  static const omni::firmware::Settings settings = ChipSettings();
+  static Board board(settings);
+  static omni::firmware::Runner<Board> runner(board, settings, cause, retained().resets ^ dwt::Cycles(),
+                                              retained().record);
+  g_board = &board;
+  g_runner = &runner;
+  board.Start();
+  StartWatchdog();
+  InterruptsOn();
+  for (;;) {
+    WaitForInterrupt();
+    board.Maintain();
+  }
+}
+}

@@ -1,0 +1,293 @@
+// Rules of docs/extensions/XR_OMNIX1_haptic_scene.md: what may be asked when, limits, spaces that move, and events.
+#include <cmath>
+#include <cstdint>
+
+#include "layer/src/spaces/locate.h"
+#include "tests/layer/support/scene_scenario.h"
+
+namespace omni::test {
+namespace test_haptic_scene_rules {
+
+constexpr XrPosef kHere{{0, 0, 0, 1}, {0, 0, 0}};
+
+// The results of everything that needs more than a handle, in one order.
+std::vector<XrResult> AskAll(const SceneStory& story, XrHapticNodeIdOMNIX1 node) {
+  const XrTime now = Now_ns() + kRuntimeOffset_ns;
+  const XrSpace local = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  std::uint32_t count = 0;
+  XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
+  const XrHapticNodePoseOMNIX1 pose{node, 0, kHere, {0, 0, 0}, {0, 0, 0}};
+  const XrHapticNodesUpdateInfoOMNIX1 update{
+      XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1, nullptr, XR_NULL_HANDLE, now, 1, &pose};
+  const XrHapticContactsGetInfoOMNIX1 contacts{XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1, nullptr, local, now};
+  const XrHapticNodeMeshGetInfoOMNIX1 shape{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
+  XrHapticNodeMeshOMNIX1 mesh{XR_TYPE_HAPTIC_NODE_MESH_OMNIX1};
+  return {story.f->nodes(story.scene, 0, &count, nullptr),
+          story.f->get_material(story.scene, 0, &material),
+          story.f->set_material(story.scene, 0, &material),
+          story.f->move(story.scene, &update),
+          story.f->contacts(story.scene, &contacts, 0, &count, nullptr),
+          story.f->mesh(story.scene, &shape, &mesh)};
+}
+
+XrHapticScenePlacementOMNIX1 In(XrSpace space, float scale = 1) {
+  return {XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1, nullptr, space, kHere, scale};
+}
+
+XrResult Move(const SceneStory& story, const std::vector<XrHapticNodePoseOMNIX1>& poses,
+              XrTime time = Now_ns() + kRuntimeOffset_ns, XrSpace base = XR_NULL_HANDLE) {
+  const XrHapticNodesUpdateInfoOMNIX1 info{XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1,  nullptr,     base, time,
+                                           static_cast<std::uint32_t>(poses.size()), poses.data()};
+  return story.f->move(story.scene, &info);
+}
+
+std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneStory& story) {
+  std::uint32_t count = 0;
+  EXPECT_EQ(story.f->nodes(story.scene, 0, &count, nullptr), XR_SUCCESS);
+  std::vector<XrHapticSceneNodeOMNIX1> nodes(count, {XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1});
+  EXPECT_EQ(story.f->nodes(story.scene, count, &count, nodes.data()), XR_SUCCESS);
+  return nodes;
+}
+
+// [Results] LOADING for the first time: it can be placed and enabled, and has nothing to tell.
+TEST(HapticSceneRules, ALoadingSceneIsNotReady) {
+  SceneStory story;
+  ASSERT_EQ(story.Create(), XR_SUCCESS);
+  ASSERT_NE(story.Number(), 0u);
+  for (const XrResult result : AskAll(story, 1)) EXPECT_EQ(result, XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
+  const XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL));
+  EXPECT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  EXPECT_EQ(story.f->enable(story.scene, XR_FALSE), XR_SUCCESS);
+  const XrHapticSceneStateOMNIX1 state = story.State();
+  EXPECT_EQ(state.status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
+  EXPECT_EQ(state.nodeCount + state.materialCount + state.triangleCount, 0u);
+  EXPECT_EQ(state.isFelt, XR_FALSE);
+}
+
+// [Results] "anything but its state, its diagnostics and its end"; [Life of a scene] "is FAILED, and stays so".
+TEST(HapticSceneRules, AFailedSceneStaysFailed) {
+  SceneStory story;
+  ASSERT_EQ(story.Create(), XR_SUCCESS);
+  const std::uint32_t number = story.Number();
+  ASSERT_NE(number, 0u);
+  story.SayState(number, protocol::HapticSceneStatus::kFailed, 0, "document: /meshes/3: is broken");
+  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1; }));
+  for (const XrResult result : AskAll(story, 1)) EXPECT_EQ(result, XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  const XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 2);
+  EXPECT_EQ(story.f->place(story.scene, &placement), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  EXPECT_EQ(story.f->enable(story.scene, XR_TRUE), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  // A word that was under way, and a new service.
+  story.service->Say(SceneTableMessage(number, TwoNodes()));
+  story.SayState(number, protocol::HapticSceneStatus::kReady, 9, "");
+  const std::int64_t end = Now_ns() + 100'000'000;
+  story.Until([&] { return Now_ns() > end; });
+  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1);
+  EXPECT_NE(story.Diagnostics().find("/meshes/3"), std::string::npos);
+  story.service = nullptr;
+  story.service = std::make_unique<FakeService>();
+  ASSERT_TRUE(story.Until([&] { return !story.service->heard().applications.empty(); }));
+  story.app->Poll();
+  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1);
+  EXPECT_TRUE(story.service->heard().scene_loads.empty());
+}
+
+// [XrEventDataHapticSceneStateChangedOMNIX1] one for each change of status; none of a scene that was destroyed.
+TEST(HapticSceneRules, EventsTellEachChangeOfALivingScene) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  story.app->Poll();
+  const auto count = [&] { return story.app->CountEvents(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1); };
+  EXPECT_EQ(count(), 1) << "READY";
+  const XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 3);
+  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  story.app->Poll();
+  EXPECT_EQ(count(), 2) << "another scale: LOADING";
+  story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 10, "");
+  ASSERT_TRUE(story.Until([&] { return count() == 3; }));
+  story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 0, "");
+  ASSERT_TRUE(story.Until([&] { return story.State().isFelt == XR_FALSE; })) << "ready, and not felt now";
+  EXPECT_EQ(count(), 3) << "the status is the same";
+  const XrHapticScenePlacementOMNIX1 again = In(placement.baseSpace, 4);
+  ASSERT_EQ(story.f->place(story.scene, &again), XR_SUCCESS);
+  ASSERT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
+  story.app->Poll();
+  EXPECT_EQ(count(), 3) << "its handle is no more";
+}
+
+// [Results] a 17th moved node, a 17th changed material; the sixteen go on.
+TEST(HapticSceneRules, SixteenNodesMoveAndSixteenMaterialsChange) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady(ManyNodes(20, 20)));
+  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
+  ASSERT_EQ(nodes.size(), 20u);
+  std::vector<XrHapticNodePoseOMNIX1> poses;
+  for (const XrHapticSceneNodeOMNIX1& node : nodes) poses.push_back({node.node, 0, kHere, {0, 0, 0}, {0, 0, 0}});
+  const std::vector<XrHapticNodePoseOMNIX1> seventeen(poses.begin(), poses.begin() + 17);
+  EXPECT_EQ(Move(story, seventeen), XR_ERROR_LIMIT_REACHED);
+  for (std::size_t i = 0; i < 16; ++i) ASSERT_EQ(Move(story, {poses[i]}), XR_SUCCESS);
+  EXPECT_EQ(Move(story, {poses[16]}), XR_ERROR_LIMIT_REACHED);
+  EXPECT_EQ(Move(story, {poses[15], poses[0]}), XR_SUCCESS);
+  XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
+  ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
+  for (std::uint32_t i = 0; i < 16; ++i) ASSERT_EQ(story.f->set_material(story.scene, i, &material), XR_SUCCESS);
+  EXPECT_EQ(story.f->set_material(story.scene, 16, &material), XR_ERROR_LIMIT_REACHED);
+  EXPECT_EQ(story.f->set_material(story.scene, 15, &material), XR_SUCCESS);
+  EXPECT_EQ(story.f->set_material(story.scene, 20, &material), XR_ERROR_INDEX_OUT_OF_RANGE);
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_nodes.size() == 17; }));
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_materials.size() == 17; }));
+}
+
+// [Results] "An unsuccessful call changes nothing": of an update with one bad pose, no pose is told later either.
+TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
+  const XrHapticNodePoseOMNIX1 good{nodes[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}};
+  XrHapticNodePoseOMNIX1 bad = good;
+  bad.node = nodes[0].node;
+  EXPECT_EQ(Move(story, {good, bad}), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  bad = good;
+  bad.flags = 2;
+  EXPECT_EQ(Move(story, {good, bad}), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(Move(story, {}), XR_ERROR_VALIDATION_FAILURE) << "no pose at all";
+  for (const XrTime time : {XrTime{0}, XrTime{-3}}) EXPECT_EQ(Move(story, {good}, time), XR_ERROR_TIME_INVALID);
+  // In a space that cannot be located nothing moves; what is wrong is told all the same.
+  const XrTime now = Now_ns() + kRuntimeOffset_ns;
+  const XrSpace nowhere = story.app->ActionSpace(story.app->pose, story.app->left);
+  omni_test_set_device("left", 0, nullptr);
+  ASSERT_EQ(story.app->Sync(), XR_SUCCESS);
+  EXPECT_EQ(Move(story, {good}, now, nowhere), XR_SUCCESS);
+  bad.flags = 0;
+  bad.node = nodes[0].node;
+  EXPECT_EQ(Move(story, {bad}, now, nowhere), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  story.service = nullptr;
+  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
+  story.service = std::make_unique<FakeService>();
+  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_enables.empty(); })) << "all was told again";
+  EXPECT_TRUE(story.service->heard().scene_nodes.empty());
+}
+
+// [Life of a scene] "placement, node poses and materials are as they were last set", ids are those of before.
+TEST(HapticSceneRules, ANewServiceIsToldPlacementAndPoses) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
+  XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL));
+  placement.pose.position = {0.1f, 0.2f, -0.3f};
+  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  ASSERT_EQ(Move(story, {{nodes[1].node, 0, {{0, 0, 0, 1}, {0.1f, 0.4f, 0}}, {0, 0, 0}, {0, 0, 0}}}), XR_SUCCESS);
+  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_nodes.empty(); }));
+  const Heard before = story.service->heard();
+  story.service = nullptr;
+  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
+  EXPECT_EQ(story.State().isFelt, XR_FALSE);
+  story.service = std::make_unique<FakeService>();
+  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_enables.empty(); }));
+  const Heard after = story.service->heard();
+  ASSERT_EQ(after.scene_places.size(), 1u);
+  EXPECT_EQ(after.scene_places[0].pose.position_m, before.scene_places.back().pose.position_m);
+  ASSERT_EQ(after.scene_nodes.size(), 1u);
+  EXPECT_EQ(after.scene_nodes[0].nodes[0].pose.position_m, before.scene_nodes.back().nodes[0].pose.position_m);
+  EXPECT_EQ(NodesOf(story)[1].node, nodes[1].node) << "LOADING again: they are those of the document";
+}
+
+// [Frames] baseSpace is looked up at every xrWaitFrame; where it cannot be located the scene stays.
+TEST(HapticSceneRules, ThePlacementFollowsItsSpace) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  const float head[7] = {0, 1.6f, -0.5f, 0, 0, 0, 1};
+  const float moving[6] = {0.3f, 0, 0, 0, 0, 0};
+  ASSERT_EQ(omni_test_set_head(head, moving), 0);
+  const XrHapticScenePlacementOMNIX1 in_view = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW));
+  ASSERT_EQ(story.f->place(story.scene, &in_view), XR_SUCCESS);
+  const auto frame = [&] {
+    XrFrameState state{XR_TYPE_FRAME_STATE};
+    EXPECT_EQ(xrWaitFrame(story.app->session, nullptr, &state), XR_SUCCESS);
+    EXPECT_GE(xrBeginFrame(story.app->session, nullptr), XR_SUCCESS);
+    const XrFrameEndInfo end{XR_TYPE_FRAME_END_INFO,           nullptr, state.predictedDisplayTime,
+                             XR_ENVIRONMENT_BLEND_MODE_OPAQUE, 0,       nullptr};
+    EXPECT_EQ(xrEndFrame(story.app->session, &end), XR_SUCCESS);
+    return state.predictedDisplayTime;
+  };
+  const XrTime shown = frame();
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() >= 2; }));
+  const protocol::HapticScenePlace place = story.service->heard().scene_places[1];
+  EXPECT_NEAR(static_cast<double>(place.t_ns), static_cast<double>(shown - kRuntimeOffset_ns), 2e6);
+  EXPECT_NEAR(place.pose.velocity_m_s[0], 0.3, 1e-4) << "x of LOCAL is x of the base";
+  // A controller's space, which is lost.
+  const XrHapticScenePlacementOMNIX1 in_hand = In(story.app->ActionSpace(story.app->pose, story.app->left));
+  ASSERT_EQ(story.app->Sync(), XR_SUCCESS);
+  ASSERT_EQ(story.f->place(story.scene, &in_hand), XR_SUCCESS);
+  const float away[7] = {1, 1, 1, 0, 0, 0, 1};
+  omni_test_set_tracking("left", 0, 0);
+  ASSERT_EQ(omni_test_set_pose("/user/hand/left/input/grip/pose", away, nullptr), 0);
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() >= 3; }));
+  const std::size_t told = story.service->heard().scene_places.size();
+  frame();
+  frame();
+  const std::int64_t end = Now_ns() + 50'000'000;
+  story.Until([&] { return Now_ns() > end; });
+  EXPECT_EQ(story.service->heard().scene_places.size(), told);
+  omni_test_set_tracking("left", 1, 1);
+  frame();
+  EXPECT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() > told; }));
+  ASSERT_EQ(xrDestroySpace(in_hand.baseSpace), XR_SUCCESS);
+  frame();
+  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_READY_OMNIX1) << "it stays where it was";
+}
+
+// [Valid usage] a scale is finite and taken to the nearest end of its range; `next` is ignored.
+TEST(HapticSceneRules, ScalesAreTakenIntoRange) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 1e9f);
+  XrBaseInStructure unknown{static_cast<XrStructureType>(1999999999), nullptr};
+  placement.next = &unknown;
+  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  placement.scale = -1;
+  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() == 2; }));
+  EXPECT_EQ(story.service->heard().scene_places[0].scale, 1e4);
+  EXPECT_EQ(story.service->heard().scene_places[1].scale, 1e-4);
+}
+
+// [Results] node ids are of one scene; a mesh is asked of what changes, and is there when a shape has arrived.
+TEST(HapticSceneRules, NodesOfAnotherSceneAndMeshesOfStillNodes) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  const std::vector<XrHapticSceneNodeOMNIX1> old = NodesOf(story);
+  const auto mesh_of = [&](XrHapticNodeIdOMNIX1 node) {
+    const XrHapticNodeMeshGetInfoOMNIX1 info{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
+    XrHapticNodeMeshOMNIX1 mesh{XR_TYPE_HAPTIC_NODE_MESH_OMNIX1};
+    return story.f->mesh(story.scene, &info, &mesh);
+  };
+  EXPECT_EQ(mesh_of(old[1].node), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1) << "it never changes";
+  EXPECT_EQ(mesh_of(XR_NULL_HAPTIC_NODE_ID_OMNIX1), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  EXPECT_EQ(mesh_of(old[0].node), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1) << "this service publishes no shapes";
+  ASSERT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
+  ASSERT_EQ(story.Create(), XR_SUCCESS);
+  const std::uint32_t number = story.Number(2);
+  story.service->Say(SceneTableMessage(number, TwoNodes()));
+  story.SayState(number, protocol::HapticSceneStatus::kReady, 11, "");
+  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; }));
+  EXPECT_EQ(Move(story, {{old[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}}}), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  EXPECT_EQ(Move(story, {{NodesOf(story)[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}}}), XR_SUCCESS);
+}
+
+// [Life of a scene] felt while it is enabled and its session focused: what the service is told, and what it says.
+TEST(HapticSceneRules, FeltIsWhatTheServiceSays) {
+  SceneStory story;
+  ASSERT_TRUE(story.GetReady());
+  EXPECT_EQ(story.State().isFelt, XR_TRUE);
+  ASSERT_EQ(story.f->enable(story.scene, XR_FALSE), XR_SUCCESS);
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_enables.size() >= 2; }));
+  EXPECT_EQ(story.service->heard().scene_enables.back().enabled, 0u);
+  story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 0, "");
+  EXPECT_TRUE(story.Until([&] { return story.State().isFelt == XR_FALSE; }));
+  ASSERT_EQ(story.f->enable(story.scene, XR_TRUE), XR_SUCCESS);
+  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_enables.size() >= 3; }));
+  EXPECT_EQ(story.service->heard().scene_enables.back().enabled, 1u);
+}
+
+}  // namespace test_haptic_scene_rules
+}  // namespace omni::test
