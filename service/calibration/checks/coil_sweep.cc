@@ -134,7 +134,7 @@ std::string CoilSweep::SensorProblem() const {
     const char* what = mostly(silent_[i])            ? " gives nothing (not a number, or too old)"
                        : !all && mostly(repeats_[i]) ? " repeats itself"
                                                      : nullptr;
-    if (what != nullptr) return "sensor " + std::to_string(i) + what + "; look at its cable and address";
+    if (what != nullptr) return "sensor " + std::to_string(i) + what + "; check its cable and address";
   }
   return {};
 }
@@ -144,7 +144,7 @@ base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
   if (const std::string why = SensorProblem(); !why.empty()) return refused(why);
   if (!(bad_scans_ <= 0.05 * (scans_ + rest_scans_))) {
     return refused(std::to_string(bad_scans_) +
-                   " scans were saturated or not a number; take the pen and other magnets away and sweep anew");
+                   " scans were saturated or not a number; take the pen and other magnets away and sweep again");
   }
   if (!(scans_ >= kScansMin && rest_scans_ >= kScansMin)) {
     return refused("only " + std::to_string(static_cast<int>(scans_)) + " steady scans and " +
@@ -166,7 +166,7 @@ base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
   N.diagonal().segment<3>(kLagAt).array() += lag * lag;
   const Eigen::LDLT<Eigen::Matrix<double, kRegressors, kRegressors>> solver(N);
   const Eigen::Matrix<double, kRegressors, kReadings> fit = solver.solve(right_);
-  if (!fit.allFinite()) return refused("the currents do not tell the coils apart; sweep them one by one");
+  if (!fit.allFinite()) return refused("the currents do not distinguish the coils; sweep them one by one");
   const Eigen::Matrix<double, kReadings, 1> explained = (fit.cwiseProduct(right_)).colwise().sum().transpose();
   const Vector3d rest_A = rest_current_sum_A_ / rest_scans_;
   const double current_rms_A = std::sqrt(N_.diagonal().segment<3>(kCurrentsAt).minCoeff() / scans_);
