@@ -26,7 +26,7 @@ struct Sample {
   int group = 0;                 // which touch; samples of one group share what a hand does wrong there
 };
 
-// What is known before, and how much of it to believe.
+// Prior knowledge, and its weight.
 struct Prior {
   bool level = true;                 // the base stands on a level desk and L's y points up
   double level_sigma_rad = 0.00873;  // 0.5 degrees: desks, and the headset's idea of gravity
@@ -62,7 +62,7 @@ struct Outcome {
   double correlation = 1;         // samples that are worth one independent one
   int samples = 0;
   int groups = 0;
-  int wrong_group = -1;                 // left out: it does not fit what the others say
+  int wrong_group = -1;                 // left out: it contradicts the others
   double wrong_by_m = 0;                // by so much
   std::array<double, 36> covariance{};  // of (rotation vector in L, position of B's origin in L), row-major
   std::vector<double> residual_m;       // per sample, norm
