@@ -65,8 +65,7 @@ double ForceMax_N(const Config& config, const base::ToolState& tool, const base:
 void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
               base::CoilCurrents& currents) noexcept;
 
-// The force on the tool that `coil_current_A` produces at the tool's pose, including the core's pull. Zero outside the
-// map.
+// The force on the tool that `coil_current_A` produces at its pose, core's pull included. Zero outside the map.
 base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,
                              const std::array<double, base::kCoilCount>& coil_current_A) noexcept;
 

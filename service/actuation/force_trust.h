@@ -1,5 +1,4 @@
-// How much force may be requested of a base that is known only to some accuracy. Set-up only. docs/theory/actuation.md
-// (15)
+// How much force may be requested of a base of limited accuracy. Set-up only. docs/theory/actuation.md (15)
 #pragma once
 
 #include "service/actuation/force_map.h"

@@ -24,7 +24,7 @@ std::string PivotText(const char* format, double metres) {
   return text;
 }
 
-// Neighbouring residuals tell the same: 1 + 2 sum rho.
+// Neighbouring residuals are correlated: 1 + 2 sum rho.
 double Correlation(const std::vector<Vector3d>& residuals, double ssr) {
   double correlation = 1;
   for (std::size_t lag = 1; lag < residuals.size() / 3 && ssr > 0; ++lag) {
@@ -41,7 +41,8 @@ double Correlation(const std::vector<Vector3d>& residuals, double ssr) {
 base::Result<Pivot> SolvePivot(const std::vector<Rigid>& controller_space) {
   if (static_cast<int>(controller_space.size()) < kPivotPoses_min) {
     return base::Error{"the controller was tracked in " + std::to_string(controller_space.size()) +
-                       " poses only, at least " + std::to_string(kPivotPoses_min) + " are needed; swing it for some seconds"};
+                       " poses only, at least " + std::to_string(kPivotPoses_min) +
+                       " are needed; swing it for some seconds"};
   }
   Matrix6 H = Matrix6::Zero();
   Vector6 g = Vector6::Zero();

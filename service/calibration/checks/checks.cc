@@ -75,7 +75,7 @@ std::string ResponseProblem(const base::SensorCalibration& drawn, const CoilResp
   return {};
 }
 
-// Of the drawing's size, how far the map of sensor `measured` is off the drawing of `drawn`.
+// How far the map of sensor `measured` is from the nominal map of `drawn`, relative to the latter.
 double MapError(const base::Calibration& nominal, const std::vector<CoilResponse>& responses, std::size_t measured,
                 std::size_t drawn) {
   const RowMajor3d map = Eigen::Map<const RowMajor3d>(responses[measured].map_sensor_T_A.data());
@@ -169,7 +169,8 @@ std::string PosesProblem(const base::Calibration& nominal, const Recording& reco
   const double misfit = 1 - found / static_cast<double>(recording.samples.size());
   if (!(misfit <= limits.misfit_max)) {
     return Percent(misfit) + " of the readings fit no pose of this magnet, at most " + Percent(limits.misfit_max) +
-           " is allowed; remove other magnets and iron, and check magnet and sensors (order, axes) against the device file";
+           " is allowed; remove other magnets and iron, and check magnet and sensors (order, axes) against the device "
+           "file";
   }
   mean /= found;
   const double travel_m = std::sqrt(std::max(0.0, square_m2 / found - mean.squaredNorm()));
@@ -212,8 +213,8 @@ std::string ResultProblem(const Adjustment& adjustment, const Report& report, co
     const int index = static_cast<int>(worst);
     return parameters.Name(index) + " was found to be " +
            Number(parameters.x()[worst] * parameters.ToleranceInUnit(index)) + " " + parameters.Unit(index) + ", " +
-           Number(sigmas, "%.1f") + " tolerances from the drawing, the limit is " + Number(limits.tolerance_sigmas_max) +
-           "; check the device file and this sensor";
+           Number(sigmas, "%.1f") + " tolerances from the drawing, the limit is " +
+           Number(limits.tolerance_sigmas_max) + "; check the device file and this sensor";
   }
   return {};
 }

@@ -42,7 +42,7 @@ std::vector<SweepStep> MakeSweep(const SweepPlan& plan) {
   for (int repeat = 0; repeat < 2 * plan.repeats; ++repeat) {
     const double amplitude_A = plan.amplitude_A * (repeat < plan.repeats ? 1 : plan.small_share);
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-      // The order turns round, so that what the core remembers of the step before cancels.
+      // The order reverses, so that the core's memory of the step before cancels.
       const double first_A = repeat % 2 == 0 ? amplitude_A : -amplitude_A;
       for (const double current_A : {first_A, -first_A}) {
         SweepStep step{{}, plan.plateau_scans, false};
@@ -59,7 +59,7 @@ std::vector<SweepStep> MakeSweep(const SweepPlan& plan) {
   return steps;
 }
 
-// A plateau that has settled tells the step that led to it.
+// A plateau that has settled shows the step that led to it.
 void CoilSweep::FollowSteps(const Vector3d& current_A) {
   const Vector3d change_A = current_A - settled_A_;
   if (!(change_A.norm() > kStepMin_A)) return;
@@ -126,7 +126,7 @@ void CoilSweep::LookAtSensors(const base::HallScan& scan) {
   }
 }
 
-// A sensor that says nothing of the coils; where all repeat themselves, they have no noise.
+// A sensor that shows nothing of the coils; where all repeat themselves, they have no noise.
 std::string CoilSweep::SensorProblem() const {
   const auto mostly = [this](int scans) { return scans > 0 && scans > kMostly * looks_; };
   const bool all = std::all_of(repeats_.begin(), repeats_.end(), mostly);

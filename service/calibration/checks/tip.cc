@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 
 constexpr double kMoved_m = 0.3e-3;      // rms: a good calibration leaves a fifth of it beside the base (simulated)
 constexpr double kSigma_m = 0.2e-3;      // little beside what the calibration leaves of the pen's place
-constexpr double kFromDrawing_m = 5e-3;  // five tolerances of 1 mm: farther off it is another pen
-constexpr double kIndependentPoses = 4;  // errors of poses that are alike are alike
+constexpr double kFromDrawing_m = 5e-3;  // five tolerances of 1 mm: beyond, it is another pen
+constexpr double kIndependentPoses = 4;  // errors of similar poses are similar
 constexpr double kErrorShare = 0.3;      // of the calibration's error, what turns with the pen (simulated: 0.2 rms)
 
 template <class... Arguments>

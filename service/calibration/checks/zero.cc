@@ -49,7 +49,7 @@ Eigen::Matrix<double, 3, 5> GradientAt(const Vector3d& r) {
   return fields;
 }
 
-// What is left of `change`, frame B, when the best of these fields is taken off.
+// The rest of `change`, frame B, after subtracting the best of these fields.
 VectorXd Without(const MatrixXd& fields, const VectorXd& change) {
   return change - fields * fields.colPivHouseholderQr().solve(change);
 }

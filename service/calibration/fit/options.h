@@ -1,4 +1,4 @@
-// How far a base may be from its drawing, and how far a recording is to be trusted.
+// Manufacturing tolerances of a base, and the limits for accepting a recording.
 #pragma once
 
 namespace omni::calibration {
@@ -36,8 +36,8 @@ struct Limits {
   double saturated_max = 0.3;       // share of instants with saturated or missing axes
   double misfit_max = 0.3;          // share of instants that fit no pose
   double chi2_per_dof_max = 2.0;    // after adjustment
-  double tolerance_sigmas_max = 5;  // a parameter farther off is no tolerance but a fault
-  double moment_max = 0.15;         // relative: farther off is another magnet
+  double tolerance_sigmas_max = 5;  // a parameter beyond is a defect, not a tolerance
+  double moment_max = 0.15;         // relative: beyond, it is another magnet
 };
 
 struct Options {

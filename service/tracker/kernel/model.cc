@@ -63,7 +63,7 @@ ReadingVector UnevenReadings(const base::Calibration& calibration, const Vector3
   return readings_T;
 }
 
-// Dipoles as strong as the pen all around at two distances, and a little of anything:   K = mean b b^T + sigma^2
+// Dipoles as strong as the pen all around at two distances, plus a small isotropic part:   K = mean b b^T + sigma^2
 StrayPrior MakeStrayPrior(const base::Calibration& calibration) {
   constexpr int kDirections = 64;
   constexpr std::array<double, 2> kDistances_m{0.2, 0.3};

@@ -38,8 +38,8 @@ void AddTone(const Tone& tone, double age_s, AmbientChange& change) noexcept {
   }
 }
 
-// Two scans' difference of what they say of the ambient field, as information and gradient, what their offsets held of
-// the tones left out: J = (I + I') / 4,   e = (g - g' + I' (b - b')) / 2
+// Difference of two scans' evidence of the ambient field, as information and gradient, with what their offsets
+// contained of the tones left out: J = (I + I') / 4,   e = (g - g' + I' (b - b')) / 2
 struct Difference {
   std::array<double, 9> information{};
   std::array<double, 3> gradient{};
@@ -72,8 +72,8 @@ std::array<double, 3> HeldOf(const Tone& tone, double age_s) noexcept {
   return held.field_T;
 }
 
-// I += H^T J H, g += H^T (e + J (m - m')) with H = [cos - cos', sin - sin'] and m, m' what the offsets held of this
-// tone; x = I^-1 g.
+// I += H^T J H, g += H^T (e + J (m - m')) with H = [cos - cos', sin - sin'] and m, m' what the offsets contained of
+// this tone; x = I^-1 g.
 void Learn(const MainsOptions& options, const Difference& difference, double age_s, double apart_s,
            Tone& tone) noexcept {
   const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
@@ -118,7 +118,7 @@ void Find(Mains& mains) noexcept {
   mains.listened_s = 0;
 }
 
-// By how much a cos + b sin has turned since it was heard, mains are faster than was thought.
+// By how much a cos + b sin has turned since the last tuning, mains are faster than assumed.
 void Tune(const MainsOptions& options, Mains& mains) noexcept {
   double along = 0, across = 0;
   for (std::size_t c = 0; c < 3; ++c) {
