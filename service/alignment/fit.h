@@ -6,7 +6,7 @@
 
 namespace omni::alignment {
 
-// Samples in the order of time. Refuses what cannot make a good placement; the error says what to do.
+// Samples in the order of time. Rejects what cannot make a good placement; the error says what to do.
 base::Result<Outcome> Fit(const std::vector<Sample>& samples, const Prior& prior, const Limits& limits);
 
 // Checks what Limits requires of the points alone, before a fit. `what` names them: "marks", "places".

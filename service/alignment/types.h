@@ -39,7 +39,7 @@ struct Prior {
   bool robust = false;      // single samples may be wrong: weighs them down
 };
 
-// When to refuse.
+// When to reject.
 struct Limits {
   int samples_min = 3;
   double extent_min_m = 0.03;   // largest rms extent of the points is at least half of this

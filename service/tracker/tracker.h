@@ -62,7 +62,7 @@ struct State {
   int cold_pause = 0;      // scans to wait before the next cold start
   std::int64_t filter_t_ns = 0;
   std::uint32_t scans = 0;
-  std::uint32_t cold_scan = 0;  // the last whose pose was found without a hint
+  std::uint32_t cold_scan = 0;  // the last whose pose was found by a cold start
   FilterState filter;
   DriftState drift;
   Mains mains;

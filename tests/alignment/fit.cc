@@ -1,4 +1,4 @@
-// The joint fit: what it finds, what it refuses and with which words, which touch it calls wrong.
+// The joint fit: what it finds, what it rejects and with which words, which touch it calls wrong.
 #include "service/alignment/fit.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(AlignmentFit, ExactTouchesGiveTheExactPlace) {
   }
 }
 
-// A tip that nobody has measured is found with the base when the controller turns.
+// A tip that has not been measured is found with the base when the controller turns.
 TEST(AlignmentFit, UnknownTipIsFoundTogetherWithTheBase) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     AlignmentStory story(seed);

@@ -1,4 +1,4 @@
-// Recordings that would make a bad calibration are refused, with the reason and what to do.
+// Recordings that would make a bad calibration are rejected, with the reason and the remedy.
 #include <gtest/gtest.h>
 
 #include <cmath>

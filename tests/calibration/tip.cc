@@ -1,4 +1,4 @@
-// Where the tip is, from poses that are known: what is found, and what is refused.
+// The tip's position from known poses: what is found, and what is rejected.
 #include <gtest/gtest.h>
 
 #include <cmath>

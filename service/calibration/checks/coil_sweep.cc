@@ -157,9 +157,9 @@ base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
     return refused("coil " + std::string(1, "xyz"[k]) + " carried " + range +
                    ", at least -1 to 1 A are needed; check its driver and supply");
   }
-  // reading = constant + A I - K (direction of the last step) - E sum step EddyTail(time since it): what the core keeps
-  // lags behind the last step whatever its size, so that without K it would pass for a smaller A. The priors of K and
-  // E decide where a plan does not tell them from A.
+  // reading = constant + A I - K (direction of the last step) - E sum step EddyTail(time since it): the core's
+  // remanence lags behind the last step whatever its size, so that without K it would pass for a smaller A. The priors
+  // of K and E decide where a plan does not separate them from A.
   Eigen::Matrix<double, kRegressors, kRegressors> N = N_;
   const double kept = kNoise_T / kKept_T, lag = kNoise_T / kLag_T;
   N.diagonal().segment<3>(kKeptAt).array() += kept * kept;

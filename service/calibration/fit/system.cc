@@ -212,7 +212,7 @@ struct CoilAt {
 
 }  // namespace
 
-// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis), B_k with what steel answers. (5)
+// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis), B_k with the steel's response. (5)
 void Problem::AddMaps(const Parameters& parameters, System& system) const {
   constexpr int n = kSensorUnknowns, all = n + 1 + kCoilUnknowns + 2;
   const Tolerances& t = parameters.tolerances();
@@ -273,7 +273,7 @@ namespace {
 constexpr double kUnbroken_s = 0.06;                   // from window to window: the path between them is known
 constexpr int kWayParts = 16;                          // of the path from one to the next
 constexpr double kKeptMin_A = 5e-3, kKeptMax_A = 0.1;  // that a core may keep, while it is being determined
-constexpr double kTurned_A = 0.02;                     // change of the core's moment that turns what it keeps
+constexpr double kTurned_A = 0.02;                     // change of the core's moment that reverses its remanence
 
 // From b to c, share s of the path that goes through a, b, c, d [Catmull, Rom 1974].
 Vector3d OnTheWay(const std::array<Vector3d, 4>& p, double s) {

@@ -12,7 +12,7 @@ namespace omni::sim {
 
 enum class HallFault : std::uint8_t {
   kNone,
-  kStuck,          // the same sample again and again, each said to be fresh
+  kStuck,          // the same sample again and again, each marked as fresh
   kStopped,        // answers, but its conversions have ended
   kDead,           // does not answer
   kWrongIdentity,  // another device answers

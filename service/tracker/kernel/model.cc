@@ -44,7 +44,7 @@ SteelMirror MirrorSensors(const base::Calibration& calibration) {
 
 using ReadingVector = Eigen::Matrix<double, kReadings, 1>;
 
-// What a dipole makes of the readings, without what it makes at all sensors alike.
+// A dipole's field in the readings, without the part common to all sensors.
 ReadingVector UnevenReadings(const base::Calibration& calibration, const Vector3d& at_m, const Vector3d& moment_Am2) {
   Eigen::Matrix<double, 3, kSensors> field_T;
   for (std::size_t i = 0; i < kSensors; ++i) {

@@ -113,7 +113,7 @@ AmbientEvidence OfAmbient(const DriftEvidence& evidence, const DriftState& drift
   return ambient;
 }
 
-// Squared innovation over what is expected, mean of three components: with nu = I^-1 g the field's innovation,
+// Squared innovation over the expected one, mean of three components: with nu = I^-1 g the field's innovation,
 //   nu^T (I^-1 + P)^-1 nu / 3 = g^T (I + I P I)^-1 g / 3
 double Innovation(const AmbientEvidence& evidence, const DriftState& drift) noexcept {
   const auto& I = evidence.information;

@@ -23,7 +23,7 @@ void Restart(const MainsOptions& options, Mains& mains) noexcept {
   for (std::size_t k = 0; k < mains.tones.size(); ++k) Restart(options.candidates_Hz[k], mains.tones[k]);
 }
 
-// The field and its first two derivatives, if the tone is believed.
+// The field and its first two derivatives, if the tone is accepted.
 void AddTone(const Tone& tone, double age_s, AmbientChange& change) noexcept {
   if (!tone.believed) return;
   const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
@@ -98,7 +98,7 @@ void Learn(const MainsOptions& options, const Difference& difference, double age
   tone.held_T = held_T;
   tone.heard_s += apart_s;
   SmallCholesky<kToneStates> factors;
-  if (!factors.Factor(tone.information_1_T2.data(), kToneStates, 0)) return;  // a scan or two say nothing of all six
+  if (!factors.Factor(tone.information_1_T2.data(), kToneStates, 0)) return;  // a scan or two do not determine all six
   tone.mean_T = factors.Solve(tone.gradient_1_T);
   tone.chi2 = 0;
   for (std::size_t s = 0; s < kToneStates; ++s) tone.chi2 += tone.mean_T[s] * tone.gradient_1_T[s];

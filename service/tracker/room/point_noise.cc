@@ -11,11 +11,11 @@ namespace {
 
 double Worst(const std::array<double, 9>& c) noexcept { return std::max({c[0], c[4], c[8]}); }
 
-// Of a model's variance, the rest is the motion that it allows for: of a small gain's, half is noise without a speed
-// and three quarters with one. What is asked for is the latter, so that is 1.
+// Of a model's variance, the rest is the motion that it allows for: of a small gain's, half is noise without a velocity
+// and three quarters with one. The latter is normalised to 1.
 constexpr Likely kNoise{2.0 / 3, 1, 1};
 
-// What noise makes of the estimate: sum mu n P. The models' differences are in it.
+// The noise in the estimate: sum mu n P. The models' differences are in it.
 template <typename Estimate, typename VarianceOf>
 double NoiseIn(const Models<Estimate>& models, const VarianceOf& variance) noexcept {
   double sum = 0;

@@ -24,7 +24,7 @@ void SettleAt(const PenPlace& pen, double weight, PenPlace& place) noexcept {
   settle(pen.core_A, place.core_A);
 }
 
-// d = (sum I)^-1 sum g; false: what was gathered does not tell
+// d = (sum I)^-1 sum g; false: the sums do not determine it
 bool SolveReference(StillPen& still) noexcept {
   SmallCholesky<kDriftStates> factors;
   if (!factors.Factor(still.information.data(), kDriftStates, 0)) return false;

@@ -138,8 +138,7 @@ void Correct(const StrayOptions& options, const Model& model, StrayField& stray)
   stray.wander_1_s = std::clamp(stray.wander_1_s, options.wander_min_1_s, options.wander_max_1_s);
 }
 
-// What was found is as large as what is unknown was once, at the least: what readings hide is as large as what they
-// show.
+// The uncertainty has been at least as large as what was found: readings hide as much as they show.
 void Renew(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   Correct(options, model, stray);
   const double wandered = stray.wander_1_s * options.cycle_scans * base::kTickPeriod_s;

@@ -24,7 +24,7 @@ struct AwayOptions {
   double zero_T = 5e-6;       // by which a zero may have drifted in zero_s, and since the calibration
   double zero_s = 3600;
   double core_A = 0.011;         // what the core keeps, as currents: no zero
-  double window_error_T = 1e-6;  // what a mean says of a zero: it makes slow what looks sure
+  double window_error_T = 1e-6;  // error of a mean as a measure of a zero: makes slow what looks sure
 };
 
 struct Away {
@@ -52,7 +52,7 @@ inline void EndAwayWindow(Away& away) noexcept {
   away.has_uniform = false;
 }
 
-// A scan, zeros taken off, that no pose explains. True: the zeros were learnt, nothing that is not uniform is left.
+// A scan, zeros subtracted, that no pose explains. True: the zeros were learnt, only a uniform field is left.
 bool WatchAway(const AwayOptions& options, const Model& model, const base::HallScan& scan, DriftState& drift,
                Away& away) noexcept;
 

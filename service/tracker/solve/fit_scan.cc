@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 // sensors with the model's error doubled time and again, as an uncalibrated base needs.
 constexpr int kFirstLeftOut = 2, kFirstDoubled = kFirstLeftOut + kSensors;
 constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wrong, a pose known worse is none
-// A first pose by which nothing is wrong is known so well (trace); where its chi2 is so many times what it should be,
-// any other ambient field saves less than that.
+// A correct first pose is known this well (trace); where its chi2 exceeds this per degree of freedom, any other ambient
+// field saves less than kFieldSaves.
 constexpr double kKnown_m2 = 225e-6, kOddly = 1.5, kFieldSaves = 22;
 constexpr double kNoFit = 1e6;  // chi2
 
@@ -72,7 +72,7 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
     const bool fits = FitsReadings(config, measurement, outcome.fit);
     outcome.explained = outcome.explained || fits;
     outcome.good = fits && IsInReach(config, outcome.fit.pose);
-    // Far below or beyond the base the readings say little: only a fit well outside decides.
+    // Far below or beyond the base the readings show little: only a fit well outside decides.
     if (outcome.good || (fits && outcome.fit.pose.position_base_m.norm() > config.reach_max_m)) break;
   }
   return outcome;

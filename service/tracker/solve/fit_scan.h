@@ -47,8 +47,8 @@ void BlameFrozen(const Config& config, const base::HallScan& scan, State& state)
 bool TryJump(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
              Outcome& outcome) noexcept;
 
-// The scan did not fit where the pen was expected. In turn: the ambient field has jumped; one sensor is wrong (a few a
-// scan); the calibration is worse than it says. True: `state` holds that now, `measurement` and `outcome` are of it.
+// The scan did not fit where the pen was expected. In turn: the ambient field has jumped; one sensor is wrong (a few
+// per scan); the calibration is worse than stated. True: `state` holds that now, `measurement` and `outcome` are of it.
 bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
                      Outcome& outcome) noexcept;
 
