@@ -101,7 +101,7 @@ TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreFound) {
 
 TEST_F(TrackerDrift, BlindToTheCurrentsItStillTracks) {
   config.trust.currents_hidden = true;
-  remanence_A = {9, -12, 14};  // nobody tells
+  remanence_A = {9, -12, 14};  // not reported
   double sum_m = 0;
   for (int i = 0; i < 1000; ++i) {
     Move(1e-3 * i);
