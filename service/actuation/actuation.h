@@ -1,4 +1,4 @@
-// Actuation: a force on the tool into coil currents, limits with the last word.
+// Actuation: turns a force on the tool into coil currents; limits take precedence.
 // Paper Eq. 6-8 with the errata of docs/theory/actuation.md: F = X(pose) I, X from the coils' fields at the magnet.
 #pragma once
 
@@ -25,7 +25,7 @@ struct Config {
   double temperature_max_C = 70;
   std::array<double, 3> resistance_20C_ohm{};
   double power_max_W = 300;         // total
-  double gap_max_m = 0.12;          // farther: no force is offered
+  double gap_max_m = 0.12;          // beyond: no force is available
   double gap_fade_m = 0.02;         // force_max fades to zero over this before gap_max
   double singular_ratio = 0.2;      // sigma_min / sigma_max of X below which the weak direction is damped
   bool compensate_snapping = true;  // add the current that cancels the core's pull while rendering
@@ -34,16 +34,16 @@ struct Config {
 
 struct State {
   std::array<double, 3> last_current_A{};
-  double last_force_N = 0;  // that those currents made where the tool was
+  double last_force_N = 0;  // produced by those currents at the tool's pose
   HeatState heat;
 };
 static_assert(std::is_trivially_copyable_v<State>);
 
-// As drawn, or with magnet and core as calibrated.
+// Nominal, or with magnet and core as calibrated.
 Config MakeConfig(const base::DeviceGeometry& device);
 Config MakeConfig(const base::DeviceGeometry& device, const base::Calibration& calibration);
 
-// Takes up how hot the coils are: once per scan, before ComputeDeratedLimit.
+// Updates the coils' temperatures: once per scan, before ComputeDeratedLimit.
 void UpdateHeat(const Config& config, const base::HallScan& scan, State& state) noexcept;
 
 // What the coils can do at this pose with `current_max_A` each. Not tracking, too far or inside the windings: valid =
@@ -58,14 +58,14 @@ base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& 
 double ForceMax_N(const Config& config, const base::ToolState& tool, const base::Vec3& direction,
                   const std::array<double, 3>& coil_temperature_C) noexcept;
 
-// Currents for `force_N` under `limit`: what cannot be met is scaled, its direction kept
-// (docs/decisions/0007-infeasible-forces.md); then slew, temperature and power
-// limits, and the limits of the force that is really made. Always finite and within limits; zero, at once, when
-// anything is in doubt. Slew and rise limit what grows: falling is free.
+// Currents for `force_N` under `limit`: a request that cannot be met is scaled, keeping its direction
+// (docs/decisions/0007-infeasible-forces.md); then slew, temperature and power limits, and the limits of the force
+// actually produced. Always finite and within limits; zero at once when any input is in doubt. Slew and rise limits
+// apply to growth: falling is free.
 void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
               base::CoilCurrents& currents) noexcept;
 
-// The force on the tool that `coil_current_A` makes at the tool's pose, core's pull included. Zero outside the map.
+// The force on the tool that `coil_current_A` produces at its pose, core's pull included. Zero outside the map.
 base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,
                              const std::array<double, base::kCoilCount>& coil_current_A) noexcept;
 

@@ -8,7 +8,7 @@ namespace {
 
 using Currents = std::array<double, base::kCoilCount>;
 
-constexpr double kForceMax_N = 1e6;  // a larger request is a mistake, like one that is no number
+constexpr double kForceMax_N = 1e6;  // a larger request is a mistake, like one that is not a number
 constexpr double kStepMax_s = 0.1;   // a longer or senseless step counts as one tick
 
 double Square(double x) { return x * x; }
@@ -64,7 +64,7 @@ Currents Push(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept
   return push;
 }
 
-// What flows besides the request while a force of this size is rendered: w(|f|) b.
+// The current besides the request while a force of this size is rendered: w(|f|) b.
 Currents Held(const Config& config, const base::ForceLimit& limit, double force_N) noexcept {
   Currents held{};
   const double share = SmoothStep(force_N, config.bias_fade_N);
@@ -120,7 +120,7 @@ base::Vec3 CoilForce(const base::ForceLimit& limit, const Currents& currents) no
   return {row(0), row(3), row(6)};
 }
 
-// What of `last` is left on the way to `target` by falling alone: its share that comes nearest.
+// What remains of `last` towards `target` by falling alone: its share that comes nearest.
 double ShareKept(const Currents& last, const Currents& target) noexcept {
   double along = 0, whole = 0;
   for (std::size_t k = 0; k < last.size(); ++k) {
@@ -159,8 +159,8 @@ double ShareWithin(const base::Vec3& g, const base::Vec3& snap, double most_N) n
   return a > 0 ? std::clamp((std::sqrt(std::max(0.0, b * b - a * c)) - b) / a, 0.0, 1.0) : 0.0;
 }
 
-// Where the pen is now the currents of the tick before make another force: what flows is scaled until its force has not
-// grown more than it may, and what the tool feels, the core's pull with it, is no more than the limit.   (14)
+// At the pen's new pose the previous tick's currents make another force: they are scaled until their force has grown no
+// more than allowed, and the force on the tool, core's pull included, is within the limit.   (14)
 void ApplyForceLimit(const base::ForceLimit& limit, double last_force_N, Currents& currents) noexcept {
   if (!limit.valid) return;
   const base::Vec3 coils_N = CoilForce(limit, currents);

@@ -133,7 +133,7 @@ inline Acting OfCoil(const double* q, const double* a, const double* u, const Pl
                     at.moment * (beta * at.n.z - s.s1 * a[2])}};
 }
 
-// What the core answers to every point: image dipole and charge; all opposite charges lie at the core's centre.
+// The core's response to every point: image dipole and charge; all opposite charges lie at the core's centre.
 struct Images {
   double x[kForcePoints], y[kForcePoints], z[kForcePoints];
   double mx[kForcePoints], my[kForcePoints], mz[kForcePoints];

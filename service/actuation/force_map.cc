@@ -12,7 +12,7 @@ namespace {
 
 static_assert(kForceOrders == magnetics::kCoilOrders && kForceCoils == base::kCoilCount);
 
-constexpr double kReach_m = 1e3;  // farther: not a pose of this device
+constexpr double kReach_m = 1e3;  // beyond: not a pose of this device
 
 struct Core {
   double radius_m;

@@ -1,5 +1,5 @@
 // The force map: F = X(pose) I + F_snap, T = Y(pose) I + T_snap. Coil fields as zonal multipoles (winding + core), the
-// magnet as a few point dipoles. docs/theory/actuation.md; how far from the truth: `omni-bench force`.
+// magnet as a few point dipoles. docs/theory/actuation.md; its error: `omni-bench force`.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace omni::actuation {
 // Prepared once.
 struct ForceMap {
   ForceTables tables;
-  double winding_radius_m = 0;   // the map holds where every magnet point is farther from the origin than this
+  double winding_radius_m = 0;   // the map is valid where every magnet point is further from the origin than this
   ForceKernel kernel = nullptr;  // null: no map
 };
 static_assert(std::is_trivially_copyable_v<ForceMap>);
@@ -29,7 +29,7 @@ struct ForceModel {
   double scale = 1;  // of X
 };
 
-// As drawn.
+// Nominal geometry.
 ForceMap MakeForceMap(const base::DeviceGeometry& device, const ForceModel& model = {});
 // Moment and size of the magnet, and the core, as calibrated.
 ForceMap MakeForceMap(const base::DeviceGeometry& device, const base::Calibration& calibration,

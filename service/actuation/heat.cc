@@ -17,7 +17,7 @@ double Resistance_ohm(const HeatConfig& config, std::size_t k, double copper_C) 
   return config.resistance_20C_ohm[k] * (1 + kCopperPerKelvin * (copper_C - 20));
 }
 
-// Everything as warm as the warmest coil says: after a restart the body's temperature is unknown.
+// Everything as warm as the warmest coil reports: after a restart the body's temperature is unknown.
 void Start(const HeatConfig& config, const base::HallScan& scan, HeatState& state) noexcept {
   double warmest_C = config.nodes.air_C;
   for (const double measured_C : scan.coil_temperature_C) {

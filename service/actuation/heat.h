@@ -20,7 +20,7 @@ struct HeatConfig {
   std::array<double, base::kCoilCount> resistance_20C_ohm{};
   double current_max_A = 15;
   double supply_V = 12;
-  double temperature_aim_C = 67.5;  // where full use settles
+  double temperature_aim_C = 67.5;  // where full load settles
   double temperature_max_C = 70;    // no current here
   double decay = 0.756;             // of the copper's excess over the body within 5 s; prepared by MakeHeatConfig
   double follow_s = 0.2;            // a warmer reading of the device is followed with this lag
@@ -38,7 +38,7 @@ struct HeatState {
 };
 static_assert(std::is_trivially_copyable_v<HeatState>);
 
-// Once per scan. `commanded_A`: counts where the measured current is smaller or missing.
+// Once per scan. `commanded_A`: used where the measured current is smaller or missing.
 void UpdateHeat(const HeatConfig& config, const base::HallScan& scan,
                 const std::array<double, base::kCoilCount>& commanded_A, HeatState& state) noexcept;
 

@@ -23,7 +23,7 @@ class DwellDetector {
   std::optional<base::Vec3> Add(double t_s, const base::Vec3& tip_m);
   // A touch was taken here by other means: the next one is elsewhere.
   void Settle(const base::Vec3& tip_m);
-  // A hand's tracking was lost, or the person starts anew.
+  // A hand's tracking was lost, or the person starts over.
   void Reset();
   // 0 to 1: how much of the time the tip has been still for.
   double progress() const { return progress_; }

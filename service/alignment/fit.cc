@@ -84,7 +84,7 @@ Outcome ToOutcome(const std::vector<Sample>& samples, const Problem& problem) {
 
 base::Status Judge(const Outcome& outcome, const Limits& limits) {
   if (!(outcome.rms_m <= limits.rms_max_m)) {
-    return base::Error{"the places differ from the base by " + Millimetres(outcome.rms_m) + " rms, allowed are " +
+    return base::Error{"the places differ from the base by " + Millimetres(outcome.rms_m) + " rms, the limit is " +
                        Millimetres(limits.rms_max_m) +
                        "; check their order, keep the controller in the cameras' view and measure again"};
   }
@@ -93,12 +93,12 @@ base::Status Judge(const Outcome& outcome, const Limits& limits) {
                        Millimetres(outcome.tip_sigma_m) + "); turn it about two axes by 30 degrees or more"};
   }
   if (!(outcome.expected_error_m <= limits.expected_error_max_m)) {
-    return base::Error{"the expected error is " + Millimetres(outcome.expected_error_m) + ", allowed are " +
-                       Millimetres(limits.expected_error_max_m) + "; take more places, farther apart"};
+    return base::Error{"the expected error is " + Millimetres(outcome.expected_error_m) + ", the limit is " +
+                       Millimetres(limits.expected_error_max_m) + "; take more places, further apart"};
   }
   if (!(outcome.rotation_sigma_rad <= limits.rotation_sigma_max_rad)) {
-    return base::Error{"the base's direction is known to " + Degrees(outcome.rotation_sigma_rad) + ", allowed are " +
-                       Degrees(limits.rotation_sigma_max_rad) + "; take places farther apart"};
+    return base::Error{"the base's direction is known to " + Degrees(outcome.rotation_sigma_rad) + ", the limit is " +
+                       Degrees(limits.rotation_sigma_max_rad) + "; take places further apart"};
   }
   return base::Ok{};
 }
@@ -154,12 +154,12 @@ Contradiction Contradicts(const std::vector<Sample>& samples, int group, const O
 
 base::Status CheckGeometry(const std::vector<Sample>& samples, const Limits& limits, const std::string& what) {
   if (!(static_cast<int>(samples.size()) >= limits.samples_min)) {
-    return base::Error{std::to_string(samples.size()) + " " + what + ", needed are " +
-                       std::to_string(limits.samples_min) + " or more; go on"};
+    return base::Error{std::to_string(samples.size()) + " " + what + ", at least " +
+                       std::to_string(limits.samples_min) + " are needed; continue"};
   }
   Vector3d mean = Vector3d::Zero();
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    if (!Finite(samples[k])) return base::Error{"sample " + std::to_string(k) + " is no pose; measure again"};
+    if (!Finite(samples[k])) return base::Error{"sample " + std::to_string(k) + " is not a valid pose; measure again"};
     mean += ToEigen(samples[k].point_base_m);
   }
   const auto count = static_cast<double>(samples.size());
@@ -173,8 +173,8 @@ base::Status CheckGeometry(const std::vector<Sample>& samples, const Limits& lim
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(scatter / count, Eigen::EigenvaluesOnly);
   const Vector3d sigma = spread.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
   if (!(2 * sigma(0) >= limits.extent_min_m)) {
-    return base::Error{"the " + what + " are within " + Millimetres(2 * sigma(0)) + " of each other, needed are " +
-                       Millimetres(limits.extent_min_m) + "; take them farther apart"};
+    return base::Error{"the " + what + " are within " + Millimetres(2 * sigma(0)) + " of each other, at least " +
+                       Millimetres(limits.extent_min_m) + " is needed; take them further apart"};
   }
   if (!(sigma(1) >= limits.line_ratio_min * sigma(0))) {
     return base::Error{"the " + what + " lie on a line; take one beside it"};

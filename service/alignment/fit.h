@@ -6,10 +6,10 @@
 
 namespace omni::alignment {
 
-// Samples in the order of time. Refuses what cannot make a good placement; the error says what to do.
+// Samples in the order of time. Rejects what cannot make a good placement; the error says what to do.
 base::Result<Outcome> Fit(const std::vector<Sample>& samples, const Prior& prior, const Limits& limits);
 
-// What Limits asks of the points alone, before a fit. `what` names them: "marks", "places".
+// Checks what Limits requires of the points alone, before a fit. `what` names them: "marks", "places".
 base::Status CheckGeometry(const std::vector<Sample>& samples, const Limits& limits, const std::string& what);
 
 // Of touches: fits, and with four groups or more finds the one that does not fit the others, leaves it out and names it

@@ -24,7 +24,7 @@ std::string PivotText(const char* format, double metres) {
   return text;
 }
 
-// Neighbouring residuals tell the same: 1 + 2 sum rho.
+// Neighbouring residuals are correlated: 1 + 2 sum rho.
 double Correlation(const std::vector<Vector3d>& residuals, double ssr) {
   double correlation = 1;
   for (std::size_t lag = 1; lag < residuals.size() / 3 && ssr > 0; ++lag) {
@@ -40,8 +40,9 @@ double Correlation(const std::vector<Vector3d>& residuals, double ssr) {
 
 base::Result<Pivot> SolvePivot(const std::vector<Rigid>& controller_space) {
   if (static_cast<int>(controller_space.size()) < kPivotPoses_min) {
-    return base::Error{"the controller was seen in " + std::to_string(controller_space.size()) +
-                       " poses only, needed are " + std::to_string(kPivotPoses_min) + "; swing it for some seconds"};
+    return base::Error{"the controller was tracked in " + std::to_string(controller_space.size()) +
+                       " poses only, at least " + std::to_string(kPivotPoses_min) +
+                       " are needed; swing it for some seconds"};
   }
   Matrix6 H = Matrix6::Zero();
   Vector6 g = Vector6::Zero();
@@ -80,13 +81,13 @@ base::Result<Pivot> SolvePivot(const std::vector<Rigid>& controller_space) {
   pivot.tip_sigma_m = std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
   if (!(pivot.rms_m <= kPivotRms_max_m)) {
     return base::Error{
-        PivotText("the tip moved by %.1f mm rms, allowed are 5 mm; press it into the dimple and swing "
+        PivotText("the tip moved by %.1f mm rms, the limit is 5 mm; press it into the dimple and swing "
                   "slowly, in the cameras' view",
                   pivot.rms_m)};
   }
   if (!(pivot.tip_sigma_m <= kPivotSigma_max_m)) {
     return base::Error{
-        PivotText("the tip is known to %.1f mm, needed are 3 mm; swing farther, and longer", pivot.tip_sigma_m)};
+        PivotText("the tip is known to %.1f mm, the limit is 3 mm; swing further, and longer", pivot.tip_sigma_m)};
   }
   return pivot;
 }

@@ -22,7 +22,7 @@ constexpr int kPasses = 4;  // of noise and weights
 constexpr double kSmallStep = 1e-12;
 constexpr double kMedianOfChi3 = 1.5382;  // of the norm of three unit normals
 constexpr double kHuber = 3.0;            // norms above this many sigma count less
-constexpr double kTimeFixed_s = 1e-9;     // prior of a time offset that is not asked for
+constexpr double kTimeFixed_s = 1e-9;     // prior of a time offset that is not requested
 
 Matrix3d Skew(const Vector3d& v) {
   Matrix3d S;
@@ -173,9 +173,9 @@ void Problem::UpdateWeights() {
   }
 }
 
-// Correlated samples say less than their number. kappa = 1 + 2 sum rho_i over the lags up to the first rho below 0.05,
-// within groups only;   s^2 = (nu s0^2 + SSR/kappa) / (nu + 3 n/kappa - p)            [docs/theory/alignment.md (5),
-// (6)]
+// Correlated samples carry less information than their number. kappa = 1 + 2 sum rho_i over the lags up to the first
+// rho below 0.05, within groups only;   s^2 = (nu s0^2 + SSR/kappa) / (nu + 3 n/kappa - p)
+// [docs/theory/alignment.md (5), (6)]
 void Problem::UpdateNoise() {
   const std::size_t n = residuals_.size();
   double ssr = 0, weight = 0;
@@ -230,7 +230,7 @@ bool Problem::Solve() {
   return x_.R_LB.allFinite() && x_.p_LB.allFinite() && x_.l.allFinite();
 }
 
-// Sandwich: noise that lasts counts as far as the motion lasts as well.
+// Sandwich: lasting noise counts as far as the motion lasts as well.
 //   S = w^2 s^2 sum_i rho_i sum_k J_k^T J_{k-i} + P,   Cov = A^-1 S A^-1,   A = w sum J^T J + P
 // with P the priors' part.                                                          [docs/theory/alignment.md (7)]
 Normal Problem::Covariance() const {

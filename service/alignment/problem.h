@@ -28,7 +28,7 @@ class Problem {
  public:
   Problem(const std::vector<Sample>& samples, const Prior& prior);
 
-  // From the best of many rotations, with noise and weights found on the way. False: no start led anywhere.
+  // From the best of many rotations, with noise and weights found on the way. False: no start converged.
   bool Solve();
 
   const Unknowns& unknowns() const { return x_; }

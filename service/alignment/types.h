@@ -26,7 +26,7 @@ struct Sample {
   int group = 0;                 // which touch; samples of one group share what a hand does wrong there
 };
 
-// What is known before, and how much of it to believe.
+// Prior knowledge, and its weight.
 struct Prior {
   bool level = true;                 // the base stands on a level desk and L's y points up
   double level_sigma_rad = 0.00873;  // 0.5 degrees: desks, and the headset's idea of gravity
@@ -39,7 +39,7 @@ struct Prior {
   bool robust = false;      // single samples may be wrong: weighs them down
 };
 
-// When to refuse.
+// When to reject.
 struct Limits {
   int samples_min = 3;
   double extent_min_m = 0.03;   // largest rms extent of the points is at least half of this
@@ -62,7 +62,7 @@ struct Outcome {
   double correlation = 1;         // samples that are worth one independent one
   int samples = 0;
   int groups = 0;
-  int wrong_group = -1;                 // left out: it does not fit what the others say
+  int wrong_group = -1;                 // left out: it contradicts the others
   double wrong_by_m = 0;                // by so much
   std::array<double, 36> covariance{};  // of (rotation vector in L, position of B's origin in L), row-major
   std::vector<double> residual_m;       // per sample, norm

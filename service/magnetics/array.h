@@ -1,4 +1,4 @@
-// What a device file leaves to formulas. Set-up only: allocates.
+// Quantities computed from a device's geometry. Set-up only: allocates.
 #pragma once
 
 #include <vector>

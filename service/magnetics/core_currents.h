@@ -1,4 +1,4 @@
-// The core's moment in a field, told as currents: those of coils whose moments add up to it.
+// The core's moment in a field, expressed as currents: those of coils whose moments add up to it.
 #pragma once
 
 #include <Eigen/Core>

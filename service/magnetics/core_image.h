@@ -1,5 +1,5 @@
-// The iron core answers a dipole outside it like an image inside it. Core: sphere of radius a about the origin of B,
-// permeability through kappa = (mu_r - 1) / (mu_r + 2); exact for kappa = 1, and to first order in 1 - kappa else.
+// The iron core responds to a dipole outside it like an image inside it. Core: sphere of radius a about the origin of
+// B, permeability through kappa = (mu_r - 1) / (mu_r + 2); exact for kappa = 1, and to first order in 1 - kappa else.
 // Valid for |p| > a and |x| > a.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What the drawing says about a device, in the form that calibration would give it.
+// A device's nominal geometry in the form of a calibration.
 #pragma once
 
 #include "service/base/calibration.h"
@@ -6,7 +6,7 @@
 
 namespace omni::magnetics {
 
-// Sensors as drawn (unit gain), coils' fields from their windings and the core, no background. Allocates.
+// Nominal sensors (unit gain), coils' fields from their windings and the core, no background. Allocates.
 base::Calibration NominalCalibration(const base::DeviceGeometry& device);
 
 }  // namespace omni::magnetics

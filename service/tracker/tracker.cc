@@ -24,12 +24,12 @@ using Eigen::Vector3d;
 constexpr double kPredictMax_s = 0.020;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
-constexpr double kCalibratedError = 0.01;    // of the model: with more, something else is wrong than the calibration
+constexpr double kCalibratedError = 0.01;    // of the model: beyond, something other than the calibration is wrong
 constexpr double kCalibratedCoils = 6e-4;    // of the coils' field, whose maps were measured
-constexpr double kDrawnError = 0.05;         // of a workshop's base: 1 mm, 1.5 %, 1.15 degrees
+constexpr double kDrawnError = 0.05;         // of an uncalibrated base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kTypicalRadius_m = 0.065;   // from the pen to the core
-constexpr double kModelErrorMin = 1e-3;      // of a calibrated base, once its readings have told
+constexpr double kModelErrorMin = 1e-3;      // of a calibrated base, once its readings have been evaluated
 
 PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
   PoseMeasurement measured{base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), {}};
@@ -51,8 +51,8 @@ bool IsFinite(const base::ToolState& tool) noexcept {
          finite(tool.angular_velocity_base_rad_s) && finite(tool.device_point_velocity_base_m_s);
 }
 
-// To a pose's covariance, what no scan tells of: what the calibration leaves. Of that, `systematic` (a share of the
-// fit's own covariance) is there already, as the model's error.
+// Adds to a pose's covariance what no scan shows: the calibration's remaining error. Of that, `systematic` (a share of
+// the fit's own covariance) is there already, as the model's error.
 void AddUnseen(const Model& model, const PoseMeasurement& measured, double systematic,
                std::array<double, 25>& covariance) noexcept {
   const double calibration_m2 = model.expected_error_m * model.expected_error_m / 3;
@@ -63,7 +63,7 @@ void AddUnseen(const Model& model, const PoseMeasurement& measured, double syste
   for (const std::size_t i : {18U, 24U}) add(i, calibration_m2 / (kTypicalRadius_m * kTypicalRadius_m));
 }
 
-// Published is what is known: the filter's covariance, and the share of the fit's that no filtering takes away.
+// Publishes the filter's covariance plus the share of the fit's that no filtering removes.
 base::ToolState MakeToolState(const Config& config, const base::HallScan& scan, const PoseMeasurement& measured,
                               double systematic, const FilterState& filter) noexcept {
   const Model& model = config.model;
@@ -154,20 +154,20 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
   return true;
 }
 
-// Every few scans all that drifts is an unknown.
+// Every few scans all drifting quantities are unknowns.
 bool IsWideScan(const Config& config, const State& state) noexcept {
   return LearnsDrift(config) && (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
                                  IsAmbientLively(config.drift, state.drift));
 }
 
-// No room is like that: a wrong pose is explained by fields that are not there.
+// No room is like that: a wrong pose is explained by fields that do not exist.
 bool IsAbsurd(const Config& config, const State& state) noexcept {
   const auto [x_T, y_T, z_T] = AmbientField_T(state.drift);
   const double size_T = std::hypot(x_T, y_T, z_T);
   return !(size_T <= config.ambient_max_T && RootMeanSquare(state.stray.mean_T) <= config.stray.max_T);
 }
 
-// Nothing is known of room and pose; what was found of sensors and calibration stays.
+// Resets what is known of room and pose; what was found of sensors and calibration stays.
 void StartAnew(State& state) noexcept {
   state.drift = {};
   state.mains = {};
@@ -215,7 +215,7 @@ void Start(const Config& config, const base::HallScan& scan, State& state) noexc
   if (LearnsDrift(config)) ForgetDrift(config, scan, nullptr, state.drift);
 }
 
-// A scan without a pose, or with one. A magnet nearby that leaves no trace in what is left has gone.
+// A scan without a pose, or with one. A magnet nearby that leaves no trace in the remaining field has gone.
 void LearnAway(const Config& config, const base::HallScan& scan, bool away, State& state) noexcept {
   if (!away || !config.away.enabled || !LearnsDrift(config)) return EndAwayWindow(state.away);
   if (WatchAway(config.away, config.model, scan, state.drift, state.away)) state.stray = {};
@@ -226,15 +226,15 @@ Pose PoseOf(const FilterState& filter) noexcept {
 }
 
 // No hand carries a pen there within a scan: more likely this scan is wrong and happens to fit. A pen that stays there
-// is believed.
+// is accepted.
 bool IsEarlyJump(const Config& config, const State& state, const FilterState& predicted,
                  const Outcome& outcome) noexcept {
   const Vector3d jump = outcome.fit.pose.position_base_m - base::ToEigen(predicted.position_base_m);
   return state.bad_scans < config.jump_scans && !(jump.norm() <= config.jump_max_m);
 }
 
-// A position error dp at the distance d passes for 3 dp / d of a dipole's field; never less than the nominal share,
-// which is what a calibration cannot tell of itself (sensors that are not straight).   docs/theory/tracking.md (3)
+// A position error dp at the distance d looks like 3 dp / d of a dipole's field; never less than the nominal share,
+// which a calibration cannot see in itself (sensors that are not straight).   docs/theory/tracking.md (3)
 double ModelErrorOf(const base::Calibration& calibration, double nominal) {
   if (!(calibration.expected_error_m > 0)) return nominal;
   return std::max(nominal, 3 * calibration.expected_error_m / kTypicalDistance_m);
@@ -253,7 +253,7 @@ Config MakeConfig(const base::Calibration& calibration) {
   return config;
 }
 
-// As drawn: its readings tell how well it is built.
+// Nominal geometry: the readings show how accurately it is built.
 Config MakeConfig(const base::DeviceGeometry& device) {
   Config config = MakeConfig(magnetics::NominalCalibration(device));
   config.trust = Trust{};

@@ -1,4 +1,4 @@
-// Forces of the exact geometry from an independent study, and stories of limits and allocation.
+// Forces of the exact geometry from an independent study, and examples of limits and allocation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,7 +77,7 @@ TEST(ActuationExamples, LimitIsInvalidUnlessTrackingAndInReach) {
   tool = ToolAt({0, 0, 0.05}, {0, 0, -1});
   tool.gap_m = kNaN;
   EXPECT_FALSE(ComputeForceLimit(Nominal(), tool, kCold_C).valid);
-  // Just inside the reach the offered force is already small: no jump at the border.
+  // Just inside the reach the available force is already small: no jump at the border.
   EXPECT_LT(ComputeForceLimit(Nominal(), ToolAt({0, 0, 0.1605}, {0, 0, -1}), kCold_C).force_max_N, 0.06);
 }
 

@@ -119,7 +119,7 @@ TEST(ActuationForces, WithoutCompensationEveryRequestKeepsItsDirection) {
   }
 }
 
-// Every coil within `by_A` of what is left of `last` by falling alone: of one share of it, in [0, 1].
+// Every coil within `by_A` of `last` scaled by one common share in [0, 1], as by falling alone.
 bool GrowsBy(const std::array<double, 3>& now, const std::array<double, 3>& last, double by_A) {
   double least = 0, most = 1;
   for (std::size_t k = 0; k < now.size(); ++k) {
@@ -186,8 +186,8 @@ TEST(ActuationForces, LimitsHoldWhateverIsAsked) {
   }
 }
 
-// What the currents make never grows by more than it may, nor beyond the limit, wherever the pen has leapt meanwhile;
-// the currents of the tick before are the only start.
+// The produced force never grows by more than allowed, nor beyond the limit, however the pen has jumped meanwhile; it
+// starts from the previous tick's currents only.
 TEST(ActuationForces, TheForceThatIsMadeKeepsToItsLimitsOverLeaps) {
   Rng rng(6);
   Config config = MakeConfig(support::NominalDevice());

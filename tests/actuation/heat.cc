@@ -1,5 +1,5 @@
 // The host's heat model: energy balance, the paper's runs, derating that never lets the copper pass its limit and never
-// makes a step that a hand could feel.
+// makes a noticeable step.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ TEST(ActuationHeat, RunsOfThePaper) {
   EXPECT_NEAR(state.body_C, 47, 0.1);
 }
 
-// Full current on all coils for a quarter of an hour, real coils as drawn or 15 % worse than the model in everything.
+// Full current on all coils for a quarter of an hour, real coils nominal or 15 % worse than the model in everything.
 struct Derated {
   double copper_max_C = 0, step_max_A = 0, current_end_A = 0;
 };
@@ -200,7 +200,7 @@ TEST(ActuationHeat, BelievesTheWarmerOfModelAndDevice) {
   EXPECT_GT(cool.copper_C[1], 45) << "a device that reports the body does not hide the copper";
 }
 
-// What a scan may carry when things are broken: the state stays finite and inside its limits.
+// Whatever a broken scan contains: the state stays finite and inside its limits.
 TEST(ActuationHeat, AnyScanLeavesAFiniteState) {
   support::Rng rng(32);
   const HeatConfig config = Nominal();

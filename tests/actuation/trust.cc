@@ -1,4 +1,4 @@
-// How hard a base may push that is known only so well.
+// How much force may be requested of a base of limited accuracy.
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -38,7 +38,7 @@ struct Coverage {
   double ratio() const { return std::sqrt(squares / predicted); }
 };
 
-// Independent noise of any size, expected or not: the residuals tell it.
+// Independent noise of any size, expected or not: the residuals show it.
 TEST(AlignmentCoverage, SweepWithIndependentNoise) {
   for (const double noise_m : {0.5e-3, 1.5e-3, 2.5e-3}) {
     Coverage coverage;

@@ -1,4 +1,4 @@
-// The joint fit: what it finds, what it refuses and with which words, which touch it calls wrong.
+// The joint fit: what it finds, what it rejects and with which words, which touch it calls wrong.
 #include "service/alignment/fit.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(AlignmentFit, ExactTouchesGiveTheExactPlace) {
   }
 }
 
-// A tip that nobody has measured is found with the base when the controller turns.
+// A tip that has not been measured is found with the base when the controller turns.
 TEST(AlignmentFit, UnknownTipIsFoundTogetherWithTheBase) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     AlignmentStory story(seed);
@@ -156,13 +156,13 @@ TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
     const auto outcome = Fit(samples, KnownTip(), limits);
     return outcome.ok() ? "accepted" : outcome.error();
   };
-  ExpectHas(refusal({{0.05, 0, 0}, {0, 0.05, 0}}, {}), "needed are 3");
+  ExpectHas(refusal({{0.05, 0, 0}, {0, 0.05, 0}}, {}), "at least 3");
   ExpectHas(refusal({{0, 0, 0}, {0.04, 0, 0}, {0.08, 0, 1e-4}}, {}), "on a line; take one beside it");
-  ExpectHas(refusal({{0, 0, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}}, {}), "take them farther apart");
+  ExpectHas(refusal({{0, 0, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}}, {}), "take them further apart");
   Limits volume;
   volume.plane_ratio_min = 0.05;
   ExpectHas(refusal({{0.05, 0, 0}, {-0.05, 0, 0}, {0, 0.05, 0}, {0, -0.05, 0}}, volume), "move up and down");
-  ExpectHas(refusal({{0.05, 0, 0}, {0, 0.05, std::nan("")}, {0, 0, 0.05}}, {}), "no pose");
+  ExpectHas(refusal({{0.05, 0, 0}, {0, 0.05, std::nan("")}, {0, 0, 0.05}}, {}), "not a valid pose");
 
   Prior unknown;
   std::vector<Sample> unturned;
@@ -201,7 +201,7 @@ TEST(AlignmentPivot, RefusesWhatTellsNothing) {
                               .position_m = base::FromEigen(Eigen::Vector3d(-(q * base::ToEigen(kTip))))});
   }
   ExpectHas(SolvePivot(about_one_axis).error(), "about one axis only");
-  ExpectHas(SolvePivot({{}}).error(), "needed are 20");
+  ExpectHas(SolvePivot({{}}).error(), "at least 20");
   std::vector<Rigid> slipping;
   for (int i = 0; i < 100; ++i) slipping.push_back(story.At({}, {1e-3 * i, 0, 0}, kTip, 0, 0).controller_space);
   ExpectHas(SolvePivot(slipping).error(), "press it into the dimple");

@@ -171,7 +171,7 @@ TEST(CalibrationRecording, SweepNamesASensorThatIsStuckOrSilent) {
       silent.Add(scan, step.rest);
     }
   }
-  EXPECT_NE(stuck.Finish().error().find("sensor 6 repeats itself; look at its cable"), std::string::npos);
+  EXPECT_NE(stuck.Finish().error().find("sensor 6 repeats itself; check its cable"), std::string::npos);
   EXPECT_NE(silent.Finish().error().find("sensor 6 gives nothing"), std::string::npos);
 }
 

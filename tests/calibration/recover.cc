@@ -1,4 +1,4 @@
-// What self-calibration finds on simulated bases, which gauges it holds, and what it says it does not know.
+// What self-calibration finds on simulated bases, which gauges it holds, and what it reports as unknown.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,7 +75,8 @@ TEST(CalibrationRecover, SensorsComeBackFromAlmostCleanReadings) {
   }
 }
 
-// The hull .3 mm larger and the core .5 mm off its centre: found from touches and current maps, and no error of poses.
+// The hull .3 mm larger and the core .5 mm off its centre: found from touches and current maps, without errors of
+// poses.
 TEST(CalibrationRecover, HullAndCoreAreWhereTheyAre) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);

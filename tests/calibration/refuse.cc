@@ -1,4 +1,4 @@
-// Recordings that would make a bad calibration are refused, with the reason and what to do.
+// Recordings that would make a bad calibration are rejected, with the reason and the remedy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -105,7 +105,7 @@ TEST_F(CalibrationRefuse, SaturatedOrSilentSensors) {
   for (std::size_t n = 0; n < recording_.samples.size(); n += 2) {
     recording_.samples[n].field_sensor_T[n % 8].y = std::numeric_limits<double>::quiet_NaN();
   }
-  Expect(Why(), {"saturated or silent in 50 %", "allowed are 30 %"});
+  Expect(Why(), {"saturated or silent in 50 %", "at most 30 %"});
 }
 
 TEST_F(CalibrationRefuse, SecondMagnetSwappedSensorsWrongUnits) {

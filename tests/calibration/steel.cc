@@ -1,4 +1,4 @@
-// A steel plane under the base: what the tracker holds it for, and what calibration makes of it.
+// A steel plane under the base: how the tracker models it, and how calibration finds it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +54,7 @@ TEST(CalibrationSteel, AnswerIsThatOfTheMirror) {
   }
 }
 
-// Taken off as it would be half a millimetre and half a degree from where the pen is; the readings are the model's own,
+// Subtracted for a pose half a millimetre and half a degree away from the pen's; the readings are the model's own,
 // without noise.
 TEST(CalibrationSteel, AnswerAtAnExpectedPoseIsCorrectedForThePoseThatIsFound) {
   base::Calibration calibration = magnetics::NominalCalibration(support::NominalDevice());
@@ -93,7 +93,7 @@ TEST(CalibrationSteel, AnswerAtAnExpectedPoseIsCorrectedForThePoseThatIsFound) {
   }
 }
 
-// Refused on any steel before there was an unknown for it. -115 mm: a steel top right under the base.
+// Any steel was rejected before there was an unknown for it. -115 mm: a steel top right under the base.
 TEST(CalibrationSteel, PlaneUnderTheBaseIsFound) {
   base::DeviceGeometry device = support::NominalDevice();
   device.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);
@@ -109,7 +109,7 @@ TEST(CalibrationSteel, PlaneUnderTheBaseIsFound) {
         nominal, device.coils, test::MakeRecording(rig, {.waves = 300, .touches = 100, .touch_sigma_m = 5e-5}));
     ASSERT_TRUE(outcome.ok()) << z_m << ": " << outcome.error();
     EXPECT_LT(outcome->report.chi2_per_dof, 1.2);
-    // Far away strength and height say the same; the field is what matters.
+    // Far away, strength and height have the same effect; the field is what matters.
     base::Calibration exact = rig.ExactCalibration();
     exact.steel = {1, z_m};
     const tracker::Model found = tracker::MakeModel(outcome->calibration), true_model = tracker::MakeModel(exact);
@@ -143,7 +143,7 @@ TEST(CalibrationSteel, WithoutSteelThereIsNone) {
   EXPECT_LE(found, 1);  // three standard deviations
 }
 
-// Every derivative of what steel answers against differences of it.
+// Every derivative of the steel's response against finite differences.
 TEST(CalibrationSteel, DerivativesAreThoseOfDifferences) {
   const base::Calibration nominal = magnetics::NominalCalibration(support::NominalDevice());
   using Eigen::Vector3d;

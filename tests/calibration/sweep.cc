@@ -1,5 +1,5 @@
-// The sweep in real conditions: an iron core that keeps field and lags behind. Both pass for a weaker coil unless they
-// are told from it.
+// The sweep in real conditions: an iron core with remanence and lag. Both pass for a weaker coil unless they are
+// separated from it.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Where the tip is, from poses that are known: what is found, and what is refused.
+// The tip's position from known poses: what is found, and what is rejected.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,16 +77,16 @@ TEST(CalibrationTip, RefusesWhatTellsNothing) {
     std::vector<const char*> mentions;
   };
   const Row rows[] = {
-      {Pivot(0.005, 0.05, Dimple, 1), kDrawn_m, kError_m, {"leaned by 2 degrees", "allowed are 0.2", "farther"}},
+      {Pivot(0.005, 0.05, Dimple, 1), kDrawn_m, kError_m, {"leaned by 2 degrees", "limit is 0.2", "further"}},
       {Pivot(0.005, 0, Dimple, 1), kDrawn_m, kError_m, {"leaned by 0 degrees"}},
-      {Pivot(0.005, 0.5, slides, 1), kDrawn_m, kError_m, {"moved by 0.5", "allowed are 0.3", "slid"}},
+      {Pivot(0.005, 0.5, slides, 1), kDrawn_m, kError_m, {"moved by 0.5", "limit is 0.3", "slid"}},
       {Pivot(0.005, 0.5, lifted, 1), kDrawn_m, kError_m, {"moved by", "slid"}},
       {Pivot(0.005, 0.5, nowhere, 1), kDrawn_m, kError_m, {"not measured"}},
       {Pivot(0.005, 0.5, Dimple, 1), kDrawn_m, 0.8e-3, {"errors of 0.80 mm", "--replace"}},
       {Pivot(0.0105, 0.5, Dimple, 1),
        kDrawn_m,
        kError_m,
-       {"from the magnet's centre", "says 5.00", "allowed are 5", "--device-file"}},
+       {"from the magnet's centre", "says 5.00", "limit is 5", "--device-file"}},
       {Pivot(-0.001, 0.5, Dimple, 1), 0.002, kError_m, {"-1.0", "nothing else of the pen"}}};
   for (const Row& row : rows) {
     const auto tip = FindTip(row.poses, row.drawn_m, row.error_m);

@@ -1,4 +1,4 @@
-// Values that somebody else computed or measured: tables, closed forms, the paper's coils.
+// Independently computed or measured values: tables, closed forms, the paper's coils.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Laws that every field here must obey, over seeded random places; errors are relative.
+// Laws that every field here must obey, at seeded random places; errors are relative.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -109,7 +109,7 @@ TEST(MagneticsFields, OrderOneIsTheDipole) {
 }
 
 TEST(MagneticsFields, Reciprocity) {
-  // The work of dipole 1 in the field of 2 is that of 2 in the field of 1, with and without the core.
+  // Reciprocity: the work of dipole 1 in the field of 2 is that of 2 in the field of 1, with and without the core.
   Rng rng(4);
   for (int i = 0; i < kPoses; ++i) {
     const Vector3d p1 = Uniform(rng, 0.03, 0.1) * RandomUnit(rng), p2 = Uniform(rng, 0.03, 0.1) * RandomUnit(rng);

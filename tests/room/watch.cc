@@ -1,5 +1,5 @@
-// What people are told of sensors and the room: the twin's base, calibrated, through the whole tick; RoomWatch sees
-// what omnid would hand to it.
+// What users see about sensors and the room: the twin's base, calibrated, through the whole tick; RoomWatch receives
+// what omnid would pass to it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,7 +70,7 @@ struct Told {
   bool early = false;           // before the event
 };
 
-// `wanted`: ends when it is told.
+// `wanted`: ends when it is reported.
 Told Tell(const Story& story, const std::string& wanted = {}) {
   const base::DeviceGeometry device = Device();
   TruthParameters truth = story.ideal ? config::IdealTwin() : config::RoomTwin();
@@ -210,7 +210,7 @@ TEST(RoomWatch, SteelThatCameLaterIsNamed) {
   ExpectTold({.event = SteelLater(-0.2)}, "steel-near", {}, {"steel", "omni calibrate"});
 }
 
-// The pen itself, laid down beside the base, is no other magnet and no other field.
+// The pen itself, laid down beside the base, is reported neither as another magnet nor as another field.
 TEST(RoomWatch, AMagnetWithoutThePenIsNamedUnlessItIsAPen) {
   const auto at = [](base::Vec3 moment_Am2) {
     return [=](TruthParameters& truth) {

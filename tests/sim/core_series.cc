@@ -19,8 +19,8 @@ double RelativeError(const Vec3& value, const Vec3& reference) { return Norm(val
 
 double KappaOf(double mu) { return (mu - 1) / (mu + 2); }
 
-// Answer of a sphere to a charge q at r0 [Stratton 3.23]: phi = -1e-7 q sum kappa_l a^(2l+1) / (r0^(l+1) r^(l+1)) P_l,
-// kappa_l = l (mu - 1) / (l (mu + 1) + 1), and B = -grad phi, summed until nothing changes.
+// Response of a sphere to a charge q at r0 [Stratton 3.23]: phi = -1e-7 q sum kappa_l a^(2l+1) / (r0^(l+1) r^(l+1))
+// P_l, kappa_l = l (mu - 1) / (l (mu + 1) + 1), and B = -grad phi, summed until nothing changes.
 Vec3 SeriesAnswer(const Vec3& source, double q, double mu, const Vec3& point) {
   const double r0 = Norm(source);
   const double r = Norm(point);
@@ -175,7 +175,7 @@ TEST(SimCoreSeries, SensorFieldsAreConverged) {
   EXPECT_LT(worst, 1e-7);
 }
 
-// The hook of the benchmarks: another magnet reads differently.
+// For the benchmarks: another magnet reads differently.
 TEST(SimCoreSeries, AOnePercentWiderMagnetReadsTwoPercentMore) {
   base::DeviceGeometry device = support::NominalDevice();
   Rig rig(device, {.sizes = NoImperfections(), .noise = NoiseMode::kNone});
@@ -186,7 +186,7 @@ TEST(SimCoreSeries, AOnePercentWiderMagnetReadsTwoPercentMore) {
   EXPECT_NEAR(Norm(wider.Readings(&pose, {})[3]) / Norm(b), 1.0201, 1e-3);
 }
 
-// A uniform background and what the core makes of it: the field is normal to an infinitely permeable surface.
+// A uniform background and the core's response: the field is normal to an infinitely permeable surface.
 TEST(SimCoreSeries, BackgroundIsBentByTheCore) {
   base::DeviceGeometry device = support::NominalDevice();
   device.core_kappa = 1;

@@ -1,4 +1,4 @@
-// Memory, drift, ripple and bent sensors: sizes as asked for, laws of each effect.
+// Memory, drift, ripple and nonlinear sensors: sizes as configured, physical laws of each effect.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -155,7 +155,7 @@ TEST(SimRigEffects, WarmMagnetIsWeaker) {
   EXPECT_NEAR(Norm(rig.Readings(&kPose, {})[0]) / Norm(cold), 0.988, 1e-9);
 }
 
-// The best line over 12 gauss is the gain that calibration knows: no deviation larger than asked for.
+// The best line over 12 gauss is the calibrated gain: no deviation is larger than configured.
 TEST(SimRigEffects, BentSensorDeviatesAsItsDataSheetSays) {
   RigOptions options{.sizes = NoImperfections(), .noise = NoiseMode::kNone};
   options.sizes.sensor_nonlinearity = 4e-4;

@@ -1,4 +1,4 @@
-// The hand: follows its script, yields by F / k, never enters the hull. And the files it is read from.
+// The hand: follows its script, yields by F / k, never enters the hull. And its script files.
 #include <gtest/gtest.h>
 
 #include <algorithm>

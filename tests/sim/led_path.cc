@@ -1,4 +1,4 @@
-// A hand that is led: goes where it is wanted, smoothly, and stays there when nothing new comes.
+// A guided hand: goes to its aim smoothly, and stays there without a new one.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -270,7 +270,7 @@ TEST(SimPlantFaults, SupplyFanSwitchAndHeat) {
   EXPECT_NEAR(story.plant.inputs().supply * wire::kSupplyUnit_V, 25, 0.1);
 }
 
-// Outputs that no sound core gives do no more than full duty.
+// Outputs that no working core produces do no more than full duty.
 TEST(SimPlantFaults, NonsenseOutputsStayWithinTheSupply) {
   Story story;
   Outputs outputs = Duty(0, 0, 0, 0xFF);

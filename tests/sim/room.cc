@@ -1,4 +1,4 @@
-// What stands and happens around a base, against integrals and laws that the simulation does not use.
+// Objects and events around a base, against integrals and laws that the simulation does not use.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -136,7 +136,7 @@ SensorFields ReadingsOf(const base::TruthEffects& effects, const MagnetPose* pos
   return rig.Readings(pose, current_A);
 }
 
-// Steel that is brought into the room changes readings only from then on, and each of tool and coils has its image.
+// Steel brought into the room changes readings only from then on, and tool and coils each have their image.
 TEST(SimSteel, SensorsSeeImagesOfToolAndCoils) {
   const base::Steel desk{.position_base_m = {0, 0, -0.15}};
   const base::TruthEffects with = WithSteel({desk}), none;
@@ -186,7 +186,7 @@ TEST(SimRoom, StepsOfTheFieldComeAtTheirTime) {
   EXPECT_NEAR(environment.At(1e3).background_base_T.y, 4e-6, 1e-18);
 }
 
-// The field stays where it is, so that in the base's frame it turns the other way; known is what it was at first.
+// The field stays where it is, so that in the base's frame it turns the opposite way; known is what it was at first.
 TEST(SimRoom, TheEarthsFieldTurnsAgainstTheBase) {
   base::TruthEffects effects;
   effects.background_known = false;
@@ -232,7 +232,7 @@ TEST(SimRoom, MainsHasItsAmplitudesAndOneDirection) {
   EXPECT_LT(Norm(Cross(environment.Mains(0.001), environment.Mains(0.0137))), 1e-24);
 }
 
-// A magnet far away is felt as its dipole; the core adds what a sphere of iron adds.
+// A distant magnet's field is that of its dipole; the core adds what a sphere of iron adds.
 TEST(SimRoom, AnotherMagnetComesNearer) {
   base::TruthEffects effects;
   effects.room.magnets = {{{0, 0, 0.1}, {1, 0, 0}, {0.13, 0, 0}, 2, 4}};
@@ -321,7 +321,7 @@ TEST(SimRoom, OneSensorIsNotAsTheOthers) {
   EXPECT_TRUE(stopped.Read(3).fresh);
 }
 
-// White noise averages away over 2^n samples, 1/f noise hardly: Allan's deviation is about flat.
+// White noise averages away over 2^n samples, 1/f noise almost does not: Allan's deviation is about flat.
 TEST(SimRoom, FlickerNoiseHasAFlatAllanDeviation) {
   constexpr double kFlicker_T = 2e-6;
   Sampled sampled({}, kFlicker_T);

@@ -35,7 +35,7 @@ TEST(SimTolerances, ACoreOffCentreIsEverythingElseMoved) {
   EXPECT_LT(Norm(forces_a.dipole[1].force_N - forces_b.dipole[1].force_N), 1e-10 * Norm(forces_b.dipole[1].force_N));
 }
 
-// What iron of infinite permeability answers to turns, by orders of its own sphere: its potential cancels theirs there,
+// Response of iron of infinite permeability to turns, by orders of its own sphere: its potential cancels theirs there,
 //   psi(p) = sum_l a / l (a / r)^(l+1) (2 l + 1) / 4 pi int B_r P_l(cos gamma) dOmega   [Jackson 3e, 3.62]
 class IronAnswer {
  public:

@@ -1,4 +1,4 @@
-// Moving traces: the path's promises, and scans that belong to it.
+// Moving traces: the path's limits, and scans that match it.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -24,7 +24,7 @@ using support::NominalDevice;
 
 std::uint64_t Mix(std::uint64_t hash, std::uint64_t word) { return (hash ^ word) * 0x100000001B3ULL; }
 
-// Over the bits of all that a scan carries.
+// Over the bits of everything in a scan.
 std::uint64_t RunHash(const TwinOptions& options, int ticks = 300) {
   const auto twin = MakeVirtualTwin(NominalDevice(), options, 1);
   std::uint64_t hash = 0xCBF29CE484222325ULL;

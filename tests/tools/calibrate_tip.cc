@@ -105,7 +105,7 @@ TEST(ToolsCalibrateTip, RefusesAPenThatIsNotLeanedSlidesOrIsLost) {
     ASSERT_FALSE(tip.ok()) << *mentions.begin();
     for (const char* words : mentions) EXPECT_NE(tip.error().find(words), std::string::npos) << tip.error();
   };
-  expect(MakePivotingHand({.tilt_rad = 0.04}), {"tip not measured", "leaned by", "farther"});
+  expect(MakePivotingHand({.tilt_rad = 0.04}), {"tip not measured", "leaned by", "further"});
   expect(Slides(2e-3), {"tip not measured", "moved by", "slid"});
   expect(Leaves(), {"tip not measured", "tracked for", "of the 10 s"});
   expect({}, {"ended before this was done", "dimple"});

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using support::Rng;
 using support::Uniform;
 
-// Sensors on a plate of 16 cm, turned every way, gains a few per cent off, far from the origin of B.
+// Sensors on a plate of 16 cm in all orientations, gains a few per cent off, far from the origin of B.
 base::Calibration RandomArray(Rng& rng, int sensors, const base::MagnetGeometry& magnet) {
   base::Calibration array;
   array.device = "plate";

@@ -1,4 +1,4 @@
-// What is learnt while no pen is near: the uniform field and the sensors' zeros, never a magnet's field.
+// Learning while no pen is near: the uniform field and the sensors' zeros, never a magnet's field.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,7 +62,7 @@ class TrackerAway : public testing::TestWithParam<std::uint64_t> {
     for (const double value : state.away.zero_T) sum += value * value;
     return std::sqrt(sum / kReadings);
   }
-  // What readings are off by besides what is uniform or of the core's shape, which other states hold.
+  // Error of the readings beside the uniform part and that of the core's shape, which other states hold.
   double Field_T() const { return tool.field_rms_T; }
 };
 INSTANTIATE_TEST_SUITE_P(Seeds, TrackerAway, testing::Values(1U, 2U, 3U, 4U));
@@ -89,7 +89,7 @@ TEST_P(TrackerAway, ZerosThatDriftAreTakenOff) {
   EXPECT_LT(Field_T(), 2.5e-6);
 }
 
-// Brought, and left there: neither the zeros nor the field are what it makes.
+// Brought, and left there: its field goes into neither the zeros nor the ambient field.
 TEST_P(TrackerAway, AMagnetIsNoZero) {
   ambient_base_T = 20e-6 * support::RandomUnit(rng);
   Run(5);

@@ -1,4 +1,4 @@
-// What the core keeps of a motion (hysteresis), followed along the pen's way. docs/theory/tracking.md (34)
+// The core's remanence after a motion (hysteresis), followed along the pen's path. docs/theory/tracking.md (34)
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,7 +14,7 @@ using base::Vec3;
 
 constexpr double kKept_A = 0.012;
 
-// The core's moment is moved by hand.
+// The tests set the core's moment directly.
 class TrackerCoreString : public testing::Test {
  protected:
   DriftNoise noise{.core_kept_A = kKept_A};
@@ -58,7 +58,7 @@ TEST_F(TrackerCoreString, DoesNotDependOnSpeed) {
   EXPECT_NEAR(kept_A[0], kept_A[1], 0.05 * kKept_A);
 }
 
-// A place that is known to .3 mm only: back and forth is no way.
+// With a position known to .3 mm only, moving back and forth is no travel.
 TEST_F(TrackerCoreString, NoiseIsNoMotion) {
   MoveTo({});
   MoveTo({0.03, 0, 0});
@@ -78,7 +78,7 @@ TEST_F(TrackerCoreString, CurrentsDrawItToo) {
   EXPECT_NEAR(Kept_A(2), kKept_A, 1e-12);
 }
 
-// Of each scan, for a current of 100 Hz turns it over twice in ten: PredictDrift is asked at every fourth only.
+// For each scan, since a current of 100 Hz reverses it twice in ten: PredictDrift is called at every fourth only.
 TEST_F(TrackerCoreString, IsDrawnBetweenPredictionsToo) {
   MoveTo({});
   for (const double step_A : {0.1, 0.1, -0.1, -0.1}) {

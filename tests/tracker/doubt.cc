@@ -131,8 +131,8 @@ TEST_P(TrackerDoubt, AFieldThatJumpsIsFollowedInThatScan) {
   }
 }
 
-// The field jumps between the samples of one scan, which fits nothing: once a second, with a magnet looked for all
-// along. What was tried in one such scan is no evidence in the next.
+// The field jumps between the samples of one scan, which fits nothing: once a second, while a magnet is searched for.
+// Trials in one such scan are no evidence in the next.
 TEST_P(TrackerDoubt, JumpsWithinAScanDoNotAddUpToAMagnet) {
   for (int i = 0; i < 500; ++i) Feed();
   for (int jump = 0; jump < 6; ++jump) {
@@ -211,7 +211,7 @@ TEST_P(TrackerDoubt, ASensorThatIsWrongIsLeftOutUntilItIsRightAgain) {
   }
 }
 
-// What a gain does follows the pen's field at that sensor, and a magnet's field does not.
+// The effect of a gain error follows the pen's field at that sensor; that of a magnet does not.
 TEST_P(TrackerDoubt, AGainThatIsALittleWrongIsNoMagnet) {
   const double undisturbed_m = Run(2000).mean_m;
   const auto sensor = static_cast<std::size_t>(GetParam() + 2) % kSensors;
@@ -232,7 +232,7 @@ TEST_P(TrackerDoubt, AGainThatIsALittleWrongIsNoMagnet) {
   }
 }
 
-// A sensor that is left out is not taken back because another one is a little wrong.
+// A sensor left out is not readmitted because another one is a little wrong.
 TEST_P(TrackerDoubt, AGainThatIsALittleWrongDoesNotBringAStuckSensorBack) {
   Run(2000);
   const auto stuck = static_cast<std::size_t>(GetParam()) % kSensors, wrong = (stuck + 4) % kSensors;
@@ -263,7 +263,7 @@ TEST_P(TrackerDoubt, ASensorThatRepeatsItselfIsLeftOutBeforeItIsWrong) {
   EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
 }
 
-// The stamp goes on, but nothing is measured: no single sensor is to blame, and no pose is believed.
+// The stamp advances, but nothing is measured: no single sensor is to blame, and no pose is accepted.
 TEST_P(TrackerDoubt, WhatAllSensorsRepeatIsNoPose) {
   Run(1000);
   const base::HallScan held = NextScan();
@@ -332,7 +332,7 @@ TEST_P(TrackerDoubt, AnotherPenNearbyIsTakenOff) {
   }
 }
 
-// What one place says is little; what is not known of the pose is told meanwhile.
+// One place shows little; meanwhile the pose's uncertainty is reported.
 TEST_P(TrackerDoubt, AnotherPenLaidDownBesideARestingOneIsFound) {
   Run(2000);
   DrawOtherPen();
@@ -349,7 +349,7 @@ TEST_P(TrackerDoubt, AnotherPenLaidDownBesideARestingOneIsFound) {
   EXPECT_EQ(state.doubt.left_out, -1);
 }
 
-// As a step too far leaves it: its field is more than any room has, and nothing else is wrong.
+// As after a search step that went too far: its field is larger than in any room, and nothing else is wrong.
 TEST_P(TrackerDoubt, AnotherPenThatCannotBeThereIsLookedForAnew) {
   Run(2000);
   DrawOtherPen();
@@ -366,7 +366,7 @@ TEST_P(TrackerDoubt, AnotherPenThatCannotBeThereIsLookedForAnew) {
   ExpectOtherPenFound(0.15);
 }
 
-// An imaginary one would be worse than none.
+// Tracking an imaginary pen would be worse than none.
 TEST_P(TrackerDoubt, AMagnetNearbyIsNoPen) {
   pen_is_there = false;
   for (const double away_m : {0.5, 0.3}) {
@@ -378,8 +378,8 @@ TEST_P(TrackerDoubt, AMagnetNearbyIsNoPen) {
   }
 }
 
-// A spare pen that lies there when omnid starts, before any pose is known. Without a search for both of them none of
-// these is found at 200 mm, and one of ten at 300. Seldom another place fits as well at first.
+// A spare pen that lies there when omnid starts, before any pose is known. Without a search for both, none of these is
+// found at 200 mm, and one of ten at 300. Seldom another place fits as well at first.
 TEST_P(TrackerDoubt, ASecondPenThatWasThereFromTheStart) {
   int silent = 0, ticks = 0;
   for (const double away_m : {0.2, 0.25, 0.3}) {
@@ -401,7 +401,7 @@ TEST_P(TrackerDoubt, ASecondPenThatWasThereFromTheStart) {
   EXPECT_LT(silent, 0.002 * ticks);
 }
 
-// Two of them are no pen either, nor one beside a sensor that is wrong.
+// Two magnets are no pen either, nor is one beside a sensor that is wrong.
 TEST_P(TrackerDoubt, ThingsNearbyAreNoPen) {
   pen_is_there = false;
   for (int trial = 0; trial < 4; ++trial) {
@@ -422,7 +422,7 @@ TEST_P(TrackerDoubt, ThingsNearbyAreNoPen) {
   }
 }
 
-// A fifth of what a workshop leaves, which the calibration says nothing of.
+// A fifth of an uncalibrated base's errors, which the calibration does not state.
 TEST_P(TrackerDoubt, ACalibrationThatIsWorseThanItSaysIsTrackedAndToldOf) {
   base::Calibration built = Exact();
   for (base::SensorCalibration& sensor : built.sensors) {

@@ -1,4 +1,4 @@
-// What drifts while the pen is used, what a scene does without, and what limits a pose.
+// Quantities that drift while the pen is used, what the scene does without them, and what limits a pose.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -101,7 +101,7 @@ TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreFound) {
 
 TEST_F(TrackerDrift, BlindToTheCurrentsItStillTracks) {
   config.trust.currents_hidden = true;
-  remanence_A = {9, -12, 14};  // nobody tells
+  remanence_A = {9, -12, 14};  // not reported
   double sum_m = 0;
   for (int i = 0; i < 1000; ++i) {
     Move(1e-3 * i);
@@ -134,7 +134,7 @@ TEST_F(TrackerDrift, LimitsAreTold) {
             base::kToolSaturated | base::kToolFewReadings);
 }
 
-// Nothing that chi2 can tell passes for a pose, and no pose is shown 20 ms after the last one that fitted.
+// Nothing that chi2 contradicts passes for a pose, and no pose is shown 20 ms after the last one that fitted.
 TEST_F(TrackerDrift, ContradictoryReadingsBecomeAbsenceNotAGhost) {
   const auto second_magnet = [this](base::HallScan& scan) {
     const base::HallScan other =

@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(Hands, TrackerFilterChanges,
                                   std::to_string(static_cast<int>(test.param.acceleration_m_s2)) + "ms2";
                          });
 
-// What becomes of a sine: gain and delay.
+// Response to a sine: gain and delay.
 //   2 / (n a) sum x_k exp(-i w t_k) = gain exp(-i w delay) / i
 struct Response {
   double gain, delay_s;
@@ -204,7 +204,7 @@ TEST(TrackerFilter, ATremorKeepsItsSize) {
   Tremble(kAt90mm, 0.8, 1.25, 8e-3);
 }
 
-// What moves by no more than the noise, as a pen does that leans on a wall: one at rest is given up late.
+// Motion no larger than the noise, as of a pen that leans on a wall: leaving rest is detected late.
 TEST(TrackerFilter, APushedPenIsNotTakenForOneAtRest) {
   const FitNoise fit{1e-4, 5e-3};
   const Response pushed = ResponseTo(5e-5, 8, fit, true), rests = ResponseTo(5e-5, 8, fit, false);
@@ -213,7 +213,7 @@ TEST(TrackerFilter, APushedPenIsNotTakenForOneAtRest) {
   EXPECT_LT(pushed.gain, 1.25);
 }
 
-// A hand that works: how far off where it is, and where it will be in 20 ms.
+// A working hand: error of the pose, and of its prediction 20 ms ahead.
 TEST(TrackerFilter, AWavedPenIsFollowed) {
   Fed hand(kAt55mm);
   double square = 0, ahead_square = 0;
@@ -262,8 +262,8 @@ TEST(TrackerFilter, LearningStaysWithinItsBounds) {
   EXPECT_GT(hand.state.position_liveliness.log_factor, 0);
 }
 
-// A fit that is sure to 0.4 mm because of its calibration, but repeats itself to 0.04 mm, is averaged as 0.04 mm: the
-// filter follows at once, and what shakes a force is small.
+// A fit with a stated error of 0.4 mm because of its calibration, but repeatable to 0.04 mm, is averaged as 0.04 mm:
+// the filter follows at once, and the noise in a force is small.
 TEST(TrackerFilter, WhatDoesNotScatterIsNotNoise) {
   Fed hand(kAt55mm);
   hand.white = 0.1;
@@ -294,7 +294,7 @@ TEST(TrackerModels, OneFollowsTheOther) {
     EXPECT_NEAR(mixing.parts[j][0] + mixing.parts[j][1] + mixing.parts[j][2], 1, 1e-12);
   }
   EXPECT_NEAR(sum, 1, 1e-12);
-  // After long, as often as they come and go: mu T = mu.
+  // After a long time, the stationary probabilities: mu T = mu.
   Likely likely{1, 0, 0};
   for (int i = 0; i < 10000; ++i) likely = Mix(rates, 0.1, likely).likely;
   const double leaves[] = {60, 3.5, 451};

@@ -1,4 +1,4 @@
-// The field of mains: found, taken off, tuned and forgotten; nothing is found where there is none.
+// The field of mains: found, subtracted, tuned and forgotten; nothing is found where there is none.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -100,7 +100,7 @@ TEST_F(TrackerMains, TheirFieldIsFound) {
   EXPECT_LT((found_T - MainsAt(t_ns)).norm(), 0.3 * amplitude_T);
 }
 
-// Where noise drowns what half a second says of a tone, it is remembered for longer.
+// Where noise exceeds half a second's evidence of a tone, the evidence is kept for longer.
 TEST_F(TrackerMains, AWeakOneIsKept) {
   amplitude_T = 5e-7;
   higher_m = 0.012;
@@ -113,7 +113,7 @@ TEST_F(TrackerMains, AWeakOneIsKept) {
   EXPECT_GE(known, 29);
 }
 
-// A tone between the sensors' instants: what the three terms of AmbientChange leave of 150 Hz a millisecond back.
+// A tone between the sensors' instants: error of the three terms of AmbientChange for 150 Hz a millisecond back.
 TEST_F(TrackerMains, EachSensorIsReadAtItsOwnInstant) {
   Mains mains;
   mains.started = mains.found = true;
@@ -159,7 +159,7 @@ TEST_F(TrackerMains, NoneAreFoundWhereThereAreNone) {
   }
 }
 
-// A field that is not what it was, at the start or all of a sudden, or a base that turns, is no tone.
+// A field that changes at the start or suddenly, or a base that turns, is no tone.
 TEST_F(TrackerMains, StepsAndTurnsAreNone) {
   for (const double size_T : {2e-6, 6e-6, 2e-5, 6e-5}) {
     SCOPED_TRACE(size_T);
@@ -173,7 +173,7 @@ TEST_F(TrackerMains, StepsAndTurnsAreNone) {
   }
 }
 
-// What is not finite is not learnt.
+// Evidence that is not finite is not learnt.
 TEST_F(TrackerMains, EvidenceThatIsNotFiniteIsNone) {
   Mains mains;
   AdvanceMains(config.mains, 0, mains);

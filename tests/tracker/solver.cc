@@ -1,4 +1,4 @@
-// Convergence, efficiency and the search without a hint, on the tracker's own model.
+// Convergence, efficiency and the cold start, on the tracker's own model.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 class TrackerStill : public testing::Test {
  protected:
   TrackerStill() {
-    // What a calibration leaves: each gain is .2 % off.
+    // The calibration's remaining error: each gain is .2 % off.
     for (base::SensorCalibration& sensor : true_base.sensors) {
       for (double& gain : sensor.gain_sensor_base) gain *= 1 + 2e-3 * normal(rng);
     }
@@ -40,7 +40,7 @@ class TrackerStill : public testing::Test {
       Update(config, NextScan(), state, tool);
     }
   }
-  // Mean pose over so many seconds in which nothing moves but the field, by so much a second.
+  // Mean pose over so many seconds in which nothing changes but the field, at this rate.
   Vector3d Lie(double seconds, const Vector3d& rate_T_s = Vector3d::Zero()) {
     Vector3d sum = Vector3d::Zero();
     Update(config, NextScan(), state, tool);  // put down there
@@ -92,7 +92,7 @@ TEST_F(TrackerStill, ARoomsFieldIsFollowed) {
   EXPECT_NEAR(after_T[0] - before_T[0], 1.5e-6, 2e-7);
 }
 
-// A magnet that warms by 2 K in five minutes loses .24 % of its moment: at 55 mm as if it had gone .05 mm away.
+// A magnet that warms by 2 K in five minutes loses .24 % of its moment: at 55 mm like moving .05 mm away.
 TEST_F(TrackerStill, AMagnetThatWarmsIsFollowed) {
   Move(5);
   pose = {{0.02, 0.01, 0.055}, Vector3d(0.2, 0.1, -1).normalized()};
@@ -118,7 +118,7 @@ TEST_F(TrackerStill, NoiseIsNoMovement) {
   EXPECT_NEAR(state.drift.still.still_s, still_s + 120, 0.1);
 }
 
-// A drawer is opened. Where the pen lies the model is wrong as before.
+// A drawer is opened. The model's error where the pen lies stays as it was.
 TEST_F(TrackerStill, AFieldThatJumpsMovesNothing) {
   Move(5);
   pose = {{0.02, 0.01, 0.055}, Vector3d(0.2, 0.1, -1).normalized()};
@@ -151,7 +151,7 @@ TEST_F(TrackerStill, NoTimePasses) {
   }
 }
 
-// What the core keeps is known the worse for it only once the pen moves.
+// The core's remanence becomes uncertain only once the pen moves.
 TEST_F(TrackerStill, IsKnownNoBetterThanBefore) {
   Move(5);
   Lie(3);

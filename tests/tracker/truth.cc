@@ -133,7 +133,7 @@ TEST(TrackerTruth, UnknownAmbientFieldIsEliminated) {
   EXPECT_NEAR(tally.nees / 1000, 1, 0.09);
 }
 
-// The tests can fail: a magnet drawn 1 % too wide shows.
+// Shows that these tests can fail: a magnet modelled 1 % too wide is noticed.
 TEST(TrackerTruth, AMagnetOfAnotherSizeIsNoticed) {
   base::DeviceGeometry device = support::NominalDevice();
   sim::Rig rig(device, {.seed = 26, .noise = sim::NoiseMode::kNone});

@@ -1,4 +1,4 @@
-// Stories of the tracker: found, moving, lost, gone; and every kind of broken scan.
+// Scenarios of the tracker: found, moving, lost, gone; and every kind of malformed scan.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -71,7 +71,7 @@ TEST_F(TrackerUpdate, FirstScanIsAFix) {
   EXPECT_NEAR(tool.device_point_base_m.z, tool.position_base_m.z + 0.005 * tool.axis_base.z, 1e-12);
 }
 
-// Sensors slower than the tick: the scan in between is the last one again.
+// Sensors slower than the tick: the scan in between is the previous one again.
 TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothingAndSaysSo) {
   Run(50);
   for (int i = 0; i < 20; ++i) {
@@ -89,7 +89,7 @@ TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothingAndSaysSo) {
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
 }
 
-// A device whose clock stands while its sensors go on: no pose may pass for one of now.
+// A device whose clock stops while its sensors go on: no old pose may pass for a current one.
 TEST_F(TrackerUpdate, ClockThatStandsIsLostThenAbsentThenFoundAgain) {
   Run(50);
   const std::int64_t stands_ns = t_ns;
@@ -192,8 +192,8 @@ TEST_F(TrackerUpdate, ChangingCurrentsAreTakenAtEachSensorsInstant) {
   }
 }
 
-// A current that changes its slope in every control step, 5 A from one to the next: between the steps it is taken where
-// each sensor sampled, up to two ticks back; its mean would be wrong by amperes.
+// A current that changes its slope in every control step, 5 A from one to the next: it is interpolated to where each
+// sensor sampled, up to two ticks back; its mean would be wrong by amperes.
 TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
   noise_scale = 0;
   Run(20);  // currents that change like this are no beginning
@@ -229,7 +229,7 @@ TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
   }
 }
 
-// Stamps lag the device's tick by what the newest sensor happens to be old.
+// Stamps lag the device's tick by the age of the newest sensor.
 TEST(TrackerCurrents, TheEndOfTheTickIsLearntFromTheStamps) {
   CurrentHistory history;
   base::HallScan scan;
@@ -352,7 +352,7 @@ TEST_F(TrackerUpdate, ClockThatStandsOrGoesBackKeepsThePose) {
   }
 }
 
-// Each way to break a scan: nothing but a finite state comes out, and a good scan afterwards tracks.
+// Each way to corrupt a scan: the state stays finite, and a good scan afterwards tracks.
 TEST_F(TrackerUpdate, BrokenScansNeverBreakTheTracker) {
   using Breaker = std::function<void(base::HallScan&)>;
   const std::vector<Breaker> breakers{
@@ -457,7 +457,7 @@ TEST(TrackerPredict, MovesTurnsAndStopsAtTwentyMilliseconds) {
   EXPECT_EQ(Predict(tool, std::numeric_limits<std::int64_t>::min(), 0.005).t_ns, tool.t_ns - 20'000'000);
 }
 
-// A pen that somebody carries past is no sign of a wrong calibration.
+// A pen carried past is no sign of a wrong calibration.
 TEST_F(TrackerUpdate, APenOutOfReachContradictsNothing) {
   for (const Pose& away : {Pose{{0, 0, 0.30}, Vector3d(0, 0, -1)}, Pose{{0.28, 0, 0.02}, Vector3d(-1, 0, 0)},
                            Pose{{0.13, 0, -0.10}, Vector3d(-1, 0, 0)}, Pose{{0, 0, 0.5}, Vector3d(0, 0, -1)}}) {

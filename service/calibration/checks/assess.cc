@@ -65,7 +65,7 @@ bool IsCalibrated(const Parameters& parameters, int index) {
   return shared < 0 || shared == kMomentAt || (has_core && (shared == kKappaAt || IsCentre(shared)));
 }
 
-// Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 says less than them
+// Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 means less than theirs
 // (10). As many of D are negative as eigenvalues of I - 1 = L D L^T are [Sylvester's law of inertia].
 void DescribeObservability(const Adjustment& adjustment, Report& report) {
   const Parameters& parameters = adjustment.parameters;
@@ -81,8 +81,8 @@ void DescribeObservability(const Adjustment& adjustment, Report& report) {
   }
 }
 
-// Rotation of all sensors about the core that fits their displacements best, w = (sum [s]^T [s])^-1 sum s x ds: its
-// deviation says how well the frame is fixed. (11)
+// Rotation of all sensors about the core that best fits their displacements, w = (sum [s]^T [s])^-1 sum s x ds: its
+// deviation shows how well the frame is fixed. (11)
 double FrameRotation(const Adjustment& adjustment) {
   const Parameters& parameters = adjustment.parameters;
   MatrixXd J = MatrixXd::Zero(3, parameters.size());
@@ -147,7 +147,7 @@ Touches LookAtTouches(const Problem& problem, const Adjustment& adjustment) {
   return touches;
 }
 
-// Touches that lie closer to the hull than they are trusted to leave less of an error than S says:
+// Touches that lie closer to the hull than their assumed error leave less of an error than S implies:
 //   S^-1 - (1 - q^2) S^-1 T S^-1,   T: their part of S, q < 1: their rms in deviations                       (12b)
 MatrixXd CovarianceByTouches(const Adjustment& adjustment, const Touches& touches) {
   const double left = std::min(1.0, touches.held_out * touches.held_out);
@@ -167,7 +167,7 @@ Report Assess(const Problem& problem, const Adjustment& adjustment) {
   report.moment_sigma = parameters.tolerances().moment * std::sqrt(adjustment.covariance(moment, moment));
   report.moment_drift = parameters.tolerances().moment_drift * parameters.x()[parameters.shared_at() + kMomentDriftAt];
   report.frame_rotation_rad = FrameRotation(adjustment);
-  // Whatever says that the model leaves something out makes the error larger.
+  // Every sign that the model leaves something out makes the error larger.
   const double misfit = std::sqrt(report.chi2_per_dof);
   const Touches touches = LookAtTouches(problem, adjustment);
   report.expected_error_m =

@@ -1,4 +1,4 @@
-// From an adjustment to its report: residuals, what the data did not fix, what error remains.
+// From an adjustment to its report: residuals, parameters that the data did not determine, remaining error.
 // docs/theory/calibration.md (9) - (12)
 #pragma once
 

@@ -41,9 +41,9 @@ std::string SampleProblem(const Sample& sample, std::size_t index, std::size_t s
   const bool finite =
       std::isfinite(sample.t_s) && std::all_of(sample.coil_current_A.begin(), sample.coil_current_A.end(),
                                                [](double current) { return std::isfinite(current); });
-  if (!finite) return name + " has a time or a current that is not a number; record anew";
+  if (!finite) return name + " has a time or a current that is not a number; record again";
   if (!(sample.noise_scale > 0 && sample.noise_scale <= 100)) {
-    return name + ".noise_scale = " + Number(sample.noise_scale) + " is not within (0, 100]; record anew";
+    return name + ".noise_scale = " + Number(sample.noise_scale) + " is not within (0, 100]; record again";
   }
   return {};
 }
@@ -58,7 +58,7 @@ std::string ResponseProblem(const base::SensorCalibration& drawn, const CoilResp
   const RowMajor3d measured = Eigen::Map<const RowMajor3d>(response.map_sensor_T_A.data());
   const RowMajor3d expected = Eigen::Map<const RowMajor3d>(drawn.current_map_T_A.data());
   if (!(measured.allFinite() && response.map_error_T_A >= 0))
-    return name + ": its current map is not a number; sweep anew";
+    return name + ": its current map is not a number; sweep again";
   for (int k = 0; k < 3; ++k) {
     const double size = expected.col(k).norm();
     if (!(size > 0)) continue;
@@ -69,13 +69,13 @@ std::string ResponseProblem(const base::SensorCalibration& drawn, const CoilResp
     }
     if (!(along >= kMapRatioMin && along <= kMapRatioMax)) {
       return "coil " + std::string(1, "xyz"[k]) + " acts on " + name + " with " + Percent(along) +
-             " of what the drawing says, allowed are 70 to 140 %; check coil, current sensor and device file";
+             " of its nominal field, allowed is 70 to 140 %; check coil, current sensor and device file";
     }
   }
   return {};
 }
 
-// Of the drawing's size, how far the map of sensor `measured` is off the drawing of `drawn`.
+// How far the map of sensor `measured` is from the nominal map of `drawn`, relative to the latter.
 double MapError(const base::Calibration& nominal, const std::vector<CoilResponse>& responses, std::size_t measured,
                 std::size_t drawn) {
   const RowMajor3d map = Eigen::Map<const RowMajor3d>(responses[measured].map_sensor_T_A.data());
@@ -113,7 +113,7 @@ std::string CoverageProblem(const std::vector<ColdPose>& poses, const Limits& li
 std::string ResponsesProblem(const base::Calibration& nominal, const std::vector<CoilResponse>& responses) {
   const std::size_t sensors = nominal.sensors.size();
   if (!responses.empty() && responses.size() != sensors) {
-    return std::to_string(responses.size()) + " current maps for " + std::to_string(sensors) + " sensors; sweep anew";
+    return std::to_string(responses.size()) + " current maps for " + std::to_string(sensors) + " sensors; sweep again";
   }
   if (auto problem = SwapProblem(nominal, responses); !problem.empty()) return problem;
   for (std::size_t i = 0; i < responses.size(); ++i) {
@@ -148,8 +148,8 @@ std::string RecordingProblem(const base::Calibration& nominal, const Recording& 
   }
   const double share = static_cast<double>(incomplete) / static_cast<double>(count);
   if (!(share <= limits.saturated_max)) {
-    return "sensors were saturated or silent in " + Percent(share) + " of the poses, allowed are " +
-           Percent(limits.saturated_max) + "; look for a strong magnet near the base or a broken sensor";
+    return "sensors were saturated or silent in " + Percent(share) + " of the poses, at most " +
+           Percent(limits.saturated_max) + " is allowed; look for a strong magnet near the base or a broken sensor";
   }
   return {};
 }
@@ -168,8 +168,9 @@ std::string PosesProblem(const base::Calibration& nominal, const Recording& reco
   }
   const double misfit = 1 - found / static_cast<double>(recording.samples.size());
   if (!(misfit <= limits.misfit_max)) {
-    return Percent(misfit) + " of the readings fit no pose of this magnet, allowed are " + Percent(limits.misfit_max) +
-           "; remove other magnets and iron, and check magnet and sensors (order, axes) against the device file";
+    return Percent(misfit) + " of the readings fit no pose of this magnet, at most " + Percent(limits.misfit_max) +
+           " is allowed; remove other magnets and iron, and check magnet and sensors (order, axes) against the device "
+           "file";
   }
   mean /= found;
   const double travel_m = std::sqrt(std::max(0.0, square_m2 / found - mean.squaredNorm()));
@@ -194,26 +195,26 @@ std::string ResultProblem(const Adjustment& adjustment, const Report& report, co
   }
   if (!(report.chi2_per_dof <= limits.chi2_per_dof_max)) {
     return "readings and model disagree: chi2 per degree of freedom is " + Number(report.chi2_per_dof) +
-           ", allowed is " + Number(limits.chi2_per_dof_max) +
-           "; look for a second magnet, moving iron or a base that was pushed, and record anew";
+           ", the limit is " + Number(limits.chi2_per_dof_max) +
+           "; look for a second magnet, moving iron or a base that was pushed, and record again";
   }
   if (!(std::abs(report.moment_relative) <= limits.moment_max)) {
     return "the magnet is " + Percent(std::abs(report.moment_relative)) +
-           (report.moment_relative < 0 ? " weaker" : " stronger") + " than in the device file, allowed are " +
+           (report.moment_relative < 0 ? " weaker" : " stronger") + " than in the device file, the limit is " +
            Percent(limits.moment_max) + "; is it the right magnet?";
   }
   if (!adjustment.converged || !adjustment.covariance.allFinite()) {
-    return "the adjustment did not settle in " + std::to_string(report.iterations) +
-           " iterations; record anew, with the base at rest and nothing magnetic near";
+    return "the adjustment did not converge in " + std::to_string(report.iterations) +
+           " iterations; record again, with the base at rest and nothing magnetic near";
   }
   Eigen::Index worst = 0;
   const double sigmas = parameters.x().cwiseAbs().maxCoeff(&worst);
   if (!(sigmas <= limits.tolerance_sigmas_max)) {
     const int index = static_cast<int>(worst);
-    return parameters.Name(index) + " came out at " +
+    return parameters.Name(index) + " was found to be " +
            Number(parameters.x()[worst] * parameters.ToleranceInUnit(index)) + " " + parameters.Unit(index) + ", " +
-           Number(sigmas, "%.1f") + " tolerances from the drawing, allowed are " + Number(limits.tolerance_sigmas_max) +
-           "; check the device file, or this sensor is faulty";
+           Number(sigmas, "%.1f") + " tolerances from the drawing, the limit is " +
+           Number(limits.tolerance_sigmas_max) + "; check the device file and this sensor";
   }
   return {};
 }

@@ -1,4 +1,4 @@
-// Refuses recordings from which no calibration should be made, with the reason and what to do. Empty: fine.
+// Rejects recordings from which no calibration should be made, with the reason and the remedy. Empty: accepted.
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@
 
 namespace omni::calibration {
 
-// What the coils did at each sensor: two sensors that are swapped, a coil that is backwards or weak, a magnet near.
+// Checks each sensor's current maps: two sensors that are swapped, a coil that is reversed or weak, a magnet nearby.
 std::string ResponsesProblem(const base::Calibration& nominal, const std::vector<CoilResponse>& responses);
 
 // Sizes and numbers: sensors, currents, maps, noise.
 std::string RecordingProblem(const base::Calibration& nominal, const Recording& recording, const Limits& limits);
 
-// What the cold poses say: enough of them, moving, all round, the pen the right way round.
+// Checks the cold-start poses: enough of them, moving, all round, the pen the right way round.
 std::string PosesProblem(const base::Calibration& nominal, const Recording& recording,
                          const std::vector<ColdPose>& poses, const Limits& limits);
 

@@ -42,7 +42,7 @@ std::vector<SweepStep> MakeSweep(const SweepPlan& plan) {
   for (int repeat = 0; repeat < 2 * plan.repeats; ++repeat) {
     const double amplitude_A = plan.amplitude_A * (repeat < plan.repeats ? 1 : plan.small_share);
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-      // The order turns round, so that what the core remembers of the step before cancels.
+      // The order reverses, so that the core's memory of the step before cancels.
       const double first_A = repeat % 2 == 0 ? amplitude_A : -amplitude_A;
       for (const double current_A : {first_A, -first_A}) {
         SweepStep step{{}, plan.plateau_scans, false};
@@ -59,7 +59,7 @@ std::vector<SweepStep> MakeSweep(const SweepPlan& plan) {
   return steps;
 }
 
-// A plateau that has settled tells the step that led to it.
+// A plateau that has settled shows the step that led to it.
 void CoilSweep::FollowSteps(const Vector3d& current_A) {
   const Vector3d change_A = current_A - settled_A_;
   if (!(change_A.norm() > kStepMin_A)) return;
@@ -126,7 +126,7 @@ void CoilSweep::LookAtSensors(const base::HallScan& scan) {
   }
 }
 
-// A sensor that says nothing of the coils; where all repeat themselves, they have no noise.
+// A sensor that shows nothing of the coils; where all repeat themselves, they have no noise.
 std::string CoilSweep::SensorProblem() const {
   const auto mostly = [this](int scans) { return scans > 0 && scans > kMostly * looks_; };
   const bool all = std::all_of(repeats_.begin(), repeats_.end(), mostly);
@@ -134,7 +134,7 @@ std::string CoilSweep::SensorProblem() const {
     const char* what = mostly(silent_[i])            ? " gives nothing (not a number, or too old)"
                        : !all && mostly(repeats_[i]) ? " repeats itself"
                                                      : nullptr;
-    if (what != nullptr) return "sensor " + std::to_string(i) + what + "; look at its cable and address";
+    if (what != nullptr) return "sensor " + std::to_string(i) + what + "; check its cable and address";
   }
   return {};
 }
@@ -144,7 +144,7 @@ base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
   if (const std::string why = SensorProblem(); !why.empty()) return refused(why);
   if (!(bad_scans_ <= 0.05 * (scans_ + rest_scans_))) {
     return refused(std::to_string(bad_scans_) +
-                   " scans were saturated or not a number; take the pen and other magnets away and sweep anew");
+                   " scans were saturated or not a number; take the pen and other magnets away and sweep again");
   }
   if (!(scans_ >= kScansMin && rest_scans_ >= kScansMin)) {
     return refused("only " + std::to_string(static_cast<int>(scans_)) + " steady scans and " +
@@ -157,16 +157,16 @@ base::Result<std::vector<CoilResponse>> CoilSweep::Finish() const {
     return refused("coil " + std::string(1, "xyz"[k]) + " carried " + range +
                    ", at least -1 to 1 A are needed; check its driver and supply");
   }
-  // reading = constant + A I - K (direction of the last step) - E sum step EddyTail(time since it): what the core keeps
-  // lags behind the last step whatever its size, so that without K it would pass for a smaller A. The priors of K and
-  // E decide where a plan does not tell them from A.
+  // reading = constant + A I - K (direction of the last step) - E sum step EddyTail(time since it): the core's
+  // remanence lags behind the last step whatever its size, so that without K it would pass for a smaller A. The priors
+  // of K and E decide where a plan does not separate them from A.
   Eigen::Matrix<double, kRegressors, kRegressors> N = N_;
   const double kept = kNoise_T / kKept_T, lag = kNoise_T / kLag_T;
   N.diagonal().segment<3>(kKeptAt).array() += kept * kept;
   N.diagonal().segment<3>(kLagAt).array() += lag * lag;
   const Eigen::LDLT<Eigen::Matrix<double, kRegressors, kRegressors>> solver(N);
   const Eigen::Matrix<double, kRegressors, kReadings> fit = solver.solve(right_);
-  if (!fit.allFinite()) return refused("the currents do not tell the coils apart; sweep them one by one");
+  if (!fit.allFinite()) return refused("the currents do not distinguish the coils; sweep them one by one");
   const Eigen::Matrix<double, kReadings, 1> explained = (fit.cwiseProduct(right_)).colwise().sum().transpose();
   const Vector3d rest_A = rest_current_sum_A_ / rest_scans_;
   const double current_rms_A = std::sqrt(N_.diagonal().segment<3>(kCurrentsAt).minCoeff() / scans_);

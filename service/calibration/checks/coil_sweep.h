@@ -37,7 +37,7 @@ class CoilSweep {
   // `rest`: coils at zero, at the end of the plan. Scans soon after a change of current are left out.
   void Add(const base::HallScan& scan, bool rest);
 
-  // One a sensor; refuses what gives no map, with the reason.
+  // One per sensor; rejects data that give no map, with the reason.
   base::Result<std::vector<CoilResponse>> Finish() const;
 
  private:
@@ -71,7 +71,7 @@ class CoilSweep {
   std::array<double, base::kCoilCount> highest_A_{}, lowest_A_{};
   double scans_ = 0, rest_scans_ = 0;
   int bad_scans_ = 0;  // saturated or not a number
-  // Of all steady scans, by sensor: without a number or stale; the same again.
+  // Number of steady scans by sensor: not a number or stale; the same reading again.
   std::array<int, base::kSensorCount> silent_{}, repeats_{};
   std::array<base::Vec3, base::kSensorCount> last_T_{};
   int looks_ = 0;

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 
 constexpr double kMoved_m = 0.3e-3;      // rms: a good calibration leaves a fifth of it beside the base (simulated)
 constexpr double kSigma_m = 0.2e-3;      // little beside what the calibration leaves of the pen's place
-constexpr double kFromDrawing_m = 5e-3;  // five tolerances of 1 mm: farther off it is another pen
-constexpr double kIndependentPoses = 4;  // errors of poses that are alike are alike
+constexpr double kFromDrawing_m = 5e-3;  // five tolerances of 1 mm: beyond, it is another pen
+constexpr double kIndependentPoses = 4;  // errors of similar poses are similar
 constexpr double kErrorShare = 0.3;      // of the calibration's error, what turns with the pen (simulated: 0.2 rms)
 
 template <class... Arguments>
@@ -53,25 +53,25 @@ base::Result<Tip> FindTip(std::span<const PivotPose> poses, double drawn_m, doub
   tip.sigma_m = std::hypot(fit_m, kErrorShare * expected_error_m);
   if (!(tip.rms_m <= kMoved_m)) {
     return Refused(
-        "the tip moved by %.2f mm rms, allowed are %.1f: it slid, or it is not on the pen's axis; rest it in a deeper "
-        "dimple, and do not turn the pen about its own axis meanwhile",
+        "the tip moved by %.2f mm rms, the limit is %.1f: it slid, or it is not on the pen's axis; rest it in a deeper "
+        "dimple, and do not turn the pen about its own axis",
         1e3 * tip.rms_m, 1e3 * kMoved_m);
   }
   if (!(fit_m <= kSigma_m)) {
     return Refused(
-        "the pen leaned by %.0f degrees rms, that tells where the tip is to %.2f mm only, allowed are %.1f: lean it "
-        "farther, to all sides, in a dimple beside the base",
+        "the pen leaned by %.0f degrees rms, which locates the tip only to %.2f mm, the limit is %.1f: lean it "
+        "further, to all sides, in a dimple beside the base",
         tip.swing_rad * 180 / std::numbers::pi, 1e3 * fit_m, 1e3 * kSigma_m);
   }
   if (!(tip.sigma_m <= kSigma_m)) {
     return Refused(
-        "the calibration leaves errors of %.2f mm, too much to tell where the tip is to %.1f mm; measure this base "
+        "the calibration leaves errors of %.2f mm, too much to locate the tip to %.1f mm; calibrate this base "
         "again: omni calibrate --replace",
         1e3 * expected_error_m, 1e3 * kSigma_m);
   }
   if (!(tip.tip_offset_m >= 0 && std::abs(tip.tip_offset_m - drawn_m) <= kFromDrawing_m)) {
     return Refused(
-        "it is %.2f mm from the magnet's centre, the drawing says %.2f, allowed are %.0f more or less: rest the tip, "
+        "it is %.2f mm from the magnet's centre, the drawing says %.2f, the limit is %.0f more or less: rest the tip, "
         "and nothing else of the pen, in the dimple; a pen of another length needs a drawing of its own "
         "(magnet.tip_offset_m of omni calibrate --device-file)",
         1e3 * tip.tip_offset_m, 1e3 * drawn_m, 1e3 * kFromDrawing_m);

@@ -49,7 +49,7 @@ Eigen::Matrix<double, 3, 5> GradientAt(const Vector3d& r) {
   return fields;
 }
 
-// What is left of `change`, frame B, when the best of these fields is taken off.
+// The rest of `change`, frame B, after subtracting the best of these fields.
 VectorXd Without(const MatrixXd& fields, const VectorXd& change) {
   return change - fields * fields.colPivHouseholderQr().solve(change);
 }
@@ -71,7 +71,7 @@ base::Result<Zeroed> Rezero(const base::Calibration& before,
     for (const base::Vec3& block : readings[i]) {
       if (const double moved_T = (base::ToEigen(block) - mean).norm(); !(moved_T <= kMoved_T)) {
         return refused(
-            Words("sensor %zu moved by %.1f uT meanwhile, allowed are %.0f: leave base, pen and magnets at rest", i,
+            Words("sensor %zu changed by %.1f uT meanwhile, the limit is %.0f: leave base, pen and magnets at rest", i,
                   1e6 * moved_T, 1e6 * kMoved_T));
       }
     }
@@ -90,8 +90,8 @@ base::Result<Zeroed> Rezero(const base::Calibration& before,
   for (Eigen::Index at = 0; at < rows; at += 3) zeroed.own_T = std::max(zeroed.own_T, uneven.segment<3>(at).norm());
   if (!(zeroed.uniform_T <= kUniform_T)) {
     return refused(
-        Words("the field around the base has changed by %.0f uT, allowed are %.0f: a strong magnet is near; "
-              "take it away, or measure this base again: omni calibrate --replace",
+        Words("the field around the base has changed by %.0f uT, the limit is %.0f: a strong magnet is near; "
+              "take it away, or calibrate this base again: omni calibrate --replace",
               1e6 * zeroed.uniform_T, 1e6 * kUniform_T));
   }
   const double gradient = uneven.squaredNorm() - own.squaredNorm();
@@ -100,7 +100,7 @@ base::Result<Zeroed> Rezero(const base::Calibration& before,
   if (from_far || !(Rms(uneven.squaredNorm(), rows) <= kUneven_T)) {
     return refused(
         Words("the field is uneven by %.1f uT since this base was calibrated: the pen, another magnet or iron "
-              "is near; take it away, or, if it stays there, measure this base again: omni calibrate "
+              "is near; take it away, or, if it stays there, calibrate this base again: omni calibrate "
               "--replace",
               1e6 * Rms(uneven.squaredNorm(), rows)));
   }

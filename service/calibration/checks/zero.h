@@ -1,4 +1,4 @@
-// What the sensors read without a pen, measured again: everything else of a calibration stays.
+// Measures again what the sensors read without a pen; the rest of the calibration stays.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ struct Zeroed {
   double own_T = 0;      // the greatest change of one sensor beside it
 };
 
-// Refuses, with the reason, what is no background: readings that move, a field that has changed too much or unevenly,
-// as a pen or another magnet does. Precondition: `before` is of the base's own sensors.
+// Rejects, with the reason, what is not a background: readings that move, a field that has changed too much or
+// unevenly, as a pen or another magnet does. Precondition: `before` is of the base's own sensors.
 base::Result<Zeroed> Rezero(const base::Calibration& before,
                             const std::array<ZeroReadings, base::kSensorCount>& readings);
 

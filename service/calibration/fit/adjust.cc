@@ -16,7 +16,7 @@ constexpr int kRoundsMax = 4;         // of weights
 constexpr double kSettled = 0.1;      // largest change of a weight that needs no further round
 constexpr double kTouchGate = 9;      // chi2 of a touch that keeps its full weight
 constexpr double kTouchDoubt = 1e-6;  // weight of touches at first: a rest in the air must not bend the array
-constexpr double kSteelSigmas = 3;    // steel that is seen with less is none
+constexpr double kSteelSigmas = 3;    // steel seen with less does not count
 constexpr double kLeapMax_m = 0.02, kLeapMax_rad = 0.5;
 constexpr int kStack = 32;  // samples eliminated at a time
 
@@ -33,7 +33,7 @@ struct Step {
   bool finite = false;
 };
 
-// A sample does not leap: far from its place the linear model says nothing.
+// A sample does not jump: far from its place the linear model is meaningless.
 OwnVector Shortened(const OwnVector& step) {
   const double shrink = std::max({1.0, step.head<3>().norm() / kLeapMax_m, step.segment<2>(3).norm() / kLeapMax_rad});
   return step / shrink;
@@ -64,7 +64,7 @@ double Quantile(double share, std::vector<double> values) {
   return *at;
 }
 
-// w = min(1, gate / chi2): samples far beyond the usual misfit lose their say. The usual misfit is the median, so that
+// w = min(1, gate / chi2): samples far beyond the usual misfit lose weight. The usual misfit is the median, so that
 // nothing is thrown away while the array is still wrong; of touches it is the lower third's: a hand that hesitates
 // rests above the hull more than once. (8)
 double Reweigh(const System& system, std::vector<Observation>& observations) {
@@ -135,7 +135,7 @@ bool SettleWeights(Problem& problem, int iterations_max, Adjustment& state) {
   return true;
 }
 
-// From where `state` is, in so many more iterations. True: converged, and steel is seen.
+// From `state`, in so many more iterations. True: converged, and steel is seen.
 bool Settle(Problem& problem, bool free_depth, int iterations_max, Adjustment& state) {
   state.parameters.FreeSteelDepth(free_depth);
   state.converged = SettleWeights(problem, state.iterations + iterations_max, state);
@@ -182,8 +182,8 @@ Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector
   return state;
 }
 
-// With the steel's depth free the way may end in a valley in which a weak plane has no depth, with it held far from a
-// plane that is near: what sees steel counts.
+// With the steel's depth free the search may end in a valley in which a weak plane has no depth; with it held, far from
+// a plane that is near: the result that sees steel counts.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
   problem.FollowCore(state.parameters, state.instants);

@@ -1,4 +1,4 @@
-// How far a base may be from its drawing, and how far a recording is to be trusted.
+// Manufacturing tolerances of a base, and the limits for accepting a recording.
 #pragma once
 
 namespace omni::calibration {
@@ -19,7 +19,7 @@ struct Tolerances {
   double steel_depth = 0.5;            // ... and its depth, natural logarithm of the ratio to kSteelDepth_m
   double ambient_T = 0.5e-6;           // common to all sensors, since the rest: offset and drift
   double remanence_A = 0.005;          // the core's memory, as a current of every sample in each coil
-  double core_kept_A = 0.02;           // what it keeps of every motion, as such a current; soft iron
+  double core_kept_A = 0.02;           // its remanence after every motion, as such a current; soft iron
   double coil_strength = 5e-3;         // winding and current sensor
   double coil_axis_rad = 1e-3;         // winding against the drawing: what fixes the frame
   double coil_shape = 1e-3;            // of a map's entry, relative to the field there: turns out of place
@@ -36,8 +36,8 @@ struct Limits {
   double saturated_max = 0.3;       // share of instants with saturated or missing axes
   double misfit_max = 0.3;          // share of instants that fit no pose
   double chi2_per_dof_max = 2.0;    // after adjustment
-  double tolerance_sigmas_max = 5;  // a parameter farther off is no tolerance but a fault
-  double moment_max = 0.15;         // relative: farther off is another magnet
+  double tolerance_sigmas_max = 5;  // a parameter beyond is a defect, not a tolerance
+  double moment_max = 0.15;         // relative: beyond, it is another magnet
 };
 
 struct Options {

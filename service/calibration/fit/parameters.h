@@ -24,14 +24,14 @@ inline constexpr int kSampleShared = 18;
 inline constexpr int kStrengthAt = 18, kTiltAt = 21;  // coil: strength (3), tilt about two axes (3 x 2)
 inline constexpr int kShared = 27;
 
-inline constexpr double kSteelDepth_m = 0.18;  // where steel is looked for at first, below the core's centre
+inline constexpr double kSteelDepth_m = 0.18;  // where steel is searched for at first, below the core's centre
 inline constexpr double kBowOfDrift = 0.5;     // a warming that levels off bends by less than it drifts
 
 // A sensor as the unknowns have it: reading = gain (B + ambient) + map I.
 struct SensorState {
   Eigen::Vector3d position_base_m;
   Eigen::Matrix3d error;    // E = I + D, D of gains, rotation and skew
-  Eigen::Matrix3d nominal;  // gain as drawn
+  Eigen::Matrix3d nominal;  // nominal gain
   Eigen::Matrix3d gain;     // E nominal
 };
 

@@ -14,7 +14,7 @@ struct SensorReport {
   double moved_m = 0;  // from the drawing
 };
 
-// A parameter that the recording did not fix: what is known of it is mostly its tolerance.
+// A parameter that the recording did not determine: its uncertainty is mostly its tolerance.
 struct Unfixed {
   std::string name;
   double sigma = 0;      // known to this, in `unit` ...

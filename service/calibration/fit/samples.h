@@ -28,7 +28,7 @@ struct CoilResponse {
 
 struct Recording {
   std::vector<Sample> samples;
-  std::vector<CoilResponse> responses;  // one a sensor; empty: maps and background stay as drawn
+  std::vector<CoilResponse> responses;  // one per sensor; empty: maps and background stay nominal
 };
 
 }  // namespace omni::calibration

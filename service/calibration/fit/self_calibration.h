@@ -18,8 +18,8 @@ struct Outcome {
   Report report;
 };
 
-// `nominal`: the array as drawn (magnetics::NominalCalibration, or any other); its sensor_noise_T is that of
-// Sample::noise_scale = 1. `coils`: as drawn, in the order of the current maps; empty: none, or not to be used. Refuses
+// `nominal`: the nominal array (magnetics::NominalCalibration, or any other); its sensor_noise_T is that of
+// Sample::noise_scale = 1. `coils`: nominal, in the order of the current maps; empty: none, or not to be used. Rejects
 // a recording that would make a bad calibration, with the reason.
 base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils,
                                     const Recording& recording, const Options& options = {});

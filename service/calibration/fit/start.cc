@@ -11,7 +11,7 @@ namespace {
 constexpr double kChi2Max = 171;  // at 19 degrees of freedom: three standard deviations of tolerance on every reading
 
 constexpr double kAmbient_T =
-    2e-5;  // a steel desk answers the pen with a field that is the same all over the base, nearly
+    2e-5;  // a steel desk responds to the pen with a field that is almost the same all over the base
 
 // How far a reading may be off before calibration, relative to the tool's field: a displacement d of a sensor at
 // distance L changes a dipole's field by 3 d/L.

@@ -1,4 +1,4 @@
-// Where the pen was in each sample, without any hint: the tracker's cold start on the array as drawn.
+// Where the pen was in each sample, without a start value: the tracker's cold start on the nominal array.
 #pragma once
 
 #include <Eigen/Core>

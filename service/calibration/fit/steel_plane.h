@@ -26,7 +26,7 @@ inline Eigen::Vector3d MirroredPlace(double height_m, const Eigen::Vector3d& pla
 }
 
 // `mirrored`, `centre`: the base's field at the mirror images of the sensor and of the core's centre. With M the
-// mirror, U = -M B(centre) and the core's answer to it, K(s) = kappa (a/r)^3 (3 n n^T - I):
+// mirror, U = -M B(centre) and the core's response to it, K(s) = kappa (a/r)^3 (3 n n^T - I):
 //   B_steel = -M B(mirrored) + K U
 template <int N>
 SteelAnswer<N> AnswerOfSteel(const Eigen::Vector3d& sensor_m, double core_radius_m, double kappa,

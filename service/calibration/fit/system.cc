@@ -25,7 +25,7 @@ struct LocalSums {
   SensorFit fit;
 };
 
-// Of all touches: what they say of the shared unknowns.
+// The touches' share for the shared unknowns.
 struct SharedSums {
   Eigen::Matrix<double, kSampleShared, kSampleShared> H = Eigen::Matrix<double, kSampleShared, kSampleShared>::Zero();
   Eigen::Matrix<double, kSampleShared, 1> g = Eigen::Matrix<double, kSampleShared, 1>::Zero();
@@ -212,7 +212,7 @@ struct CoilAt {
 
 }  // namespace
 
-// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis), B_k with what steel answers. (5)
+// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis), B_k with the steel's response. (5)
 void Problem::AddMaps(const Parameters& parameters, System& system) const {
   constexpr int n = kSensorUnknowns, all = n + 1 + kCoilUnknowns + 2;
   const Tolerances& t = parameters.tolerances();
@@ -270,12 +270,12 @@ void Problem::AddMaps(const Parameters& parameters, System& system) const {
 
 namespace {
 
-constexpr double kUnbroken_s = 0.06;                   // from window to window: the way between them is known
-constexpr int kWayParts = 16;                          // of the way from one to the next
-constexpr double kKeptMin_A = 5e-3, kKeptMax_A = 0.1;  // that a core may keep, while that is looked for
-constexpr double kTurned_A = 0.02;                     // change of the core's moment that turns what it keeps
+constexpr double kUnbroken_s = 0.06;                   // from window to window: the path between them is known
+constexpr int kWayParts = 16;                          // of the path from one to the next
+constexpr double kKeptMin_A = 5e-3, kKeptMax_A = 0.1;  // that a core may keep, while it is being determined
+constexpr double kTurned_A = 0.02;                     // change of the core's moment that reverses its remanence
 
-// From b to c, share s of the way that goes through a, b, c, d [Catmull, Rom 1974].
+// From b to c, share s of the path that goes through a, b, c, d [Catmull, Rom 1974].
 Vector3d OnTheWay(const std::array<Vector3d, 4>& p, double s) {
   const Vector3d at_b = 0.5 * (p[2] - p[0]), at_c = 0.5 * (p[3] - p[1]), whole = p[2] - p[1];
   return p[1] + s * (at_b + s * (3 * whole - 2 * at_b - at_c + s * (at_b + at_c - 2 * whole)));
@@ -290,7 +290,7 @@ bool IsJoined(const Way& way, std::size_t k) {
   return k + 1 < way.t_s.size() && way.t_s[k + 1] - way.t_s[k] <= kUnbroken_s;
 }
 
-// What is drawn behind the way on a string, from the way to it. Over a gap nothing is known but its ends.
+// A point dragged along the path on a string, from the path to it. Over a gap only its ends are known.
 std::vector<Vector3d> DrawnBehind(const Way& way, double string_A) {
   std::vector<Vector3d> behind_A;
   Vector3d stone_A = way.moment_A.empty() ? Vector3d(Vector3d::Zero()) : way.moment_A.front();
@@ -317,7 +317,8 @@ Vector3d Problem::CoreCurrents_A(const Instant& instant) const {
   return core_current_A_T_ * magnetics::DipoleField(nominal_.moment_Am2 * instant.axis_base, instant.position_base_m);
 }
 
-// What the core keeps is drawn behind its moment like a stone on a string whose length is what it keeps at most. (1a)
+// The core's remanence is dragged behind its moment like a stone on a string whose length is the greatest remanence.
+// (1a)
 void Problem::FollowCore(const Parameters& parameters, std::span<const Instant> instants) {
   if (!follows_core()) return;
   Way way;

@@ -70,7 +70,7 @@ struct System {
 // What does not change while the unknowns do.
 class Problem {
  public:
-  // `coils`: as drawn; empty: their shapes are not used, and nothing but the tolerances fixes the frame.
+  // `coils`: nominal; empty: their shapes are not used, and only the tolerances fix the frame.
   Problem(const base::Calibration& nominal, std::span<const base::CoilGeometry> coils, const Recording& recording,
           const Tolerances& tolerances);
 
@@ -82,8 +82,8 @@ class Problem {
   bool has_coils() const { return !coil_moments_.empty(); }
   bool follows_core() const { return !core_current_A_T_.isZero(); }
 
-  // What the core keeps trails behind the magnet's way, which is that of these instants, by what it has been found to
-  // keep.
+  // Updates the core's remanence, which trails the magnet's path through these instants by the amount that the core has
+  // been found to keep.
   void FollowCore(const Parameters& parameters, std::span<const Instant> instants);
 
   System Linearise(const Parameters& parameters, std::span<const Instant> instants) const;
@@ -98,7 +98,7 @@ class Problem {
   double remanence_A_;
   Eigen::Matrix3d core_current_A_T_ = Eigen::Matrix3d::Zero();  // magnetics::CoreCurrents
   std::vector<Observation> observations_;
-  std::vector<double> map_error_T_A_;  // per sensor; empty: maps as drawn
+  std::vector<double> map_error_T_A_;  // per sensor; empty: nominal maps
   struct CoilShape {
     magnetics::CoilMoments winding, core;
   };

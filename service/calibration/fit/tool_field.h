@@ -1,5 +1,5 @@
-// The tool's field with derivatives by everything that calibration asks for: pose, sensor position, moment, core.
-// The tracker's model (docs/theory/tracking.md (1)), written for derivatives rather than for speed.
+// The tool's field with all derivatives that calibration needs: by pose, sensor position, moment, core. The tracker's
+// model (docs/theory/tracking.md (1)), written for derivatives rather than for speed.
 #pragma once
 
 #include <Eigen/Core>

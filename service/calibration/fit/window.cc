@@ -115,7 +115,7 @@ std::optional<WindowResult> Window::Fit() const {
     square += fit.square;
     dof += fit.dof;
   }
-  // A saturated axis does not follow a parabola, but says nothing about the hand.
+  // A saturated axis does not follow a parabola, but shows nothing of the hand.
   if (!(dof > 0) || (saturated == 0 && !(square <= options_.misfit_max * dof))) return {};
   for (const base::HallScan& scan : scans_) {
     for (std::size_t k = 0; k < base::kCoilCount; ++k) {

@@ -1,4 +1,4 @@
-// The coils as circuits and as heaters. What drives them is somebody else's: the plant's bridges.
+// The coils as circuits and as heaters. The plant's bridges drive them.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ class CoilBank {
   // current of the step, A.
   double Coast(std::size_t k, double against_V, double dt_s) noexcept;
 
-  // An ideal source: that current flows, whatever it takes. For runs of heat alone.
+  // An ideal current source. For thermal simulations alone.
   void Set(const CoilArray& current_A) noexcept { current_A_ = current_A; }
 
   // The wire is cut.

@@ -36,7 +36,7 @@ double Passed(double t_s, double begin_s, double end_s) noexcept {
   return end_s > begin_s ? std::clamp((t_s - begin_s) / (end_s - begin_s), 0.0, 1.0) : t_s >= end_s ? 1.0 : 0.0;
 }
 
-// The earth's field stays where it is while the base turns under it. What was taken at start-up has been removed.
+// The earth's field stays where it is while the base turns under it. The field at start-up has been removed.
 Vec3 EarthField(const base::TruthEffects& effects, double t_s) noexcept {
   const base::RoomEffects& room = effects.room;
   const double turned_rad =

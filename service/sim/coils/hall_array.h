@@ -25,7 +25,7 @@ class HallArray {
 
   // Takes that sample of the noise-free reading.
   void Sample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept;
-  // It is said to be new, and is the one before.
+  // Repeats the sample before, marked as new.
   void Repeat(std::size_t index, std::int64_t sample_ns) noexcept;
 
   // What the chip's output registers hold, and when they were written.

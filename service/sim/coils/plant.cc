@@ -151,7 +151,7 @@ void Plant::Report(const firmware::Outputs& outputs) noexcept {
   inputs_.emergency_stop = faults_.emergency_stop ? 1 : 0;
 }
 
-// A stuck sensor's registers keep what they held when it stuck; it goes on saying that they are new.
+// A stuck sensor's registers keep what they held when it stuck, and are still marked as new.
 void Plant::ReportHall(std::size_t i, bool test_field) noexcept {
   const HallFault fault = faults_.hall[i];
   const HallArray::Registers now = sampler_.hall().Read(i);

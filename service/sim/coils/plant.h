@@ -33,7 +33,7 @@ struct BridgeParameters {
 struct PlantOptions {
   std::uint64_t seed = 1;
   HandScript script;            // no waypoints: no pen
-  bool led = false;             // Aim says where the pen is wanted; the script only how the hand is and where it starts
+  bool led = false;             // Aim sets the wanted pose; the script only the hand's properties and start
   bool imperfect = true;        // false: nominal device, nothing but noise and heat
   bool flip_coil_sign = false;  // coil z wired backwards
   std::int64_t start_ns = 0;    // < 0: the hand rests at its start until 0
@@ -48,7 +48,7 @@ struct PlantOptions {
   SupplyParameters supply;
 };
 
-// What the plant cannot know and a recording shall say.
+// What a recording holds of the host, which the plant cannot know.
 struct HostView {
   CoilArray set_point_A{};
   double command_age_s = 0;
@@ -68,7 +68,7 @@ class Plant {
   // Precondition: options.led.
   void Aim(const HandAim& aim) noexcept { hand_.Aim(aim); }
 
-  // The controller was reset: its clock starts again. The world goes on.
+  // The controller was reset: its clock starts again. Everything else goes on.
   void ResetClock() noexcept;
 
   PlantFaults& faults() noexcept { return faults_; }

@@ -12,10 +12,10 @@ namespace omni::sim {
 
 enum class HallFault : std::uint8_t {
   kNone,
-  kStuck,          // the same sample again and again, each said to be fresh
+  kStuck,          // the same sample again and again, each marked as fresh
   kStopped,        // answers, but its conversions have ended
   kDead,           // does not answer
-  kWrongIdentity,  // something answers that is no such sensor
+  kWrongIdentity,  // another device answers
 };
 
 struct PlantFaults {
@@ -23,7 +23,7 @@ struct PlantFaults {
   std::array<bool, base::kCoilCount> current_sensor_dead{};
   std::array<bool, base::kCoilCount> coil_open{};
   std::array<bool, base::kCoilCount> coil_shorted{};  // most of its turns
-  std::array<bool, base::kCoilCount> bridge{};        // says so and no longer drives
+  std::array<bool, base::kCoilCount> bridge{};        // reports a fault and no longer drives
   std::optional<double> supply_V;                     // of the source
   bool fan_stands = false;
   bool emergency_stop = false;  // the switch is open

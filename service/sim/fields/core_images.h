@@ -1,4 +1,4 @@
-// What the iron core answers to magnetic charges outside it.
+// The iron core's response to magnetic charges outside it.
 //
 // A sphere of permeability mu and radius a answers a charge q at distance r0, order by order, with kappa_l times the
 // answer of an infinitely permeable one, kappa_l = l (mu - 1) / (l (mu + 1) + 1) [Stratton, Electromagnetic Theory,

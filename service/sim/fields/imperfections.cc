@@ -18,7 +18,7 @@ Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) 
   }
   for (double& size : drawn.coil_size) size = 1 + sizes.coil_size * random.Normal();
   for (SensorError& sensor : drawn.sensors) sensor.nonlinearity = random.NormalVector(sizes.sensor_nonlinearity);
-  // Drawn only where there are any, so that a seed without them is the base that it always was.
+  // Drawn only where there are any, so that a seed without them gives the same base as before.
   if (sizes.sensor_offset_T > 0 || sizes.sensor_offset_T_K > 0 || sizes.sensor_gain_1_K > 0) {
     for (SensorError& sensor : drawn.sensors) {
       sensor.offset_T = random.NormalVector(sizes.sensor_offset_T);
@@ -37,7 +37,7 @@ Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) 
   return drawn;
 }
 
-// The moment is that of the drawing: remanence times volume.
+// Keeps the nominal moment: remanence times volume.
 base::DeviceGeometry TrueSizes(const base::DeviceGeometry& device, const Imperfections& imperfections) noexcept {
   base::DeviceGeometry made = device;
   made.hull_radius_m += imperfections.hull_radius_m;

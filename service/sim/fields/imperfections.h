@@ -41,10 +41,10 @@ Imperfections DrawImperfections(const ImperfectionSizes& sizes, Random& random) 
 // it.
 base::DeviceGeometry TrueSizes(const base::DeviceGeometry& device, const Imperfections& imperfections) noexcept;
 
-// All zero: a base as drawn.
+// All zero: a nominal base.
 ImperfectionSizes NoImperfections() noexcept;
 
-// A base nobody has calibrated: sensors 1 mm per axis, 1.5 % and 1.15 deg wrong, the moment within 2 %.
+// An uncalibrated base: sensors 1 mm per axis, 1.5 % and 1.15 deg wrong, the moment within 2 %.
 ImperfectionSizes UncalibratedImperfections() noexcept;
 
 }  // namespace omni::sim

@@ -1,4 +1,4 @@
-// A generator of our own, so that equal seeds give equal bits with every standard library.
+// Our own generator, so that equal seeds give equal bits with every standard library.
 // xoshiro256++ seeded by splitmix64 [Blackman, Vigna 2019]; normal deviates by Box-Muller.
 #pragma once
 

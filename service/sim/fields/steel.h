@@ -1,5 +1,5 @@
-// What steel near the base answers to everything that stands there. Each piece answers the base alone, not the other
-// pieces. docs/theory/truth.md (16), (17)
+// The response of steel near the base to all field sources there. Each piece responds to the base alone, not to the
+// other pieces. docs/theory/truth.md (16), (17)
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ class SteelPiece {
  public:
   explicit SteelPiece(const base::Steel& steel) noexcept;
 
-  // To one field of what stands at the base, as if there were no steel: Vec3 field_T(const Vec3& point_base_m). Linear
-  // in it. What does not depend on the point is done once. Piece and field outlive it.
+  // Response to the field of everything at the base as if there were no steel: Vec3 field_T(const Vec3& point_base_m).
+  // Linear in it. What does not depend on the point is computed once. Piece and field outlive it.
   template <class Field>
   class Answer {
    public:

@@ -1,4 +1,4 @@
-// The fields and forces as they really are: what every sensor sees, and what pulls on the pen.
+// The true fields and forces: what every sensor sees, and what pulls on the pen.
 // One model per thread: it keeps scratch space, so that a device tick allocates nothing.
 #pragma once
 
@@ -20,7 +20,7 @@ using CoilArray = std::array<double, base::kCoilCount>;
 
 using SensorFields = std::array<Vec3, base::kSensorCount>;
 
-// Force and torque on the pen at its moment of the drawing: F = sum_k I_k coil[k] + sum_i m_i dipole[i] + core.
+// Force and torque on the pen at its nominal moment: F = sum_k I_k coil[k] + sum_i m_i dipole[i] + core.
 struct ForceMap {
   std::array<ForceAndTorque, base::kCoilCount> coil;  // per ampere
   std::array<ForceAndTorque, 3> dipole;               // per A m^2 of the core's extra moment
@@ -44,7 +44,7 @@ class TruthModel {
   SensorFields AllSensorFields(const MagnetPose* pose, const CoilArray& current_A,
                                const Surroundings& surroundings = {}) noexcept;
 
-  // What the core's moment is at once, without memory.
+  // The core's instantaneous moment, without memory.
   Vec3 InducedMoment(const MagnetPose* pose, const CoilArray& current_A, const Surroundings& surroundings) noexcept;
 
   // `steel_mask`: as Surroundings. Other magnets pull with a few millinewtons at 0.2 m and are left out.

@@ -102,7 +102,7 @@ void Hand::Step(double t_s, double dt_s, const Vec3& force_N) noexcept {
   t_s_ = t_s + dt_s;
   pose_.axis_base = target.axis_base;
   present_ = target.present;
-  if (!target.present) {  // carried out of reach: nothing acts, the pen is where the script says
+  if (!target.present) {  // carried out of reach: nothing acts, the pen is where the script has it
     pose_.centre_base_m = target.centre_base_m;
     velocity_ = target.velocity_base_m_s;
     KeepOutOfHull();

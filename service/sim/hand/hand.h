@@ -1,5 +1,5 @@
-// The hand: a mass on a spring-damper whose other end follows the script, or whoever leads the hand. It carries the
-// pen's weight, turns it as wanted, and yields to magnetic force. The pen never enters the hull.
+// The hand: a mass on a spring-damper whose other end follows the script or a HandGuide. It carries the pen's weight,
+// turns it as wanted, and yields to magnetic force. The pen never enters the hull.
 #pragma once
 
 #include <optional>

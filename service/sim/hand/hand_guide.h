@@ -1,5 +1,5 @@
-// Who leads the simulated hand while the twin runs: a program in a person's place, later a mouse. It decides where the
-// hand would like the pen to be, and nothing else: mass, damping, stiffness and tremor stay the hand's own.
+// Guides the simulated hand while the twin runs: a program in a person's place, later a mouse. It decides where the pen
+// is wanted, and nothing else: mass, damping, stiffness and tremor stay the hand's own.
 #pragma once
 
 #include "service/base/vec.h"
@@ -16,7 +16,7 @@ struct HandAim {
 class HandGuide {
  public:
   virtual ~HandGuide() = default;
-  // Asked once a tick, must not wait. False: nothing new, the hand stays where it was led last.
+  // Called once per tick, must not block. False: nothing new, the hand keeps its last aim.
   virtual bool Poll(HandAim& aim) noexcept = 0;
 };
 

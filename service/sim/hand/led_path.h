@@ -1,5 +1,5 @@
-// The far end of the hand's spring when somebody leads the hand: it goes to the newest aim as an arm does, smoothly,
-// and stays there until another one comes. How often aims come, and how evenly, makes no difference to what it can do.
+// The far end of the hand's spring under a HandGuide: it goes to the newest aim as an arm does, smoothly, and stays
+// there until the next one. The rate and jitter of the aims do not change what it can do.
 #pragma once
 
 #include "service/sim/hand/hand_guide.h"

@@ -22,7 +22,7 @@ struct MotionOptions {
   double tremor_m = 0;                    // rms, 8-12 Hz, on top of the speed
 };
 
-// Where a pen is that follows a path, whatever pushes it.
+// Pose of a pen that follows a path regardless of forces.
 class PenMotion {
  public:
   struct State {

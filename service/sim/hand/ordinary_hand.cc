@@ -75,7 +75,7 @@ class Writer {
   void MoveTo(const Place& to) {
     const double speed_m_s = random_.Uniform(options_.speed_min_m_s, options_.speed_max_m_s);
     const double turn_rad = std::acos(std::clamp(Dot(place_.axis, to.axis), -1.0, 1.0));
-    const double lever_m = device_.magnet.tip_offset_m * turn_rad;  // the centre turns about the tip's way
+    const double lever_m = device_.magnet.tip_offset_m * turn_rad;  // the centre turns about the tip's path
     Go(to, kPeakOfMean * std::max((Norm(to.centre_m - place_.centre_m) + lever_m) / speed_m_s, turn_rad / kTurn_rad_s));
   }
 

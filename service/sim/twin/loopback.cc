@@ -7,7 +7,7 @@
 namespace omni::sim {
 namespace {
 
-constexpr int kSilentTicksMax = 100;  // then the host sees the scan before once more
+constexpr int kSilentTicksMax = 100;  // then the host sees the previous scan again
 
 }  // namespace
 

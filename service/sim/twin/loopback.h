@@ -1,5 +1,5 @@
-// A simulated base and the host's end of its wire in one process and in virtual time: frames go to and fro in no time.
-// The base is armed as any host would do it.
+// A simulated base and the host's end of its wire in one process and in virtual time: frames travel without delay. The
+// base is armed as any host would do it.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@
 namespace omni::sim {
 namespace {
 
-constexpr std::int64_t kCatchUpMax_ns = 100 * base::kTickPeriod_ns;  // later than this: the device's clock is set anew
+constexpr std::int64_t kCatchUpMax_ns = 100 * base::kTickPeriod_ns;  // later than this: the device's clock is set again
 constexpr int kFramesPerTickMax = 64;                                // the rest waits for the next tick
 constexpr int kRealTimePriority = 30;
 
@@ -109,7 +109,7 @@ class Server {
     }
   }
 
-  // The host need not ask for the first HELLO.
+  // The host need not request the first HELLO.
   void AskHello() {
     std::array<std::uint8_t, wire::kHeaderSize + wire::kTrailerSize> frame;
     wire::Header header;

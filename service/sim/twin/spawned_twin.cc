@@ -99,7 +99,7 @@ base::Result<std::unique_ptr<device::Transport>> SpawnTwin(const std::string& pr
                                                            const std::vector<std::string>& args) {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
-    return base::Error{std::string("twin: no socket pair: ") + std::strerror(errno) +
+    return base::Error{std::string("twin: cannot create a socket pair: ") + std::strerror(errno) +
                        ": raise the limit of open files"};
   }
   base::UniqueFd ours(ends[0]);

@@ -73,7 +73,7 @@ std::size_t TwinCore::NextFrame(std::uint8_t* frame, std::size_t capacity) noexc
   return size;
 }
 
-// Scans only: what is asked for is asked for again.
+// Scans only: other requests are repeated by the host.
 bool TwinCore::IsHeldUp(const std::uint8_t* frame, std::size_t size) noexcept {
   if (scan_lost_ + scan_late_ == 0) return false;
   wire::FrameView view;
@@ -100,7 +100,7 @@ void TwinCore::Receive(const std::uint8_t* frame, std::size_t size) noexcept {
   Peek(frame, size);
 }
 
-// What the recording says of the host.
+// The host's part of the recording.
 void TwinCore::Peek(const std::uint8_t* frame, std::size_t size) noexcept {
   wire::FrameView view;
   wire::Command command;

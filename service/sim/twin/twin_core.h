@@ -26,15 +26,15 @@ class TwinCore {
   // device time plus `clock_offset_ns`, so that it can be the host's. Precondition: that of HandPath.
   TwinCore(const base::DeviceGeometry& device, const PlantOptions& options, std::int64_t clock_offset_ns);
 
-  // A frame from the host; it is looked at in the next tick's first control step.
+  // A frame from the host; handled in the next tick's first control step.
   void Receive(const std::uint8_t* frame, std::size_t size) noexcept;
-  // A frame to the host; 0: none is left. Scans that are lost on the way are none.
+  // A frame to the host; 0: none is left. Scans lost on the link are skipped.
   std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept;
 
   // Precondition: options.led.
   void Aim(const HandAim& aim) noexcept { plant_.Aim(aim); }
 
-  // Device time is that much later from now on (a suspended machine): the core sees its clock jump.
+  // Shifts device time from now on (a suspended machine): the core sees its clock jump.
   void MoveClock(std::int64_t by_ns) noexcept { clock_offset_ns_ += by_ns; }
 
   // Advances 1 ms.
@@ -60,7 +60,7 @@ class TwinCore {
   HostView host_;  // for the recording
   std::int64_t command_ns_ = 0;
   float current_max_A_;
-  // The way to the host.
+  // The link to the host.
   double scan_lost_, scan_late_;
   Random way_;
   std::array<std::uint8_t, wire::kFrameSizeMax> late_{};

@@ -1,4 +1,4 @@
-// Of the filter, the axis. docs/theory/tracking.md (10) - (12)
+// The axis part of the filter. docs/theory/tracking.md (10) - (12)
 #pragma once
 
 #include "service/tracker/filter/filter.h"

@@ -1,5 +1,5 @@
-// Filter of the tool's pose by three models of the hand's motion: at rest, at constant velocity, and manoeuvring (it
-// starts, stops or turns), each with its own estimate; how likely each is weighs them. Position: six states, full
+// Filter of the tool's pose with three models of the hand's motion: at rest, at constant velocity, and manoeuvring (it
+// starts, stops or turns). Each has its own estimate, weighted by its probability. Position: six states, full
 // covariance; axis: two per tangent, isotropic. docs/theory/tracking.md (10) - (12)
 #pragma once
 
@@ -15,30 +15,30 @@ namespace omni::tracker {
 inline constexpr std::size_t kAtRest = 0, kConstantVelocity = 1, kManoeuvre = 2;
 
 struct FilterNoise {
-  // At rest: this slow, and where it is wanders.
+  // At rest: no faster than this, about a position that wanders.
   double rest_speed_m_s = 1e-3, rest_rate_rad_s = 1e-2;
   double rest_wander_m2_s = 8e-6, rest_wander_rad2_s = 7e-4;
-  double rest_wander_share = 0.05;  // of a measurement's variance, at most, a scan
-  // Constant velocity: spectral density of the position's acceleration, of a hand at work, and of the axis's. Both are
-  // multiplied by a factor that is learnt: innovations that follow one another mean that it is too small.
+  double rest_wander_share = 0.05;  // share of a measurement's variance per scan, at most
+  // Constant velocity: spectral densities of the acceleration of position and axis for a working hand. Both are
+  // multiplied by a learnt factor: correlated innovations mean that it is too small.
   double acceleration_m2_s3 = 1.0, angular_acceleration_rad2_s3 = 100;
   double calm_log_min = -4.6;    // natural logarithms of 0.01 ...
   double calm_log_max = 2.3;     // ... and 10
   double calm_rate = 0.05;       // per scan
-  double calm_memory = 0.2;      // share of the newest innovation in the mean of those before
-  double manoeuvre_factor = 20;  // on both densities, of a manoeuvre
-  // How often one follows the other: row, to column.
+  double calm_memory = 0.2;      // weight of the newest innovation in the running mean
+  double manoeuvre_factor = 20;  // on both densities, for a manoeuvre
+  // Transition rates between the models, from row to column.
   TransitionRates follows_1_s{{{0, 40, 20}, {0.5, 0, 3}, {1, 450, 0}}};
-  // While a force pushes the pen: it is not at rest, and an estimate that waits until it surely moves is late, which
-  // what pushes back must not be.
+  // While a force pushes the pen: it is not at rest, and waiting until it surely moves would delay the estimate and
+  // with it the force.
   TransitionRates follows_pushed_1_s{{{0, 2000, 20}, {0, 0, 3}, {0, 450, 0}}};
   Likely likely_at_first{0.2, 0.6, 0.2};
-  double white_min = 0.01;     // least share of a fit's variance that is taken for white
-  double white_time_s = 0.05;  // over which it is learnt
-  double lasting_s = 0.01;     // mean of the other part: a scan that tells little is passed over
+  double white_min = 0.01;     // least share of a fit's variance that is taken as white
+  double white_time_s = 0.05;  // time over which the share is learnt
+  double lasting_s = 0.01;     // averaging time of the other part, so that an uninformative scan does not count
 };
 
-// How much the pen's motion deviates from a straight one, learnt from whether innovations follow one another.
+// How much the pen's motion deviates from a straight one, learnt from the correlation of successive innovations.
 struct Liveliness {
   double log_factor = 0;           // on the density of the acceleration
   std::array<double, 3> recent{};  // mean of the last innovations in their standard deviations
@@ -63,7 +63,7 @@ struct Turning {
   double variance_angle = 0, covariance_angle_rate = 0, variance_rate = 0;  // per tangent
 };
 
-// The estimates of all models weighed, and what they are made of.
+// The combined estimate of all models, and the models' own.
 struct FilterState : Motion, Turning {
   Models<Motion> motions;
   Models<Turning> turnings;

@@ -19,7 +19,7 @@ struct Models {
   Likely likely{};
 };
 
-// How likely each model is at the next instant, and of which parts its estimate is then made.
+// The models' probabilities at the next instant, and the weights with which each estimate is mixed from the others.
 struct Mixing {
   Likely likely{};
   std::array<Likely, kModels> parts{};
@@ -45,7 +45,7 @@ inline Mixing Mix(const TransitionRates& rates_1_s, double dt_s, const Likely& l
   return mixing;
 }
 
-//   mu_j = c_j L_j / sum c L, none less than `floor`: what is taken for impossible could never come back
+// mu_j = c_j L_j / sum c L, none below `floor`: a model of probability zero could never recover
 inline void Weigh(const Likely& log_likelihood, Likely& likely) noexcept {
   constexpr double kFloor = 1e-6;
   const double best = *std::max_element(log_likelihood.begin(), log_likelihood.end());
@@ -56,8 +56,7 @@ inline void Weigh(const Likely& log_likelihood, Likely& likely) noexcept {
   for (double& mu : likely) mu /= floored;
 }
 
-// One step of time before each model's own: how likely they are, and their estimates mixed. mean: of the estimates,
-// weighed.
+// Before each model's own time step: advances the probabilities and mixes the estimates. mean: weighted, of estimates.
 template <typename Estimate, typename Mean>
 void Interact(const TransitionRates& rates_1_s, double dt_s, const Mean& mean, Models<Estimate>& models) noexcept {
   const Mixing mixing = Mix(rates_1_s, dt_s, models.likely);
@@ -66,7 +65,7 @@ void Interact(const TransitionRates& rates_1_s, double dt_s, const Mean& mean, M
   models.likely = mixing.likely;
 }
 
-// correct(j, estimate): corrects model j, and returns the logarithm of how likely the measurement was to it.
+// correct(j, estimate): corrects model j, and returns the log-likelihood of the measurement under it.
 template <typename Estimate, typename Correct>
 void CorrectEach(const Correct& correct, Models<Estimate>& models) noexcept {
   Likely log_likelihood{};

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kVelocitySigma_m_s = 0.3;  // of a hand whose motion is not known yet
-constexpr double kRestartGate = 400;        // 20 standard deviations: not this motion
+constexpr double kRestartGate = 400;        // 20 standard deviations: not the same motion
 constexpr double kLearnMax = 10;
 
 Matrix3d Load(const std::array<double, 9>& values) { return Eigen::Map<const RowMajor3>(values.data()); }
@@ -63,8 +63,8 @@ void PublishMotion(FilterState& state) {
   static_cast<Motion&>(state) = MeanMotion(state.motions.estimate, state.motions.likely);
 }
 
-// p <- p,   v <- 0,   P_pp <- P_pp + R min(w dt / r, g),   r the largest variance in R: a wander that is as slow
-// against the noise in each direction, or the direction that is known best would tell rest from going on
+// p <- p,   v <- 0,   P_pp <- P_pp + R min(w dt / r, g),   r the largest variance in R: a wander that is slow against
+// the noise in each direction, or the best known direction would tell rest from motion
 void Rest(const FilterNoise& noise, double dt_s, const std::array<double, 9>& white_m2, Motion& motion) {
   const double worst_m2 = std::max({white_m2[0], white_m2[4], white_m2[8]});
   const double share = worst_m2 > 0 ? std::min(noise.rest_wander_m2_s * dt_s / worst_m2, noise.rest_wander_share) : 0;
@@ -87,8 +87,8 @@ void Extrapolate(double q, double dt, Motion& motion) {
   Store(vv + q * dt * I, motion.covariance_vv);
 }
 
-// Returns the logarithm of how likely the measurement was, with R_judged: what lasts changes at once with a force's
-// currents, and is no start. whitened: the innovation in its standard deviations.
+// Returns the log-likelihood of the measurement, with R_judged: the lasting part changes at once with a force's
+// currents, and is no start of a motion. whitened: the innovation in its standard deviations.
 double Correct(const Vector3d& measured_m, const Matrix3d& R, const Matrix3d& R_judged, Motion& motion,
                Vector3d* whitened) {
   const Vector3d innovation = measured_m - base::ToEigen(motion.position_base_m);

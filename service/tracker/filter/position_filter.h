@@ -1,4 +1,4 @@
-// Of the filter, the position. docs/theory/tracking.md (10) - (11)
+// The position part of the filter. docs/theory/tracking.md (10) - (11)
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ bool CorrectMotion(const FilterNoise& noise, const PoseMeasurement& measured, do
 // means that the filter lags behind.
 void LearnLiveliness(const FilterNoise& noise, const Eigen::Vector3d& whitened, Liveliness& liveliness) noexcept;
 
-// Of measurements in a row; none before there are four.
+// Of the last four measurements; none before there are four.
 std::optional<Eigen::Vector3d> ThirdDifference(const base::Vec3& measured, Whiteness& whiteness) noexcept;
 
 // third_squared: of differences whose claimed variances add up to `variance`.

@@ -52,7 +52,7 @@ bool ArePlausible(const Currents& current_A) noexcept {
   return true;
 }
 
-// Before the first step that was told, currents are taken to have been what they were there.
+// Before the first reported step, currents are assumed to have been what they were there.
 CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept {
   CurrentHistory now;
   now.valid = true;

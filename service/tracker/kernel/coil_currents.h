@@ -1,5 +1,5 @@
-// The coils' currents at each sensor's own instant: between the control steps where the base tells them, else along the
-// straight line from one tick's mean to the next. docs/theory/tracking.md (5)
+// The coils' currents at each sensor's own instant: interpolated between the control steps where the base reports them,
+// else along the straight line from one tick's mean to the next. docs/theory/tracking.md (5)
 #pragma once
 
 #include <array>
@@ -11,10 +11,10 @@ namespace omni::tracker {
 
 using Currents = std::array<double, base::kCoilCount>;
 
-// False: no number that a current can be.
+// False: a value that no current can have.
 bool ArePlausible(const Currents& current_A) noexcept;
 
-// What is remembered of the scans before: sensors' samples are up to two ticks old.
+// State kept from earlier scans: sensors' samples are up to two ticks old.
 struct CurrentHistory {
   bool valid = false;
   std::int64_t t_ns = 0;
@@ -25,8 +25,8 @@ struct CurrentHistory {
   std::array<Currents, 2 * base::kStepsPerTick + 1> at_A{};  // at ends of control steps; the last at the tick's end
 };
 
-// The history after `scan`. A base that does not tell its steps does not tell either where its ticks end: the latest
-// stamps of the past second show it.
+// The history after `scan`. A base that does not report its control steps does not report the end of its ticks either:
+// it is inferred from the latest stamps of the past second.
 CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept;
 
 struct CurrentInstant {
@@ -45,7 +45,7 @@ class CoilCurrents {
   // `age_s` before the scan's stamp.
   CurrentInstant At(double age_s) const noexcept;
 
-  // How fast they move: the largest change of a control step, or that of the mean since the scan before.
+  // How fast the currents change: the largest change of a control step, or that of the mean since the previous scan.
   const Currents& change_A() const noexcept { return change_A_; }
 
  private:

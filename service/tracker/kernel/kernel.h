@@ -39,7 +39,7 @@ template <class Real>
 struct ToolSource {
   Real zonal[3];          // q1, q3, q5, A m^(l+1)
   bool multipole = true;  // false: q3 = q5 = 0
-  bool core = true;       // false: no iron answers
+  bool core = true;       // false: no iron responds
 };
 
 // Where to linearise. axis, tangent_1, tangent_2 are orthonormal; rates move the pose back to each sensor's instant.

@@ -17,14 +17,14 @@ struct Trust {
   double current_error_A = 3e-3;         // of a current sensor: offset ...
   double current_error_relative = 2e-3;  // ... gain ...
   double current_step_error = 0.05;      // ... and of the largest change of a control step: inductance ...
-  double current_change_error = 0.1;     // ... or, where only means are told, of their change: lag is no straight line
+  double current_change_error = 0.1;     // ... or, where only means are reported, of their change (lag)
   double remanence_A = 0;                // field that the core keeps, as currents: it looks like theirs
   bool currents_hidden = false;          // currents are not known at all: three unknowns without a prior
-  double ambient_error_T = 0;            // of a uniform field that came after the background was measured
+  double ambient_error_T = 0;            // of a uniform field that appeared after the background was measured
   std::uint32_t sensors_out = 0;         // bit i: sensor i is not used
   double age_error_s = 2e-5;             // of a sensor's age
   double current_age_s = 3.75e-4;        // mean currents: of the ends of 4 control steps, this long before the tick's
-  double field_max_T = 5e-3;             // a larger value is no reading
+  double field_max_T = 5e-3;             // a larger value is not a reading
 };
 
 // Nothing but sensor noise: for readings whose model is exact.
@@ -46,7 +46,7 @@ struct BasicMeasurement {
   // the usable axes say about them, C^T C, and S = (C^T C + prior)^-1; row-major, kNuisancesMax to a row.
   // Columns beyond the first `nuisances` are no unknowns of this scan; their sums say what it knows of them.
   int nuisances = 0, columns = 0;
-  std::array<double, base::kCoilCount> current_variance_A2{};  // of this scan's currents, what lasts left out
+  std::array<double, base::kCoilCount> current_variance_A2{};  // of this scan's currents, without the lasting part
   std::array<Lanes, std::size_t{3} * kNuisancesMax> nuisance{};
   NuisanceMatrix nuisance_information{};
   NuisanceMatrix nuisance_covariance{};
@@ -80,7 +80,7 @@ struct AmbientChange {
   std::array<double, 3> field_T{}, rate_T_s{}, acceleration_T_s2{};
 };
 
-// Offsets that were found to be in the readings.
+// Known offsets in the readings.
 struct Offsets {
   std::array<double, base::kCoilCount> remanence_A{}, remanence_variance_A2{};
   std::array<double, 3> ambient_base_T{}, ambient_variance_T2{};  // no variance: it is known

@@ -44,7 +44,7 @@ SteelMirror MirrorSensors(const base::Calibration& calibration) {
 
 using ReadingVector = Eigen::Matrix<double, kReadings, 1>;
 
-// What a dipole makes of the readings, without what it makes at all sensors alike.
+// A dipole's field in the readings, without the part common to all sensors.
 ReadingVector UnevenReadings(const base::Calibration& calibration, const Vector3d& at_m, const Vector3d& moment_Am2) {
   Eigen::Matrix<double, 3, kSensors> field_T;
   for (std::size_t i = 0; i < kSensors; ++i) {
@@ -63,7 +63,7 @@ ReadingVector UnevenReadings(const base::Calibration& calibration, const Vector3
   return readings_T;
 }
 
-// Dipoles as strong as the pen all around at two distances, and a little of anything:   K = mean b b^T + sigma^2
+// Dipoles as strong as the pen all around at two distances, plus a small isotropic part:   K = mean b b^T + sigma^2
 StrayPrior MakeStrayPrior(const base::Calibration& calibration) {
   constexpr int kDirections = 64;
   constexpr std::array<double, 2> kDistances_m{0.2, 0.3};

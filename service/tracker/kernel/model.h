@@ -22,7 +22,7 @@ inline constexpr int kArraySensors = base::kArraySensorsMax;
 
 using SensorLanes = std::array<double, kArraySensors>;
 
-// How much of the physics the model holds; errors in docs/theory/tracking.md.
+// How much of the physics the model includes; errors in docs/theory/tracking.md.
 enum class Rung : std::uint8_t {
   kDipole,      // point dipole, no core
   kDipoleCore,  // point dipole and its image in the core
@@ -36,7 +36,7 @@ struct SteelMirror {
   SensorPlaces<double> sensors{}, centre{};
 };
 
-// What may stand near the base of an Omni, as far as its field is not uniform: K of readings 8 axis + sensor.
+// Prior covariance K of the non-uniform field of objects near the base of an Omni; readings 8 axis + sensor.
 // docs/theory/tracking.md (22)
 struct StrayPrior {
   std::array<double, std::size_t{kReadings} * kReadings> covariance_T2{};

@@ -1,4 +1,4 @@
-// What a steel plane under the base answers to the pen. docs/theory/tracking.md (21)
+// The response of a steel plane under the base to the pen's field. docs/theory/tracking.md (21)
 #pragma once
 
 #include "service/tracker/kernel/measurement.h"
@@ -17,8 +17,8 @@ struct SteelAnswer {
 // `moment_scale`: of the model's moment. Precondition: HasSteel.
 SteelAnswer AnswerOfSteel(const Model& model, const Pose& pose, double moment_scale) noexcept;
 
-// To a fit of readings from which the answer at the pose `expected` was taken off: where the pen is with the answer at
-// that place, and how well that is known.
+// Corrects a fit whose readings had the response at the pose `expected` subtracted: to the pose and covariance with the
+// response at the fitted pose.
 void CorrectForSteel(const Model& model, const Measurement& measurement, const Pose& expected,
                      const SteelAnswer& answer, Fit& fit) noexcept;
 

@@ -113,7 +113,7 @@ AmbientEvidence OfAmbient(const DriftEvidence& evidence, const DriftState& drift
   return ambient;
 }
 
-// Squared innovation over what is expected, mean of three components: with nu = I^-1 g the field's innovation,
+// Squared innovation over the expected one, mean of three components: with nu = I^-1 g the field's innovation,
 //   nu^T (I^-1 + P)^-1 nu / 3 = g^T (I + I P I)^-1 g / 3
 double Innovation(const AmbientEvidence& evidence, const DriftState& drift) noexcept {
   const auto& I = evidence.information;
@@ -137,8 +137,8 @@ double Innovation(const AmbientEvidence& evidence, const DriftState& drift) noex
   return std::isfinite(sum) ? sum / 3 : 0;
 }
 
-// A jump opens the field. Innovations that follow one another mean that it moves: their mean would be small. The
-// model's own error, which lasts too, is allowed for.
+// A jump opens the field. Correlated innovations mean that it moves: their mean would be small otherwise. The model's
+// own error, which lasts too, is allowed for.
 void LearnWander(const DriftNoise& noise, const AmbientEvidence& now, double systematic_share,
                  DriftState& drift) noexcept {
   if (!now.valid) return;
@@ -185,7 +185,8 @@ void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
 
 }  // namespace
 
-// A stone on a string, drawn behind the core's moment m:   x <- d min(1, k / |d|),   d = x - dm        (34)
+// A play operator: x is dragged behind the core's moment m like a stone on a string,   x <- d min(1, k / |d|),   d = x
+// - dm        (34)
 void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& coil_current_A,
                 const PenPlace* pen, DriftState& drift) noexcept {
   const bool known = noise.core_kept_A > 0 && pen != nullptr, follows = known && drift.core_followed;
@@ -207,7 +208,7 @@ bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept 
   return drift.ambient_wander_T2_s > 0 || IsAmbientOpen(noise, drift);
 }
 
-// What the model gets wrong where the pen lies stays as it was.
+// The model's error where the pen lies stays as it was.
 void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept {
   const double variance_T2 = Square(noise.ambient_jump_T);
   SetAmbientVariance(variance_T2, drift);
@@ -301,8 +302,8 @@ DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measure
   return evidence;
 }
 
-// Prior and evidence add up: P' = (P^-1 + I)^-1, x' = x + P' g   [information form of Kalman's correction]. The scan
-// was linearised with the prior mean already taken off, so that the prior pulls towards no change.
+// Prior and evidence are combined: P' = (P^-1 + I)^-1, x' = x + P' g   [information form of Kalman's correction]. The
+// scan was linearised with the prior mean already subtracted, so that the prior pulls towards no change.
 AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept {
   if (!evidence.valid || !AllowForCurrents(evidence)) return {};
   TellChange(noise.still, drift.covariance, drift.still, evidence);

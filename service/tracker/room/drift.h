@@ -11,37 +11,37 @@
 
 namespace omni::tracker {
 
-// Each state wanders about zero: this far (rms), forgetting in this time.
+// Each state wanders about zero, with this rms and this relaxation time.
 struct DriftNoise {
   bool enabled = true;
-  int every_scans = 4;         // a scan that tells of them costs half as much again
+  int every_scans = 4;         // a scan evaluated for them costs half as much again
   double remanence_A = 0.011;  // 0: nothing is estimated
-  double core_kept_A = 0;      // of any motion, by the calibration: then the core is followed; 0: unknown
-  double core_error = 0.4, core_error_min_A = 0.002;  // of that, rms of what is kept beside what the motion says
+  double core_kept_A = 0;      // after any motion, from the calibration: then the core is followed; 0: unknown
+  double core_error = 0.4, core_error_min_A = 0.002;  // rms error of that: relative, at least
   double coil_core_share = 0.5;                       // of a coil's moment, which is the core's
-  StillOptions still;                                 // when the core forgets it
+  StillOptions still;                                 // when the core's state is forgotten
   double ambient_T = 5e-7, ambient_s = 100;
-  // While the pen lies still and slow changes have time to be seen, of the growth of these variances.
+  // Factors on the growth of these variances while the pen lies still and slow changes have time to be seen.
   double ambient_still = 1e-2, moment_still = 1e-1;
-  // A field that changes faster than that: the base is turned or carried, iron comes near. By how much it may have
-  // jumped when nothing else explains a scan; what it wanders, in T^2/s, is learnt between these from how far evidence
-  // is off.
+  // A field that changes faster than that: the base is turned or carried, iron comes near. How far it may have jumped
+  // when nothing else explains a scan, and the bounds, in T^2/s, between which its wander is learnt from the
+  // innovations.
   double ambient_jump_T = 1e-4;
   double ambient_wander_min_T2_s = 1e-15, ambient_wander_max_T2_s = 1e-9;
-  double ambient_open_T = 6e-7;      // known to less than this: an unknown of every scan
+  double ambient_open_T = 6e-7;      // a field known less well is an unknown of every scan
   double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
   double moment_max = 0.05;
-  // What the model gets wrong is wrong again in the next scan, until the pen is elsewhere.
+  // The model's error stays the same from scan to scan until the pen has moved, turned or waited so much.
   double same_error_m = 0.02, same_error_rad = 0.3, same_error_s = 10;
 };
 
 struct DriftState {
   bool valid = false;
   std::int64_t t_ns = 0;           // of the last prediction
-  double step_s = 0;               // that it bridged
+  double step_s = 0;               // bridged by it
   double ambient_wander_T2_s = 0;  // beyond what DriftNoise says
-  // Of the ambient field, means over the last scans: what they say that it has moved, as information and gradient.
+  // Means over the last scans of the evidence that the ambient field has moved, as information and gradient.
   std::array<double, 9> recent_information{};
   std::array<double, 3> recent_gradient{};
   std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
@@ -61,7 +61,7 @@ struct DriftEvidence {
   bool valid = false;
   std::array<Row, kDriftStates> information{};
   Row gradient{};
-  double share = 0;  // of both that counts
+  double share = 0;  // share of both that is used
   double systematic_share = 0;
   double age_s = 0;  // of the samples, the mean
   std::array<double, base::kCoilCount> current_variance_A2{};
@@ -72,34 +72,36 @@ Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept;
 double MomentScale(const DriftState& drift) noexcept;
 std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept;  // frame B, since the calibration
 
-// Of each scan, before it is measured: draws what the core keeps behind its moment. The currents and the place of the
-// pen; null: it may be anywhere, and the core is not followed.
+// For each scan, before it is measured: drags the core's remanence behind its moment. pen: null: it may be anywhere,
+// and the core is not followed.
 void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& coil_current_A,
                 const PenPlace* pen, DriftState& drift) noexcept;
 
-// Forgets for `dt_s`; a state that is not valid starts at zero with its full spread. current_step_A: since the last
-// correction; what the sensors of the currents got wrong of it comes on top. pen: null: it may be anywhere.
+// Relaxes the states over `dt_s`; an invalid state starts at zero with its full variance. current_step_A: since the
+// last correction; the sensors' errors in it are added. pen: null: it may be anywhere.
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   const PenPlace* pen, DriftState& drift) noexcept;
 
-// In so many scans, step_s apart, the model's own error is the same: n of (18).
+// Number of scans, step_s apart, in which the model's own error is the same: n of (18).
 double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;
 
-// Of what each of `repeats` scans says, how much is new, if that error is such a share of their variance: f of (18).
+// Share of new information in each of `repeats` scans if that error is the share `systematic` of their variance: f of
+// (18).
 double EvidenceShare(double repeats, double systematic) noexcept;
 
 // `sums`: of a fit of a measurement with the columns of AddAmbientColumns; step_s: since the evidence before.
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
                              double step_s) noexcept;
 
-// The ambient field is that, or may be off by so much more, each way.
+// Sets the ambient field, with this variance per axis.
 void SetAmbient(const std::array<double, 3>& ambient_base_T, double variance_T2, DriftState& drift) noexcept;
 void WidenAmbient(double variance_T2, DriftState& drift) noexcept;
 
-// The ambient field may have jumped: it is known to noise.ambient_jump_T, and what the last scans said is forgotten.
+// The ambient field may have jumped: its variance becomes noise.ambient_jump_T squared, and the last scans' evidence is
+// dropped.
 void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept;
 
-// The ambient field changes faster than DriftNoise says, or is hardly known: every scan is worth looking at.
+// The ambient field changes faster than DriftNoise says, or is poorly known: every scan is evaluated.
 bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept;
 
 // What a scan says of the ambient field alone, as information (row-major, 1/T^2) and gradient: the other states are
@@ -110,7 +112,7 @@ struct AmbientEvidence {
   std::array<double, 3> gradient{};
 };
 
-// Before the next PredictDrift. Returns what the evidence said of the ambient field; not valid: nothing usable.
+// Before the next PredictDrift. Returns the evidence about the ambient field; not valid: nothing usable.
 AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept;
 
 }  // namespace omni::tracker

@@ -1,4 +1,4 @@
-// What the tracker found to be wrong, told beside the pose. docs/theory/tracking.md, Doubt
+// Reports what the tracker found to be wrong together with the pose. docs/theory/tracking.md, Doubt
 #pragma once
 
 #include "service/base/tool_state.h"
@@ -6,7 +6,7 @@
 
 namespace omni::tracker {
 
-// frozen: every sensor repeats itself. After the scan's pose is in `tool`.
+// frozen: every sensor repeats itself. Call after the scan's pose is in `tool`.
 void TellFindings(const State& state, bool frozen, base::ToolState& tool) noexcept;
 
 }  // namespace omni::tracker

@@ -23,7 +23,7 @@ void Restart(const MainsOptions& options, Mains& mains) noexcept {
   for (std::size_t k = 0; k < mains.tones.size(); ++k) Restart(options.candidates_Hz[k], mains.tones[k]);
 }
 
-// The field and its first two derivatives, if the tone is believed.
+// The field and its first two derivatives, if the tone is accepted.
 void AddTone(const Tone& tone, double age_s, AmbientChange& change) noexcept {
   if (!tone.believed) return;
   const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
@@ -38,8 +38,8 @@ void AddTone(const Tone& tone, double age_s, AmbientChange& change) noexcept {
   }
 }
 
-// Two scans' difference of what they say of the ambient field, as information and gradient, what their offsets held of
-// the tones left out: J = (I + I') / 4,   e = (g - g' + I' (b - b')) / 2
+// Difference of two scans' evidence of the ambient field, as information and gradient, with what their offsets
+// contained of the tones left out: J = (I + I') / 4,   e = (g - g' + I' (b - b')) / 2
 struct Difference {
   std::array<double, 9> information{};
   std::array<double, 3> gradient{};
@@ -72,8 +72,8 @@ std::array<double, 3> HeldOf(const Tone& tone, double age_s) noexcept {
   return held.field_T;
 }
 
-// I += H^T J H, g += H^T (e + J (m - m')) with H = [cos - cos', sin - sin'] and m, m' what the offsets held of this
-// tone; x = I^-1 g.
+// I += H^T J H, g += H^T (e + J (m - m')) with H = [cos - cos', sin - sin'] and m, m' what the offsets contained of
+// this tone; x = I^-1 g.
 void Learn(const MainsOptions& options, const Difference& difference, double age_s, double apart_s,
            Tone& tone) noexcept {
   const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
@@ -98,7 +98,7 @@ void Learn(const MainsOptions& options, const Difference& difference, double age
   tone.held_T = held_T;
   tone.heard_s += apart_s;
   SmallCholesky<kToneStates> factors;
-  if (!factors.Factor(tone.information_1_T2.data(), kToneStates, 0)) return;  // a scan or two say nothing of all six
+  if (!factors.Factor(tone.information_1_T2.data(), kToneStates, 0)) return;  // a scan or two do not determine all six
   tone.mean_T = factors.Solve(tone.gradient_1_T);
   tone.chi2 = 0;
   for (std::size_t s = 0; s < kToneStates; ++s) tone.chi2 += tone.mean_T[s] * tone.gradient_1_T[s];
@@ -118,7 +118,7 @@ void Find(Mains& mains) noexcept {
   mains.listened_s = 0;
 }
 
-// By how much a cos + b sin has turned since it was heard, mains are faster than was thought.
+// By how much a cos + b sin has turned since the last tuning, mains are faster than assumed.
 void Tune(const MainsOptions& options, Mains& mains) noexcept {
   double along = 0, across = 0;
   for (std::size_t c = 0; c < 3; ++c) {

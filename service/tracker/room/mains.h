@@ -1,5 +1,5 @@
-// The field of mains: a tone of 50 or 60 Hz and its third harmonic, the same at all sensors. Learnt from what scans say
-// of the ambient field. docs/theory/tracking.md (30), (31)
+// The field of mains: a tone of 50 or 60 Hz and its third harmonic, the same at all sensors. Learnt from the scans'
+// evidence of the ambient field. docs/theory/tracking.md (30), (31)
 #pragma once
 
 #include <array>
@@ -13,13 +13,14 @@ namespace omni::tracker {
 struct MainsOptions {
   bool enabled = true;
   std::array<double, 2> candidates_Hz{50, 60};
-  // What was heard of a tone is forgotten over the first of these, over up to the second if it is weaker than that: far
-  // from the base noise would say more of it.
+  // Evidence of a tone is forgotten over the first of these, over up to the second if it is weaker than the third: far
+  // from the base noise would dominate.
   double memory_s = 0.5, memory_max_s = 1, strong_chi2 = 120;
-  double apart_min_s = 3e-3, apart_max_s = 2e-2;  // two scans whose difference tells of them
-  double jump_T = 1.5e-5;                         // between these: something else happened
-  double heard_min_s = 0.1;                       // before a tone is believed
-  // A tone is taken off above the first, and no more below the second; of x^T I x, whose mean is 6 where no tone is.
+  double apart_min_s = 3e-3, apart_max_s = 2e-2;  // spacing of two scans whose difference is evaluated
+  double jump_T = 1.5e-5;                         // a larger difference between these: something else happened
+  double heard_min_s = 0.1;                       // before a tone is accepted
+  // A tone is subtracted above the first and no longer below the second: values of x^T I x, whose mean is 6 without a
+  // tone.
   double believed_chi2 = 30, gone_chi2 = 15;
   double listen_s = 0.25, pull = 0.2, pull_max_Hz = 0.5;  // how often, by which share and how far it is tuned
 };
@@ -36,7 +37,7 @@ struct Tone {
   States mean_T{};
   double chi2 = 0;
   double heard_s = 0;
-  std::array<double, 3> held_T{};  // taken off the scan before
+  std::array<double, 3> held_T{};  // subtracted from the previous scan
 };
 
 struct Mains {
@@ -46,7 +47,7 @@ struct Mains {
   double candidate_Hz = 0, listened_s = 0;  // of what was found; since it was tuned
   Tone::States heard_T{};                   // the first harmonic's mean, when it was tuned
   std::array<Tone, 2> tones;
-  // The scan before: when, what it said, about which ambient field.
+  // The previous scan: its time, its evidence, and the ambient field that it refers to.
   std::int64_t before_t_ns = 0;
   AmbientEvidence before;
   std::array<double, 3> before_ambient_T{};
@@ -56,7 +57,7 @@ static_assert(std::is_trivially_copyable_v<Mains>);
 // Turns the phases to the scan's time and forgets.
 void AdvanceMains(const MainsOptions& options, std::int64_t t_ns, Mains& mains) noexcept;
 
-// After a scan at the phases' time: what it says of the ambient field, about ambient_T and the tones that are believed.
+// After a scan at the phases' time: its evidence of the ambient field, relative to ambient_T and the accepted tones.
 // age_s: of its samples, the mean.
 void LearnMains(const MainsOptions& options, const AmbientEvidence& evidence, const std::array<double, 3>& ambient_T,
                 double age_s, Mains& mains) noexcept;

@@ -5,7 +5,7 @@
 namespace omni::tracker {
 namespace {
 
-constexpr double kRidge = 1e-12;  // for shapes that the usable axes cannot tell apart
+constexpr double kRidge = 1e-12;  // for shapes that the usable axes cannot distinguish
 
 template <int kCapacity>
 void PutAmbientColumns(BasicMeasurement<kCapacity>& result) noexcept {

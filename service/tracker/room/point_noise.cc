@@ -11,11 +11,11 @@ namespace {
 
 double Worst(const std::array<double, 9>& c) noexcept { return std::max({c[0], c[4], c[8]}); }
 
-// Of a model's variance, the rest is the motion that it allows for: of a small gain's, half is noise without a speed
-// and three quarters with one. What is asked for is the latter, so that is 1.
+// Of a model's variance, the rest is the motion that it allows for: of a small gain's, half is noise without a velocity
+// and three quarters with one. The latter is normalised to 1.
 constexpr Likely kNoise{2.0 / 3, 1, 1};
 
-// What noise makes of the estimate: sum mu n P. The models' differences are in it.
+// The noise in the estimate: sum mu n P. The models' differences are in it.
 template <typename Estimate, typename VarianceOf>
 double NoiseIn(const Models<Estimate>& models, const VarianceOf& variance) noexcept {
   double sum = 0;
@@ -23,8 +23,8 @@ double NoiseIn(const Models<Estimate>& models, const VarianceOf& variance) noexc
   return sum;
 }
 
-// As large as the noise, but with the ratio of velocity to position of the model of constant velocity: that says how
-// far the filter is behind (3.3), which it is less than that whenever another model takes over.
+// As large as the noise, but with the velocity-to-position ratio of the constant-velocity model: that says how far the
+// filter lags (3.3); it lags less whenever another model takes over.
 base::PointNoise Scaled(const base::PointNoise& moving, double noise_m2) noexcept {
   const double share = std::min(1.0, noise_m2 / moving.position_m2);
   return {share * moving.position_m2, share * moving.cross_m2_s, share * moving.velocity_m2_s2};

@@ -1,4 +1,4 @@
-// The noise of a tracked point as a force feels it. docs/theory/haptics.md, section 3
+// The noise of a tracked point as it enters a force. docs/theory/haptics.md, section 3
 #pragma once
 
 #include "service/base/tool_state.h"

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kStates = kDriftStates;
 constexpr double kKnown = 1e-6;  // of a state's variance, when nothing has changed: none, but it needs an inverse
 
-// The mean of the places until now: of one alone the noise would pass for the pen's next movement.
+// The mean of the places so far: with one place alone, its noise would pass for the pen's next movement.
 void SettleAt(const PenPlace& pen, double weight, PenPlace& place) noexcept {
   const auto settle = [&](const base::Vec3& towards, base::Vec3& at) {
     at = base::FromEigen(base::ToEigen(at) + weight * (base::ToEigen(towards) - base::ToEigen(at)));
@@ -24,7 +24,7 @@ void SettleAt(const PenPlace& pen, double weight, PenPlace& place) noexcept {
   settle(pen.core_A, place.core_A);
 }
 
-// d = (sum I)^-1 sum g; false: what was gathered does not tell
+// d = (sum I)^-1 sum g; false: the sums do not determine it
 bool SolveReference(StillPen& still) noexcept {
   SmallCholesky<kDriftStates> factors;
   if (!factors.Factor(still.information.data(), kDriftStates, 0)) return false;

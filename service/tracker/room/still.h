@@ -1,5 +1,5 @@
-// A pen that lies still: what the model gets wrong there is the same in every scan, so that scans tell of changes only,
-// and of these as exactly as their noise allows. docs/theory/tracking.md (32)
+// A pen that lies still: the model's error there is the same in every scan, so that scans show changes only, and these
+// as exactly as their noise allows. docs/theory/tracking.md (32)
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@ using DriftMatrix = std::array<double, std::size_t{kDriftStates} * kDriftStates>
 struct DriftEvidence;
 
 struct StillOptions {
-  double length_m = 0.02, angle_rad = 0.3;  // the core forgets while the pen goes so far or turns so much ...
-  double forget_s = 1;                      // ... but takes so long
-  double share = 0.1, sigmas = 4;           // of these, or standard deviations of noise: within, the pen lies still
-  double settle_s = 1, reference_s = 1;     // then a reference is taken, over so long ...
-  double reference_max_s = 16;              // ... and made better, until then
+  double length_m = 0.02, angle_rad = 0.3;  // the core's state is forgotten over this travel or turn ...
+  double forget_s = 1;                      // ... but no faster than this
+  double share = 0.1, sigmas = 4;           // of these, or noise standard deviations: within, the pen lies still
+  double settle_s = 1, reference_s = 1;     // then a reference is taken, over this time ...
+  double reference_max_s = 16;              // ... and refined until then
 };
 
 // Where the pen is, from the core's centre.
@@ -33,20 +33,20 @@ struct StillPen {
   double still_s = 0;  // since the pen was at:
   PenPlace place;      // its mean over settle_s
   bool referenced = false;
-  bool gathers = true;  // scans make the reference better
-  // Of the reference's scans, sums; then its solution, what the model gets wrong in the states' terms, the states'
-  // covariance then, and that of what they have changed by since.
+  bool gathers = true;  // scans refine the reference
+  // Sums over the reference's scans; then its solution, the model's error in terms of the states; the states'
+  // covariance at that time, and that of their changes since.
   DriftMatrix information{}, reference_covariance{}, covariance{};
   DriftVector gradient{}, reference{};
 };
 static_assert(std::is_trivially_copyable_v<StillPen>);
 
-// How often the core has forgotten, by e, since the last call; null: the pen may be anywhere. Nothing while it lies
-// still. core_kept_A: what the core keeps of a motion; 0: unknown.
+// By how many factors of e the core has forgotten since the last call; null: the pen may be anywhere. Zero while it
+// lies still. core_kept_A: remanence after a motion; 0: unknown.
 double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen, double core_kept_A,
                    StillPen& still) noexcept;
 
-// A scan of a pen that lies still: gathers the reference, or leaves of what it says what has changed since that.
+// A scan of a pen that lies still: adds it to the reference, or reduces its evidence to what has changed since then.
 // covariance: of the states themselves.
 void TellChange(const StillOptions& options, const DriftMatrix& covariance, StillPen& still,
                 DriftEvidence& evidence) noexcept;

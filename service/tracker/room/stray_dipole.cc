@@ -124,7 +124,7 @@ Eigen::Matrix<double, kReadings, 3> MomentColumns(const Model& model, const Vect
   return columns;
 }
 
-// The moment that a dipole there would have, linear in what was said.
+// The moment that a dipole there would have, linear in the evidence.
 void LookAt(const DipoleOptions& options, const Model& model, int place, StrayDipole& dipole) noexcept {
   Vector6 p;
   p.head<3>() = PlaceOf(place);

@@ -1,5 +1,5 @@
-// One magnet nearby, another pen say, as a dipole: where it is and its moment, found in what scans say of offsets in
-// their readings, then followed from scan to scan. docs/theory/tracking.md (25), (26)
+// One magnet nearby, another pen say, as a dipole: its position and moment, found from the scans' evidence of offsets
+// in their readings, then followed from scan to scan. docs/theory/tracking.md (25), (26)
 #pragma once
 
 #include <array>
@@ -16,15 +16,15 @@ struct DipoleOptions {
   bool enabled = true;
   double near_m = 0.12, far_m = 1.2;                // from the core's centre
   double position_m = 0.5, moment_Am2 = 5;          // prior, rms each way
-  double moment_max_Am2 = 15;                       // three pens: one that starts with more is somewhere else
-  double keep = 0.9, keep_moving = 0.4, moves = 2;  // of what was said, a cycle; its innovation over what is expected
+  double moment_max_Am2 = 15;                       // three pens: a start with more is at the wrong place
+  double keep = 0.9, keep_moving = 0.4, moves = 2;  // of the evidence, per cycle; `moves`: innovation over the expected
   int places_a_scan = 8, steps_a_scan = 2, search_steps = 32;
-  // Of the misfit: what a dipole must save, and leave per degree of freedom. While it is followed: what ends it.
+  // Misfit: what a dipole must save, and may leave per degree of freedom. While it is followed: what ends it.
   double saves = 30, leaves = 2, ends = 2.5;
-  // The same of one sensor's gain that is wrong, and by how much; a dipole, which has five numbers more, must save so
-  // much more than that.
+  // The same for one sensor with a wrong gain, and its size; a dipole, which has five numbers more, must save so much
+  // more than that.
   double gain_saves = 30, gain_leaves = 1.5, gain_error = 3e-3, than_gain = 10;
-  double other_T = 3e-7;  // of its field, what is not a dipole's
+  double other_T = 3e-7;  // part of its field that is not a dipole's
   // While it is followed. Its speed is learnt, as a share of these: above `faster` it moves, below `slower` it rests.
   double speed_m_s = 1, turn_1_s = 5;
   double wander_start = 1e-2, wander_min = 1e-10, wander_max = 4, wander_grows = 4, wander_shrinks = 0.9;
@@ -37,7 +37,7 @@ struct StrayDipole {
   bool found = false;
   Parameters parameters{};
   std::array<double, kDipoleParameters * kDipoleParameters> covariance{};
-  // Of the search: what was said lately; the place that is looked at next, those that led nowhere, and the best.
+  // Of the search: recent evidence; the next place to try, those that led nowhere, and the best.
   StrayEvidence lately;
   bool started = false;  // from the best, by steps
   int place = 0, steps = 0, best_place = 0;
@@ -47,30 +47,30 @@ struct StrayDipole {
   // While it is followed: speed squared, as a share; scans since it moved; means of innovation over what is expected
   // and of misfit per degree of freedom.
   double wander = 0, scans = 0, innovation = 1, misfit = 1;
-  int wrong_gain = -1;  // the sensor whose gain explains better what was said lately
+  int wrong_gain = -1;  // the sensor whose gain explains the recent evidence better
 };
 static_assert(std::is_trivially_copyable_v<StrayDipole>);
 
-// Every few scans until it is found: looks at some more places, or takes some steps from the best.
+// Every few scans until it is found: tries some more places, or takes some steps from the best.
 void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
 
-// A search in what one scan says: everywhere, or so many steps on from where the last one ended.
+// Starts a search in the evidence of one scan: everywhere, or `steps` steps on from where the last one ended.
 void StartSearch(const DipoleOptions& options, const StrayEvidence& said, int steps, StrayDipole& dipole) noexcept;
-bool IsSearching(const StrayDipole& dipole) noexcept;  // after SearchDipole: that has not been all
+bool IsSearching(const StrayDipole& dipole) noexcept;  // after SearchDipole: it has not finished
 
-// What ended such a search is the magnet. False: what was said does not tell where it is.
+// Accepts the result of such a search as the magnet. False: the evidence does not locate it.
 bool FindDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept;
 
-// Each cycle until it is found, or a sensor whose gain is wrong. repeats: scans that have the model's error in common,
-// systematic: its share of their variance.
+// Each cycle until a dipole, or a sensor with a wrong gain, is found. repeats: scans that have the model's error in
+// common, systematic: its share of their variance.
 void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEvidence& cycle, double repeats,
                  double systematic, StrayDipole& dipole) noexcept;
 
-// A scan whose measurement had its field taken off. step_s: since the scan before.
+// A scan from whose measurement the dipole's field was subtracted. step_s: since the previous scan.
 void FollowDipole(const DipoleOptions& options, const Model& model, const StrayScan& scan, double repeats,
                   double systematic, double step_s, StrayDipole& dipole) noexcept;
 
-// What it makes of the readings, without what it makes at all sensors alike.
+// Its field in the readings, without the part common to all sensors.
 ReadingLanes FieldOfDipole(const Model& model, const StrayDipole& dipole) noexcept;
 void OffsetsOfDipole(const DipoleOptions& options, const Model& model, const StrayDipole& dipole, ReadingLanes& mean_T,
                      ReadingMatrix& covariance_T2) noexcept;

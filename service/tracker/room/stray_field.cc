@@ -43,7 +43,7 @@ double Sum(const Rows& values) noexcept {
   return sum;
 }
 
-// gain x x^T gain^T: as wrong as a pose is if x, which is not believed yet, is there.
+// gain x x^T gain^T: the error of a pose if x, which is not accepted yet, is there.
 void SetPoseCovarianceOfMean(const StrayOptions& options, StrayField& stray) noexcept {
   stray.position_covariance_m2 = {};
   stray.axis_variance = 0;
@@ -105,7 +105,8 @@ Rows GradientAt(const StrayEvidence& said, const Rows& offset_T) noexcept {
 }
 
 // x' = x + P' g,  P' = (P^-1 + I)^-1: Kalman's correction in information form, in which E(g^T P' g) = tr(P I) when P is
-// right. More surprise than that: x moves. Far more: P was too small, and x stays as it is until P has grown.
+// right. A larger innovation means that x moves. A far larger one: P was too small, and x stays as it is until P has
+// grown.
 void Correct(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   ReadingMatrix P;
   const double share = stray.share / stray.cycle.scans;
@@ -137,8 +138,7 @@ void Correct(const StrayOptions& options, const Model& model, StrayField& stray)
   stray.wander_1_s = std::clamp(stray.wander_1_s, options.wander_min_1_s, options.wander_max_1_s);
 }
 
-// What was found is as large as what is unknown was once, at the least: what readings hide is as large as what they
-// show.
+// The uncertainty has been at least as large as what was found: readings hide as much as they show.
 void Renew(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   Correct(options, model, stray);
   const double wandered = stray.wander_1_s * options.cycle_scans * base::kTickPeriod_s;
@@ -158,7 +158,7 @@ double SystematicShare(const Measurement& measurement) noexcept {
   return std::clamp(measurement.systematic_share, 0.0, 1.0);
 }
 
-// False: it makes a field that no room has, and is forgotten.
+// False: its field is larger than any room has, and is dropped.
 bool TakeDipole(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   Rows mean_T;
   ReadingMatrix covariance_T2;
@@ -181,7 +181,7 @@ void JudgeCycle(const StrayOptions& options, const Model& model, StrayField& str
   JudgeDipole(options.dipole, model, stray.cycle, stray.repeats / scans, systematic, stray.dipole);
 }
 
-// What was found last is where offsets begin if it is no dipole any more.
+// The last result is where offsets begin if it is no longer a dipole.
 void Follow(const StrayOptions& options, const Model& model, const Measurement& measurement, const StrayScan& scan,
             double repeats, StrayField& stray) noexcept {
   const double systematic = SystematicShare(measurement);

@@ -1,5 +1,5 @@
-// The field of what stands near the base, another pen, a phone, a laptop, as far as it is not uniform: one offset for
-// every reading, estimated from scans whose pose is eliminated. One magnet, once it is found, is followed as a dipole.
+// The non-uniform field of objects near the base, such as another pen, a phone or a laptop: one offset for every
+// reading, estimated from scans whose pose is eliminated. One magnet, once it is found, is followed as a dipole.
 // docs/theory/tracking.md (22) - (26)
 #pragma once
 
@@ -16,25 +16,25 @@ struct StrayOptions {
   bool enabled = true;
   int every_scans = 4;   // of which one is gathered ...
   int cycle_scans = 16;  // ... until the estimate is renewed
-  // Of K: what is not known when a doubt begins; what more when a scan fits no pose, up to as much.
+  // Shares of K: unknown when a doubt begins; added when a scan fits no pose, and its maximum.
   double start = 1e-4, lost = 0.02, lost_max = 1;
-  double wander_start_1_s = 1e-3, wander_min_1_s = 1e-6, wander_max_1_s = 4;  // of K: what it changes, learnt
-  double wander_grows = 2, wander_shrinks = 0.8;                              // a cycle
-  // Surprise over what is expected, which allows for a model that is wrong too: the field is steady; it moves; it has
-  // moved by more than was thought possible.
+  double wander_start_1_s = 1e-3, wander_min_1_s = 1e-6, wander_max_1_s = 4;  // change of K per second, learnt
+  double wander_grows = 2, wander_shrinks = 0.8;                              // per cycle
+  // Innovation relative to the expected one, which allows for model errors too: the field is steady; it moves; it has
+  // moved further than was thought possible.
   double steady = 0.3, moves = 0.5, jumps = 1, jumps_max = 10;
-  // While it wanders faster than that, and until the pen has been at so many places so far apart, a pose's covariance
-  // is multiplied: what one place says of the field is what K says, and no magnet is as K on the average.
+  // While it wanders faster than that, and until the pen has visited so many places so far apart, a pose's covariance
+  // is multiplied: at one place the field is known from K only, and K is an average over magnets.
   double moving_1_s = 0.01, place_m = 0.02, few_places_factor = 9;
   int places_min = 8;
   // The same of a magnet that was found together with the pen, or so soon after it; a place counts where it leaves no
   // more than that, per degree of freedom.
   int young_scans = 2000;
   double unproven_factor = 9, proves = 1.6;
-  // The mean's own chi2 and size (rms over the readings) above which it is believed: less is the calibration's error.
-  // Below, nothing may be there; so many cycles in a row, and nothing is.
+  // The mean's own chi2 and size (rms over the readings) above which it is accepted: less is calibration error. Below,
+  // nothing may be there; after so many such cycles in a row, nothing is.
   double something_chi2 = 40, something_T = 8e-7, nothing_chi2 = 25;
-  double model_error = 1.5e-3;  // relative, while one is looked for: the core answers that magnet too
+  double model_error = 1.5e-3;  // relative, while one is searched for: the core responds to that magnet too
   double max_T = 6e-5;          // of that size; more is a wrong pose: a pen at 200 mm makes 2e-5 to 4e-5
   int nothing_cycles = 128;
   DipoleOptions dipole;
@@ -42,12 +42,12 @@ struct StrayOptions {
 
 struct StrayField {
   bool on = false;          // it is being learnt
-  bool believed = false;    // `mean_T` is taken off every scan
+  bool believed = false;    // `mean_T` is subtracted from every scan
   bool inverted = false;    // `inverse_1_T2` is of this cycle
   int scan = 0;             // of the cycle
   int nothing_cycles = 0;   // in a row
   int places = 0;           // of the pen since the field moved
-  int places_to_prove = 0;  // at which the pen must yet be, for a magnet that was found when the pen was
+  int places_to_prove = 0;  // that the pen must still visit, for a magnet found together with the pen
   base::Vec3 place_base_m;
   double wander_1_s = 0;  // of K
   double widened = 0;     // of K, since the start
@@ -55,12 +55,11 @@ struct StrayField {
   ReadingLanes mean_T{};  // in the sensors' axes
   ReadingMatrix covariance_T2{};
   ReadingLanes variance_T2{};  // its diagonal
-  // Of a pose, since the mean is not known better; of the axis: rad^2, each way.
+  // Of a pose, due to the uncertainty of the mean; of the axis: rad^2, each way.
   std::array<double, 9> position_covariance_m2{};
   double axis_variance = 0;
-  // Of the cycle: what scans say about the mean; sums over them of what of it is new, of how many have the model's
-  // error in common, and of the share of their variance that it is; the covariance's inverse; how a pose answers, dp =
-  // -gain x.
+  // Of the cycle: evidence about the mean; sums over its scans of the new share, of the number with the same model
+  // error, and of that error's share of their variance; the covariance's inverse; a pose's response, dp = -gain x.
   StrayEvidence cycle;
   double share = 0, repeats = 0, systematic = 0;
   ReadingMatrix inverse_1_T2{};
@@ -79,13 +78,13 @@ bool StartFromDipole(const StrayOptions& options, const Model& model, const Stra
 // A scan fits no pose: the field may have changed.
 void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept;
 
-// After each scan that fitted at `pose`: gathers what it says, or renews the estimate, or finds that nothing is there.
+// After each scan that fitted at `pose`: adds its evidence, or updates the estimate, or finds that nothing is there.
 // repeats: scans like this one that have the model's error in common.
 void LearnStray(const StrayOptions& options, const Model& model, const DriftState& drift,
                 const base::HallScan& readings, const Measurement& measurement, const Pose& pose, double repeats,
                 StrayField& stray) noexcept;
 
-// Adds to a fit what is not known of the stray field.
+// Adds the uncertainty of the stray field to a fit.
 void AddStrayCovariance(const StrayOptions& options, const StrayField& stray, Fit& fit) noexcept;
 
 }  // namespace omni::tracker

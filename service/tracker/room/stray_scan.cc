@@ -50,7 +50,7 @@ void Linearise(const Model& model, const Measurement& measurement, const Pose& p
   }
 }
 
-// No prior of pose and ambient field: what is known of that field was learnt with the offsets taken for known.
+// No prior of pose and ambient field: the knowledge of that field was learnt with the offsets taken for known.
 bool SetGain(const Measurement& measurement, const DriftState& drift, StrayScan& scan) noexcept {
   std::array<double, kEliminated * kEliminated> H;
   for (std::size_t a = 0; a < kEliminated; ++a) {

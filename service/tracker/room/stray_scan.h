@@ -1,4 +1,4 @@
-// What scans say of offsets in their readings, pose, currents, ambient field and moment eliminated.
+// The scans' evidence of offsets in their readings, with pose, currents, ambient field and moment eliminated.
 // docs/theory/tracking.md (23)
 #pragma once
 
@@ -24,8 +24,8 @@ struct StrayScan {
   ReadingLanes Eliminate(const ReadingLanes& column) const noexcept;  // Q
 };
 
-// offset_T: x0, and the variance with which it was taken off the measurement; null: none was.
-// False: nothing usable.
+// offset_T: x0, and the variance with which it was subtracted from the measurement; null: none was. False: nothing
+// usable.
 bool MakeStrayScan(const Model& model, const DriftState& drift, const Measurement& measurement, const Pose& pose,
                    const ReadingLanes& offset_T, const ReadingLanes* variance_T2, StrayScan& scan) noexcept;
 

@@ -10,7 +10,7 @@ namespace omni::tracker {
 namespace {
 
 constexpr std::size_t kRows = kReadings;
-// Of what is no zero: three uniform fields, three of what the core keeps, and five gradients.
+// Patterns that are not zeros: three uniform fields, three of the core's remanence, and five gradients.
 constexpr std::size_t kUniform = 3, kKnown = kUniform + base::kCoilCount, kGradients = 5;
 constexpr std::size_t kShapes = kKnown + kGradients;
 constexpr std::size_t kRest = kRows - kShapes;
@@ -20,8 +20,8 @@ using Shapes = std::array<Rows, kShapes>;
 
 double Square(double x) noexcept { return x * x; }
 
-// What comes from afar is at a sensor a uniform field and, to first order, B = T s with T symmetric and of no trace:
-// five gradients after three uniform fields.
+// A distant source's field at a sensor is uniform and, to first order, B = T s with T symmetric and traceless: five
+// gradients after three uniform fields.
 std::array<double, 3> FieldAt(std::size_t shape, double x, double y, double z) noexcept {
   switch (shape) {
     case 0:
@@ -63,7 +63,7 @@ Shapes ShapesOf(const Model& model) noexcept {
   return shapes;
 }
 
-// Takes the part along `shape` out of `rows`.
+// Removes the part along `shape` from `rows`.
 void Remove(const Rows& shape, Rows& rows) noexcept {
   const double size = Dot(shape, rows) / Dot(shape, shape);
   for (std::size_t row = 0; row < kRows; ++row) rows[row] -= size * shape[row];

@@ -92,7 +92,7 @@ std::vector<Vector3d> InVolume(const base::Calibration& calibration) {
   return places;
 }
 
-// Dipole at p plus the core's uniform answer a^3 kappa D(p) m 1e7 at the origin.
+// Dipole at p plus the core's uniform response a^3 kappa D(p) m 1e7 at the origin.
 Matrix3d LeadField(const base::Calibration& calibration, const base::SensorCalibration& sensor, const Vector3d& p) {
   const Vector3d s = base::ToEigen(sensor.position_base_m);
   Matrix3d field = magnetics::DipoleMatrix(s - p);

@@ -1,4 +1,4 @@
-// Where the search without a hint looks, and what each place would make the sensors read. Set-up only.
+// The places that a cold start searches, and the readings that the magnet would cause at each. Set-up only.
 // docs/theory/tracking.md (8), (9)
 #pragma once
 

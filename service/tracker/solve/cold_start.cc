@@ -7,7 +7,7 @@
 namespace omni::tracker {
 namespace {
 
-// The scan as the scoring kernel reads it: single precision, the nuisances' best share already taken off, since hidden
+// The scan as the scoring kernel reads it: single precision, the nuisances' best share already subtracted, since hidden
 // currents would otherwise leave it no digits.
 template <int kCapacity>
 class ScoreInput {

@@ -13,12 +13,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Beliefs of cold starts: as before; the ambient field may be anything; that and one sensor left out; then all sensors
-// with the model's error doubled time and again, as a base wants that is known from its drawing only.
+// Assumptions of cold starts: as before; the ambient field may be anything; that and one sensor left out; then all
+// sensors with the model's error doubled time and again, as an uncalibrated base needs.
 constexpr int kFirstLeftOut = 2, kFirstDoubled = kFirstLeftOut + kSensors;
 constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wrong, a pose known worse is none
-// A first pose by which nothing is wrong is known so well (trace); where its chi2 is so many times what it should be,
-// any other ambient field saves less than that.
+// A correct first pose is known this well (trace); where its chi2 exceeds this per degree of freedom, any other ambient
+// field saves less than kFieldSaves.
 constexpr double kKnown_m2 = 225e-6, kOddly = 1.5, kFieldSaves = 22;
 constexpr double kNoFit = 1e6;  // chi2
 
@@ -45,7 +45,7 @@ Fit SolveCold(const Config& config, const Measurement& measurement, const Pose& 
 }
 
 // Tries the best grid points in turn. A fit that passes the gate out of reach ends the search: the pen is elsewhere.
-// What steel answers is known once there is a pose: then each is fitted again.
+// The steel's response is known once there is a pose: then each is fitted again.
 Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt& doubt,
                 Measurement& measurement) noexcept {
   const Config& config = context.config;
@@ -72,7 +72,7 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
     const bool fits = FitsReadings(config, measurement, outcome.fit);
     outcome.explained = outcome.explained || fits;
     outcome.good = fits && IsInReach(config, outcome.fit.pose);
-    // Far below or beyond the base the readings say little: only a fit well outside decides.
+    // Far below or beyond the base the readings show little: only a fit well outside decides.
     if (outcome.good || (fits && outcome.fit.pose.position_base_m.norm() > config.reach_max_m)) break;
   }
   return outcome;
@@ -81,7 +81,7 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
 // Drift and doubts are learnt from currents that are measured.
 bool CanDoubt(const Config& config, const State& state) noexcept { return LearnsDrift(config) && state.drift.valid; }
 
-// Another ambient field than believed lets a pen far away pass for one in reach, but badly: any field explains more.
+// With another ambient field than assumed, a pen far away passes for one in reach, but badly: any field explains more.
 bool IsOfAnotherField(const ScanContext& context, const State& state, const Measurement& measurement,
                       const Fit& fit) noexcept {
   const Config& config = context.config;
@@ -105,7 +105,7 @@ void Try(const ScanContext& context, const FilterState& predicted, const DriftSt
   AddTrial(std::max(0.0, chi2 - Chi2Of(outcome, chi2)), doubt);
 }
 
-// Does the sensor that is left out agree with the others?
+// Does the sensor left out agree with the others?
 void CheckLeftOut(const ScanContext& context, const FilterState& predicted, double chi2, State& state) noexcept {
   const DoubtOptions& options = context.config.doubt;
   Doubt all = state.doubt;
@@ -118,7 +118,7 @@ void CheckLeftOut(const ScanContext& context, const FilterState& predicted, doub
   if (state.doubt.agreed >= std::max(state.doubt.agree_needed, options.agree_min)) Blame(options, -1, state.doubt);
 }
 
-// Begins with a doubt, or when the ambient field moves as it does when a magnet comes nearer.
+// Begins with a doubt, or when the ambient field moves as it does when a magnet approaches.
 void WatchStray(const ScanContext& context, const Measurement& measurement, const Outcome& outcome,
                 State& state) noexcept {
   const Config& config = context.config;
@@ -240,7 +240,7 @@ bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, S
   EndTrials(state.doubt);
   if (holds(open, blaming)) return true;
   if (!state.stray.on || state.stray.believed || state.stray.nothing_cycles > 0) return false;
-  // Something was moving already; what has come all of a sudden is no magnet that is laid down.
+  // Something was moving already; a sudden change is no magnet being laid down.
   LoosenStray(config.stray, config.model, state.stray);
   state.stray.believed = true;
   if (holds(open, state.doubt)) return true;

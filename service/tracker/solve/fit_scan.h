@@ -26,12 +26,12 @@ struct ScanContext {
   AmbientChange mains = {};
 };
 
-// Hidden currents leave nothing to tell a drift by.
+// False for hidden currents, which leave no evidence of a drift.
 bool LearnsDrift(const Config& config) noexcept;
 
 Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept;
 
-// Unknowns of the scan without a prior, the pose's included, and those of an ambient field that is hardly known.
+// Usable readings less the unknowns without a prior: the scan's, the pose, and a poorly known ambient field.
 int DegreesOfFreedom(const Measurement& measurement) noexcept;
 bool HasMagnet(const Config& config, const Measurement& measurement) noexcept;
 
@@ -39,7 +39,7 @@ bool HasMagnet(const Config& config, const Measurement& measurement) noexcept;
 Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* sums,
                 Measurement& measurement) noexcept;
 
-// A sensor that says the same again and again is left out before it is wrong.
+// Leaves out a sensor that repeats the same reading before it becomes wrong.
 void BlameFrozen(const Config& config, const base::HallScan& scan, State& state) noexcept;
 
 // The scan fits much worse than the ones before: has the ambient field jumped? True: `state` holds that now,
@@ -47,20 +47,19 @@ void BlameFrozen(const Config& config, const base::HallScan& scan, State& state)
 bool TryJump(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
              Outcome& outcome) noexcept;
 
-// The scan did not fit where the pen was expected. In turn: the ambient field has jumped; one sensor is wrong (a few a
-// scan); the calibration is worse than it says. True: `state` holds that now, `measurement` and `outcome` are of it.
+// The scan did not fit where the pen was expected. In turn: the ambient field has jumped; one sensor is wrong (a few
+// per scan); the calibration is worse than stated. True: `state` holds that now, `measurement` and `outcome` are of it.
 bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
                      Outcome& outcome) noexcept;
 
-// Without a hint of where the pen is, each time with another belief; one that fits is taken over, `measurement` is of
-// it.
+// Cold start, each time under another assumption; one that fits is adopted, and `measurement` belongs to it.
 Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& measurement) noexcept;
 
-// The same while no pose explains any scan: the next step of looking for another magnet that has been there from the
-// start. Precondition: TryColdBelief found no pose.
+// The same while no pose explains any scan: the next step of the search for another magnet present from the start.
+// Precondition: TryColdBelief found no pose.
 Outcome TryPair(const ScanContext& context, State& state, Measurement& measurement) noexcept;
 
-// After a scan that fitted: is a sensor wrong, or one that was left out right again, or the calibration worse?
+// After a scan that fitted: checks for a wrong sensor, one left out that is right again, or a worse calibration.
 void DoubtOn(const ScanContext& context, const FilterState& predicted, const Measurement& measurement,
              const Outcome& outcome, State& state) noexcept;
 

@@ -1,4 +1,4 @@
-// A sensor that says the same again and again. docs/theory/tracking.md, Doubt
+// Detects a sensor that repeats the same reading. docs/theory/tracking.md, Doubt
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ static_assert(std::is_trivially_copyable_v<Repetition>);
 // Noise never repeats three axes for long.
 int FindFrozen(const base::HallScan& scan, int times_min, Repetition& repetition) noexcept;
 
-// After FindFrozen: all that are fresh have repeated themselves so often. The base sends what it measured long ago.
+// After FindFrozen: all fresh sensors have repeated themselves so often. The base sends old measurements.
 bool IsAllFrozen(const base::HallScan& scan, int times_min, const Repetition& repetition) noexcept;
 
 }  // namespace omni::tracker

@@ -38,7 +38,7 @@ bool FitPen(const PairOptions& options, const Model& model, const Measurement& m
   return fit.pose.position_base_m.allFinite() && std::isfinite(fit.chi2);
 }
 
-// What the scan says of a magnet, the pen eliminated where it is now.
+// The scan's evidence of a magnet, the pen eliminated where it is now.
 bool Say(const DipoleOptions& of_magnet, const PairOptions& options, const Model& model, const DriftState& drift,
          PairStart& pair) noexcept {
   StrayScan scan;
@@ -96,7 +96,7 @@ bool SeekPair(const PairOptions& options, const DipoleOptions& of_magnet, const 
       SearchDipole(of_magnet, model, pair.magnet);
       if (IsSearching(pair.magnet)) break;
       pair.step = Step::kPenAgain;
-      if (pair.magnet.parameters == StrayDipole::Parameters{}) NextStart(pair);  // a magnet explains nothing
+      if (pair.magnet.parameters == StrayDipole::Parameters{}) NextStart(pair);  // no magnet explains anything
       break;
     case Step::kPenAgain: {
       const double before = pair.chi2;

@@ -36,7 +36,7 @@ struct PairStart {
 };
 static_assert(std::is_trivially_copyable_v<PairStart>);
 
-// measurement: of a scan with an ambient field that may be anything, no stray field taken off.
+// measurement: of a scan with an ambient field that may be anything, no stray field subtracted.
 void BeginPair(const Model& model, const Measurement& measurement, PairStart& pair) noexcept;
 
 // Precondition: pair.step is not kNone; then it is, when all starts have led nowhere. True: `pair.magnet` and a pen

@@ -15,8 +15,8 @@
 namespace omni::tracker {
 
 struct StaticOptions {
-  // Noise of the calibration's sensors only, and currents as told. currents_hidden and ambient_error_T make unknowns of
-  // them; model_error_relative adds what the calibration itself got wrong.
+  // Noise of the calibration's sensors only, and currents as measured. currents_hidden and ambient_error_T make
+  // unknowns of them; model_error_relative adds the calibration's own error.
   Trust trust = NoiseOnly();
   Rung rung = Rung::kFull;
   Precision precision = Precision::kDouble;
