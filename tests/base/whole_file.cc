@@ -219,8 +219,8 @@ TEST_F(WholeFileTest, EveryCauseHasItsOwnWordsAndRemedy) {
                                                 {EROFS, "read-only file system; mount"},
                                                 {EACCES, "no permission; make the folder /a/b writable"},
                                                 {EPERM, "no permission"},
-                                                {ENOENT, "there is no folder /a/b; make it"},
-                                                {EISDIR, "is a folder; give a file's name"},
+                                                {ENOENT, "there is no folder /a/b; create it"},
+                                                {EISDIR, "is a folder; name a file"},
                                                 {EFBIG, "ulimit -f"},
                                                 {EIO, "check the disk"}};
   for (const auto& [error, words] : causes) {

@@ -109,7 +109,8 @@ TEST(ToolsAlignService, ChoosesTheAlignmentThatIsMeant) {
   status["clients"][0]["runtime"] = "c 'v1.1'";
   EXPECT_EQ(ChooseAlignment(status, 0)->base_space.position_m.x, 2) << "another build of the same runtime";
   status["alignments"]["stored"][1].update({{"recentred", 2}, {"moved_m", 1.25}, {"doubtful", true}});
-  ExpectSays(StoredAlignmentsText(status), {"followed 2 recentrings, 1.25 m from where it was measured", "--restore"});
+  ExpectSays(StoredAlignmentsText(status),
+             {"adjusted for 2 recentrings, 1.25 m from where it was measured", "--restore"});
 }
 
 AlignOptions With(AlignMethod method) {
@@ -175,7 +176,7 @@ TEST(ToolsAlignSession, WithoutThePenASweepSaysSo) {
   AlignSession session(With(AlignMethod::kSweep));
   for (int i = 0; i < 1000; ++i) session.Add(0.01 * i, {}, std::nullopt);
   EXPECT_EQ(session.step(), AlignStep::kSweep);
-  ExpectSays(session.hint(), {"the pen is not seen"});
+  ExpectSays(session.hint(), {"the pen is not tracked"});
 }
 
 TEST(ToolsAlignSession, AControllerThatIsNotSwungGetsNoFurther) {

@@ -200,9 +200,9 @@ TEST(ToolsCalibrate, SaysWhyTheBaseCannotBeMeasuredAndLeavesItsCoilsAtZero) {
   };
   using device::ReadStatus;
   const Row rows[] = {
-      {500, ReadStatus::kGone, {}, nullptr, {"the base is gone", "cable"}},
+      {500, ReadStatus::kGone, {}, nullptr, {"the base was disconnected", "cable"}},
       {500, ReadStatus::kTimeout, {}, nullptr, {"sends nothing", "plug it in"}},
-      {500, ReadStatus::kEnd, {}, nullptr, {"ended before this was done", "coils are swept"}},
+      {500, ReadStatus::kEnd, {}, nullptr, {"ended before this step was done", "coils are swept"}},
       {kLong, ReadStatus::kGone, state(wire::State::kFault, true), nullptr, {"fault", "selftest"}},
       {kLong, ReadStatus::kGone, state(wire::State::kIdle, false), nullptr, {"does not switch its coils"}},
       {kLong, ReadStatus::kGone, {}, &near, {"two minutes", "metre away", "Sensor", "uT"}}};
@@ -281,7 +281,7 @@ TEST(ToolsCalibrate, SaysBeforeMeasuringThatTheResultCannotBeKept) {
   const test::Outcome refused = CalibrateTo(there, {});
   EXPECT_EQ(refused.status, 1);
   EXPECT_EQ(refused.out, "") << "not one step of it";
-  ExpectMentions(refused.err, {there + ": is there already", "--replace", "calibration.previous.toml", "-o FILE"});
+  ExpectMentions(refused.err, {there + ": already exists", "--replace", "calibration.previous.toml", "-o FILE"});
   EXPECT_EQ(ContentOf(there), "precious");
   const test::Outcome nowhere = CalibrateTo(there + "/calibration.toml", {"--replace"});
   EXPECT_EQ(nowhere.status, 1);

@@ -26,7 +26,7 @@ class Events {
  public:
   const std::string& problem() const { return problem_; }
 
-  bool binary(Parser::binary_t&) { return Refuse("is no JSON text"); }
+  bool binary(Parser::binary_t&) { return Refuse("is not JSON text"); }
   bool parse_error(std::size_t, const std::string&, const Parser::exception& error) {
     return Refuse("JSON cannot be parsed: " + Quotable(error.what()));
   }
@@ -154,7 +154,7 @@ class Builder : public Events {
     const auto twice =
         std::adjacent_find(object.first, object.member, [](const auto& a, const auto& b) { return a.key == b.key; });
     if (twice == object.member) return true;
-    return Refuse("JSON key \"" + Quotable(twice->key) + "\" is there twice in one object; keep one of them");
+    return Refuse("JSON key \"" + Quotable(twice->key) + "\" appears twice in one object; keep one of them");
   }
 
  private:

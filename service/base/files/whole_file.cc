@@ -126,23 +126,23 @@ std::string CauseAndRemedy(const std::string& path, int error) {
     case ENOSPC:
       return "no space left on its disk; free some and try again";
     case EDQUOT:
-      return "no space left in your quota; delete files of yours and try again";
+      return "no space left in your quota; delete some of your files and try again";
     case EROFS:
       return "it is on a read-only file system; mount that for writing, or choose another folder";
     case EACCES:
     case EPERM:
-      return "no permission; make the folder " + FolderOf(path) + " writable for you, or choose another folder";
+      return "no permission; make the folder " + FolderOf(path) + " writable, or choose another one";
     case ENOENT:
     case ENOTDIR:
-      return "there is no folder " + FolderOf(path) + "; make it, or choose another folder";
+      return "there is no folder " + FolderOf(path) + "; create it, or choose another folder";
     case EISDIR:
-      return "it is a folder; give a file's name";
+      return "it is a folder; name a file";
     case EINVAL:
-      return "something that is no regular file is there; give another name";
+      return "it exists and is not a regular file; choose another name";
     case EEXIST:
-      return "it is there already; give another name, or move it away";
+      return "it already exists; choose another name, or move it away";
     case EFBIG:
-      return "larger than a file may be here; raise the limit (ulimit -f), or choose another disk";
+      return "it exceeds the maximum file size; raise the limit (ulimit -f), or choose another disk";
     default:
       return std::error_code(error, std::generic_category()).message() + "; check the disk and the folder";
   }

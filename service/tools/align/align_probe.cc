@@ -93,11 +93,11 @@ std::optional<ProbeLine> ParseProbeLine(const std::string& line) {
 base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& program, bool fingers) {
   std::error_code error;
   if (!std::filesystem::exists(program, error)) {
-    return base::Error{program + ": is not there; build target omni_align_probe, or name it with --probe"};
+    return base::Error{program + ": does not exist; build target omni_align_probe, or name it with --probe"};
   }
   int to_child[2] = {-1, -1}, from_child[2] = {-1, -1};
   if (::pipe2(to_child, O_CLOEXEC) != 0 || ::pipe2(from_child, O_CLOEXEC) != 0) {
-    return base::Error{"no pipe could be made; raise the limit on open files (ulimit -n)"};
+    return base::Error{"cannot create a pipe; raise the limit on open files (ulimit -n)"};
   }
   base::UniqueFd child_in(to_child[0]), child_out(from_child[1]);
   std::unique_ptr<AlignProbe> probe(new AlignProbe);

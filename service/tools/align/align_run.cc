@@ -121,7 +121,7 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
   while (!EndSignals::asked()) {
     connection.Poll(base::MonotonicNow_ns());
     const std::optional<ProbeLine> line = (*probe)->Next(10);
-    if (line && line->says == ProbeSays::kEnd) return base::Error{"the OpenXR session: " + line->text};
+    if (line && line->says == ProbeSays::kEnd) return base::Error{"the OpenXR session ended: " + line->text};
     if (line && line->says == ProbeSays::kRuntime) aligned.headset.runtime = line->text;
     if (line && line->says == ProbeSays::kSystem) aligned.headset.system = line->text;
     if (line && line->says == ProbeSays::kSpace) {
@@ -131,7 +131,7 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
       display.Show(session);
     }
     if (line && line->says == ProbeSays::kMoved) {
-      display.Say("the headset was recentred: once more from the start");
+      display.Say("the headset was recentred: starting over");
       waiting.clear();
       session.Restart();
     }
@@ -145,8 +145,8 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
     }
     if (base::MonotonicNow_ns() > deadline_ns) {
       return base::Error{
-          "no placement within " + std::to_string(static_cast<int>(options.patience_s)) + " s" +
-          (session.hint().empty() ? "; is the controller switched on and seen?" : ": " + session.hint())};
+          "no alignment within " + std::to_string(static_cast<int>(options.patience_s)) + " s" +
+          (session.hint().empty() ? "; is the controller switched on and tracked?" : ": " + session.hint())};
     }
   }
   return base::Error{"interrupted; nothing was stored"};

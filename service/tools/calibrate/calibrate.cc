@@ -91,8 +91,8 @@ void ShowCoverage(Display& display, const CalibrationSession& session) {
 std::string PlaceProblem(const std::string& output, bool replace) {
   const int error = base::TryWholeFile(output, {.replace = replace, .make_folder = true});
   if (error == EEXIST) {
-    return output + ": is there already; --replace measures this base again and keeps that file as " +
-           config::PreviousCalibration(output) + ", or name another file: -o FILE";
+    return output + ": already exists; --replace measures this base again and keeps that file as " +
+           config::PreviousCalibration(output) + ", or choose another file: -o FILE";
   }
   return error == 0 ? std::string() : base::WriteProblem(output, error);
 }
@@ -115,7 +115,7 @@ base::Result<Measured> MeasureTwin(const Arguments& arguments, const base::Devic
   const std::uint64_t seed = arguments.run.twin_seed;
   const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.run.twin);
   if (!truth.ok()) return base::Error{truth.error()};
-  std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
+  std::printf("device       digital twin (a simulation with a scripted hand), seed %llu, virtual time\n",
               static_cast<unsigned long long>(seed));
   auto done = CalibrateTwin(device, seed, *truth, arguments.session, observer);
   if (!done.ok()) return base::Error{done.error()};
@@ -144,7 +144,7 @@ void KeepTip(const std::string& output, const config::ExpectedBase& of, config::
   if (!before.ok() || !before->tip_measured) return;
   file.tip_measured = true;
   file.calibration.magnet.tip_offset_m = before->calibration.magnet.tip_offset_m;
-  std::printf("tip          %.2f mm from the magnet's centre, as before; another pen: omni calibrate --tip\n",
+  std::printf("tip          %.2f mm from the magnet's centre, as before; for another pen: omni calibrate --tip\n",
               1e3 * file.calibration.magnet.tip_offset_m);
 }
 
@@ -198,7 +198,7 @@ int Apply(const Change<Session>& change, const Arguments& arguments, const std::
           config::ExpectedBase of) {
   if (const std::string problem = PlaceProblem(output, true); !problem.empty()) return Fail(kCalibrate, problem);
   auto file = config::LoadCalibrationFile(output, of);
-  if (!file.ok()) return Fail(kCalibrate, file.error() + "; " + change.option + " changes a calibration that is there");
+  if (!file.ok()) return Fail(kCalibrate, file.error() + "; " + change.option + " needs an existing calibration");
   const EndSignals signals;
   auto opened = OpenForChange(arguments, of.device, change.hand);
   if (!opened.ok()) return Fail(kCalibrate, opened.error());
@@ -269,7 +269,7 @@ int Calibrate(const Arguments& arguments) {
 
 void AddCalibrate(Command& app) {
   auto arguments = std::make_shared<Arguments>();
-  Command calibrate = app.AddCommand("calibrate", "measure this base: sweep, wave, touch; writes calibration.toml");
+  Command calibrate = app.AddCommand("calibrate", "calibrate this base: sweep, wave, touch; writes calibration.toml");
   calibrate.Add("--device", arguments->run.device, daemon::DeviceHelp())
       .Check("DEVICE", daemon::DeviceProblem)
       .ShowDefault();
@@ -279,17 +279,16 @@ void AddCalibrate(Command& app) {
   calibrate.AddShort("--ideal", arguments->run.twin, config::kIdeal, config::kIdealHelp).Excludes(twin);
   calibrate.Add("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
   Option replace = calibrate.Add("--replace", arguments->replace,
-                                 "measure again; the file that is there is kept as calibration.previous.toml");
+                                 "calibrate again; the existing file is kept as calibration.previous.toml");
   Option restore =
-      calibrate
-          .Add("--restore", arguments->restore, "take the previous file back; it and the present one change places")
+      calibrate.Add("--restore", arguments->restore, "swap the previous calibration file with the current one")
           .Excludes(replace);
   Option zero =
-      calibrate.Add("--zero", arguments->zero, "two seconds: measure again only what the sensors read without the pen")
+      calibrate.Add("--zero", arguments->zero, "measure again only what the sensors read without the pen (two seconds)")
           .Excludes(replace)
           .Excludes(restore);
   calibrate
-      .Add("--tip", arguments->tip, "ten seconds: measure only where the pen's tip is, by leaning the pen about it")
+      .Add("--tip", arguments->tip, "measure only where the pen's tip is, by tilting the pen about it (ten seconds)")
       .Excludes(replace)
       .Excludes(restore)
       .Excludes(zero);

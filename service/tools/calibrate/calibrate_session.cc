@@ -147,10 +147,9 @@ std::string CalibrationSession::Hint() const {
   switch (step_) {
     case CalibrationStep::kClear: {
       char text[160];
-      std::snprintf(
-          text, sizeof text,
-          "Sensor %d still reads %.0f uT, at most %.0f are let pass: is the pen away, a phone, a loudspeaker?",
-          strongest_, 1e6 * strongest_T_, 1e6 * kClear_T);
+      std::snprintf(text, sizeof text,
+                    "Sensor %d still reads %.0f uT (limit %.0f uT): move the pen, phones and loudspeakers away.",
+                    strongest_, 1e6 * strongest_T_, 1e6 * kClear_T);
       return text;
     }
     case CalibrationStep::kWave:

@@ -86,7 +86,7 @@ void RaceTask::Hold(const StickWish& wish, const base::Vec3& tip_base_m, double 
 }
 
 std::string RaceTask::Account() const {
-  if (!pen_seen_) return "no pen was shown";
+  if (!pen_seen_) return "no pen was tracked";
   if (phase_ == Phase::kReach) return car_.on ? "the joystick was not reached" : "no car was shown";
   const std::string race = std::to_string(car_.laps) + (car_.laps == 1 ? " lap, " : " laps, ") +
                            std::to_string(car_.hits) + (car_.hits == 1 ? " hit" : " hits");

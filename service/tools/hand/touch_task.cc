@@ -164,7 +164,7 @@ void TouchTask::Judge(const Perceived& seen) {
 bool TouchTask::Enough() const { return clicked_ && succeeded_ >= kWanted[static_cast<std::size_t>(touch().kind)]; }
 
 std::string TouchTask::Account() const {
-  if (!pen_seen_) return "no pen was shown";
+  if (!pen_seen_) return "no pen was tracked";
   if (!there_) {
     return touch().kind == TouchKind::kFirm   ? "the pen did not come near the scene"
            : touch().kind == TouchKind::kSoft ? "nothing soft was shown"

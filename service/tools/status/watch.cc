@@ -139,8 +139,8 @@ int Watch(const WatchArguments& arguments) {
 
 void AddWatch(Command& app) {
   auto arguments = std::make_shared<WatchArguments>();
-  Command watch = app.AddCommand("watch", "the pen, live: pose, gap, force, contact, inputs");
-  watch.Add("--seconds", arguments->seconds, "end after so long (default: at Ctrl-C)").Positive();
+  Command watch = app.AddCommand("watch", "show the pen live: pose, gap, force, contact, inputs");
+  watch.Add("--seconds", arguments->seconds, "stop after this many seconds (default: at Ctrl-C)").Positive();
   watch.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   watch.Run(arguments, Watch);
 }

@@ -193,15 +193,20 @@ int Surfaces(const SurfacesArguments& arguments) {
 void AddSurfaces(Command& app) {
   auto arguments = std::make_shared<SurfacesArguments>();
   SurfacesSaveArguments& save = arguments->save;
-  Command surfaces = app.AddCommand("surfaces", "surfaces that give way, are sculpted, extruded or moved, now");
-  Option watch = surfaces.Add("--watch", arguments->watch, "go on, until Ctrl-C");
+  Command surfaces = app.AddCommand("surfaces", "show the surfaces that are soft, sculpted, extruded or moved");
+  Option watch = surfaces.Add("--watch", arguments->watch, "keep updating, until Ctrl-C");
   Option file =
       surfaces.Add("--save", save.file, "write the surfaces as they are now").WritesOnly(".glb", "binary glTF");
   file.Excludes(watch);
-  surfaces.Add("--largest", save.largest, "--save: watch for --seconds, write the moment of the largest displacement")
+  surfaces
+      .Add("--largest", save.largest,
+           "--save: watch for --seconds and write the surfaces at their largest displacement")
       .Needs(file);
-  surfaces.Add("--force", save.force, "--save: replace a file that is there").Needs(file);
-  surfaces.Add("--seconds", arguments->seconds, "--watch: end after so long; --largest: default 10").Positive();
+  surfaces.Add("--force", save.force, "--save: replace an existing file").Needs(file);
+  surfaces
+      .Add("--seconds", arguments->seconds,
+           "--watch: stop after this many seconds; --largest: watch for so many (default 10)")
+      .Positive();
   surfaces.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   surfaces.Run(arguments, Surfaces);
 }

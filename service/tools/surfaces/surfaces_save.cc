@@ -115,9 +115,10 @@ int SaveNow(const SurfacesSaveArguments& arguments) {
   }
   if (!reader.was_connected()) return NoServiceToSave(arguments, reader);
   if (reader.complete()) return WriteSurfaces(arguments, reader.surfaces());
-  return Fail(kSaveCommand, arguments.file +
-                                ": not written: nothing is published; an application with a scene that is soft, "
-                                "sculptable or extruded has to run");
+  return Fail(
+      kSaveCommand,
+      arguments.file +
+          ": not written: nothing is published; run an application whose scene is soft, sculptable or extruded");
 }
 
 int SaveLargest(const SurfacesSaveArguments& arguments) {
@@ -135,9 +136,10 @@ int SaveLargest(const SurfacesSaveArguments& arguments) {
   }
   if (!reader.was_connected()) return NoServiceToSave(arguments, reader);
   if (!best.objects.empty()) return WriteSurfaces(arguments, best);
-  return Fail(kSaveCommand, arguments.file +
-                                ": not written: nothing was displaced meanwhile; touch what is soft or extruded, or "
-                                "watch longer with --seconds");
+  return Fail(
+      kSaveCommand,
+      arguments.file +
+          ": not written: nothing was displaced; touch something soft or extruded, or watch longer with --seconds");
 }
 
 }  // namespace
@@ -193,7 +195,7 @@ std::string SavedText(const PublishedSurfaces& surfaces) {
 int SaveSurfaces(const SurfacesSaveArguments& arguments) {
   std::error_code ignored;
   if (!arguments.force && std::filesystem::exists(std::filesystem::symlink_status(arguments.file, ignored))) {
-    return Fail(kSaveCommand, arguments.file + ": is there already; take another name, or --force to replace it");
+    return Fail(kSaveCommand, arguments.file + ": already exists; choose another name, or replace it with --force");
   }
   return arguments.largest ? SaveLargest(arguments) : SaveNow(arguments);
 }

@@ -14,7 +14,7 @@ struct SurfacesSaveArguments {
   std::string socket;    // empty: the user's
   std::string file;      // NAME.glb
   bool largest = false;  // watch, and write the moment of the largest displacement
-  bool force = false;    // replace a file that is there
+  bool force = false;    // replace an existing file
   double seconds = 10;   // largest: so long, or until Ctrl-C or the service's end
 };
 

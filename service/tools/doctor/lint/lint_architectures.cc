@@ -44,13 +44,13 @@ Finding LintExplicitLayerArchitectures(const Surroundings& surroundings) {
     for (const auto& [architecture, loader] : loaders) {
       if (available.count(architecture) != 0) continue;
       objections.Add(Verdict::kWarn,
-                     name + " is enabled for all applications but not there for " + architecture + " (" + loader +
-                         "): such applications do not start",
+                     name + " is enabled for all applications but not installed for " + architecture + " (" + loader +
+                         "): applications of that architecture do not start",
                      "install the layer for " + architecture +
                          " too, or enable it as an implicit layer (omni layer enable) or in the application");
     }
   }
-  return objections.Sum("every layer that is enabled by name is there for every loader");
+  return objections.Sum("every layer enabled by name is installed for the architecture of every loader");
 }
 
 }  // namespace omni::tools

@@ -28,8 +28,8 @@ Finding LintDuplicates(const Surroundings& surroundings) {
     objections.Add(Verdict::kWarn,
                    std::string("two ") + (manifest.implicit ? "implicit" : "explicit") + " manifests name " +
                        manifest.name + ": " + same->second.string() + " and " + manifest.file.string() +
-                       "; the loader takes one of them",
-                   "remove the one that is not wanted");
+                       "; the loader uses only one of them",
+                   "remove the one that you do not want");
   }
   return objections.Sum("no layer is installed twice");
 }

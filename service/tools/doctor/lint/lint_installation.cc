@@ -32,7 +32,7 @@ Finding LintBadInstallation(const Surroundings& surroundings) {
         "remove the name from XR_ENABLE_API_LAYERS, or install that layer (XR_API_LAYER_PATH replaces the "
         "standard folders: list them too)");
   }
-  return objections.Sum(std::to_string(manifests.size()) + " layers are installed soundly");
+  return objections.Sum(std::to_string(manifests.size()) + " layers are installed correctly");
 }
 
 }  // namespace omni::tools
