@@ -1,4 +1,4 @@
-// JSON documents: what is read, what is refused, and what that costs.
+// JSON documents: accepted and rejected texts, and limits.
 #include <gtest/gtest.h>
 
 #include <cmath>

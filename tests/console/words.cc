@@ -1,4 +1,4 @@
-// Mistyped words, wrapped text, and command lines: the parts that every program of ours shares.
+// Mistyped words, wrapped text and command lines: parts shared by all our programs.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-// `omni align` without a headset: what the probe says, what keys do, what simulated people get.
+// `omni align` without a headset: probe output, keys, and results of simulated people.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,7 +56,7 @@ TEST(ToolsAlignProbe, AChildThatEndsEndsTheLines) {
   EXPECT_EQ(line->says, ProbeSays::kEnd);
 }
 
-// Keys move in the axes of the base, whatever way it faces in the space.
+// Keys move along the axes of the base, whichever way it faces in the space.
 TEST(ToolsAlignNudge, KeysMoveAndTurnAndUndo) {
   const alignment::Rigid start = alignment::Nudged(alignment::LevelBase(), 0.7, {1, 2, 3});
   const auto moved = [&](const std::string& keys) {
@@ -119,7 +119,7 @@ AlignOptions With(AlignMethod method) {
   return options;
 }
 
-// Every method comes to an end within its time, close to the truth, and says how close.
+// Every method finishes in time, close to the truth, and predicts its error.
 TEST(ToolsAlignSession, EachMethodFindsTheBase) {
   struct Case {
     AlignMethod method;

@@ -1,4 +1,4 @@
-// omni calibrate --tip: the pen's tip, found by leaning the pen about it, on the twin.
+// omni calibrate --tip: the pen's tip, found by tilting the pen about it, on the twin.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace test_tools_calibrate_tip {
 
 constexpr double kDuration_s = 60;
 
-// A base in this room whose pen is a millimetre longer or shorter than drawn, 1 sigma.
+// A base in this room whose pen is a millimetre longer or shorter than nominal, 1 sigma.
 struct Held {
   Held(const base::TruthParameters& in, std::uint64_t of_seed) : truth(in), seed(of_seed) {
     truth.imperfections.tip_offset_m = 1e-3;

@@ -1,4 +1,4 @@
-// The command line: exit statuses, and one line on stderr that says what to do.
+// The command line: exit statuses, and one line on stderr with the remedy.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -90,7 +90,7 @@ nlohmann::json ServiceStatus(const std::string& serial) {
             {"bad_frames", 2}}}};
 }
 
-// The service holds the base: endpoint 0 says who it is, the service how it is, and nothing is claimed.
+// The service holds the base: endpoint 0 provides its identity, the service its state, and nothing is claimed.
 TEST(ToolsDevice, InfoOfABaseThatTheServiceHoldsAsksTheService) {
   FakeUsbBus bus;
   FakeUsbBus::Entry& entry = bus.Add("A17");

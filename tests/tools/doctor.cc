@@ -1,4 +1,4 @@
-// Every diagnosis on fabricated trees: what it finds, and that it names the fix.
+// Every diagnosis on fabricated trees: its finding and its fix.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -159,7 +159,7 @@ TEST_F(Doctor, ImplicitLayerAndItsSwitches) {
   Expect(LookAtEnabledLayers(there_), Verdict::kWarn, {"NO_OMNI", "unset"});
 }
 
-// Seen with Debian's loader 1.0.20: it looks for such a name among implicit layers only if there is an explicit one.
+// Observed with Debian's loader 1.0.20: it searches implicit layers for such a name only if there is an explicit one.
 TEST_F(Doctor, AnImplicitLayerIsFoundByNameOnlyBesideAnExplicitOne) {
   Implicit(Manifest(kSomeLayer, R"(, "disable_environment": "NO_OMNI")"));
   there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus";

@@ -1,4 +1,4 @@
-// What `omni status` says of inputs.
+// Inputs and calibration in `omni status`.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// What omni surfaces says about what it reads.
+// Output of omni surfaces.
 #include <gtest/gtest.h>
 
 #include "service/protocol/surfaces/surface_memory.h"

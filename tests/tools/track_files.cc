@@ -1,4 +1,4 @@
-// Recordings: what is read, and what each mistake is told.
+// Recordings: what is read, and the error for each mistake.
 #include <gtest/gtest.h>
 
 #include <cmath>

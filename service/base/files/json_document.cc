@@ -9,7 +9,7 @@ namespace {
 
 using Parser = nlohmann::json;
 
-// What the parser says quotes the text, which may be long and not for terminals.
+// The parser's message quotes the text, which may be long and contain control characters.
 std::string Quotable(std::string_view said) {
   constexpr std::size_t kMost = 200;
   if (const std::size_t end = said.find("] "); said.starts_with("[json.exception") && end != said.npos)
@@ -21,7 +21,7 @@ std::string Quotable(std::string_view said) {
   return said.size() > kMost ? text + "..." : text;
 }
 
-// What is called for the tokens of a text. Each call but the last answers whether to go on.
+// Receives the parser's events. All but the last return whether to continue.
 class Events {
  public:
   const std::string& problem() const { return problem_; }
@@ -110,7 +110,7 @@ std::string CountText(std::string_view text, const JsonLimits& limits, Counter& 
   return Run(text, counter);
 }
 
-// Puts the values where the counter found room for them.
+// Stores the values in the blocks sized by the counter.
 class Builder : public Events {
  public:
   // The blocks have the sizes that were counted.
@@ -183,7 +183,7 @@ class Builder : public Events {
   const std::vector<std::uint32_t>& sizes_;  // see Counter
   std::size_t container_ = 0;
   std::vector<Place> open_;
-  JsonValue* element_;  // what is free from here on
+  JsonValue* element_;  // free space from here on
   JsonMember* member_;
   char* text_;
 };

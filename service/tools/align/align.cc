@@ -1,4 +1,4 @@
-// omni align: measures where the base stands in a headset's space, and keeps it in omnid.
+// omni align: measures where the base is in a headset's space; omnid stores the result.
 #include <termios.h>
 #include <unistd.h>
 
@@ -35,7 +35,7 @@ struct AlignArguments {
   AlignRunOptions run;
 };
 
-// Keys arrive one by one, unseen, until this is gone.
+// While it exists, keys arrive one by one and are not echoed.
 class RawKeys {
  public:
   RawKeys() : terminal_(::tcgetattr(STDIN_FILENO, &before_) == 0) {

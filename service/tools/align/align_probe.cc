@@ -26,7 +26,7 @@ namespace {
 constexpr const char* kOurLayer = "XR_APILAYER_OMNI_stylus";
 constexpr const char* kWithoutUs = "DISABLE_XR_APILAYER_OMNI_stylus_1=1";
 constexpr const char* kLayersVariable = "XR_ENABLE_API_LAYERS=";
-constexpr std::size_t kMaxLineBytes = 4096;  // longer ones are no lines of the probe's
+constexpr std::size_t kMaxLineBytes = 4096;  // longer lines are not from the probe
 
 std::string WithoutOurLayer(const std::string& list) {
   std::string rest;
@@ -125,7 +125,7 @@ base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& p
 
 AlignProbe::~AlignProbe() {
   if (pid_ <= 0) return;
-  in_.Reset();  // asks it to end
+  in_.Reset();  // closing its input ends it
   out_.Reset();
   for (int i = 0; i < 200; ++i) {
     if (::waitpid(pid_, nullptr, WNOHANG) == pid_) return;

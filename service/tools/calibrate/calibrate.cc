@@ -1,5 +1,5 @@
-// omni calibrate: guides a person through a self-calibration and writes calibration.toml. With the twin a scripted hand
-// of the simulation does what the person would, in virtual time.
+// omni calibrate: guides a person through a self-calibration and writes calibration.toml. With the twin, a scripted
+// hand of the simulation acts as the person, in virtual time.
 #include <cerrno>
 #include <cstdio>
 #include <functional>
@@ -44,10 +44,10 @@ struct Arguments {
   SessionOptions session;
 };
 
-// On a terminal one line that changes, else a line per step.
+// On a terminal one line that is updated, otherwise one line per step.
 class Display {
  public:
-  // `beside`: of a step, what stands beside its bar.
+  // `beside`: text beside the bar of a step.
   void Show(const GuidedSession& session, const std::function<std::string(int step)>& beside = {}) {
     const bool next = session.step_number() != step_;
     if (live_ && step_ != kNone && (next || session.done())) {
@@ -87,7 +87,7 @@ void ShowCoverage(Display& display, const CalibrationSession& session) {
   });
 }
 
-// Asked before anybody waves a pen for two minutes; empty: the result can be kept.
+// Checked before the person waves a pen for two minutes; empty: the result can be written.
 std::string PlaceProblem(const std::string& output, bool replace) {
   const int error = base::TryWholeFile(output, {.replace = replace, .make_folder = true});
   if (error == EEXIST) {
@@ -138,7 +138,7 @@ base::Result<Measured> MeasureBase(const Arguments& arguments, const base::Devic
   return Measured{opened->serial, std::move(*outcome)};
 }
 
-// The pen is the one of the file that is replaced.
+// The pen is the same as in the replaced file.
 void KeepTip(const std::string& output, const config::ExpectedBase& of, config::CalibrationFile& file) {
   const auto before = config::LoadCalibrationFile(output, of);
   if (!before.ok() || !before->tip_measured) return;
@@ -168,9 +168,9 @@ int Measure(const Arguments& arguments, const std::string& output, config::Expec
   return kExitOk;
 }
 
-constexpr double kTwinChange_s = 60;  // more than it takes
+constexpr double kTwinChange_s = 60;  // longer than needed
 
-// `hand`: what the twin's does, as a person would.
+// `hand`: script of the twin's hand.
 base::Result<daemon::OpenedDevice> OpenForChange(const Arguments& arguments, const base::DeviceGeometry& device,
                                                  const sim::HandScript& hand) {
   if (!daemon::IsTwin(arguments.run.device)) return daemon::OpenDevice(arguments.run);
@@ -183,13 +183,13 @@ base::Result<daemon::OpenedDevice> OpenForChange(const Arguments& arguments, con
   return opened;
 }
 
-// What an option measures again of a calibration that is there; everything else of the file stays.
+// What an option measures again in an existing calibration; the rest of the file is kept.
 template <class Session>
 struct Change {
   const char* option = "";
   sim::HandScript hand;
   std::function<Session(const base::Calibration&)> begin;
-  // Puts what was found into the file; what to tell of it.
+  // Writes the result into the file; returns its text.
   std::function<base::Result<std::string>(const Session&, config::CalibrationFile&)> finish;
 };
 

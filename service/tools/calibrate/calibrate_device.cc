@@ -13,13 +13,13 @@ constexpr std::int64_t kSilence_ns = 1'000'000'000;
 constexpr double kArming_s = 5;
 constexpr double kPatience_s = 120;
 
-// What waits before the session: a base that has said that its coils are off.
+// The session waits for a base that has reported its coils as off.
 bool IsArming(const device::TransportState& base) {
   const auto state = static_cast<wire::State>(base.state);
   return state == wire::State::kSelfTest || state == wire::State::kIdle || state == wire::State::kFault;
 }
 
-// When the session came forward last.
+// When the session last made progress.
 class Progress {
  public:
   // Seconds since.

@@ -15,8 +15,8 @@ namespace omni::tools {
 namespace {
 
 constexpr int kClearScans = 100;      // without a strong field in a row
-constexpr double kClear_T = 1.5e-4;   // the earth's field and some iron about
-constexpr double kReach_m = 0.16;     // farther away a pose says little about sensors
+constexpr double kClear_T = 1.5e-4;   // the earth's field and some iron nearby
+constexpr double kReach_m = 0.16;     // further away a pose tells little about the sensors
 constexpr double kTouchGap_m = 0.01;  // an uncalibrated pose is good to some millimetres
 constexpr calibration::WindowOptions kWindow{};
 

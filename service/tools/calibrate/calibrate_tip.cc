@@ -14,7 +14,7 @@ constexpr int kRestScans = 500;
 constexpr double kRest_m = 1e-3;  // a hand that holds still
 constexpr int kSwingScans = 10'000;
 constexpr int kLostScans = 10'000;  // as many: the pen is not near enough, or the base is not as it was
-constexpr int kMeanScans = 100;     // to a pose: noise falls, what follows from p + d u = c does not
+constexpr int kMeanScans = 100;     // averaged per pose: reduces noise and preserves p + d u = c, which is linear
 
 std::string Seconds(int scans) {
   return std::to_string(static_cast<int>(std::lround(scans * base::kTickPeriod_s))) + " s";

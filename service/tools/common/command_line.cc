@@ -8,7 +8,7 @@
 namespace omni::tools {
 namespace {
 
-// One row a subcommand.
+// One row per subcommand.
 struct CommandEntry {
   void (*add)(Command& app);
 };
@@ -18,7 +18,7 @@ constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},    {AddDoctor},  
 
 constexpr const char* kAbout = "omni: inspect and set up the Omni haptic base, its service and its scenes";
 
-// What left for omni-bench.
+// Commands that moved to omni-bench.
 void AddMoved(Command& app, const std::string& name, const std::string& now) {
   app.AddHidden(name).Run([name, now] {
     return Refuse("omni " + name, "moved to `" + now +

@@ -20,7 +20,7 @@ std::string HeldLine(const char* title, const std::string& text) {
   return head + text + "\n";
 }
 
-// The names that the service gives its base's faults are those of firmware/wire/names.h.
+// The service names its base's faults as in firmware/wire/names.h.
 std::string HeldFaults(const json& faults) {
   std::string names, advice;
   for (const json& fault : faults) {

@@ -82,7 +82,7 @@ SelfTestRow JudgeSensors(const device::UsbProbe& probe) {
   return {"Hall sensors", true, Printed("all %d deliver samples, none is saturated", wire::kSensors)};
 }
 
-// Passed when none of `faults` is there.
+// Passed if none of `faults` is present.
 SelfTestRow JudgeFaults(const char* name, const device::UsbProbe& probe, std::uint32_t faults, std::string measured) {
   const std::uint32_t there = probe.telemetry.faults & faults;
   if (there != 0) measured += "; " + FaultNames(there);

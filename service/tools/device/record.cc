@@ -1,4 +1,4 @@
-// omni record: what a base measures, without a service and without a force: it is never armed.
+// omni record: records what a base measures, without a service and without force: the base is never armed.
 #include <memory>
 #include <string>
 
@@ -24,7 +24,7 @@ struct RecordRequest {
 
 int FailRecord(const std::string& why) { return Fail("omni record", why); }
 
-// Empty, or why it ended before it was asked to.
+// Empty, or why it ended early.
 std::string ReadScans(device::Transport& transport, double seconds) {
   const EndSignals signals;
   const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(seconds * 1e9);

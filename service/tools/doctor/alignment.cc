@@ -1,4 +1,4 @@
-// Is the base's place in the headset's space known?
+// Is the base's pose in the headset's space known?
 #include <string>
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Is the base measured, and does what was measured fit it?
+// Is the base calibrated, and does the calibration fit it?
 #include <string>
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// omni doctor: what stands between an OpenXR application and the pen, and how to mend it.
+// omni doctor: what keeps OpenXR applications from using the pen, and how to fix it.
 #include <iostream>
 #include <memory>
 #include <string>

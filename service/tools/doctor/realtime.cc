@@ -1,4 +1,4 @@
-// May this user's processes run at real-time priority with locked memory? Late ticks are felt.
+// May this user's processes run at real-time priority with locked memory? Late ticks can be felt.
 #include <pthread.h>
 #include <sched.h>
 #include <sys/resource.h>
@@ -13,7 +13,7 @@
 namespace omni::tools {
 namespace {
 
-constexpr int kPriority = 80;  // what omnid asks for
+constexpr int kPriority = 80;  // what omnid requests
 constexpr const char* kRealtimeFix =
     "copy manifests/limits/99-omni-realtime.conf to /etc/security/limits.d and log in again, or run omnid from its "
     "systemd unit, or use rtkit (steps for each: docs/howto/realtime.md)";

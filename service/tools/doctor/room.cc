@@ -1,4 +1,4 @@
-// Is a sensor wrong, another magnet near, or the room another than when the base was calibrated?
+// Is a sensor faulty, another magnet near, or the room different from when the base was calibrated?
 #include <string>
 
 #include <nlohmann/json.hpp>

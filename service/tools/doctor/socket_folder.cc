@@ -1,4 +1,4 @@
-// Is the control socket's folder ours alone, and its path short enough?
+// Is the control socket's folder private to this user, and its path short enough?
 #include "service/protocol/socket_path.h"
 #include "service/tools/doctor/diagnosis.h"
 

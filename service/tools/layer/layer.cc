@@ -1,4 +1,4 @@
-// omni layer enable, disable, status: whether applications that know nothing of Omni get the pen.
+// omni layer enable, disable, status: whether applications without any knowledge of Omni get the pen.
 #include <iostream>
 #include <memory>
 #include <string>

@@ -1,4 +1,4 @@
-// omni replay: what a device recording holds.
+// omni replay: summary of a device recording.
 #include <memory>
 #include <string>
 

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// Piecewise linear truth at t_ns; the twin records every device tick. False: outside of the recording, or no pen there.
+// Piecewise linear truth at t_ns; the twin records every device tick. False: outside the recording, or no pen present.
 struct Truth {
   const CsvTable& table;
   const std::vector<double>& t_ns;
@@ -78,7 +78,7 @@ void CountTicks(const CsvTable& loop, RunReport& report) {
   report.haptic_pulses = static_cast<std::uint64_t>(loop["haptic_pulses"].back());
 }
 
-// Why a file cannot be judged, by the option that names it.
+// Why a file cannot be evaluated, with the option that names it.
 base::Error NotJudged(const RunFileEntry& entry, const std::string& why) {
   return {std::string(entry.option) + ": " + why + "; expected " + entry.what};
 }

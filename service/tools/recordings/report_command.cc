@@ -1,4 +1,4 @@
-// omni report: judges a run's recordings, appends a row to a summary, draws the picture.
+// omni report: evaluates a run's recordings, appends a row to a summary, draws the picture.
 #include <unistd.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ base::Result<json> ReadSummary(const char* option, const std::string& path) {
   return summary;
 }
 
-// A row of the same scene is replaced. A summary that is not there yet, or empty, begins with this row.
+// A row of the same scene is replaced. A missing or empty summary starts with this row.
 base::Status AddToSummary(const std::string& path, const RunReport& report) {
   json summary = {{"simulation", true}, {"scenes", json::array()}};
   std::error_code error;
@@ -69,7 +69,7 @@ base::Status AddToSummary(const std::string& path, const RunReport& report) {
   return base::Ok{};
 }
 
-// Without --scene the run alone.
+// Empty without --scene: only the run is drawn.
 base::Result<haptics::Scene> SceneOfRun(const std::string& name, bool custom) {
   if (name.empty()) return haptics::Scene();
   const base::Result<std::string> path = FindScene(name);

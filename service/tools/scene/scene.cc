@@ -1,5 +1,5 @@
-// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: that as
-// the system counts it. omni scene cache: the built scenes that are kept. The rest: scene_edit.cc.
+// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: the same
+// as counted by the system. omni scene cache: the cached built scenes. The rest: scene_edit.cc.
 #include <cstdio>
 #include <iostream>
 #include <memory>

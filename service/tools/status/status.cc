@@ -1,4 +1,4 @@
-// omni status: what the service does right now.
+// omni status: the current state of the service.
 #include <iostream>
 #include <memory>
 #include <string>

@@ -133,7 +133,7 @@ std::string MappingLine(const json& status) {
   return protocol::Printable(text);
 }
 
-// Those that are on or have been.
+// Sources that are on or have been on.
 std::string SourcesLine(const json& status) {
   std::string text;
   for (const json& source : ArrayAt(status, "/inputs/sources")) {

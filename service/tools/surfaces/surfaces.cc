@@ -1,4 +1,4 @@
-// omni surfaces: what omnid publishes for drawing. Asks for the surfaces as an application would, so that they are
+// omni surfaces: what omnid publishes for drawing. Requests the surfaces as an application would, so that they are
 // computed while it runs.
 #include <chrono>
 #include <cmath>
@@ -26,7 +26,7 @@ using client::SurfaceCopy;
 using client::SurfaceRead;
 using client::SurfaceReader;
 
-constexpr auto kReadPeriod = std::chrono::milliseconds(4);  // more often than the service looks
+constexpr auto kReadPeriod = std::chrono::milliseconds(4);  // more often than the service publishes
 constexpr std::int64_t kRatePeriod_ns = 1'000'000'000;
 constexpr std::int64_t kAnswerTime_ns = 2'500'000'000;
 
@@ -50,7 +50,7 @@ class SurfaceCounter {
     connection_.RequestSurfaces(true);
   }
 
-  // True: the rates of another second are there, or there is something else to show.
+  // True: new rates are available, or something else to show.
   bool Read(std::int64_t now_ns) {
     connection_.Poll(now_ns);
     connection_.Beat();

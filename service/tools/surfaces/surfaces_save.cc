@@ -23,8 +23,8 @@ namespace {
 using client::SurfaceRead;
 
 constexpr const char* kSaveCommand = "omni surfaces";
-constexpr auto kSavePeriod = std::chrono::milliseconds(4);  // more often than the service looks
-constexpr std::int64_t kPublished_ns = 2'500'000'000;       // until then something was published, or nothing will be
+constexpr auto kSavePeriod = std::chrono::milliseconds(4);  // more often than the service publishes
+constexpr std::int64_t kPublished_ns = 2'500'000'000;       // if nothing was published by then, nothing will be
 
 // Vertex in the object's frame -> base frame.
 base::Vec3 PlacedPoint(const protocol::SurfaceFrame& frame, const protocol::SurfacePoint& point) {
@@ -34,7 +34,7 @@ base::Vec3 PlacedPoint(const protocol::SurfaceFrame& frame, const protocol::Surf
   return Rotated({q[0], q[1], q[2], q[3]}, p) + base::Vec3{t[0], t[1], t[2]};
 }
 
-// Asks for the surfaces as an application would, and reads what is published.
+// Requests the surfaces as an application would, and reads what is published.
 class PublishedReader {
  public:
   explicit PublishedReader(const std::string& socket)

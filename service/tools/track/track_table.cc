@@ -30,7 +30,7 @@ std::vector<std::string_view> Split(std::string_view line) {
   }
 }
 
-// What stands in a file ends up in terminals: short, without control characters.
+// Text from a file for terminals: shortened, without control characters.
 std::string Quoted(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text.substr(0, 40)) quoted += c >= 0x20 && c < 0x7F ? c : '?';

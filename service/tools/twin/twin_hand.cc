@@ -1,5 +1,5 @@
-// omni twin hand: a person's stand-in at the pen of the digital twin. Sees and feels what omnid tells its clients, and
-// moves nothing but the aim of the simulated hand.
+// omni twin hand: acts in place of a person at the pen of the digital twin. Perceives only what omnid publishes to its
+// clients, and moves only the aim of the simulated hand.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -35,7 +35,7 @@ protocol::HandAim MessageOf(const sim::HandAim& aim) {
   return {.present = aim.present ? 1U : 0U, .tip_base_m = {p.x, p.y, p.z}, .axis_base = {u.x, u.y, u.z}};
 }
 
-// Until the task is done, nothing answers any more, or patience is at its end.
+// Until the task is done, omnid is gone, or the time is over.
 int LeadHand(const HandArguments& arguments, const Intent& intent) {
   const EndSignals signals;
   Eyes eyes(arguments.socket, {.soft = intent.soft, .clay = intent.clay});

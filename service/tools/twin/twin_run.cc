@@ -1,6 +1,5 @@
 // omni twin run: the whole loop against the twin in this process, in virtual time. Deterministic: prints a hash. The
-// truth is recorded by the twin and compared when the run is over.
-// omni twin path: a hand script for any scene.
+// twin records its truth, which is compared after the run. omni twin path: a hand script for any scene.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -57,7 +56,7 @@ base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::
   return MakeHandPath(scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
 }
 
-// Where the twin records its truth: the file asked for, else one of our own that goes away again.
+// Where the twin records its truth: the requested file, otherwise a temporary one.
 class TruthFile {
  public:
   explicit TruthFile(const std::string& wanted) : path_(wanted), ours_(wanted.empty()) {
@@ -155,7 +154,7 @@ int RunTwin(const RunArguments& arguments) {
   return Fail("omni twin run", "the pen was not tracked in any tick, so there is no error to report");
 }
 
-// A base that has just been plugged in arms and is swept before the pen comes.
+// Long enough to arm a base that was just plugged in and to sweep it before the pen arrives.
 constexpr CalibratingHand kCalibratingHand{.away_s = 12};
 
 base::Result<sim::HandScript> PathFor(const PathArguments& arguments) {

@@ -1,5 +1,5 @@
-// Rule "ExplicitLayerArchitectures": a name in XR_ENABLE_API_LAYERS is asked for by every application, so the layer
-// must be there for every architecture that has an OpenXR loader; where it is not, applications fail to start.
+// Rule "ExplicitLayerArchitectures": every application requests the layers named in XR_ENABLE_API_LAYERS, so each must
+// be installed for every architecture that has an OpenXR loader; otherwise applications fail to start.
 // [OpenXR-API-Layers-GUI, ExplicitLayerArchitecturesLinter]
 #include <map>
 #include <set>

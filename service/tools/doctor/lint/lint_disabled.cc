@@ -1,6 +1,5 @@
-// Rule "DisabledByEnvironment": an implicit layer can be switched off, is not switched off now, and does not wait for a
-// variable. The loader asks whether a variable is set, not what to. [OpenXR-API-Layers-GUI,
-// DisabledByEnvironmentLinter]
+// Rule "DisabledByEnvironment": an implicit layer can be disabled, is not disabled now, and needs no further variable.
+// The loader checks whether a variable is set, not its value. [OpenXR-API-Layers-GUI, DisabledByEnvironmentLinter]
 #include "service/tools/doctor/objections.h"
 #include "service/tools/doctor/openxr_manifests.h"
 

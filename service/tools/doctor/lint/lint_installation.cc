@@ -1,5 +1,5 @@
-// Rule "BadInstallation": every manifest is one that the loader takes, its library is there, and XR_ENABLE_API_LAYERS
-// names only layers that are. [OpenXR-API-Layers-GUI, BadInstallationLinter]
+// Rule "BadInstallation": the loader accepts every manifest, its library exists, and XR_ENABLE_API_LAYERS names only
+// installed layers. [OpenXR-API-Layers-GUI, BadInstallationLinter]
 #include "service/tools/doctor/objections.h"
 #include "service/tools/doctor/openxr_manifests.h"
 

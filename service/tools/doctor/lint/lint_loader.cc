@@ -1,4 +1,4 @@
-// Rule "SkippedByLoader": the loader takes every layer that by its own rules it should.
+// Rule "SkippedByLoader": the loader uses every layer that it should use by its own rules.
 // [OpenXR-API-Layers-GUI, SkippedByLoaderLinter]
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Rule "Ordering": some layers work only above or below certain others. Implicit layers are above those that are
-// enabled by name; among implicit ones the loader on Linux promises no order. [OpenXR-API-Layers-GUI, OrderingLinter
+// enabled by name; among implicit ones the order on Linux is unspecified. [OpenXR-API-Layers-GUI, OrderingLinter
 // and its rules; what concerns our layer is ours]
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 namespace omni::tools {
 namespace {
 
-// Each a layer's name, or an extension that a layer brings. Above: closer to the application.
+// Each is the name of a layer, or of an extension that a layer provides. Above: closer to the application.
 struct OrderRule {
   const char* above;
   const char* below;
