@@ -22,7 +22,7 @@ struct CoilCurrents {
   std::array<double, kCoilCount> current_A{};
 };
 
-// What actuation can do at one pose and temperature, handed to haptics by loop.
+// Feasible forces at one pose and temperature, passed from actuation to haptics by loop.
 // A force f (N, in B) needs the currents I = ampere_per_newton f + bias_A; it is feasible if
 // |I_k| <= current_max_A[k]. valid = false (pose unknown or out of reach): nothing may be rendered.
 struct ForceLimit {

@@ -1,4 +1,4 @@
-// How many members an aggregate has, at compile time: tables that must have a row for each hold themselves to it.
+// Number of members of an aggregate at compile time, to check tables that must have a row for each.
 #pragma once
 
 #include <cstddef>

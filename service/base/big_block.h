@@ -1,5 +1,5 @@
 // Memory for what a tick reads at random: large blocks start on a huge page and ask for huge pages, because at 1e6
-// triangles a walk of the page table costs more than the data. The system may refuse; then it is ordinary memory.
+// triangles a walk of the page table costs more than the data. The kernel may decline; then it is ordinary memory.
 #pragma once
 
 #include <sys/mman.h>

@@ -1,6 +1,6 @@
-// What is known of one particular sensor array and its magnet: all that the tracker's model is made from.
-// magnetics::NominalCalibration takes it from a drawing, self-calibration measures it, a device file may describe any
-// other array. Frame B, SI. Set-up only.
+// Parameters of one particular sensor array and its magnet: all that the tracker's model needs.
+// magnetics::NominalCalibration derives it from the nominal geometry, self-calibration measures it, a device file may
+// describe any other array. Frame B, SI. Set-up only.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace omni::base {
 
 inline constexpr int kArraySensorsMin = 4;
 inline constexpr int kArraySensorsMax = 64;
-inline constexpr double kCoreKeptMin_A = 1e-3, kCoreKeptMax_A = 0.1;  // as far as a calibration looks for it
+inline constexpr double kCoreKeptMin_A = 1e-3, kCoreKeptMax_A = 0.1;  // the range that a calibration searches
 
 // reading_S = gain_sensor_base B(position) + current_map I + background
 struct SensorCalibration {
@@ -25,7 +25,7 @@ struct SensorCalibration {
   Vec3 background_sensor_T;
 };
 
-// What lies under the base and answers like a mirror: a steel desk. docs/theory/tracking.md (21)
+// Acts like a magnetic mirror below the base: a steel desk. docs/theory/tracking.md (21)
 struct SteelPlane {
   double strength = 0;       // 0: none; 1: of much iron
   double height_base_m = 0;  // z of the plane, < 0
@@ -36,7 +36,7 @@ struct Calibration {
   std::vector<SensorCalibration> sensors;  // kArraySensorsMin .. kArraySensorsMax
   std::array<double, 3> sensor_noise_T{};  // rms per axis of S
   double sensor_range_T = 0;               // full scale; 0: unknown
-  MagnetGeometry magnet;                   // shape and size; remanence_T gives no moment here:
+  MagnetGeometry magnet;                   // shape and size; remanence_T does not define the moment here:
   double moment_Am2 = 0;                   // > 0
   double core_radius_m = 0;                // 0: no core
   double core_kappa = 1;                   // (mu_r - 1) / (mu_r + 2)

@@ -41,9 +41,9 @@ struct MagnetGeometry {
   double tip_offset_m = 0;  // device point = magnet centre + tip_offset_m * axis
 };
 
-// How the base heats: every coil's copper C_c, cooled by a body (core, plastic, table) C_b that all coils share, cooled
-// by the air. Defaults: copper from the mass of its wire, the rest from the paper's three temperatures of one coil
-// (docs/theory/thermal.md).
+// Thermal model of the base: every coil's copper C_c, cooled by a body (core, plastic, table) C_b that all coils share,
+// cooled by the air. Defaults: copper from the mass of its wire, the rest from the paper's three temperatures of one
+// coil (docs/theory/thermal.md).
 struct HeatGeometry {
   double copper_J_K = 44.4;
   double body_J_K = 94.2;

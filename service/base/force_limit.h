@@ -1,5 +1,5 @@
-// The one rule for "can the device push this hard, there": shared by haptics (scales what it asks for) and actuation
-// (scales what it sends). Vector scaling keeps the direction (docs/theory/actuation.md).
+// The one rule for "can the device push this hard, there": shared by haptics (scales its request) and actuation (scales
+// its output). Vector scaling keeps the direction (docs/theory/actuation.md).
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // One scan: all Hall readings of a device tick, with the coil currents measured at the same time.
 // Coil currents disturb the Hall sensors; carrying them here keeps the pipeline free of a back edge
-// (the tracker subtracts a field from data that it was given).
+// (the tracker subtracts their field using data from the scan itself).
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace omni::base {
 
-inline constexpr std::int64_t kSampleAgeMax_ns = 5'000'000;  // an older sample is none
+inline constexpr std::int64_t kSampleAgeMax_ns = 5'000'000;  // older samples are discarded
 
 struct HallScan {
   std::int64_t t_ns = 0;       // CLOCK_MONOTONIC of the newest Hall sample of this scan
@@ -29,8 +29,8 @@ struct HallScan {
   // `tick_lead_ns` after t_ns. Only where has_steps is not 0.
   std::array<std::array<double, kCoilCount>, kStepsPerTick> step_current_A{};
   std::int64_t tick_lead_ns = 0;
-  // From a scan's stamp to the control step from which on the set-points computed from it act, as measured at the base:
-  // about one answer in a hundred comes later. 0: not known.
+  // From a scan's stamp to the control step at which the set-points computed from it take effect, as measured at the
+  // base: about one response in a hundred comes later. 0: not known.
   std::int64_t response_ns = 0;
   std::array<double, kCoilCount> coil_temperature_C{};  // estimated by the device
   double supply_V = 0;

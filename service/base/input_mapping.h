@@ -12,7 +12,7 @@ namespace omni::base {
 
 inline constexpr int kMaxKeys = 32;  // different keys in all mappings together; config refuses more
 
-// What the tick finds out about the pen, and keys. docs/howto/apps.md says what each means.
+// Events that the tick detects from the pen, and keys. Defined in docs/howto/apps.md.
 enum class InputSource : std::uint8_t {
   kTipForce = 0,      // 0..1: force on the tip over tip_force_full_N
   kPress = 1,         // that force over press_N, with hysteresis
@@ -20,11 +20,11 @@ enum class InputSource : std::uint8_t {
   kDoubleTap = 3,     // two of them at one place; on for click_s
   kDwell = 4,         // touches and stays: on until it moves or lifts
   kHoverDwell = 5,    // stays in the air: on until it moves or touches
-  kDetent = 6,        // pressed hard, through a detent that is felt; on until the force has fallen
+  kDetent = 6,        // pressed hard, past a detent pulse; on until the force has fallen
   kFlick = 7,         // there and back across the pen's axis, in the air; on for click_s
   kFlickAxial = 8,    // the same along the axis
-  kAway = 9,          // put down: not seen, far, or lying still
-  kThumbstickX = 10,  // -1..1, where the scene says joystick
+  kAway = 9,          // put down: untracked, far, or lying still
+  kThumbstickX = 10,  // -1..1, where the scene has a joystick
   kThumbstickY = 11,
   kFirstKey = 16,  // kMaxKeys of them
   kCount = 16 + kMaxKeys
@@ -53,19 +53,19 @@ struct InputThresholds {
   double tap_force_N = 0.10;      // a touch that never reaches it is no tap
   double tap_speed_m_s = 0.035;   // into the surface; a share of it, out of it at the end
   double tap_max_s = 0.25;        // a longer touch is no tap
-  double tap_travel_m = 0.003;    // nor is one that slides farther
+  double tap_travel_m = 0.003;    // nor is one that slides further
   double double_tap_s = 0.40;     // from the end of the first to the beginning of the second
   double double_tap_distance_m = 0.010;
   double dwell_s = 0.8;
   double dwell_radius_m = 0.002;
   double detent_press_N = 0.8;
   double detent_release_N = 0.5;
-  double detent_pulse_N = 0.12;  // what is felt of it; 0: nothing
+  double detent_pulse_N = 0.12;  // pulse at the detent; 0: none
   double flick_speed_m_s = 0.5;
   double flick_s = 0.25;          // there and back within this
-  double away_untracked_s = 2.0;  // not seen for so long
-  double away_distance_m = 0.15;  // tip farther than this from the core's centre, for away_untracked_s
-  double away_still_s = 20.0;     // in the air and not moved by away_still_m for so long: nobody holds it
+  double away_untracked_s = 2.0;  // untracked for this long
+  double away_distance_m = 0.15;  // tip further than this from the core's centre, for away_untracked_s
+  double away_still_s = 20.0;     // in the air and not moved by away_still_m for this long: not held
   double away_still_m = 0.001;
   double click_s = 0.050;  // length of a click of tap, double tap and flick
 };
@@ -78,7 +78,7 @@ struct InputMapping {
   const ComponentSources& at(InputComponent component) const noexcept {
     return components[static_cast<std::size_t>(component)];
   }
-  // All sources that some component hears.
+  // All sources that some component uses.
   SourceMask used() const noexcept {
     SourceMask mask = 0;
     for (const ComponentSources& sources : components) mask |= sources.plus | sources.minus;

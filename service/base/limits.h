@@ -1,4 +1,4 @@
-// Capacities that several modules share. Each has a name and a stated behaviour when full.
+// Capacities that several modules share. Each has a name and a defined behaviour when full.
 #pragma once
 
 namespace omni::base {

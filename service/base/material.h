@@ -1,5 +1,5 @@
 // Haptic material: how a surface feels, SI; and the table of its numbers. From the table follow the keys of a scene's
-// tags, their checks, what an application may change while it is felt and in which range, what `omni scene explain`
+// tags, their checks, what an application may change at run time and in which range, what `omni scene explain`
 // prints, the numbers of scenes/schema/OMNI_haptic_material.schema.json and the table in docs/scenes.md
 // (`scene_keys_page` writes both). How to add a number: docs/howto/extend.md.
 #pragma once
@@ -44,7 +44,7 @@ struct Extrude {
 enum class Falloff : std::uint8_t { kConstant = 0, kLinear = 1, kSmooth = 2 };
 enum class Symmetry : std::uint8_t { kNone = 0, kX = 1, kY = 2, kZ = 3 };  // plane through the object's centre
 
-// A surface that is sculpted freely: pressed, taken hold of, pushed in and pulled out.
+// A freely sculptable surface: pressed, grabbed, pushed in and pulled out.
 struct Sculpt {
   bool enabled = false;
   Falloff falloff = Falloff::kSmooth;
@@ -72,7 +72,7 @@ struct Material {
   double magnet_max_force_N = 0;
   double magnet_range_m = 0.003;
   double temperature_K = 293.15;  // carried, not rendered
-  bool smooth = false;            // force shading: facets are felt as the smooth body they stand for
+  bool smooth = false;            // force shading: facets are rendered as the smooth body that they approximate
   // Indices into the scene's textures, -1: none. Factor x texel, by SampleTexture (contact/texture.h).
   std::int32_t stiffness_texture = -1;
   std::int32_t friction_texture = -1;      // of both frictions
@@ -83,8 +83,8 @@ struct Material {
 };
 static_assert(std::is_trivially_copyable_v<Material>);
 
-// What of a material an application may change while it is felt: the numbers that are live in the table below, in its
-// order. Travels between processes as it is.
+// Material numbers that an application may change at run time: the live ones of the table below, in its order. Sent
+// between processes as is.
 struct MaterialParameters {
   double stiffness_N_m = 0;
   double damping_Ns_m = 0;
@@ -103,7 +103,7 @@ static_assert(std::is_trivially_copyable_v<MaterialParameters>);
 struct MaterialField : NumberField<Material> {
   std::string_view label;                      // for people: "static friction"
   double MaterialParameters::*live = nullptr;  // null: fixed when the scene is loaded
-  double settled = 0;                          // of a live one: nearer than this to what is wanted is there
+  double settled = 0;                          // of a live one: closer than this to its target counts as reached
 };
 
 inline constexpr auto kMaterialFields = std::to_array<MaterialField>({
@@ -211,13 +211,13 @@ constexpr const MaterialField& MaterialFieldOf(std::string_view key) {
   return kMaterialFields[IndexOfKey(kMaterialFields, key)];
 }
 
-// A part that a material may do without: a structure of its own, whose numbers stand together. Empty: of none.
+// Optional part of a material: a structure of its own, whose numbers are adjacent in the table. Empty: none.
 constexpr std::string_view PartOf(const MaterialField& field) {
   const std::string_view group = field.Group();
   return group == "softness" || group == "extrude" || group == "sculptable" ? group : std::string_view();
 }
 
-// Each number of the structures has its row: what they have beside is counted here.
+// Each number of the structures has a row; their other members are counted here.
 consteval std::size_t RowsOf(std::string_view part) {
   return static_cast<std::size_t>(std::count_if(kMaterialFields.begin(), kMaterialFields.end(),
                                                 [part](const auto& field) { return PartOf(field) == part; }));
@@ -248,7 +248,7 @@ inline MaterialParameters ParametersOf(const Material& material) noexcept {
   return parameters;
 }
 
-// The same with every value in its range; what is no number becomes the least.
+// The same with every value clamped to its range; NaN becomes the minimum.
 inline MaterialParameters Clamped(const MaterialParameters& parameters) noexcept {
   MaterialParameters clamped;
   for (const MaterialField* field : kLiveFields) {

@@ -8,7 +8,7 @@
 
 namespace omni::base {
 
-// Where a number stands in a T. A count is an int there and a double for everybody else.
+// Access to a number in a T. A count is stored as an int and accessed as a double.
 template <class T>
 struct NumberMember {
   double (*get)(const T&) noexcept;
@@ -47,14 +47,14 @@ struct NumberField {
   void Set(T& object, double value) const noexcept { member.set(object, value); }
   double Default() const noexcept { return Get(T{}); }
   bool Contains(double value) const noexcept { return value >= minimum && value <= maximum; }
-  // What stands before the key's last dot; empty: nothing.
+  // The part of the key before its last dot; may be empty.
   constexpr std::string_view Group() const noexcept {
     const std::size_t dot = key.rfind('.');
     return dot == std::string_view::npos ? std::string_view() : key.substr(0, dot);
   }
 };
 
-// A key's place in a table of NumberField; the table's size: it is not there.
+// Index of a key in a table of NumberField; the table's size if it is missing.
 template <class Fields>
 constexpr std::size_t IndexOfKey(const Fields& fields, std::string_view key) {
   std::size_t i = 0;

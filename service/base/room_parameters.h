@@ -1,5 +1,5 @@
-// What stands and happens around a simulated base: steel, other magnets, a field that changes or turns, mains. All of
-// it absent by default. Equations: docs/theory/truth.md. SI, frame B.
+// Surroundings of a simulated base: steel, other magnets, a field that changes or turns, mains. All absent by default.
+// Equations: docs/theory/truth.md. SI, frame B.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ inline constexpr std::size_t kSensorFaultsMax = 8;
 
 enum class SteelShape : std::uint8_t { kPlane, kBall, kBar };
 
-// Answers as iron of infinite permeability would, times its strength: a thin sheet is no perfect mirror.
+// Acts as iron of infinite permeability, times its strength: a thin sheet is not a perfect mirror.
 struct Steel {
   SteelShape shape = SteelShape::kPlane;
   Vec3 position_base_m;          // a point of the plane; the centre of a ball or bar
@@ -25,7 +25,7 @@ struct Steel {
   double radius_m = 0;           // of a ball; of a bar in its middle, which is a slender ellipsoid
   double half_length_m = 0;      // of a bar
   double strength = 1;           // [0, 1]
-  double from_s = 0;             // it is brought at this time of the run; 0: it stands there from the start
+  double from_s = 0;             // it appears at this time of the run; 0: present from the start
 };
 
 // At rest at `from`, then straight to `to` at constant speed, at rest there.
@@ -41,12 +41,12 @@ struct FieldStep {
   double at_s = 0, over_s = 0;
 };
 
-// One sensor that is not as the others are.
+// A fault of one sensor.
 enum class SensorFaultKind : std::uint8_t {
   kGain,     // reads `value` times what it should
-  kStuck,    // the same sample again and again, each said to be fresh
+  kStuck,    // repeats the same sample, marked fresh each time
   kHuge,     // reads `value` tesla on each axis
-  kSwapped,  // gives the readings of sensor `other`, and that one its
+  kSwapped,  // swapped with sensor `other`
   kStopped   // no sample is fresh any more
 };
 struct SensorFault {

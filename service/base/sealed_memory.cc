@@ -86,7 +86,7 @@ Result<UniqueFd> SealedCopy(const char* name, std::string_view content) {
 Status CheckSealed(int fd, int seals, std::size_t bytes) {
   const auto failed = [](const char* what) { return Error{what + std::string(std::strerror(errno))}; };
   const int present = ::fcntl(fd, F_GET_SEALS);
-  if (present < 0) return failed("is no sealable memory: ");
+  if (present < 0) return failed("is not sealable memory: ");
   if ((present & seals) != seals) return Error{"lacks the seals" + NamesOfSeals(seals & ~present)};
   struct stat info {};
   if (::fstat(fd, &info) != 0) return failed("cannot be examined: ");

@@ -1,6 +1,6 @@
-// Memory files (memfd) that one process makes and another maps: sized, filled and sealed before anybody else sees them,
-// mapped only once their seals prove that they can neither shrink under the reader (SIGBUS) nor change their rules.
-// Set-up only: allocates and makes system calls.
+// Memory files (memfd) that one process makes and another maps: sized, filled and sealed before they are shared, and
+// mapped only after checking the seals, which guarantee that they can neither shrink under the reader (SIGBUS) nor be
+// resealed. Set-up only: allocates and makes system calls.
 #pragma once
 
 #include <fcntl.h>
@@ -15,10 +15,10 @@ namespace omni::base {
 
 // Seals (memfd_create(2)): the size is final and no seal can be added; both sides may write.
 inline constexpr int kSealsFixedSize = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
-// Only the mapping that its maker has can write.
+// Only the creator's mapping can write.
 inline constexpr int kSealsOneWriter = kSealsFixedSize | F_SEAL_FUTURE_WRITE;
 
-// A mapping that is undone at the end of its owner's life.
+// Owns a mapping and unmaps it on destruction.
 class Mapping {
  public:
   Mapping() = default;
@@ -41,14 +41,14 @@ struct SealedMemory {
 };
 
 // Zeroed memory of `bytes`, mapped with `protection` (PROT_*), then sealed with `seals`. `name` shows in /proc. The
-// pages are taken now: a full machine is an error here, not a SIGBUS later.
+// pages are allocated now: lack of memory is an error here, not a SIGBUS later.
 Result<SealedMemory> MakeSealedMemory(const char* name, std::size_t bytes, int protection, int seals);
 
-// A copy of `content` that nobody can change any more, including its maker.
+// An immutable copy of `content`: not even its creator can change it.
 Result<UniqueFd> SealedCopy(const char* name, std::string_view content);
 
-// Memory that another process made has all of `seals` and exactly `bytes`. The error reads on from the memory's name:
-// "lacks the seals F_SEAL_GROW".
+// Checks that memory of another process has all of `seals` and exactly `bytes`. The error continues a sentence that
+// starts with the memory's name: "lacks the seals F_SEAL_GROW".
 Status CheckSealed(int fd, int seals, std::size_t bytes);
 
 // The same, mapped with `protection`.

@@ -1,4 +1,4 @@
-// Fixed ring from one producer thread to one consumer thread. When full, TryPush refuses and the producer counts the
+// Fixed ring from one producer thread to one consumer thread. When full, TryPush fails and the producer counts the
 // loss.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Arithmetic of time stamps, ns, that may be anything: a device's clock is input. Saturates instead of overflowing.
+// Arithmetic on arbitrary time stamps in ns: a device's clock is untrusted input. Saturates instead of overflowing.
 #pragma once
 
 #include <cstdint>

@@ -21,11 +21,11 @@ enum ToolLimit : std::uint32_t {
   kToolCoarse = 2,       // far from the sensors: this scan alone knows the position to no better than 1 mm
   kToolFewReadings = 4,  // half of the readings are unusable: another pose could fit as well
   kToolSaturated = 8,    // a sensor axis is at its limit and left out
-  // A magnet is there, but no pose fits, be it out of reach: a second magnet, a stuck, swapped or broken sensor, the
-  // calibration of another base.
+  // A magnet is present, but no pose fits, not even out of reach: a second magnet, a stuck, swapped or broken sensor,
+  // the calibration of another base.
   kToolContradicted = 16,
-  kToolRepeated = 32,  // the scan's stamp did not move: the state is that of the scan before
-  kToolFrozen = 64     // the stamp moves, but every sensor says the same again and again: nothing is measured
+  kToolRepeated = 32,  // the scan's stamp did not advance: the state is that of the previous scan
+  kToolFrozen = 64     // the stamp advances, but every sensor repeats the same reading: nothing is measured
 };
 
 // How uncertain a point of the tool is along one direction: variances of position and velocity, and their covariance.
@@ -58,12 +58,12 @@ struct ToolState {
   int dof = 0;
   int iterations = 0;
   double field_rms_T = 0;  // |B| of the tool over this scan's usable readings, root mean square
-  // What the tracker holds to be wrong since the base was calibrated. For people; poses allow for it already.
-  std::uint32_t sensors_left_out = 0;  // bit i: sensor i is not believed ...
-  std::uint32_t sensors_disagree = 0;  // ... and said something else than the others when it was asked last
-  Vec3 ambient_base_T;                 // uniform field that came since, known while tracking
-  double stray_rms_T = 0;              // of what magnets nearby add to readings, root mean square; 0: none is believed
-  double model_error_relative = 0;     // of the tool's field: what readings show that the calibration gets wrong
+  // What the tracker believes has changed since the base was calibrated. For reports; poses already account for it.
+  std::uint32_t sensors_left_out = 0;  // bit i: sensor i is ignored ...
+  std::uint32_t sensors_disagree = 0;  // ... and disagreed with the others when last checked
+  Vec3 ambient_base_T;                 // uniform field since then, known while tracking
+  double stray_rms_T = 0;              // root mean square contribution of nearby magnets to readings; 0: none detected
+  double model_error_relative = 0;     // error of the tool's field in the calibration, estimated from readings
 };
 static_assert(std::is_trivially_copyable_v<ToolState>);
 

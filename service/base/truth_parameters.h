@@ -1,4 +1,4 @@
-// How a simulated base and pen differ from their drawing and what happens to them over a run: the numbers of
+// How a simulated base and pen differ from their nominal geometry and change over a run: the numbers of
 // manifests/device/twin.toml. Equations and sources: docs/theory/truth.md. Zero switches an effect off. SI.
 #pragma once
 
@@ -21,7 +21,7 @@ struct ImperfectionSizes {
   double current_offset_A = 2e-3;
   double coil_size = 0;            // relative, of a winding's radii and width at an equal number of turns
   double sensor_nonlinearity = 0;  // of full scale: greatest deviation from the best straight line, per axis
-  // Since the background was taken; per axis.
+  // Since the background was measured; per axis.
   double sensor_offset_T = 0;
   double sensor_offset_T_K = 0, sensor_gain_1_K = 0;  // per kelvin of TruthEffects::sensor_warming_K
   double hull_radius_m = 0;
@@ -49,13 +49,13 @@ struct ThermalParameters {
   double resistance_per_K = 0.00393;  // of copper, about 20 C
 };
 
-// What the exact static model leaves out. Defaults: nothing of it happens.
+// Effects that the exact static model omits. All are off by default.
 struct TruthEffects {
   double remanence_Am2 = 0;          // greatest remanent moment of the core (hysteresis)
   double core_conductivity_S_m = 0;  // eddy currents in the core
   double core_permeability = 1000;   // mu_r for the eddy currents; the static one is DeviceGeometry::core_kappa
   Vec3 earth_field_base_T;           // constant background
-  bool background_known = true;      // calibration has removed the constant part: only the drift is left
+  bool background_known = true;      // calibration has removed the constant part: only the drift remains
   double ambient_drift_T = 0;        // by which the background has changed after run_s, in a random direction
   double magnet_warming_K = 0;       // by which the magnet is warmer after run_s
   double sensor_warming_K = 0;       // the same for the sensors
@@ -63,7 +63,7 @@ struct TruthEffects {
   double pwm_frequency_Hz = 0;       // current ripple at unsynchronised sampling
   double pwm_residual = 1;           // what a sensor's own averaging leaves of the ripple
   double run_s = 600;                // drift and warming are ramps over this time and stay there
-  RoomEffects room;                  // what stands and happens around the base
+  RoomEffects room;                  // surroundings of the base
 };
 
 struct TruthParameters {

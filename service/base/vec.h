@@ -1,6 +1,6 @@
 // Plain vectors for the seams: trivially copyable, no alignment rules, so that they can live in shared memory, rings
 // and hashes; and the few operations on them. Plain double arithmetic in a fixed order: with contraction off, equal
-// inputs give equal bits. Physics code that needs matrices works in Eigen (see eigen.h) and converts at its edge.
+// inputs give equal bits. Physics code that needs matrices works in Eigen (see eigen.h) and converts at its boundary.
 #pragma once
 
 #include <algorithm>

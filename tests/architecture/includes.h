@@ -1,4 +1,4 @@
-// Reads every #include of our code and holds it against the table of docs/architecture.md.
+// Checks every #include of our code against the table of docs/architecture.md.
 #pragma once
 
 #include <map>
@@ -35,7 +35,7 @@ std::vector<std::string> CheckIncludes(const SourceTree& tree);
 // The files of the tree that `path` includes, itself and those that they include among them.
 std::set<std::string> ReachableFrom(const SourceTree& tree, const std::string& path);
 
-// A header of the standard library, of C or of the system: neither ours nor a package's.
+// A header of the standard library, of C or of the system: not ours and not of a package.
 bool IsStandard(const std::string& header);
 
 // The headers that a file includes, in its order.

@@ -28,8 +28,8 @@ TEST(Includes, EveryIncludeOfEveryTargetIsAllowed) {
 
 TEST(Includes, NoCycles) { EXPECT_EQ(Joined(FindCycles(OurTree())), ""); }
 
-// The layer lives in other people's processes and its clients are built by anybody: what protocol and client include,
-// and what the layer takes from base, needs the standard library and the system only.
+// The layer runs in third-party processes and anyone may build its clients: protocol, client and what the layer uses
+// from base need only the standard library and the system.
 TEST(Includes, ClientsNeedTheStandardLibraryOnly) {
   for (const auto& [path, text] : OurTree()) {
     const std::string module = ModuleOf(path);
@@ -97,7 +97,7 @@ TEST(Includes, WrappedLibrariesStandInOneFile) {
   }
 }
 
-// Who includes <header>, in a test or not: a path a line.
+// Files that include <header>, tests included: one path per line.
 std::string Including(const std::string& header) {
   std::string including;
   for (const auto& [path, text] : ReadTree(OMNI_SOURCE_DIR, {"layer", "service", "firmware", "tests", "scenes"}))
@@ -105,7 +105,7 @@ std::string Including(const std::string& header) {
   return including;
 }
 
-// It judges our reader of glTF from outside; nothing else is built on it.
+// It is an independent reference for our glTF reader; nothing else uses it.
 TEST(Includes, TinyGltfStandsInItsJudgeOnly) { EXPECT_EQ(Including("tiny_gltf.h"), "tests/scene/decode_judge.cc\n"); }
 
 // It takes seconds to compile.
@@ -113,7 +113,7 @@ TEST(Includes, Cli11StandsBehindOurCommandLinesOnly) {
   EXPECT_EQ(Including("CLI/CLI.hpp"), "service/console/command.cc\n");
 }
 
-// The libraries' parsers recurse, rescan and allocate as they like; what they are given was counted first. The layer's
+// The libraries' parsers recurse, rescan and allocate without bounds, so their input is checked first. The layer's
 // profiles are part of its library.
 TEST(Includes, ParsersOfLibrariesSeeOnlyBoundedText) {
   for (const auto& [path, text] : OurTree()) {

@@ -89,7 +89,7 @@ TEST(FeasibleScale, ScalesToTheTightestLimit) {
   EXPECT_DOUBLE_EQ(FeasibleScale(Limit(15, 0, 10), {7.5, 0, 0}), 0.5);
   EXPECT_DOUBLE_EQ(FeasibleScale(Limit(15, 0, 2), {4, 0, 0}), 0.5);
   EXPECT_DOUBLE_EQ(FeasibleScale(Limit(15, 5, 10), {0, 0, 4}), 0.5);   // bias eats headroom upwards ...
-  EXPECT_DOUBLE_EQ(FeasibleScale(Limit(15, 5, 10), {0, 0, -4}), 1.0);  // ... and gives it downwards
+  EXPECT_DOUBLE_EQ(FeasibleScale(Limit(15, 5, 10), {0, 0, -4}), 1.0);  // ... and adds it downwards
 }
 
 TEST(FeasibleScale, ZeroOnDoubt) {

@@ -1,4 +1,4 @@
-// JSON documents: what is read, what is refused, and what that costs.
+// JSON documents: accepted and rejected texts, and limits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -78,7 +78,7 @@ TEST(JsonDocument, LimitsAreNamed) {
   EXPECT_EQ(Refusal(R"([{"a": 1, "b": 2}])", {.members = 1}), "has a JSON object of more than 1 members, the limit");
   EXPECT_EQ(Refusal(R"([{"a": [1, 2]}, {"b": 3}])", {.members = 1}), "read");
   EXPECT_EQ(Refusal(R"({"a": {"b": 1, "c": 2, "b": 3}})"),
-            "JSON key \"b\" is there twice in one object; keep one of them");
+            "JSON key \"b\" appears twice in one object; keep one of them");
   EXPECT_EQ(Refusal(R"([{"a": 1}, {"a": 2}])"), "read");
 }
 
@@ -97,7 +97,7 @@ TEST(JsonDocument, BadTextIsRefusedInFewWords) {
   EXPECT_EQ(Refusal("\xEF\xBB\xBF[1]"), "read") << "a byte order mark";
 }
 
-// What nlohmann::json makes of a text, which refuses no key that is there twice: the last one holds.
+// What nlohmann::json makes of a text, which refuses no key that appears twice: the last one holds.
 bool Same(const JsonValue& value, const nlohmann::json& expected) {
   if (expected.is_object()) {
     if (value.members().size() != expected.size()) return false;
@@ -189,7 +189,7 @@ TEST(JsonDocument, ReadsAndRefusesWhatNlohmannJsonDoes) {
     const nlohmann::json expected = nlohmann::json::parse(text, nullptr, false);
     const Result<JsonDocument> document = JsonDocument::Parse(text, kWide);
     ASSERT_EQ(CheckJson(text, kWide).ok(), !expected.is_discarded()) << text;
-    if (!document.ok() && document.error().find("is there twice") != std::string::npos) {
+    if (!document.ok() && document.error().find("appears twice") != std::string::npos) {
       ++twice;
       continue;
     }

@@ -1,4 +1,4 @@
-// The one table of a material's numbers.
+// The table of a material's numbers.
 #include "service/base/material.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(MaterialFields, EachRowHasAMemberOfItsOwn) {
     EXPECT_EQ(kMaterialFields[i].Get(material), ValueFor(kMaterialFields[i], i)) << kMaterialFields[i].key;
 }
 
-// Messages and the layer go by the order.
+// Messages and the layer depend on the order.
 TEST(MaterialFields, ParametersStandInTheOrderOfTheLiveRows) {
   std::array<double, kLiveMaterialFields> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = 1.0 + static_cast<double>(i);

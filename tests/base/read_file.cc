@@ -1,4 +1,4 @@
-// Files that may be anything are read to a limit, and never waited for.
+// Arbitrary files are read up to a limit without blocking.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -29,7 +29,7 @@ TEST(ReadFile, ReadsARegularFileWithinTheLimit) {
   EXPECT_EQ(*empty, "");
 }
 
-// Files of the kernel's say that they have no bytes.
+// Kernel files report a size of zero.
 TEST(ReadFile, ReadsAFileWhoseSizeIsNotKnown) {
   const Result<std::string> text = ReadFile("/proc/self/status", 1 << 16);
   ASSERT_TRUE(text.ok()) << text.error();

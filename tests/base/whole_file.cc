@@ -1,5 +1,5 @@
-// The one writer of files that a person would miss: whatever system call fails or is the last, the place holds the old
-// content or the new one, whole.
+// The writer of all files that a user would miss: whichever system call fails or is the last, the path has the complete
+// old or new content.
 #include "service/base/files/whole_file.h"
 
 #include <fcntl.h>
@@ -72,7 +72,7 @@ class WholeFileTest : public testing::Test {
     fs::create_directory(folder_.Path("d"));
     path_ = folder_.Path("d/settings.toml");
   }
-  // Puts the new content over the old one in a traced child.
+  // Replaces the old content with the new one in a traced child.
   int Put(const std::function<Fate(const SystemCall&)>& decide) {
     folder_.Write("d/settings.toml", kOld);
     return RunTraced([this] { return PutWholeFile(path_, {kNew}); }, decide);
@@ -99,7 +99,7 @@ TEST_F(WholeFileTest, ReplacesInOneStepAndLeavesNothingUnfinished) {
   EXPECT_EQ(FilesIn(folder_.Path("d")), 1U);
 }
 
-// What makes a power cut harmless: content before name, name before success.
+// Protects against power cuts: content before name, name before success.
 TEST_F(WholeFileTest, SyncsTheFileBeforeTheStepAndTheFolderAfterIt) {
   std::vector<std::uint64_t> order;
   const int result = Put([&](const SystemCall& call) {
@@ -219,8 +219,8 @@ TEST_F(WholeFileTest, EveryCauseHasItsOwnWordsAndRemedy) {
                                                 {EROFS, "read-only file system; mount"},
                                                 {EACCES, "no permission; make the folder /a/b writable"},
                                                 {EPERM, "no permission"},
-                                                {ENOENT, "there is no folder /a/b; make it"},
-                                                {EISDIR, "is a folder; give a file's name"},
+                                                {ENOENT, "there is no folder /a/b; create it"},
+                                                {EISDIR, "is a folder; name a file"},
                                                 {EFBIG, "ulimit -f"},
                                                 {EIO, "check the disk"}};
   for (const auto& [error, words] : causes) {

@@ -1,4 +1,4 @@
-// Mistyped words, wrapped text, and command lines: the parts that every program of ours shares.
+// Mistyped words, wrapped text and command lines: parts shared by all our programs.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -65,7 +65,8 @@ std::size_t Widest(const std::string& text) {
 
 constexpr const char* kStatus =
     "omnid      0.1.0, pid 7, up 0:00:01\n"
-    "tick       1000 ticks, 0 late; median 12.0 us, p99 20.0 us, max 31.5 us; the base acts on answers 600 us after\n"
+    "tick       1000 ticks, 0 late; median 12.0 us, p99 20.0 us, max 31.5 us; the base applies new currents 600 us "
+    "after\n"
     "problem    /a/very/long/path/that/nobody/can/break/anywhere/at/all/scene.glb: cannot be opened\n"
     "\n"
     "  --seconds FLOAT    how long it goes on, in seconds of the base's own clock\n";

@@ -1,4 +1,4 @@
-// The twin is a judge that notices: a magnet one percent larger than the tracker believes shows in the error.
+// The twin is a sensitive reference: a magnet one percent larger than the tracker assumes shows in the error.
 #include <gtest/gtest.h>
 
 #include <cmath>

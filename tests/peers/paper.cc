@@ -1,4 +1,4 @@
-// The paper's method in a world of its own: there it must be exact; on the twin it must not.
+// The paper's method: exact on data from its own model, and not on the twin.
 #include <gtest/gtest.h>
 
 #include <cmath>

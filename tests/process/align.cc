@@ -62,7 +62,7 @@ Outcome OmniAlign(const ServiceProcess& service, std::vector<std::string> words)
   return RunOmni(words);
 }
 
-// An application on that headset: what it is told of its base.
+// The placement that an application on that headset receives.
 std::optional<protocol::Placement> PlacementOf(const ServiceProcess& service, TestApplication& application) {
   protocol::PlacementRequest request;
   protocol::SetField(request.headset.runtime, "Omni test runtime");
@@ -154,8 +154,8 @@ void StoreInStage(const ServiceProcess& service) {
   ASSERT_TRUE(stored.ok()) << stored.error();
 }
 
-// What a faulty application says of recentrings costs TRACKED, no more, and a person brings the alignment back. The
-// runtime has been updated meanwhile.
+// False recentrings reported by a faulty application only clear TRACKED, and a person can restore the alignment. The
+// runtime has been updated in between.
 TEST(ProcessAlign, AFaultyApplicationDoesNotSpoilAnAlignment) {
   ServiceProcess service;
   service.Start();
@@ -190,7 +190,7 @@ TEST(ProcessAlign, AFaultyApplicationDoesNotSpoilAnAlignment) {
   EXPECT_EQ(OmniAlign(service, {"--show"}).out.find("DOUBTFUL"), std::string::npos);
 }
 
-// The person does nothing: given up in time, with what is missing; nothing is stored.
+// The person does nothing: the command gives up in time, reports what is missing and stores nothing.
 TEST(ProcessAlign, GivesUpAndSaysWhatIsMissing) {
   const std::string build = OMNI_BINARY_DIR;
   setenv("XR_RUNTIME_JSON", (build + "/share/openxr/1/omni_test_runtime.json").c_str(), 1);

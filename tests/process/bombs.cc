@@ -1,4 +1,4 @@
-// Files that are made to be the end of a service: it refuses them and goes on serving.
+// Malicious files: the service rejects them and keeps running.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -30,7 +30,7 @@ TEST(ProcessBombs, SettingsThatNestTooDeepAreRefusedAndTheRestHolds) {
   EXPECT_TRUE(app.WaitForForce(0.1)) << "the scene of its own entry";
 }
 
-// Another application is felt meanwhile, and afterwards.
+// Another application keeps its force meanwhile and afterwards.
 TEST(ProcessBombs, ScenesThatAreBombsAreRefusedOneByOne) {
   const TempFolder folder;
   ServiceProcess service;
@@ -48,7 +48,7 @@ TEST(ProcessBombs, ScenesThatAreBombsAreRefusedOneByOne) {
     TestApplication bomb(service, "bomb-" + std::to_string(i));
     ASSERT_TRUE(bomb.Run(5000, 5, [&] { return bomb.connection().connected(); })) << kSceneBombs[i].name;
     ASSERT_TRUE(bomb.connection().SendSession(protocol::SessionState::kBegun));
-    // A few are no glTF's fault: they load, and nothing is said of them.
+    // A few are valid glTF: they load without any notice.
     bomb.Run(3000, 5, [&] {
       app.connection().Poll(base::MonotonicNow_ns());
       app.connection().Beat();

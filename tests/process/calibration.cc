@@ -1,4 +1,4 @@
-// A calibration of another base is in use: omnid's log, `omni status` and `omni doctor` say so. As real processes.
+// A calibration of another base is in use: omnid's log, `omni status` and `omni doctor` report it. As real processes.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -27,7 +27,8 @@ constexpr const char* kNear = R"({"name": "near", "repeat": false, "waypoints": 
 constexpr const char* kAway = R"({"name": "away", "repeat": false, "waypoints": [
   {"s": 0, "tip_m": [0, 0, 0.6], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.6], "axis": [0, 0, -1]}]})";
 
-// What a perfect calibration of a base built to workshop tolerances would find, said to be of the twin with seed 1.
+// What a perfect calibration of a base built to workshop tolerances would find, labelled as that of the twin with seed
+// 1.
 config::CalibrationFile CalibrationOf(const sim::ImperfectionSizes& sizes, std::uint64_t seed) {
   const sim::Rig rig(config::DefaultDevice(), {.seed = seed, .sizes = sizes});
   config::CalibrationFile file;
@@ -132,7 +133,7 @@ TEST_F(ProcessCalibration, OneThatFitsIsNotDoubted) {
   ExpectMentions(Row("calibration"), {"\"ok\"", "calibration.toml"});
 }
 
-// [[...]] of a twin file, and what is said of it.
+// [[...]] of a twin file, and the expected report.
 struct RoomEvent {
   const char* name;
   const char* hand;
@@ -208,7 +209,7 @@ TEST_F(ProcessCalibration, ARefusedOneLeavesTheBaseAsDrawnAndIsNamed) {
   const nlohmann::json status = Status();
   EXPECT_TRUE(status["calibration"].is_null());
   ExpectMentions(status["calibration_refused"], {"calibration.toml:", "checksum", "as drawn"});
-  ExpectMentions(RunOmni({"status", "--socket", Socket()}).out, {"calibrated no: the file is refused"});
+  ExpectMentions(RunOmni({"status", "--socket", Socket()}).out, {"calibrated no: the file was rejected"});
   ExpectMentions(Row("calibration"), {"\"warn\"", "checksum", "--restore"});
   ExpectMentions(LogText(), {"checksum"});
 }

@@ -1,4 +1,4 @@
-// A signal ends omnid within a second, whatever it is doing, and the coils are at zero before.
+// A signal ends omnid within a second, whatever it is doing, with the coils at zero before.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -22,7 +22,7 @@ void ExpectGoodEnd(const ServiceEnd& end, int status = 0) {
   EXPECT_LT(end.ms, kEndsWithin_ms);
 }
 
-// Serving the twin, which does not answer any more.
+// A service whose twin process is stopped.
 class StoppedTwin {
  public:
   StoppedTwin() {
@@ -45,7 +45,7 @@ class StoppedTwin {
   pid_t twin_ = 0;
 };
 
-// A disk that does not answer looks like a pipe that nobody reads: `option` names it as the file to be written.
+// A disk that does not respond behaves like an unread pipe: `option` names it as the file to be written.
 ServiceEnd EndWithUnreadFile(const std::string& option, const char* what) {
   ServiceProcess service;
   const UnreadPipe file(service.Path("file"), UnreadPipe::Reader::kSleeps);

@@ -19,12 +19,12 @@ class ForceProcess : public ServiceProcess {
   ForceProcess() : ServiceProcess(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kHoldStill) { Start(); }
 };
 
-// Has no scene: what is felt is what it asks for.
+// Has no scene: the only force is the one that it requests.
 class ForceApplication : public TestApplication {
  public:
   explicit ForceApplication(const ServiceProcess& service) : TestApplication(service, "force_test") {}
 
-  // Focused, served, and the device has told what it can do.
+  // Focused, owner of the force, and with the device's properties received.
   bool Claim() {
     return Focus() && connection().ClaimForce(true) && Run(8000, 2, [&] {
              return connection().force_standing() == protocol::ForceStanding::kYours &&
@@ -48,7 +48,7 @@ class ForceApplication : public TestApplication {
     set.constraints[0].point_base_m = {0, 0, 0.065};
     return connection().Send(set);
   }
-  // Renews the force every 10 ms until it is felt, and for half a second more.
+  // Renews the force every 10 ms until it is rendered, and for half a second more.
   bool PushUntilFelt() {
     const bool felt = Run(8000, 10, [&] {
       Push(100'000'000);
@@ -74,7 +74,7 @@ TEST(ProcessForce, DeadmanEndsTheForce) {
   ASSERT_TRUE(app.PushUntilFelt());
   app.Push(40'000'000);
   const std::int64_t end_ns = app.last_push_ns() + 40'000'000;
-  app.Run(500, 5);  // it lives, but asks for nothing more
+  app.Run(500, 5);  // alive, but without further requests
   const double ms = StopAndTellTimeToZero_ms(service, "the deadman's end", end_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
@@ -94,7 +94,7 @@ TEST(ProcessForce, LosingFocusEndsForceAndConstraint) {
   EXPECT_LE(ms, 50);
 }
 
-// Holds a constraint, or pushes for ever, in a process of its own; told 1: that is felt.
+// Holds a constraint, or pushes forever, in a process of its own; reports 1 once that is rendered.
 class ForkedPusher : public Forked {
  public:
   ForkedPusher(const ServiceProcess& service, bool pushes)
@@ -130,7 +130,7 @@ TEST(ProcessForce, KilledApplicationEndsTheConstraint) {
   ExpectKillEndsTheForce(false, "kill -9 of an application that holds a constraint");
 }
 
-// Signs of life are looked at every 10 ms; 50 ms without one close, and that takes at most 50 ms more.
+// Heartbeats are checked every 10 ms; 50 ms without one closes the gate, which takes at most 50 ms more.
 TEST(ProcessForce, SilentApplicationEndsTheConstraint) {
   ForceProcess service;
   ForkedPusher app(service, false);

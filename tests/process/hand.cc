@@ -1,5 +1,5 @@
-// The twin's hand led from outside, with real processes: omnid passes the socket on, aims move the pen that
-// applications see, and `omni twin hand` touches a scene by what it perceives.
+// The twin's hand controlled from outside, with real processes: omnid passes the socket on, aims move the pen that
+// applications see, and `omni twin hand` touches a scene by what omnid publishes.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -84,10 +84,10 @@ TEST(ProcessHand, FormsClayByWhatItIsTold) {
   std::string said;
   std::getline(file, said);
   EXPECT_EQ(status, 0) << said;
-  EXPECT_NE(said.find("clay formed"), std::string::npos) << said;
+  EXPECT_NE(said.find("sculpted in"), std::string::npos) << said;
 }
 
-// Without an application there is no clay: it says so, in time.
+// Without an application there is no clay: it fails in time.
 TEST(ProcessHand, SaysWhatIsMissingWhenItGivesUp) {
   const LedService service;
   const auto omnid = service.StartOmnid();

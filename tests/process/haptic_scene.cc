@@ -1,5 +1,5 @@
-// An application that gives its own scene to a real omnid on the twin: felt, moved, changed, read back, and gone with
-// it.
+// An application that sends its own scene to a real omnid on the twin: rendered, moved, changed, read back, and removed
+// with it.
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
@@ -117,7 +117,7 @@ TEST(ProcessHapticScene, IsFeltMovedChangedReadAndGone) {
   EXPECT_NEAR(pressed.contacts[0].normal_force_N, pressed.contacts[0].force_base_N[2],
               0.2 * pressed.contacts[0].normal_force_N);
 
-  // A softer material: the same press gives less.
+  // A softer material: the same press produces less force.
   const double before_N = app.Force_N();
   protocol::HapticMaterial softer;
   softer.number = app.number;
@@ -131,7 +131,7 @@ TEST(ProcessHapticScene, IsFeltMovedChangedReadAndGone) {
   ASSERT_TRUE(app.connection().Send(softer));
   ASSERT_TRUE(app.WaitForForce(0.8 * before_N));
 
-  // The lid comes from above the plate's side to under the pen, 30 mm in 0.6 s, told 90 times a second.
+  // The lid comes from above the plate's side to under the pen, 30 mm in 0.6 s, sent 90 times a second.
   protocol::HapticNodes lid;
   lid.number = app.number;
   lid.count = 1;
@@ -152,7 +152,7 @@ TEST(ProcessHapticScene, IsFeltMovedChangedReadAndGone) {
   }
   EXPECT_TRUE(app.Run(1000, 5, [&] { return app.Touches(1); })) << "the lid is under the pen, or the pen in it";
 
-  // Put 80 mm away, the whole scene is felt no more; back again it is.
+  // Moved 80 mm away, the scene produces no force; moved back it does again.
   protocol::HapticScenePlace place;
   place.number = app.number;
   place.t_ns = base::MonotonicNow_ns();
@@ -164,7 +164,7 @@ TEST(ProcessHapticScene, IsFeltMovedChangedReadAndGone) {
   ASSERT_TRUE(app.connection().Send(place));
   EXPECT_TRUE(app.Run(3000, 2, [&] { return app.Touches(0) || app.Touches(1); }));
 
-  // Not enabled: nothing. Enabled: there again. Ended: nothing for good.
+  // Disabled: no force. Enabled: force again. Ended: no force for good.
   protocol::HapticSceneEnable enable;
   enable.number = app.number;
   ASSERT_TRUE(app.connection().Send(enable));
@@ -211,7 +211,7 @@ TEST(ProcessHapticScene, BadDocumentsAreRefusedAtOnceByTheirPointer) {
     EXPECT_FALSE(app.text.empty());
   }
   std::printf("[ figure   ] bad documents: refused within %.1f ms\n", slowest_ms);
-  // The connection has survived it all, and a good one works.
+  // The connection has survived, and a valid document works.
   ASSERT_TRUE(app.Load(good));
   EXPECT_TRUE(app.WaitStatus(protocol::HapticSceneStatus::kReady)) << app.text;
 }

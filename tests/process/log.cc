@@ -1,5 +1,4 @@
-// The log of omnid: who reads it, or does not, changes nothing for the service; who makes it write cannot fill the
-// disk.
+// The log of omnid: whether or not it is read does not affect the service, and clients cannot fill the disk through it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,9 +14,9 @@
 namespace omni::test {
 namespace test_process_log {
 
-constexpr const char* kStranger = "log_test";  // no scene: each of its sessions is worth a line
+constexpr const char* kStranger = "log_test";  // no scene: each of its sessions logs a line
 
-// Waits at most 2 s for the service to take it.
+// Waits at most 2 s for the service to accept it.
 bool Send(TestApplication& app, protocol::SessionState state) {
   for (int tries = 0; tries < 2000; ++tries) {
     if (app.connection().SendSession(state)) return true;
@@ -31,7 +30,7 @@ bool Send(TestApplication& app, protocol::SessionState state) {
 int Toggle(TestApplication& app, int count) {
   for (int i = 0; i < count; ++i) {
     if (!Send(app, protocol::SessionState::kBegun) || !Send(app, protocol::SessionState::kNone)) return i;
-    if (i % 16 == 0) app.connection().Poll(base::MonotonicNow_ns());  // what the service tells is read
+    if (i % 16 == 0) app.connection().Poll(base::MonotonicNow_ns());  // reads the service's messages
   }
   return count;
 }
@@ -45,7 +44,7 @@ std::string Content(const std::string& path) {
   return text.str();
 }
 
-// With a log that nobody reads and an application that is focused.
+// A service with an unread log and a focused application.
 struct UnreadLog {
   UnreadLog() : pipe(service.Path("log"), UnreadPipe::Reader::kSleeps), app(service.socket_path(), kStranger) {
     service.Start({}, pipe.path());

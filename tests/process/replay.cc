@@ -1,4 +1,4 @@
-// omnid records its device, omni says what the recording holds, and omnid plays it: real processes.
+// omnid records its device, omni summarises the recording, and omnid replays it: real processes.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -113,7 +113,7 @@ TEST_F(ProcessReplay, RefusesWhatIsNoRecording) {
   OutputOf({kOmnid, "--replay-fast"}, 2);
 }
 
-// Killed in the middle: what was written is good, and says where it ends.
+// Killed in the middle: the written part is valid, and the summary names where it ends.
 TEST_F(ProcessReplay, RecordingOfAKilledServiceIsGoodUpToThere) {
   Record(SIGKILL);
   const auto summary = device::SummariseRecording(recording_);

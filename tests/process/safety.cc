@@ -44,7 +44,7 @@ TEST(ProcessSafety, ServiceComesBackAndTheAppGetsThePenAgain) {
   EXPECT_TRUE(app.WaitForForce(kPushing_N)) << "the session state was not sent again";
 }
 
-// Focuses and beats in a process of its own; told 1: it is pushed back.
+// Focuses and sends heartbeats in a process of its own; reports 1 once it is pushed back.
 class ForkedApplication : public Forked {
  public:
   explicit ForkedApplication(const ServiceProcess& service)

@@ -76,7 +76,7 @@ TEST(ProcessSculpt, FromTheStrokeToTheFile) {
   ASSERT_TRUE(app.Run(15000, 100, [&] { return look() && edits["strokes"] > 0; })) << edits;
   EXPECT_EQ(edits["name"], "pad");
   EXPECT_NE(OmniScene(service, {"edits"}).out.find("pad: "), std::string::npos);
-  // As the strokes go on, each of these may meet an open one, and is asked again.
+  // Strokes continue, so each of these may find one in progress and is repeated.
   Outcome said;
   const auto until_done = [&](const std::vector<std::string>& words) {
     return app.Run(15000, 50, [&] { return (said = OmniScene(service, words)).status == tools::kExitOk; });
@@ -89,7 +89,7 @@ TEST(ProcessSculpt, FromTheStrokeToTheFile) {
   EXPECT_EQ(said.status, tools::kExitFailed);
   EXPECT_NE(said.err.find("saved.glb"), std::string::npos) << said.err;
   ASSERT_TRUE(until_done({"save", file, "--force"})) << said.err;
-  // The application goes on without the force: nothing touches the pad any more, and all of it can be taken back.
+  // The application continues without the force: nothing touches the pad any more, and everything can be undone.
   ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kBegun));
   app.Run(300, 10);
   ASSERT_TRUE(look());
@@ -103,7 +103,7 @@ TEST(ProcessSculpt, FromTheStrokeToTheFile) {
   EXPECT_EQ(OmniScene(service, {"redo", "--object", "pad"}).status, 0);
   said = OmniScene(service, {"redo", "--object", "vase"});
   EXPECT_NE(said.err.find("no object \"vase\""), std::string::npos) << said.err;
-  // Its end takes the scene along.
+  // The scene ends with the session.
   ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kNone));
   EXPECT_TRUE(app.Run(3000, 20, [&] {
     return OmniScene(service, {"edits"}).err.find("no application has a scene with a sculptable object") !=

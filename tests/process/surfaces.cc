@@ -19,7 +19,7 @@ constexpr const char* kPressAndHold = R"({"name": "press", "repeat": true, "wayp
   {"s": 1.0, "tip_m": [0, 0, 0.046], "axis": [0, 0, -1]},
   {"s": 0.6, "tip_m": [0, 0, 0.070], "axis": [0, 0, -1]}]})";
 
-// A pad with its top at 56 mm, of which all can be pushed in and pulled out.
+// A pad with its top at 56 mm, all of which can be pushed in and pulled out.
 std::string PadFile(const TempFolder& folder) {
   haptics::Material clay;
   clay.extrude.enabled = true;
@@ -57,7 +57,7 @@ TEST(ProcessSurfaces, WhatIsDrawnCanBeSaved) {
   EXPECT_EQ(loaded->objects[0].name, "pad");
   EXPECT_FALSE(saved({.file = now})) << "it is there already";
   EXPECT_TRUE(saved({.file = now, .force = true}));
-  // Beside the application, which goes on giving signs of life: else nothing is felt, and nothing pressed in.
+  // Runs beside the application, which keeps sending heartbeats: otherwise there is no force and nothing is pressed in.
   std::future<bool> watching =
       std::async(std::launch::async, [&] { return saved({.file = largest, .largest = true, .seconds = 6}); });
   ASSERT_TRUE(

@@ -1,5 +1,5 @@
-// Every program of ours with arguments: what it says to wrong ones, and the exit statuses that docs/howto/install.md
-// promises.
+// Command lines of all our programs: errors for wrong arguments, and the exit statuses documented in
+// docs/howto/install.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>

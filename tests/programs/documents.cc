@@ -1,4 +1,4 @@
-// Commands that the documents name exist, with their options: each is looked up in the program's own --help.
+// Commands named in the documents exist with their options: each is looked up in the program's own --help.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct CodeText {
   std::string text;
 };
 
-// Code of a Markdown text: fenced and indented lines whole, and what stands between single backticks.
+// Code of a Markdown text: fenced and indented lines whole, and text between single backticks.
 std::vector<CodeText> CodeIn(const std::string& file) {
   std::ifstream stream(file);
   std::vector<CodeText> found;
@@ -75,7 +75,7 @@ std::vector<Words> CommandsIn(std::string text) {
   return commands;
 }
 
-// Help of a program or of one of its commands, asked for once.
+// Help of a program or of one of its commands, cached.
 const std::string& HelpOf(const Words& path) {
   static std::map<Words, std::string> known;
   const auto [found, fresh] = known.try_emplace(path);
@@ -114,7 +114,7 @@ bool IsOurs(const std::string& program) {
   return std::find(programs.begin(), programs.end(), program) != programs.end();
 }
 
-// What of the words does not exist; empty: nothing. words[0]: the program.
+// The command or option that does not exist; empty: all exist. words[0]: the program.
 std::string ProblemWith(const Words& words) {
   Words path{words[0]};
   std::size_t next = 1;
@@ -186,7 +186,7 @@ TEST(Documents, EveryLinkLeadsToAFile) {
   EXPECT_EQ(broken, "");
 }
 
-// "The socket's protocol is version 3": wherever the control protocol's version is said.
+// "The socket's protocol is version 3": wherever the control protocol's version is stated.
 TEST(Documents, ProtocolVersionIsTheOneInUse) {
   const std::regex said(R"(protocol (?:has|is) version (\d+))");
   std::vector<std::string> files = Documents();

@@ -1,4 +1,4 @@
-// scene_render draws any glTF file, or says file, JSON pointer and what is missing.
+// scene_render draws any glTF file, or reports file, JSON pointer and what is missing.
 #include <gtest/gtest.h>
 
 #include <algorithm>

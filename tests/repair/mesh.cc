@@ -1,5 +1,5 @@
-// Every kind of defective mesh: repaired with a line in the report, or refused with words; and whatever comes out, the
-// force of a pen that wanders through it is finite and within the limit.
+// Every kind of defective mesh: repaired with a line in the report, or rejected with an error; the force of a pen
+// wandering through the result is finite and within the limit.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -70,8 +70,8 @@ struct Defect {
   std::function<InputObject()> make;
   const char* line;     // of the report; nullptr: none expected
   const char* refusal;  // nullptr: it is built
-  std::uint32_t flags;  // of the object, when built; 0: not looked at
-  bool solid;           // (0, 0, 0) is inside and feels like it
+  std::uint32_t flags;  // of the object, when built; 0: not checked
+  bool solid;           // (0, 0, 0) is inside and has a force
 };
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -259,7 +259,7 @@ TEST(RepairMesh, EveryDefectIsRepairedOrRefused) {
       const Vec3 next = random.InBox(0.03);
       for (int k = 1; k <= 4; ++k) {
         pen.MoveTo(tip + (k / 4.0) * (next - tip));
-        ASSERT_LE(Norm(pen.output.force_base_N), 2.0 * (1 + 1e-12)) << i;  // false for what is no number
+        ASSERT_LE(Norm(pen.output.force_base_N), 2.0 * (1 + 1e-12)) << i;  // false for NaN
       }
       tip = next;
     }
@@ -274,7 +274,7 @@ TEST(RepairMesh, EqualInputsGiveEqualBlocks) {
   }
 }
 
-// Shells in shells, each as its author meant it, then everything turned: what is outside stays so.
+// Nested shells, each as its author meant it, then all inverted: the outside stays the outside.
 TEST(RepairMesh, NestedShellsAreTurnedFromTheOutside) {
   const auto shell = [](double r, bool turned) { return turned ? Turned(Sphere(8, r)) : Sphere(8, r); };
   struct Nest {
@@ -340,11 +340,11 @@ TEST(RepairMesh, WindingTreeAgreesWithTheSumOfSolidAngles) {
   }
 }
 
-// A soup of its own, as soft bodies are cut from: triangles without area, alone in a leaf too, say nothing.
+// A soup of its own, as soft bodies are cut from: triangles without area, alone in a leaf too, have no effect.
 TEST(RepairMesh, WindingTreeBearsTrianglesWithoutArea) {
   std::vector<Vec3> vertices = kBall.vertices_base_m;
   std::vector<std::array<std::uint32_t, 3>> triangles = kBall.triangles;
-  const WindingTree whole(kBall.vertices_base_m, kBall.triangles);  // looks at what it is given
+  const WindingTree whole(kBall.vertices_base_m, kBall.triangles);  // references its arguments
   for (std::uint32_t k = 0; k < 40; ++k) {
     vertices.push_back({0.5, 0.5, 0.5 + 1e-4 * k});
     const auto last = static_cast<std::uint32_t>(vertices.size() - 1);

@@ -1,4 +1,4 @@
-// `omni align` without a headset: what the probe says, what keys do, what simulated people get.
+// `omni align` without a headset: probe output, keys, and results of simulated people.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,7 +56,7 @@ TEST(ToolsAlignProbe, AChildThatEndsEndsTheLines) {
   EXPECT_EQ(line->says, ProbeSays::kEnd);
 }
 
-// Keys move in the axes of the base, whatever way it faces in the space.
+// Keys move along the axes of the base, whichever way it faces in the space.
 TEST(ToolsAlignNudge, KeysMoveAndTurnAndUndo) {
   const alignment::Rigid start = alignment::Nudged(alignment::LevelBase(), 0.7, {1, 2, 3});
   const auto moved = [&](const std::string& keys) {
@@ -109,7 +109,8 @@ TEST(ToolsAlignService, ChoosesTheAlignmentThatIsMeant) {
   status["clients"][0]["runtime"] = "c 'v1.1'";
   EXPECT_EQ(ChooseAlignment(status, 0)->base_space.position_m.x, 2) << "another build of the same runtime";
   status["alignments"]["stored"][1].update({{"recentred", 2}, {"moved_m", 1.25}, {"doubtful", true}});
-  ExpectSays(StoredAlignmentsText(status), {"followed 2 recentrings, 1.25 m from where it was measured", "--restore"});
+  ExpectSays(StoredAlignmentsText(status),
+             {"adjusted for 2 recentrings, 1.25 m from where it was measured", "--restore"});
 }
 
 AlignOptions With(AlignMethod method) {
@@ -118,7 +119,7 @@ AlignOptions With(AlignMethod method) {
   return options;
 }
 
-// Every method comes to an end within its time, close to the truth, and says how close.
+// Every method finishes in time, close to the truth, and predicts its error.
 TEST(ToolsAlignSession, EachMethodFindsTheBase) {
   struct Case {
     AlignMethod method;
@@ -175,7 +176,7 @@ TEST(ToolsAlignSession, WithoutThePenASweepSaysSo) {
   AlignSession session(With(AlignMethod::kSweep));
   for (int i = 0; i < 1000; ++i) session.Add(0.01 * i, {}, std::nullopt);
   EXPECT_EQ(session.step(), AlignStep::kSweep);
-  ExpectSays(session.hint(), {"the pen is not seen"});
+  ExpectSays(session.hint(), {"the pen is not tracked"});
 }
 
 TEST(ToolsAlignSession, AControllerThatIsNotSwungGetsNoFurther) {

@@ -72,7 +72,7 @@ TEST(ToolsCalibrate, AScriptedHandCalibratesTheTwin) {
   EXPECT_LT(after->orientation_deg, 0.6);
 }
 
-// A base with a core that remembers, its pen, and what happens around them during one calibration.
+// A base whose core has hysteresis, its pen, and their surroundings during one calibration.
 base::TruthParameters UncalibratedTruth(double remanence_Am2) {
   base::TruthParameters truth = config::IdealTwin();
   const double nonlinearity = truth.imperfections.sensor_nonlinearity;
@@ -112,8 +112,8 @@ TEST(ToolsCalibrate, TheSweepLeavesTheCoreWithoutMemory) {
   }
 }
 
-// What the core keeps of a waved pen must not pass for a wrong array: .097 mm on these before it was followed along its
-// way, .03 to .04 mm on an exactly known array, which the bent sensors cost.
+// The core's hysteresis under a waved pen must not be mistaken for errors of the array: .097 mm on these before it was
+// followed along its way, .03 to .04 mm on an exactly known array, which the bent sensors cost.
 TEST(ToolsCalibrate, ACoreThatRemembersHardlyBendsTheArray) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const base::TruthParameters truth = UncalibratedTruth(4e-3);
@@ -156,7 +156,7 @@ TEST(ToolsCalibrate, ShowsProgressCoverageAndResult) {
   EXPECT_EQ(QualityWord(std::nan("")), "poor");
 }
 
-// A base that sends what the rig reads, until something goes wrong with it.
+// A base that sends the rig's readings until it fails.
 class FailingBase final : public device::Transport {
  public:
   explicit FailingBase(int good_scans) : good_scans_(good_scans) {}
@@ -200,9 +200,9 @@ TEST(ToolsCalibrate, SaysWhyTheBaseCannotBeMeasuredAndLeavesItsCoilsAtZero) {
   };
   using device::ReadStatus;
   const Row rows[] = {
-      {500, ReadStatus::kGone, {}, nullptr, {"the base is gone", "cable"}},
+      {500, ReadStatus::kGone, {}, nullptr, {"the base was disconnected", "cable"}},
       {500, ReadStatus::kTimeout, {}, nullptr, {"sends nothing", "plug it in"}},
-      {500, ReadStatus::kEnd, {}, nullptr, {"ended before this was done", "coils are swept"}},
+      {500, ReadStatus::kEnd, {}, nullptr, {"ended before this step was done", "coils are swept"}},
       {kLong, ReadStatus::kGone, state(wire::State::kFault, true), nullptr, {"fault", "selftest"}},
       {kLong, ReadStatus::kGone, state(wire::State::kIdle, false), nullptr, {"does not switch its coils"}},
       {kLong, ReadStatus::kGone, {}, &near, {"two minutes", "metre away", "Sensor", "uT"}}};
@@ -250,8 +250,7 @@ TEST(ToolsCalibrate, ItsHandIsWrittenAsItIs) {
   EXPECT_EQ(read->tremor_m, hand.tremor_m);
 }
 
-// The desk's frame 400 mm below says nothing of how deep it is. Of the first bases in a room it was this one whose
-// search for that did not end.
+// The desk's frame 400 mm below does not reveal its depth. This seed's search for the depth once did not converge.
 TEST(ToolsCalibrate, SteelTooFarToBeFoundDoesNotRefuseTheBase) {
   const auto done = CalibrateTwin(config::DefaultDevice(), 2, config::RoomTwin());
   ASSERT_TRUE(done.ok()) << done.error();
@@ -274,14 +273,14 @@ void ExpectMentions(const std::string& text, std::initializer_list<std::string> 
   for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " not in: " << text;
 }
 
-// The person has waved and touched for two minutes: that the result cannot be kept is said before.
+// A person waves and touches for two minutes: an unwritable result is reported before that.
 TEST(ToolsCalibrate, SaysBeforeMeasuringThatTheResultCannotBeKept) {
   const test::TempFolder folder;
   const std::string there = folder.Write("calibration.toml", "precious");
   const test::Outcome refused = CalibrateTo(there, {});
   EXPECT_EQ(refused.status, 1);
   EXPECT_EQ(refused.out, "") << "not one step of it";
-  ExpectMentions(refused.err, {there + ": is there already", "--replace", "calibration.previous.toml", "-o FILE"});
+  ExpectMentions(refused.err, {there + ": already exists", "--replace", "calibration.previous.toml", "-o FILE"});
   EXPECT_EQ(ContentOf(there), "precious");
   const test::Outcome nowhere = CalibrateTo(there + "/calibration.toml", {"--replace"});
   EXPECT_EQ(nowhere.status, 1);

@@ -1,4 +1,4 @@
-// omni calibrate --tip: the pen's tip, found by leaning the pen about it, on the twin.
+// omni calibrate --tip: the pen's tip, found by tilting the pen about it, on the twin.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace test_tools_calibrate_tip {
 
 constexpr double kDuration_s = 60;
 
-// A base in this room whose pen is a millimetre longer or shorter than drawn, 1 sigma.
+// A base in this room whose pen is a millimetre longer or shorter than nominal, 1 sigma.
 struct Held {
   Held(const base::TruthParameters& in, std::uint64_t of_seed) : truth(in), seed(of_seed) {
     truth.imperfections.tip_offset_m = 1e-3;
@@ -108,7 +108,7 @@ TEST(ToolsCalibrateTip, RefusesAPenThatIsNotLeanedSlidesOrIsLost) {
   expect(MakePivotingHand({.tilt_rad = 0.04}), {"tip not measured", "leaned by", "further"});
   expect(Slides(2e-3), {"tip not measured", "moved by", "slid"});
   expect(Leaves(), {"tip not measured", "tracked for", "of the 10 s"});
-  expect({}, {"ended before this was done", "dimple"});
+  expect({}, {"ended before this step was done", "dimple"});
 }
 
 // Rms distance of the tick's device point from the dimple that the tip rests in.
@@ -144,7 +144,7 @@ TEST(ToolsCalibrateTip, TheCommandChangesTheFileAndTheTickTakesIt) {
                                          twin,        "--seed", "1",        "-o",   path};
   const test::Outcome missing = test::RunOmni(command);
   EXPECT_EQ(missing.status, 1);
-  EXPECT_NE(missing.err.find("--tip changes a calibration that is there"), std::string::npos) << missing.err;
+  EXPECT_NE(missing.err.find("--tip needs an existing calibration"), std::string::npos) << missing.err;
 
   config::CalibrationFile file;
   file.calibration = held.calibration;
@@ -154,7 +154,7 @@ TEST(ToolsCalibrateTip, TheCommandChangesTheFileAndTheTickTakesIt) {
   ASSERT_TRUE(config::SaveCalibrationFile(path, file, of, false).ok());
   const test::Outcome measured = test::RunOmni(command);
   ASSERT_EQ(measured.status, 0) << measured.err;
-  for (const char* words : {"1/2  Rest", "2/2  Leave", "tip          ", "from the drawing", "written      "}) {
+  for (const char* words : {"1/2  Rest", "2/2  Leave", "tip          ", "from nominal", "written      "}) {
     EXPECT_NE(measured.out.find(words), std::string::npos) << words << " not in: " << measured.out;
   }
   const auto now = config::LoadCalibrationFile(path, of);

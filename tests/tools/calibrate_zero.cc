@@ -106,7 +106,7 @@ TEST(ToolsCalibrateZero, TheCommandChangesTheFileAndKeepsTheOneBefore) {
                                          "room",      "--seed", "4",        "-o",   path};
   const test::Outcome missing = test::RunOmni(command);
   EXPECT_EQ(missing.status, 1);
-  EXPECT_NE(missing.err.find("calibration that is there"), std::string::npos) << missing.err;
+  EXPECT_NE(missing.err.find("existing calibration"), std::string::npos) << missing.err;
 
   base::TruthParameters elsewhere = config::RoomTwin();
   elsewhere.effects.earth_field_base_T = {0, 3e-5, -4e-5};

@@ -1,4 +1,4 @@
-// The command line: exit statuses, and one line on stderr that says what to do.
+// The command line: exit statuses, and one line on stderr with the remedy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -142,7 +142,7 @@ TEST(ToolsCommandLine, ATwinRunThatTracksNothingHasNoErrorAndFails) {
   EXPECT_EQ(ran.status, kExitFailed);
   EXPECT_NE(ran.out.find("tracking error   not measured\n"), std::string::npos) << ran.out;
   EXPECT_EQ(ran.out.find("nan"), std::string::npos) << ran.out;
-  ExpectOneLine(ran.err, {"omni twin run:", "tracked in no tick"});
+  ExpectOneLine(ran.err, {"omni twin run:", "not tracked in any tick"});
 }
 
 // What a run of one millisecond leaves for `omni report`.
@@ -180,7 +180,7 @@ TEST(ToolsCommandLine, ReportNamesTheFileThatItWants) {
   const std::string numbers = folder.Write("numbers.json", R"({"application": 7})");
   ExpectOneLine(report(run.loop, run.truth, numbers).err, {"--app: " + numbers, "/application"});
   const std::string header = folder.Write("header.csv", "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m\n");
-  ExpectOneLine(report(run.loop, header, run.app).err, {"--truth: " + header, "no line behind its header"});
+  ExpectOneLine(report(run.loop, header, run.app).err, {"--truth: " + header, "no rows after its header"});
 }
 
 TEST(ToolsCommandLine, ReportLeavesASummaryThatIsNoneAsItIs) {

@@ -37,7 +37,7 @@ struct Lead {
   double mean_m = 0, error_m = 0;
 };
 
-// By how much the pose is ahead of the twin's pen along its way.
+// How far the pose is ahead of the twin's pen along its path.
 Lead LeadOf(const tracker::Config& config, const base::TruthParameters& truth, std::uint64_t seed) {
   sim::PlantOptions options{.seed = seed};
   options.truth = truth;
@@ -125,8 +125,8 @@ Shift ShiftBy(const tracker::Config& config, const base::TruthParameters& truth,
   return shift;
 }
 
-// What a wall pushes back with must not pass for a movement, or the force answers itself. The .3 A are 0.027 N here: at
-// 350 N/m these may pass for .08 mm.
+// A wall's reaction force must not be mistaken for motion, or the force would feed back into itself. The .3 A are 0.027
+// N here: at 350 N/m these may pass for .08 mm.
 TEST(ToolsCoreMemory, CurrentsDoNotPassForMovements) {
   base::TruthParameters truth = config::IdealTwin();
   truth.imperfections = sim::UncalibratedImperfections();
@@ -138,7 +138,7 @@ TEST(ToolsCoreMemory, CurrentsDoNotPassForMovements) {
     SCOPED_TRACE(frequency_Hz);
     EXPECT_LT(ShiftBy(config, truth, kSeed, 0.055, 1, 0.3, frequency_Hz).amplitude_m, 0.08e-3);
   }
-  // Nor make a pose unsure.
+  // Nor increase a pose's uncertainty.
   const double without_m = ShiftBy(config, truth, kSeed, 0.09, 0, 0, 95).sigma_m;
   EXPECT_LT(ShiftBy(config, truth, kSeed, 0.09, 13, 0.3, 95).sigma_m, 1.5 * without_m);
 }

@@ -70,7 +70,7 @@ TEST(ToolsDevice, InfoNamesFaultsWithAdviceAndTheKeptOne) {
   entry.base.telemetry.temperature[1] = 4210;
   const Done done = Do([&](std::ostream& out) { return DeviceInfo(bus, "", out); });
   EXPECT_EQ(done.status, kExitOk) << done.err;
-  ExpectHas(done.out, {"A17 at port 1-1", "1.2; speaks protocol 1 to 1", "15.00 A a coil", "42.1", "18.00 V",
+  ExpectHas(done.out, {"A17 at port 1-1", "1.2; speaks protocol 1 to 1", "15.00 A per coil", "42.1", "18.00 V",
                        wire::FaultName(wire::kFaultFan), wire::FaultAdvice(wire::kFaultFan),
                        "over temperature at coil 2, 71.5 C, in state armed, 12.346 s"});
 }
@@ -90,7 +90,7 @@ nlohmann::json ServiceStatus(const std::string& serial) {
             {"bad_frames", 2}}}};
 }
 
-// The service holds the base: endpoint 0 says who it is, the service how it is, and nothing is claimed.
+// The service holds the base: endpoint 0 provides its identity, the service its state, and nothing is claimed.
 TEST(ToolsDevice, InfoOfABaseThatTheServiceHoldsAsksTheService) {
   FakeUsbBus bus;
   FakeUsbBus::Entry& entry = bus.Add("A17");
@@ -101,7 +101,7 @@ TEST(ToolsDevice, InfoOfABaseThatTheServiceHoldsAsksTheService) {
   EXPECT_EQ(done.status, kExitOk) << done.err;
   ExpectHas(done.out, {"A17 at port 1-1", "held by      omnid (pid 12)\n", "state        fault\n",
                        "faults       fan stands\n", wire::FaultAdvice(wire::kFaultFan), "omni device selftest",
-                       "1234 frames came, 0 lost, 2 bad", "systemctl --user stop omnid"});
+                       "1234 frames received, 0 lost, 2 bad", "systemctl --user stop omnid"});
 }
 
 TEST(ToolsDevice, InfoOfAHeldBaseSaysWhyTheServiceDoesNotTell) {
@@ -119,7 +119,7 @@ TEST(ToolsDevice, InfoOfAHeldBaseSaysWhyTheServiceDoesNotTell) {
   ExpectHas(other, {"another base", "systemctl --user stop omnid"});
   EXPECT_EQ(other.find("fan stands"), std::string::npos) << other;
   const std::string stranger = info("bench", ServiceStatus("A17"));
-  ExpectHas(stranger, {"bench (pid 7)", "end that program"});
+  ExpectHas(stranger, {"bench (pid 7)", "stop that program"});
   EXPECT_EQ(stranger.find("fan stands"), std::string::npos) << stranger;
 }
 

@@ -1,4 +1,4 @@
-// Every diagnosis on fabricated trees: what it finds, and that it names the fix.
+// Every diagnosis on fabricated trees: its finding and its fix.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -96,7 +96,7 @@ TEST_F(Doctor, ManifestsThatTheLoaderSkips) {
   } rows[] = {
       {"{", "not a JSON object"},
       {"[]", "not a JSON object"},
-      {"", "sane size"},
+      {"", "larger than 1 MiB"},
       {R"({"file_format_version": "2.0.0", "api_layer": {}})", "file_format_version"},
       {R"({"file_format_version": "1.0.0"})", "api_layer"},
       {R"({"file_format_version": "1.0.0", "api_layer": {"name": 3}})", "name"},
@@ -159,7 +159,7 @@ TEST_F(Doctor, ImplicitLayerAndItsSwitches) {
   Expect(LookAtEnabledLayers(there_), Verdict::kWarn, {"NO_OMNI", "unset"});
 }
 
-// Seen with Debian's loader 1.0.20: it looks for such a name among implicit layers only if there is an explicit one.
+// Observed with Debian's loader 1.0.20: it searches implicit layers for such a name only if there is an explicit one.
 TEST_F(Doctor, AnImplicitLayerIsFoundByNameOnlyBesideAnExplicitOne) {
   Implicit(Manifest(kSomeLayer, R"(, "disable_environment": "NO_OMNI")"));
   there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus";
@@ -211,7 +211,7 @@ TEST_F(Doctor, ActiveRuntimeLinkIsFollowedForRelativeLibraries) {
 }
 
 TEST_F(Doctor, SocketFolderMustBeOursAlone) {
-  Expect(LookAtSocketFolder(there_), Verdict::kOk, {"omnid makes it"});
+  Expect(LookAtSocketFolder(there_), Verdict::kOk, {"omnid creates it"});
   fs::create_directory(folder_.Path("run"));
   fs::permissions(folder_.Path("run"), fs::perms::owner_all);
   Expect(LookAtSocketFolder(there_), Verdict::kOk, {folder_.Path("run")});
@@ -245,7 +245,7 @@ TEST_F(Doctor, CalibrationNoneRefusedMisfitOrFine) {
   Expect(LookAtCalibration(there_), Verdict::kWarn, {"without a device"});
   nlohmann::json& status = there_.service.status;
   status = {{"device", {{"name", "twin"}}}, {"calibration", nullptr}, {"calibration_refused", nullptr}};
-  Expect(LookAtCalibration(there_), Verdict::kWarn, {"as drawn", "omni calibrate"});
+  Expect(LookAtCalibration(there_), Verdict::kWarn, {"nominal geometry", "omni calibrate"});
   status["calibration_refused"] = "/c.toml:2: checksum";
   Expect(LookAtCalibration(there_), Verdict::kWarn, {"/c.toml:2: checksum", "--replace", "--restore"});
   status["calibration_refused"] = nullptr;
@@ -263,9 +263,9 @@ TEST_F(Doctor, TheRoomIsFineOrEveryFindingIsNamedWithWhatToDo) {
   Expect(LookAtRoom(there_), Verdict::kWarn, {"without a device"});
   nlohmann::json& status = there_.service.status;
   status = {{"device", {{"name", "twin"}}}};
-  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is wrong"});
+  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is faulty"});
   status["room"] = nlohmann::json::array();
-  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is wrong"});
+  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is faulty"});
   status["room"] = {{{"kind", "magnet-near"}, {"what", "another magnet"}, {"fix", "take it away"}},
                     {{"kind", "sensor-silent"}, {"what", "sensor 3 gives nothing"}, {"fix", "its cable"}}};
   Expect(LookAtRoom(there_), Verdict::kFail, {"another magnet; sensor 3 gives nothing", "take it away; its cable"});
@@ -296,7 +296,7 @@ TEST_F(Doctor, ApplicationFilesAndTheirScenes) {
 }
 
 TEST_F(Doctor, AlignmentIsAssumed) {
-  Expect(LookAtAlignment(there_), Verdict::kWarn, {"not aligned: the base is assumed in front of you"});
+  Expect(LookAtAlignment(there_), Verdict::kWarn, {"not aligned: the base is assumed to be in front of you"});
   there_.service.status = {{"aligned", true}};
   Expect(LookAtAlignment(there_), Verdict::kOk, {});
 }

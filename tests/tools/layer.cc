@@ -149,7 +149,7 @@ TEST(ElfFile, SaysWhatALibraryNeedsAndExports) {
   EXPECT_EQ(elf->newest_glibc.rfind("2.", 0), 0u) << elf->newest_glibc;
 }
 
-// Whatever the bytes say, reading ends and stays inside.
+// Reading terminates and stays in bounds for any bytes.
 TEST(ElfFile, SpoiltFilesAreReadToTheirEndOrRefused) {
   test::TempFolder folder;
   std::ifstream in(kLibrary, std::ios::binary);

@@ -1,5 +1,5 @@
 // The six rules over layers, on generated trees of manifests: a clean tree has no finding, each seeded defect is named
-// by its rule; and the loader of this machine agrees with what we say it does.
+// by its rule; and the loader of this machine agrees with our rules.
 #include <gtest/gtest.h>
 
 #include <elf.h>
@@ -85,7 +85,7 @@ class Tree {
     std::string& list = there.environment["XR_ENABLE_API_LAYERS"];
     list += (list.empty() ? "" : ":") + name;
   }
-  // The loader lists what it takes.
+  // Makes the loader list the usable layers.
   void Listen() {
     there.loader = {true, {}, {}};
     for (const LayerManifest& manifest : FindLayerManifests(there))
@@ -116,7 +116,7 @@ constexpr Lint kLints[] = {LintBadInstallation, LintDisabledByEnvironment,
                            LintDuplicates,      LintExplicitLayerArchitectures,
                            LintOrdering,        LintSkippedByLoader};
 
-// Seeds one; says what must be named.
+// Seeds a defect and returns what the finding must name.
 struct Defect {
   const char* name;
   Lint rule;
@@ -266,7 +266,7 @@ TEST(LayerRules, ALayerOfTwoArchitecturesIsNoDuplicate) {
   EXPECT_EQ(LintExplicitLayerArchitectures(tree.there).verdict, Verdict::kOk);
 }
 
-// What we say the loader takes is what the loader of this machine lists, on sound trees and on spoilt ones.
+// Our rules accept exactly the layers that the loader of this machine lists, on valid and on defective trees.
 TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
   if (!AskLoader().asked) GTEST_SKIP() << "no libopenxr_loader.so.1 here";
   for (std::uint64_t seed = 1; seed <= 28; ++seed) {
@@ -274,7 +274,7 @@ TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
     Tree tree(random);
     const Defect& defect = kDefects[seed % std::size(kDefects)];
     SCOPED_TRACE(std::string(defect.name) + ", seed " + std::to_string(seed));
-    // Debian's loader 1.0.20 takes any text for a version; the rules for manifests ask for a number, and so do we.
+    // Debian's loader 1.0.20 accepts any text as version; the manifest rules require a number, and so do we.
     if (std::strcmp(defect.name, "version is no number") == 0) continue;
     if (defect.rule != LintSkippedByLoader) defect.seed(tree, random);
     const std::string root = tree.folder().Path("root");

@@ -1,4 +1,4 @@
-// The report judges recordings: fabricated runs with known errors.
+// Evaluation of recordings: fabricated runs with known errors.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -38,7 +38,7 @@ TEST(ToolsWholeFile, IsWrittenOrLeftAsItWas) {
   EXPECT_TRUE(ContentOf(path) == first);
   const base::Status refused = WriteWholeFile(path, second, false);
   ASSERT_FALSE(refused.ok());
-  EXPECT_NE(refused.error().find("a.glb: is there already"), std::string::npos) << refused.error();
+  EXPECT_NE(refused.error().find("a.glb: already exists"), std::string::npos) << refused.error();
   EXPECT_NE(refused.error().find("--force"), std::string::npos);
   EXPECT_TRUE(ContentOf(path) == first);
   ASSERT_TRUE(WriteWholeFile(path, second, true).ok());
@@ -64,7 +64,7 @@ TEST(ToolsSceneEdit, ShowsObjectsAlsoWhenAServiceSaysLess) {
      "page_bytes": 200000, "stroke_open": true}]})");
   const std::string text = EditsText(edits);
   for (const char* part : {"/s/clay.glb (client 4)", "0  clay: 1200 triangles, 3 strokes, 1 undone", "45.0 kB",
-                           "200.0 kB", "a stroke is open"}) {
+                           "200.0 kB", "a stroke is in progress"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " not in " << text;
   }
   EXPECT_FALSE(EditsText(json::parse(R"({"objects": [3, {}]})")).empty());

@@ -1,5 +1,5 @@
-// Where a service begins: the pen lies on the hull or is brought from afar, in a room whose field has changed since the
-// calibration, or with the base turned. A simulated base, calibrated as `omni calibrate` does it; its truth judges.
+// Start of a service: the pen lies on the hull or approaches from afar, in a room whose field has changed since the
+// calibration, or with the base turned. A simulated base, calibrated as by `omni calibrate`; compared with its truth.
 #include <gtest/gtest.h>
 
 #include <algorithm>

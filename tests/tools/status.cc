@@ -1,4 +1,4 @@
-// What `omni status` says of inputs.
+// Inputs and calibration in `omni status`.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -24,7 +24,7 @@ TEST(StatusText, InputsBySourceAndDevice) {
   const std::string text = StatusText(status);
   for (const char* line :
        {"menu: flick; secondary: double_tap, key:KEY_B\n", "press 7 (on), tap 2\n", "*Foot*: /dev/input/event5\n",
-        "/dev/input/by-id/x: cannot be opened\n", "*Keyboard*: not there\n"}) {
+        "/dev/input/by-id/x: cannot be opened\n", "*Keyboard*: not connected\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << "not in:\n" << text;
   }
   EXPECT_EQ(StatusText(nlohmann::json::object()).find("inputs"), std::string::npos) << "of an older omnid";
@@ -36,7 +36,7 @@ TEST(StatusText, CalibrationInUseRefusedOrUnfit) {
     const std::size_t at = text.find("calibrated ");
     return text.substr(at, text.find('\n', at) - at);
   };
-  EXPECT_EQ(line({}), "calibrated none: the base works as drawn; `omni calibrate` measures it");
+  EXPECT_EQ(line({}), "calibrated none: the base uses its nominal geometry; to calibrate it: `omni calibrate`");
   nlohmann::json status = {{"calibration", {{"file", "/c.toml"}, {"date", "2026"}, {"expected_error_mm", 0.1}}},
                            {"calibration_refused", nullptr},
                            {"calibration_misfit", nullptr}};
@@ -49,7 +49,7 @@ TEST(StatusText, CalibrationInUseRefusedOrUnfit) {
   status["calibration"] = nullptr;
   status["calibration_misfit"] = nullptr;
   status["calibration_refused"] = "/c.toml: no";
-  EXPECT_EQ(line(status), "calibrated no: the file is refused (see problem), the base works as drawn");
+  EXPECT_EQ(line(status), "calibrated no: the file was rejected (see problem), the base uses its nominal geometry");
 }
 
 }  // namespace test_tools_status

@@ -1,4 +1,4 @@
-// What omni surfaces says about what it reads.
+// Output of omni surfaces.
 #include <gtest/gtest.h>
 
 #include "service/protocol/surfaces/surface_memory.h"
@@ -28,7 +28,7 @@ SurfacesView SomeView() {
 
 TEST(SurfacesText, OneLineAnObject) {
   const std::string text = SurfacesText(SomeView());
-  EXPECT_NE(text.find("scene 3, memory 7 of 5.4 MB, looked at 90.0 times a second\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("scene 3, memory 7 of 5.4 MB, checked 90.0 times per second\n"), std::string::npos) << text;
   EXPECT_NE(text.find("soft, moved"), std::string::npos) << text;
   EXPECT_NE(text.find(" 3.142 "), std::string::npos) << text;
   EXPECT_NE(text.find("20.00\n"), std::string::npos) << text;

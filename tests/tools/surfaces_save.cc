@@ -107,7 +107,7 @@ TEST(SurfacesSave, RefusesWithAReason) {
   }
   folder.Write("out.glb", "mine");
   EXPECT_EQ(StatusOf({"omni", "surfaces", "--save", file.c_str(), "--socket", socket.c_str()}, &said), kExitFailed);
-  EXPECT_NE(said.find("out.glb: is there already"), std::string::npos) << said;
+  EXPECT_NE(said.find("out.glb: already exists"), std::string::npos) << said;
   EXPECT_EQ(std::filesystem::file_size(file), 4U);
   EXPECT_NE(StatusOf({"omni", "surfaces", "--largest"}, &said), kExitOk) << "there is nothing to write it to";
 }

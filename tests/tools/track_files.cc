@@ -1,4 +1,4 @@
-// Recordings: what is read, and what each mistake is told.
+// Recordings: what is read, and the error for each mistake.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -81,7 +81,7 @@ TEST_F(TrackFiles, BadReadingsAreTold) {
   ExpectWords(ReadingsError(std::string(kHeader) + "0,0,nan,1,1\n"), {"readings.csv:2", "bx_uT", "nan", "finite"});
   ExpectWords(ReadingsError(std::string(kHeader) + "0,0,inf,1,1\n"), {"not finite"});
   ExpectWords(ReadingsError(std::string(kHeader) + "0,0,,1,1\n"), {"bx_uT", "is empty"});
-  ExpectWords(ReadingsError(std::string(kHeader) + "0,0,1x,1,1\n"), {"1x", "no number"});
+  ExpectWords(ReadingsError(std::string(kHeader) + "0,0,1x,1,1\n"), {"1x", "not a number"});
   ExpectWords(ReadingsError(std::string(kHeader) + "0,0,1,1\n"), {"4 fields", "5 expected"});
   ExpectWords(ReadingsError(std::string(kHeader) + "0,4,1,1,1\n"), {"sensor 4", "4 sensors"});
   ExpectWords(ReadingsError(std::string(kHeader) + "0,0.5,1,1,1\n"), {"sensor = 0.5", "whole"});

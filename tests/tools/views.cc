@@ -1,4 +1,4 @@
-// What `omni status` and `omni watch` show, also when a service of another version says less or otherwise.
+// What `omni status` and `omni watch` show, also with missing or unexpected fields of another service version.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -9,7 +9,7 @@ namespace {
 
 using Parser = nlohmann::json;
 
-// What the parser says quotes the text, which may be long and not for terminals.
+// The parser's message quotes the text, which may be long and contain control characters.
 std::string Quotable(std::string_view said) {
   constexpr std::size_t kMost = 200;
   if (const std::size_t end = said.find("] "); said.starts_with("[json.exception") && end != said.npos)
@@ -21,12 +21,12 @@ std::string Quotable(std::string_view said) {
   return said.size() > kMost ? text + "..." : text;
 }
 
-// What is called for the tokens of a text. Each call but the last answers whether to go on.
+// Receives the parser's events. All but the last return whether to continue.
 class Events {
  public:
   const std::string& problem() const { return problem_; }
 
-  bool binary(Parser::binary_t&) { return Refuse("is no JSON text"); }
+  bool binary(Parser::binary_t&) { return Refuse("is not JSON text"); }
   bool parse_error(std::size_t, const std::string&, const Parser::exception& error) {
     return Refuse("JSON cannot be parsed: " + Quotable(error.what()));
   }
@@ -110,7 +110,7 @@ std::string CountText(std::string_view text, const JsonLimits& limits, Counter& 
   return Run(text, counter);
 }
 
-// Puts the values where the counter found room for them.
+// Stores the values in the blocks sized by the counter.
 class Builder : public Events {
  public:
   // The blocks have the sizes that were counted.
@@ -154,7 +154,7 @@ class Builder : public Events {
     const auto twice =
         std::adjacent_find(object.first, object.member, [](const auto& a, const auto& b) { return a.key == b.key; });
     if (twice == object.member) return true;
-    return Refuse("JSON key \"" + Quotable(twice->key) + "\" is there twice in one object; keep one of them");
+    return Refuse("JSON key \"" + Quotable(twice->key) + "\" appears twice in one object; keep one of them");
   }
 
  private:
@@ -183,7 +183,7 @@ class Builder : public Events {
   const std::vector<std::uint32_t>& sizes_;  // see Counter
   std::size_t container_ = 0;
   std::vector<Place> open_;
-  JsonValue* element_;  // what is free from here on
+  JsonValue* element_;  // free space from here on
   JsonMember* member_;
   char* text_;
 };

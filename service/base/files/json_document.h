@@ -1,4 +1,4 @@
-// JSON text that somebody else may have written. One pass counts its values and finds what is wrong with it before
+// JSON text from an untrusted source. One pass counts its values and finds what is wrong with it before
 // anything is built; a second one puts the values into three blocks of the size that was counted. So cost and memory
 // are bounded by JsonLimits, nothing is allocated afterwards, and freeing a document allocates nothing.
 #pragma once
@@ -15,18 +15,18 @@
 
 namespace omni::base {
 
-// Beyond a limit a text is refused with a message that names the limit. A document takes at most 32 bytes a value and
-// its texts; parsing it as much again as its longest text, and 12 bytes for each object and array.
+// A text beyond a limit is rejected with a message that names the limit. A document takes at most 32 bytes per value
+// plus its texts; parsing it as much again as its longest text, and 12 bytes for each object and array.
 struct JsonLimits {
   std::size_t bytes = 1 << 20;  // of the text, below 4 GiB
   std::size_t values = 20'000;  // objects, arrays, texts, numbers, true, false and null
   std::size_t members = 1'000;  // of one object
-  std::size_t depth = 64;       // objects and arrays in each other
+  std::size_t depth = 64;       // nesting of objects and arrays
 };
 
 struct JsonMember;
 
-// One value of a JsonDocument, good for as long as the document. What it is not reads as empty, as NaN or as nullopt.
+// One value of a JsonDocument, valid as long as the document. Accessors of another kind return empty, NaN or nullopt.
 class JsonValue {
  public:
   enum class Kind : std::uint8_t { kNull, kBoolean, kWhole, kNumber, kText, kArray, kObject };
@@ -55,11 +55,11 @@ class JsonValue {
 
   bool boolean() const { return is_boolean() && content_.whole != 0; }
   double number() const;
-  // A number of digits alone: 7, but neither -7 nor 7.0.
+  // A number written with digits only: 7, but not -7 or 7.0.
   std::optional<std::uint64_t> whole() const;
   std::string_view text() const { return is_text() ? std::string_view(content_.text, size_) : std::string_view(); }
   std::span<const JsonValue> elements() const;
-  std::span<const JsonMember> members() const;  // sorted by their keys, each of which is there once
+  std::span<const JsonMember> members() const;  // sorted by their unique keys
   const JsonValue* Find(std::string_view key) const;
 
  private:
@@ -95,7 +95,7 @@ class JsonDocument {
   std::vector<char> text_;
 };
 
-// Whether the text is JSON within the limits; for those who then give it to another parser.
+// Whether the text is JSON within the limits; to be checked before it is passed to another parser.
 Status CheckJson(std::string_view text, const JsonLimits& limits);
 
 }  // namespace omni::base

@@ -1,4 +1,4 @@
-// The word that was probably meant by one that is mistyped.
+// Suggests the word probably meant by a mistyped one.
 #pragma once
 
 #include <algorithm>
@@ -31,8 +31,8 @@ inline std::size_t EditDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-// The nearest of `known` (a range of strings), the first of equals; empty: none is near. Near is a third of the longer
-// word, or its beginning from three letters on.
+// The nearest of `known` (a range of strings), the first of equally near ones; empty: none is near. Near: at most a
+// third of the longer word differs, or the word is a prefix of at least three letters.
 template <class Words>
 std::string NearestWord(std::string_view word, const Words& known) {
   std::string nearest;

@@ -30,7 +30,7 @@ Result<std::string> ReadAll(int fd, const std::string& path, std::size_t max_byt
     if (count < 0) return CannotRead(path, errno);
     if (count == 0) break;
     size += static_cast<std::size_t>(count);
-    // Files of /proc and /sys say that they have no bytes.
+    // Files of /proc and /sys report a size of zero.
     if (size == text.size() && size <= max_bytes) text.resize(std::min(2 * size, max_bytes + 1));
   }
   if (size > max_bytes) {

@@ -1,4 +1,4 @@
-// Reads files that may be anything: a pipe, a device, without end.
+// Reads files that may be anything: a pipe, a device, an endless file.
 #pragma once
 
 #include <cstddef>

@@ -23,7 +23,8 @@ std::string FolderOf(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-// Only then does a name in it survive a power cut. A file system that cannot sync folders keeps them in its own time.
+// Only then does a name in it survive a power cut. Some file systems cannot sync folders; they write them at their own
+// pace.
 void SyncFolder(const std::string& folder) {
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return;
@@ -52,7 +53,7 @@ bool WriteAll(int fd, std::string_view content) {
   return true;
 }
 
-// The unfinished file beside its place; gone with this unless it was put there.
+// The temporary file in the same folder; removed on destruction unless it was placed.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const std::string& path) {
@@ -88,7 +89,7 @@ class UnfinishedFile {
     placed_ = replace ? ::rename(name_.c_str(), path.c_str()) == 0
                       : ::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path.c_str(), RENAME_NOREPLACE) == 0;
     if (!placed_ && !replace && (errno == EINVAL || errno == ENOSYS)) {
-      // A file system without that flag: a second name is refused where there is one already.
+      // For a file system without that flag: link() fails if the name already exists.
       return ::link(name_.c_str(), path.c_str()) == 0 ? 0 : errno;
     }
     return placed_ ? 0 : errno;
@@ -101,14 +102,14 @@ class UnfinishedFile {
   bool placed_ = false;
 };
 
-// What stands at the place now: the mode that a new file takes over, or why none may be put there.
+// Checks what is at the path now: the mode that a new file inherits, or why it may not be written.
 int CheckPlace(const std::string& path, bool replace, std::optional<mode_t>& mode) {
   struct stat there {};
-  if (::lstat(path.c_str(), &there) != 0) return 0;  // nothing; where even that cannot be seen, opening says why
+  if (::lstat(path.c_str(), &there) != 0) return 0;  // nothing there; if it cannot be examined, opening reports why
   if (S_ISDIR(there.st_mode)) return EISDIR;
   if (!replace) return EEXIST;
   if (S_ISREG(there.st_mode) && !mode) mode = there.st_mode & 0777;
-  // /dev/stdout is a link, too, and must stay one.
+  // /dev/stdout is a link too and must remain one.
   struct stat end {};
   const bool ends_in_file = ::stat(path.c_str(), &end) != 0 || S_ISREG(end.st_mode);
   return ends_in_file ? 0 : EINVAL;
@@ -126,23 +127,23 @@ std::string CauseAndRemedy(const std::string& path, int error) {
     case ENOSPC:
       return "no space left on its disk; free some and try again";
     case EDQUOT:
-      return "no space left in your quota; delete files of yours and try again";
+      return "no space left in your quota; delete some of your files and try again";
     case EROFS:
       return "it is on a read-only file system; mount that for writing, or choose another folder";
     case EACCES:
     case EPERM:
-      return "no permission; make the folder " + FolderOf(path) + " writable for you, or choose another folder";
+      return "no permission; make the folder " + FolderOf(path) + " writable, or choose another one";
     case ENOENT:
     case ENOTDIR:
-      return "there is no folder " + FolderOf(path) + "; make it, or choose another folder";
+      return "there is no folder " + FolderOf(path) + "; create it, or choose another folder";
     case EISDIR:
-      return "it is a folder; give a file's name";
+      return "it is a folder; name a file";
     case EINVAL:
-      return "something that is no regular file is there; give another name";
+      return "it exists and is not a regular file; choose another name";
     case EEXIST:
-      return "it is there already; give another name, or move it away";
+      return "it already exists; choose another name, or move it away";
     case EFBIG:
-      return "larger than a file may be here; raise the limit (ulimit -f), or choose another disk";
+      return "it exceeds the maximum file size; raise the limit (ulimit -f), or choose another disk";
     default:
       return std::error_code(error, std::generic_category()).message() + "; check the disk and the folder";
   }

@@ -1,6 +1,6 @@
-// A file that is whole whatever happens: written beside its place, synced, put there in one step, its folder synced.
-// After a full disk, a kill or a power cut the place holds the old content or the new one. Every file that a person
-// would miss is written by this. Set-up and threads that may wait for a disk only.
+// Atomic file replacement: writes a temporary file in the same folder, syncs it, renames it into place and syncs the
+// folder. After a full disk, a kill or a power cut the path has either the old or the new content. Used for every file
+// that a user would miss. Only for set-up and threads that may wait for a disk.
 #pragma once
 
 #include <sys/types.h>
@@ -15,25 +15,24 @@
 namespace omni::base {
 
 struct WholeFileOptions {
-  bool replace = true;         // false: what is there already is left as it is, EEXIST
-  bool make_folder = false;    // and those above it
-  std::optional<mode_t> mode;  // exactly this; none: that of the file that is replaced, else what the umask leaves
+  bool replace = true;         // false: an existing file is kept, EEXIST
+  bool make_folder = false;    // with its parents
+  std::optional<mode_t> mode;  // exactly this; none: that of the replaced file, else as the umask allows
 };
 
-// Name of the unfinished file: that of its place, this, and eight digits. Only a process that was killed leaves one.
+// Name of the temporary file: the path, this, and eight digits. Left behind only by a killed process.
 inline constexpr std::string_view kUnfinishedMark = ".new-";
 
-// The pieces of `content` one after another. A symbolic link at `path` is itself replaced by the file, and what it
-// leads to is never written: a link that somebody else has put there cannot choose which file is lost. Folders on the
-// way may be links. 0, or the errno; then `path` is as it was and nothing unfinished stays. EINVAL: no regular file is
-// there.
+// The pieces of `content` one after another. A symbolic link at `path` is itself replaced by the file, and its target
+// is never written: a planted link cannot choose which file is lost. Folders in the path may be links. Returns 0, or
+// the errno; then `path` is unchanged and no temporary file is left. EINVAL: not a regular file.
 int PutWholeFile(const std::string& path, std::initializer_list<std::string_view> content,
                  const WholeFileOptions& options = {});
 
-// Whether a file could be put there now, tried with an empty one that goes again. 0, or the errno.
+// Whether a file could be written there now, tried with an empty temporary one. 0, or the errno.
 int TryWholeFile(const std::string& path, const WholeFileOptions& options = {});
 
-// "PATH: cannot be written: no space left on its disk; free some and try again"; every cause with what to do.
+// "PATH: cannot be written: no space left on its disk; free some and try again"; every cause with its remedy.
 std::string WriteProblem(const std::string& path, int error);
 
 Status WriteWholeFile(const std::string& path, std::string_view content, const WholeFileOptions& options = {});

@@ -1,4 +1,4 @@
-// omni align: measures where the base stands in a headset's space, and keeps it in omnid.
+// omni align: measures where the base is in a headset's space; omnid stores the result.
 #include <termios.h>
 #include <unistd.h>
 
@@ -35,7 +35,7 @@ struct AlignArguments {
   AlignRunOptions run;
 };
 
-// Keys arrive one by one, unseen, until this is gone.
+// While it exists, keys arrive one by one and are not echoed.
 class RawKeys {
  public:
   RawKeys() : terminal_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
@@ -134,7 +134,7 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
   Print(AlignOutcomeText(arguments.run.session, aligned->outcome));
   const auto stored = AskPlacement(connection, StoreCommand(aligned->headset, aligned->outcome, arguments.method));
   if (!stored.ok()) return Fail(kAlign, stored.error());
-  std::printf("stored       %s; applications that run have it already\n", stored->c_str());
+  std::printf("stored       %s; running applications use it already\n", stored->c_str());
   return kExitOk;
 }
 
@@ -160,30 +160,33 @@ int Align(const AlignArguments& arguments) {
 
 void AddAlign(Command& app) {
   auto arguments = std::make_shared<AlignArguments>();
-  Command align = app.AddCommand("align", "measure where the base stands in a headset's space; kept by omnid");
+  Command align = app.AddCommand("align", "measure where the base is in a headset's space; omnid stores it");
   align
       .Add("method", arguments->method,
-           "touch: marks of the base with a controller; sweep: pen and controller held together; fingertip: "
-           "an index finger on the pen's tip; nudge: keys")
+           "touch: touch marks on the base with a controller; sweep: move pen and controller together; fingertip: "
+           "touch the pen's tip with an index finger; nudge: adjust by keys")
       .OneOf({std::begin(kMethods), std::end(kMethods)})
       .ShowDefault();
-  align.Add("--show", arguments->show, "list what is stored");
-  align.Add("--forget", arguments->forget, "forget it, or number N of it");
-  align.Add("--restore", arguments->restore, "take it as it was measured, before any recentring");
+  align.Add("--show", arguments->show, "list the stored alignments");
+  align.Add("--forget", arguments->forget, "delete the stored alignments, or only --number N");
+  align.Add("--restore", arguments->restore, "restore an alignment as measured, before any recentring");
   align
       .Add("--placement", arguments->placement,
            "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
       .OneOf({std::begin(kPlacements), std::end(kPlacements)});
-  align.Add("--number", arguments->number, "of --show, for nudge, --forget and --restore").Range(1, 64);
+  align.Add("--number", arguments->number, "as in --show; for nudge, --forget and --restore").Range(1, 64);
   align.Add("--hand", arguments->run.hand, "which controller").OneOf({"auto", "left", "right"}).ShowDefault();
-  align.Add("--tilted", arguments->tilted, "the base does not stand level");
+  align.Add("--tilted", arguments->tilted, "the base is not level");
   align.Add("--marks", arguments->marks, "file of marks (default: the built-in marks.toml)");
   align.Add("--places", arguments->run.session.fingertips, "fingertip: how many places to touch")
       .Range(4, 20)
       .ShowDefault();
-  align.Add("--patience", arguments->run.patience_s, "seconds until it gives up").Range(5.0, 3600.0).ShowDefault();
-  align.Add("--probe", arguments->run.probe, "the program that asks the runtime (default: omni_align_probe)");
-  align.Add("--socket", arguments->socket, "omnid's socket (default: as omnid's)");
+  align.Add("--patience", arguments->run.patience_s, "give up after this many seconds")
+      .Range(5.0, 3600.0)
+      .ShowDefault();
+  align.Add("--probe", arguments->run.probe,
+            "the program that reads poses from the OpenXR runtime (default: omni_align_probe)");
+  align.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   align.Run(arguments, Align);
 }
 

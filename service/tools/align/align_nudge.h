@@ -7,7 +7,7 @@
 
 namespace omni::tools {
 
-// What the keys have done so far.
+// The placement as changed by the keys so far.
 class Nudge {
  public:
   explicit Nudge(const alignment::Rigid& start) : start_(start), now_(start) {}

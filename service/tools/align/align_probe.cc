@@ -26,7 +26,7 @@ namespace {
 constexpr const char* kOurLayer = "XR_APILAYER_OMNI_stylus";
 constexpr const char* kWithoutUs = "DISABLE_XR_APILAYER_OMNI_stylus_1=1";
 constexpr const char* kLayersVariable = "XR_ENABLE_API_LAYERS=";
-constexpr std::size_t kMaxLineBytes = 4096;  // longer ones are no lines of the probe's
+constexpr std::size_t kMaxLineBytes = 4096;  // longer lines are not from the probe
 
 std::string WithoutOurLayer(const std::string& list) {
   std::string rest;
@@ -93,11 +93,11 @@ std::optional<ProbeLine> ParseProbeLine(const std::string& line) {
 base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& program, bool fingers) {
   std::error_code error;
   if (!std::filesystem::exists(program, error)) {
-    return base::Error{program + ": is not there; build target omni_align_probe, or name it with --probe"};
+    return base::Error{program + ": does not exist; build target omni_align_probe, or name it with --probe"};
   }
   int to_child[2] = {-1, -1}, from_child[2] = {-1, -1};
   if (::pipe2(to_child, O_CLOEXEC) != 0 || ::pipe2(from_child, O_CLOEXEC) != 0) {
-    return base::Error{"no pipe could be made; raise the limit on open files (ulimit -n)"};
+    return base::Error{"cannot create a pipe; raise the limit on open files (ulimit -n)"};
   }
   base::UniqueFd child_in(to_child[0]), child_out(from_child[1]);
   std::unique_ptr<AlignProbe> probe(new AlignProbe);
@@ -125,7 +125,7 @@ base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& p
 
 AlignProbe::~AlignProbe() {
   if (pid_ <= 0) return;
-  in_.Reset();  // asks it to end
+  in_.Reset();  // closing its input ends it
   out_.Reset();
   for (int i = 0; i < 200; ++i) {
     if (::waitpid(pid_, nullptr, WNOHANG) == pid_) return;

@@ -24,24 +24,24 @@ struct ProbeLine {
   alignment::Rigid pose;  // kPose: X_LC
 };
 
-// Null: no line of the probe's (a runtime's library may print too).
+// Null: not a line of the probe (a runtime's library may print too).
 std::optional<ProbeLine> ParseProbeLine(const std::string& line);
 
 class AlignProbe {
  public:
-  // Our own layer is kept out of the child: the controller is wanted, not the pen in its place.
+  // Our own layer is disabled in the child: it must see the controller, not the pen in its place.
   static base::Result<std::unique_ptr<AlignProbe>> Start(const std::string& program, bool fingers);
   ~AlignProbe();  // ends the child
   AlignProbe(const AlignProbe&) = delete;
   AlignProbe& operator=(const AlignProbe&) = delete;
 
-  // The next line, waited for `timeout_ms` at most. After the child's end: kEnd, again and again.
+  // The next line, waited for `timeout_ms` at most. After the child has exited: always kEnd.
   std::optional<ProbeLine> Next(int timeout_ms);
 
  private:
   AlignProbe() = default;
   pid_t pid_ = -1;
-  base::UniqueFd in_, out_;  // its standard input (open: go on), its standard output
+  base::UniqueFd in_, out_;  // the child's standard input (it runs while this is open) and standard output
   std::string buffer_;
   bool ended_ = false;
 };

@@ -20,9 +20,9 @@ namespace omni::tools {
 namespace {
 
 constexpr int kAlignBarWidth = 24;
-constexpr std::int64_t kPenDelay_ns = 30'000'000;  // a pose waits so long: then the pen's samples around it are there
-constexpr std::int64_t kPenGap_ns = 20'000'000;    // samples farther apart: the pen was not seen meanwhile
-constexpr double kMoved_m = 0.03;                  // what makes a hand the one
+constexpr std::int64_t kPenDelay_ns = 30'000'000;  // a pose waits this long for the pen's samples around it
+constexpr std::int64_t kPenGap_ns = 20'000'000;    // samples further apart: the pen was not tracked between them
+constexpr double kMoved_m = 0.03;                  // the first hand to move this far is used
 constexpr std::size_t kMaxWaiting = 4096;
 
 std::optional<PenSeen> PenAtTime(const client::StateReader& reader, std::int64_t t_ns) {
@@ -42,7 +42,7 @@ std::optional<PenSeen> PenAtTime(const client::StateReader& reader, std::int64_t
                  .velocity_base_m_s = mix(before.linear_velocity_base_m_s, after.linear_velocity_base_m_s)};
 }
 
-// On a terminal one line that changes, else a line per step.
+// On a terminal one line that is updated, otherwise one line per step.
 class AlignDisplay {
  public:
   void Show(const AlignSession& session) {
@@ -73,7 +73,7 @@ class AlignDisplay {
   std::string text_, line_;
 };
 
-// Which of the probe's parts is meant.
+// Selects the hand or finger among the probe's poses.
 class HandChoice {
  public:
   HandChoice(const std::string& hand, bool fingers) : suffix_(fingers ? "_finger" : "") {
@@ -121,7 +121,7 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
   while (!EndSignals::asked()) {
     connection.Poll(base::MonotonicNow_ns());
     const std::optional<ProbeLine> line = (*probe)->Next(10);
-    if (line && line->says == ProbeSays::kEnd) return base::Error{"the OpenXR session: " + line->text};
+    if (line && line->says == ProbeSays::kEnd) return base::Error{"the OpenXR session ended: " + line->text};
     if (line && line->says == ProbeSays::kRuntime) aligned.headset.runtime = line->text;
     if (line && line->says == ProbeSays::kSystem) aligned.headset.system = line->text;
     if (line && line->says == ProbeSays::kSpace) {
@@ -131,7 +131,7 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
       display.Show(session);
     }
     if (line && line->says == ProbeSays::kMoved) {
-      display.Say("the headset was recentred: once more from the start");
+      display.Say("the headset was recentred: starting over");
       waiting.clear();
       session.Restart();
     }
@@ -145,8 +145,8 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
     }
     if (base::MonotonicNow_ns() > deadline_ns) {
       return base::Error{
-          "no placement within " + std::to_string(static_cast<int>(options.patience_s)) + " s" +
-          (session.hint().empty() ? "; is the controller switched on and seen?" : ": " + session.hint())};
+          "no alignment within " + std::to_string(static_cast<int>(options.patience_s)) + " s" +
+          (session.hint().empty() ? "; is the controller switched on and tracked?" : ": " + session.hint())};
     }
   }
   return base::Error{"interrupted; nothing was stored"};

@@ -13,9 +13,9 @@ namespace omni::tools {
 
 struct AlignRunOptions {
   AlignOptions session;
-  std::string hand = "auto";  // left, right; auto: the one that moves first
+  std::string hand = "auto";  // left, right; auto: whichever moves first
   std::string probe;
-  double patience_s = 120;  // without a result by then: given up
+  double patience_s = 120;  // gives up after this time
 };
 
 struct Aligned {

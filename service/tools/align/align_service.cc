@@ -50,7 +50,7 @@ const nlohmann::json* PlacedClient(const nlohmann::json& status) {
 
 base::Result<std::string> AskPlacement(client::Connection& connection, const protocol::PlacementCommand& command) {
   const std::uint32_t number = connection.SendPlacementCommand(command);
-  if (number == 0) return base::Error{"omnid does not take a request; restart omnid"};
+  if (number == 0) return base::Error{"omnid does not accept requests; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kAnswer_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());

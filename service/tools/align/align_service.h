@@ -1,4 +1,4 @@
-// What `omni align` asks of omnid.
+// Requests of `omni align` to omnid.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace omni::tools {
 
-// Waits for the answer, 2.5 s at most. A refusal is an error with omnid's text; else the text.
+// Waits for the answer, 2.5 s at most. A refusal is an error with omnid's text; otherwise the result is that text.
 base::Result<std::string> AskPlacement(client::Connection& connection, const protocol::PlacementCommand& command);
 
 struct Headset {

@@ -161,7 +161,7 @@ void AlignSession::AddTouch() {
 void AlignSession::AddSweep() {
   const Posed& now = recent_.back();
   if (!now.pen) {
-    hint_ = "the pen is not seen: stay within 10 cm of the base";
+    hint_ = "the pen is not tracked: stay within 10 cm of the base";
     return;
   }
   if (samples_.empty()) start_s_ = now.t_s;
@@ -183,14 +183,14 @@ void AlignSession::AddSweep() {
   } else if (last || outcome->expected_error_m <= kSweepGood_m) {
     Finish(std::move(outcome));
   } else {
-    hint_ = "go on: other places and other angles make it more precise";
+    hint_ = "keep going: more places and angles make it more precise";
   }
 }
 
 void AlignSession::AddFingertip() {
   const Posed& now = recent_.back();
   if (!now.pen) {
-    hint_ = "the pen is not seen: hold it within 10 cm of the base";
+    hint_ = "the pen is not tracked: hold it within 10 cm of the base";
     dwell_.Reset();
     return;
   }

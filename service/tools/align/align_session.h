@@ -1,5 +1,5 @@
-// The guided part of `omni align`: poses of a controller and the pen in, steps out, and at the end a placement. Pure:
-// it neither reads a clock nor prints, so that tests and benchmarks run it in virtual time.
+// The guided part of `omni align`: poses of a controller and the pen in, steps out, and at the end a placement. Reads
+// no clock and prints nothing, so that tests and benchmarks can run it in virtual time.
 #pragma once
 
 #include <deque>
@@ -21,7 +21,7 @@ const char* AlignMethodName(AlignMethod method);
 struct AlignOptions {
   AlignMethod method = AlignMethod::kTouch;
   std::vector<config::Mark> marks = config::DefaultMarks();  // touch
-  bool level = true;                                         // the base stands level
+  bool level = true;                                         // the base is level
   int fingertips = 5;                                        // places to touch
   double sweep_s_max = 25;
 };
@@ -39,13 +39,13 @@ class AlignSession {
 
   // The controller's grip (fingertip: the finger's joint) at that time, and the pen where it is tracked. Times grow.
   void Add(double t_s, const alignment::Rigid& controller_space, const std::optional<PenSeen>& pen);
-  // The space was moved: what was measured is void.
+  // The space was moved: discards all measurements.
   void Restart();
 
   AlignStep step() const { return step_; }
   int touched() const { return touched_; }           // marks or places that are done
   double progress() const;                           // of this step, 0 to 1
-  const std::string& hint() const { return hint_; }  // what is missing yet; empty: nothing to say
+  const std::string& hint() const { return hint_; }  // what is still missing; empty: nothing
   // After kDone.
   const alignment::Outcome& outcome() const { return outcome_; }
   // After kRefused: why, and what to do.
@@ -82,7 +82,7 @@ class AlignSession {
   std::string problem_;
 };
 
-// What each method believes and refuses; used by the session and by those who judge it.
+// Prior and acceptance limits of each method; used by the session and by its tests and benchmarks.
 alignment::Prior PriorOf(AlignMethod method, bool level);
 alignment::Limits LimitsOf(AlignMethod method);
 

@@ -28,19 +28,19 @@ std::string AlignStepText(const AlignSession& session) {
   const auto marks = static_cast<int>(options.marks.size());
   switch (session.step()) {
     case AlignStep::kPivot:
-      return "press a firm point of the controller into mark " + options.marks.front().name +
-             "; keep it there and swing the controller to all sides, slowly";
+      return "press a hard point of the controller into mark " + options.marks.front().name +
+             "; keep it there and slowly swing the controller in all directions";
     case AlignStep::kTouch:
-      return Printed("touch mark %s with the same point, and rest there (%d of %d)",
+      return Printed("touch mark %s with the same point and hold still (%d of %d)",
                      options.marks[static_cast<std::size_t>(session.touched())].name.c_str(), session.touched() + 1,
                      marks);
     case AlignStep::kSweep:
-      return "hold pen and controller together, rigidly; move them about the base: left, right, up, down, and turn "
-             "them to all sides";
+      return "hold pen and controller firmly together; move them around the base: left, right, up, down, and turn them "
+             "in all directions";
     case AlignStep::kFingertip:
       return Printed(
-          "hold the pen still over the base, touch its tip with your other index finger, rest there (%d of "
-          "%d places)",
+          "hold the pen still over the base, touch its tip with your other index finger and hold still (%d of %d "
+          "places)",
           session.touched() + 1, options.fingertips);
     case AlignStep::kRefused:
       return "refused: " + session.problem();
@@ -97,11 +97,11 @@ std::string StoredAlignmentsText(const nlohmann::json& status) {
         (expected_mm > 0
              ? Printed("expected error %.1f mm (%s)", expected_mm, AlignQualityWord(1e-3 * expected_mm).c_str())
              : std::string("error not stated")) +
-        (NumberAt(row, "/recentred") > 0 ? ", followed " + TextAt(row, "/recentred") + " recentrings" +
+        (NumberAt(row, "/recentred") > 0 ? ", adjusted for " + TextAt(row, "/recentred") + " recentrings" +
                                                Printed(", %.2f m from where it was measured", NumberAt(row, "/moved_m"))
                                          : std::string()) +
-        (TrueAt(row, "/doubtful") ? ", DOUBTFUL: its space was moved and it is not known where to; measure it again, "
-                                    "or take it as it was: omni align --restore"
+        (TrueAt(row, "/doubtful") ? ", DOUBTFUL: the headset's space moved by an unknown amount; align again, or "
+                                    "restore it as measured: omni align --restore"
                                   : "") +
         "\n";
   }

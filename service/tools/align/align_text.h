@@ -1,4 +1,4 @@
-// What `omni align` says.
+// Texts of `omni align`.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace omni::tools {
 
-// What the person is to do now, one line.
+// Instruction for the current step, one line.
 std::string AlignStepText(const AlignSession& session);
-// The placement and what it is worth.
+// The placement and its accuracy.
 std::string AlignOutcomeText(const AlignOptions& options, const alignment::Outcome& outcome);
 // "excellent", "good", "fair" or "poor", by the expected error.
 std::string AlignQualityWord(double expected_error_m);
 // STAGE, LOCAL_FLOOR, LOCAL, or the number.
 std::string SpaceName(int space);
-// "N  runtime / system in SPACE: ..." a line each, from /alignments of a status.
+// "N  runtime / system in SPACE: ..." one line each, from /alignments of a status.
 std::string StoredAlignmentsText(const nlohmann::json& status);
 
 }  // namespace omni::tools

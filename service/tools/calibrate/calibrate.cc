@@ -1,5 +1,5 @@
-// omni calibrate: guides a person through a self-calibration and writes calibration.toml. With the twin a scripted hand
-// of the simulation does what the person would, in virtual time.
+// omni calibrate: guides a person through a self-calibration and writes calibration.toml. With the twin, a scripted
+// hand of the simulation acts as the person, in virtual time.
 #include <cerrno>
 #include <cstdio>
 #include <functional>
@@ -44,10 +44,10 @@ struct Arguments {
   SessionOptions session;
 };
 
-// On a terminal one line that changes, else a line per step.
+// On a terminal one line that is updated, otherwise one line per step.
 class Display {
  public:
-  // `beside`: of a step, what stands beside its bar.
+  // `beside`: text beside the bar of a step.
   void Show(const GuidedSession& session, const std::function<std::string(int step)>& beside = {}) {
     const bool next = session.step_number() != step_;
     if (live_ && step_ != kNone && (next || session.done())) {
@@ -87,12 +87,12 @@ void ShowCoverage(Display& display, const CalibrationSession& session) {
   });
 }
 
-// Asked before anybody waves a pen for two minutes; empty: the result can be kept.
+// Checked before the person waves a pen for two minutes; empty: the result can be written.
 std::string PlaceProblem(const std::string& output, bool replace) {
   const int error = base::TryWholeFile(output, {.replace = replace, .make_folder = true});
   if (error == EEXIST) {
-    return output + ": is there already; --replace measures this base again and keeps that file as " +
-           config::PreviousCalibration(output) + ", or name another file: -o FILE";
+    return output + ": already exists; --replace measures this base again and keeps that file as " +
+           config::PreviousCalibration(output) + ", or choose another file: -o FILE";
   }
   return error == 0 ? std::string() : base::WriteProblem(output, error);
 }
@@ -115,7 +115,7 @@ base::Result<Measured> MeasureTwin(const Arguments& arguments, const base::Devic
   const std::uint64_t seed = arguments.run.twin_seed;
   const base::Result<base::TruthParameters> truth = config::FindTwin(arguments.run.twin);
   if (!truth.ok()) return base::Error{truth.error()};
-  std::printf("device       digital twin (a simulation, its hand is a script), seed %llu, virtual time\n",
+  std::printf("device       digital twin (a simulation with a scripted hand), seed %llu, virtual time\n",
               static_cast<unsigned long long>(seed));
   auto done = CalibrateTwin(device, seed, *truth, arguments.session, observer);
   if (!done.ok()) return base::Error{done.error()};
@@ -138,13 +138,13 @@ base::Result<Measured> MeasureBase(const Arguments& arguments, const base::Devic
   return Measured{opened->serial, std::move(*outcome)};
 }
 
-// The pen is the one of the file that is replaced.
+// The pen is the same as in the replaced file.
 void KeepTip(const std::string& output, const config::ExpectedBase& of, config::CalibrationFile& file) {
   const auto before = config::LoadCalibrationFile(output, of);
   if (!before.ok() || !before->tip_measured) return;
   file.tip_measured = true;
   file.calibration.magnet.tip_offset_m = before->calibration.magnet.tip_offset_m;
-  std::printf("tip          %.2f mm from the magnet's centre, as before; another pen: omni calibrate --tip\n",
+  std::printf("tip          %.2f mm from the magnet's centre, as before; for another pen: omni calibrate --tip\n",
               1e3 * file.calibration.magnet.tip_offset_m);
 }
 
@@ -168,9 +168,9 @@ int Measure(const Arguments& arguments, const std::string& output, config::Expec
   return kExitOk;
 }
 
-constexpr double kTwinChange_s = 60;  // more than it takes
+constexpr double kTwinChange_s = 60;  // longer than needed
 
-// `hand`: what the twin's does, as a person would.
+// `hand`: script of the twin's hand.
 base::Result<daemon::OpenedDevice> OpenForChange(const Arguments& arguments, const base::DeviceGeometry& device,
                                                  const sim::HandScript& hand) {
   if (!daemon::IsTwin(arguments.run.device)) return daemon::OpenDevice(arguments.run);
@@ -183,13 +183,13 @@ base::Result<daemon::OpenedDevice> OpenForChange(const Arguments& arguments, con
   return opened;
 }
 
-// What an option measures again of a calibration that is there; everything else of the file stays.
+// What an option measures again in an existing calibration; the rest of the file is kept.
 template <class Session>
 struct Change {
   const char* option = "";
   sim::HandScript hand;
   std::function<Session(const base::Calibration&)> begin;
-  // Puts what was found into the file; what to tell of it.
+  // Writes the result into the file; returns its text.
   std::function<base::Result<std::string>(const Session&, config::CalibrationFile&)> finish;
 };
 
@@ -198,7 +198,7 @@ int Apply(const Change<Session>& change, const Arguments& arguments, const std::
           config::ExpectedBase of) {
   if (const std::string problem = PlaceProblem(output, true); !problem.empty()) return Fail(kCalibrate, problem);
   auto file = config::LoadCalibrationFile(output, of);
-  if (!file.ok()) return Fail(kCalibrate, file.error() + "; " + change.option + " changes a calibration that is there");
+  if (!file.ok()) return Fail(kCalibrate, file.error() + "; " + change.option + " needs an existing calibration");
   const EndSignals signals;
   auto opened = OpenForChange(arguments, of.device, change.hand);
   if (!opened.ok()) return Fail(kCalibrate, opened.error());
@@ -269,7 +269,7 @@ int Calibrate(const Arguments& arguments) {
 
 void AddCalibrate(Command& app) {
   auto arguments = std::make_shared<Arguments>();
-  Command calibrate = app.AddCommand("calibrate", "measure this base: sweep, wave, touch; writes calibration.toml");
+  Command calibrate = app.AddCommand("calibrate", "calibrate this base: sweep, wave, touch; writes calibration.toml");
   calibrate.Add("--device", arguments->run.device, daemon::DeviceHelp())
       .Check("DEVICE", daemon::DeviceProblem)
       .ShowDefault();
@@ -279,17 +279,16 @@ void AddCalibrate(Command& app) {
   calibrate.AddShort("--ideal", arguments->run.twin, config::kIdeal, config::kIdealHelp).Excludes(twin);
   calibrate.Add("--output,-o", arguments->output, "default: $XDG_CONFIG_HOME/omni/calibration.toml");
   Option replace = calibrate.Add("--replace", arguments->replace,
-                                 "measure again; the file that is there is kept as calibration.previous.toml");
+                                 "calibrate again; the existing file is kept as calibration.previous.toml");
   Option restore =
-      calibrate
-          .Add("--restore", arguments->restore, "take the previous file back; it and the present one change places")
+      calibrate.Add("--restore", arguments->restore, "swap the previous calibration file with the current one")
           .Excludes(replace);
   Option zero =
-      calibrate.Add("--zero", arguments->zero, "two seconds: measure again only what the sensors read without the pen")
+      calibrate.Add("--zero", arguments->zero, "measure again only what the sensors read without the pen (two seconds)")
           .Excludes(replace)
           .Excludes(restore);
   calibrate
-      .Add("--tip", arguments->tip, "ten seconds: measure only where the pen's tip is, by leaning the pen about it")
+      .Add("--tip", arguments->tip, "measure only where the pen's tip is, by tilting the pen about it (ten seconds)")
       .Excludes(replace)
       .Excludes(restore)
       .Excludes(zero);

@@ -13,13 +13,13 @@ constexpr std::int64_t kSilence_ns = 1'000'000'000;
 constexpr double kArming_s = 5;
 constexpr double kPatience_s = 120;
 
-// What waits before the session: a base that has said that its coils are off.
+// The session waits for a base that has reported its coils as off.
 bool IsArming(const device::TransportState& base) {
   const auto state = static_cast<wire::State>(base.state);
   return state == wire::State::kSelfTest || state == wire::State::kIdle || state == wire::State::kFault;
 }
 
-// When the session came forward last.
+// When the session last made progress.
 class Progress {
  public:
   // Seconds since.
@@ -43,18 +43,18 @@ std::string ReadProblem(device::ReadStatus status, const GuidedSession& session)
     case device::ReadStatus::kScan:
       return {};
     case device::ReadStatus::kTimeout:
-      return "the base sends nothing: unplug it, wait a second, plug it in and begin again";
+      return "the base sends nothing: unplug it, wait a second, plug it in and start again";
     case device::ReadStatus::kGone:
-      return "the base is gone: look at its cable and begin again";
+      return "the base was disconnected: check its cable and start again";
     case device::ReadStatus::kEnd:
       break;
   }
-  return "the recording ended before this was done: " + session.Instruction();
+  return "the recording ended before this step was done: " + session.Instruction();
 }
 
 std::string StateProblem(const device::TransportState& state, double arming_s) {
-  if (state.waits_for_person) return "the base is in a fault and keeps its coils off: omni device selftest says which";
-  if (IsArming(state) && arming_s > kArming_s) return "the base does not switch its coils on: omni device selftest";
+  if (state.waits_for_person) return "the base is in a fault and keeps its coils off: omni device selftest shows which";
+  if (IsArming(state) && arming_s > kArming_s) return "the base does not switch its coils on: run omni device selftest";
   return {};
 }
 
@@ -66,7 +66,7 @@ base::Status RunSession(device::Transport& transport, GuidedSession& session, co
   base::HallScan scan;
   std::int64_t first_ns = 0;
   while (problem.empty() && !session.done()) {
-    problem = EndSignals::asked() ? "ended by a signal; nothing was written"
+    problem = EndSignals::asked() ? "interrupted; nothing was written"
                                   : ReadProblem(transport.Read(scan, kSilence_ns), session);
     if (!problem.empty()) break;
     if (first_ns == 0) first_ns = scan.t_ns;
@@ -79,7 +79,7 @@ base::Status RunSession(device::Transport& transport, GuidedSession& session, co
     transport.Write(session.Add(scan));
     if (observer) observer();
     if (progress.Waited_s(session, scan.t_ns) > kPatience_s) {
-      problem = "two minutes without anything new in step " + session.Instruction() + " " + session.Hint();
+      problem = "two minutes without progress in step " + session.Instruction() + " " + session.Hint();
     }
   }
   transport.Write({});

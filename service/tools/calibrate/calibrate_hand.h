@@ -1,5 +1,5 @@
 // The hand that calibrates the twin: a scripted person of the simulation, who takes the pen away, waves it and touches
-// the hull as `omni calibrate` asks.
+// the hull as `omni calibrate` instructs.
 #pragma once
 
 #include <cstdint>

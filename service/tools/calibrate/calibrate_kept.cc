@@ -52,14 +52,14 @@ base::Result<base::Calibration> KeptTwinCalibration(const base::DeviceGeometry& 
   if (!folder.empty()) {
     if (const auto kept = config::LoadCalibrationFile(path, of); kept.ok()) return kept->calibration;
   }
-  std::fprintf(stderr, "calibrating the digital twin (a simulation), seed %llu; once, half a minute\n",
+  std::fprintf(stderr, "calibrating the digital twin (a simulation), seed %llu: done once, takes half a minute\n",
                static_cast<unsigned long long>(seed));
   const auto done = CalibrateTwin(device, seed, *truth);
   if (!done.ok()) return base::Error{"the twin could not be calibrated: " + done.error()};
   const base::Status saved =
       folder.empty() ? base::Error{"there is no cache folder"}
                      : config::SaveCalibrationFile(path, CalibrationFileOf(done->outcome, serial), of, true);
-  if (!saved.ok()) std::fprintf(stderr, "the calibration is not kept: %s\n", saved.error().c_str());
+  if (!saved.ok()) std::fprintf(stderr, "the calibration is not cached: %s\n", saved.error().c_str());
   return done->outcome.calibration;
 }
 

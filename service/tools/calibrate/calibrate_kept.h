@@ -1,4 +1,4 @@
-// Calibrations as files: what `omni calibrate` writes, and those of simulated bases, which are made once and kept.
+// Calibrations as files: those that `omni calibrate` writes, and cached ones of simulated bases.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace omni::tools {
 config::CalibrationFile CalibrationFileOf(const calibration::Outcome& outcome, const std::string& serial);
 
 // Of the twin (a simulation) with this seed and these parameters, as config::FindTwin takes them: from the cache
-// folder, or measured as `omni calibrate` does, which takes half a minute, and kept there.
+// folder, or measured as `omni calibrate` does (half a minute) and cached there.
 base::Result<base::Calibration> KeptTwinCalibration(const base::DeviceGeometry& device, std::uint64_t seed,
                                                     const std::string& twin);
 

@@ -15,8 +15,8 @@ namespace omni::tools {
 namespace {
 
 constexpr int kClearScans = 100;      // without a strong field in a row
-constexpr double kClear_T = 1.5e-4;   // the earth's field and some iron about
-constexpr double kReach_m = 0.16;     // farther away a pose says little about sensors
+constexpr double kClear_T = 1.5e-4;   // the earth's field and some iron nearby
+constexpr double kReach_m = 0.16;     // further away a pose tells little about the sensors
 constexpr double kTouchGap_m = 0.01;  // an uncalibrated pose is good to some millimetres
 constexpr calibration::WindowOptions kWindow{};
 
@@ -147,10 +147,9 @@ std::string CalibrationSession::Hint() const {
   switch (step_) {
     case CalibrationStep::kClear: {
       char text[160];
-      std::snprintf(
-          text, sizeof text,
-          "Sensor %d still reads %.0f uT, at most %.0f are let pass: is the pen away, a phone, a loudspeaker?",
-          strongest_, 1e6 * strongest_T_, 1e6 * kClear_T);
+      std::snprintf(text, sizeof text,
+                    "Sensor %d still reads %.0f uT (limit %.0f uT): move the pen, phones and loudspeakers away.",
+                    strongest_, 1e6 * strongest_T_, 1e6 * kClear_T);
       return text;
     }
     case CalibrationStep::kWave:

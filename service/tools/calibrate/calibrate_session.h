@@ -40,7 +40,7 @@ class CalibrationSession final : public GuidedSession {
   int step_number() const override { return static_cast<int>(step_); }
   double progress() const override;
   std::string Instruction() const override;
-  const std::string& problem() const { return problem_; }  // why it ended before its time; empty: it did not
+  const std::string& problem() const { return problem_; }  // why it ended early; empty: it did not
   std::string Hint() const override;
   const SessionOptions& options() const { return options_; }
   const calibration::Coverage& coverage() const { return coverage_; }
@@ -60,7 +60,7 @@ class CalibrationSession final : public GuidedSession {
   base::DeviceGeometry device_;
   SessionOptions options_;
   base::Calibration nominal_;
-  std::optional<calibration::ColdStart> cold_;  // on the drawing with measured maps and background, after the sweep
+  std::optional<calibration::ColdStart> cold_;  // nominal geometry with measured maps and background, after the sweep
   std::vector<calibration::SweepStep> plan_;
   calibration::CoilSweep sweep_;
   calibration::Window window_;
@@ -70,7 +70,7 @@ class CalibrationSession final : public GuidedSession {
   CalibrationStep step_ = CalibrationStep::kClear;
   std::string problem_;
   int clear_scans_ = 0;
-  int strongest_ = 0;  // sensor, and what it read last while the pen was to be away
+  int strongest_ = 0;  // sensor, and its last reading while the pen had to be away
   double strongest_T_ = 0;
   std::size_t sweep_step_ = 0;
   int sweep_scans_ = 0;  // of this sweep step

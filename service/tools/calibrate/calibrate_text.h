@@ -12,14 +12,14 @@
 
 namespace omni::tools {
 
-// What the person is to do now, one line.
+// Instruction for the current step, one line.
 std::string StepText(CalibrationStep step, const SessionOptions& options);
 // "[#####.....]  52 %".
 std::string ProgressBar(double progress, int width);
-// The upper hemisphere from above, the rim outside: one character a cell, '.' where the pen has not been, in one line
+// The upper hemisphere from above, the rim outside: one character per cell, '.' where the pen has not been, in one line
 // per band from the top down.
 std::string CoverageText(const calibration::Coverage& coverage);
-// Residuals, what was not fixed, and one word for the whole.
+// Residuals, parameters that were not fixed, and one word for the overall quality.
 std::string ReportText(const calibration::Report& report);
 // What was measured again, one line.
 std::string ZeroText(const calibration::Zeroed& zeroed);

@@ -14,7 +14,7 @@ constexpr int kRestScans = 500;
 constexpr double kRest_m = 1e-3;  // a hand that holds still
 constexpr int kSwingScans = 10'000;
 constexpr int kLostScans = 10'000;  // as many: the pen is not near enough, or the base is not as it was
-constexpr int kMeanScans = 100;     // to a pose: noise falls, what follows from p + d u = c does not
+constexpr int kMeanScans = 100;     // averaged per pose: reduces noise and preserves p + d u = c, which is linear
 
 std::string Seconds(int scans) {
   return std::to_string(static_cast<int>(std::lround(scans * base::kTickPeriod_s))) + " s";
@@ -82,10 +82,10 @@ double TipSession::progress() const {
 std::string TipSession::Instruction() const {
   switch (step_) {
     case TipStep::kRest:
-      return "1/2  Rest the pen's tip in a dimple beside the base, as high as its ball, and hold it still.";
+      return "1/2  Rest the pen's tip in a dimple beside the base, at the height of its ball, and hold it still.";
     case TipStep::kSwing:
-      return "2/2  Leave the tip there and lean the pen to all sides, as far as it goes, for " + Seconds(kSwingScans) +
-             ".";
+      return "2/2  Leave the tip there and tilt the pen in all directions, as far as it goes, for " +
+             Seconds(kSwingScans) + ".";
     case TipStep::kDone:
       break;
   }
@@ -100,8 +100,9 @@ std::string TipSession::Hint() const {
 base::Result<calibration::Tip> TipSession::Finish() const {
   if (swing_scans_ < kSwingScans) {
     return base::Error{"tip not measured: the pen was tracked for " + Seconds(swing_scans_) + " of the " +
-                       Seconds(kSwingScans) + " needed, and lost as long: stay within a hand's breadth of the ball, " +
-                       "take other magnets and steel away"};
+                       Seconds(kSwingScans) +
+                       " needed, and lost as long: stay within a hand's breadth of the ball, "
+                       "move other magnets and steel away"};
   }
   return calibration::FindTip(poses_, drawn_m_, expected_error_m_);
 }

@@ -17,7 +17,7 @@ enum class TipStep { kRest, kSwing, kDone };
 
 class TipSession final : public GuidedSession {
  public:
-  // `drawn_m`: the drawing's tip.
+  // `drawn_m`: the nominal tip offset.
   TipSession(const base::Calibration& calibration, double drawn_m);
 
   base::CoilCurrents Add(const base::HallScan& scan) override;  // coils at zero
@@ -28,7 +28,7 @@ class TipSession final : public GuidedSession {
   std::string Instruction() const override;
   std::string Hint() const override;
 
-  // Refuses, with the reason, a pen that was lost and what calibration::FindTip refuses.
+  // Error, with the reason, if the pen was lost or calibration::FindTip fails.
   base::Result<calibration::Tip> Finish() const;
 
  private:

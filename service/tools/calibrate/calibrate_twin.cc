@@ -9,7 +9,7 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kDurationMax_s = 300;  // the scripted hand is done long before
+constexpr double kDurationMax_s = 300;  // the scripted hand finishes long before
 constexpr double kClockStart_s = 1;     // of the twin's stamps
 
 }  // namespace
@@ -17,7 +17,7 @@ constexpr double kClockStart_s = 1;     // of the twin's stamps
 base::Result<TwinCalibration> CalibrateTwin(const base::DeviceGeometry& device, std::uint64_t seed,
                                             const base::TruthParameters& truth, const SessionOptions& options,
                                             const SessionObserver& observer) {
-  // A little more than asked for: some windows are too jerky to count, and some touches too short.
+  // A little more than required: some windows are too jerky to count, and some touches too short.
   const CalibratingHand hand{
       .wave_s = 1.1 * options.wave_s + 1, .touches = options.touches * 4 / 3 + 5, .seed = seed + 1};
   const sim::TwinOptions twin{

@@ -26,7 +26,7 @@ base::Result<TwinCalibration> CalibrateTwin(const base::DeviceGeometry& device, 
                                             const base::TruthParameters& truth, const SessionOptions& options = {},
                                             const SessionObserver& observer = {});
 
-// The drawing with the tip of the pen that the twin's hand holds, as a person knows what is in the hand.
+// The nominal geometry with the tip of the pen that the twin's hand holds: the hand knows its own pen.
 base::DeviceGeometry WithHeldTip(const base::DeviceGeometry& device, std::uint64_t seed,
                                  const base::TruthParameters& truth);
 

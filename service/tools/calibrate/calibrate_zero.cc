@@ -41,16 +41,17 @@ double ZeroSession::progress() const {
 }
 
 std::string ZeroSession::Instruction() const {
-  return "Pen a metre away, other magnets too; the base is not touched: two seconds.";
+  return "Move the pen and other magnets a metre away, and do not touch the base for two seconds.";
 }
 
 base::Result<calibration::Zeroed> ZeroSession::Finish() const {
   const auto refused = [](const std::string& why) { return base::Error{"not zeroed: " + why}; };
-  if (!done()) return refused("the readings ended before two seconds; begin again");
-  if (bad_) return refused("a sensor is saturated or reads no number: take the pen and other magnets away");
+  if (!done()) return refused("the readings ended before two seconds; start again");
+  if (bad_) return refused("a sensor is saturated or has invalid readings: move the pen and other magnets away");
   const auto silent = std::find_if(fresh_.begin(), fresh_.end(), [](int fresh) { return fresh < kFreshMin; });
   if (silent != fresh_.end()) {
-    return refused("sensor " + std::to_string(silent - fresh_.begin()) + " sends nothing new: omni device selftest");
+    return refused("sensor " + std::to_string(silent - fresh_.begin()) +
+                   " sends nothing new: run omni device selftest");
   }
   return calibration::Rezero(before_, readings_);
 }

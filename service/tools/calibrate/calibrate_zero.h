@@ -1,4 +1,4 @@
-// omni calibrate --zero: what the sensors read without a pen, measured again in two seconds. For a base that was
+// omni calibrate --zero: measures again in two seconds what the sensors read without a pen. For a base that was
 // carried or turned, a laptop that was opened, sensors that drifted: everything else of its calibration stays.
 #pragma once
 
@@ -23,7 +23,8 @@ class ZeroSession final : public GuidedSession {
   std::string Instruction() const override;
   std::string Hint() const override { return {}; }
 
-  // Refuses, with the reason, what is no background: a pen or magnet near, readings that move or do not come.
+  // Error, with the reason, if these are not background readings: a pen or magnet is near, readings change or are
+  // missing.
   base::Result<calibration::Zeroed> Finish() const;
 
  private:

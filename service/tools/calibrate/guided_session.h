@@ -1,4 +1,4 @@
-// What a person does at a base step by step while its scans are read: scans go in, the currents asked for come out.
+// Guides a person through steps at a base: consumes its scans and returns the currents to set.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ class GuidedSession {
   virtual base::CoilCurrents Add(const base::HallScan& scan) = 0;
 
   virtual bool done() const = 0;
-  virtual int step_number() const = 0;          // another one: the person has something else to do
+  virtual int step_number() const = 0;          // changes when the instruction changes
   virtual double progress() const = 0;          // of this step, 0 to 1
   virtual std::string Instruction() const = 0;  // what to do in this step, one line
   virtual std::string Hint() const = 0;         // what holds this step up

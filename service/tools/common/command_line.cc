@@ -8,7 +8,7 @@
 namespace omni::tools {
 namespace {
 
-// One row a subcommand.
+// One row per subcommand.
 struct CommandEntry {
   void (*add)(Command& app);
 };
@@ -16,13 +16,13 @@ constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},    {AddDoctor},  
                                       {AddReport}, {AddTrack},    {AddCalibrate}, {AddDevice}, {AddRecord},
                                       {AddReplay}, {AddSurfaces}, {AddLayer},     {AddAlign}};
 
-constexpr const char* kAbout = "omni: see and check the Omni haptic base, its service and its scenes";
+constexpr const char* kAbout = "omni: inspect and set up the Omni haptic base, its service and its scenes";
 
-// What left for omni-bench.
+// Commands that moved to omni-bench.
 void AddMoved(Command& app, const std::string& name, const std::string& now) {
   app.AddHidden(name).Run([name, now] {
-    return Refuse("omni " + name, "it is `" + now +
-                                      "` now, a program of its own in the source tree: cmake --preset release && " +
+    return Refuse("omni " + name, "moved to `" + now +
+                                      "`, a separate program in the source tree: cmake --preset release && " +
                                       "cmake --build --preset release --target omni-bench; build/release/bin/" + now);
   });
 }

@@ -1,4 +1,5 @@
-// The subcommands of omni. Each adds itself to its parent, with a function of its arguments that gives the exit status.
+// The subcommands of omni. Each adds itself to its parent, with a function of its arguments that returns the exit
+// status.
 #pragma once
 
 #include "service/console/command.h"

@@ -1,5 +1,5 @@
-// JSON that another program wrote, or an earlier run of ours: bounded before anything is built of it, so that the JSON
-// library's parsers can do it no harm.
+// JSON that another program wrote, or an earlier run of ours: checked against limits before it is parsed, so that it
+// cannot exhaust the JSON library's parsers.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace omni::tools {
 
 // Manifests of OpenXR, reports of applications.
 inline constexpr base::JsonLimits kManifestJson{.bytes = 1 << 20, .values = 5'000, .depth = 32};
-// What omnid says of itself.
+// Status of omnid.
 inline constexpr base::JsonLimits kStatusJson{.bytes = 1 << 20, .values = 20'000, .depth = 32};
 
 // The text of a file that is JSON within the limits. The error names the path.

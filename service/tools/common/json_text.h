@@ -1,4 +1,4 @@
-// Reading JSON that another version may have written: what is missing or of another type becomes "-" or a default.
+// Reads JSON that another version may have written: missing values and other types become "-" or a default.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace omni::tools {
 // The value at a JSON pointer ("/tick/count") as text for people; numbers with `digits` after the point.
 std::string TextAt(const nlohmann::json& document, const char* pointer, int digits = 0);
 
-// The line that people see first while omnid runs a simulation, with its end; empty: it does not.
+// The first line of output while omnid runs a simulation, with newline; otherwise empty.
 std::string SimulationLine(const nlohmann::json& status);
 
 // "name", or "name (a simulation)" if the device is one and its name does not say so; "-" if there is none.

@@ -26,7 +26,7 @@ std::string Machine() {
   return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads, Linux " + system.release;
 }
 
-// What was typed, without --json FILE.
+// The command line without --json FILE.
 std::string CommandLine() {
   std::ifstream file("/proc/self/cmdline");
   std::string word;
@@ -52,7 +52,7 @@ std::string Cell(const nlohmann::ordered_json& value) {
   return text;
 }
 
-// What tells a row from others.
+// The row's text values, which identify it.
 std::string WordsOf(const nlohmann::ordered_json& row) {
   std::string words;
   for (const auto& [key, value] : row.items()) {

@@ -44,7 +44,7 @@ nlohmann::json ParseStatus(const std::string& text) {
 }
 
 base::Result<nlohmann::json> AskStatus(client::Connection& connection) {
-  if (!connection.Send(protocol::StatusRequest{})) return base::Error{"omnid does not take a request; restart omnid"};
+  if (!connection.Send(protocol::StatusRequest{})) return base::Error{"omnid does not accept requests; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kPatience_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());
@@ -62,7 +62,7 @@ base::Result<nlohmann::json> AskStatus(client::Connection& connection) {
 base::Result<client::SceneAnswer> AskScene(client::Connection& connection, protocol::SceneAction action,
                                            std::uint64_t client_id, const std::string& object) {
   const std::uint32_t number = connection.SendSceneCommand(action, client_id, object);
-  if (number == 0) return base::Error{"omnid does not take a request; restart omnid"};
+  if (number == 0) return base::Error{"omnid does not accept requests; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kScenePatience_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());

@@ -1,4 +1,4 @@
-// One question to omnid: its status, completed from the state memory.
+// Requests omnid's status and completes it from the state memory.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace omni::tools {
 
-// A connection, welcomed. The error names the socket, why, and how to start omnid.
+// An established connection. The error names the socket, why, and how to start omnid.
 base::Result<std::unique_ptr<client::Connection>> ConnectToService(
     const std::string& socket_path, protocol::ClientRole role = protocol::ClientRole::kMonitor);
 
@@ -21,14 +21,14 @@ nlohmann::json ParseStatus(const std::string& text);
 // Waits for the answer, 2 s at most. An answer that is no JSON object is an error.
 base::Result<nlohmann::json> AskStatus(client::Connection& connection);
 
-// Waits for the answer, 30 s at most: a large surface takes a while to be written. A refusal is an answer.
+// Waits for the answer, 30 s at most: a large surface takes a while to be written. A refusal counts as an answer.
 base::Result<client::SceneAnswer> AskScene(client::Connection& connection, protocol::SceneAction action,
                                            std::uint64_t client_id, const std::string& object);
 
-// Adds /tracking and /force from the newest sample of the state memory where the service does not say them itself.
+// Adds /tracking and /force from the newest sample of the state memory if the service's status lacks them.
 void AddNewestSample(const protocol::ToolSample& sample, std::int64_t now_ns, nlohmann::json& status);
 
-// All three. An error: no service answers, with the remedy.
+// All three. Error: no service answers, with the remedy.
 base::Result<nlohmann::json> FetchStatus(const std::string& socket_path);
 
 }  // namespace omni::tools

@@ -1,5 +1,5 @@
-// Order statistics for reports and benchmarks. Of no values they are NaN, which is null in JSON and "-" in a table:
-// what was not measured is no zero.
+// Order statistics for reports and benchmarks. Without values they are NaN, which is null in JSON and "-" in a table:
+// not measured is not zero.
 #pragma once
 
 #include <algorithm>

@@ -64,7 +64,7 @@ bool AlternateScreen::Show(const std::string& lines) {
   std::string text(kHome);
   int rows = 1;
   for (const char c : console::Wrap(lines, size.columns)) {
-    if (c == '\n' && ++rows > size.rows) break;  // a line more would scroll the first one away
+    if (c == '\n' && ++rows > size.rows) break;  // one more line would scroll the first one away
     if (c == '\n') {
       text += kClearToEndOfLine;
     } else {

@@ -1,4 +1,4 @@
-// The terminal while `omni watch` owns it: alternate screen, no cursor, put back on every way out.
+// The terminal while `omni watch` owns it: alternate screen, no cursor, restored on every exit.
 #pragma once
 
 #include <string>

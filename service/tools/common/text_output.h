@@ -1,4 +1,4 @@
-// What a subcommand says, and the files that it leaves behind.
+// Text output and files of subcommands.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A file that a command leaves behind, whole or not at all (service/base/files/whole_file.h).
+// Writes a file completely or not at all (service/base/files/whole_file.h).
 #pragma once
 
 #include <string>

@@ -79,16 +79,16 @@ int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::fu
   if (!base.ok()) return Fail("omni device selftest", base.error());
   out << console::ForPeople(
       "Listens to " + device::UsbBaseName(*base) +
-      " for a second, then arms it for a moment with all currents at zero. Arming ends\n"
-      "faults whose cause is gone. Take the pen and other magnets a metre away, and look that nothing is wrong.\n");
-  if (!agreed()) return Fail("omni device selftest", "not done");
+      " for a second, then arms it for a moment with all currents at zero. Arming clears\n"
+      "faults whose cause is gone. Move the pen and other magnets a metre away, and check that all looks well.\n");
+  if (!agreed()) return Fail("omni device selftest", "cancelled");
   const base::Result<device::UsbProbe> probe =
       device::ProbeUsbBase(bus, *base, {.listen_ns = 1'000'000'000, .arm = true});
   if (!probe.ok()) return Fail("omni device selftest", probe.error());
   const std::vector<SelfTestRow> rows = JudgeSelfTest(*probe);
   out << console::ForPeople(DeviceIdentityText(*base, probe->hello) + DeviceLiveText(*probe) + SelfTestText(rows));
   const bool passed = std::all_of(rows.begin(), rows.end(), [](const SelfTestRow& row) { return row.passed; });
-  return passed ? kExitOk : Fail("omni device selftest", "not passed; see what FAILs above");
+  return passed ? kExitOk : Fail("omni device selftest", "failed; see the FAIL lines above");
 }
 
 int DeviceEstop(device::UsbBus& bus, const std::string& serial, std::ostream& out) {

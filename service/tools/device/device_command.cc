@@ -19,7 +19,7 @@ struct DeviceArguments {
 };
 
 bool AskToGoOn() {
-  std::cout << "Go on? [y/N] " << std::flush;
+  std::cout << "Continue? [y/N] " << std::flush;
   std::string answer;
   return std::getline(std::cin, answer) && (answer == "y" || answer == "Y" || answer == "yes");
 }
@@ -44,10 +44,10 @@ struct ActionEntry {
   bool asks;
 };
 constexpr ActionEntry kDeviceActions[] = {
-    {"list", "all bases: serial, port, speed, firmware, who holds them", List, false, false},
-    {"info", "one base: identity, limits, temperatures, faults and what to do, the fault it kept", Info, true, false},
-    {"selftest", "looks at one base, arms it for a moment without current, and says what fails", SelfTest, true, true},
-    {"estop", "coils off now, on every base or on one; works while omnid runs", Estop, true, false},
+    {"list", "list all bases: serial, port, speed, firmware, programs that hold them", List, false, false},
+    {"info", "show one base: identity, limits, temperatures, faults with advice, kept fault", Info, true, false},
+    {"selftest", "check one base, arm it for a moment without current, and report what fails", SelfTest, true, true},
+    {"estop", "switch the coils off now, on every base or on one; works while omnid runs", Estop, true, false},
 };
 
 int RunAction(const ActionEntry& entry, const DeviceArguments& arguments) {
@@ -64,8 +64,8 @@ void AddDevice(Command& app) {
   device.RequireCommand();
   for (const ActionEntry& entry : kDeviceActions) {
     Command action = device.AddCommand(entry.name, entry.about);
-    if (entry.takes_serial) action.Add("serial", arguments->serial, "of the base, when there are several");
-    if (entry.asks) action.Add("-y,--yes", arguments->yes, "do not ask");
+    if (entry.takes_serial) action.Add("serial", arguments->serial, "of the base, if there are several");
+    if (entry.asks) action.Add("-y,--yes", arguments->yes, "do not ask for confirmation");
     action.Run([&entry, arguments] { return RunAction(entry, *arguments); });
   }
   device.AddCommand("flash-help", "how to put the firmware on a Teensy 4.0").Run([] {

@@ -18,23 +18,22 @@ namespace omni::tools {
 
 int DeviceList(device::UsbBus& bus, std::ostream& out);
 
-// Who else may have the base, and the status of the service if it is that; of this machine, and in tests of another
-// one.
+// Which programs hold the base, and the service's status; fabricated in tests.
 struct OtherPrograms {
   std::function<std::vector<device::Holder>(const std::string& node)> holders;
   std::function<base::Result<nlohmann::json>()> service_status;
 };
 OtherPrograms ThoseOfThisMachine();
 
-// `serial` empty: the only base there is. Of a base that omnid holds, what omnid knows.
+// `serial` empty: the only base there is. If omnid holds the base, shows what omnid knows.
 int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out,
                const OtherPrograms& others = ThoseOfThisMachine());
 
-// `agreed` is asked before anything is done to the base; false ends it.
+// `agreed` is called before anything is done to the base; false cancels.
 int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::function<bool()>& agreed,
                    std::ostream& out);
 
-// `serial` empty: every base. In an emergency nobody is asked which one.
+// `serial` empty: every base, because an emergency stop must not ask which one.
 int DeviceEstop(device::UsbBus& bus, const std::string& serial, std::ostream& out);
 
 }  // namespace omni::tools

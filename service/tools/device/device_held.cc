@@ -20,7 +20,7 @@ std::string HeldLine(const char* title, const std::string& text) {
   return head + text + "\n";
 }
 
-// The names that the service gives its base's faults are those of firmware/wire/names.h.
+// The service names its base's faults as in firmware/wire/names.h.
 std::string HeldFaults(const json& faults) {
   std::string names, advice;
   for (const json& fault : faults) {
@@ -40,24 +40,24 @@ std::string DeviceHeldText(const std::vector<device::Holder>& holders) {
 }
 
 std::string DeviceServedText(const base::Result<json>& status, const device::UsbBase& base) {
-  if (!status.ok()) return HeldLine("omnid", "does not say: " + status.error());
+  if (!status.ok()) return HeldLine("omnid", "gives no status: " + status.error());
   const std::string serial = TextAt(*status, "/device/serial");
-  if (serial != base.serial) return HeldLine("omnid", "does not say: the one that answers has another base");
+  if (serial != base.serial)
+    return HeldLine("omnid", "gives no status of this base: the omnid that answers has another base");
   std::string text = HeldLine("state", TextAt(*status, "/device/state"));
   text += HeldFaults(ArrayAt(*status, "/device/faults"));
   if (TrueAt(*status, "/device/waits_for_person")) {
     text += HeldLine("", device::kWaitsForPersonText);
   }
-  return text + HeldLine("telemetry", TextAt(*status, "/device/received") + " frames came, " +
+  return text + HeldLine("telemetry", TextAt(*status, "/device/received") + " frames received, " +
                                           TextAt(*status, "/device/missed") + " lost, " +
                                           TextAt(*status, "/device/bad_frames") + " bad");
 }
 
 std::string DeviceFreeItText(bool is_service) {
-  return HeldLine("to see more", is_service
-                                     ? "end omnid (`systemctl --user stop omnid`, or Ctrl-C where it runs) for supply, "
-                                       "temperatures and the kept fault"
-                                     : "end that program: one at a time can look closer");
+  return HeldLine("to see more", is_service ? "stop omnid (`systemctl --user stop omnid`, or Ctrl-C where it runs) for "
+                                              "supply, temperatures and the kept fault"
+                                            : "stop that program: only one program at a time can read the base");
 }
 
 }  // namespace omni::tools

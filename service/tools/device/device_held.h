@@ -14,7 +14,7 @@ namespace omni::tools {
 
 std::string DeviceHeldText(const std::vector<device::Holder>& holders);
 
-// What omnid knows of `base`: state, faults with advice; or why it does not say. `status`: of FetchStatus.
+// What omnid knows of `base`: state, faults with advice; or why that is not available. `status`: of FetchStatus.
 std::string DeviceServedText(const base::Result<nlohmann::json>& status, const device::UsbBase& base);
 
 // What to do to see the rest.

@@ -54,17 +54,17 @@ std::string SensorList(unsigned mask) {
 }
 
 SelfTestRow JudgeRate(const device::UsbProbe& probe) {
-  if (probe.frames < 2 || !(probe.listened_s > 0)) return {"telemetry", false, "none comes"};
+  if (probe.frames < 2 || !(probe.listened_s > 0)) return {"telemetry", false, "none received"};
   const double rate_Hz = static_cast<double>(probe.frames - 1 + probe.missed) / probe.listened_s;
   const bool steady = rate_Hz >= kTelemetryRate_Hz * (1 - kTelemetryTolerance) &&
                       rate_Hz <= kTelemetryRate_Hz * (1 + kTelemetryTolerance);
-  return {"telemetry", steady, Printed("%.0f a second by its own clock, %.0f wanted", rate_Hz, kTelemetryRate_Hz)};
+  return {"telemetry", steady, Printed("%.0f per second by its own clock, %.0f expected", rate_Hz, kTelemetryRate_Hz)};
 }
 
 SelfTestRow JudgeFrames(const device::UsbProbe& probe) {
   const bool whole = probe.frames > 0 && probe.missed == 0 && probe.bad_frames == 0;
   return {"frames", whole,
-          Printed("%llu came, %llu lost, %llu bad", static_cast<unsigned long long>(probe.frames),
+          Printed("%llu received, %llu lost, %llu bad", static_cast<unsigned long long>(probe.frames),
                   static_cast<unsigned long long>(probe.missed), static_cast<unsigned long long>(probe.bad_frames)) +
               (whole ? "" : "; use another cable or port, without a hub")};
 }
@@ -79,10 +79,10 @@ SelfTestRow JudgeSensors(const device::UsbProbe& probe) {
   if (saturated != 0) {
     return {"Hall sensors", false, "saturated: " + SensorList(saturated) + "; take the pen and other magnets away"};
   }
-  return {"Hall sensors", true, Printed("all %d give samples, none is saturated", wire::kSensors)};
+  return {"Hall sensors", true, Printed("all %d deliver samples, none is saturated", wire::kSensors)};
 }
 
-// Passed when none of `faults` is there.
+// Passed if none of `faults` is present.
 SelfTestRow JudgeFaults(const char* name, const device::UsbProbe& probe, std::uint32_t faults, std::string measured) {
   const std::uint32_t there = probe.telemetry.faults & faults;
   if (there != 0) measured += "; " + FaultNames(there);
@@ -91,7 +91,7 @@ SelfTestRow JudgeFaults(const char* name, const device::UsbProbe& probe, std::ui
 
 SelfTestRow JudgeArming(const device::UsbProbe& probe) {
   if ((probe.hello.capabilities & wire::kArming) == 0) return {"arming", true, "this base needs none"};
-  if (probe.armed) return {"arming", true, "armed; it falls asleep by itself"};
+  if (probe.armed) return {"arming", true, "armed; it disarms by itself"};
   if (probe.refused_by != 0) return {"arming", false, "refused because of: " + FaultNames(probe.refused_by)};
   return {"arming", false, std::string("no answer, state ") + wire::StateName(probe.armed_state)};
 }
@@ -107,7 +107,7 @@ std::string DeviceListText(const std::vector<ListedBase>& bases) {
     const std::string holders = device::HoldersText(listed.holders);
     text += Printed("%-17s %-8s %-12s %-9s ", base.serial.empty() ? "-" : base.serial.c_str(), base.port.c_str(),
                     base.speed.c_str(), listed.firmware.empty() ? "-" : listed.firmware.c_str());
-    text += (holders.empty() ? "nobody" : holders) + "\n";
+    text += (holders.empty() ? "no program" : holders) + "\n";
     if (!base.problem.empty()) text += "  " + base.problem + "\n";
   }
   return text;
@@ -119,7 +119,7 @@ std::string DeviceIdentityText(const device::UsbBase& base, const wire::Hello& h
   text += Titled("firmware",
                  FirmwareText(hello.firmware_version) + Printed("; speaks protocol %d to %d, omni speaks %d",
                                                                 hello.version_min, hello.version_max, wire::kVersion));
-  text += Titled("limits", Printed("%.2f A a coil; a field count is %.2f nT, %u and more are saturated",
+  text += Titled("limits", Printed("%.2f A per coil; a field count is %.2f nT, %u and more are saturated",
                                    static_cast<double>(hello.current_max_A),
                                    1e9 * static_cast<double>(hello.field_lsb_T), hello.field_full_scale));
   text += Titled("calibration", hello.calibration_hash == 0
@@ -135,8 +135,7 @@ std::string DeviceLiveText(const device::UsbProbe& probe) {
   text += Titled("currents", ThreeCounts(now.current[wire::kStepsPerTick - 1], wire::kCurrentUnit_A, "%.3f") + " A");
   text += Titled("coils", ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
                               ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm");
-  text += Titled("board",
-                 Printed("%.1f C, fan %u a minute", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
+  text += Titled("board", Printed("%.1f C, fan %u rpm", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
   text += Titled("faults", FaultNames(now.faults));
   for (const wire::FaultText& fault : wire::Faults()) {
     if ((now.faults & fault.fault) != 0) text += Titled("", std::string(fault.name) + ": " + fault.advice);
@@ -156,7 +155,7 @@ std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {
                           wire::kFaultOverCurrent | wire::kFaultDriver | wire::kFaultCurrentSensor,
                       ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
                           ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm"),
-          JudgeFaults("fan", probe, wire::kFaultFan, Printed("%u a minute", now.fan_rpm)),
+          JudgeFaults("fan", probe, wire::kFaultFan, Printed("%u rpm", now.fan_rpm)),
           JudgeFaults("own test", probe, wire::kFaultSelfTest | wire::kFaultWatchdog | wire::kFaultInternal,
                       std::string("state ") + wire::StateName(now.state)),
           JudgeArming(probe)};
@@ -175,13 +174,13 @@ std::string FlashHelpText() {
 1. Build it (needs gcc-arm-none-eabi, libnewlib-arm-none-eabi, libstdc++-arm-none-eabi-newlib):
      scripts/setup --hil && cmake --preset release && cmake --build --preset release
    The image is omni_teensy40.hex below build/release.
-2. Switch the coils' supply off. The Teensy lives from USB.
-3. Install the loader and let this user reach it:
+2. Switch the coils' supply off. The Teensy is powered over USB.
+3. Install the loader and give this user access to the Teensy:
      sudo apt-get install teensy-loader-cli
-     https://www.pjrc.com/teensy/00-teensy.rules belongs into /etc/udev/rules.d/
-4. Load; press the button on the Teensy when it says that it waits:
+     https://www.pjrc.com/teensy/00-teensy.rules goes into /etc/udev/rules.d/
+4. Load; press the button on the Teensy when the loader says that it waits:
      teensy_loader_cli --mcu=TEENSY40 -w -v omni_teensy40.hex
-5. `omni device list` shows the base. If it has no permission: docs/howto/device.md.
+5. `omni device list` shows the base. If permission is denied: docs/howto/device.md.
 6. Before the first time with coils: the bring-up checklist in firmware/README.md.
 7. Supply on, then `omni device selftest`.
 )";

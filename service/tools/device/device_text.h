@@ -12,16 +12,16 @@ namespace omni::tools {
 
 struct ListedBase {
   device::UsbBase base;
-  std::string firmware;  // "0.1"; empty: it did not say
+  std::string firmware;  // "0.1"; empty: unknown
   std::vector<device::Holder> holders;
 };
 // "0.1"
 std::string FirmwareText(std::uint16_t version);
 std::string DeviceListText(const std::vector<ListedBase>& bases);
 
-// Who it is and what it can do.
+// Its identity and capabilities.
 std::string DeviceIdentityText(const device::UsbBase& base, const wire::Hello& hello);
-// What it measures right now, its faults with advice, and the one it kept across its last reset.
+// Its current measurements, its faults with advice, and the fault kept across its last reset.
 std::string DeviceLiveText(const device::UsbProbe& probe);
 
 // One finding of `omni device selftest`.

@@ -1,4 +1,4 @@
-// omni record: what a base measures, without a service and without a force: it is never armed.
+// omni record: records what a base measures, without a service and without force: the base is never armed.
 #include <memory>
 #include <string>
 
@@ -24,14 +24,14 @@ struct RecordRequest {
 
 int FailRecord(const std::string& why) { return Fail("omni record", why); }
 
-// Empty, or why it ended before it was asked to.
+// Empty, or why it ended early.
 std::string ReadScans(device::Transport& transport, double seconds) {
   const EndSignals signals;
   const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(seconds * 1e9);
   base::HallScan scan;
   while (!EndSignals::asked() && (seconds == 0 || base::MonotonicNow_ns() < end_ns)) {
     const device::ReadStatus status = transport.Read(scan, kRecordPatience_ns);
-    if (status == device::ReadStatus::kGone) return "the base is gone; what came before is in the file";
+    if (status == device::ReadStatus::kGone) return "the base was disconnected; the file holds what came before";
   }
   return "";
 }
@@ -58,8 +58,8 @@ int RecordBase(const RecordRequest& request) {
 void AddRecord(Command& app) {
   auto request = std::make_shared<RecordRequest>();
   Command record = app.AddCommand(
-      "record", "what a base measures, with its coils at rest, into a file; omnid --record-device does it at work");
-  record.Add("file", request->run.record_device_path, "the recording; replaced if it is there").Required();
+      "record", "record what a base measures, with its coils at rest; omnid --record-device records one in use");
+  record.Add("file", request->run.record_device_path, "the recording; replaced if it exists").Required();
   record.Add("--device", request->run.device, daemon::DeviceHelp())
       .Check("DEVICE", daemon::DeviceProblem)
       .ShowDefault();

@@ -1,4 +1,4 @@
-// Is the base's place in the headset's space known?
+// Is the base's pose in the headset's space known?
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -12,11 +12,12 @@ Finding LookAtAlignment(const Surroundings& surroundings) {
   const auto& status = surroundings.service.status;
   if (TrueAt(status, "/aligned")) return {Verdict::kOk, "aligned with the headset", {}};
   if (const auto& stored = ArrayAt(status, "/alignments/stored"); !stored.empty()) {
-    return {
-        Verdict::kOk, std::to_string(stored.size()) + " stored (omni align --show); no application uses one now", {}};
+    return {Verdict::kOk,
+            std::to_string(stored.size()) + " stored (omni align --show), but no running application uses one",
+            {}};
   }
-  return {Verdict::kWarn, "not aligned: the base is assumed in front of you",
-          "measure it: omni align; until then put the base about 45 cm in front of you and 35 cm below your eyes, and "
+  return {Verdict::kWarn, "not aligned: the base is assumed to be in front of you",
+          "run omni align; until then place the base about 45 cm in front of you and 35 cm below your eyes, and "
           "recentre the headset"};
 }
 

@@ -1,4 +1,4 @@
-// Are the application files sound, and do their scenes load?
+// Are the application files valid, and do their scenes load?
 #include "service/config/files/app_file.h"
 #include "service/config/files/device_file.h"
 #include "service/daemon/scenes/scene_builder.h"
@@ -15,7 +15,7 @@ Finding LookAtApplications(const Surroundings& surroundings) {
     return {Verdict::kWarn, "no application has a scene", "add a file to ~/.config/omni/apps.d (docs/howto/apps.md)"};
   }
   for (const config::AppEntry& entry : table.entries) {
-    if (entry.scene.empty()) continue;  // it is about inputs only
+    if (entry.scene.empty()) continue;  // it configures inputs only
     const base::Result<std::string> file = FindScene(entry.scene);
     const base::Result<LoadedScene> scene =
         file.ok() ? LoadScene(*file, daemon::LoadOptionsOf(entry, config::DefaultDevice().hull_radius_m))

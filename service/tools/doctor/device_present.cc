@@ -6,7 +6,7 @@ namespace omni::tools {
 
 Finding LookForDevice(const Surroundings& surroundings) {
   if (!surroundings.service.running) {
-    return {Verdict::kWarn, "unknown while omnid does not run", "mend \"service\" first"};
+    return {Verdict::kWarn, "unknown while omnid does not run", "fix \"service\" first"};
   }
   const nlohmann::json& status = surroundings.service.status;
   const std::string name = DeviceName(status);

@@ -1,4 +1,4 @@
-// omni doctor: one file per diagnosis. Each looks at one thing, says what it found in one sentence, and how to mend it.
+// omni doctor: one file per diagnosis. Each checks one thing and reports the finding in one sentence, with a fix.
 #pragma once
 
 #include <filesystem>
@@ -21,24 +21,24 @@ struct Finding {
   std::string fix;  // empty when ok
 };
 
-// What the service answered, asked once for all diagnoses.
+// The service's status, requested once for all diagnoses.
 struct ServiceAnswer {  // NOLINT(bugprone-exception-escape): says so of json's constructor, which is noexcept
   bool running = false;
   std::string error;      // when not running
   nlohmann::json status;  // when running
 };
 
-// What the OpenXR loader of this machine says when it is asked which layers there are.
+// The layers that the OpenXR loader of this machine lists.
 struct LoaderAnswer {
-  bool asked = false;               // false: there is no loader to ask
-  std::string error;                // why not, or what it answered instead
-  std::vector<std::string> layers;  // implicit ones that are not switched off, and explicit ones
+  bool asked = false;               // false: no loader is installed
+  std::string error;                // why it could not list the layers
+  std::vector<std::string> layers;  // implicit ones that are not disabled, and explicit ones
 };
 
-// What diagnoses look at. Tests hand in fabricated ones.
+// Everything that the diagnoses examine. Tests pass fabricated ones.
 struct Surroundings {
   std::map<std::string, std::string> environment;
-  std::filesystem::path root = "/";  // system folders are taken below it
+  std::filesystem::path root = "/";  // system folders are resolved below it
   std::string socket_path;
   std::vector<std::string> app_folders;  // of application files, in order of precedence
   std::string scenes_folder;
@@ -48,7 +48,7 @@ struct Surroundings {
 
   // Empty: not set.
   std::string Variable(const std::string& name) const;
-  // Set at all, be it to nothing: how the OpenXR loader reads its enable and disable variables.
+  // Set, even if empty: how the OpenXR loader reads its enable and disable variables.
   bool Has(const std::string& name) const { return environment.count(name) != 0; }
   std::filesystem::path System(const std::string& path) const { return root / path.substr(1); }
 };
@@ -59,7 +59,7 @@ struct DiagnosisEntry {
   const char* name;
   Finding (*look)(const Surroundings&);
 };
-// In the order in which a person should mend things.
+// In the order in which problems should be fixed.
 std::span<const DiagnosisEntry> Diagnoses();
 
 Finding LookForLayer(const Surroundings& surroundings);

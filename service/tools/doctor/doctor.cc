@@ -1,4 +1,4 @@
-// omni doctor: what stands between an OpenXR application and the pen, and how to mend it.
+// omni doctor: what keeps OpenXR applications from using the pen, and how to fix it.
 #include <iostream>
 #include <memory>
 #include <string>
@@ -28,14 +28,14 @@ int Doctor(const DoctorArguments& arguments) {
     Print(DoctorText(findings, status));
   }
   if (!AnyFailed(findings)) return kExitOk;
-  return Fail("omni doctor", "something fails; apply the fixes above from top to bottom");
+  return Fail("omni doctor", "some checks failed; apply the fixes above from top to bottom");
 }
 
 }  // namespace
 
 void AddDoctor(Command& app) {
   auto arguments = std::make_shared<DoctorArguments>();
-  Command doctor = app.AddCommand("doctor", "what stands between an application and the pen, each with its fix");
+  Command doctor = app.AddCommand("doctor", "check what keeps applications from using the pen, and how to fix it");
   doctor.Add("--json", arguments->as_json, "as JSON");
   doctor.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   doctor.Run(arguments, Doctor);

@@ -16,7 +16,7 @@ struct Diagnosed {
 // Every diagnosis once, in the table's order.
 std::vector<Diagnosed> Diagnose(const Surroundings& surroundings);
 
-// `status` is omnid's, null where it does not run: a simulation is said first.
+// `status` is omnid's, null if it does not run: a simulation is reported first.
 std::string DoctorText(const std::vector<Diagnosed>& findings, const nlohmann::json& status);
 nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings, const nlohmann::json& status);
 

@@ -16,11 +16,11 @@ namespace {
 
 constexpr std::uintmax_t kMaxElfBytes = std::uintmax_t{1} << 28;
 constexpr const char* kGlibcPrefix = "GLIBC_";
-// More than any library has; a spoilt file may chain them in any way.
+// More than any library has; a corrupted file may chain them arbitrarily.
 constexpr std::size_t kMaxName = 4096;
 constexpr int kMaxNeededVersions = 10'000;
 
-// A file in memory; whatever its offsets say, reads stay inside.
+// A file in memory; reads stay inside whatever its offsets are.
 class ElfImage {
  public:
   explicit ElfImage(std::vector<char> bytes) : bytes_(std::move(bytes)) {}
@@ -31,7 +31,7 @@ class ElfImage {
     std::memcpy(&value, bytes_.data() + at, sizeof(T));
     return true;
   }
-  // Empty: outside, or without an end.
+  // Empty: outside, or not terminated.
   std::string Text(std::uint64_t at) const {
     if (at >= bytes_.size()) return {};
     const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at);

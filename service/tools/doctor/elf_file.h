@@ -1,4 +1,4 @@
-// What a shared library says of itself: architecture, what it needs, what it exports. Read from the file, nothing runs.
+// Architecture, dependencies and exports of a shared library, read from its file without running it.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct ElfFile {
 // Error: not readable, or no ELF file of this machine's byte order; names the file.
 base::Result<ElfFile> ReadElfFile(const std::string& path);
 
-// What the dynamic linker is given before anything of it runs: as text lines for people.
+// The contents of an ElfFile as lines of text.
 std::string DescribeElf(const ElfFile& file);
 
 }  // namespace omni::tools

@@ -1,4 +1,4 @@
-// Will an application that knows nothing of Omni get the layer?
+// Does an application without any knowledge of Omni get the layer?
 #include <algorithm>
 
 #include "service/tools/doctor/openxr_manifests.h"

@@ -13,7 +13,7 @@ Finding LookAtLayerLibrary(const Surroundings& surroundings) {
     }
     return {Verdict::kOk, manifest.library + " opens and exports " + manifest.negotiate, {}};
   }
-  return {Verdict::kFail, "no sound manifest names a library", "mend \"layer manifest\" first"};
+  return {Verdict::kFail, "no valid manifest names a library", "fix \"layer manifest\" first"};
 }
 
 }  // namespace omni::tools

@@ -1,4 +1,4 @@
-// What a rule objects to, several times over, as the one finding of a diagnosis.
+// Collects all objections of a rule into the single finding of a diagnosis.
 #pragma once
 
 #include <string>

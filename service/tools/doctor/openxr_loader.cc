@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kLoader = "libopenxr_loader.so.1";
 constexpr const char* kDebug = "XR_LOADER_DEBUG";
 
-// The loader writes what it finds wrong to stderr; the diagnoses say it better.
+// Suppresses the loader's messages on stderr: the diagnoses report the same problems more clearly.
 class QuietLoader {
  public:
   QuietLoader() {

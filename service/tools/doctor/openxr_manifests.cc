@@ -45,7 +45,7 @@ bool IsDecimal(const std::string& text) {
 json ParseFile(const fs::path& file, std::string& problem) {
   const base::Result<std::string> text = base::ReadFile(file.string(), kManifestJson.bytes);
   if (!text.ok() || text->empty()) {
-    problem = "is not a readable file of sane size";
+    problem = "cannot be read, is empty or is larger than 1 MiB";
     return {};
   }
   if (const base::Status checked = base::CheckJson(*text, kManifestJson); !checked.ok()) {

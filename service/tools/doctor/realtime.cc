@@ -1,4 +1,4 @@
-// May this user's processes run at real-time priority with locked memory? Late ticks are felt.
+// May this user's processes run at real-time priority with locked memory? Late ticks can be felt.
 #include <pthread.h>
 #include <sched.h>
 #include <sys/resource.h>
@@ -13,10 +13,10 @@
 namespace omni::tools {
 namespace {
 
-constexpr int kPriority = 80;  // what omnid asks for
+constexpr int kPriority = 80;  // what omnid requests
 constexpr const char* kRealtimeFix =
-    "copy manifests/limits/99-omni-realtime.conf to /etc/security/limits.d and log in again, or run omnid by its "
-    "systemd unit, or ask rtkit (each step by step: docs/howto/realtime.md)";
+    "copy manifests/limits/99-omni-realtime.conf to /etc/security/limits.d and log in again, or run omnid from its "
+    "systemd unit, or use rtkit (steps for each: docs/howto/realtime.md)";
 
 // In a thread of its own, so that this process keeps its scheduling. 0: granted, else errno.
 int TryFifo() {
@@ -45,11 +45,12 @@ Finding LookAtRealtime(const Surroundings& surroundings) {
               "granted to omnid; " + TextAt(status, "/tick/late") + " late ticks of " + TextAt(status, "/tick/count"),
               {}};
     }
-    return {Verdict::kWarn, "omnid runs without: " + TextAt(status, "/tick/realtime_reason"), kRealtimeFix};
+    return {Verdict::kWarn, "omnid runs without real-time priority: " + TextAt(status, "/tick/realtime_reason"),
+            kRealtimeFix};
   }
   if (const int refused = TryFifo(); refused != 0) {
     return {Verdict::kWarn,
-            std::string("SCHED_FIFO is refused (") + std::strerror(refused) + "): ticks come late under load",
+            std::string("SCHED_FIFO is refused (") + std::strerror(refused) + "): ticks will be late under load",
             kRealtimeFix};
   }
   if (!MayLockMemory()) {

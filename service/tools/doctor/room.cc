@@ -1,4 +1,4 @@
-// Is a sensor wrong, another magnet near, or the room another than when the base was calibrated?
+// Is a sensor faulty, another magnet near, or the room different from when the base was calibrated?
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -11,11 +11,11 @@ namespace omni::tools {
 Finding LookAtRoom(const Surroundings& surroundings) {
   const auto& status = surroundings.service.status;
   if (!surroundings.service.running) {
-    return {Verdict::kWarn, "unknown while omnid does not run", "mend \"service\" first"};
+    return {Verdict::kWarn, "unknown while omnid does not run", "fix \"service\" first"};
   }
-  if (DeviceName(status) == "-") return {Verdict::kWarn, "unknown without a device", "mend \"device\" first"};
+  if (DeviceName(status) == "-") return {Verdict::kWarn, "unknown without a device", "fix \"device\" first"};
   const auto& rows = ArrayAt(status, "/room");
-  if (rows.empty()) return {Verdict::kOk, "no sensor is wrong, no other magnet is near", {}};
+  if (rows.empty()) return {Verdict::kOk, "no sensor is faulty, no other magnet is near", {}};
   Finding finding{Verdict::kFail, {}, {}};
   for (const auto& row : rows) {
     const char* join = finding.what.empty() ? "" : "; ";

@@ -1,4 +1,4 @@
-// Does omnid run, and is it of this version?
+// Does omnid run, and is its version the same as ours?
 #include "service/tools/common/json_text.h"
 #include "service/tools/doctor/diagnosis.h"
 

@@ -1,4 +1,4 @@
-// Is the control socket's folder ours alone, and its path short enough?
+// Is the control socket's folder private to this user, and its path short enough?
 #include "service/protocol/socket_path.h"
 #include "service/tools/doctor/diagnosis.h"
 
@@ -14,12 +14,11 @@ Finding LookAtSocketFolder(const Surroundings& surroundings) {
     case protocol::FolderState::kGood:
       return {Verdict::kOk, folder + " is yours alone", {}};
     case protocol::FolderState::kMissing:
-      return {Verdict::kOk, folder + " does not exist yet; omnid makes it", {}};
+      return {Verdict::kOk, folder + " does not exist yet; omnid creates it", {}};
     case protocol::FolderState::kRefused:
       break;
   }
-  return {Verdict::kFail, check.problem,
-          "give the folder to yourself with mode 0700: neither omnid nor the layer use another"};
+  return {Verdict::kFail, check.problem, "make the folder your own with mode 0700: omnid and the layer use no other"};
 }
 
 }  // namespace omni::tools

@@ -13,13 +13,13 @@ Finding LookAtSteam(const Surroundings& surroundings) {
                                        fs::exists(fs::path(home) / ".local/share/Steam", error));
   if (!steam) return {Verdict::kOk, "not installed for this user", {}};
   if (surroundings.Has("PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS"))
-    return {Verdict::kOk, "PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS is set: its games see the layer", {}};
+    return {Verdict::kOk, "PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS is set: Steam games see the layer", {}};
   const std::string folder = protocol::FolderOf(surroundings.socket_path);
-  return {
-      Verdict::kWarn, "its games run in a container that does not import OpenXR layers by itself",
-      "launch options of a game: PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS=1 PRESSURE_VESSEL_IMPORT_OPENXR_1_RUNTIMES=1 "
-      "PRESSURE_VESSEL_FILESYSTEMS_RW=" +
-          folder + " %command% (docs/howto/openxr-layer.md)"};
+  return {Verdict::kWarn, "Steam games run in a container that imports OpenXR layers only on request",
+          "set a game's launch options to: PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS=1 "
+          "PRESSURE_VESSEL_IMPORT_OPENXR_1_RUNTIMES=1 "
+          "PRESSURE_VESSEL_FILESYSTEMS_RW=" +
+              folder + " %command% (docs/howto/openxr-layer.md)"};
 }
 
 }  // namespace omni::tools

@@ -10,7 +10,7 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kAnticipation_s = 0.12;  // eyes, arm and stick are about so late
+constexpr double kAnticipation_s = 0.12;  // delay of eyes, arm and stick
 constexpr double kLookAhead_s = 0.12;     // at the car's speed, on top of ...
 constexpr double kLookAheadLeast_m = 0.008;
 constexpr double kCruise = 0.8;     // of the top speed, on a free road
@@ -41,7 +41,7 @@ StickWish CarDriver::Steer(const PerceivedCar& seen, double dt_s) {
     // Backwards the front turns away from where the wheels point.
     wish = Limited(std::copysign(0.9, bearing.angle_rad), -1);
   } else {
-    // The circle through the place looked at [Coulter 1992, pure pursuit]: curvature 2 sin(angle) / distance.
+    // The circle through the look-ahead point [Coulter 1992, pure pursuit]: curvature 2 sin(angle) / distance.
     const double angle_rad = std::clamp(bearing.angle_rad, -std::numbers::pi / 2, std::numbers::pi / 2);
     wheel_rad_ = std::atan(car_.wheelbase_m * 2 * std::sin(angle_rad) / bearing.distance_m);
     wheel_rad_ = std::clamp(wheel_rad_, -car_.steer_max_rad, car_.steer_max_rad);
@@ -51,7 +51,7 @@ StickWish CarDriver::Steer(const PerceivedCar& seen, double dt_s) {
   return wish;
 }
 
-// Who hits walls drives more carefully for a while.
+// Drives more carefully for a while after hitting a wall.
 void CarDriver::Learn(const PerceivedCar& seen, double dt_s) {
   care_ = std::max(0.0, care_ - kCareFades_1_s * dt_s);
   if (placed_ && seen.hits > hits_) care_ = std::min(1.0, care_ + kCarePerHit);
@@ -72,7 +72,7 @@ bool CarDriver::BacksOff(const PerceivedCar& seen, double dt_s) {
 }
 
 CarDriver::Bearing CarDriver::LookAhead(const PerceivedCar& seen) {
-  // Where it will be by then, on the arc that it is steered along.
+  // Predicted position on the arc that it is steered along.
   const double way_m = kAnticipation_s * seen.speed_m_s;
   const double turn_rad = way_m * std::tan(wheel_rad_) / car_.wheelbase_m;
   const double middle_rad = seen.heading_rad + 0.5 * turn_rad;

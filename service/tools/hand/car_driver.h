@@ -22,8 +22,7 @@ class CarDriver {
  private:
   void Learn(const PerceivedCar& seen, double dt_s);
   bool BacksOff(const PerceivedCar& seen, double dt_s);
-  // Of the place on the road that is looked at, from where the car will be: how far it is, and how far from straight
-  // on.
+  // Look-ahead point on the road, relative to the predicted car: distance, and angle from straight ahead.
   struct Bearing {
     double distance_m, angle_rad;
   };
@@ -34,9 +33,9 @@ class CarDriver {
   const TrackLine line_;
   bool placed_ = false;  // way_m_ is known
   double way_m_ = 0;     // along the line
-  double care_ = 0;      // 0..1: what hits have taught
+  double care_ = 0;      // 0..1: grows with hits, then fades
   std::uint32_t hits_ = 0;
-  double stuck_s_ = 0;                   // it should drive, and does not
+  double stuck_s_ = 0;                   // how long it has stood still although it should drive
   double backing_s_ = 0;                 // left of backing off
   double wheel_rad_ = 0, wished_y_ = 0;  // last
 };

@@ -1,4 +1,4 @@
-// A person's eyes and fingers at a running omnid: a client that asks for what an application would draw.
+// A person's perception of a running omnid: a client that requests what an application would draw.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@
 
 namespace omni::tools {
 
-// What is looked at besides pen and car.
+// What to observe besides pen and car.
 struct LookFor {
-  bool soft = false;  // bodies that give way
+  bool soft = false;  // soft bodies
   bool clay = false;  // strokes
 };
 
@@ -36,7 +36,7 @@ class Eyes {
   Perceived seen_;
   std::shared_ptr<const client::SurfaceReader> surfaces_;
   std::vector<client::SurfaceCopy> copies_;  // of its objects
-  std::uint32_t asked_ = 0;                  // number of the question about strokes that has no answer yet; 0: none
+  std::uint32_t asked_ = 0;                  // number of the pending request for strokes; 0: none
   std::int64_t asked_ns_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// What somebody who holds the pen is about to do, step by step, from what they perceive. Pure: time is in what is
-// perceived, nothing is asked of a clock, a file or a service.
+// Decides step by step how a person would move the pen, from what they perceive. Time is part of the perception: it
+// uses no clock, file or service.
 #pragma once
 
 #include <optional>
@@ -13,14 +13,14 @@ namespace omni::tools {
 class HandTask {
  public:
   virtual ~HandTask() = default;
-  // Where the pen is wanted next; nothing: leave it where it is. Times of successive calls must not decrease.
+  // Next aim of the hand; nothing: keep the last one. Times of successive calls must not decrease.
   virtual std::optional<sim::HandAim> Next(const Perceived& seen) = 0;
   virtual bool done() const = 0;
-  // For people: what was done, and if it is not done, what is missing.
+  // What was done, and if the task is not done, what is missing.
   virtual std::string Account() const = 0;
 };
 
-// The longest time that is acted for at once: after a pause the hand goes on, it does not catch up.
+// Longest time step: after a pause the hand continues without catching up.
 inline constexpr double kLongestPause_s = 0.05;
 
 }  // namespace omni::tools

@@ -1,4 +1,4 @@
-// An aim that is moved at a speed, not thrown: what a person does with the pen between two thoughts.
+// An aim that moves at limited speed, as a person moves the pen.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ class MovingAim {
   base::Vec3 tip_base_m_;
 };
 
-// Time since the last call of somebody whose clock may pause.
+// Time steps between calls; long pauses are clamped.
 class Steps {
  public:
   double Next(double t_s) noexcept {

@@ -1,5 +1,5 @@
-// What a person at the pen is told by an application: what it draws and what they feel. Everything is what omnid
-// publishes to clients; nothing comes from the simulation.
+// What a person at the pen perceives through an application. Everything comes from what omnid publishes to clients,
+// nothing from the simulation.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ struct Perceived {
   double press_N = 0;                // of the tip on what it touches
   std::uint32_t select_presses = 0;  // so far
   PerceivedCar car;
-  bool soft = false;  // a body that gives way is drawn ...
-  double dent_m = 0;  // ... displaced by so much where it is displaced most
+  bool soft = false;  // a soft body is drawn ...
+  double dent_m = 0;  // ... with this largest displacement
   bool clay = false;  // something can be sculpted ...
   std::uint32_t strokes = 0;
   bool stroke_open = false;

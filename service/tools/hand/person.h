@@ -1,4 +1,4 @@
-// What a person would do with a scene who sees it for the first time: drive its car, or touch it.
+// What a person would do on seeing a scene for the first time: drive its car, or touch it.
 #pragma once
 
 #include <memory>
@@ -12,10 +12,10 @@ namespace omni::tools {
 
 struct Intent {
   std::unique_ptr<HandTask> task;
-  bool soft = false, clay = false;  // what there is to look at besides the pen
+  bool soft = false, clay = false;  // what to observe besides the pen
 };
 
-// Error: there is nothing to do, and why.
+// Error: why there is nothing to do.
 base::Result<Intent> IntentFor(const haptics::Scene& scene, const PlaceOptions& options);
 
 }  // namespace omni::tools

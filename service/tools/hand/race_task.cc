@@ -7,8 +7,8 @@ namespace {
 
 constexpr double kReach_m_s = 0.04;
 constexpr double kStickMoves_m_s = 0.25;
-constexpr double kArm_N_m = 150;     // what people's arms are like: how far to push against a spring
-constexpr double kCorrects_1_s = 2;  // what the eyes tell of the stick's place
+constexpr double kArm_N_m = 150;     // stiffness of a person's arm: how far to push against a spring
+constexpr double kCorrects_1_s = 2;  // visual correction of the stick's position
 constexpr double kPushedMost_m = 0.006;
 constexpr double kStop_s = 0.4;
 constexpr double kPress_m = 0.016, kPress_m_s = 0.02, kRelease_m_s = 0.05;  // down, until it clicks
@@ -67,8 +67,8 @@ std::optional<sim::HandAim> RaceTask::Next(const Perceived& seen) {
   return aim_.aim();
 }
 
-// Towards a deflection of the stick. Its spring pulls back, so the hand pushes farther: as much as it expects, and what
-// it sees to be missing.
+// Towards a deflection of the stick. Its spring pulls back, so the hand pushes further: by the expected amount plus the
+// visible error.
 void RaceTask::Hold(const StickWish& wish, const base::Vec3& tip_base_m, double dt_s) {
   const double size = std::hypot(wish.x, wish.y);
   base::Vec3 place;
@@ -86,8 +86,8 @@ void RaceTask::Hold(const StickWish& wish, const base::Vec3& tip_base_m, double 
 }
 
 std::string RaceTask::Account() const {
-  if (!pen_seen_) return "no pen was shown";
-  if (phase_ == Phase::kReach) return car_.on ? "the joystick was not reached" : "no car was shown";
+  if (!pen_seen_) return "no pen was tracked";
+  if (phase_ == Phase::kReach) return car_.on ? "the joystick was not reached" : "no car appeared";
   const std::string race = std::to_string(car_.laps) + (car_.laps == 1 ? " lap, " : " laps, ") +
                            std::to_string(car_.hits) + (car_.hits == 1 ? " hit" : " hits");
   if (phase_ == Phase::kDrive) return "the car did not finish a lap (" + race + ")";

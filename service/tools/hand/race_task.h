@@ -30,7 +30,7 @@ class RaceTask final : public HandTask {
   double phase_s_ = 0;  // since it began
   Steps steps_;
   MovingAim aim_;
-  base::Vec3 pushed_m_;  // how much farther the hand pushes than the stick is to go
+  base::Vec3 pushed_m_;  // how much further the hand pushes than the stick should move
   PerceivedCar car_;     // as seen last
   std::uint32_t laps_before_ = 0, presses_before_ = 0;
   int clicks_ = 0;

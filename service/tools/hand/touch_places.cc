@@ -10,8 +10,8 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kGrid_m = 0.002;  // spacing of the looks
-constexpr double kFlat = 0.85;     // cosine of the slope that a pressed pen holds on to
+constexpr double kGrid_m = 0.002;  // grid spacing
+constexpr double kFlat = 0.85;     // cosine of the steepest slope that holds a pressed pen
 
 struct Top {
   double z_m = -std::numeric_limits<double>::infinity();
@@ -43,7 +43,7 @@ std::optional<Top> TopOf(const haptics::Scene& scene, double x, double y) {
   return top;
 }
 
-// How well a pen pressed down holds on: 2 on a flat place that goes on to all sides, 1 on a flat one, 0 on a slope.
+// How well a pressed pen stays in place: 2 on a flat place that goes on to all sides, 1 on a flat one, 0 on a slope.
 int Hold(const haptics::Scene& scene, double x, double y, const Top& top) {
   if (top.upwards < kFlat) return 0;
   for (const auto& [dx, dy] : {std::pair{kGrid_m, 0.0}, {-kGrid_m, 0.0}, {0.0, kGrid_m}, {0.0, -kGrid_m}}) {
@@ -77,7 +77,7 @@ double Distance2(const TouchPlace& one, const TouchPlace& other) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z);
 }
 
-// Starts nearest to the axis, then always the place farthest from those chosen.
+// Starts nearest to the axis, then repeatedly the place furthest from those chosen.
 std::vector<TouchPlace> Spread(const std::vector<TouchPlace>& places, int wanted) {
   const auto from_axis_m = [](const TouchPlace& p) { return std::hypot(p.point_base_m.x, p.point_base_m.y); };
   std::vector<TouchPlace> chosen{*std::min_element(

@@ -1,4 +1,4 @@
-// Where a scene can be touched from above, found by looking down on it.
+// Where a scene can be touched from above, found from its height map.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace omni::tools {
 struct PlaceOptions {
   double hull_radius_m = 0.0375;
   double gap_min_m = 0.004;  // surface points this far above the hull ...
-  double gap_max_m = 0.032;  // ... to this can be felt
+  double gap_max_m = 0.032;  // ... to this are within reach
   double reach_m = 0.025;    // from the z axis
   int places = 5;            // at most
 };
@@ -26,7 +26,7 @@ struct TouchPlace {
 // scene lies within reach.
 std::vector<TouchPlace> FindTouchPlaces(const haptics::Scene& scene, const PlaceOptions& options);
 
-// For people: what FindTouchPlaces did not find, and what to do.
+// Error text for when FindTouchPlaces finds nothing.
 std::string NothingWithinReach(const PlaceOptions& options);
 
 }  // namespace omni::tools

@@ -10,13 +10,13 @@ constexpr double kSafe_m = 0.012;  // over the highest place
 constexpr double kTravel_m_s = 0.06, kSlow_m_s = 0.01, kFeel_m_s = 0.006, kShape_m_s = 0.03;
 constexpr double kNear_m = 0.003;     // over the surface: slowly from here on
 constexpr double kDeepest_m = 0.012;  // the hand aims at most so far under the surface
-constexpr double kPatience_s = 2.5;   // for a place to give in
+constexpr double kPatience_s = 2.5;   // how long to press at one place
 constexpr double kHoldStill_s = 0.4;
-constexpr double kGrabMargin = 1.2;  // over what clay asks for
+constexpr double kGrabMargin = 1.2;  // times the clay's grab force
 constexpr double kSoftPress_N = 0.25, kFirmPress_N = 0.5, kMostPress_N = 1.1;
 constexpr double kDent_m = 0.0015;        // wanted; ...
 constexpr double kDentEnough_m = 0.0005;  // ... this is one
-// With the clay: the tip over the surface, and under the place where it was taken; the hand aims farther.
+// With the clay: travel of the tip above the surface, and below the place where it was grabbed; the hand aims further.
 constexpr double kPull_m = 0.010, kPush_m = 0.0035;
 constexpr double kPullAim_m = 0.015, kPushAim_m = 0.012;
 constexpr double kLetsGo_s = 1.2;     // clay lets go of a pen that rests
@@ -111,7 +111,7 @@ base::Vec3 TouchTask::Above(double height_m) const { return touch().place_base_m
 // True: as deep as the hand goes.
 bool TouchTask::Sink(double speed_m_s, double dt_s) { return aim_.MoveTo(Above(-kDeepest_m), speed_m_s, dt_s); }
 
-// Fast to the surface, which is seen, then by feel.
+// Fast to the visible surface, then slowly until the press is reported.
 void TouchTask::Lower(const Perceived& seen, double dt_s) {
   if (aim_.tip_base_m().z > touch().place_base_m.z + kNear_m) {
     aim_.MoveTo(Above(kNear_m), kTravel_m_s, dt_s);
@@ -136,7 +136,7 @@ void TouchTask::HoldDown(const Perceived& seen, double dt_s) {
   }
 }
 
-// Pulls out and pushes in by turns.
+// Alternately pulls out and pushes in.
 void TouchTask::Shape(const Perceived& seen, double dt_s) {
   const bool out = succeeded_ % 2 == 0;
   base::Vec3 goal = touch().place_base_m;
@@ -164,16 +164,16 @@ void TouchTask::Judge(const Perceived& seen) {
 bool TouchTask::Enough() const { return clicked_ && succeeded_ >= kWanted[static_cast<std::size_t>(touch().kind)]; }
 
 std::string TouchTask::Account() const {
-  if (!pen_seen_) return "no pen was shown";
+  if (!pen_seen_) return "no pen was tracked";
   if (!there_) {
     return touch().kind == TouchKind::kFirm   ? "the pen did not come near the scene"
-           : touch().kind == TouchKind::kSoft ? "nothing soft was shown"
-                                              : "nothing that can be sculpted was there";
+           : touch().kind == TouchKind::kSoft ? "no soft body appeared"
+                                              : "nothing sculptable appeared";
   }
   char dent[64];
   std::snprintf(dent, sizeof(dent), "%.2f", 1e3 * deepest_dent_m_);
   const std::string times = std::to_string(succeeded_) + " of " + std::to_string(tried_) + " tries";
-  std::string text = touch().kind == TouchKind::kClay   ? "clay formed in " + times
+  std::string text = touch().kind == TouchKind::kClay   ? "sculpted in " + times
                      : touch().kind == TouchKind::kSoft ? "dented in " + times + ", by " + dent + " mm at most"
                                                         : "pressed in " + times;
   return text + (clicked_ ? "; a press was reported" : "; no press was reported");

@@ -1,5 +1,5 @@
 // Touches a scene at some places, one after another, until it has done what there is to do: clay is pulled out and
-// pushed in, a soft body dented, anything else pressed. A place where it does not work is left for the next one.
+// pushed in, a soft body dented, anything else pressed. If a place does not work, it moves on to the next one.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ enum class TouchKind { kFirm, kSoft, kClay };
 struct Touch {
   base::Vec3 place_base_m;  // on the surface
   TouchKind kind = TouchKind::kFirm;
-  double press_N = 0.5;  // what it takes
+  double press_N = 0.5;  // force to press with
 };
 
 // What the places of a scene are made of.
@@ -41,7 +41,7 @@ class TouchTask final : public HandTask {
   void HoldDown(const Perceived& seen, double dt_s);
   void Shape(const Perceived& seen, double dt_s);
   void Judge(const Perceived& seen);
-  bool There(const Perceived& seen) const;  // what is to be touched is there as it should be
+  bool There(const Perceived& seen) const;  // the object to be touched is present and ready
   bool Enough() const;
 
   const Touch& touch() const { return touches_[next_ % touches_.size()]; }
@@ -59,7 +59,7 @@ class TouchTask final : public HandTask {
   bool pen_seen_ = false, there_ = false, pressed_ = false, clicked_ = false;
   std::optional<std::uint32_t> presses_before_;
   std::optional<std::uint32_t> strokes_judged_;  // so many have been counted; one that is seen late counts for the next
-  double grip_z_m_ = 0;                          // of the tip, where the clay was taken
+  double grip_z_m_ = 0;                          // of the tip, where the clay was grabbed
   double dent_m_ = 0, deepest_dent_m_ = 0;
 };
 

@@ -11,7 +11,7 @@ namespace omni::tools {
 namespace {
 
 constexpr double kWidest_m = 0.1;       // half a road at most
-constexpr double kRay_m = 1e-5;         // radius of a look to the side
+constexpr double kRay_m = 1e-5;         // radius of the probing ray
 constexpr std::size_t kLongest = 5000;  // points: 10 m of road
 
 // Half way between the walls on both sides; false: one is missing.

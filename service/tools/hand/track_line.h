@@ -1,4 +1,4 @@
-// The middle of a road between two walls: what a driver sees of a track.
+// Centre line of a road between two walls, as a driver sees it.
 #pragma once
 
 #include <vector>
@@ -20,10 +20,10 @@ class TrackLine {
   explicit TrackLine(std::vector<base::Vec3> points) : points_(std::move(points)) {}  // at least three
 
   double length_m() const noexcept { return kSpacing_m * static_cast<double>(points_.size()); }
-  // The way along the line to its nearest place; looks `reach_m` to both sides of `near_m`.
+  // Distance along the line to its point nearest to `p`; searches `reach_m` to both sides of `near_m`.
   double Nearest(const base::Vec3& p, double near_m, double reach_m) const noexcept;
   base::Vec3 At(double way_m) const noexcept;
-  // Of a bend between here and there, the tightest: 1 / radius.
+  // Largest curvature between the two distances: 1 / radius.
   double Curvature_1_m(double from_m, double to_m) const noexcept;
 
  private:

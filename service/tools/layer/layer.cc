@@ -1,4 +1,4 @@
-// omni layer enable, disable, status: whether applications that know nothing of Omni get the pen.
+// omni layer enable, disable, status: whether applications without any knowledge of Omni get the pen.
 #include <iostream>
 #include <memory>
 #include <string>
@@ -32,9 +32,9 @@ int Enable(const LayerArguments& arguments) {
   const auto enabled = EnableLayer(surroundings, arguments.scope());
   if (!enabled.ok()) return Fail(kEnableCommand, enabled.error());
   const LayerManifest manifest = ReadLayerManifest(enabled->file, true);
-  Print((enabled->replaced ? "renewed " : "wrote ") + enabled->file.string() + "\nevery OpenXR application of " +
-        (arguments.system ? "this machine" : "yours") + " gets " + manifest.library +
-        "\none application without it: " + manifest.disable_environment + "=1\n");
+  Print((enabled->replaced ? "replaced " : "wrote ") + enabled->file.string() + "\nevery OpenXR application of " +
+        (arguments.system ? "this machine" : "this user") + " loads " + manifest.library +
+        "\nto exclude one application, start it with " + manifest.disable_environment + "=1\n");
   return kExitOk;
 }
 
@@ -107,25 +107,25 @@ int Status(const LayerArguments& arguments) {
 }
 
 void AddScope(Command& sub, const std::shared_ptr<LayerArguments>& arguments) {
-  Option user = sub.Add("--user", arguments->user, "for you alone (the default)");
-  sub.Add("--system", arguments->system, "for everybody on this machine; needs root").Excludes(user);
+  Option user = sub.Add("--user", arguments->user, "for this user only (the default)");
+  sub.Add("--system", arguments->system, "for all users of this machine; needs root").Excludes(user);
 }
 
 }  // namespace
 
 void AddLayer(Command& app) {
   auto arguments = std::make_shared<LayerArguments>();
-  Command layer = app.AddCommand("layer", "the OpenXR layer: enable it for all applications, or not");
+  Command layer = app.AddCommand("layer", "enable the OpenXR layer for all applications, or disable it");
   layer.RequireCommand();
-  Command enable = layer.AddCommand("enable", "every OpenXR application gets the pen (an implicit manifest)");
+  Command enable = layer.AddCommand("enable", "give every OpenXR application the pen (by an implicit manifest)");
   AddScope(enable, arguments);
   enable.Run(arguments, Enable);
-  Command disable = layer.AddCommand("disable", "only applications that name the layer get the pen");
+  Command disable = layer.AddCommand("disable", "give the pen only to applications that name the layer");
   AddScope(disable, arguments);
   disable.Run(arguments, Disable);
-  Command status = layer.AddCommand("status", "which manifests there are, and whether applications get the layer");
+  Command status = layer.AddCommand("status", "show the layer's manifests and whether applications get the layer");
   status.Add("--json", arguments->as_json, "as JSON");
-  status.Add("--binary", arguments->binary, "the library too: size, the C library it needs, what it exports");
+  status.Add("--binary", arguments->binary, "describe the library too: size, C library needed, exports");
   status.Run(arguments, Status);
 }
 

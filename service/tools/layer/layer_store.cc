@@ -27,8 +27,8 @@ const char* OptionFor(LayerScope scope) { return scope == LayerScope::kUser ? "-
 base::Error CannotWrite(const fs::path& path, LayerScope scope, int reason) {
   if (reason == ENOSPC || reason == EDQUOT) return base::Error{base::WriteProblem(path.string(), reason)};
   const std::string remedy = scope == LayerScope::kSystem
-                                 ? "run it as root, or for yourself alone: omni layer enable --user"
-                                 : "give yourself that folder, or set XDG_DATA_HOME to one that you may write";
+                                 ? "run it as root, or enable it for this user only: omni layer enable --user"
+                                 : "make that folder your own, or set XDG_DATA_HOME to one that you can write to";
   return base::Error{path.string() + ": cannot be written (" + std::strerror(reason) + "); " + remedy};
 }
 
@@ -105,7 +105,7 @@ base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerSc
   if (const std::string user = surroundings.Variable("SUDO_UID");
       scope == LayerScope::kUser && !user.empty() && user != "0") {
     return base::Error{
-        "--user under sudo would leave files of root in your home; run it without sudo, or use --system"};
+        "--user under sudo would leave files owned by root in your home; run it without sudo, or use --system"};
   }
   const base::Result<fs::path> folder = ImplicitFolder(surroundings, scope);
   if (!folder.ok()) return base::Error{folder.error()};
@@ -113,7 +113,7 @@ base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerSc
   if (!layer.ok()) return base::Error{layer.error()};
   const std::vector<LayerManifest> all = FindLayerManifests(surroundings);
   if (const LayerManifest* other = EnabledElsewhere(all, *folder)) {
-    return base::Error{other->file.string() + " enables it already; remove that first (omni layer disable " +
+    return base::Error{other->file.string() + " already enables it; remove that first (omni layer disable " +
                        OptionFor(scope == LayerScope::kUser ? LayerScope::kSystem : LayerScope::kUser) + ")"};
   }
   EnabledLayer enabled{*folder / kImplicitName, false};
@@ -121,7 +121,7 @@ base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerSc
   if (fs::exists(enabled.file, error)) {
     const LayerManifest there = ReadLayerManifest(enabled.file, true);
     if (!there.name.empty() && there.name != kLayerName)
-      return base::Error{enabled.file.string() + " is the manifest of " + there.name + "; move it out of the way"};
+      return base::Error{enabled.file.string() + " is the manifest of " + there.name + "; move it elsewhere"};
     enabled.replaced = true;
   }
   const base::Result<std::string> text = ImplicitManifestText(*layer);

@@ -14,15 +14,15 @@ namespace omni::tools {
 
 enum class LayerScope { kUser, kSystem };
 
-// $XDG_DATA_HOME/openxr/1/api_layers/implicit.d, else below ~/.local/share; for everybody: below /etc, which the loader
+// $XDG_DATA_HOME/openxr/1/api_layers/implicit.d, else below ~/.local/share; for all users: below /etc, which the loader
 // always searches. Error: no home.
 base::Result<std::filesystem::path> ImplicitFolder(const Surroundings& surroundings, LayerScope scope);
 
 // The explicit manifest beside this program (build tree or installation), else the first sound one that the loader
-// finds. Error: there is none, its library is missing or no layer; says what to do.
+// finds. Error, with the remedy: there is none, or its library is missing or not a layer.
 base::Result<LayerManifest> FindInstalledLayer(const Surroundings& surroundings);
 
-// DISABLE_<layer>_<implementation version>: it varies with each version, as the loader's rules ask.
+// DISABLE_<layer>_<implementation version>: it changes with each version, as the loader's rules require.
 std::string DisableVariable(const LayerManifest& manifest);
 
 // Text of the implicit manifest for that explicit one. Error: the file cannot be read any more.
@@ -32,8 +32,8 @@ struct EnabledLayer {
   std::filesystem::path file;
   bool replaced = false;  // there was one of ours
 };
-// Writes the manifest atomically. Refuses a folder that it may not write, a file of somebody else, a second manifest in
-// another folder, and, for a user, a process of `sudo`, whose files the user could not remove.
+// Writes the manifest atomically. Fails for a folder without write permission, another layer's file, a second manifest
+// in another folder and, for a user, under `sudo`, whose files the user could not remove.
 base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerScope scope);
 
 // Removes every implicit manifest of the layer from that folder; empty: there was none.

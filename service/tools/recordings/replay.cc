@@ -1,4 +1,4 @@
-// omni replay: what a device recording holds.
+// omni replay: summary of a device recording.
 #include <memory>
 #include <string>
 
@@ -23,7 +23,7 @@ int Replay(const std::string& path) {
 void AddReplay(Command& app) {
   auto path = std::make_shared<std::string>();
   Command replay =
-      app.AddCommand("replay", "what a recording of omnid --record-device holds; omnid --device replay:FILE plays it");
+      app.AddCommand("replay", "summarise a recording of omnid --record-device; omnid --device replay:FILE plays it");
   replay.Add("file", *path, "the recording").Required();
   replay.Run(path, Replay);
 }

@@ -63,9 +63,9 @@ const char* EndWords(device::ReadStatus status) {
     case device::ReadStatus::kTimeout:
       return "closed by its writer";
     case device::ReadStatus::kGone:
-      return "the device was gone";
+      return "the device was disconnected";
     case device::ReadStatus::kEnd:
-      return "the recorded run was over";
+      return "the recorded run had ended";
   }
   return "";
 }

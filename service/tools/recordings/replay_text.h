@@ -1,4 +1,4 @@
-// What a device recording holds, for people.
+// Summary of a device recording as text.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// Piecewise linear truth at t_ns; the twin records every device tick. False: outside of the recording, or no pen there.
+// Piecewise linear truth at t_ns; the twin records every device tick. False: outside the recording, or no pen present.
 struct Truth {
   const CsvTable& table;
   const std::vector<double>& t_ns;
@@ -78,9 +78,9 @@ void CountTicks(const CsvTable& loop, RunReport& report) {
   report.haptic_pulses = static_cast<std::uint64_t>(loop["haptic_pulses"].back());
 }
 
-// Why a file cannot be judged, by the option that names it.
+// Why a file cannot be evaluated, with the option that names it.
 base::Error NotJudged(const RunFileEntry& entry, const std::string& why) {
-  return {std::string(entry.option) + ": " + why + "; it has to be " + entry.what};
+  return {std::string(entry.option) + ": " + why + "; expected " + entry.what};
 }
 
 base::Result<CsvTable> ReadTable(const RunFiles& files, const RunFileEntry& entry,
@@ -91,7 +91,7 @@ base::Result<CsvTable> ReadTable(const RunFiles& files, const RunFileEntry& entr
   if (const std::string missing = table->Missing(columns); !missing.empty()) {
     return NotJudged(entry, path + ": columns missing: " + missing);
   }
-  if (table->rows() == 0) return NotJudged(entry, path + ": no line behind its header");
+  if (table->rows() == 0) return NotJudged(entry, path + ": no rows after its header");
   return table;
 }
 
@@ -101,11 +101,11 @@ base::Status ReadApp(const RunFiles& files, const RunFileEntry& entry, RunReport
   if (!text.ok()) return NotJudged(entry, text.error());
   const json app = json::parse(*text);
   if (!app.contains("application") || !app["application"].is_string()) {
-    return NotJudged(entry, path + ": /application is missing or no text");
+    return NotJudged(entry, path + ": /application is missing or not a string");
   }
   for (const char* key : {"select_edges", "pose_valid_fraction", "locate_ns_median"}) {
     const bool number = app.contains(key) && app[key].is_number();
-    if (!number) return NotJudged(entry, path + ": /" + key + " is missing or no number");
+    if (!number) return NotJudged(entry, path + ": /" + key + " is missing or not a number");
   }
   report.app = app["application"];
   if (app.contains("profile") && app["profile"].is_string()) report.profile = app["profile"];

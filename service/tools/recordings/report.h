@@ -1,4 +1,4 @@
-// One run judged after the fact: the loop's recording against the twin's truth, and what the application saw.
+// Evaluates a finished run: the loop's recording against the twin's truth, and what the application saw.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +42,7 @@ struct RunReport {
   std::uint64_t late_ticks = 0;
   TrackingErrors tracking;
   // Of the ticks with the pen there: tracked with three published standard deviations of at most kTracked_m, and
-  // tracked less well. NaN: the recording tells no standard deviations.
+  // tracked less well. NaN: the recording has no standard deviations.
   double tracked_fraction = 0, coarse_fraction = 0;
   std::uint64_t contact_ticks = 0;  // rendered force over kContact_N
   double peak_force_N = 0;          // commanded
@@ -74,12 +74,12 @@ struct RunData {
   CsvTable truth;
 };
 
-// Errors: "--loop: FILE: what is wrong; it has to be ...".
+// Errors: "--loop: FILE: what is wrong; expected ...".
 base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& files, RunData& data);
 
 nlohmann::json ToJson(const RunReport& report);
 
-// What did not work, a line each; empty: the run did what it should.
+// Failed expectations, one line each; empty: the run passed.
 std::vector<std::string> Shortcomings(const RunReport& report);
 
 }  // namespace omni::tools

@@ -1,4 +1,4 @@
-// omni report: judges a run's recordings, appends a row to a summary, draws the picture.
+// omni report: evaluates a run's recordings, appends a row to a summary, draws the picture.
 #include <unistd.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ struct ReportArguments {
 base::Result<json> ReadSummary(const char* option, const std::string& path) {
   const auto wrong = [&](const std::string& why) {
     return base::Error{std::string(option) + ": " + why +
-                       "; it has to be a summary: the JSON file of `omni report --summary`"};
+                       "; expected a summary: the JSON file of `omni report --summary`"};
   };
   const base::Result<std::string> text = ReadJsonFile(path, kRowsJson);
   if (!text.ok()) return wrong(text.error());
@@ -45,11 +45,11 @@ base::Result<json> ReadSummary(const char* option, const std::string& path) {
   const bool sound = rows.is_array() && std::all_of(rows.begin(), rows.end(), [](const json& row) {
                        return row.is_object() && row.contains("scene") && row["scene"].is_string();
                      });
-  if (!sound) return wrong(path + ": /scenes is no list of rows with a scene each");
+  if (!sound) return wrong(path + ": /scenes is not a list of rows that each name a scene");
   return summary;
 }
 
-// A row of the same scene is replaced. A summary that is not there yet, or empty, begins with this row.
+// A row of the same scene is replaced. A missing or empty summary starts with this row.
 base::Status AddToSummary(const std::string& path, const RunReport& report) {
   json summary = {{"simulation", true}, {"scenes", json::array()}};
   std::error_code error;
@@ -69,7 +69,7 @@ base::Status AddToSummary(const std::string& path, const RunReport& report) {
   return base::Ok{};
 }
 
-// Without --scene the run alone.
+// Empty without --scene: only the run is drawn.
 base::Result<haptics::Scene> SceneOfRun(const std::string& name, bool custom) {
   if (name.empty()) return haptics::Scene();
   const base::Result<std::string> path = FindScene(name);
@@ -134,7 +134,7 @@ int Report(const ReportArguments& arguments) {
 }  // namespace
 
 void AddReport(Command& app) {
-  Command report = app.AddCommand("report", "judge a run's recordings against the twin's truth");
+  Command report = app.AddCommand("report", "compare a run's recordings with the twin's truth");
   auto arguments = std::make_shared<ReportArguments>();
   report.Add("--name", arguments->name, "name of the run");
   report.Add("--scene", arguments->scene, "drawn in the picture: a scene file, or the name of a shipped one");

@@ -1,5 +1,5 @@
-// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: that as
-// the system counts it. omni scene cache: the built scenes that are kept. The rest: scene_edit.cc.
+// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: the same
+// as counted by the system. omni scene cache: the cached built scenes. The rest: scene_edit.cc.
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -68,20 +68,22 @@ int Cache(const ExplainArguments& arguments) {
 
 void AddScene(Command& app) {
   auto arguments = std::make_shared<ExplainArguments>();
-  Command scene = app.AddCommand("scene", "scene files, and what was sculpted");
+  Command scene = app.AddCommand("scene", "scene files and sculpted surfaces");
   scene.RequireCommand();
-  Command explain = scene.AddCommand("explain", "what of a glTF file is loaded, what not and why, and its cost");
+  Command explain =
+      scene.AddCommand("explain", "show what of a glTF file is loaded, what is not and why, and its cost");
   explain.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
   explain.Add("--fit", arguments->fit, "scale and move the model into reach, as placement = \"fit\" does");
-  explain.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  explain.Add("--touch-all", arguments->touch_all,
+              "make a file without haptic tags touchable everywhere (--fit does too)");
   explain.Add("--json", arguments->as_json, "as JSON");
-  explain.Add("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  explain.Add("--no-cache", arguments->no_cache, "build it even if the scene is cached");
   Command cost = scene.AddCommand("cost", "load a scene and print what it cost this process, as JSON");
   cost.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
-  cost.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags");
-  cost.Add("--no-cache", arguments->no_cache, "build it, even if the built scene is kept");
+  cost.Add("--touch-all", arguments->touch_all, "make a file without haptic tags touchable everywhere");
+  cost.Add("--no-cache", arguments->no_cache, "build it even if the scene is cached");
   cost.Run(arguments, Cost);
-  Command cache = scene.AddCommand("cache", "the built scenes that are kept on disk");
+  Command cache = scene.AddCommand("cache", "show the built scenes cached on disk");
   cache.Add("--clear", arguments->clear, "remove them");
   cache.Run(arguments, Cache);
   explain.Run(arguments, Explain);

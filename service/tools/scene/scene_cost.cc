@@ -36,7 +36,7 @@ ProcessUse LookAtThisProcess() {
 
 base::Result<nlohmann::ordered_json> SceneCost(const std::string& path, const scene::LoadOptions& options,
                                                bool cached) {
-  LookAtThisProcess();  // once before, so that looking itself is not what changes
+  LookAtThisProcess();  // warms up, so that the measurement itself does not count
   const ProcessUse before = LookAtThisProcess();
   const base::Result<LoadedScene> loaded = LoadScene(path, options, cached);
   const ProcessUse after = LookAtThisProcess();

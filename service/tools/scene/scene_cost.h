@@ -19,9 +19,10 @@ struct ProcessUse {
 };
 ProcessUse LookAtThisProcess();
 
-// Loads `path` and says what changed: bytes_file, bytes_read (by the system), bytes_counted (by us), images_decoded,
-// threads (more than before), rss_MB (more than before), load_ms, build_ms, cached, skipped, triangles; and
-// what the service would make besides, without making it: soft_bodies, soft_bytes_max, sculpted, sculpted_bytes.
+// Loads `path` and reports the differences: bytes_file, bytes_read (by the system), bytes_counted (by us),
+// images_decoded, threads (more than before), rss_MB (more than before), load_ms, build_ms, cached, skipped, triangles;
+// and what the service would allocate besides, computed without allocating it: soft_bodies, soft_bytes_max, sculpted,
+// sculpted_bytes.
 base::Result<nlohmann::ordered_json> SceneCost(const std::string& path, const scene::LoadOptions& options, bool cached);
 
 }  // namespace omni::tools

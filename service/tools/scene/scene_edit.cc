@@ -54,7 +54,7 @@ int Edits(const EditArguments& arguments) {
   }
   const nlohmann::json edits = ParseStatus(answer.text);
   if (!edits.is_object()) {
-    return Fail("omni scene edits", "omnid's answer is no JSON object; install the same Omni version for both");
+    return Fail("omni scene edits", "omnid's answer is not a JSON object; install the same Omni version for both");
   }
   if (arguments.as_json) {
     std::cout << edits.dump(2) << "\n";
@@ -90,7 +90,7 @@ int Save(const EditArguments& arguments) {
 
 void AddPlace(Command command, const std::shared_ptr<EditArguments>& arguments) {
   command.Add("--client", arguments->client,
-              "whose scene, by the id of `omni status --json` (default: the owner's, or the only one)");
+              "whose scene: the client's id in `omni status --json` (default: the owner's, or the only one)");
   command.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
 }
 
@@ -98,19 +98,19 @@ void AddPlace(Command command, const std::shared_ptr<EditArguments>& arguments) 
 
 void AddSceneEdits(Command& scene) {
   auto arguments = std::make_shared<EditArguments>();
-  Command edits = scene.AddCommand("edits", "what was sculpted in the running service: objects, strokes, memory");
+  Command edits = scene.AddCommand("edits", "list what was sculpted in the running service: objects, strokes, memory");
   edits.Add("--json", arguments->as_json, "as JSON");
   edits.Run(arguments, Edits);
-  Command undo = scene.AddCommand("undo", "take the last stroke of a sculpted object back");
+  Command undo = scene.AddCommand("undo", "undo the last stroke of a sculpted object");
   undo.Run(arguments, Undo);
-  Command redo = scene.AddCommand("redo", "do the stroke again that was taken back last");
+  Command redo = scene.AddCommand("redo", "redo the stroke that was undone last");
   redo.Run(arguments, Redo);
   for (Command command : {undo, redo}) {
-    command.Add("--object", arguments->object, "name or number (default: the one that was edited last)");
+    command.Add("--object", arguments->object, "name or number (default: the one edited last)");
   }
-  Command save = scene.AddCommand("save", "write the sculpted surfaces as a .glb file, as they are felt now");
+  Command save = scene.AddCommand("save", "write the sculpted surfaces as a .glb file, as they are now");
   save.Add("file", arguments->file, "the file to write").Required().WritesOnly(".glb", "binary glTF");
-  save.Add("--force", arguments->force, "replace a file that is there");
+  save.Add("--force", arguments->force, "replace an existing file");
   save.Run(arguments, Save);
   for (const Command& command : {edits, undo, redo, save}) AddPlace(command, arguments);
 }
@@ -120,9 +120,9 @@ std::string EditsText(const nlohmann::json& edits) {
   for (const nlohmann::json& object : ArrayAt(edits, "/objects")) {
     text += "  " + TextAt(object, "/object") + "  " + TextAt(object, "/name") + ": " + TextAt(object, "/triangles") +
             " triangles, " + TextAt(object, "/strokes") + " strokes, " + TextAt(object, "/undone") +
-            " undone, undo takes " + KiloBytes(NumberAt(object, "/undo_bytes")) + ", the surface " +
-            KiloBytes(NumberAt(object, "/page_bytes")) + (TrueAt(object, "/stroke_open") ? "; a stroke is open" : "") +
-            "\n";
+            " undone, undo memory " + KiloBytes(NumberAt(object, "/undo_bytes")) + ", surface " +
+            KiloBytes(NumberAt(object, "/page_bytes")) +
+            (TrueAt(object, "/stroke_open") ? "; a stroke is in progress" : "") + "\n";
   }
   return text;
 }

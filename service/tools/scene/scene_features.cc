@@ -48,12 +48,12 @@ const MaterialFeature kMaterialFeatures[] = {
     {"friction", "every staticFriction is 0", "coefficient up to ", "",
      [](const Material& m) { return m.static_friction; }},
     {"damping", "every damping is 0", "up to ", " N s/m", [](const Material& m) { return m.damping_Ns_m; }},
-    {"viscosity", "no material has it", "up to ", " N s/m", [](const Material& m) { return m.viscosity_Ns_m; }},
+    {"viscosity", "no material uses it", "up to ", " N s/m", [](const Material& m) { return m.viscosity_Ns_m; }},
     {"grating", "no vibrotactileTexture.amplitude", "amplitude up to ", " mm",
      [](const Material& m) { return 1e3 * m.texture_amplitude_m; }},
-    {"vibration", "no material has it", "up to ", " N", [](const Material& m) { return m.vibration_amplitude_N; }},
-    {"popThrough", "no material has it", "above ", " N", [](const Material& m) { return m.pop_through_N; }},
-    {"magnet", "no material has it", "up to ", " N", [](const Material& m) { return m.magnet_max_force_N; }},
+    {"vibration", "no material uses it", "up to ", " N", [](const Material& m) { return m.vibration_amplitude_N; }},
+    {"popThrough", "no material uses it", "above ", " N", [](const Material& m) { return m.pop_through_N; }},
+    {"magnet", "no material uses it", "up to ", " N", [](const Material& m) { return m.magnet_max_force_N; }},
 };
 
 SceneFeature ByMaterial(const MaterialFeature& feature, const std::vector<Material>& used) {
@@ -72,7 +72,7 @@ SceneFeature Softness(const std::vector<Material>& used, const haptics::LivePlan
   const std::size_t layers =
       CountOf(used, [](const Material& m) { return m.softness.model == SoftnessModel::kWinkler; });
   const std::size_t bodies = CountOf(used, [](const Material& m) { return m.softness.model == SoftnessModel::kTet; });
-  if (layers + bodies == 0) return {"softness", false, "no material has it: not a byte, not a thread"};
+  if (layers + bodies == 0) return {"softness", false, "no material uses it: costs no memory and no thread"};
   std::string why = Plural(layers, "winkler material") + ", " + Plural(bodies, "tet material");
   if (!plan.soft.empty()) {
     const haptics::SoftBodyOptions options;
@@ -85,7 +85,7 @@ SceneFeature Softness(const std::vector<Material>& used, const haptics::LivePlan
 
 SceneFeature Sculpted(const haptics::Scene& scene, const std::vector<Material>& used, const haptics::LivePlan& plan) {
   const std::size_t materials = CountOf(used, [](const Material& m) { return m.sculpt.enabled; });
-  if (materials == 0) return {"sculpt", false, "no material is sculptable: not a byte, not a thread"};
+  if (materials == 0) return {"sculpt", false, "no material is sculptable: costs no memory and no thread"};
   std::size_t triangles = 0;
   for (const std::uint32_t object : plan.sculpted) triangles += scene.objects()[object].triangle_count;
   return {"sculpt", !plan.sculpted.empty(),
@@ -112,7 +112,7 @@ SceneFeature Kinematic(const haptics::Scene& scene) {
   if (!scene.empty()) {
     for (const haptics::Object& object : scene.objects()) moved += (object.flags & haptics::kKinematic) != 0;
   }
-  if (moved == 0) return {"kinematic", false, "no object is: none moves by itself"};
+  if (moved == 0) return {"kinematic", false, "no object is kinematic"};
   return {"kinematic", true, Plural(moved, "object") + " that the application moves"};
 }
 
@@ -138,10 +138,10 @@ std::vector<SceneFeature> FeaturesOf(const LoadedScene& loaded) {
   features.push_back({"vehicle", vehicle, vehicle ? "one" : "no node has the role \"vehicle\""});
   features.push_back({"ball tip", header.tip_radius_m > 0,
                       header.tip_radius_m > 0 ? Short(1e3 * header.tip_radius_m) + " mm"
-                                              : std::string("the scene has no tip.radius: a point")});
+                                              : std::string("the scene has no tip.radius: the tip is a point")});
   features.push_back({"threads", !plan.sculpted.empty(),
                       plan.sculpted.empty() ? "none for this scene; it is built on the service's builder thread"
-                                            : "one that edits the surface, while an application has this scene"});
+                                            : "one that edits the surface, while an application uses this scene"});
   return features;
 }
 

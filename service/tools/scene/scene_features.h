@@ -1,4 +1,4 @@
-// What a loaded scene makes the renderer do: each feature on or off, and why.
+// Which features a loaded scene uses: each on or off, and why.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Loading a scene for a tool: file -> Scene, with both reports, by the user's cache.
+// Loading a scene for a tool: file -> Scene, with both reports, through the user's cache.
 #pragma once
 
 #include <string>
@@ -17,14 +17,14 @@ struct LoadedScene {
   scene::LiveReport live;  // of LoadLiveScene
 };
 
-// `cached`: by the user's cache (config::CacheFolder), as omnid does; false: always built.
+// `cached`: through the user's cache (config::CacheFolder), as omnid does; false: always built.
 base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options, bool cached = true);
 
-// The same with all that changes in it while it is felt: soft bodies, which may take minutes the first time, and
-// sculptable surfaces.
+// The same with everything that changes while the scene is in use: soft bodies, which may take minutes the first time,
+// and sculptable surfaces.
 base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::LoadOptions& options);
 
-// What a person calls a scene -> its file (config/scene_name.h).
+// Name of a scene as typed by a user -> its file (config/scene_name.h).
 base::Result<std::string> FindScene(const std::string& name);
 
 // A scene that we ship: "dragon" -> <scenes>/dragon.glb.

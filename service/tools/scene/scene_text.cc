@@ -122,7 +122,7 @@ std::string Summary(const LoadedScene& loaded) {
   text += "images     " + std::to_string(loaded.load.images_decoded) + " decoded\n";
   if (!loaded.load.cache.empty()) text += "cache      " + Printable(loaded.load.cache) + "\n";
   text += "cost       loaded in " + Number(loaded.load.load_ms) + " ms, built in " + Number(loaded.build.build_ms) +
-          " ms" + (loaded.load.cached ? " (when it was kept)" : "") + ", " + Bytes(loaded.scene.bytes()) +
+          " ms" + (loaded.load.cached ? " (when it was cached)" : "") + ", " + Bytes(loaded.scene.bytes()) +
           " of memory\n";
   return text;
 }

@@ -1,4 +1,4 @@
-// What `omni scene explain` says about a loaded scene.
+// Output of `omni scene explain` about a loaded scene.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace omni::tools {
 
-// What is loaded, what is skipped and why, bytes, cost, materials, warnings. `path` is only named.
+// What is loaded, what is skipped and why, bytes, cost, materials, warnings. `path` is only printed.
 std::string SceneText(const std::string& path, const LoadedScene& scene);
 
 nlohmann::json SceneJson(const std::string& path, const LoadedScene& scene);

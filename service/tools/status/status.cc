@@ -1,4 +1,4 @@
-// omni status: what the service does right now.
+// omni status: the current state of the service.
 #include <iostream>
 #include <memory>
 #include <string>
@@ -37,7 +37,7 @@ int Status(const StatusArguments& arguments) {
 
 void AddStatus(Command& app) {
   auto arguments = std::make_shared<StatusArguments>();
-  Command status = app.AddCommand("status", "what omnid does: device, tick, pen, force, clients, problems");
+  Command status = app.AddCommand("status", "show what omnid does: device, tick, pen, force, clients, problems");
   status.Add("--json", arguments->as_json, "as JSON");
   status.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   status.Run(arguments, Status);

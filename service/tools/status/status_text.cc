@@ -62,14 +62,14 @@ std::string DeviceLine(const json& status) {
 std::string TickLine(const json& status) {
   return TextAt(status, "/tick/count") + " ticks, " + TextAt(status, "/tick/late") + " late; median " +
          TextAt(status, "/tick/us_median", 1) + " us, p99 " + TextAt(status, "/tick/us_p99", 1) + " us, max " +
-         TextAt(status, "/tick/us_max", 1) + " us; the base acts on answers " + TextAt(status, "/tick/response_us", 0) +
-         " us after the sample";
+         TextAt(status, "/tick/us_max", 1) + " us; the base applies new currents " +
+         TextAt(status, "/tick/response_us", 0) + " us after the sample";
 }
 
 std::string RealtimeLine(const json& status) {
   if (TrueAt(status, "/tick/realtime")) return "granted";
   const std::string reason = TextAt(status, "/tick/realtime_reason");
-  return reason == "-" || reason.empty() ? "not asked for" : "refused: " + reason;
+  return reason == "-" || reason.empty() ? "not requested" : "refused: " + reason;
 }
 
 std::string TrackingLine(const json& status) {
@@ -110,9 +110,9 @@ std::string CalibrationLine(const json& status) {
   const std::string misfit =
       TextAt(status, "/calibration_misfit") == "-" ? "" : "; does not fit this base (see problem)";
   if (TextAt(status, "/calibration_refused") != "-") {
-    return "no: the file is refused (see problem), the base works as drawn" + misfit;
+    return "no: the file was rejected (see problem), the base uses its nominal geometry" + misfit;
   }
-  if (file == "-") return "none: the base works as drawn; `omni calibrate` measures it" + misfit;
+  if (file == "-") return "none: the base uses its nominal geometry; to calibrate it: `omni calibrate`" + misfit;
   const std::string note = TextAt(status, "/calibration/note");
   return file + " of " + TextAt(status, "/calibration/date") + ", expected error " +
          TextAt(status, "/calibration/expected_error_mm", 2) + " mm" + (note == "-" ? "" : ", " + note) + misfit;
@@ -133,7 +133,7 @@ std::string MappingLine(const json& status) {
   return protocol::Printable(text);
 }
 
-// Those that are on or have been.
+// Sources that are on or have been on.
 std::string SourcesLine(const json& status) {
   std::string text;
   for (const json& source : ArrayAt(status, "/inputs/sources")) {
@@ -148,7 +148,7 @@ std::string KeyDeviceLine(const json& device) {
   const std::string paths = TextAt(device, "/paths");
   const std::string problem = TextAt(device, "/problem");
   if (!paths.empty() && paths != "-") return TextAt(device, "/rule") + ": " + paths;
-  return TextAt(device, "/rule") + ": " + (problem.empty() || problem == "-" ? "not there" : problem);
+  return TextAt(device, "/rule") + ": " + (problem.empty() || problem == "-" ? "not connected" : problem);
 }
 
 std::string ClientLine(const json& client) {
@@ -177,7 +177,7 @@ std::string StatusText(const json& status) {
   if (NumberAt(status, "/scene/sculpted") > 0) {
     text += Line("sculpted", TextAt(status, "/scene/sculpted") +
                                  (NumberAt(status, "/scene/sculpted") == 1 ? " object" : " objects") +
-                                 "; `omni scene edits` shows more");
+                                 "; see `omni scene edits`");
   }
   const std::string race = RaceText(status);
   if (!race.empty()) text += Line("race", race);
@@ -185,7 +185,7 @@ std::string StatusText(const json& status) {
   if (const std::string sources = SourcesLine(status); !sources.empty()) text += Line("pressed", sources);
   for (const json& device : ArrayAt(status, "/inputs/devices")) text += Line("keys", KeyDeviceLine(device));
   text += Line("alignment", TrueAt(status, "/aligned") ? "aligned with the headset"
-                                                       : "not aligned: the base is assumed in front of you");
+                                                       : "not aligned: the base is assumed to be in front of you");
   const json& clients = ArrayAt(status, "/clients");
   if (clients.empty()) text += Line("clients", "none");
   for (const json& client : clients) text += Line("client", ClientLine(client));

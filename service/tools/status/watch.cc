@@ -1,4 +1,4 @@
-// omni watch: the pen, live. Reads the state memory; asks for the status once a second.
+// omni watch: the pen, live. Reads the state memory; requests the status once a second.
 #include <chrono>
 #include <cmath>
 #include <iostream>
@@ -32,7 +32,7 @@ struct WatchArguments {
   double seconds = std::numeric_limits<double>::infinity();
 };
 
-// Keeps the connection, gathers one frame after the other.
+// Keeps the connection and fills one WatchFrame after another.
 class Watcher {
  public:
   explicit Watcher(const std::string& socket)
@@ -92,7 +92,7 @@ class Watcher {
   bool was_connected_ = false;
 };
 
-// Runs `show` at 20 Hz until it says false, the time is over or a signal came.
+// Runs `show` at 20 Hz until it returns false, the time is over or a signal arrives.
 template <class Show>
 void Run(Watcher& watcher, double seconds, const Show& show) {
   const std::int64_t start_ns = base::MonotonicNow_ns();
@@ -139,8 +139,8 @@ int Watch(const WatchArguments& arguments) {
 
 void AddWatch(Command& app) {
   auto arguments = std::make_shared<WatchArguments>();
-  Command watch = app.AddCommand("watch", "the pen, live: pose, gap, force, contact, inputs");
-  watch.Add("--seconds", arguments->seconds, "end after so long (default: at Ctrl-C)").Positive();
+  Command watch = app.AddCommand("watch", "show the pen live: pose, gap, force, contact, inputs");
+  watch.Add("--seconds", arguments->seconds, "stop after this many seconds (default: at Ctrl-C)").Positive();
   watch.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   watch.Run(arguments, Watch);
 }

@@ -100,7 +100,7 @@ std::string Bar(double value, double full, int width) {
 
 std::string WatchScreen(const WatchFrame& frame, int columns) {
   const int width = std::max(columns, 20);
-  std::string text = "omni watch   (Ctrl-C ends)\n\n";
+  std::string text = "omni watch   (Ctrl-C to quit)\n\n";
   if (!frame.connected)
     return Cut(text + "waiting for omnid\n" + frame.problem + "\n", static_cast<std::size_t>(width));
   text +=

@@ -1,4 +1,4 @@
-// omni surfaces: what omnid publishes for drawing. Asks for the surfaces as an application would, so that they are
+// omni surfaces: what omnid publishes for drawing. Requests the surfaces as an application would, so that they are
 // computed while it runs.
 #include <chrono>
 #include <cmath>
@@ -26,7 +26,7 @@ using client::SurfaceCopy;
 using client::SurfaceRead;
 using client::SurfaceReader;
 
-constexpr auto kReadPeriod = std::chrono::milliseconds(4);  // more often than the service looks
+constexpr auto kReadPeriod = std::chrono::milliseconds(4);  // more often than the service publishes
 constexpr std::int64_t kRatePeriod_ns = 1'000'000'000;
 constexpr std::int64_t kAnswerTime_ns = 2'500'000'000;
 
@@ -50,7 +50,7 @@ class SurfaceCounter {
     connection_.RequestSurfaces(true);
   }
 
-  // True: the rates of another second are there, or there is something else to show.
+  // True: new rates are available, or something else to show.
   bool Read(std::int64_t now_ns) {
     connection_.Poll(now_ns);
     connection_.Beat();
@@ -193,15 +193,20 @@ int Surfaces(const SurfacesArguments& arguments) {
 void AddSurfaces(Command& app) {
   auto arguments = std::make_shared<SurfacesArguments>();
   SurfacesSaveArguments& save = arguments->save;
-  Command surfaces = app.AddCommand("surfaces", "surfaces that give way, are sculpted, extruded or moved, now");
-  Option watch = surfaces.Add("--watch", arguments->watch, "go on, until Ctrl-C");
+  Command surfaces = app.AddCommand("surfaces", "show the surfaces that are soft, sculpted, extruded or moved");
+  Option watch = surfaces.Add("--watch", arguments->watch, "keep updating, until Ctrl-C");
   Option file =
       surfaces.Add("--save", save.file, "write the surfaces as they are now").WritesOnly(".glb", "binary glTF");
   file.Excludes(watch);
-  surfaces.Add("--largest", save.largest, "--save: watch for --seconds, write the moment of the largest displacement")
+  surfaces
+      .Add("--largest", save.largest,
+           "--save: watch for --seconds and write the surfaces at their largest displacement")
       .Needs(file);
-  surfaces.Add("--force", save.force, "--save: replace a file that is there").Needs(file);
-  surfaces.Add("--seconds", arguments->seconds, "--watch: end after so long; --largest: default 10").Positive();
+  surfaces.Add("--force", save.force, "--save: replace an existing file").Needs(file);
+  surfaces
+      .Add("--seconds", arguments->seconds,
+           "--watch: stop after this many seconds; --largest: watch for so many (default 10)")
+      .Positive();
   surfaces.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   surfaces.Run(arguments, Surfaces);
 }

@@ -23,8 +23,8 @@ namespace {
 using client::SurfaceRead;
 
 constexpr const char* kSaveCommand = "omni surfaces";
-constexpr auto kSavePeriod = std::chrono::milliseconds(4);  // more often than the service looks
-constexpr std::int64_t kPublished_ns = 2'500'000'000;       // until then something was published, or nothing will be
+constexpr auto kSavePeriod = std::chrono::milliseconds(4);  // more often than the service publishes
+constexpr std::int64_t kPublished_ns = 2'500'000'000;       // if nothing was published by then, nothing will be
 
 // Vertex in the object's frame -> base frame.
 base::Vec3 PlacedPoint(const protocol::SurfaceFrame& frame, const protocol::SurfacePoint& point) {
@@ -34,7 +34,7 @@ base::Vec3 PlacedPoint(const protocol::SurfaceFrame& frame, const protocol::Surf
   return Rotated({q[0], q[1], q[2], q[3]}, p) + base::Vec3{t[0], t[1], t[2]};
 }
 
-// Asks for the surfaces as an application would, and reads what is published.
+// Requests the surfaces as an application would, and reads what is published.
 class PublishedReader {
  public:
   explicit PublishedReader(const std::string& socket)
@@ -115,9 +115,10 @@ int SaveNow(const SurfacesSaveArguments& arguments) {
   }
   if (!reader.was_connected()) return NoServiceToSave(arguments, reader);
   if (reader.complete()) return WriteSurfaces(arguments, reader.surfaces());
-  return Fail(kSaveCommand, arguments.file +
-                                ": not written: nothing is published; an application with a scene that is soft, "
-                                "sculptable or extruded has to run");
+  return Fail(
+      kSaveCommand,
+      arguments.file +
+          ": not written: nothing is published; run an application whose scene is soft, sculptable or extruded");
 }
 
 int SaveLargest(const SurfacesSaveArguments& arguments) {
@@ -135,9 +136,10 @@ int SaveLargest(const SurfacesSaveArguments& arguments) {
   }
   if (!reader.was_connected()) return NoServiceToSave(arguments, reader);
   if (!best.objects.empty()) return WriteSurfaces(arguments, best);
-  return Fail(kSaveCommand, arguments.file +
-                                ": not written: nothing was displaced meanwhile; touch what is soft or extruded, or "
-                                "watch longer with --seconds");
+  return Fail(
+      kSaveCommand,
+      arguments.file +
+          ": not written: nothing was displaced; touch something soft or extruded, or watch longer with --seconds");
 }
 
 }  // namespace
@@ -193,7 +195,7 @@ std::string SavedText(const PublishedSurfaces& surfaces) {
 int SaveSurfaces(const SurfacesSaveArguments& arguments) {
   std::error_code ignored;
   if (!arguments.force && std::filesystem::exists(std::filesystem::symlink_status(arguments.file, ignored))) {
-    return Fail(kSaveCommand, arguments.file + ": is there already; take another name, or --force to replace it");
+    return Fail(kSaveCommand, arguments.file + ": already exists; choose another name, or replace it with --force");
   }
   return arguments.largest ? SaveLargest(arguments) : SaveNow(arguments);
 }

@@ -14,7 +14,7 @@ struct SurfacesSaveArguments {
   std::string socket;    // empty: the user's
   std::string file;      // NAME.glb
   bool largest = false;  // watch, and write the moment of the largest displacement
-  bool force = false;    // replace a file that is there
+  bool force = false;    // replace an existing file
   double seconds = 10;   // largest: so long, or until Ctrl-C or the service's end
 };
 
@@ -31,8 +31,8 @@ struct PublishedSurfaces {
   double LargestDisplacement_m() const noexcept;
 };
 
-// As a scene of solids in the base frame, each where its application holds it, all of the default material. Objects
-// that are published as a pose only have no surface, and are left out.
+// As a scene of solids in the base frame, each at the pose set by its application, all of the default material. Objects
+// that are published only as a pose have no surface and are omitted.
 haptics::SceneInput SceneOfSurfaces(const PublishedSurfaces& surfaces);
 
 // "1 object, 14000 vertices; largest displacement 1.234 mm (dragon) at t_ns 123"; the stamp is that of the Hall sample

@@ -44,7 +44,7 @@ std::string SurfacesText(const SurfacesView& view) {
   if (!view.connected) return "no service: " + view.problem + "\n";
   if (!view.answered) return "omnid has not answered yet\n";
   if (!view.has_memory) return "nothing to draw: no application's scene has a surface that changes\n";
-  std::string text = Printed("scene %llu, memory %llu of %.1f MB, looked at %.1f times a second\n",
+  std::string text = Printed("scene %llu, memory %llu of %.1f MB, checked %.1f times per second\n",
                              static_cast<unsigned long long>(view.scene_generation),
                              static_cast<unsigned long long>(view.memory_generation),
                              static_cast<double>(view.bytes) * 1e-6, view.looks_Hz);

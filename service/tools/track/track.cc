@@ -59,8 +59,8 @@ base::Result<Loaded> Load(const TrackArguments& arguments) {
     const bool any = std::any_of(loaded.recording.poses.begin(), loaded.recording.poses.end(),
                                  [&](const RecordedPose& pose) { return loaded.truth.count(pose.number) != 0; });
     if (!any) {
-      return base::Error{truth + ": knows none of the poses of " + readings +
-                         "; the numbers in the column pose have to agree"};
+      return base::Error{truth + ": has none of the poses of " + readings +
+                         "; the numbers in the column pose must match"};
     }
   }
   return loaded;
@@ -70,7 +70,7 @@ base::Result<Loaded> Load(const TrackArguments& arguments) {
 std::string Convert(const TrackArguments& arguments, const Loaded& loaded) {
   std::error_code error;
   std::filesystem::create_directories(arguments.convert, error);
-  if (error) return arguments.convert + ": cannot be made (" + error.message() + ")";
+  if (error) return arguments.convert + ": cannot be created (" + error.message() + ")";
   std::string problem = WriteText(arguments.convert + "/device.toml", config::WriteArray(loaded.array));
   if (problem.empty()) problem = WriteText(arguments.convert + "/readings.csv", WriteRecording(loaded.recording));
   if (problem.empty() && !loaded.truth.empty()) {
@@ -87,7 +87,7 @@ base::Result<TrackCurrents> CurrentsOf(const TrackArguments& arguments, const Lo
     return base::Error{"--currents hidden: the device has no coils (no current maps); leave the option out"};
   }
   if (loaded.recording.has_currents && !coils) {
-    return base::Error{"the readings have currents but the device no coils; give the device's windings or maps"};
+    return base::Error{"the readings have currents but the device has no coils; add the device's windings or maps"};
   }
   if (arguments.currents == "measured" && !loaded.recording.has_currents) {
     return base::Error{"--currents measured: the readings have no columns i0_A, i1_A, i2_A"};
@@ -118,7 +118,7 @@ void PrintFits(const std::vector<TrackedRow>& rows, TrackCurrents currents) {
                 Quantile(chi2_per_dof, 0.5));
     std::printf("cold start       %.3g evaluations (median)\n", Quantile(iterations, 0.5));
   }
-  if (currents == TrackCurrents::kHidden) std::printf("currents         not told to the tracker\n");
+  if (currents == TrackCurrents::kHidden) std::printf("currents         hidden from the tracker\n");
 }
 
 int Report(const TrackArguments& arguments, const Loaded& loaded, const std::vector<TrackedRow>& rows) {

@@ -47,7 +47,7 @@ std::string AddRow(const TrackTable& table, std::size_t row, const Columns& colu
   }
   if (seen.back()[*sensor]) {
     return table.Where(row) + "sensor " + std::to_string(*sensor) + " of pose " + std::to_string(*pose) +
-           " stands there twice; remove one, and keep the rows of a pose together";
+           " appears twice; remove one, and keep the rows of a pose together";
   }
   seen.back()[*sensor] = true;
   double field_T[3];
@@ -98,8 +98,8 @@ base::Result<Recording> ReadRecording(const std::string& path, const base::Calib
   std::size_t currents = 0;
   for (const char* name : kCurrentColumns) currents += table->Has(name) ? 1 : 0;
   if (currents != 0 && currents != std::size(kCurrentColumns)) {
-    return base::Error{path + ":1: of i0_A, i1_A, i2_A only " + std::to_string(currents) +
-                       " are there; give all three or none"};
+    return base::Error{path + ":1: has only " + std::to_string(currents) +
+                       " of the columns i0_A, i1_A, i2_A; give all three or none"};
   }
   recording.has_currents = currents != 0;
   std::vector<std::vector<bool>> seen;
@@ -152,7 +152,7 @@ base::Result<Truth> ReadTruth(const std::string& path) {
     }
     const TruePose true_pose{{p_m[0], p_m[1], p_m[2]}, {u.x / length, u.y / length, u.z / length}};
     if (!truth.emplace(*pose, true_pose).second) {
-      return base::Error{table->Where(row) + "pose " + std::to_string(*pose) + " stands there twice; remove one"};
+      return base::Error{table->Where(row) + "pose " + std::to_string(*pose) + " appears twice; remove one"};
     }
   }
   return truth;

@@ -1,4 +1,4 @@
-// A recording of an array: readings pose by pose, and, where somebody measured it, the true pose.
+// A recording of an array: readings pose by pose, and the true pose where it was measured.
 // Formats: docs/howto/track.md.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace omni::tools {
 constexpr double kFieldMax_T = 2;
 
 struct RecordedPose {
-  std::size_t number = 0;                  // as the file calls it
+  std::size_t number = 0;                  // as in the file
   std::vector<base::Vec3> field_sensor_T;  // by sensor, background included
   std::array<double, base::kCoilCount> current_A{};
 };

@@ -1,4 +1,4 @@
-// Tracks a recording pose by pose: each row cold, without any hint, and once more warm, from the row before.
+// Tracks a recording pose by pose: each row with a cold start, and again with a warm start from the row before.
 #pragma once
 
 #include <array>
@@ -42,14 +42,14 @@ struct TrackedRow {
 base::Result<std::vector<TrackedRow>> TrackRecording(const base::Calibration& array, const Recording& recording,
                                                      const TrackOptions& options);
 
-// One line a pose: the cold answer with its covariance and residuals, and the warm one's pose.
+// One line per pose: the cold solution with its covariance and residuals, and the warm one's pose.
 std::string WritePoses(const std::vector<TrackedRow>& rows);
 
-// One line a pose and sensor: residuals of the cold answer.
+// One line per pose and sensor: residuals of the cold solution.
 std::string WriteResiduals(const std::vector<TrackedRow>& rows);
 
-// Errors against the truth, a row a start: start, n, mean_mm, median_mm, p95_mm, max_mm, orientation_mean_deg, ...
-// Poses that the truth does not know, and those without an answer, are counted, not averaged.
+// Errors against the truth, one row per kind of start: start, n, mean_mm, median_mm, p95_mm, max_mm,
+// orientation_mean_deg, ... Poses without a solution are counted, not averaged; poses that the truth lacks are ignored.
 Rows TrackErrors(const std::vector<TrackedRow>& rows, const Truth& truth);
 
 }  // namespace omni::tools

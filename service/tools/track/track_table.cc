@@ -30,7 +30,7 @@ std::vector<std::string_view> Split(std::string_view line) {
   }
 }
 
-// What stands in a file ends up in terminals: short, without control characters.
+// Text from a file for terminals: shortened, without control characters.
 std::string Quoted(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text.substr(0, 40)) quoted += c >= 0x20 && c < 0x7F ? c : '?';
@@ -47,7 +47,8 @@ std::string Listed(const std::vector<std::string>& names) {
 std::string ParseNumber(std::string_view text, double& value) {
   if (text.empty()) return "is empty";
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (parsed.ec != std::errc{} || parsed.ptr != text.data() + text.size()) return "= " + Quoted(text) + " is no number";
+  if (parsed.ec != std::errc{} || parsed.ptr != text.data() + text.size())
+    return "= " + Quoted(text) + " is not a number";
   return std::isfinite(value) ? "" : "= " + Quoted(text) + " is not finite";
 }
 
@@ -66,7 +67,7 @@ base::Result<TrackTable> TrackTable::Read(const std::string& path) {
   if (!std::getline(file, line)) return base::Error{path + ": is empty; a header line is expected"};
   for (const std::string_view field : Split(line)) {
     if (table.Has(std::string(field))) {
-      return base::Error{path + ":1: column " + Quoted(field) + " stands there twice; remove one"};
+      return base::Error{path + ":1: column " + Quoted(field) + " appears twice; remove one"};
     }
     table.names_.emplace_back(field);
   }
@@ -85,7 +86,7 @@ base::Result<TrackTable> TrackTable::Read(const std::string& path) {
       double value = 0;
       if (const std::string problem = ParseNumber(fields[i], value); !problem.empty()) {
         return base::Error{where + "column " + Quoted(table.names_[i]) + " " + problem +
-                           "; every field has to be a finite number: leave out poses with missing readings"};
+                           "; every field must be a finite number: leave out poses with missing readings"};
       }
       table.values_.push_back(value);
     }
@@ -104,7 +105,7 @@ std::string TrackTable::Where(std::size_t row) const { return path_ + ":" + std:
 base::Status TrackTable::Require(const std::vector<std::string>& columns) const {
   for (const std::string& column : columns) {
     if (!Has(column)) {
-      return base::Error{path_ + ":1: column " + column + " is missing; there are: " + Listed(names_)};
+      return base::Error{path_ + ":1: column " + column + " is missing; the columns are: " + Listed(names_)};
     }
   }
   return base::Ok{};
@@ -120,13 +121,13 @@ base::Result<TrackTable::UnitColumn> TrackTable::ColumnWithUnit(const std::strin
     if (!Has(name)) continue;
     if (!found.unit.empty()) {
       return base::Error{path_ + ":1: columns " + stem + "_" + found.unit + " and " + name +
-                         " say the same in two units; keep one"};
+                         " give the same value in two units; keep one"};
     }
     found = {IndexOf(name), units[i].factor, units[i].name};
   }
   if (!found.unit.empty()) return found;
   return base::Error{path_ + ":1: column " + stem + " with its unit is missing; one of " + allowed +
-                     " is expected, there are: " + Listed(names_)};
+                     " is expected, the columns are: " + Listed(names_)};
 }
 
 base::Result<TrackTable::UnitColumn> TrackTable::FieldColumn(const std::string& stem) const {

@@ -1,4 +1,4 @@
-// A strict CSV table: header line, finite numbers, nothing else. For recordings that somebody else wrote; our own runs
+// A strict CSV table: header line, finite numbers, nothing else. For third-party recordings; recordings of our own runs
 // are read by csv_table.h. Errors name file, line, column, value and remedy.
 #pragma once
 

@@ -1,4 +1,4 @@
-// A hand path that touches any scene: found by looking down on it, for the twin and for demos of unknown files.
+// A hand path that touches any scene, found from its height map; for the twin and for demos of unknown files.
 #pragma once
 
 #include "service/base/result.h"
@@ -13,7 +13,7 @@ struct HandPathOptions {
   double press_m = 0.005;  // how far below the surface the hand aims
 };
 
-// Approaches, presses, slides to the next point. Error when nothing of the scene lies within reach (says what does).
+// Approaches, presses, slides to the next point. Error if nothing of the scene is within reach; it states the reach.
 base::Result<sim::HandScript> MakeHandPath(const haptics::Scene& scene, const HandPathOptions& options);
 
 // The JSON text that sim::LoadHandScript reads.

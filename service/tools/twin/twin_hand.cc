@@ -1,5 +1,5 @@
-// omni twin hand: a person's stand-in at the pen of the digital twin. Sees and feels what omnid tells its clients, and
-// moves nothing but the aim of the simulated hand.
+// omni twin hand: acts in place of a person at the pen of the digital twin. Perceives only what omnid publishes to its
+// clients, and moves only the aim of the simulated hand.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -35,7 +35,7 @@ protocol::HandAim MessageOf(const sim::HandAim& aim) {
   return {.present = aim.present ? 1U : 0U, .tip_base_m = {p.x, p.y, p.z}, .axis_base = {u.x, u.y, u.z}};
 }
 
-// Until the task is done, nothing answers any more, or patience is at its end.
+// Until the task is done, omnid is gone, or the time is over.
 int LeadHand(const HandArguments& arguments, const Intent& intent) {
   const EndSignals signals;
   Eyes eyes(arguments.socket, {.soft = intent.soft, .clay = intent.clay});
@@ -51,7 +51,8 @@ int LeadHand(const HandArguments& arguments, const Intent& intent) {
       return Fail(kHandCommand, intent.task->Account() + after);
     }
     const Perceived seen = eyes.Look(base::MonotonicNow_ns());
-    if (was_connected && !eyes.connected()) return Fail(kHandCommand, "omnid has gone: " + intent.task->Account());
+    if (was_connected && !eyes.connected())
+      return Fail(kHandCommand, "lost the connection to omnid: " + intent.task->Account());
     was_connected = eyes.connected();
     const auto aim = intent.task->Next(seen);
     if (aim && hand.Connect()) hand.Send(MessageOf(*aim));
@@ -62,7 +63,7 @@ int LeadHand(const HandArguments& arguments, const Intent& intent) {
     std::fprintf(stderr, "%s: %s\n", kHandCommand, eyes.problem().c_str());
     return kExitNoService;
   }
-  if (!intent.task->done()) return Fail(kHandCommand, "ended by a signal: " + intent.task->Account());
+  if (!intent.task->done()) return Fail(kHandCommand, "interrupted: " + intent.task->Account());
   std::printf("%s (%.1f s)\n", intent.task->Account().c_str(), elapsed_s());
   return kExitOk;
 }
@@ -85,14 +86,15 @@ int TwinHand(const HandArguments& arguments) {
 void AddTwinHand(Command& twin) {
   auto arguments = std::make_shared<HandArguments>();
   Command hand = twin.AddCommand(
-      "hand", "hold the twin's pen like a person: drive, sculpt or press by what omnid tells applications");
-  hand.Add("scene", arguments->scene, "what the application shows: a .glb or .gltf file, or a shipped scene")
+      "hand", "move the twin's pen like a person: drive, sculpt or press by what omnid publishes to applications");
+  hand.Add("scene", arguments->scene, "the scene that the application shows: a .glb or .gltf file, or a shipped one")
       .Required();
   hand.Add("--hand", arguments->hand, "the socket of `omnid --device twin --twin-hand`").Required();
-  hand.Add("--patience", arguments->patience_s, "seconds until it gives up").Range(1.0, 3600.0).ShowDefault();
+  hand.Add("--patience", arguments->patience_s, "give up after this many seconds").Range(1.0, 3600.0).ShowDefault();
   hand.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
   hand.Add("--fit", arguments->fit, "the application's scene is scaled and moved into reach");
-  hand.Add("--touch-all", arguments->touch_all, "it has no haptic tags and is touched anyway (--fit does too)");
+  hand.Add("--touch-all", arguments->touch_all,
+           "the scene has no haptic tags and is touchable everywhere (--fit does too)");
   hand.Run(arguments, TwinHand);
 }
 

@@ -1,6 +1,5 @@
 // omni twin run: the whole loop against the twin in this process, in virtual time. Deterministic: prints a hash. The
-// truth is recorded by the twin and compared when the run is over.
-// omni twin path: a hand script for any scene.
+// twin records its truth, which is compared after the run. omni twin path: a hand script for any scene.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -57,7 +56,7 @@ base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::
   return MakeHandPath(scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
 }
 
-// Where the twin records its truth: the file asked for, else one of our own that goes away again.
+// Where the twin records its truth: the requested file, otherwise a temporary one.
 class TruthFile {
  public:
   explicit TruthFile(const std::string& wanted) : path_(wanted), ours_(wanted.empty()) {
@@ -152,15 +151,15 @@ int RunTwin(const RunArguments& arguments) {
   std::printf("%s", ErrorsText(errors).c_str());
   std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
   if (errors.compared_ticks > 0) return kExitOk;
-  return Fail("omni twin run", "the pen was tracked in no tick, so there is no error to tell");
+  return Fail("omni twin run", "the pen was not tracked in any tick, so there is no error to report");
 }
 
-// A base that has just been plugged in arms and is swept before the pen comes.
+// Long enough to arm a base that was just plugged in and to sweep it before the pen arrives.
 constexpr CalibratingHand kCalibratingHand{.away_s = 12};
 
 base::Result<sim::HandScript> PathFor(const PathArguments& arguments) {
   if (arguments.calibration) return MakeCalibratingHand(config::DefaultDevice(), kCalibratingHand);
-  if (arguments.scene.empty()) return base::Error{"a scene is missing, or --calibration"};
+  if (arguments.scene.empty()) return base::Error{"needs a scene, or --calibration"};
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return base::Error{found.error()};
   const std::string& path = *found;
@@ -186,29 +185,32 @@ void AddTwin(Command& app) {
   Command twin = app.AddCommand("twin", "the digital twin: a simulated base, pen and hand");
   twin.RequireCommand();
   auto arguments = std::make_shared<RunArguments>();
-  Command run = twin.AddCommand("run", "the whole loop on the twin, in virtual time; prints a hash of every tick");
+  Command run = twin.AddCommand("run", "run the whole loop on the twin, in virtual time; prints a hash over all ticks");
   run.Add("scene", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
-  run.Add("--seed", arguments->seed, "of noise and imperfections").ShowDefault();
+  run.Add("--seed", arguments->seed, "seed of noise and imperfections").ShowDefault();
   run.Add("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
   run.Add("--seconds", arguments->seconds, "default: the script's length");
   run.Add("--record", arguments->record, "CSV file of the twin's truth");
   const Option twin_option = run.Add("--twin", arguments->twin, config::kTwinHelp);
   run.AddShort("--ideal", arguments->twin, config::kIdeal, config::kIdealHelp).Excludes(twin_option);
-  Option calibration = run.Add("--calibration", arguments->calibration,
-                               "calibration.toml of `omni calibrate` with the same seed; default: made once and kept");
-  run.Add("--as-drawn", arguments->as_drawn, "not calibrated").Excludes(calibration);
+  Option calibration =
+      run.Add("--calibration", arguments->calibration,
+              "calibration.toml of `omni calibrate` with the same seed; default: computed once and cached");
+  run.Add("--as-drawn", arguments->as_drawn, "use the nominal geometry, without a calibration").Excludes(calibration);
   run.Add("--fit", arguments->fit, "scale and move the model into reach");
-  run.Add("--touch-all", arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  run.Add("--touch-all", arguments->touch_all, "make a file without haptic tags touchable everywhere (--fit does too)");
   run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
   run.Run(arguments, RunTwin);
 
   auto path_arguments = std::make_shared<PathArguments>();
   Command path = twin.AddCommand("path", "write a hand script that touches a scene or calibrates the base");
   path.Add("scene", path_arguments->scene, "a .glb or .gltf file, or the name of a shipped scene");
-  path.Add("--calibration", path_arguments->calibration, "what a person does for omni calibrate instead; no scene");
+  path.Add("--calibration", path_arguments->calibration,
+           "what a person does for omni calibrate instead; needs no scene");
   path.Add("--output,-o", path_arguments->output, "hand script to write").Required();
   path.Add("--fit", path_arguments->fit, "scale and move the model into reach");
-  path.Add("--touch-all", path_arguments->touch_all, "touch all of a file without haptic tags (--fit does too)");
+  path.Add("--touch-all", path_arguments->touch_all,
+           "make a file without haptic tags touchable everywhere (--fit does too)");
   path.Run(path_arguments, WritePath);
   AddTwinHand(twin);
 }

@@ -1,5 +1,5 @@
-// Rule "ExplicitLayerArchitectures": a name in XR_ENABLE_API_LAYERS is asked for by every application, so the layer
-// must be there for every architecture that has an OpenXR loader; where it is not, applications fail to start.
+// Rule "ExplicitLayerArchitectures": every application requests the layers named in XR_ENABLE_API_LAYERS, so each must
+// be installed for every architecture that has an OpenXR loader; otherwise applications fail to start.
 // [OpenXR-API-Layers-GUI, ExplicitLayerArchitecturesLinter]
 #include <map>
 #include <set>
@@ -44,13 +44,13 @@ Finding LintExplicitLayerArchitectures(const Surroundings& surroundings) {
     for (const auto& [architecture, loader] : loaders) {
       if (available.count(architecture) != 0) continue;
       objections.Add(Verdict::kWarn,
-                     name + " is enabled for all applications but not there for " + architecture + " (" + loader +
-                         "): such applications do not start",
+                     name + " is enabled for all applications but not installed for " + architecture + " (" + loader +
+                         "): applications of that architecture do not start",
                      "install the layer for " + architecture +
                          " too, or enable it as an implicit layer (omni layer enable) or in the application");
     }
   }
-  return objections.Sum("every layer that is enabled by name is there for every loader");
+  return objections.Sum("every layer enabled by name is installed for the architecture of every loader");
 }
 
 }  // namespace omni::tools

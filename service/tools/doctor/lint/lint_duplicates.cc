@@ -1,6 +1,6 @@
-// Rule "Duplicates": of two manifests of the same kind that name the same layer, the loader takes the first it reads,
-// in an order that nobody promises. Debian's one manifest per architecture is no duplicate.
-// [OpenXR-API-Layers-GUI, DuplicatesLinter]
+// Rule "Duplicates": of two manifests of the same kind that name the same layer, the loader uses the first it reads, in
+// unspecified order. Debian's one manifest per architecture is not a duplicate. [OpenXR-API-Layers-GUI,
+// DuplicatesLinter]
 #include <map>
 #include <set>
 #include <tuple>
@@ -28,8 +28,8 @@ Finding LintDuplicates(const Surroundings& surroundings) {
     objections.Add(Verdict::kWarn,
                    std::string("two ") + (manifest.implicit ? "implicit" : "explicit") + " manifests name " +
                        manifest.name + ": " + same->second.string() + " and " + manifest.file.string() +
-                       "; the loader takes one of them",
-                   "remove the one that is not wanted");
+                       "; the loader uses only one of them",
+                   "remove the one that you do not want");
   }
   return objections.Sum("no layer is installed twice");
 }

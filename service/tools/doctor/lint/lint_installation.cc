@@ -1,5 +1,5 @@
-// Rule "BadInstallation": every manifest is one that the loader takes, its library is there, and XR_ENABLE_API_LAYERS
-// names only layers that are. [OpenXR-API-Layers-GUI, BadInstallationLinter]
+// Rule "BadInstallation": the loader accepts every manifest, its library exists, and XR_ENABLE_API_LAYERS names only
+// installed layers. [OpenXR-API-Layers-GUI, BadInstallationLinter]
 #include "service/tools/doctor/objections.h"
 #include "service/tools/doctor/openxr_manifests.h"
 
@@ -32,7 +32,7 @@ Finding LintBadInstallation(const Surroundings& surroundings) {
         "remove the name from XR_ENABLE_API_LAYERS, or install that layer (XR_API_LAYER_PATH replaces the "
         "standard folders: list them too)");
   }
-  return objections.Sum(std::to_string(manifests.size()) + " layers are installed soundly");
+  return objections.Sum(std::to_string(manifests.size()) + " layers are installed correctly");
 }
 
 }  // namespace omni::tools

@@ -1,4 +1,4 @@
-// Rule "SkippedByLoader": the loader takes every layer that by its own rules it should.
+// Rule "SkippedByLoader": the loader uses every layer that it should use by its own rules.
 // [OpenXR-API-Layers-GUI, SkippedByLoaderLinter]
 #include <algorithm>
 
@@ -10,11 +10,11 @@ namespace omni::tools {
 Finding LintSkippedByLoader(const Surroundings& surroundings) {
   const LoaderAnswer& loader = surroundings.loader;
   if (!loader.asked) {
-    return {Verdict::kOk, "no OpenXR loader here: applications bring their own", {}};
+    return {Verdict::kOk, "no OpenXR loader is installed: applications bring their own", {}};
   }
   if (!loader.error.empty()) {
     return {Verdict::kFail, "the OpenXR loader cannot list the layers: " + loader.error,
-            "mend the manifests above; XR_LOADER_DEBUG=all makes the loader say what it reads"};
+            "fix the manifests above; with XR_LOADER_DEBUG=all the loader prints what it reads"};
   }
   Objections objections;
   for (const LayerManifest& manifest : FindLayerManifests(surroundings)) {
@@ -22,9 +22,9 @@ Finding LintSkippedByLoader(const Surroundings& surroundings) {
     if (std::find(loader.layers.begin(), loader.layers.end(), manifest.name) != loader.layers.end()) continue;
     objections.Add(IsOurs(manifest) ? Verdict::kFail : Verdict::kWarn,
                    manifest.name + " (" + manifest.file.string() + ") is skipped by the loader",
-                   "start an application with XR_LOADER_DEBUG=all: the loader says why");
+                   "start an application with XR_LOADER_DEBUG=all: the loader prints why");
   }
-  return objections.Sum("the loader lists " + std::to_string(loader.layers.size()) + " layers, as it should");
+  return objections.Sum("the loader lists " + std::to_string(loader.layers.size()) + " layers, as expected");
 }
 
 }  // namespace omni::tools

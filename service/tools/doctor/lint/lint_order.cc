@@ -1,5 +1,5 @@
 // Rule "Ordering": some layers work only above or below certain others. Implicit layers are above those that are
-// enabled by name; among implicit ones the loader on Linux promises no order. [OpenXR-API-Layers-GUI, OrderingLinter
+// enabled by name; among implicit ones the order on Linux is unspecified. [OpenXR-API-Layers-GUI, OrderingLinter
 // and its rules; what concerns our layer is ours]
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 namespace omni::tools {
 namespace {
 
-// Each a layer's name, or an extension that a layer brings. Above: closer to the application.
+// Each is the name of a layer, or of an extension that a layer provides. Above: closer to the application.
 struct OrderRule {
   const char* above;
   const char* below;
@@ -19,15 +19,16 @@ constexpr const char* kHandClicking = "XR_APILAYER_FREDEMMOTT_HandTrackedCockpit
 constexpr const char* kMotionCompensation = "XR_APILAYER_NOVENDOR_motion_compensation";
 constexpr const char* kToolkit = "XR_APILAYER_MBUCCHIA_toolkit";
 constexpr OrderRule kOrderRules[] = {
-    {kLayerName, kMotionCompensation, "it moves the spaces that the pen is placed in"},
-    {kLayerName, kHandClicking, "it keeps suggested bindings to itself"},
+    {kLayerName, kMotionCompensation, "it moves the spaces in which the pen is placed"},
+    {kLayerName, kHandClicking, "it does not pass suggested bindings on"},
     {kMotionCompensation, kHandClicking, "the two do not work in the other order"},
     {"XR_APILAYER_NOVENDOR_XRNeckSafer", kHandClicking, "the two do not work in the other order"},
-    {"XR_APILAYER_FREDEMMOTT_OpenKneeboard", kMotionCompensation, "it moves the poses that the upper one draws with"},
-    {"XR_APILAYER_app_racelab_Overlay", kMotionCompensation, "it moves the poses that the upper one draws with"},
-    {kHandClicking, "XR_EXT_hand_tracking", "it needs the extension that the lower one brings"},
-    {kToolkit, "XR_EXT_hand_tracking", "it needs the extension that the lower one brings"},
-    {kToolkit, "XR_EXT_eye_gaze_interaction", "it needs the extension that the lower one brings"},
+    {"XR_APILAYER_FREDEMMOTT_OpenKneeboard", kMotionCompensation,
+     "it changes the poses that the upper layer draws with"},
+    {"XR_APILAYER_app_racelab_Overlay", kMotionCompensation, "it changes the poses that the upper layer draws with"},
+    {kHandClicking, "XR_EXT_hand_tracking", "it needs the extension that the lower layer provides"},
+    {kToolkit, "XR_EXT_hand_tracking", "it needs the extension that the lower layer provides"},
+    {kToolkit, "XR_EXT_eye_gaze_interaction", "it needs the extension that the lower layer provides"},
 };
 
 struct Enabled {
@@ -72,12 +73,12 @@ Finding LintOrdering(const Surroundings& surroundings) {
         objections.Add(Verdict::kWarn,
                        upper + (by_chance ? " is above " + lower + " only by chance: both are implicit"
                                           : " must be above " + lower + ": " + rule.why),
-                       "name them in XR_ENABLE_API_LAYERS in this order: " + upper + ":" + lower +
-                           (by_chance ? " (and switch the implicit manifests off)" : ""));
+                       "list them in XR_ENABLE_API_LAYERS in this order: " + upper + ":" + lower +
+                           (by_chance ? " (and disable the implicit manifests)" : ""));
       }
     }
   }
-  return objections.Sum(std::to_string(enabled.size()) + " enabled layers stand in an order that works");
+  return objections.Sum(std::to_string(enabled.size()) + " enabled layers are in a working order");
 }
 
 }  // namespace omni::tools
