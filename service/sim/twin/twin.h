@@ -36,9 +36,9 @@ base::Result<HandScript> LoadHandScript(const std::string& path);
 struct TwinOptions {
   std::uint64_t seed = 1;
   HandScript script;  // as LoadHandScript accepts it; no waypoints: no pen
-  std::shared_ptr<HandGuide>
-      guide;              // null: the script is played; else it guides the hand, and the script's path is not played
-  bool imperfect = true;  // false: nominal device, nothing but noise and heat (tests of other parts)
+  // null: the script is played; else it guides the hand, and the script's path is not played
+  std::shared_ptr<HandGuide> guide;
+  bool imperfect = true;        // false: nominal device, nothing but noise and heat (tests of other parts)
   base::TruthParameters truth;  // how far from nominal, what happens over time; config::DefaultTwin() has it all
   bool flip_coil_sign = false;  // test hook: coil z wired backwards
   std::string recording_path;   // CSV of truth and currents, every device tick; empty: none
