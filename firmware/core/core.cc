@@ -196,7 +196,7 @@ void Core::FinishTick(const Inputs& inputs) noexcept {
   }
   tick_us_ = now_us_;
   wire::Telemetry telemetry;
-  const std::uint64_t t_device_us = tick_.Take(settings_, inputs, hall_, heat_, telemetry);
+  const std::uint64_t t_device_us = tick_.Fill(settings_, inputs, hall_, heat_, telemetry);
   telemetry.state = state_;
   telemetry.faults = faults();
   telemetry.ack_seq = gate_.seq();

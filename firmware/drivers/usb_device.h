@@ -210,7 +210,7 @@ class UsbDevice {
   void HandleSetups() noexcept {
     for (int i = 0; i < kSetupsPerInterrupt; ++i) {
       if ((bus_.Read(kEndpointSetupStat) & 1U) == 0) return;
-      const Setup setup = TakeSetup();
+      const Setup setup = PopSetup();
       if ((bus_.Read(kEndpointSetupStat) & 1U) != 0) continue;
       ++counters_.setups;
       suspended_ = false;
@@ -220,7 +220,7 @@ class UsbDevice {
   }
 
   // ["Setup Phase", with the tripwire]: a SETUP that comes while the eight bytes are copied clears SUTW.
-  Setup TakeSetup() noexcept {
+  Setup PopSetup() noexcept {
     Setup setup;
     bus_.Write(kEndpointSetupStat, 1);
     const std::uint32_t command = bus_.Read(kUsbCmd) & ~kUsbCmdSetupTripwire;

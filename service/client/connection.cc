@@ -85,8 +85,8 @@ struct Connection::Impl {
   void Handle(const Incoming&, const protocol::ForceProperties& properties);
   void Handle(const Incoming&, const protocol::HapticSceneNews& news);
   void Handle(const Incoming&, const protocol::HapticSceneRows& rows);
-  void Handle(const Incoming&, const protocol::Placement& there) { placement = there; }
-  void Handle(const Incoming&, const protocol::PlacementReply& reply);
+  void Handle(const Incoming&, const protocol::BasePose& there) { placement = there; }
+  void Handle(const Incoming&, const protocol::BasePoseReply& reply);
   void KeepHapticScene(HapticSceneUpdate update);
   // A packet that must not come now, or not at all.
   void RefuseNonsense(std::int64_t now_ns, const std::string& what);
@@ -128,11 +128,11 @@ struct Connection::Impl {
   std::optional<SceneAnswer> scene_answer;
   std::vector<HapticSceneUpdate> haptic_scene;
   std::uint64_t welcomes = 0;
-  std::optional<protocol::PlacementRequest> placement_request;
+  std::optional<protocol::BasePoseRequest> placement_request;
   bool placement_pending = false;  // the service does not know `placement_request` yet
-  std::optional<protocol::Placement> placement;
+  std::optional<protocol::BasePose> placement;
   std::uint32_t placement_commands = 0;  // sent so far
-  std::optional<PlacementAnswer> placement_answer;
+  std::optional<BasePoseAnswer> placement_answer;
   std::string last_error;
   std::vector<std::byte> buffer;
 };
@@ -224,7 +224,7 @@ void Connection::Impl::Handle(const Incoming& packet, const protocol::Welcome& w
   placement_pending = placement_request.has_value();
 }
 
-void Connection::Impl::Handle(const Incoming&, const protocol::PlacementReply& reply) {
+void Connection::Impl::Handle(const Incoming&, const protocol::BasePoseReply& reply) {
   placement_answer = {.number = reply.number, .done = reply.done == 1, .text = protocol::Printable(reply.text)};
 }
 
@@ -439,34 +439,34 @@ std::uint32_t Connection::SendSceneCommand(protocol::SceneAction action, std::ui
   return impl_->Send(message) ? ++impl_->scene_commands : 0;
 }
 
-std::optional<SceneAnswer> Connection::TakeSceneAnswer() { return std::exchange(impl_->scene_answer, std::nullopt); }
+std::optional<SceneAnswer> Connection::PopSceneAnswer() { return std::exchange(impl_->scene_answer, std::nullopt); }
 
 std::uint64_t Connection::welcomes() const noexcept { return impl_->welcomes; }
 
-std::vector<HapticSceneUpdate> Connection::TakeHapticSceneUpdates() { return std::exchange(impl_->haptic_scene, {}); }
-bool Connection::RequestPlacement(const protocol::PlacementRequest& request) noexcept {
+std::vector<HapticSceneUpdate> Connection::PopHapticSceneUpdates() { return std::exchange(impl_->haptic_scene, {}); }
+bool Connection::RequestBasePose(const protocol::BasePoseRequest& request) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication) return false;
   impl_->placement_request = request;
   impl_->placement_pending = !impl_->Send(request);
   return !impl_->placement_pending;
 }
 
-std::optional<protocol::Placement> Connection::TakePlacement() noexcept {
+std::optional<protocol::BasePose> Connection::PopBasePose() noexcept {
   return std::exchange(impl_->placement, std::nullopt);
 }
 
-std::uint32_t Connection::SendPlacementCommand(protocol::PlacementCommand command) noexcept {
+std::uint32_t Connection::SendBasePoseCommand(protocol::BasePoseCommand command) noexcept {
   command.number = impl_->placement_commands + 1;
   return impl_->Send(command) ? ++impl_->placement_commands : 0;
 }
 
-std::optional<PlacementAnswer> Connection::TakePlacementAnswer() {
+std::optional<BasePoseAnswer> Connection::PopBasePoseAnswer() {
   return std::exchange(impl_->placement_answer, std::nullopt);
 }
 
-std::string Connection::TakeStatus() { return std::exchange(impl_->status, {}); }
+std::string Connection::PopStatus() { return std::exchange(impl_->status, {}); }
 
-std::vector<protocol::Notice> Connection::TakeNotices() { return std::exchange(impl_->notices, {}); }
+std::vector<protocol::Notice> Connection::PopNotices() { return std::exchange(impl_->notices, {}); }
 
 const protocol::AppSettings& Connection::settings() const noexcept { return impl_->settings; }
 

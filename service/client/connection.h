@@ -13,10 +13,10 @@
 #include "service/client/state_reader.h"
 #include "service/client/surface_reader.h"
 #include "service/protocol/app_settings.h"
+#include "service/protocol/base_pose.h"
 #include "service/protocol/control.h"
 #include "service/protocol/environment.h"
 #include "service/protocol/force_feedback.h"
-#include "service/protocol/placement.h"
 #include "service/protocol/waveform.h"
 
 namespace omni::client {
@@ -46,8 +46,8 @@ struct SceneAnswer {
 };
 
 // The answer to a placement command.
-struct PlacementAnswer {
-  std::uint32_t number = 0;  // that SendPlacementCommand returned
+struct BasePoseAnswer {
+  std::uint32_t number = 0;  // that SendBasePoseCommand returned
   bool done = false;         // false: refused
   std::string text;          // for people
 };
@@ -106,28 +106,28 @@ class Connection {
   // Number of the command, which its answer bears; 0: not sent. `object` longer than the field is cut.
   std::uint32_t SendSceneCommand(protocol::SceneAction action, std::uint64_t client_id, const std::string& object);
   // Newest answer to a scene command; taking it clears it.
-  std::optional<SceneAnswer> TakeSceneAnswer();
+  std::optional<SceneAnswer> PopSceneAnswer();
 
   // Counts the connections made so far: of the scene that this application gives nothing is sent again, so who keeps
   // the document looks at it.
   std::uint64_t welcomes() const noexcept;
   // What came since the last call, oldest first; at most kMaxHapticSceneUpdates wait, older ones are dropped.
   static constexpr std::size_t kMaxHapticSceneUpdates = 16;
-  std::vector<HapticSceneUpdate> TakeHapticSceneUpdates();
+  std::vector<HapticSceneUpdate> PopHapticSceneUpdates();
   // Asks where the base stands in one of these spaces; asked again on reconnection. The answer, and every later change,
-  // comes by TakePlacement. False: not connected yet, it is asked then.
-  bool RequestPlacement(const protocol::PlacementRequest& request) noexcept;
+  // comes by PopBasePose. False: not connected yet, it is asked then.
+  bool RequestBasePose(const protocol::BasePoseRequest& request) noexcept;
   // The newest since the last call.
-  std::optional<protocol::Placement> TakePlacement() noexcept;
+  std::optional<protocol::BasePose> PopBasePose() noexcept;
   // Number of the command, which its answer bears; 0: not sent, or this client is no tool. `command.number` is set
   // here.
-  std::uint32_t SendPlacementCommand(protocol::PlacementCommand command) noexcept;
-  std::optional<PlacementAnswer> TakePlacementAnswer();
+  std::uint32_t SendBasePoseCommand(protocol::BasePoseCommand command) noexcept;
+  std::optional<BasePoseAnswer> PopBasePoseAnswer();
 
   // Newest answer to RequestStatus (JSON), empty if none yet; taking it clears it.
-  std::string TakeStatus();
+  std::string PopStatus();
   // Notices received since the last call.
-  std::vector<protocol::Notice> TakeNotices();
+  std::vector<protocol::Notice> PopNotices();
   // What the service last wished; all defaults while it never did. Kept over a lost connection.
   const protocol::AppSettings& settings() const noexcept;
   // Why the last attempt failed: names the path and what to do. Empty when connected.

@@ -76,7 +76,7 @@ std::uint64_t FileWriter::Request(const std::string& path, std::string text) {
   return number;
 }
 
-std::optional<FileWriter::Written> FileWriter::TakeWritten() {
+std::optional<FileWriter::Written> FileWriter::PopWritten() {
   const std::lock_guard lock(shared_->mutex);
   if (shared_->written.empty()) return std::nullopt;
   Written one = std::move(shared_->written.front());

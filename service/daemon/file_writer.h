@@ -31,7 +31,7 @@ class FileWriter {
     std::string path;
     base::Status status;
   };
-  std::optional<Written> TakeWritten();
+  std::optional<Written> PopWritten();
 
  private:
   struct Shared;  // with the thread, which outlives this when a disk hangs

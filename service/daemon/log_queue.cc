@@ -95,7 +95,7 @@ class Writer {
       state_.writing.store(true);
       const bool any = ReadSome();
       limit_.Report(base::MonotonicNow_ns(), text_);
-      if (stop && !any) TakeRest();
+      if (stop && !any) PopRest();
       WriteAll();
       state_.writing.store(false);
       if (stop && !any) break;
@@ -126,7 +126,7 @@ class Writer {
     return true;
   }
 
-  void TakeRest() {
+  void PopRest() {
     if (!line_.empty()) limit_.Add(std::exchange(line_, {}), base::MonotonicNow_ns(), text_);
     limit_.ReportAll(base::MonotonicNow_ns(), text_);
   }

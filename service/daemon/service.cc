@@ -45,7 +45,7 @@ Service::Service(ServiceOptions options)
                     return server_->Send(id, properties);
                   }}),
       placement_writer_([this](ipc::ClientId id, std::uint32_t number, bool done, const std::string& text) {
-        protocol::PlacementReply reply;
+        protocol::BasePoseReply reply;
         reply.number = number;
         reply.done = done ? 1 : 0;
         protocol::SetField(reply.text, text);
@@ -73,7 +73,7 @@ void Service::OnClient(const ipc::ClientInfo& client) {
   clients_[client.id] = {.info = client, .app = config::FindApp(options_.apps, client.application), .scene = nullptr};
   if (client.role != protocol::ClientRole::kApplication) return;
   force_.Add(client.id);
-  TellForce();
+  SendForceProperties();
   spdlog::info("client {}: application \"{}\" (pid {})", client.id, client.application, client.pid);
   Send(client.id, SettingsFor(clients_[client.id].app));
 }
@@ -152,21 +152,21 @@ struct Service::RequestHandler {
   void operator()(const M& force) const {
     const std::int64_t now_ns = base::MonotonicNow_ns();
     if (service.force_.Take(id, force, now_ns)) service.WriteCommands(now_ns);
-    if (std::is_same_v<M, protocol::ForceClaim>) service.TellForce();
+    if (std::is_same_v<M, protocol::ForceClaim>) service.SendForceProperties();
   }
 
   void operator()(const protocol::SurfaceRequest& request) const {
-    if (service.clients_.count(id) != 0) service.surfaces_.Ask(id, request.wanted != 0);
+    if (service.clients_.count(id) != 0) service.surfaces_.Request(id, request.wanted != 0);
   }
   void operator()(const protocol::SceneCommand& command) const {
     constexpr SculptAction kActions[] = {SculptAction::kEdits, SculptAction::kUndo, SculptAction::kRedo,
                                          SculptAction::kSave};
-    service.sculpt_.Ask({.asker = id,
-                         .number = command.number,
-                         .client = command.client_id,
-                         .action = kActions[static_cast<std::size_t>(command.action) - 1],
-                         .object = command.object},
-                        service.owners_.owner());
+    service.sculpt_.Request({.asker = id,
+                             .number = command.number,
+                             .client = command.client_id,
+                             .action = kActions[static_cast<std::size_t>(command.action) - 1],
+                             .object = command.object},
+                            service.owners_.owner());
   }
 
   void operator()(const protocol::HapticSceneLoad& load) const {
@@ -183,21 +183,21 @@ struct Service::RequestHandler {
     Commit(service.app_scenes_.SetMaterial(id, material));
   }
 
-  void operator()(const protocol::PlacementRequest& request) const {
+  void operator()(const protocol::BasePoseRequest& request) const {
     if (service.clients_.count(id) == 0) return;
-    service.placements_.Ask(id, request);
-    service.TellPlacements();
+    service.placements_.Request(id, request);
+    service.SendBasePoses();
   }
   void operator()(const protocol::SpaceChange& change) const {
     const auto found = service.clients_.find(id);
     if (found == service.clients_.end() || !found->second.session_seen) return;
     service.placements_.Change(id, change, base::MonotonicNow_ns());
-    service.TellPlacements();
+    service.SendBasePoses();
   }
-  void operator()(const protocol::PlacementCommand& command) const {
-    service.placement_writer_.Answer(id, command.number,
-                                     service.placements_.Do(command, static_cast<std::int64_t>(std::time(nullptr))));
-    service.TellPlacements();
+  void operator()(const protocol::BasePoseCommand& command) const {
+    service.placement_writer_.Answer(
+        id, command.number, service.placements_.Execute(command, static_cast<std::int64_t>(std::time(nullptr))));
+    service.SendBasePoses();
   }
 };
 
@@ -205,8 +205,8 @@ void Service::OnRequest(ipc::ClientId id, const protocol::Request& request, base
   std::visit(RequestHandler{*this, id, file}, request);
 }
 
-void Service::TellPlacements() {
-  placements_.Tell([this](ipc::ClientId id, const protocol::Placement& placement) {
+void Service::SendBasePoses() {
+  placements_.Notify([this](ipc::ClientId id, const protocol::BasePose& placement) {
     return server_ != nullptr && server_->Send(id, placement);
   });
   if (options_.on_aligned) options_.on_aligned(Aligned());
@@ -220,20 +220,20 @@ bool Service::Aligned() const {
 }
 
 void Service::OnPeriod(std::int64_t now_ns) {
-  TakeBuiltScenes();
-  TakeSoftBodies();
-  TakeSculptNews();
+  HandleBuiltScenes();
+  HandleSoftBodies();
+  HandleSculptResults();
   WriteCommands(now_ns);
-  TellForce();
+  SendForceProperties();
   UpdateSurfaces();
   placement_writer_.TakeWritten(placements_);
-  TellPlacements();
+  SendBasePoses();
   ReleaseScenes();
-  app_scenes_.Tell(owners_.owner(), generation_);
+  app_scenes_.Notify(owners_.owner(), generation_);
 }
 
-void Service::TakeBuiltScenes() {
-  while (std::optional<BuiltScene> built = builder_.TakeResult()) {
+void Service::HandleBuiltScenes() {
+  while (std::optional<BuiltScene> built = builder_.PopResult()) {
     if (AppScenes::IsJob(built->client)) {
       TakeAppScene(std::move(*built));
       continue;
@@ -274,8 +274,8 @@ void Service::TakeAppScene(BuiltScene built) {
   sculpt_.Add(id, scene->file, scene->scene);
 }
 
-void Service::TakeSoftBodies() {
-  while (std::optional<SoftOutcome> soft = builder_.TakeSoftOutcome()) {
+void Service::HandleSoftBodies() {
+  while (std::optional<SoftOutcome> soft = builder_.PopSoftOutcome()) {
     soft->client = AppScenes::ClientOf(soft->client);
     const std::string what = soft->file + ": " + soft->object + ": ";
     if (!soft->error.empty()) {
@@ -288,11 +288,11 @@ void Service::TakeSoftBodies() {
   }
 }
 
-void Service::TakeSculptNews() {
-  while (const std::optional<SculptProblem> problem = sculpt_.TakeProblem()) {
+void Service::HandleSculptResults() {
+  while (const std::optional<SculptProblem> problem = sculpt_.PopProblem()) {
     Problem(problem->client, 1, problem->text);
   }
-  while (const std::optional<SculptAnswer> answer = sculpt_.TakeAnswer()) {
+  while (const std::optional<SculptAnswer> answer = sculpt_.PopAnswer()) {
     if (server_ == nullptr) continue;
     protocol::SceneReply reply;
     reply.number = answer->number;
@@ -308,7 +308,7 @@ void Service::DropScene(Client& client) {
 }
 
 std::shared_ptr<const BuiltScene> Service::SceneOf(ipc::ClientId id) const {
-  if (app_scenes_.Stands(id)) return app_scenes_.Felt(id);
+  if (app_scenes_.Stands(id)) return app_scenes_.Active(id);
   const auto found = clients_.find(id);
   return found == clients_.end() ? nullptr : found->second.scene;
 }
@@ -346,18 +346,18 @@ void Service::WriteCommands(std::int64_t now_ns) {
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(),
                          .generation = generation_,
                          .build = scene == nullptr ? 0 : scene->build});
-  if (vibration_.TakeFresh()) loop_->vibration().Write(vibration_.samples());  // before what names them
+  if (vibration_.PopFresh()) loop_->vibration().Write(vibration_.samples());  // before what names them
   loop_->commands().Write(commands);
 }
 
-void Service::TellForce() {
+void Service::SendForceProperties() {
   if (server_ == nullptr) return;
   protocol::ForceProperties properties;
   {
     const std::lock_guard lock(loop_mutex_);
     properties = force_properties_;
   }
-  force_.Tell(properties);
+  force_.Notify(properties);
 }
 
 void Service::UpdateSurfaces() {
@@ -418,7 +418,7 @@ std::string Service::StatusJson() {
                              .soft = builder_.Progress(scene == nullptr ? id : scene->client),
                              .sculpted = scene == nullptr ? 0 : SculptedOf(*scene->scene),
                              .aligned = placements_.Aligned(id)});
-    if (const protocol::PlacementRequest* request = placements_.RequestOf(id)) {
+    if (const protocol::BasePoseRequest* request = placements_.RequestOf(id)) {
       input.clients.back().runtime = request->headset.runtime;
       input.clients.back().system = request->headset.system;
     }

@@ -13,10 +13,10 @@
 #include "service/config/files/app_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/inputs/input_settings.h"
+#include "service/daemon/clients/base_pose_writer.h"
+#include "service/daemon/clients/base_poses.h"
 #include "service/daemon/clients/force_clients.h"
 #include "service/daemon/clients/owner.h"
-#include "service/daemon/clients/placement_writer.h"
-#include "service/daemon/clients/placements.h"
 #include "service/daemon/clients/vibration.h"
 #include "service/daemon/devices/room_finding.h"
 #include "service/daemon/keys/key_thread.h"
@@ -87,16 +87,16 @@ class Service : public ipc::ServerHandler {
   void Send(ipc::ClientId id, const M& message, std::string_view tail = {}) {
     if (server_ != nullptr) server_->Send(id, message, tail);
   }
-  void TakeBuiltScenes();
+  void HandleBuiltScenes();
   void TakeAppScene(BuiltScene built);
   std::shared_ptr<const BuiltScene> SceneOf(ipc::ClientId id) const;  // that is felt while this client owns the force
-  void TakeSoftBodies();
-  void TakeSculptNews();
+  void HandleSoftBodies();
+  void HandleSculptResults();
   void ReleaseScenes();
   void WriteCommands(std::int64_t now_ns);
   void UpdateSurfaces();
-  void TellForce();
-  void TellPlacements();
+  void SendForceProperties();
+  void SendBasePoses();
   bool Aligned() const;
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   protocol::AppSettings SettingsFor(const config::AppEntry* app) const;
@@ -117,8 +117,8 @@ class Service : public ipc::ServerHandler {
   AppScenes app_scenes_;
   Vibration vibration_;
   ForceClients force_;
-  PlacementWriter placement_writer_;
-  Placements placements_;
+  BasePoseWriter placement_writer_;
+  BasePoses placements_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   std::mutex loop_mutex_;

@@ -15,7 +15,7 @@
 #include "service/device/response_time.h"
 #include "service/device/scan_conversion.h"
 #include "service/device/usb/arming.h"
-#include "service/device/usb/command_life.h"
+#include "service/device/usb/command_ttl.h"
 #include "service/device/usb/counters.h"
 
 namespace omni::device {

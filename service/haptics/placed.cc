@@ -7,13 +7,13 @@
 namespace omni::haptics {
 namespace {
 
-bool IsPlacement(const Placement& placement) noexcept {
+bool IsBasePose(const Placement& placement) noexcept {
   const base::Quat& q = placement.rotation;
   const double norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  return std::abs(norm2 - 1) < 1e-6 && Within(placement.translation_m, kFarthestPlacement_m);
+  return std::abs(norm2 - 1) < 1e-6 && Within(placement.translation_m, kFurthestBase_m);
 }
 
-Frame PlacementFrame(const Placement& placement) noexcept {
+Frame BasePoseFrame(const Placement& placement) noexcept {
   return {false, placement.rotation, placement.translation_m};
 }
 
@@ -53,7 +53,7 @@ Frame FrameIn(const State& state, std::uint32_t object) noexcept {
 }
 
 // What is touched is left where it was, and its force fades out; what is around the tip in the new place is taken on by
-// Touchables.
+// ContactScene.
 void Leap(const Frame& before, const Frame& now, bool drives, State& state) noexcept {
   const Turn turn{before, now};
   Vec3 left_N = (state.left_fade_s / kSwapFade_s) * state.left_N;
@@ -103,11 +103,11 @@ void OutputToBase(const Frame& frame, Output& output) noexcept {
 
 void StepPlaced(const Config& config, const Scene& scene, const Placement& placement, bool leaps, const Input& input,
                 State& state, Output& output) noexcept {
-  const Placement there = IsPlacement(placement) ? placement : state.placement;
+  const Placement there = IsBasePose(placement) ? placement : state.placement;
   if (there == Placement{} && state.placement == Placement{} && !leaps) {
     return Step(config, scene, input, state, output);
   }
-  const Frame before = PlacementFrame(state.placement), now = PlacementFrame(there);
+  const Frame before = BasePoseFrame(state.placement), now = BasePoseFrame(there);
   const bool moves = !(there == state.placement);
   if (moves) state.last_force_N = Turn{before, now}(state.last_force_N);
   if (leaps) Leap(before, now, !scene.empty() && scene.header().has_joystick != 0, state);

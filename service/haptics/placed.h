@@ -7,7 +7,7 @@
 
 namespace omni::haptics {
 
-inline constexpr double kFarthestPlacement_m = 100;
+inline constexpr double kFurthestBase_m = 100;
 
 // Step with the scene at `placement`. `input` and `output` are in the base frame but for `input.poses`, which are in
 // the scene's. `leaps`: it was put there since the last tick, not moved: forces at the old place fade out, those at the

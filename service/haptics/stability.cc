@@ -77,7 +77,7 @@ double DampingLimit(const Config& config, const base::PointNoise& noise) noexcep
 }
 
 // `dt_s`: since the last time.
-void Renew(const Config& config, const Input& input, bool touching, double dt_s, OfferState& state) noexcept {
+void Renew(const Config& config, const Input& input, bool touching, double dt_s, StiffnessBoundState& state) noexcept {
   if (!touching || !state.known) {
     const double best_s = BestPrediction_s(config, input);
     state.predict_s = state.known ? Approach(state.predict_s, best_s, dt_s, kPredictTime_s) : best_s;
@@ -101,11 +101,11 @@ double LoopLag_s(const Config& config, const Input& input) noexcept {
 }
 
 // K sigma is what noise allows, and sigma_n^2 = c^2 sigma_along^2 + (1 - c^2) sigma_worst^2, c = n . axis.
-double StiffnessAlong(const Offer& offer, const Vec3& direction) noexcept {
-  if (!(offer.stiffness_N_m > 0 && offer.along_N_m > offer.stiffness_N_m)) return offer.stiffness_N_m;
-  const double c = Dot(direction, offer.axis_base), share = std::clamp(c * c, 0.0, 1.0);
-  const double ratio = offer.stiffness_N_m / offer.along_N_m;
-  return offer.stiffness_N_m / std::sqrt(share * ratio * ratio + (1 - share));
+double StiffnessAlong(const StiffnessBound& bound, const Vec3& direction) noexcept {
+  if (!(bound.stiffness_N_m > 0 && bound.along_N_m > bound.stiffness_N_m)) return bound.stiffness_N_m;
+  const double c = Dot(direction, bound.axis_base), share = std::clamp(c * c, 0.0, 1.0);
+  const double ratio = bound.stiffness_N_m / bound.along_N_m;
+  return bound.stiffness_N_m / std::sqrt(share * ratio * ratio + (1 - share));
 }
 
 double StiffnessLimit(const Config& config, const Input& input, const base::PointNoise& noise,
@@ -145,17 +145,18 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept {
   return best_s;
 }
 
-Offer UpdateOffer(const Config& config, const Input& input, bool touching, OfferState& state) noexcept {
+StiffnessBound UpdateStiffnessBound(const Config& config, const Input& input, bool touching,
+                                    StiffnessBoundState& state) noexcept {
   if (!(LoopLag_s(config, input) > 0) || !IsPlausible(input.noise)) return {};
   state.age_s += input.dt_s;
   if (!state.known || state.age_s >= (touching ? kRenewInTouch_s : kRenewInAir_s)) {
     Renew(config, input, touching, state.age_s, state);
     state.age_s = 0;
   }
-  return OfferOf(input.axis_base, state);
+  return StiffnessBoundOf(input.axis_base, state);
 }
 
-Offer OfferOf(const Vec3& axis_base, const OfferState& state) noexcept {
+StiffnessBound StiffnessBoundOf(const Vec3& axis_base, const StiffnessBoundState& state) noexcept {
   return {state.stiffness_N_m, state.along_N_m, axis_base, state.damping_Ns_m, state.predict_s};
 }
 

@@ -12,7 +12,7 @@ namespace omni::haptics {
 using base::Vec3;
 
 // What is offered in one tick.
-struct Offer {
+struct StiffnessBound {
   double stiffness_N_m = 0;  // in the worst direction
   double along_N_m = 0;      // along the pen's axis, at least that
   Vec3 axis_base;            // unit, or zero
@@ -25,7 +25,7 @@ struct Offer {
 double LoopLag_s(const Config& config, const Input& input) noexcept;
 
 // Stiffness offered along a unit direction   (3.5)
-double StiffnessAlong(const Offer& offer, const Vec3& direction) noexcept;
+double StiffnessAlong(const StiffnessBound& bound, const Vec3& direction) noexcept;
 
 // Largest stiffness while the tip is predicted by `predict_s`; zero if an input is not a number.   (3.2)-(3.4)
 double StiffnessLimit(const Config& config, const Input& input, const base::PointNoise& noise,
@@ -35,10 +35,11 @@ double StiffnessLimit(const Config& config, const Input& input, const base::Poin
 double BestPrediction_s(const Config& config, const Input& input) noexcept;
 
 // Follows the limits: up and down in the air, only down in touch, where every change of stiffness would move the hand.
-Offer UpdateOffer(const Config& config, const Input& input, bool touching, OfferState& state) noexcept;
+StiffnessBound UpdateStiffnessBound(const Config& config, const Input& input, bool touching,
+                                    StiffnessBoundState& state) noexcept;
 
-// What UpdateOffer gave last.
-Offer OfferOf(const Vec3& axis_base, const OfferState& state) noexcept;
+// What UpdateStiffnessBound gave last.
+StiffnessBound StiffnessBoundOf(const Vec3& axis_base, const StiffnessBoundState& state) noexcept;
 
 // Springs K_i along unit n_i add up to sum K_i n_i n_i', whose largest eigenvalue is at most
 // max_i sum_j K_j |n_i . n_j|   (Gershgorin on the Gram matrix, 3.7). With `load` = K_i over what may be offered along

@@ -93,7 +93,7 @@ struct VehicleState {
 };
 
 // The stiffness on offer, which moves slowly: haptics/stability.h.
-struct OfferState {
+struct StiffnessBoundState {
   bool known = false;
   double age_s = 0;  // since it was renewed
   double predict_s = 0;
@@ -177,7 +177,7 @@ struct State {
   std::array<LiveMaterial, kMaxLiveMaterials> materials;
   Placement placement;  // at the last tick: forces and places here are in the frame of the scene
   VehicleState vehicle;
-  OfferState offer;
+  StiffnessBoundState bound;
   EnergyState energy;
   SwingState swing;
   base::Vec3 left_N;       // force of contacts whose surface was taken from under the tip ...

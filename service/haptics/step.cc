@@ -4,10 +4,10 @@
 
 #include "service/base/force_limit.h"
 #include "service/haptics/contact/contact_force.h"
+#include "service/haptics/contact/contact_scene.h"
 #include "service/haptics/contact/contact_set.h"
 #include "service/haptics/contact/effects.h"
 #include "service/haptics/contact/sculpt_touch.h"
-#include "service/haptics/contact/touchables.h"
 #include "service/haptics/energy_watch.h"
 #include "service/haptics/extrude/extrude.h"
 #include "service/haptics/geometry/query.h"
@@ -96,26 +96,26 @@ bool NothingHere(const Scene& scene, const Input& input, const Vec3& tip, const 
 }
 
 // Distance to what can be touched. Renews the motion bound and returns the pull of a magnetic surface.
-Vec3 LookAround(const Touchables& touchables, double stiffness_limit_N_m, const Vec3& tip, State& state) noexcept {
+Vec3 LookAround(const ContactScene& contact_scene, double stiffness_limit_N_m, const Vec3& tip, State& state) noexcept {
   constexpr double kNowhere_m = 1e3;
   constexpr double kMargin_m = 2e-6;  // longer than sweeps are back-dated
-  const Scene& scene = touchables.scene();
+  const Scene& scene = contact_scene.scene();
   double distance_m = kNowhere_m;
   Vec3 towards;
   const Material* material = nullptr;
   for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
-    const Target target = touchables.TargetOf(i);
+    const Target target = contact_scene.TargetOf(i);
     if ((target.object.flags & kCollidable) == 0) continue;
     if (target.boxed && !(BoxDistance(target.object, target.tip) < distance_m)) continue;
-    touchables.On(i, [&](const auto& view) noexcept {
+    contact_scene.On(i, [&](const auto& view) noexcept {
       const NearestResult found = NearestInTree(view, target.root, target.tip, distance_m);
       if (found.triangle == kNoIndex) return;
       distance_m = std::sqrt(found.closest.distance_squared);
-      towards = touchables.FrameOf(i).BaseDirection(found.closest.point - target.tip);
+      towards = contact_scene.FrameOf(i).BaseDirection(found.closest.point - target.tip);
       material = &scene.materials()[view.GetTriangle(found.triangle).material];
     });
   }
-  const double gap_m = distance_m - touchables.tip_radius_m();
+  const double gap_m = distance_m - contact_scene.tip_radius_m();
   state.far_origin_base_m = tip;
   state.far_distance_m = std::max(0.0, gap_m - scene.header().magnet_range_m - kMargin_m);
   if (material == nullptr || !(gap_m < scene.header().magnet_range_m)) return {};
@@ -153,8 +153,8 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touch
 }
 
 // Follows the contacts to the tip and gives their forces.
-ContactForces Follow(const Touchables& touchables, const Offer& offer, const Input& input, const Vec3& on_changed_N,
-                     State& state) noexcept {
+ContactForces Follow(const ContactScene& contact_scene, const StiffnessBound& bound, const Input& input,
+                     const Vec3& on_changed_N, State& state) noexcept {
   std::array<Vec3, kMaxContacts> last_proxy_m;
   std::array<bool, kMaxContacts> was_active{};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
@@ -162,73 +162,74 @@ ContactForces Follow(const Touchables& touchables, const Offer& offer, const Inp
     was_active[k] = state.contacts[k].active;
   }
   if (state.was_tracked) {
-    UpdateContacts(touchables, input.dt_s, state);
+    UpdateContacts(contact_scene, input.dt_s, state);
   } else {
-    StartContacts(touchables, state);
+    StartContacts(contact_scene, state);
   }
-  if (touchables.anything_moves()) StartLeaving(touchables, on_changed_N, state);
+  if (contact_scene.anything_moves()) StartLeaving(contact_scene, on_changed_N, state);
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     if (!was_active[k]) last_proxy_m[k] = state.contacts[k].proxy_m;
   }
-  return ForcesOf(offer, touchables, input, last_proxy_m, state);
+  return ForcesOf(bound, contact_scene, input, last_proxy_m, state);
 }
 
 using RegionTouches = std::array<RegionTouch, kMaxRegions>;
 
-RegionTouches TouchesOf(const Touchables& touchables, const ContactForces& forces, const State& state) noexcept {
+RegionTouches TouchesOf(const ContactScene& contact_scene, const ContactForces& forces, const State& state) noexcept {
   RegionTouches touches{};
-  if (touchables.surface().region_count() == 0) return touches;
+  if (contact_scene.surface().region_count() == 0) return touches;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     const ContactState& contact = state.contacts[k];
-    if (!contact.IsFelt() || touchables.TableOf(contact.object) != nullptr) continue;
-    const std::uint32_t region = touchables.surface().RegionOf(contact.triangle);
+    if (!contact.IsFelt() || contact_scene.TableOf(contact.object) != nullptr) continue;
+    const std::uint32_t region = contact_scene.surface().RegionOf(contact.triangle);
     if (region != kNoIndex) touches[region] = {forces.of[k].elastic_N, forces.of[k].depth_m};
   }
   return touches;
 }
 
 // Faces that are pushed in and pulled out; their force on the tip, base frame.
-Vec3 StepRegions(const Touchables& touchables, const Offer& offer, const Input& input, const RegionTouches& touches,
-                 State& state) noexcept {
-  const auto regions = touchables.scene().regions();
+Vec3 StepRegions(const ContactScene& contact_scene, const StiffnessBound& bound, const Input& input,
+                 const RegionTouches& touches, State& state) noexcept {
+  const auto regions = contact_scene.scene().regions();
   Vec3 sum;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const Region& region = regions[r];
-    const Target target = touchables.TargetOf(region.object);
-    const Frame frame = touchables.FrameOf(region.object);
+    const Target target = contact_scene.TargetOf(region.object);
+    const Frame frame = contact_scene.FrameOf(region.object);
     const ExtrudeInput extrude{input.tracked, target.tip, frame.RestDirection(input.velocity_base_m_s), input.dt_s,
-                               offer.stiffness_N_m};
-    const Extrude& feel = touchables.scene().materials()[region.material].extrude;
+                               bound.stiffness_N_m};
+    const Extrude& feel = contact_scene.scene().materials()[region.material].extrude;
     sum = sum + frame.BaseDirection(StepRegion(region, feel, touches[r], extrude, state.regions[r]));
   }
   return sum;
 }
 
 // The tip's contact forces, and what they do to surfaces that can be formed.
-Touched Touch(const Scene& scene, const Offer& offer, const Input& input, State& state, Output& output) noexcept {
+Touched Touch(const Scene& scene, const StiffnessBound& bound, const Input& input, State& state,
+              Output& output) noexcept {
   const Vec3 tip = input.device_point_base_m;
   if (IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state))) return {};
   const bool live_materials = !input.materials.empty() || state.materials[0].material != kNoIndex;
   const bool felt_anew = live_materials && ChangeMaterials(scene, input, AnyContact(state), state);
-  const Touchables touchables(scene, input, state);
+  const ContactScene contact_scene(scene, input, state);
   Touched touched;
-  const Vec3 on_changed_N = touchables.anything_moves() ? ForceOnChanged(touchables, state) : Vec3{};
-  if (touchables.anything_moves()) RebindContacts(touchables, state);
-  touched.moving = touchables.anything_moves() || !RegionsRest(scene, state) || felt_anew;
+  const Vec3 on_changed_N = contact_scene.anything_moves() ? ForceOnChanged(contact_scene, state) : Vec3{};
+  if (contact_scene.anything_moves()) RebindContacts(contact_scene, state);
+  touched.moving = contact_scene.anything_moves() || !RegionsRest(scene, state) || felt_anew;
   if (touched.moving) state.far_distance_m = 0;
   ContactForces forces;
   RegionTouches touches{};
   if (!StillFar(tip, state) || !ToolsRest(scene, state)) {
-    if (input.tracked) forces = Follow(touchables, offer, input, on_changed_N, state);
-    touched.others_N = StepSculptTools(offer, touchables, input, forces, state);
+    if (input.tracked) forces = Follow(contact_scene, bound, input, on_changed_N, state);
+    touched.others_N = StepSculptTools(bound, contact_scene, input, forces, state);
     if (input.tracked) touched.contacts_N = Collect(forces, state.ramp, state, touched, output);
-    if (input.tracked) touches = TouchesOf(touchables, forces, state);
+    if (input.tracked) touches = TouchesOf(contact_scene, forces, state);
     state.far_distance_m = 0;
     if (input.tracked && !AnyContact(state)) {
-      touched.others_N = touched.others_N + LookAround(touchables, offer.stiffness_N_m, tip, state);
+      touched.others_N = touched.others_N + LookAround(contact_scene, bound.stiffness_N_m, tip, state);
     }
   }
-  touched.others_N = touched.others_N + StepRegions(touchables, offer, input, touches, state);
+  touched.others_N = touched.others_N + StepRegions(contact_scene, bound, input, touches, state);
   touched.moving = touched.moving || !RegionsRest(scene, state) || input.scene_motion != SceneMotion::kStill;
   if (state.left_fade_s > 0) touched.others_N = touched.others_N + FadeLeaving(input.dt_s, state);
   ForgetUntouched(state);
@@ -292,16 +293,16 @@ double Watch(const Config& config, const Input& measured, const Touched& touched
 }
 
 // What the scene does, and what of it the device may.
-void Render(const Config& config, const Offer& offer, const Scene& scene, const Input& measured, const Vec3& tip,
-            bool steady, State& state, Output& output) noexcept {
+void Render(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& measured,
+            const Vec3& tip, bool steady, State& state, Output& output) noexcept {
   Input input = measured;
   input.device_point_base_m = tip;
   Touched touched;
   Vec3 others_N;
   if (!scene.empty()) {
-    touched = Touch(scene, offer, input, state, output);
+    touched = Touch(scene, bound, input, state, output);
     others_N =
-        touched.others_N + Play(config, offer, scene, input, touched.contacts_N + touched.others_N, state, output);
+        touched.others_N + Play(config, bound, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
   const bool passive = steady && state.ramp == 1 && !touched.moving && !input.pushed && others_N == Vec3{};
   output.energy_gain = Watch(config, measured, touched, steady, passive, state);
@@ -312,17 +313,17 @@ void Render(const Config& config, const Offer& offer, const Scene& scene, const 
 // A far tip should cost nothing: it copies nothing and asks nobody.
 void StepClean(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
   const bool steady = Remember(config, input, state);
-  Offer offer;
+  StiffnessBound bound;
   Vec3 tip = input.device_point_base_m;
   if (input.tracked) {
-    offer = UpdateOffer(config, input, AnyContact(state), state.offer);
-    tip = tip + offer.predict_s * input.velocity_base_m_s;
+    bound = UpdateStiffnessBound(config, input, AnyContact(state), state.bound);
+    tip = tip + bound.predict_s * input.velocity_base_m_s;
   }
-  output.stiffness_offered_N_m = offer.along_N_m;
+  output.stiffness_offered_N_m = bound.along_N_m;
   if (state.last_force_N == Vec3{} && NothingHere(scene, input, tip, state)) {
     output.energy_gain = Watch(config, input, {}, steady, steady && state.ramp == 1, state);
   } else {
-    Render(config, offer, scene, input, tip, steady, state, output);
+    Render(config, bound, scene, input, tip, steady, state, output);
   }
   RememberForce(output.force_base_N, state.energy);
   if (!input.tracked) return;
@@ -336,7 +337,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
 void Enter(const Scene& scene, State& state) noexcept {
   State entered;
   entered.last_force_N = Rotated(state.placement.rotation, state.last_force_N);  // the new scene stands at the origin
-  entered.offer = state.offer;
+  entered.bound = state.bound;
   state = entered;
   if (!scene.empty() && scene.header().has_vehicle != 0) StartCar(scene.header().vehicle, state.vehicle);
 }

@@ -24,9 +24,9 @@ base::Result<std::unique_ptr<StatePublisher>> StatePublisher::Create(std::uint64
 
 void StatePublisher::Publish(const protocol::ToolSample& sample, const protocol::InputSnapshot& inputs) noexcept {
   const std::uint64_t sequence = protocol::SequenceOf(published_);
-  protocol::ToolSample sane = protocol::Tamed(sample);
+  protocol::ToolSample sane = protocol::Clamped(sample);
   newest_t_ns_ = sane.t_ns = std::max(newest_t_ns_, sane.t_ns);
-  protocol::StoreCell(memory_->inputs, sequence, protocol::Tamed(inputs));
+  protocol::StoreCell(memory_->inputs, sequence, protocol::Clamped(inputs));
   protocol::StoreCell(memory_->ring[published_ % protocol::kRingCapacity], sequence, sane);
   ++published_;
   memory_->header.published.store(published_, std::memory_order_release);
@@ -37,14 +37,14 @@ void StatePublisher::PublishContacts(const protocol::ContactSnapshot& contacts) 
   if (as_before && contacts_published_ > 0) return;
   contact_count_ = contacts.count;
   contact_generation_ = contacts.scene_generation;
-  protocol::StoreCell(memory_->contacts, protocol::SequenceOf(contacts_published_++), protocol::Tamed(contacts));
+  protocol::StoreCell(memory_->contacts, protocol::SequenceOf(contacts_published_++), protocol::Clamped(contacts));
 }
 
 void StatePublisher::PublishVehicle(const protocol::VehicleSnapshot& vehicle) noexcept {
   const bool was_on = vehicle_on_;
   vehicle_on_ = vehicle.on != 0;
   if (!vehicle_on_ && !was_on && vehicles_published_ > 0) return;
-  protocol::StoreCell(memory_->vehicle, protocol::SequenceOf(vehicles_published_++), protocol::Tamed(vehicle));
+  protocol::StoreCell(memory_->vehicle, protocol::SequenceOf(vehicles_published_++), protocol::Clamped(vehicle));
 }
 
 }  // namespace omni::ipc

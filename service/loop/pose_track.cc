@@ -120,15 +120,15 @@ bool Follow(const PoseSample& sample, std::int64_t t_ns, PoseTrack& track) noexc
       std::clamp(base::StampDifference_ns(sample.t_ns, t_ns), -kExtrapolate_ns, kLongestTrack_ns);
   std::int64_t length_ns = std::max(ahead_ns, kShortestTrack_ns);
   track.to = Advanced(PoseOf(sample), Seconds(std::min(length_ns - ahead_ns, kExtrapolate_ns)));
-  const double way_m = (base::ToEigen(track.to.position_m) - base::ToEigen(now.position_m)).norm();
+  const double travel_m = (base::ToEigen(track.to.position_m) - base::ToEigen(now.position_m)).norm();
   const double turn_rad =
       LogRotation(base::ToEigen(now.rotation).conjugate() * base::ToEigen(track.to.rotation)).norm();
-  const bool leaps = sample.leaps || !(way_m <= kTrackLeap_m && turn_rad <= kTrackLeap_rad);
+  const bool leaps = sample.leaps || !(travel_m <= kTrackLeap_m && turn_rad <= kTrackLeap_rad);
   if (leaps) {
     track.to = Advanced(PoseOf(sample), Seconds(std::clamp(-ahead_ns, std::int64_t{0}, kExtrapolate_ns)));
     length_ns = 0;
   } else {
-    const double needed_s = std::max(way_m / kFastestTrack_m_s, turn_rad / kFastestTurn_rad_s);
+    const double needed_s = std::max(travel_m / kFastestTrack_m_s, turn_rad / kFastestTurn_rad_s);
     length_ns = std::max(length_ns, static_cast<std::int64_t>(1e9 * needed_s));
   }
   track.from = leaps ? track.to : now;

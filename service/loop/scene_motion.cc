@@ -38,8 +38,8 @@ base::Vec3 PivotOf(const haptics::Scene& scene) noexcept {
   return 0.5 * (scene.header().lower_base_m + scene.header().upper_base_m);
 }
 
-void FollowPlacement(const SceneControl& control, const haptics::Scene& scene, std::int64_t t_ns,
-                     SceneMotionState& state, SceneNow& now) noexcept {
+void FollowBasePose(const SceneControl& control, const haptics::Scene& scene, std::int64_t t_ns,
+                    SceneMotionState& state, SceneNow& now) noexcept {
   if (control.placement.number == 0) return;
   const base::Vec3 pivot_m = PivotOf(scene);
   const bool first = state.placement.number == 0;
@@ -58,7 +58,7 @@ void FollowScene(const SceneControl& control, const haptics::Scene& scene, std::
   now.leaps = false;
   now.object_count = 0;
   if (scene.empty()) return;
-  FollowPlacement(control, scene, t_ns, state, now);
+  FollowBasePose(control, scene, t_ns, state, now);
   const std::uint32_t count = std::min<std::uint32_t>(control.object_count, haptics::kMaxMoved);
   for (std::uint32_t i = 0; i < count; ++i) {
     const ObjectSample& sample = control.objects[i];

@@ -87,7 +87,7 @@ base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptic
                                     .tip_sigma_m = std::sqrt(std::max(0.0, felt.noise.position_m2)),
                                     .velocity_sigma_m_s = std::sqrt(std::max(0.0, felt.noise.velocity_m2_s2)),
                                     .lag_s = haptics::LoopLag_s(config.haptics, felt),
-                                    .offer = haptics::OfferOf(felt.axis_base, state.haptics.offer),
+                                    .bound = haptics::StiffnessBoundOf(felt.axis_base, state.haptics.bound),
                                     .contacts = &output.haptics};
   haptics::Apply(config.applied, commands.applied, input, state.applied, output.applied);
   return output.applied.force_base_N;

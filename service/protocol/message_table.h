@@ -47,9 +47,9 @@ enum class Delivery : std::uint8_t { kOnce, kRepeated };
   ROW(HapticSceneEnable, 33, HapticSceneEnable, kApplications, Pace::kStream, 0) \
   ROW(HapticNodes, 34, HapticNodes, kApplications, Pace::kStream, 0)             \
   ROW(HapticMaterial, 35, HapticMaterial, kApplications, Pace::kStream, 0)       \
-  ROW(PlacementRequest, 40, PlacementRequest, kApplications, Pace::kStream, 0)   \
+  ROW(BasePoseRequest, 40, BasePoseRequest, kApplications, Pace::kStream, 0)     \
   ROW(SpaceChange, 42, SpaceChange, kApplications, Pace::kStream, 0)             \
-  ROW(PlacementCommand, 43, PlacementCommand, kTools, Pace::kAnswered, 0)
+  ROW(BasePoseCommand, 43, BasePoseCommand, kTools, Pace::kAnswered, 0)
 
 // Server to client.                                    delivery, descriptors
 #define OMNI_SERVER_MESSAGES(ROW)                                    \
@@ -63,6 +63,6 @@ enum class Delivery : std::uint8_t { kOnce, kRepeated };
   ROW(ForceProperties, 25, ForceProperties, Delivery::kRepeated, 0)  \
   ROW(HapticSceneState, 36, HapticSceneNews, Delivery::kRepeated, 0) \
   ROW(HapticSceneTable, 37, HapticSceneRows, Delivery::kRepeated, 0) \
-  ROW(Placement, 41, Placement, Delivery::kRepeated, 0)              \
-  ROW(PlacementReply, 44, PlacementReply, Delivery::kOnce, 0)        \
+  ROW(BasePose, 41, BasePose, Delivery::kRepeated, 0)                \
+  ROW(BasePoseReply, 44, BasePoseReply, Delivery::kOnce, 0)          \
   ROW(AppSettings, 50, AppSettings, Delivery::kOnce, 0)

@@ -7,10 +7,10 @@
 #include <variant>
 
 #include "service/protocol/app_settings.h"
+#include "service/protocol/base_pose.h"
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
 #include "service/protocol/haptic_scene.h"
-#include "service/protocol/placement.h"
 #include "service/protocol/waveform.h"
 
 namespace omni::protocol {

@@ -67,7 +67,7 @@ bool InRange(const VehicleSnapshot& vehicle) noexcept {
          ValuesInRange(vehicle.position_base_m) && ValuesInRange(scalars);
 }
 
-ToolSample Tamed(const ToolSample& sample) noexcept {
+ToolSample Clamped(const ToolSample& sample) noexcept {
   if (InRange(sample)) return sample;
   ToolSample tamed = sample;
   tamed.t_ns = std::clamp<std::int64_t>(sample.t_ns, 0, kLatestTime_ns);
@@ -83,7 +83,7 @@ ToolSample Tamed(const ToolSample& sample) noexcept {
   return poseless;
 }
 
-InputSnapshot Tamed(const InputSnapshot& inputs) noexcept {
+InputSnapshot Clamped(const InputSnapshot& inputs) noexcept {
   if (InRange(inputs)) return inputs;
   InputSnapshot tamed = inputs;
   tamed.t_ns = std::clamp<std::int64_t>(inputs.t_ns, 0, kLatestTime_ns);
@@ -94,7 +94,7 @@ InputSnapshot Tamed(const InputSnapshot& inputs) noexcept {
   return tamed;
 }
 
-ContactSnapshot Tamed(const ContactSnapshot& contacts) noexcept {
+ContactSnapshot Clamped(const ContactSnapshot& contacts) noexcept {
   if (InRange(contacts)) return contacts;
   ContactSnapshot tamed;
   tamed.t_ns = std::clamp<std::int64_t>(contacts.t_ns, 0, kLatestTime_ns);
@@ -105,7 +105,7 @@ ContactSnapshot Tamed(const ContactSnapshot& contacts) noexcept {
   return tamed;
 }
 
-VehicleSnapshot Tamed(const VehicleSnapshot& vehicle) noexcept {
+VehicleSnapshot Clamped(const VehicleSnapshot& vehicle) noexcept {
   if (InRange(vehicle)) return vehicle;
   VehicleSnapshot none;
   none.t_ns = std::clamp<std::int64_t>(vehicle.t_ns, 0, kLatestTime_ns);

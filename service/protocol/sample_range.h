@@ -20,12 +20,12 @@ bool InRange(const VehicleSnapshot& vehicle) noexcept;
 
 // The sample itself if it is in range. Else: gap and sigma are clamped; if that does not help, there is no pose
 // (pose flags cleared, numbers at their defaults; time, joystick and alignment flags stay).
-ToolSample Tamed(const ToolSample& sample) noexcept;
+ToolSample Clamped(const ToolSample& sample) noexcept;
 // Values are clamped to [-1, 1] (NaN to 0), times to [0, kLatestTime_ns].
-InputSnapshot Tamed(const InputSnapshot& inputs) noexcept;
+InputSnapshot Clamped(const InputSnapshot& inputs) noexcept;
 // Contacts that are out of range are left out.
-ContactSnapshot Tamed(const ContactSnapshot& contacts) noexcept;
+ContactSnapshot Clamped(const ContactSnapshot& contacts) noexcept;
 // Out of range: there is no car.
-VehicleSnapshot Tamed(const VehicleSnapshot& vehicle) noexcept;
+VehicleSnapshot Clamped(const VehicleSnapshot& vehicle) noexcept;
 
 }  // namespace omni::protocol

@@ -91,12 +91,12 @@ const char* Problem(const HeadsetNames& headset) noexcept {
   return IsTerminated(headset.system) ? nullptr : "system is not terminated";
 }
 
-const char* Problem(const PlacementRequest& request) noexcept {
+const char* Problem(const BasePoseRequest& request) noexcept {
   if (!(request.space_count >= 1 && request.space_count <= kMaxSpaceTypes)) return "space_count is not in 1..8";
   return Problem(request.headset);
 }
 
-const char* Problem(const Placement& placement) noexcept {
+const char* Problem(const BasePose& placement) noexcept {
   if (placement.known > 1 || placement.doubtful > 1) return "known or doubtful is neither 0 nor 1";
   if (placement.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
   if (!(placement.expected_error_m >= 0 && placement.expected_error_m <= 1)) return "expected_error_m is not in 0..1";
@@ -111,8 +111,8 @@ const char* Problem(const SpaceChange& change) noexcept {
   return change.pose_valid == 1 ? PoseProblem(change.new_in_previous) : nullptr;
 }
 
-const char* Problem(const PlacementCommand& command) noexcept {
-  if (command.action < PlacementAction::kStore || command.action > PlacementAction::kRestore) {
+const char* Problem(const BasePoseCommand& command) noexcept {
+  if (command.action < BasePoseAction::kStore || command.action > BasePoseAction::kRestore) {
     return "action is not in 1..4";
   }
   if (command.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
@@ -125,7 +125,7 @@ const char* Problem(const PlacementCommand& command) noexcept {
   return PoseProblem(command.base_space);
 }
 
-const char* Problem(const PlacementReply& reply) noexcept {
+const char* Problem(const BasePoseReply& reply) noexcept {
   if (reply.done > 1) return "done is neither 0 nor 1";
   return IsTerminated(reply.text) ? nullptr : "text is not terminated";
 }

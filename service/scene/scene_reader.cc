@@ -196,13 +196,13 @@ class SceneReader::Loader {
     for (const NodeVisit* node : touched_) {
       const auto [found, fresh] = place.emplace(*node->mesh, meshes.size());
       if (fresh) meshes.push_back({.mesh = *node->mesh, .uv_sets = {}});
-      AskForTextures(*node, meshes[found->second]);
+      RequestTextures(*node, meshes[found->second]);
       if (IsInstanced(file_.root(), node->node)) instanced.push_back(node->node);
     }
     subset_ = BuildSubset(file_, meshes, instanced);
   }
 
-  void AskForTextures(const NodeVisit& node, MeshRequest& request) {
+  void RequestTextures(const NodeVisit& node, MeshRequest& request) {
     const Json* primitives = Find(ElementOf(file_.root(), "meshes", *node.mesh), "primitives");
     request.uv_sets.resize(primitives ? primitives->elements().size() : 0, 0);
     for (std::uint32_t i = 0; i < request.uv_sets.size(); ++i) {

@@ -168,7 +168,7 @@ bool IsAbsurd(const Config& config, const State& state) noexcept {
 }
 
 // Resets what is known of room and pose; what was found of sensors and calibration stays.
-void StartAnew(State& state) noexcept {
+void Restart(State& state) noexcept {
   state.drift = {};
   state.mains = {};
   state.stray = {};
@@ -276,7 +276,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   BlameFrozen(config, as_read, state);
   const bool frozen = IsAllFrozen(as_read, config.doubt.frozen_scans, state.repetition);
   std::optional<base::HallScan> zeroed;
-  if (state.away.learnt) TakeOffZeros(state.away, zeroed.emplace(as_read));
+  if (state.away.learnt) SubtractZeros(state.away, zeroed.emplace(as_read));
   const base::HallScan& scan = zeroed ? *zeroed : as_read;
   const CurrentHistory currents = Remember(scan, state.currents);
   LearnFromLast(config, state);
@@ -292,9 +292,9 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   FilterState predicted = state.filter;
   if (continues) PredictFilter(config.filter, dt_s, pushed, predicted);
   ScanContext context{config, scan, state.currents, currents};
-  std::optional<SteelAnswer> steel;
+  std::optional<SteelResponse> steel;
   if (state.warm && HasSteel(config.model)) {
-    steel = AnswerOfSteel(config.model, PoseOf(predicted), MomentScale(state.drift));
+    steel = SteelResponseOf(config.model, PoseOf(predicted), MomentScale(state.drift));
     context.local = &steel->field_T;
   }
   context.stray = &state.stray;
@@ -310,13 +310,13 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       outcome = TryWarm(config, predicted, wide ? &sums : nullptr, measurement);
       const bool explained = outcome.explained;
       if (outcome.good) TryJump(context, predicted, state, measurement, outcome);
-      if (!outcome.good) TryOtherBeliefs(context, predicted, state, measurement, outcome);
+      if (!outcome.good) TryOtherHypotheses(context, predicted, state, measurement, outcome);
       outcome.explained = outcome.explained || explained;
     }
     const bool warm = outcome.good;
     if (!warm && --state.cold_pause < 0) {
       const bool explained = outcome.explained;
-      outcome = TryColdBelief(context, state, measurement);
+      outcome = TryColdHypothesis(context, state, measurement);
       outcome.explained = outcome.explained || explained;
       state.cold_pause = outcome.good ? 0 : config.cold_pause_scans;
       tried = true;
@@ -334,7 +334,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
     }
     if (outcome.good && warm) DoubtOn(context, predicted, measurement, outcome, state);
     if (outcome.good && IsAbsurd(config, state)) {
-      StartAnew(state);
+      Restart(state);
       outcome.good = false;
     }
     if (outcome.good && state.stray.on) AddStrayCovariance(config.stray, state.stray, outcome.fit);
@@ -347,7 +347,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
     Hold(config, scan, state);
   LearnAway(config, scan, state.published.status == base::TrackingStatus::kAbsent && !frozen, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);
-  TellFindings(state, frozen, state.published);
+  ReportFindings(state, frozen, state.published);
   tool = state.published;
 }
 

@@ -7,12 +7,12 @@
 #include <Eigen/Dense>
 
 #include "service/alignment/fit.h"
-#include "tests/support/rig/alignment_story.h"
+#include "tests/support/rig/alignment_scenario.h"
 
 namespace omni::alignment {
 namespace test_alignment_coverage {
 
-using test::AlignmentStory;
+using test::AlignmentScenario;
 
 constexpr base::Vec3 kTip{0.01, -0.02, -0.1};
 constexpr int kFits = 200;
@@ -43,7 +43,7 @@ TEST(AlignmentCoverage, SweepWithIndependentNoise) {
   for (const double noise_m : {0.5e-3, 1.5e-3, 2.5e-3}) {
     Coverage coverage;
     for (unsigned seed = 0; seed < kFits; ++seed) {
-      AlignmentStory story(seed);
+      AlignmentScenario story(seed);
       const Rigid truth = story.AnyBase();
       std::vector<Sample> samples;
       for (int i = 0; i < 150; ++i) samples.push_back(story.At(truth, story.PointOfBase(), kTip, noise_m, 0));
@@ -69,7 +69,7 @@ TEST(AlignmentCoverage, FiveTouches) {
   for (const bool level : {true, false}) {
     Coverage coverage;
     for (unsigned seed = 0; seed < kFits; ++seed) {
-      AlignmentStory story(seed);
+      AlignmentScenario story(seed);
       Rigid truth = story.LevelBase();
       const Eigen::Vector3d tilt = story.Normal(0.00873);
       const Eigen::Quaterniond tilted(
@@ -95,7 +95,7 @@ TEST(AlignmentCoverage, CorrelatedNoise) {
   Coverage coverage;
   double correlation = 0;
   for (unsigned seed = 0; seed < kFits; ++seed) {
-    AlignmentStory story(seed);
+    AlignmentScenario story(seed);
     const Rigid truth = story.LevelBase();
     std::vector<Sample> samples;
     Eigen::Vector3d drift = story.Normal(1.5e-3);

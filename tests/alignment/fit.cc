@@ -8,12 +8,12 @@
 
 #include "service/alignment/dwell.h"
 #include "service/alignment/pivot.h"
-#include "tests/support/rig/alignment_story.h"
+#include "tests/support/rig/alignment_scenario.h"
 
 namespace omni::alignment {
 namespace test_alignment_fit {
 
-using test::AlignmentStory;
+using test::AlignmentScenario;
 
 constexpr base::Vec3 kTip{0.01, -0.02, -0.1};
 const std::vector<base::Vec3> kMarks{{0.0618, -0.0508, -0.07},
@@ -22,7 +22,7 @@ const std::vector<base::Vec3> kMarks{{0.0618, -0.0508, -0.07},
                                      {-0.079, -0.0126, -0.07},
                                      {0, 0, 0.0375}};
 
-std::vector<Sample> Touches(AlignmentStory& story, const Rigid& X_LB, double noise_m, std::size_t count = 5) {
+std::vector<Sample> Touches(AlignmentScenario& story, const Rigid& X_LB, double noise_m, std::size_t count = 5) {
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < count; ++i)
     samples.push_back(story.At(X_LB, kMarks[i], kTip, noise_m, static_cast<int>(i)));
@@ -43,7 +43,7 @@ void ExpectHas(const std::string& text, const std::string& part) {
 
 TEST(AlignmentFit, ExactTouchesGiveTheExactPlace) {
   for (unsigned seed = 0; seed < 60; ++seed) {
-    AlignmentStory story(seed);
+    AlignmentScenario story(seed);
     const bool level = seed % 2 == 0;
     const Rigid truth = level ? story.LevelBase() : story.AnyBase();
     const auto outcome = FitTouches(Touches(story, truth, 0), KnownTip(level), {});
@@ -59,7 +59,7 @@ TEST(AlignmentFit, ExactTouchesGiveTheExactPlace) {
 // A tip that has not been measured is found with the base when the controller turns.
 TEST(AlignmentFit, UnknownTipIsFoundTogetherWithTheBase) {
   for (unsigned seed = 0; seed < 30; ++seed) {
-    AlignmentStory story(seed);
+    AlignmentScenario story(seed);
     const Rigid truth = story.AnyBase();
     std::vector<Sample> samples;
     for (int i = 0; i < 120; ++i) samples.push_back(story.At(truth, story.PointOfBase(), kTip, 0, 0));
@@ -74,7 +74,7 @@ TEST(AlignmentFit, UnknownTipIsFoundTogetherWithTheBase) {
 }
 
 TEST(AlignmentFit, TimeOffsetIsFound) {
-  AlignmentStory story(3);
+  AlignmentScenario story(3);
   const Rigid truth = story.LevelBase();
   constexpr double kLate_s = 0.012;
   std::vector<Sample> samples;
@@ -102,7 +102,7 @@ TEST(AlignmentFit, TimeOffsetIsFound) {
 TEST(AlignmentFit, OneWrongTouchOfFiveIsNamed) {
   int named = 0, others = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
-    AlignmentStory story(seed);
+    AlignmentScenario story(seed);
     const Rigid truth = story.LevelBase();
     std::vector<Sample> samples = Touches(story, truth, 1e-3);
     const int wrong = static_cast<int>(seed % 5);
@@ -126,7 +126,7 @@ TEST(AlignmentFit, OneWrongTouchOfFiveIsNamed) {
 TEST(AlignmentFit, SoundTouchesAreNotCalledWrong) {
   int wrong = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
-    AlignmentStory story(seed);
+    AlignmentScenario story(seed);
     const auto outcome = FitTouches(Touches(story, story.LevelBase(), 1.5e-3), KnownTip(), {});
     ASSERT_TRUE(outcome.ok()) << seed << ": " << outcome.error();
     wrong += outcome->wrong_group >= 0;
@@ -136,7 +136,7 @@ TEST(AlignmentFit, SoundTouchesAreNotCalledWrong) {
 
 TEST(AlignmentFit, AWrongOrderFitsNoBase) {
   for (unsigned seed = 0; seed < 50; ++seed) {
-    AlignmentStory story(seed);
+    AlignmentScenario story(seed);
     std::vector<Sample> samples = Touches(story, story.LevelBase(), 1e-3);
     std::rotate(samples.begin(), samples.begin() + 1, samples.begin() + 4);  // the ring, one too far
     for (std::size_t i = 0; i < samples.size(); ++i) samples[i].point_base_m = kMarks[i];
@@ -147,7 +147,7 @@ TEST(AlignmentFit, AWrongOrderFitsNoBase) {
 }
 
 TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
-  AlignmentStory story(1);
+  AlignmentScenario story(1);
   const Rigid truth = story.LevelBase();
   const auto refusal = [&](const std::vector<base::Vec3>& points, const Limits& limits) {
     std::vector<Sample> samples;
@@ -178,7 +178,7 @@ TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
 
 // Pivot: the tip of a swung controller; refused when it was not swung, or slipped.
 TEST(AlignmentPivot, FindsTheTip) {
-  AlignmentStory story(2);
+  AlignmentScenario story(2);
   std::vector<Rigid> poses;
   for (int i = 0; i < 200; ++i) poses.push_back(story.At({}, {0.1, 0.2, 0.3}, kTip, 1e-3, 0).controller_space);
   const auto pivot = SolvePivot(poses);
@@ -191,7 +191,7 @@ TEST(AlignmentPivot, FindsTheTip) {
 }
 
 TEST(AlignmentPivot, RefusesWhatTellsNothing) {
-  AlignmentStory story(5);
+  AlignmentScenario story(5);
   std::vector<Rigid> still(100, story.At({}, {}, kTip, 0, 0).controller_space);
   ExpectHas(SolvePivot(still).error(), "turned too little");
   std::vector<Rigid> about_one_axis;

@@ -1,12 +1,12 @@
 // Closed-form fits against truth, and where textbooks go wrong: reflections, weights.
 #include <gtest/gtest.h>
 
-#include "tests/support/rig/alignment_story.h"
+#include "tests/support/rig/alignment_scenario.h"
 
 namespace omni::alignment {
 namespace test_alignment_kabsch {
 
-std::vector<PointPair> Pairs(test::AlignmentStory& story, const Rigid& X_LB, int count) {
+std::vector<PointPair> Pairs(test::AlignmentScenario& story, const Rigid& X_LB, int count) {
   std::vector<PointPair> pairs;
   for (int i = 0; i < count; ++i) {
     const base::Vec3 p = story.PointOfBase();
@@ -17,7 +17,7 @@ std::vector<PointPair> Pairs(test::AlignmentStory& story, const Rigid& X_LB, int
 
 TEST(AlignmentKabsch, SixDofFindsAnyPlacement) {
   for (unsigned seed = 0; seed < 300; ++seed) {
-    test::AlignmentStory story(seed);
+    test::AlignmentScenario story(seed);
     const Rigid truth = story.AnyBase();
     const Rigid found = FitSixDof(Pairs(story, truth, 3 + static_cast<int>(seed % 5)));
     EXPECT_LT(Angle_rad(found, truth), 1e-7) << seed;
@@ -27,7 +27,7 @@ TEST(AlignmentKabsch, SixDofFindsAnyPlacement) {
 
 TEST(AlignmentKabsch, FourDofFindsLevelPlacementsFromTwoPoints) {
   for (unsigned seed = 0; seed < 300; ++seed) {
-    test::AlignmentStory story(seed);
+    test::AlignmentScenario story(seed);
     const Rigid truth = story.LevelBase();
     const Rigid found = FitFourDof(Pairs(story, truth, 2));
     EXPECT_LT(Angle_rad(found, truth), 1e-6) << seed;
@@ -38,7 +38,7 @@ TEST(AlignmentKabsch, FourDofFindsLevelPlacementsFromTwoPoints) {
 // Points in a plane, mirrored by noise: without the guard the determinant is -1.
 TEST(AlignmentKabsch, NeverAReflection) {
   for (unsigned seed = 0; seed < 300; ++seed) {
-    test::AlignmentStory story(seed);
+    test::AlignmentScenario story(seed);
     std::vector<PointPair> pairs = Pairs(story, story.AnyBase(), 4);
     for (PointPair& pair : pairs) pair.space_m = {-pair.space_m.x, pair.space_m.y, pair.space_m.z};
     const Eigen::Quaterniond q = base::ToEigen(FitSixDof(pairs).orientation);
@@ -48,7 +48,7 @@ TEST(AlignmentKabsch, NeverAReflection) {
 }
 
 TEST(AlignmentKabsch, AHeavyPointCountsMore) {
-  test::AlignmentStory story(4);
+  test::AlignmentScenario story(4);
   const Rigid truth = story.AnyBase();
   std::vector<PointPair> pairs = Pairs(story, truth, 6);
   pairs[0].space_m.x += 0.01;
@@ -61,7 +61,7 @@ TEST(AlignmentKabsch, AHeavyPointCountsMore) {
 // The level fit is the best yaw: turning it either way makes the residual larger.
 TEST(AlignmentKabsch, FourDofIsTheLeastSquaresYaw) {
   for (unsigned seed = 0; seed < 100; ++seed) {
-    test::AlignmentStory story(seed);
+    test::AlignmentScenario story(seed);
     std::vector<PointPair> pairs = Pairs(story, story.LevelBase(), 5);
     for (PointPair& pair : pairs) {
       const Eigen::Vector3d noisy = base::ToEigen(pair.space_m) + story.Normal(3e-3);

@@ -9,7 +9,7 @@
 #include "service/haptics/contact/ball/ball_proxy.h"
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/scene.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace {

@@ -215,8 +215,8 @@ void AddUndoRow(const Options& options, const char* body, const InputObject& obj
 
 // One grab after another by a pen that presses, pulls or pushes at some speed, lets go, and is undone under the tip.
 // Largest change of the wanted force from tick to tick, before the limit of the device.
-void AddFeelRow(const Options& options, int squares, const char* what, double speed_m_s, double way_m, bool undo,
-                ordered_json& rows) {
+void AddForceRow(const Options& options, int squares, const char* what, double speed_m_s, double way_m, bool undo,
+                 ordered_json& rows) {
   SculptHand hand(BumpyBall(squares, kBodyRadius_m), {}, Brush{});
   SculptEditor& editor = hand.editor();
   double largest_N = 0, moved_mm = 0;
@@ -264,11 +264,11 @@ ordered_json Run(const Options& options) {
   AddUndoRow(options, "ball 10k", BumpyBall(29, kBodyRadius_m), strokes, kBodyRadius_m, rows);
   AddUndoRow(options, "block 12", Block(1, {0.02, 0.02, 0.01}), options.quick ? 100 : 1000, 0.02, rows);
   for (const int squares : {29, 91}) {
-    AddFeelRow(options, squares, "pull", 0.03, 0.006, false, rows);
-    AddFeelRow(options, squares, "push", 0.03, -0.006, false, rows);
-    AddFeelRow(options, squares, "pull fast", 0.1, 0.01, false, rows);
-    AddFeelRow(options, squares, "pull, undo under the tip", 0.03, 0.006, true, rows);
-    AddFeelRow(options, squares, "push, undo under the tip", 0.03, -0.006, true, rows);
+    AddForceRow(options, squares, "pull", 0.03, 0.006, false, rows);
+    AddForceRow(options, squares, "push", 0.03, -0.006, false, rows);
+    AddForceRow(options, squares, "pull fast", 0.1, 0.01, false, rows);
+    AddForceRow(options, squares, "pull, undo under the tip", 0.03, 0.006, true, rows);
+    AddForceRow(options, squares, "push, undo under the tip", 0.03, -0.006, true, rows);
   }
   return rows;
 }

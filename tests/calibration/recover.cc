@@ -48,9 +48,9 @@ double MeanGain(const base::Calibration& calibration) {
   return sum / static_cast<double>(calibration.sensors.size());
 }
 
-bool Names(const std::vector<Unfixed>& unfixed, const std::string& part) {
+bool Names(const std::vector<Undetermined>& unfixed, const std::string& part) {
   return std::any_of(unfixed.begin(), unfixed.end(),
-                     [&](const Unfixed& one) { return one.name.find(part) != std::string::npos; });
+                     [&](const Undetermined& one) { return one.name.find(part) != std::string::npos; });
 }
 
 TEST(CalibrationRecover, SensorsComeBackFromAlmostCleanReadings) {
@@ -179,7 +179,7 @@ TEST(CalibrationRecover, SaysWhatTheRecordingDidNotFix) {
   EXPECT_FALSE(Names(outcome->report.unfixed, "sensor 3 gain x"));
   EXPECT_FALSE(Names(outcome->report.unfixed, "moment"));
   EXPECT_GT(outcome->report.weak_directions, 0);
-  for (const Unfixed& one : outcome->report.unfixed) {
+  for (const Undetermined& one : outcome->report.unfixed) {
     EXPECT_LE(one.sigma, one.tolerance * 1.0001);
     EXPECT_FALSE(one.unit.empty());
   }

@@ -39,7 +39,8 @@ TEST(CalibrationSteel, AnswerIsThatOfTheMirror) {
       const sim::MagnetPose pose = with.DrawPose({}, random);
       const sim::SensorFields all = with.Readings(&pose, {}), direct = without.Readings(&pose, {});
       const tracker::LocalField steel_T =
-          tracker::AnswerOfSteel(model, {base::ToEigen(pose.centre_base_m), base::ToEigen(pose.axis_base)}, 1).field_T;
+          tracker::SteelResponseOf(model, {base::ToEigen(pose.centre_base_m), base::ToEigen(pose.axis_base)}, 1)
+              .field_T;
       double error = 0, size = 0;
       for (std::size_t i = 0; i < base::kSensorCount; ++i) {
         const Eigen::Matrix3d gain =
@@ -67,8 +68,8 @@ TEST(CalibrationSteel, AnswerAtAnExpectedPoseIsCorrectedForThePoseThatIsFound) {
     pose.position_base_m += 0.01 * draw();
     const tracker::Pose expected{pose.position_base_m + 5e-4 * draw().normalized(),
                                  (pose.axis_base + 0.01 * draw().normalized()).normalized()};
-    const tracker::SteelAnswer is = tracker::AnswerOfSteel(model, pose, 1);
-    const tracker::SteelAnswer taken_off = tracker::AnswerOfSteel(model, expected, 1);
+    const tracker::SteelResponse is = tracker::SteelResponseOf(model, pose, 1);
+    const tracker::SteelResponse taken_off = tracker::SteelResponseOf(model, expected, 1);
     tracker::ModelField field;
     tracker::EvaluateField(model, tracker::MakePosePoint(pose), field);
     base::HallScan scan;
@@ -115,8 +116,8 @@ TEST(CalibrationSteel, PlaneUnderTheBaseIsFound) {
     const tracker::Model found = tracker::MakeModel(outcome->calibration), true_model = tracker::MakeModel(exact);
     ASSERT_TRUE(tracker::HasSteel(found));
     const tracker::Pose pose{{0.03, 0.02, 0.06}, Eigen::Vector3d(-0.3, -0.2, -1).normalized()};
-    const tracker::LocalField is = tracker::AnswerOfSteel(found, pose, 1).field_T,
-                              was = tracker::AnswerOfSteel(true_model, pose, 1).field_T;
+    const tracker::LocalField is = tracker::SteelResponseOf(found, pose, 1).field_T,
+                              was = tracker::SteelResponseOf(true_model, pose, 1).field_T;
     double error = 0, size = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < base::kSensorCount; ++i) {
@@ -160,8 +161,8 @@ TEST(CalibrationSteel, DerivativesAreThoseOfDifferences) {
     return whole;
   };
   const auto answer = [&](const Vector3d& s, double height, const calibration::ToolFrame& frame) {
-    return calibration::AnswerOfSteel(s, a, kappa, at(calibration::MirroredPlace(height, s), frame),
-                                      at(calibration::MirroredPlace(height, Vector3d::Zero()), frame));
+    return calibration::SteelResponseOf(s, a, kappa, at(calibration::MirroredPlace(height, s), frame),
+                                        at(calibration::MirroredPlace(height, Vector3d::Zero()), frame));
   };
   const Vector3d s(0.03, 0.035, -0.01);
   const double height = -0.12, step = 1e-6;

@@ -9,7 +9,7 @@
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
 #include "service/scene/glb_save.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {
@@ -53,12 +53,12 @@ class BuilderTest : public testing::Test {
 
   static BuiltScene Result(SceneBuilder& builder) {
     std::optional<BuiltScene> built;
-    EXPECT_TRUE(Soon([&] { return (built = builder.TakeResult()).has_value(); }));
+    EXPECT_TRUE(Soon([&] { return (built = builder.PopResult()).has_value(); }));
     return built ? std::move(*built) : BuiltScene{};
   }
   static SoftOutcome Outcome(SceneBuilder& builder) {
     std::optional<SoftOutcome> soft;
-    EXPECT_TRUE(Soon([&] { return (soft = builder.TakeSoftOutcome()).has_value(); }));
+    EXPECT_TRUE(Soon([&] { return (soft = builder.PopSoftOutcome()).has_value(); }));
     return soft ? std::move(*soft) : SoftOutcome{};
   }
 
@@ -120,7 +120,7 @@ TEST_F(BuilderTest, ASceneThatIsWaitedForGoesFirst) {
   const double before = builder.Progress(1).done;
   EXPECT_GT(before, 0) << "and nothing was lost";
   EXPECT_TRUE(Soon([&] { return builder.Progress(1).done > before; })) << "it goes on";
-  EXPECT_FALSE(builder.TakeSoftOutcome());
+  EXPECT_FALSE(builder.PopSoftOutcome());
 }
 
 TEST_F(BuilderTest, CancelStopsItAndLeavesNothing) {
@@ -137,7 +137,7 @@ TEST_F(BuilderTest, CancelStopsItAndLeavesNothing) {
   EXPECT_EQ(builder.Progress(1).objects, 0U);
   EXPECT_TRUE(Soon([&] { return scene.expired(); })) << "given up";
   EXPECT_EQ(Kept(), 0U);
-  EXPECT_FALSE(builder.TakeSoftOutcome());
+  EXPECT_FALSE(builder.PopSoftOutcome());
   builder.Request(1, Rigid("rigid"));
   EXPECT_NE(Result(builder).scene, nullptr) << "and goes on with what comes";
 }
@@ -194,7 +194,7 @@ TEST_F(BuilderTest, ClayComesWithItsWorkshopOrSaysWhyNot) {
   const BuiltScene built = Result(builder);
   ASSERT_NE(built.scene, nullptr);
   ASSERT_NE(built.scene->live(), nullptr);
-  EXPECT_EQ(built.scene->live()->workshop_count(), 1U);
+  EXPECT_EQ(built.scene->live()->sculpt_session_count(), 1U);
   EXPECT_TRUE(built.warnings.empty());
   input.objects[0].triangles.resize(input.objects[0].triangles.size() / 6);
   input.objects[0].triangle_material.resize(input.objects[0].triangles.size());

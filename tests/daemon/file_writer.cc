@@ -55,7 +55,7 @@ FileWriter::Write On(const std::shared_ptr<Disk>& disk) {
 
 FileWriter::Written Next(FileWriter& writer) {
   while (true) {
-    if (auto written = writer.TakeWritten()) return *written;
+    if (auto written = writer.PopWritten()) return *written;
     std::this_thread::yield();
   }
 }
@@ -68,7 +68,7 @@ TEST(DaemonFileWriter, OfTextsThatWaitOnlyTheNewestIsWritten) {
   disk->WaitUntilBegun(1);
   for (int i = 2; i <= 50; ++i) EXPECT_EQ(writer.Request("a", std::to_string(i)), static_cast<std::uint64_t>(i));
   EXPECT_EQ(writer.Request("b", "other"), 51U);
-  EXPECT_FALSE(writer.TakeWritten()) << "the disk has not answered, and nobody has waited for it";
+  EXPECT_FALSE(writer.PopWritten()) << "the disk has not answered, and nobody has waited for it";
   disk->Set(true);
   EXPECT_EQ(Next(writer).number, 1U);
   EXPECT_EQ(Next(writer).number, 50U) << "and with it all before";

@@ -97,11 +97,11 @@ TEST(KeyDecoder, DroppedEventsAreSkippedAndTold) {
   const std::int64_t now = 100 * kSecond_ns;
   auto heard = Decode(decoder, Bytes({Event(EV_SYN, SYN_DROPPED, 0, now), Event(EV_KEY, KEY_A, 1, now)}), now);
   EXPECT_TRUE(heard.empty());
-  EXPECT_FALSE(decoder.TakeDropped()) << "the report has not ended";
+  EXPECT_FALSE(decoder.PopDropped()) << "the report has not ended";
   heard = Decode(decoder, Bytes({Event(EV_SYN, SYN_REPORT, 0, now), Event(EV_KEY, KEY_A, 0, now)}), now);
   EXPECT_EQ(heard.size(), 1u);
-  EXPECT_TRUE(decoder.TakeDropped());
-  EXPECT_FALSE(decoder.TakeDropped());
+  EXPECT_TRUE(decoder.PopDropped());
+  EXPECT_FALSE(decoder.PopDropped());
 }
 
 // Random bytes: keys in range, sane times, counts that fit, whatever comes.

@@ -1,4 +1,4 @@
-// Placements follow a space that is recentred, and believe only what recentring can be.
+// BasePoses follow a space that is recentred, and believe only what recentring can be.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,12 +7,12 @@
 #include <random>
 
 #include "service/alignment/rigid.h"
-#include "tests/daemon/placement_story.h"
+#include "tests/daemon/base_pose_scenario.h"
 
 namespace omni::daemon {
 namespace test_daemon_recentring {
 
-alignment::Rigid PoseOf(const protocol::PlacementPose& pose) {
+alignment::Rigid PoseOf(const protocol::WirePose& pose) {
   const auto& q = pose.orientation_wxyz;
   const auto& p = pose.position_m;
   return {.orientation = {q[0], q[1], q[2], q[3]}, .position_m = {p[0], p[1], p[2]}};
@@ -25,7 +25,7 @@ struct AlignedInLocal {
     placements.Ask(1, Request({kSpaceLocal}));
   }
   const TempFolder temp;
-  Placements placements{temp.Path("a.toml")};
+  BasePoses placements{temp.Path("a.toml")};
 };
 
 // The base does not move in the world: X_WL X_LB before is X_WL' X_L'B after, for any recentring; once for all clients.
@@ -35,7 +35,7 @@ TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
   for (int i = 0; i < 50; ++i) {
     const TempFolder temp;
     const std::string path = temp.Path("a.toml");
-    Placements placements(path);
+    BasePoses placements(path);
     ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
     for (const ipc::ClientId id : {1, 2}) placements.Ask(id, Request({kSpaceLocal}));
     Listener listener;
@@ -52,7 +52,7 @@ TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
     placements.Change(2, change, kNow_ns);
     listener.Listen(placements);
     EXPECT_EQ(listener.told[1].size(), 1U) << "they know";
-    Placements again(path);
+    BasePoses again(path);
     again.Ask(3, Request({kSpaceLocal}));
     listener.Listen(again);
     const alignment::Rigid after = PoseOf(listener.told[3].back().base_space);
@@ -75,7 +75,7 @@ TEST(DaemonRecentring, WhatNoRecentringDoesMovesNothing) {
     const std::int64_t now_ns = kNow_ns + i * std::int64_t{1'000'000'000};
     aligned.placements.Change(1, Moved(20, now_ns), now_ns);
   }
-  const double moved_m = std::abs(Placements(aligned.temp.Path("a.toml")).file().entries[0].position_space_m.x - 0.1);
+  const double moved_m = std::abs(BasePoses(aligned.temp.Path("a.toml")).file().entries[0].position_space_m.x - 0.1);
   std::printf("[ figure   ] five changes of 20 m have moved the alignment by %.1f m\n", moved_m);
   EXPECT_EQ(moved_m, 0);
   EXPECT_FALSE(aligned.placements.Aligned(1));
@@ -114,10 +114,10 @@ TEST(DaemonRecentring, ATiltIsNoRecentring) {
 TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
-  protocol::PlacementCommand restore = Store(kSpaceLocal);
-  restore.action = protocol::PlacementAction::kRestore;
+  protocol::BasePoseCommand restore = Store(kSpaceLocal);
+  restore.action = protocol::BasePoseAction::kRestore;
   {
-    Placements placements(path);
+    BasePoses placements(path);
     EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "there is none";
     ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
     EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "it has not moved";
@@ -127,7 +127,7 @@ TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
     EXPECT_NEAR(placements.file().entries[0].position_space_m.x, -2.9, 1e-12);
     EXPECT_FALSE(placements.Aligned(1));
   }
-  Placements placements(path);
+  BasePoses placements(path);
   placements.Ask(1, Request({kSpaceLocal}));
   Listener listener;
   listener.Listen(placements);
@@ -135,7 +135,7 @@ TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
   EXPECT_TRUE(placements.Aligned(1));
   listener.Listen(placements);
   EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.1) << "who is connected hears of it";
-  const config::AlignmentEntry entry = Placements(path).file().entries[0];
+  const config::AlignmentEntry entry = BasePoses(path).file().entries[0];
   EXPECT_EQ(entry.position_space_m.x, 0.1);
   EXPECT_EQ(entry.recentred, 0);
   EXPECT_FALSE(entry.doubtful);
@@ -147,7 +147,7 @@ TEST(DaemonRecentring, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
   change.changes_at_ns = 1;
   aligned.placements.Change(1, change, kNow_ns);
   EXPECT_FALSE(aligned.placements.Aligned(1));
-  Placements again(aligned.temp.Path("a.toml"));
+  BasePoses again(aligned.temp.Path("a.toml"));
   again.Ask(2, Request({kSpaceLocal}));
   Listener listener;
   listener.Listen(again);
@@ -159,7 +159,7 @@ TEST(DaemonRecentring, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
 
 TEST(DaemonRecentring, OfOtherSpacesAndStrangersNothingFollows) {
   const TempFolder temp;
-  Placements placements(temp.Path("a.toml"));
+  BasePoses placements(temp.Path("a.toml"));
   ASSERT_TRUE(placements.Do(Store(kSpaceStage), kDate_s).ok);
   placements.Ask(1, Request({kSpaceStage, kSpaceLocal}));
   protocol::SpaceChange change;

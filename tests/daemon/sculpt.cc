@@ -13,7 +13,7 @@
 #include "service/haptics/scene.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 #include "service/scene/scene_file.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {
@@ -56,12 +56,12 @@ std::shared_ptr<const haptics::Scene> Stone() {
 class Pull {
  public:
   Pull(const haptics::Scene& scene, std::uint32_t n, std::uint32_t stroke)
-      : workshop_(scene.live()->workshop_at(n)), stroke_(stroke) {
+      : sculpt_session_(scene.live()->sculpt_session_at(n)), stroke_(stroke) {
     StrokeMessage begin;
     begin.kind = StrokeKind::kBegin;
     begin.stroke = stroke;
     begin.point_base_m = {0.05 * n, 0, kRadius_m};
-    begin.brush = workshop_.brush();
+    begin.brush = sculpt_session_.brush();
     Send(begin);
   }
   void To(double offset_m) {
@@ -79,15 +79,15 @@ class Pull {
 
  private:
   void Send(const StrokeMessage& message) {
-    EXPECT_TRUE(InTime([&] { return workshop_.ring().TryPush(message); }));
+    EXPECT_TRUE(InTime([&] { return sculpt_session_.ring().TryPush(message); }));
   }
-  haptics::sculpt::Workshop& workshop_;
+  haptics::sculpt::SculptSession& sculpt_session_;
   std::uint32_t stroke_;
 };
 
 // Height of the top of the n-th lump as the tick sees it.
 double Top(const haptics::Scene& scene, std::uint32_t n = 0) {
-  const haptics::sculpt::SculptTable* table = scene.live()->workshop_at(n).Acquire();
+  const haptics::sculpt::SculptTable* table = scene.live()->sculpt_session_at(n).Acquire();
   const base::Vec3 above{0.05 * n, 0, 0.1};
   const auto nearest = haptics::NearestInTree(haptics::sculpt::SculptSurface(*table), 0, above);
   return nearest.triangle == haptics::kNoIndex ? 0 : nearest.closest.point.z;
@@ -95,18 +95,18 @@ double Top(const haptics::Scene& scene, std::uint32_t n = 0) {
 
 class SculptThreadTest : public testing::Test {
  protected:
-  SculptAnswer Ask(SculptAction action, const std::string& object = {}, std::uint64_t client = 0,
-                   std::uint64_t owner = 0) {
-    thread_.Ask({.asker = 9, .number = ++number_, .client = client, .action = action, .object = object}, owner);
+  SculptAnswer Request(SculptAction action, const std::string& object = {}, std::uint64_t client = 0,
+                       std::uint64_t owner = 0) {
+    thread_.Request({.asker = 9, .number = ++number_, .client = client, .action = action, .object = object}, owner);
     std::optional<SculptAnswer> answer;
-    EXPECT_TRUE(InTime([&] { return (answer = thread_.TakeAnswer()).has_value(); }));
+    EXPECT_TRUE(InTime([&] { return (answer = thread_.PopAnswer()).has_value(); }));
     if (!answer) return {};
     EXPECT_EQ(answer->asker, 9U);
     EXPECT_EQ(answer->number, number_);
     return std::move(*answer);
   }
   nlohmann::json Edits(const std::string& what, std::size_t n = 0) {
-    return nlohmann::json::parse(Ask(SculptAction::kEdits).text)["objects"][n][what];
+    return nlohmann::json::parse(Request(SculptAction::kEdits).text)["objects"][n][what];
   }
   void Begin(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t client = 1) {
     thread_.Add(client, "lumps.glb", scene);
@@ -151,16 +151,16 @@ TEST_F(SculptThreadTest, AStrokeIsMadeUndoneAndDoneAgain) {
   Begin(scene);
   Stroke(*scene, 0, 0.003);
   EXPECT_TRUE(InTime([&] { return Top(*scene) > kRadius_m + 0.0025; }));
-  SculptAnswer answer = Ask(SculptAction::kUndo);
+  SculptAnswer answer = Request(SculptAction::kUndo);
   EXPECT_TRUE(answer.ok) << answer.text;
   EXPECT_NE(answer.text.find("0 to undo, 1 to redo"), std::string::npos) << answer.text;
   EXPECT_TRUE(InTime([&] { return Top(*scene) < kRadius_m + 1e-6; }));
-  answer = Ask(SculptAction::kUndo);
+  answer = Request(SculptAction::kUndo);
   EXPECT_FALSE(answer.ok);
   EXPECT_EQ(answer.text, "lump 0: nothing to undo");
-  EXPECT_TRUE(Ask(SculptAction::kRedo).ok);
+  EXPECT_TRUE(Request(SculptAction::kRedo).ok);
   EXPECT_TRUE(InTime([&] { return Top(*scene) > kRadius_m + 0.0025; }));
-  EXPECT_EQ(Ask(SculptAction::kRedo).text, "lump 0: nothing to redo");
+  EXPECT_EQ(Request(SculptAction::kRedo).text, "lump 0: nothing to redo");
 }
 
 TEST_F(SculptThreadTest, WhileAStrokeIsOpenNothingIsTakenBackOrSaved) {
@@ -170,7 +170,7 @@ TEST_F(SculptThreadTest, WhileAStrokeIsOpenNothingIsTakenBackOrSaved) {
   pull.To(0.002);
   ASSERT_TRUE(InTime([&] { return Edits("stroke_open") == true; }));
   for (const SculptAction action : {SculptAction::kUndo, SculptAction::kRedo, SculptAction::kSave}) {
-    const SculptAnswer answer = Ask(action);
+    const SculptAnswer answer = Request(action);
     EXPECT_FALSE(answer.ok);
     EXPECT_NE(answer.text.find("a stroke is open; lift the pen"), std::string::npos) << answer.text;
   }
@@ -178,7 +178,7 @@ TEST_F(SculptThreadTest, WhileAStrokeIsOpenNothingIsTakenBackOrSaved) {
   EXPECT_EQ(Edits("stroke_open"), false);
   EXPECT_EQ(Edits("strokes"), 1) << "what was done stays";
   EXPECT_GT(Top(*scene), kRadius_m + 0.0015);
-  EXPECT_TRUE(Ask(SculptAction::kUndo).ok) << "also while nobody touches it";
+  EXPECT_TRUE(Request(SculptAction::kUndo).ok) << "also while nobody touches it";
   EXPECT_LT(Top(*scene), kRadius_m + 1e-6);
 }
 
@@ -187,34 +187,36 @@ TEST_F(SculptThreadTest, ObjectsAreNamedOrTheLastOneIsMeant) {
   Begin(scene);
   Stroke(*scene, 2, 0.002);
   Stroke(*scene, 0, 0.002);
-  EXPECT_EQ(Ask(SculptAction::kUndo, "lump 2").text.substr(0, 15), "lump 2: undone,");
-  EXPECT_EQ(Ask(SculptAction::kRedo, "2").text.substr(0, 15), "lump 2: redone,");
-  EXPECT_EQ(Ask(SculptAction::kUndo).text.substr(0, 15), "lump 2: undone,") << "edited last";
-  EXPECT_EQ(Ask(SculptAction::kUndo, "lump 1").text, "lump 1: nothing to undo");
-  const SculptAnswer unknown = Ask(SculptAction::kUndo, "vase");
+  EXPECT_EQ(Request(SculptAction::kUndo, "lump 2").text.substr(0, 15), "lump 2: undone,");
+  EXPECT_EQ(Request(SculptAction::kRedo, "2").text.substr(0, 15), "lump 2: redone,");
+  EXPECT_EQ(Request(SculptAction::kUndo).text.substr(0, 15), "lump 2: undone,") << "edited last";
+  EXPECT_EQ(Request(SculptAction::kUndo, "lump 1").text, "lump 1: nothing to undo");
+  const SculptAnswer unknown = Request(SculptAction::kUndo, "vase");
   EXPECT_FALSE(unknown.ok);
   EXPECT_NE(unknown.text.find("\"vase\""), std::string::npos);
   EXPECT_NE(unknown.text.find("\"lump 1\" (1)"), std::string::npos) << unknown.text;
 }
 
 TEST_F(SculptThreadTest, TheSceneIsTheOwnersTheOnlyOneOrTheNamedOne) {
-  EXPECT_NE(Ask(SculptAction::kUndo).text.find("no application has a scene with a sculptable object"),
+  EXPECT_NE(Request(SculptAction::kUndo).text.find("no application has a scene with a sculptable object"),
             std::string::npos);
   const auto first = Lumps(1), second = Lumps(2);
   thread_.Add(1, "first.glb", first);
-  EXPECT_EQ(nlohmann::json::parse(Ask(SculptAction::kEdits, {}, 0, 7).text)["client"], 1) << "the only one";
+  EXPECT_EQ(nlohmann::json::parse(Request(SculptAction::kEdits, {}, 0, 7).text)["client"], 1) << "the only one";
   thread_.Add(2, "second.glb", second);
-  EXPECT_EQ(nlohmann::json::parse(Ask(SculptAction::kEdits, {}, 0, 2).text)["scene"], "second.glb") << "the owner's";
-  EXPECT_EQ(nlohmann::json::parse(Ask(SculptAction::kEdits, {}, 1, 2).text)["scene"], "first.glb") << "the named one";
-  EXPECT_NE(Ask(SculptAction::kEdits).text.find("choose a client: 1, 2"), std::string::npos);
-  EXPECT_NE(Ask(SculptAction::kEdits, {}, 5).text.find("client 5 has no sculpted scene"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(Request(SculptAction::kEdits, {}, 0, 2).text)["scene"], "second.glb")
+      << "the owner's";
+  EXPECT_EQ(nlohmann::json::parse(Request(SculptAction::kEdits, {}, 1, 2).text)["scene"], "first.glb")
+      << "the named one";
+  EXPECT_NE(Request(SculptAction::kEdits).text.find("choose a client: 1, 2"), std::string::npos);
+  EXPECT_NE(Request(SculptAction::kEdits, {}, 5).text.find("client 5 has no sculpted scene"), std::string::npos);
 }
 
 TEST_F(SculptThreadTest, SavesWhatIsFelt) {
   const auto scene = Lumps(2);
   Begin(scene);
   Stroke(*scene, 1, 0.004);
-  const SculptAnswer answer = Ask(SculptAction::kSave);
+  const SculptAnswer answer = Request(SculptAction::kSave);
   ASSERT_TRUE(answer.ok) << answer.text;
   ASSERT_GT(answer.file_bytes, 0U);
   std::string bytes(answer.file_bytes, '\0');
@@ -238,27 +240,27 @@ TEST_F(SculptThreadTest, ARefusedStrokeIsToldOnce) {
   StrokeMessage begin;
   begin.kind = StrokeKind::kBegin;
   begin.point_base_m = {0, 0, 0.05};  // in the air
-  begin.brush = scene->live()->workshop_at(0).brush();
+  begin.brush = scene->live()->sculpt_session_at(0).brush();
   for (std::uint32_t k = 1; k <= 50; ++k) {
     begin.stroke = k;
-    ASSERT_TRUE(InTime([&] { return scene->live()->workshop_at(0).ring().TryPush(begin); }));
+    ASSERT_TRUE(InTime([&] { return scene->live()->sculpt_session_at(0).ring().TryPush(begin); }));
     if (k % 10 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   std::optional<SculptProblem> problem;
-  ASSERT_TRUE(InTime([&] { return (problem = thread_.TakeProblem()).has_value(); }));
+  ASSERT_TRUE(InTime([&] { return (problem = thread_.PopProblem()).has_value(); }));
   EXPECT_EQ(problem->client, 1U);
   EXPECT_NE(problem->text.find("lumps.glb: lump 0: sculpting: no surface"), std::string::npos) << problem->text;
   Stroke(*scene, 0, 0.002);  // all before it were looked at
-  for (int k = 0; k < 100; ++k) EXPECT_FALSE(thread_.TakeProblem());
+  for (int k = 0; k < 100; ++k) EXPECT_FALSE(thread_.PopProblem());
 }
 
 TEST_F(SculptThreadTest, MoreThanItCanHoldIsRefusedAtOnce) {
   const auto scene = Lumps(1);
   thread_.Add(1, "lumps.glb", scene);
   std::size_t refused = 0, answered = 0;
-  for (int k = 0; k < 500; ++k) thread_.Ask({.asker = 3, .action = SculptAction::kSave}, 0);
+  for (int k = 0; k < 500; ++k) thread_.Request({.asker = 3, .action = SculptAction::kSave}, 0);
   ASSERT_TRUE(InTime([&] {
-    while (const auto answer = thread_.TakeAnswer()) {
+    while (const auto answer = thread_.PopAnswer()) {
       ++answered;
       refused += !answer->ok;
     }
@@ -281,7 +283,7 @@ TEST_F(SculptThreadTest, TheTicksSurfaceIsWholeWhateverIsEdited) {
     std::thread tick([&] {
       std::uint64_t generation = 0;
       while (!stop.load(std::memory_order_acquire)) {
-        const haptics::sculpt::SculptTable* table = scene->live()->workshop_at(0).Acquire();
+        const haptics::sculpt::SculptTable* table = scene->live()->sculpt_session_at(0).Acquire();
         EXPECT_GE(table->generation, generation);
         generation = table->generation;
         const haptics::sculpt::SculptSurface surface(*table);
@@ -303,13 +305,13 @@ TEST_F(SculptThreadTest, TheTicksSurfaceIsWholeWhateverIsEdited) {
       Pull pull(*scene, 0, ++stroke_);
       pull.To(random.Uniform(-0.002, 0.003));
       if (k % 2 == 0) pull.End();
-      if (k % 3 == 0) Ask(random.Uniform(0, 1) < 0.5 ? SculptAction::kUndo : SculptAction::kRedo);
+      if (k % 3 == 0) Request(random.Uniform(0, 1) < 0.5 ? SculptAction::kUndo : SculptAction::kRedo);
     }
     EXPECT_TRUE(InTime([&] { return walks.load() > 3; }));
     stop.store(true, std::memory_order_release);  // the tick has given the scene up ...
     tick.join();
     thread_.Leave(*scene);  // ... and only then this
-    if (round % 3 == 0) Ask(SculptAction::kUndo);
+    if (round % 3 == 0) Request(SculptAction::kUndo);
   }
   thread_.Remove(*scene);
 }

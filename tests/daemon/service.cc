@@ -15,7 +15,7 @@
 #include "service/daemon/service.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin/twin.h"
-#include "tests/support/quiet_device.h"
+#include "tests/support/silent_device.h"
 
 namespace omni::daemon {
 namespace test_daemon_service {
@@ -56,7 +56,7 @@ struct NoSink : loop::TickSink {
 
 class ServiceTest : public testing::Test {
  protected:
-  explicit ServiceTest(std::unique_ptr<device::Transport> device = std::make_unique<support::QuietDevice>())
+  explicit ServiceTest(std::unique_ptr<device::Transport> device = std::make_unique<support::SilentDevice>())
       : device_(std::move(device)),
         source_(*device_),
         service_({.version = "test", .instance = 1, .apps = Apps(), .inputs = Plan(), .hull_radius_m = 0.0375}) {

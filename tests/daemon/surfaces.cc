@@ -16,10 +16,10 @@
 #include "service/haptics/scene.h"
 #include "service/ipc/state_publisher.h"
 #include "service/loop/tick_config.h"
-#include "tests/deformable/story.h"
+#include "tests/deformable/scenario.h"
 #include "tests/scene/files.h"
 #include "tests/support/process/temp_folder.h"
-#include "tests/support/quiet_device.h"
+#include "tests/support/silent_device.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::daemon {
@@ -75,13 +75,13 @@ class Drawing {
   loop::SurfaceSnapshot snapshot;
   bool there = true;
   std::atomic<std::uint64_t> generation{0};
-  SurfaceLooker looker;
+  SurfacePoller looker;
   std::shared_ptr<const SurfaceReader> reader;
   SurfaceCopy copy;
 };
 
 // Readers take a surface without a time for one that is still to come: it gets one even if it never changes.
-TEST(SurfaceLooker, ASurfaceAtRestGetsItsTimeOnceTheTickIsThere) {
+TEST(SurfacePoller, ASurfaceAtRestGetsItsTimeOnceTheTickIsThere) {
   for (const bool sculpted : {false, true}) {
     Scene scene = haptics::Built(ExtrudableInput());
     if (sculpted) {
@@ -101,7 +101,7 @@ TEST(SurfaceLooker, ASurfaceAtRestGetsItsTimeOnceTheTickIsThere) {
   }
 }
 
-TEST(SurfaceLooker, PublishesExtrudedFacesWhenTheyMove) {
+TEST(SurfacePoller, PublishesExtrudedFacesWhenTheyMove) {
   Drawing drawing(haptics::Built(ExtrudableInput()));
   EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
   EXPECT_EQ(drawing.reader->object_count(), 1U);
@@ -122,7 +122,7 @@ TEST(SurfaceLooker, PublishesExtrudedFacesWhenTheyMove) {
   EXPECT_EQ(drawing.generation, 1U) << "one memory for all of it";
 }
 
-TEST(SurfaceLooker, PosesOfMovedObjects) {
+TEST(SurfacePoller, PosesOfMovedObjects) {
   haptics::SceneInput input = haptics::SceneOf(haptics::SoftBallMesh());
   input.objects[0].kinematic = true;
   Drawing drawing(haptics::Built(input));
@@ -136,7 +136,7 @@ TEST(SurfaceLooker, PosesOfMovedObjects) {
   EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
 }
 
-TEST(SurfaceLooker, ASoftBodyThatGetsReadyIsShownInANewMemory) {
+TEST(SurfacePoller, ASoftBodyThatGetsReadyIsShownInANewMemory) {
   Scene scene = haptics::Built(haptics::SceneOf(haptics::SoftBallMesh()));
   const auto live = std::make_shared<haptics::LiveParts>();
   scene.SetLive(live);
@@ -166,29 +166,29 @@ TEST(SurfaceLooker, ASoftBodyThatGetsReadyIsShownInANewMemory) {
   EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
 }
 
-TEST(SurfaceLooker, ASculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
+TEST(SurfacePoller, ASculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
   using namespace haptics::sculpt;
   const haptics::InputObject ball = BumpyBall(8, 0.03);
   Scene scene = haptics::Built(haptics::SceneOf(ball));
   const auto live = std::make_shared<haptics::LiveParts>();
   auto editor = EditorOf(ball, {.detail_m = 3e-4});
   ASSERT_NE(editor, nullptr);
-  live->AddWorkshop(0, std::make_unique<Workshop>(std::move(editor), SculptFeel{}, Brush{}));
+  live->AddSculptSession(0, std::make_unique<SculptSession>(std::move(editor), SculptParameters{}, Brush{}));
   scene.SetLive(live);
-  Workshop& workshop = live->workshop_at(0);
+  SculptSession& sculpt_session = live->sculpt_session_at(0);
   Drawing drawing(std::move(scene));
   EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
-  EXPECT_EQ(drawing.copy.triangles.size(), workshop.editor().mesh().triangle_count());
+  EXPECT_EQ(drawing.copy.triangles.size(), sculpt_session.editor().mesh().triangle_count());
   EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
   haptics::Random random(3);
   Brush brush;
   brush.radius_m = 0.006;
   for (int k = 0; k < 200 && drawing.generation == 1; ++k) {
-    ASSERT_TRUE(workshop.editor().Stroke(On(workshop.editor(), random.InBox(0.05)), brush, 0.0005).ok());
-    workshop.editor().Publish();
+    ASSERT_TRUE(sculpt_session.editor().Stroke(On(sculpt_session.editor(), random.InBox(0.05)), brush, 0.0005).ok());
+    sculpt_session.editor().Publish();
     EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
-    ASSERT_EQ(drawing.copy.triangles.size(), workshop.editor().mesh().triangle_count());
-    ASSERT_EQ(drawing.copy.vertices_base_m.size(), workshop.editor().mesh().vertex_count());
+    ASSERT_EQ(drawing.copy.triangles.size(), sculpt_session.editor().mesh().triangle_count());
+    ASSERT_EQ(drawing.copy.vertices_base_m.size(), sculpt_session.editor().mesh().vertex_count());
   }
   EXPECT_EQ(drawing.generation, 2U);
   EXPECT_EQ(drawing.reader->memory_generation(), 2U);
@@ -196,9 +196,9 @@ TEST(SurfaceLooker, ASculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
 }
 
 // Who asks, who is told what, and when the thread lives.
-class Told {
+class Notified {
  public:
-  Told()
+  Notified()
       : clients(
             9, [](loop::SurfaceSnapshot& /*snapshot*/) { return false; },
             [this](ipc::ClientId id, const protocol::Surfaces& surfaces, int fd) {
@@ -225,7 +225,7 @@ class Told {
 };
 
 TEST(SurfaceClients, NobodyAsksNothingRuns) {
-  Told told;
+  Notified told;
   told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
   for (int i = 0; i < 20; ++i) told.problem += told.clients.Update(told.scene, 1);
   EXPECT_FALSE(told.clients.running());
@@ -234,15 +234,15 @@ TEST(SurfaceClients, NobodyAsksNothingRuns) {
 
 // The thread of the one before may not have ended: what that published would never be renewed.
 TEST(SurfaceClients, ClientThatAsksAsTheLastOneLeavesGetsAMemoryOfItsOwn) {
-  Told told;
+  Notified told;
   told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
-  told.clients.Ask(1, true);
+  told.clients.Request(1, true);
   ASSERT_TRUE(told.Until(1));
   for (ipc::ClientId id = 2; id < 12; ++id) {
     const std::uint64_t before = told.messages.back().second;
     told.clients.Remove(id - 1);
     told.clients.Update(told.scene, told.generation);
-    told.clients.Ask(id, true);
+    told.clients.Request(id, true);
     ASSERT_TRUE(told.Until(id));
     EXPECT_EQ(told.messages.back(), std::make_pair(id, before + 1));
   }
@@ -250,8 +250,8 @@ TEST(SurfaceClients, ClientThatAsksAsTheLastOneLeavesGetsAMemoryOfItsOwn) {
 
 TEST(SurfaceClients, EachIsToldOnceAndAgainWhenTheMemoryIsAnother) {
   using Messages = std::vector<std::pair<ipc::ClientId, std::uint64_t>>;
-  Told told;
-  told.clients.Ask(1, true);
+  Notified told;
+  told.clients.Request(1, true);
   ASSERT_TRUE(told.Until(1));
   EXPECT_EQ(told.messages, (Messages{{1, 0}})) << "no scene: nothing to draw";
   EXPECT_FALSE(told.clients.running());
@@ -260,7 +260,7 @@ TEST(SurfaceClients, EachIsToldOnceAndAgainWhenTheMemoryIsAnother) {
   ASSERT_TRUE(told.Until(2));
   EXPECT_EQ(told.messages.back(), std::make_pair(ipc::ClientId{1}, std::uint64_t{1}));
   EXPECT_TRUE(told.clients.running());
-  told.clients.Ask(2, true);
+  told.clients.Request(2, true);
   ASSERT_TRUE(told.Until(3));
   EXPECT_EQ(told.messages.back(), std::make_pair(ipc::ClientId{2}, std::uint64_t{1}));
   told.generation = 3;  // another scene
@@ -273,7 +273,7 @@ TEST(SurfaceClients, EachIsToldOnceAndAgainWhenTheMemoryIsAnother) {
   ASSERT_TRUE(told.Until(5));
   EXPECT_EQ(told.messages[4].second, told.messages[3].second);
   EXPECT_GT(told.messages[4].second, 1U);
-  told.clients.Ask(1, false);
+  told.clients.Request(1, false);
   told.clients.Remove(2);
   for (int i = 0; i < 2000 && told.clients.running(); ++i) {
     told.clients.Update(told.scene, told.generation);
@@ -342,7 +342,7 @@ class SurfacesOverTheSocket : public testing::Test {
   }
 
   test::TempFolder temp_;
-  support::QuietDevice device_;
+  support::SilentDevice device_;
   TransportTickSource source_;
   NowhereSink sink_;
   Service service_;

@@ -51,7 +51,7 @@ TEST(DaemonVibration, ALaterEventReplacesTheEarlier) {
   vibration.Tone({.duration_ns = 5 * kMs, .amplitude = 0.5F, .frequency_Hz = 100});
   EXPECT_EQ(vibration.waveform().id, 1u);
   EXPECT_DOUBLE_EQ(vibration.waveform().duration_s, 0.005);
-  EXPECT_FALSE(vibration.TakeFresh());
+  EXPECT_FALSE(vibration.PopFresh());
   Sent envelope = Make(protocol::WaveformKind::kEnvelope, {0, 1, 0.5F});
   envelope.waveform.duration_ns = 300 * kMs;
   vibration.Shape(envelope.haptic(), 0);
@@ -60,7 +60,7 @@ TEST(DaemonVibration, ALaterEventReplacesTheEarlier) {
   EXPECT_DOUBLE_EQ(vibration.waveform().duration_s, 0.3);
   EXPECT_EQ(vibration.samples().id, 2u);
   EXPECT_EQ(Held(vibration), (std::vector<float>{0, 1, 0.5F}));
-  EXPECT_TRUE(vibration.TakeFresh());
+  EXPECT_TRUE(vibration.PopFresh());
   vibration.Shape(Pcm({1, -1}, 1000, false).haptic(), 0);
   EXPECT_EQ(vibration.waveform().id, 3u);
   EXPECT_EQ(Held(vibration), (std::vector<float>{1, -1}));

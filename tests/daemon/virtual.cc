@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/daemon/virtual_run.h"
-#include "tests/support/touch/story.h"
+#include "tests/support/touch/scenario.h"
 
 namespace omni::test {
 namespace test_daemon_virtual {

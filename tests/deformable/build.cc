@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "tests/deformable/story.h"
+#include "tests/deformable/scenario.h"
 
 namespace omni::haptics {
 namespace test_deformable_build {

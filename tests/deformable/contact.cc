@@ -4,7 +4,7 @@
 #include <random>
 
 #include "service/loop/probe/alloc_probe.h"
-#include "tests/deformable/story.h"
+#include "tests/deformable/scenario.h"
 
 namespace omni::haptics {
 namespace test_deformable_contact {
@@ -21,46 +21,47 @@ double LongTermForce(const SoftContact& contact) {
   return StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state).elastic_N;
 }
 
-TEST(SoftLaw, DentAndForceAreInverse) {
+TEST(SoftContactModel, DentAndForceAreInverse) {
   for (const double nu : {0.0, 0.3, 0.49}) {
-    const LocalLaw law{2e5, 0.004, GainOf(nu, 0.5)};
+    const LocalModel model{2e5, 0.004, GainOf(nu, 0.5)};
     for (double dent = 1e-6; dent < 0.02; dent *= 1.3) {
-      EXPECT_NEAR(LocalDent(law, LocalForce(law, dent)) / dent, 1, 1e-9);
+      EXPECT_NEAR(LocalDent(model, LocalForce(model, dent)) / dent, 1, 1e-9);
       const double h = 1e-4 * dent;
-      const double slope = (LocalForce(law, dent + h) - LocalForce(law, dent - h)) / (2 * h);
-      EXPECT_NEAR(LocalSlope(law, dent) / slope, 1, 2e-3) << dent;
+      const double slope = (LocalForce(model, dent + h) - LocalForce(model, dent - h)) / (2 * h);
+      EXPECT_NEAR(LocalSlope(model, dent) / slope, 1, 2e-3) << dent;
     }
   }
   EXPECT_EQ(LocalForce({2e5, 0.004, {}}, kNan), 0);
   EXPECT_EQ(LocalDent({2e5, 0.004, {}}, kNan), 0);
 }
 
-TEST(SoftLaw, SmallDentsAreHertz) {
-  const LocalLaw law{2e5 / (1 - 0.16), 0.005, GainOf(0.4, 0)};
+TEST(SoftContactModel, SmallDentsAreHertz) {
+  const LocalModel model{2e5 / (1 - 0.16), 0.005, GainOf(0.4, 0)};
   const double dent = 0.005 * 1e-6;
-  EXPECT_NEAR(LocalForce(law, dent) / (4.0 / 3 * law.modulus_Pa * std::sqrt(0.005) * std::pow(dent, 1.5)), 1, 1e-3);
+  EXPECT_NEAR(LocalForce(model, dent) / (4.0 / 3 * model.modulus_Pa * std::sqrt(0.005) * std::pow(dent, 1.5)), 1, 1e-3);
 }
 
 // Whatever dent the search starts from.
-TEST(SoftLaw, DentDoesNotDependOnTheGuess) {
-  const LocalLaw law{2e5, 0.004, GainOf(0.4, 0)};
+TEST(SoftContactModel, DentDoesNotDependOnTheGuess) {
+  const LocalModel model{2e5, 0.004, GainOf(0.4, 0)};
   for (double dent = 1e-6; dent < 0.02; dent *= 1.7) {
-    const double force_N = LocalForce(law, dent);
+    const double force_N = LocalForce(model, dent);
     for (const double guess : {0.0, 1e-9, 0.3 * dent, 0.999 * dent, 1.3 * dent, 1.0, kNan}) {
-      EXPECT_NEAR(LocalAtForce(law, force_N, guess).dent_m / dent, 1, 1e-12) << dent << " " << guess;
+      EXPECT_NEAR(LocalAtForce(model, force_N, guess).dent_m / dent, 1, 1e-12) << dent << " " << guess;
     }
   }
 }
 
 // Firm, soft and overfirm bodies, with and without a spring: the force of a depth is that which goes so deep.
-TEST(SoftLaw, ForceOfABallAloneGoesToItsDepth) {
+TEST(SoftContactModel, ForceOfABallAloneGoesToItsDepth) {
   std::mt19937_64 rng(31);
   std::uniform_real_distribution<double> any(0, 1);
   for (int trial = 0; trial < 2000; ++trial) {
-    const LocalLaw law{std::pow(10, 4 + 3 * any(rng)), 0.002 + 0.01 * any(rng), GainOf(0.49 * any(rng), 0)};
-    const double flat = 1 / (law.modulus_Pa * law.radius_m);
-    const BallGive give = MakeBallGive(law, flat * (any(rng) - 0.4), any(rng) < 0.5 ? 0 : 3 * flat * any(rng));
-    const double depth_m = law.radius_m * std::pow(10, -4 * any(rng));
+    const LocalModel model{std::pow(10, 4 + 3 * any(rng)), 0.002 + 0.01 * any(rng), GainOf(0.49 * any(rng), 0)};
+    const double flat = 1 / (model.modulus_Pa * model.radius_m);
+    const BallCompliance give =
+        MakeBallCompliance(model, flat * (any(rng) - 0.4), any(rng) < 0.5 ? 0 : 3 * flat * any(rng));
+    const double depth_m = model.radius_m * std::pow(10, -4 * any(rng));
     const double force_N = ForceAlone(give, depth_m, 0);
     EXPECT_GT(force_N, 0);
     EXPECT_NEAR(GiveAtForce(give, force_N, 0).depth_m / depth_m, 1, 1e-8) << trial;
@@ -72,7 +73,7 @@ TEST(SoftLaw, ForceOfABallAloneGoesToItsDepth) {
       EXPECT_NEAR(GiveAtForce(give, force_N, 0).slope_m_N / slope, 1, 2e-3) << trial;
     }
   }
-  EXPECT_EQ(ForceAlone(MakeBallGive({2e5, 0.005, {}}, 0, 0), kNan, 0), 0);
+  EXPECT_EQ(ForceAlone(MakeBallCompliance({2e5, 0.005, {}}, 0, 0), kNan, 0), 0);
 }
 
 TEST(SoftContacts, ForceGrowsWithDepthAndSlopeIsItsDerivative) {

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "service/haptics/deformable/build/fem.h"
-#include "tests/deformable/story.h"
+#include "tests/deformable/scenario.h"
 
 namespace omni::haptics {
 namespace test_deformable_elements {

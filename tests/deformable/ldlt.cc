@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "service/haptics/deformable/build/ldlt.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_deformable_ldlt {

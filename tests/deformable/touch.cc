@@ -4,7 +4,7 @@
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
 #include "service/loop/probe/alloc_probe.h"
-#include "tests/deformable/story.h"
+#include "tests/deformable/scenario.h"
 #include "tests/support/same_bits.h"
 
 namespace omni::haptics {

@@ -25,7 +25,7 @@
 #include "service/sim/twin/twin.h"
 #include "tests/support/chips/fake_usb.h"
 #include "tests/support/process/temp_folder.h"
-#include "tests/support/rig/twin_story.h"
+#include "tests/support/rig/twin_scenario.h"
 
 namespace omni::device {
 namespace test_device_contract {

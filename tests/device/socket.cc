@@ -11,7 +11,7 @@
 #include "firmware/wire/messages.h"
 #include "service/base/unique_fd.h"
 #include "service/device/socket_transport.h"
-#include "service/device/usb/command_life.h"
+#include "service/device/usb/command_ttl.h"
 
 namespace omni::device {
 namespace test_device_socket {

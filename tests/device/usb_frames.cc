@@ -130,7 +130,7 @@ void ExpectSane(const base::HallScan& scan) {
 }
 
 // As omnid tells people: one line of printable characters.
-std::size_t TakeNotes(UsbSession& session) {
+std::size_t PopNotes(UsbSession& session) {
   std::size_t count = 0;
   for (BaseNote note; session.TakeNote(note); ++count) {
     const std::string text = note.type == wire::MessageType::kFault ? FaultEventText(note.fault)
@@ -190,7 +190,7 @@ TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
     }
     session->Write({{liar.Current_A(), liar.Current_A(), liar.Current_A()}});
     drives += CheckSent(*session) ? 1 : 0;
-    notes += TakeNotes(*session);
+    notes += PopNotes(*session);
     if (read != ReadStatus::kGone && liar.Below(2000) != 0) continue;
     refused += session->counters().bad_frames;
     session = Open(liar);

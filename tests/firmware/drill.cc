@@ -12,10 +12,10 @@ TEST(FirmwareDrill, ArmsAndSeesItsFaults) {
   const DrillTally tally = DrillWithTally(100'000);
   EXPECT_GT(tally.armed_steps, 50'000U);
   EXPECT_GE(tally.frames, 25'000U);
-  constexpr std::uint32_t kStory = wire::kFaultHostSilent | wire::kFaultEmergencyStop | wire::kFaultSupplyLow |
-                                   wire::kFaultHallStuck | wire::kFaultHallSensor | wire::kFaultOverCurrent |
-                                   wire::kFaultDriver;
-  EXPECT_EQ(tally.faults_seen & kStory, kStory) << std::hex << tally.faults_seen;
+  constexpr std::uint32_t kScenario = wire::kFaultHostSilent | wire::kFaultEmergencyStop | wire::kFaultSupplyLow |
+                                      wire::kFaultHallStuck | wire::kFaultHallSensor | wire::kFaultOverCurrent |
+                                      wire::kFaultDriver;
+  EXPECT_EQ(tally.faults_seen & kScenario, kScenario) << std::hex << tally.faults_seen;
 }
 
 TEST(FirmwareDrill, GivesTheSameNumberEveryTime) {

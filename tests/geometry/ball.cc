@@ -5,7 +5,7 @@
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/scene.h"
 #include "service/loop/probe/alloc_probe.h"
-#include "tests/geometry/ball_story.h"
+#include "tests/geometry/ball_scenario.h"
 
 namespace omni::haptics {
 namespace test_geometry_ball {
@@ -13,12 +13,12 @@ namespace test_geometry_ball {
 constexpr double kDegree = std::numbers::pi / 180;
 
 // Within this many radii of its formula.
-constexpr double kExact = 3 * kBallGive;
+constexpr double kExact = 3 * kBallMargin;
 
 TEST(Ball, RestsOnAPlaneHoweverItIsCut) {
   for (const int n : {1, 7, 40}) {
     for (const double radius_m : {1e-5, 5e-4, 2e-3, 1e-2}) {
-      BallStory ball(Built(SceneOf(Block(n, {0.03, 0.03, 0.01}))), radius_m, {0, 0, 0.03});
+      BallScenario ball(Built(SceneOf(Block(n, {0.03, 0.03, 0.01}))), radius_m, {0, 0, 0.03});
       Random random(1001);
       Vec3 tip{0, 0, 0.03};
       for (int k = 0; k < 1500; ++k) {
@@ -56,8 +56,8 @@ TEST(Ball, GroovesHoldItOnBothWalls) {
       const double radius_m = random.Uniform(3e-4, 1e-3), depth_m = 0.012;
       const double half = 0.5 * opening_deg * kDegree;
       if (!(radius_m / std::tan(half) < depth_m * 0.8 / std::cos(half))) continue;
-      BallStory ball(Built(SceneOf(ProfileSheet(GrooveProfile(opening_deg, depth_m), 0.02, cut, cut))), radius_m,
-                     {0, 0, 0.02});
+      BallScenario ball(Built(SceneOf(ProfileSheet(GrooveProfile(opening_deg, depth_m), 0.02, cut, cut))), radius_m,
+                        {0, 0, 0.02});
       for (int place = 0; place < 20; ++place) {
         const double y = random.Uniform(-0.01, 0.01), side = random.Uniform(-0.9, 0.9);
         // Between the normals of the walls, seen from where the centre will be: both walls push.
@@ -102,7 +102,7 @@ TEST(Ball, CornersHoldItOnThreeWalls) {
       AddTriangle(corner, base, base + 2, base + 3);
     }
     const Vec3 out = a + b + c;
-    BallStory ball(Built(SceneOf(corner)), radius_m, 0.01 * out);
+    BallScenario ball(Built(SceneOf(corner)), radius_m, 0.01 * out);
     const Vec3 push = random.Uniform(1e-4, 1e-3) * a + random.Uniform(1e-4, 1e-3) * b + random.Uniform(1e-4, 1e-3) * c;
     const Vec3 rest = radius_m * out;
     ball.MoveTo(rest - push);
@@ -126,7 +126,7 @@ TEST(Ball, CurvedSurfacesGiveTheirOffset) {
   const Scene scene = Built(SceneOf(Sphere(60, kBody_m)));
   const double sagitta_m = 0.5 * kBody_m * std::pow(0.5 * std::numbers::pi / 60, 2);
   for (const double radius_m : {2e-4, 1e-3, 6e-3}) {
-    BallStory ball(scene, radius_m, {0, 0, 0.03});
+    BallScenario ball(scene, radius_m, {0, 0, 0.03});
     Vec3 direction{0, 0, 1};
     for (int k = 0; k < 2000; ++k) {
       direction = Normalized(direction + random.InBox(0.01));
@@ -152,7 +152,7 @@ TEST(Ball, HollowSurfacesGiveTheirOffset) {
   const Scene scene = Built(input);
   const double sagitta_m = 0.5 * kBody_m * std::pow(0.5 * std::numbers::pi / 50, 2);
   for (const double radius_m : {3e-4, 2e-3, 8e-3}) {
-    BallStory ball(scene, radius_m, {});
+    BallScenario ball(scene, radius_m, {});
     Vec3 direction{0, 0, 1};
     for (int k = 0; k < 2000; ++k) {
       direction = Normalized(direction + random.InBox(0.02));
@@ -184,11 +184,11 @@ TEST(Ball, PlatesLetNothingThrough) {
           const double side = round % 2 == 0 ? 1 : -1, step_m = speed_m_s * (round < 4 ? 1e-3 : 20e-3);
           double height_m = radius_m + random.Uniform(0.001, 0.001 + step_m);
           const Vec3 aside = random.Uniform(-0.01, 0.01) * u + random.Uniform(-0.01, 0.01) * v;
-          BallStory ball(Built(input), radius_m, aside + (side * height_m) * normal);
+          BallScenario ball(Built(input), radius_m, aside + (side * height_m) * normal);
           while (height_m > -0.008) {
             height_m = std::max(height_m - step_m, -0.009);
             ball.MoveTo(aside + (side * height_m) * normal);
-            ASSERT_GT(ball.Gap(), -2.1 * kBallGive);
+            ASSERT_GT(ball.Gap(), -2.1 * kBallMargin);
           }
           ball.Rest(60);
           const double rest_m = 0.5 * thickness_m + radius_m;
@@ -208,20 +208,20 @@ TEST(Ball, FlanksMeetEdges) {
   for (int round = 0; round < 400; ++round) {
     const double thickness_m = std::array{1e-4, 5e-4, 2e-3}[static_cast<std::size_t>(round % 3)];
     const double radius_m = random.Uniform(2e-4, 4e-3);
-    BallStory ball(Built(SceneOf(Block(1, {0.02, 0.02, 0.5 * thickness_m}))), radius_m, {0, 0, 0.03});
+    BallScenario ball(Built(SceneOf(Block(1, {0.02, 0.02, 0.5 * thickness_m}))), radius_m, {0, 0, 0.03});
     const double x = 0.02 + radius_m * random.Uniform(0.2, 1.8), y = random.Uniform(-0.015, 0.015);
     const double from_m = random.Uniform(0.005, 0.012);
     ball.Restart({x, y, from_m});
     ball.MoveTo({x, y, -from_m});
     const double overlap = (0.02 + radius_m - x) / radius_m;
-    if (std::abs(overlap) < 3 * kBallGive) continue;
+    if (std::abs(overlap) < 3 * kBallMargin) continue;
     if (overlap < 0) {
       ASSERT_EQ(ball.state.centre_m, (Vec3{x, y, -from_m})) << round;
       ++passed;
     } else {  // it slides off the edge, in this tick or later, but never passes through
-      ASSERT_GT(ball.Gap(), -2.1 * kBallGive) << round;
+      ASSERT_GT(ball.Gap(), -2.1 * kBallMargin) << round;
       ball.MoveTo({0.5 * (x + 0.02) - 0.5 * radius_m, y, -from_m});
-      ASSERT_GT(ball.Gap(), -2.1 * kBallGive) << round;
+      ASSERT_GT(ball.Gap(), -2.1 * kBallMargin) << round;
       ++caught;
     }
   }
@@ -248,7 +248,7 @@ TEST(Ball, HolesStopWhatIsLarger) {
   }
   const Scene scene = Built(SceneOf(plate));
   for (const double radius_m : {5e-4, 9e-4, 1.1e-3, 3e-3}) {
-    BallStory ball(scene, radius_m, {1e-5, 2e-5, 0.01});
+    BallScenario ball(scene, radius_m, {1e-5, 2e-5, 0.01});
     ball.Slide({1e-5, 2e-5, 0.01}, {1e-5, 2e-5, -0.004}, 40);
     ball.Rest(40);
     if (radius_m < 0.001) {
@@ -270,7 +270,7 @@ TEST(Ball, SmallBallsAreThePointProxy) {
                                             {Built(SceneOf(Sphere(40, 0.02))), kFacets}};
   for (const auto& [scene, angle] : cases) {
     for (const double radius_m : {1e-4, 1e-5, 1e-6}) {
-      BallStory ball(scene, radius_m, {0.001, 0.002, 0.022});
+      BallScenario ball(scene, radius_m, {0.001, 0.002, 0.022});
       const Surface& surface = ball.surface();
       Vec3 tip{0.001, 0.002, 0.022};
       std::uint32_t triangle = kNoIndex;
@@ -307,9 +307,9 @@ TEST(Ball, StartsOutside) {
       Built(SceneOf(Periodic(60, 24, [](double u, double v) { return TorusPoint(0.02, 0.006, u, v); })));
   for (const double radius_m : {1e-4, 2e-3, 1e-2}) {
     for (int k = 0; k < 300; ++k) {
-      BallStory ball(scene, radius_m, random.InBox(0.03));
+      BallScenario ball(scene, radius_m, random.InBox(0.03));
       ball.Rest(10);
-      ASSERT_GT(ball.Gap(), -2.1 * kBallGive) << radius_m << " " << k;
+      ASSERT_GT(ball.Gap(), -2.1 * kBallMargin) << radius_m << " " << k;
       ASSERT_LT(WindingNumber(scene, ball.surface(), ball.state.centre_m), 0.5) << radius_m << " " << k;
       ASSERT_LT(Norm(ball.Push()), 0.04) << radius_m << " " << k;
     }
@@ -339,7 +339,7 @@ TEST(Ball, IsPushedByWhatMoves) {
 }
 
 TEST(Ball, AllocatesNothing) {
-  BallStory ball(Built(SceneOf(Sphere(40, 0.02))), 2e-3, {0, 0, 0.03});
+  BallScenario ball(Built(SceneOf(Sphere(40, 0.02))), 2e-3, {0, 0, 0.03});
   Random random(1010);
   const loop::AllocProbe probe;
   int touches = 0;
@@ -358,7 +358,7 @@ TEST(Ball, AllocatesNothing) {
 
 // A device point that is no number changes nothing.
 TEST(Ball, ThatIsGivenNoNumberStays) {
-  BallStory ball(Built(SceneOf(Sphere(8, 0.02))), 1e-3, {0, 0, 0.0205});
+  BallScenario ball(Built(SceneOf(Sphere(8, 0.02))), 1e-3, {0, 0, 0.0205});
   const BallState before = ball.state;
   for (const double odd : {std::nan(""), HUGE_VAL, -1e300}) {
     EXPECT_EQ(ball.MoveTo({0, odd, 0}).touch_count, 0);

@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "service/haptics/contact/ball/ball_in_tree.h"
-#include "tests/geometry/ball_story.h"
+#include "tests/geometry/ball_scenario.h"
 #include "tests/geometry/soup.h"
 
 namespace omni::haptics {
@@ -72,7 +72,7 @@ TEST(BallInSoup, RestsAtLocalMinima) {
       for (int k = 1; k <= ticks; ++k) {
         tip = from + (static_cast<double>(k) / ticks) * (goal - from);
         contact = FollowBall(view, view.tree.root, radius_m, tip, state);
-        ASSERT_GT(NearestOf(soup, state.centre_m), radius_m * (1 - 2.1 * kBallGive)) << round << " " << place;
+        ASSERT_GT(NearestOf(soup, state.centre_m), radius_m * (1 - 2.1 * kBallMargin)) << round << " " << place;
       }
       for (int k = 0; k < 60 && !contact.settled; ++k) {
         contact = FollowBall(view, view.tree.root, radius_m, tip, state);
@@ -88,10 +88,10 @@ TEST(BallInSoup, RestsAtLocalMinima) {
       for (int k = 0; k < contact.touch_count; ++k) {
         const BallTouch& touch = contact.touches[static_cast<std::size_t>(k)];
         sum = sum + touch.share * touch.normal;
-        ASSERT_NEAR(Norm(state.centre_m - touch.at.point), radius_m, 3 * kBallGive * radius_m);
+        ASSERT_NEAR(Norm(state.centre_m - touch.at.point), radius_m, 3 * kBallMargin * radius_m);
       }
       const double push_m = Norm(state.centre_m - tip);
-      ASSERT_LT(Norm(push_m * sum - (state.centre_m - tip)), 2 * kBallGive * radius_m) << round << " " << place;
+      ASSERT_LT(Norm(push_m * sum - (state.centre_m - tip)), 2 * kBallMargin * radius_m) << round << " " << place;
       ASSERT_LT(SoupGain(soup, radius_m, state, random), 1e-3) << round << " " << place << " " << contact.touch_count;
     }
   }
@@ -146,7 +146,7 @@ TEST(BallInSoup, WorkIsBoundedWhereTheMeshIsTooFine) {
     const BallContact contact = FollowBall(view, view.tree.root, kCup_m * (1 - 1e-7), tip, state);
     held += !contact.settled && contact.touch_count == 1 && contact.touches[0].share == 1;
     most = std::max(most, view.looked_at);
-    ASSERT_GT(NearestOf(cup, state.centre_m), kCup_m * (1 - 3 * kBallGive)) << k;
+    ASSERT_GT(NearestOf(cup, state.centre_m), kCup_m * (1 - 3 * kBallMargin)) << k;
   }
   RecordProperty("most", most);
   EXPECT_LT(most, kMaxBallLooks + 8 * kMaxBallNear);  // a move that was begun is finished
@@ -178,8 +178,8 @@ TEST(BallOnProfiles, StrokesDoNotFeelTheTriangles) {
   Random random(1204);
   for (const ProfilePoints& profile : {RidgeProfile(60), RidgeProfile(90), RidgeProfile(150), StairProfile()}) {
     for (const double radius_m : {3e-4, 1.2e-3}) {
-      BallStory coarse(Built(SceneOf(ProfileSheet(profile, 0.02))), radius_m, {0, 0, 0.02});
-      BallStory fine(Built(SceneOf(ProfileSheet(profile, 0.02, 5, 17))), radius_m, {0, 0, 0.02});
+      BallScenario coarse(Built(SceneOf(ProfileSheet(profile, 0.02))), radius_m, {0, 0, 0.02});
+      BallScenario fine(Built(SceneOf(ProfileSheet(profile, 0.02, 5, 17))), radius_m, {0, 0, 0.02});
       double worst = 0;
       for (int stroke = 0; stroke < 30; ++stroke) {
         const double y = random.Uniform(-0.01, 0.01), z = random.Uniform(-0.006, 0.003);
@@ -197,7 +197,7 @@ TEST(BallOnProfiles, StrokesDoNotFeelTheTriangles) {
         fine.Rest(60);
         ASSERT_LT(BestGain(coarse, 0.02, 200, random), 1e-3);
         ASSERT_LT(BestGain(fine, 0.02, 200, random), 1e-3);
-        ASSERT_GT(fine.Gap(), -2.1 * kBallGive);
+        ASSERT_GT(fine.Gap(), -2.1 * kBallMargin);
       }
       EXPECT_LT(worst, 0.02) << radius_m;
     }

@@ -8,7 +8,7 @@
 #include <Eigen/Dense>
 
 #include "service/haptics/contact/half_spaces.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_geometry_half_spaces {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "tests/geometry/soup.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_geometry_tree {

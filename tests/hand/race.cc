@@ -7,7 +7,7 @@
 
 #include "service/tools/hand/person.h"
 #include "service/tools/scene/scene_source.h"
-#include "tests/support/rig/led_story.h"
+#include "tests/support/rig/guided_hand_scenario.h"
 
 namespace omni::test {
 namespace test_hand_race {
@@ -35,7 +35,7 @@ TEST_P(HandRace, FinishesALapHoweverLateTheCarIsSeen) {
     const auto seed = static_cast<std::uint64_t>(GetParam() * kSeedsPerBlock + k + 1);
     const auto intent = tools::IntentFor(Track(), {});
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedStory story(Track(), RaceHand(), seed, Conditions::Drawn(seed));
+    LedScenario story(Track(), RaceHand(), seed, Conditions::Drawn(seed));
     EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << seed << ": " << intent->task->Account();
     EXPECT_GE(story.output().haptics.vehicle.laps, 1U) << "seed " << seed;
     hits += story.output().haptics.vehicle.hits;
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, HandRace, testing::Range(0, 6));
 TEST(HandRaceAlone, SeenAtOnceTheLapIsSwiftAndClean) {
   const auto intent = tools::IntentFor(Track(), {});
   ASSERT_TRUE(intent.ok()) << intent.error();
-  LedStory story(Track(), RaceHand(), 1, {});
+  LedScenario story(Track(), RaceHand(), 1, {});
   EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << intent->task->Account();
   EXPECT_LT(story.t_s(), 13);
   EXPECT_EQ(story.output().haptics.vehicle.hits, 0U);

@@ -8,8 +8,8 @@
 #include "service/haptics/scene.h"
 #include "service/tools/hand/person.h"
 #include "service/tools/scene/scene_source.h"
-#include "tests/haptics/story.h"
-#include "tests/support/rig/led_story.h"
+#include "tests/haptics/scenario.h"
+#include "tests/support/rig/guided_hand_scenario.h"
 
 namespace omni::test {
 namespace test_hand_touch {
@@ -43,7 +43,7 @@ TEST_P(HandTouch, FormsClayHoweverLateItIsFelt) {
     scene::LoadLive(loaded->scene, nullptr);
     const auto intent = tools::IntentFor(loaded->scene, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedStory story(loaded->scene, hand, Seed(k), Conditions::Drawn(Seed(k)));
+    LedScenario story(loaded->scene, hand, Seed(k), Conditions::Drawn(Seed(k)));
     EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
     EXPECT_GE(loaded->scene.live()->workshop_at(0).editor().undo_steps(), 2U) << "seed " << Seed(k);
     times.Add(story.t_s());
@@ -66,7 +66,7 @@ TEST_P(HandTouch, DentsASoftBodyHoweverLateItIsSeen) {
   for (int k = 0; k < kSeedsPerBlock; ++k) {
     const auto intent = tools::IntentFor(body, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedStory story(body, hand, Seed(k), Conditions::Drawn(Seed(k)));
+    LedScenario story(body, hand, Seed(k), Conditions::Drawn(Seed(k)));
     EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
     times.Add(story.t_s());
   }
@@ -79,7 +79,7 @@ TEST_P(HandTouch, PressesWhatIsFirmHoweverLateItIsFelt) {
   for (int k = 0; k < kSeedsPerBlock; ++k) {
     const auto intent = tools::IntentFor(table, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedStory story(table, PressAndSlide(), Seed(k), Conditions::Drawn(Seed(k)));
+    LedScenario story(table, PressAndSlide(), Seed(k), Conditions::Drawn(Seed(k)));
     EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
     times.Add(story.t_s());
   }

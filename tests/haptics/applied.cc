@@ -17,7 +17,7 @@ namespace test_haptics_applied {
 
 constexpr double kTick_s = 1e-3;
 
-Offer Generous() {
+StiffnessBound Generous() {
   return {.stiffness_N_m = 500, .along_N_m = 500, .axis_base = {0, 0, -1}, .damping_Ns_m = 1, .predict_s = 0};
 }
 
@@ -25,7 +25,7 @@ Offer Generous() {
 struct Bench {
   AppliedConfig config;
   AppliedCommand command{.open = true};
-  AppliedInput input{.t_ns = 1'000'000'000, .tracked = true, .lag_s = 3e-3, .offer = Generous()};
+  AppliedInput input{.t_ns = 1'000'000'000, .tracked = true, .lag_s = 3e-3, .bound = Generous()};
   AppliedState state;
   AppliedOutput output;
 
@@ -232,8 +232,8 @@ TEST(Applied, BoundedAndWithoutKicksWhateverIsAsked) {
       if (random() % 200 == 0) bench.command.open = !bench.command.open;
       if (random() % 100 == 0) bench.input.tracked = !bench.input.tracked;
       if (random() % 300 == 0) bench.command.force_base_N.x = nasty[random() % 5];
-      if (random() % 300 == 0) bench.input.offer.stiffness_N_m = nasty[random() % 5];
-      if (random() % 300 == 0) bench.input.offer = Generous();
+      if (random() % 300 == 0) bench.input.bound.stiffness_N_m = nasty[random() % 5];
+      if (random() % 300 == 0) bench.input.bound = Generous();
       v = v + 0.01 * vector(1);
       x = 0.999 * (x + kTick_s * v);
       bench.input.device_point_base_m = random() % 500 == 0 ? Vec3{nasty[random() % 5], 0, 0} : x;
@@ -301,7 +301,7 @@ TEST(Applied, ContactsComeFirst) {
 // whatever is asked.
 double SwingAfter2s_m(double given_N_m) {
   Bench bench;
-  bench.input.offer.stiffness_N_m = bench.input.offer.along_N_m = given_N_m;
+  bench.input.bound.stiffness_N_m = bench.input.bound.along_N_m = given_N_m;
   bench.Set({Spring(1e5)});
   constexpr double kMass_kg = 0.1, kHandDamping_Ns_m = 1, kHandStiffness_N_m = 150, kStep_s = 1e-4;
   std::array<Vec3, 4> on_the_way{};

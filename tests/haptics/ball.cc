@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/loop/probe/alloc_probe.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/touch/sculpt_hand.h"
 
 namespace omni::haptics {
@@ -142,10 +142,11 @@ TEST(BallTip, RollsOnASculptedSurface) {
   SceneInput input = WithBall(Sphere(40, 0.03));
   Scene scene = Built(input);
   auto live = std::make_shared<LiveParts>();
-  auto workshop = std::make_unique<Workshop>(EditorOf(Sphere(40, 0.03)), SculptFeel{.grab_force_N = 2}, Brush{});
-  SculptEditor& editor = workshop->editor();
-  workshop->SetReader(true);
-  live->AddWorkshop(0, std::move(workshop));
+  auto sculpt_session =
+      std::make_unique<SculptSession>(EditorOf(Sphere(40, 0.03)), SculptParameters{.grab_force_N = 2}, Brush{});
+  SculptEditor& editor = sculpt_session->editor();
+  sculpt_session->SetReader(true);
+  live->AddSculptSession(0, std::move(sculpt_session));
   scene.SetLive(std::move(live));
   Pen pen(std::move(scene));
   pen.MoveTo({0, 0, 0.036});

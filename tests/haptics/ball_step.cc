@@ -4,14 +4,14 @@
 
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
-#include "tests/deformable/story.h"
+#include "tests/deformable/scenario.h"
 #include "tests/support/touch/ball_bodies.h"
 #include "tests/support/touch/ball_judge.h"
 
 namespace omni::haptics {
 namespace test_haptics_ball_step {
 
-constexpr double kNearest = -2.5 * kBallGive;  // (12.7), with room for rounding
+constexpr double kNearest = -2.5 * kBallMargin;  // (12.7), with room for rounding
 
 std::vector<Corners> CornersOf(const Scene& scene, std::uint32_t object) {
   return CornersOf(Surface(scene, {}), scene.objects()[object]);
@@ -73,7 +73,7 @@ TEST(BallInStep, FeelsNothingOnItsWayThroughTheOpen) {
         std::sqrt(NearestPoint(surface, scene.objects()[0], contact->held_m).closest.distance_squared);
     ASSERT_GT(distance_m / kRadius_m - 1, kNearest) << k;
     ASSERT_EQ(pen.output.contact_count, contact->in_flight ? 0 : 1) << k;
-    ASSERT_TRUE(contact->in_flight || distance_m / kRadius_m - 1 < kBallGive) << k;
+    ASSERT_TRUE(contact->in_flight || distance_m / kRadius_m - 1 < kBallMargin) << k;
   }
   EXPECT_GT(in_flight, 20);
 }
@@ -211,10 +211,11 @@ TEST(BallInStep, StaysOutsideOfASurfaceThatIsSculptedOverIt) {
   constexpr double kRadius_m = 0.001;
   Scene scene = Built(BallScene(Sphere(16, 0.02), kRadius_m));
   auto live = std::make_shared<LiveParts>();
-  auto workshop = std::make_unique<Workshop>(EditorOf(Sphere(16, 0.02)), SculptFeel{.grab_force_N = 2}, Brush{});
-  SculptEditor& editor = workshop->editor();
-  workshop->SetReader(true);
-  live->AddWorkshop(0, std::move(workshop));
+  auto sculpt_session =
+      std::make_unique<SculptSession>(EditorOf(Sphere(16, 0.02)), SculptParameters{.grab_force_N = 2}, Brush{});
+  SculptEditor& editor = sculpt_session->editor();
+  sculpt_session->SetReader(true);
+  live->AddSculptSession(0, std::move(sculpt_session));
   scene.SetLive(std::move(live));
   Pen pen(std::move(scene));
   Random random(32'005);

@@ -5,7 +5,7 @@
 
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/scene.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_haptics_build {

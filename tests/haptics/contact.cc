@@ -5,7 +5,7 @@
 
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/scene.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/same_bits.h"
 
 namespace omni::haptics {

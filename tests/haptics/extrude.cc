@@ -1,7 +1,7 @@
 // Pull a face out by a step, push it in by a step.
 #include <gtest/gtest.h>
 
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_haptics_extrude {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/scene.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/same_bits.h"
 
 namespace omni::haptics {

@@ -1,7 +1,7 @@
 // Stick and slip against Coulomb's law.
 #include <gtest/gtest.h>
 
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_haptics_friction {

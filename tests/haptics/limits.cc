@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "service/base/force_limit.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_haptics_limits {

@@ -129,7 +129,7 @@ TEST(LiveMeshTest, IsTheObjectAsItIsInTheScene) {
   }
 }
 
-TEST(LiveWorkshopTest, HoldsTheSurfaceAndTheMaterial) {
+TEST(LiveSculptSessionTest, HoldsTheSurfaceAndTheMaterial) {
   SceneInput input = SceneOf(Sphere(5, 0.01), Material());
   Material clay = Clay();
   clay.stiffness_N_m = 333;
@@ -146,22 +146,22 @@ TEST(LiveWorkshopTest, HoldsTheSurfaceAndTheMaterial) {
   const Scene scene = Built(input);
   LiveParts live;
   std::vector<std::string> lines;
-  AddWorkshops(scene, PlanLive(scene), live, lines);
+  AddSculptSessions(scene, PlanLive(scene), live, lines);
   EXPECT_TRUE(lines.empty());
-  ASSERT_EQ(live.workshop_count(), 1U);
+  ASSERT_EQ(live.sculpt_session_count(), 1U);
   EXPECT_EQ(live.object_at(0), 1U);
-  sculpt::Workshop& workshop = live.workshop_at(0);
-  EXPECT_EQ(live.workshop(1), &workshop);
-  EXPECT_EQ(live.workshop(0), nullptr);
-  EXPECT_EQ(workshop.feel().stiffness_N_m, 333);
-  EXPECT_EQ(workshop.feel().grid_step_m, 0.002);
-  EXPECT_EQ(workshop.editor().options().grid_step_m, 0.002);
-  EXPECT_EQ(workshop.brush().falloff, sculpt::Falloff::kLinear);
-  EXPECT_EQ(workshop.brush().radius_m, 0.004);
-  EXPECT_TRUE(workshop.brush().symmetry.enabled);
-  EXPECT_EQ(workshop.brush().symmetry.normal, (Vec3{0, 1, 0}));
-  EXPECT_LT(Norm(workshop.brush().symmetry.point_base_m - Vec3{0.05, 0.07, 0.01}), 1e-12);
-  const sculpt::SculptTable* table = workshop.Acquire();
+  sculpt::SculptSession& sculpt_session = live.sculpt_session_at(0);
+  EXPECT_EQ(live.sculpt_session(1), &sculpt_session);
+  EXPECT_EQ(live.sculpt_session(0), nullptr);
+  EXPECT_EQ(sculpt_session.feel().stiffness_N_m, 333);
+  EXPECT_EQ(sculpt_session.feel().grid_step_m, 0.002);
+  EXPECT_EQ(sculpt_session.editor().options().grid_step_m, 0.002);
+  EXPECT_EQ(sculpt_session.brush().falloff, sculpt::Falloff::kLinear);
+  EXPECT_EQ(sculpt_session.brush().radius_m, 0.004);
+  EXPECT_TRUE(sculpt_session.brush().symmetry.enabled);
+  EXPECT_EQ(sculpt_session.brush().symmetry.normal, (Vec3{0, 1, 0}));
+  EXPECT_LT(Norm(sculpt_session.brush().symmetry.point_base_m - Vec3{0.05, 0.07, 0.01}), 1e-12);
+  const sculpt::SculptTable* table = sculpt_session.Acquire();
   ASSERT_NE(table, nullptr) << "the tick always finds a surface";
   const sculpt::SculptSurface surface(*table);
   const NearestResult top = NearestInTree(surface, 0, {0.05, 0.07, 0.05});
@@ -180,13 +180,13 @@ TEST(LiveWorkshopTest, HoldsTheSurfaceAndTheMaterial) {
   EXPECT_EQ(PlanLive(again).sculpted, std::vector<std::uint32_t>{0}) << "what is saved can be sculpted on";
 }
 
-TEST(LiveFeelTest, StaysInRangeForEveryTag) {
+TEST(LiveSculptParametersTest, StaysInRangeForEveryTag) {
   Random random(3);
   for (int k = 0; k < 1000; ++k) {
     Material m = Clay();
     m.stiffness_N_m = random.Uniform(0, 2000);
     m.sculpt.resistance_N_m = k == 0 ? 0 : k == 1 ? 2000 : random.Uniform(0, 2000);
-    const sculpt::SculptFeel feel = FeelOf(m);
+    const sculpt::SculptParameters feel = SculptParametersOf(m);
     EXPECT_TRUE(feel.yield_N > 0 && feel.yield_N <= 2);
     EXPECT_TRUE(feel.hardening_N_m >= 0 && feel.hardening_N_m <= 2000);
     EXPECT_TRUE(feel.viscosity_Ns_m > 0 && feel.viscosity_Ns_m <= 100);
@@ -194,12 +194,12 @@ TEST(LiveFeelTest, StaysInRangeForEveryTag) {
 }
 
 // A hand that pulls: the force grows by the resistance for every metre the surface came along.   (5.2)
-TEST(LiveFeelTest, ResistanceIsForcePerDisplacement) {
+TEST(LiveSculptParametersTest, ResistanceIsForcePerDisplacement) {
   for (const double resistance_N_m : {50.0, 200.0, 600.0}) {
     Material m = Clay();
     m.stiffness_N_m = 800;
     m.sculpt.resistance_N_m = resistance_N_m;
-    const sculpt::SculptFeel feel = FeelOf(m);
+    const sculpt::SculptParameters feel = SculptParametersOf(m);
     sculpt::StrokeRing ring;
     sculpt::SculptToolState state;
     sculpt::SculptInput input;

@@ -3,7 +3,7 @@
 
 #include "service/haptics/contact/frame.h"
 #include "service/loop/probe/alloc_probe.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/same_bits.h"
 
 namespace omni::haptics {

@@ -8,7 +8,7 @@
 #include "service/haptics/placed.h"
 #include "service/haptics/scene.h"
 #include "service/loop/probe/alloc_probe.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/same_bits.h"
 
 namespace omni::haptics {

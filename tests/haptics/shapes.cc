@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_haptics_shapes {

@@ -7,7 +7,7 @@
 
 #include "service/haptics/energy_watch.h"
 #include "service/haptics/scene.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_haptics_stability {
@@ -60,8 +60,8 @@ TEST(Stability, NothingIsOfferedOnWhatIsNotANumber) {
     input.noise.*field = kNan;
     EXPECT_EQ(Limit(config, input, 1e-3), 0);
     EXPECT_EQ(BestPrediction_s(config, input), 0);
-    OfferState state;
-    EXPECT_EQ(UpdateOffer(config, input, false, state).stiffness_N_m, 0);
+    StiffnessBoundState state;
+    EXPECT_EQ(UpdateStiffnessBound(config, input, false, state).stiffness_N_m, 0);
   }
 }
 
@@ -96,16 +96,16 @@ TEST(Stability, AQuietTrackerIsPredictedAndOffersMore) {
 
 TEST(Stability, InTouchTheOfferOnlyFalls) {
   const Config config;
-  OfferState state;
-  const double first = UpdateOffer(config, Delayed(2e-3), false, state).stiffness_N_m;
-  for (int k = 0; k < 2000; ++k) UpdateOffer(config, Delayed(1e-3), true, state);
+  StiffnessBoundState state;
+  const double first = UpdateStiffnessBound(config, Delayed(2e-3), false, state).stiffness_N_m;
+  for (int k = 0; k < 2000; ++k) UpdateStiffnessBound(config, Delayed(1e-3), true, state);
   EXPECT_EQ(state.stiffness_N_m, first) << "a stiffer wall would push the hand out";
-  for (int k = 0; k < 2000; ++k) UpdateOffer(config, Delayed(8e-3), true, state);
+  for (int k = 0; k < 2000; ++k) UpdateStiffnessBound(config, Delayed(8e-3), true, state);
   const double fallen = state.stiffness_N_m;
   EXPECT_LT(fallen, 0.5 * first);
   double last = fallen;
   for (int k = 0; k < 2000; ++k) {
-    const double now = UpdateOffer(config, Input{.dt_s = 1e-3, .delay_s = 1e-3}, false, state).stiffness_N_m;
+    const double now = UpdateStiffnessBound(config, Input{.dt_s = 1e-3, .delay_s = 1e-3}, false, state).stiffness_N_m;
     ASSERT_GE(now, last - 1e-9);
     last = now;
   }
@@ -116,14 +116,14 @@ TEST(Stability, InTouchTheOfferOnlyFalls) {
 TEST(Stability, NoiseAllowsLessDamping) {
   const Config config;
   for (const double sigma_m_s : {0.0, 0.01, 0.05, 0.2}) {
-    OfferState state;
-    Offer offer;
+    StiffnessBoundState state;
+    StiffnessBound bound;
     for (int k = 0; k < 100; ++k) {
-      offer = UpdateOffer(config, Delayed(2e-3, {1e-8, 0, sigma_m_s * sigma_m_s}), true, state);
+      bound = UpdateStiffnessBound(config, Delayed(2e-3, {1e-8, 0, sigma_m_s * sigma_m_s}), true, state);
     }
-    EXPECT_LE(offer.damping_Ns_m * sigma_m_s, 0.020 + 1e-12);
-    EXPECT_LE(offer.damping_Ns_m, config.hand_damping_Ns_m);
-    EXPECT_EQ(offer.damping_Ns_m == config.hand_damping_Ns_m, sigma_m_s * config.hand_damping_Ns_m <= 0.020);
+    EXPECT_LE(bound.damping_Ns_m * sigma_m_s, 0.020 + 1e-12);
+    EXPECT_LE(bound.damping_Ns_m, config.hand_damping_Ns_m);
+    EXPECT_EQ(bound.damping_Ns_m == config.hand_damping_Ns_m, sigma_m_s * config.hand_damping_Ns_m <= 0.020);
   }
 }
 
@@ -148,7 +148,7 @@ TEST(Stability, TheTipIsPredictedOverTheWholeLag) {
   pen.config.predict_max_s = 0.02;
   pen.input.delay_s = 4e-3;
   pen.Slide({0, 0, 0.030}, {0, 0, 0.025}, 50);  // 0.1 m/s down
-  EXPECT_NEAR(pen.state.offer.predict_s, 4.5e-3, 1e-9);
+  EXPECT_NEAR(pen.state.bound.predict_s, 4.5e-3, 1e-9);
   EXPECT_NEAR(pen.state.last_device_point_base_m.z, 0.025 - 4.5e-4, 1e-9);
 }
 
@@ -238,20 +238,20 @@ TEST(Stability, OffersMoreAlongThePen) {
   Input input = Delayed(2e-3, NoiseOf(4e-4, 200));
   input.noise_along = NoiseOf(1e-4, 200);
   input.axis_base = {0, 0, -1};
-  OfferState state;
-  const Offer offer = UpdateOffer(config, input, false, state);
-  EXPECT_GT(offer.along_N_m, 1.2 * offer.stiffness_N_m);
-  EXPECT_NEAR(StiffnessAlong(offer, {0, 0, 1}), offer.along_N_m, 1e-9);
-  EXPECT_NEAR(StiffnessAlong(offer, {1, 0, 0}), offer.stiffness_N_m, 1e-9);
+  StiffnessBoundState state;
+  const StiffnessBound bound = UpdateStiffnessBound(config, input, false, state);
+  EXPECT_GT(bound.along_N_m, 1.2 * bound.stiffness_N_m);
+  EXPECT_NEAR(StiffnessAlong(bound, {0, 0, 1}), bound.along_N_m, 1e-9);
+  EXPECT_NEAR(StiffnessAlong(bound, {1, 0, 0}), bound.stiffness_N_m, 1e-9);
   double last_N_m = 0;
   for (double angle = 1.57; angle > 0; angle -= 0.01) {
-    const double now_N_m = StiffnessAlong(offer, {std::sin(angle), 0, std::cos(angle)});
+    const double now_N_m = StiffnessAlong(bound, {std::sin(angle), 0, std::cos(angle)});
     EXPECT_GT(now_N_m, last_N_m);
     last_N_m = now_N_m;
   }
   input.axis_base = {};
-  OfferState uniform;
-  EXPECT_EQ(UpdateOffer(config, input, false, uniform).along_N_m, uniform.stiffness_N_m);
+  StiffnessBoundState uniform;
+  EXPECT_EQ(UpdateStiffnessBound(config, input, false, uniform).along_N_m, uniform.stiffness_N_m);
 }
 
 // The pen is turned while it presses: what the contact is given falls with the angle and does not rise again.
@@ -264,7 +264,7 @@ TEST(Stability, AContactsStiffnessOnlyFallsWhileThePenIsTurned) {
   turn(0);
   pen.Slide({0, 0, 0.015}, {0, 0, 0.009}, 200);
   double last_N = pen.output.force_base_N.z;
-  EXPECT_GT(last_N, 0.001 * 1.5 * pen.state.offer.stiffness_N_m);
+  EXPECT_GT(last_N, 0.001 * 1.5 * pen.state.bound.stiffness_N_m);
   for (double angle = 0; angle < 1.2; angle += 0.01) {
     turn(angle);
     pen.Rest(5);

@@ -8,7 +8,7 @@
 #include "service/haptics/geometry/surface.h"
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
-#include "tests/deformable/story.h"
+#include "tests/deformable/scenario.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::haptics {

@@ -7,8 +7,8 @@
 
 #include "service/haptics/scene.h"
 #include "service/haptics/swing_watch.h"
-#include "tests/haptics/story.h"
-#include "tests/support/touch/hand_at_wall.h"
+#include "tests/haptics/scenario.h"
+#include "tests/support/touch/virtual_wall.h"
 
 namespace omni::haptics {
 namespace test_haptics_swing {
@@ -35,9 +35,9 @@ TEST(SwingWatch, QuietensLightHandsAndLateAnswers) {
         SCOPED_TRACE(testing::Message() << mass_kg << " kg, " << damping_Ns_m << " Ns/m, late " << late_s);
         const WallHand hand{mass_kg, damping_Ns_m};
         const WallLoop loop{.delay_s = 2e-3, .late_s = late_s, .noise_m = 1e-4};
-        EXPECT_LT(Buzz_N(PressWall(hand, loop, {}, WallRule::kOffered, kAsked_N_m, 3)), 0.03);
+        EXPECT_LT(Buzz_N(PressWall(hand, loop, {}, WallRule::kBounded, kAsked_N_m, 3)), 0.03);
         const WallRun pressed =
-            PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kOffered, kAsked_N_m, 3);
+            PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kBounded, kAsked_N_m, 3);
         EXPECT_LT(pressed.given_J, 0.015);
       }
     }
@@ -52,7 +52,7 @@ void ExpectHoldsStill(const WallHand& hand, const WallLoop& loop) {
     return test::RmsAboutMean(of.measured_m, end - kSecond, end);
   };
   const WallRun free = PressWall(hand, {.noise_m = loop.noise_m}, {}, WallRule::kFixed, 0, 3);
-  const WallRun run = PressWall(hand, loop, {}, WallRule::kOffered, kAsked_N_m, 3);
+  const WallRun run = PressWall(hand, loop, {}, WallRule::kBounded, kAsked_N_m, 3);
   EXPECT_FALSE(last_m(run, 0) > 2 * last_m(free, 0) && last_m(run, 0) >= 0.8 * last_m(run, 1));
 }
 
@@ -81,7 +81,7 @@ TEST(SwingWatch, LightHandsComeToRest) {
 TEST(SwingWatch, AHeavyPenDoesNotBounceOn) {
   const WallHand hand{0.2, 1};
   const WallLoop loop{.delay_s = 1e-3, .late_s = 5e-3, .noise_m = 2e-5};
-  const WallRun run = PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kOffered, kAsked_N_m, 2004);
+  const WallRun run = PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kBounded, kAsked_N_m, 2004);
   EXPECT_LT(run.given_J, 0.01);
 }
 
@@ -92,7 +92,7 @@ TEST(SwingWatch, LeavesFirmHandsWhatTheyAreOffered) {
       for (const double noise_m : {2e-5, 1e-4, 3e-4}) {
         SCOPED_TRACE(testing::Message() << mass_kg << " kg, " << damping_Ns_m << " Ns/m, noise " << noise_m);
         const WallRun run = PressWall({mass_kg, damping_Ns_m}, {.delay_s = 2e-3, .noise_m = noise_m}, {.hold_s = 2},
-                                      WallRule::kOffered, kAsked_N_m, 3);
+                                      WallRule::kBounded, kAsked_N_m, 3);
         EXPECT_EQ(run.least_gain, 1);
       }
     }

@@ -9,7 +9,7 @@ namespace omni::hil {
 namespace {
 
 // An empty HELLO asks for one.
-Frame AskHello() {
+Frame RequestHello() {
   Frame frame(wire::kHeaderSize + wire::kTrailerSize);
   wire::SealFrame({.type = wire::MessageType::kHello}, 0, frame.data(), frame.size());
   return frame;
@@ -28,11 +28,11 @@ Frame EstopFrame(std::uint8_t reason) {
 // The firmware knows its own HELLO for the vendor request; here the core is asked for it.
 Chain::Chain(sim::Plant& plant, HilBoard& board) : plant_(plant), board_(board) {
   telemetry_.state = wire::State::kBoot;
-  Push(AskHello());
+  Push(RequestHello());
 }
 
 base::Status Chain::Step() {
-  TakeHostFrames();
+  HandleHostFrames();
   request_.op = firmware::LockstepOp::kStep;
   request_.inputs = plant_.inputs();
   firmware::LockstepAnswer answer;
@@ -54,7 +54,7 @@ base::Status Chain::Reset(firmware::ResetCause cause) {
     from_host_.clear();
     to_host_.clear();
   }
-  Push(AskHello());
+  Push(RequestHello());
   return board_.Reset(cause);
 }
 
@@ -67,7 +67,7 @@ void Chain::Push(const Frame& frame) {
   from_host_.push_back(frame);
 }
 
-void Chain::TakeHostFrames() {
+void Chain::HandleHostFrames() {
   {
     const std::lock_guard lock(mutex_);
     for (firmware::LockstepFrame& frame : request_.frames) {
@@ -79,10 +79,10 @@ void Chain::TakeHostFrames() {
       from_host_.pop_front();
     }
   }
-  for (const firmware::LockstepFrame& frame : request_.frames) LookAtCommand(frame);
+  for (const firmware::LockstepFrame& frame : request_.frames) CheckCommand(frame);
 }
 
-void Chain::LookAtCommand(const firmware::LockstepFrame& frame) {
+void Chain::CheckCommand(const firmware::LockstepFrame& frame) {
   wire::FrameView view;
   wire::Command command;
   if (frame.size == 0 || wire::OpenFrame(frame.bytes, frame.size, view) != wire::Status::kOk ||
@@ -99,7 +99,7 @@ void Chain::LookAtCommand(const firmware::LockstepFrame& frame) {
 void Chain::GiveHostFrames(const firmware::LockstepAnswer& answer) {
   for (const firmware::LockstepFrame& frame : answer.frames) {
     if (frame.size == 0 || frame.size > sizeof frame.bytes) continue;
-    LookAtAnswer(frame);
+    CheckAnswer(frame);
     const std::lock_guard lock(mutex_);
     if (to_host_.size() == kToHostMax) {
       to_host_.pop_front();
@@ -109,7 +109,7 @@ void Chain::GiveHostFrames(const firmware::LockstepAnswer& answer) {
   }
 }
 
-void Chain::LookAtAnswer(const firmware::LockstepFrame& frame) {
+void Chain::CheckAnswer(const firmware::LockstepFrame& frame) {
   wire::FrameView view;
   if (wire::OpenFrame(frame.bytes, frame.size, view) != wire::Status::kOk) return;
   if (view.header.type == wire::MessageType::kTelemetry) {

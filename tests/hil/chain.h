@@ -47,10 +47,10 @@ class Chain final : public UsbFunction {
 
  private:
   void Push(const Frame& frame);
-  void TakeHostFrames();
+  void HandleHostFrames();
   void GiveHostFrames(const firmware::LockstepAnswer& answer);
-  void LookAtCommand(const firmware::LockstepFrame& frame);
-  void LookAtAnswer(const firmware::LockstepFrame& frame);
+  void CheckCommand(const firmware::LockstepFrame& frame);
+  void CheckAnswer(const firmware::LockstepFrame& frame);
 
   static constexpr std::size_t kFromHostMax = 64;  // full: the newest is lost
   static constexpr std::size_t kToHostMax = 8;     // full: the oldest is lost, the host wants the newest

@@ -38,8 +38,8 @@ double Largest_A(const sim::Plant& plant) {
 }
 
 // A base that is armed and follows, on either board.
-struct Story {
-  explicit Story(const std::string& kind = "host") : plant(config::DefaultDevice(), Options()) {
+struct Scenario {
+  explicit Scenario(const std::string& kind = "host") : plant(config::DefaultDevice(), Options()) {
     auto made = MakeBoard(kind);
     if (!made) {
       ADD_FAILURE() << made.error();
@@ -75,7 +75,7 @@ struct Story {
 constexpr std::array<float, 3> kSome_A{1.5F, -2.0F, 3.0F};
 
 TEST(HilChain, BootsArmsAndFollows) {
-  Story story;
+  Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A, 300));
   for (std::size_t k = 0; k < 3; ++k) {
     // The current sensor's own error: 0.15 % and 2 mA, three sigma of both.
@@ -88,8 +88,8 @@ TEST(HilChain, BootsArmsAndFollows) {
 TEST(HilChain, EmulatedBoardGivesTheSameWorld) {
   const std::string reason = NoBoardReason();
   if (!reason.empty()) GTEST_SKIP() << reason;
-  Story host;
-  Story qemu("qemu");
+  Scenario host;
+  Scenario qemu("qemu");
   ASSERT_NE(qemu.chain, nullptr);
   ASSERT_NO_FATAL_FAILURE(host.ArmAndFollow(kSome_A));
   ASSERT_NO_FATAL_FAILURE(qemu.ArmAndFollow(kSome_A));
@@ -99,7 +99,7 @@ TEST(HilChain, EmulatedBoardGivesTheSameWorld) {
 }
 
 TEST(HilChain, HostSilenceEndsInZero) {
-  Story story;
+  Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   double zero_ms = 0;
   for (int i = 1; i <= 100; ++i) {
@@ -124,7 +124,7 @@ void PrintTo(const FaultCase& fault, std::ostream* out) { *out << fault.name; }
 class HilFault : public testing::TestWithParam<FaultCase> {};
 
 TEST_P(HilFault, EndsInZeroAndStays) {
-  Story story;
+  Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   GetParam().apply(story.plant.faults());
   const double zero_ms = story.ZeroAfter_ms(kSome_A, 400);
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Current shrinks from 60 C on; below 1 A the resistance cannot be told any more, nor does that current heat anything.
 TEST(HilChain, HeatFromOutsideIsSeenInTheResistance) {
   constexpr std::array<float, 3> kMuch_A{0, 0, 8};
-  Story story;
+  Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kMuch_A));
   story.plant.faults().extra_heat_W = {0, 0, 300};
   double warm_A = 0, hot_A = 0;
@@ -178,7 +178,7 @@ TEST(HilChain, HeatFromOutsideIsSeenInTheResistance) {
 }
 
 TEST(HilChain, EstopOverEndpointZeroAndHello) {
-  Story story;
+  Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   std::uint8_t answer[wire::kFrameSizeMax];
   const int size = story.chain->VendorRequest(drivers::usb::kRequestHello, 0, 0, answer, sizeof answer);
@@ -193,7 +193,7 @@ TEST(HilChain, EstopOverEndpointZeroAndHello) {
 }
 
 TEST(HilChain, ResetStartsAnewAtZero) {
-  Story story;
+  Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   ASSERT_TRUE(story.chain->Reset(firmware::ResetCause::kSoftware).ok());
   EXPECT_LE(story.ZeroAfter_ms(kSome_A), kZeroWithin_ms + 1000) << "the self-test drives about an ampere";

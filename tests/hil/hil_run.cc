@@ -20,8 +20,8 @@
 #include "tests/hil/hil_board.h"
 #include "tests/hil/scenario.h"
 #include "tests/hil/time/host_process.h"
+#include "tests/hil/time/idle_watch.h"
 #include "tests/hil/time/pacer.h"
-#include "tests/hil/time/quiet.h"
 #include "tests/hil/time/virtual_clock.h"
 #include "tests/hil/usb/usb_emulator.h"
 
@@ -194,7 +194,7 @@ class Run {
   ScenarioRun scenario_;
   std::int64_t started_ns_ = base::MonotonicNow_ns();
   Pacer pacer_;
-  QuietWatch quiet_;
+  IdleWatch quiet_;
   std::uint64_t ticks_ = 0;
   std::uint64_t unsettled_ = 0;
   std::string unsettled_by_;
@@ -227,7 +227,7 @@ int RunHil(const base::DeviceGeometry& device, const HilOptions& options) {
   std::signal(SIGINT, RequestStop);
   std::signal(SIGPIPE, SIG_IGN);
   prctl(PR_SET_TIMERSLACK, kTimerSlack_ns);
-  const base::Status possible = QuietWatch::Possible();
+  const base::Status possible = IdleWatch::Possible();
   if (!possible) return Fail(possible.error());
 
   auto board = [&] {

@@ -224,9 +224,9 @@ TEST(Connection, AFloodOfNoticesIsBoundedPerPollAndInMemory) {
   ASSERT_TRUE(connection.connected()) << connection.last_error();
   for (int i = 0; i < 60; ++i) server.Send(protocol::Notice{});
   connection.Poll(2);
-  EXPECT_EQ(connection.TakeNotices().size(), 16u);
+  EXPECT_EQ(connection.PopNotices().size(), 16u);
   for (int i = 3; i < 10; ++i) connection.Poll(i);
-  EXPECT_EQ(connection.TakeNotices().size(), 32u);
+  EXPECT_EQ(connection.PopNotices().size(), 32u);
 }
 
 TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
@@ -290,8 +290,8 @@ TEST(Connection, APrivilegedProcessTakesNoPathFromTheEnvironment) {
 }
 
 // A connection that has asked for surfaces, and what it makes of an answer.
-struct AskingForSurfaces {
-  AskingForSurfaces() : server(temp.Path("omnid.sock")), connection(InfoFor(temp.Path("omnid.sock"), "touch")) {
+struct RequestingSurfaces {
+  RequestingSurfaces() : server(temp.Path("omnid.sock")), connection(InfoFor(temp.Path("omnid.sock"), "touch")) {
     connection.RequestSurfaces(true);
     connection.Poll(0);
     server.Accept();
@@ -319,7 +319,7 @@ std::unique_ptr<ipc::SurfacePublisher> OneSurface(std::uint64_t generation) {
 }
 
 TEST(Connection, TakesSurfacesAndTheirSuccessors) {
-  AskingForSurfaces asking;
+  RequestingSurfaces asking;
   EXPECT_FALSE(asking.connection.surfaces_answered());
   asking.Answer(0, 0, {});
   EXPECT_TRUE(asking.connection.surfaces_answered());
@@ -341,7 +341,7 @@ TEST(Connection, TakesSurfacesAndTheirSuccessors) {
 TEST(Connection, BrokenSurfacesEndTheConnectionOnly) {
   const auto memory = OneSurface(3);
   const auto error_after = [](std::uint64_t bytes, std::uint64_t generation, const std::vector<int>& fds) {
-    AskingForSurfaces asking;
+    RequestingSurfaces asking;
     asking.Answer(bytes, generation, fds);
     EXPECT_FALSE(asking.connection.connected());
     EXPECT_EQ(asking.connection.surfaces(), nullptr);

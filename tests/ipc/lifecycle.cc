@@ -1,4 +1,4 @@
-// Stories of processes that die, freeze and come back. Clients are forked before any thread of ours exists.
+// Scenarios of processes that die, freeze and come back. Clients are forked before any thread of ours exists.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -41,7 +41,7 @@ std::optional<client::SceneAnswer> AnswerOf(client::Connection& connection) {
   std::optional<client::SceneAnswer> answer;
   Eventually([&] {
     connection.Poll(base::MonotonicNow_ns());
-    return (answer = connection.TakeSceneAnswer()).has_value() || !connection.connected();
+    return (answer = connection.PopSceneAnswer()).has_value() || !connection.connected();
   });
   return answer;
 }

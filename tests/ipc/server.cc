@@ -70,11 +70,11 @@ TEST(Server, AnswersStatus) {
   std::string status;
   ASSERT_TRUE(Eventually([&] {
     connection.Poll(base::MonotonicNow_ns());
-    status = connection.TakeStatus();
+    status = connection.PopStatus();
     return !status.empty();
   }));
   EXPECT_EQ(status, R"({"status":"fine"})");
-  EXPECT_EQ(connection.TakeStatus(), "");
+  EXPECT_EQ(connection.PopStatus(), "");
 }
 
 TEST(Server, AStatusThatDoesNotFitIsAnErrorText) {
@@ -97,7 +97,7 @@ TEST(Server, NoticesReachTheClient) {
   std::vector<protocol::Notice> notices;
   ASSERT_TRUE(Eventually([&] {
     connection.Poll(base::MonotonicNow_ns());
-    notices = connection.TakeNotices();
+    notices = connection.PopNotices();
     return !notices.empty();
   }));
   EXPECT_EQ(notices[0].level, 1u);
@@ -138,9 +138,9 @@ TEST(Server, AMessageOfAnotherRoleIsRefused) {
             "ForceStop: only an application sends it, not a tool; say Hello as an application");
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, change),
             "SpaceChange: only an application sends it, not a monitor; say Hello as an application");
-  protocol::PlacementCommand command;
+  protocol::BasePoseCommand command;
   EXPECT_EQ(reason_of(protocol::ClientRole::kApplication, command),
-            "PlacementCommand: only a tool sends it, not an application; say Hello as a tool");
+            "BasePoseCommand: only a tool sends it, not an application; say Hello as a tool");
   protocol::HapticSceneEnd end;
   end.number = 1;
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, end),
@@ -196,7 +196,7 @@ TEST(Server, GarbageCostsOnlyItsSender) {
   EXPECT_NE(monitor.find("monitor"), std::string::npos) << monitor;
   for (const auto role : {protocol::ClientRole::kMonitor, protocol::ClientRole::kApplication}) {
     const std::string forgets =
-        reason_after([role](RawClient& raw) { raw.Greet("x", role) && raw.Send(protocol::PlacementCommand{}); });
+        reason_after([role](RawClient& raw) { raw.Greet("x", role) && raw.Send(protocol::BasePoseCommand{}); });
     EXPECT_NE(forgets.find("only a tool"), std::string::npos) << forgets;
   }
   const std::string with_fd = reason_after([](RawClient& raw) {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "layer/src/spaces/locate.h"
-#include "service/protocol/placement.h"
+#include "service/protocol/base_pose.h"
 #include "tests/layer/support/app.h"
 
 namespace omni::test {
@@ -17,8 +17,8 @@ using layer::Pose;
 constexpr XrSpaceLocationFlags kAll = layer::kValid | layer::kTracked;
 const glm::dvec3 kPen_B(0.01, 0.02, 0.06);  // the fake pen rests there
 
-protocol::Placement KnownIn(std::int32_t space, const Pose& X_LB) {
-  protocol::Placement placement;
+protocol::BasePose KnownIn(std::int32_t space, const Pose& X_LB) {
+  protocol::BasePose placement;
   placement.known = 1;
   placement.space = space;
   placement.base_space = {.position_m = {X_LB.p.x, X_LB.p.y, X_LB.p.z},
@@ -68,7 +68,7 @@ TEST_F(Alignment, TheServiceIsAskedByRuntimeSystemAndSpaces) {
   Start(app);
   const Heard heard = service->heard();
   ASSERT_EQ(heard.placement_requests.size(), 1U);
-  const protocol::PlacementRequest& request = heard.placement_requests.front();
+  const protocol::BasePoseRequest& request = heard.placement_requests.front();
   XrInstanceProperties properties{XR_TYPE_INSTANCE_PROPERTIES};
   ASSERT_EQ(xrGetInstanceProperties(app.instance, &properties), XR_SUCCESS);
   EXPECT_STREQ(request.headset.runtime, properties.runtimeName);
@@ -79,7 +79,7 @@ TEST_F(Alignment, TheServiceIsAskedByRuntimeSystemAndSpaces) {
 }
 
 TEST_F(Alignment, AMeasuredPlacementHoldsInItsSpace) {
-  service->SetPlacement(KnownIn(protocol::kSpaceStage, kPlaced));
+  service->SetBasePose(KnownIn(protocol::kSpaceStage, kPlaced));
   App app;
   Start(app);
   const glm::dvec3 in_stage = kPlaced.p + kPlaced.q * kPen_B;
@@ -94,41 +94,41 @@ TEST_F(Alignment, AChangeReachesTheSession) {
   Pose moved = kPlaced;
   moved.p += glm::dvec3(0.1, 0, 0);
   for (const Pose& X : {kPlaced, moved}) {
-    service->SetPlacement(KnownIn(protocol::kSpaceStage, X));
+    service->SetBasePose(KnownIn(protocol::kSpaceStage, X));
     EXPECT_TRUE(Comes(app, X.p + X.q * kPen_B, stage));
   }
-  service->SetPlacement(KnownIn(protocol::kSpaceLocal, kPlaced));
+  service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, local)) << "and another space";
 }
 
 // A guess is VALID and not TRACKED; what a person asked for instead is no pose.
 TEST_F(Alignment, WithoutAPlacementThePenIsGuessedAndNotTracked) {
-  protocol::Placement unknown;
-  service->SetPlacement(unknown);
+  protocol::BasePose unknown;
+  service->SetBasePose(unknown);
   App app;
   Start(app);
-  const Pose guess = layer::DefaultPlacement();
+  const Pose guess = layer::DefaultBasePose();
   EXPECT_LT(DistanceFrom(guess.p + guess.q * kPen_B, local), 1e-5);
   EXPECT_EQ(At(local).locationFlags, layer::kValid);
   EXPECT_TRUE(app.PoseActive(app.pose, app.right));
 
   unknown.uncalibrated = protocol::Uncalibrated::kCalibrated;
-  service->SetPlacement(unknown);
+  service->SetBasePose(unknown);
   EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == 0; }));
   EXPECT_TRUE(app.PoseActive(app.pose, app.right)) << "the pen is there, only its place is not known";
 
-  service->SetPlacement(KnownIn(protocol::kSpaceLocal, kPlaced));
+  service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == kAll; }));
-  protocol::Placement off = KnownIn(protocol::kSpaceLocal, kPlaced);
+  protocol::BasePose off = KnownIn(protocol::kSpaceLocal, kPlaced);
   off.uncalibrated = protocol::Uncalibrated::kOff;
-  service->SetPlacement(off);
+  service->SetBasePose(off);
   EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == 0; }));
 }
 
 TEST_F(Alignment, ADoubtfulPlacementIsNotTracked) {
-  protocol::Placement doubtful = KnownIn(protocol::kSpaceStage, kPlaced);
+  protocol::BasePose doubtful = KnownIn(protocol::kSpaceStage, kPlaced);
   doubtful.doubtful = 1;
-  service->SetPlacement(doubtful);
+  service->SetBasePose(doubtful);
   App app;
   Start(app);
   EXPECT_LT(DistanceFrom(kPlaced.p + kPlaced.q * kPen_B, stage), 1e-5);
@@ -138,7 +138,7 @@ TEST_F(Alignment, ADoubtfulPlacementIsNotTracked) {
 // [XrEventDataReferenceSpaceChangePending] Recentring LOCAL must not move the pen in the world, at once or afterwards,
 // and the service hears of it.
 TEST_F(Alignment, RecentringIsFollowedAndReported) {
-  service->SetPlacement(KnownIn(protocol::kSpaceLocal, kPlaced));
+  service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   App app;
   Start(app);
   const glm::dvec3 in_local = kPlaced.p + kPlaced.q * kPen_B;
@@ -167,10 +167,10 @@ TEST_F(Alignment, RecentringIsFollowedAndReported) {
 
   // The service tells what its file holds now: the change is in it, and must not be made twice.
   const Pose P = layer::FromXr(XrPosef{{0, 0.6f, 0, 0.8f}, {0.3f, -0.1f, 0.2f}});
-  protocol::Placement after = KnownIn(protocol::kSpaceLocal, layer::Compose(layer::Inverse(P), kPlaced));
+  protocol::BasePose after = KnownIn(protocol::kSpaceLocal, layer::Compose(layer::Inverse(P), kPlaced));
   after.changes_until_ns = told.changes_at_ns;
   after.rotation_sigma_rad = 0.01;
-  service->SetPlacement(after);
+  service->SetBasePose(after);
   for (int i = 0; i < 20; ++i) {
     ASSERT_TRUE(app.SyncUntil(*service, [] { return true; }));
     const timespec pause{0, 5'000'000};
@@ -181,7 +181,7 @@ TEST_F(Alignment, RecentringIsFollowedAndReported) {
 
 // A runtime that moves an origin by 250 m: it is not known where to, for the service too.
 TEST_F(Alignment, ARecentringOutOfRangeClearsTracked) {
-  service->SetPlacement(KnownIn(protocol::kSpaceLocal, kPlaced));
+  service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   App app;
   Start(app);
   ASSERT_LT(DistanceFrom(kPlaced.p + kPlaced.q * kPen_B, local), 1e-5);
@@ -202,9 +202,9 @@ TEST_F(Alignment, ARecentringOutOfRangeClearsTracked) {
 TEST_F(Alignment, AChangeThatIsInThePlacementIsNotMadeTwice) {
   App app;
   Start(app);
-  protocol::Placement after = KnownIn(protocol::kSpaceLocal, kPlaced);
+  protocol::BasePose after = KnownIn(protocol::kSpaceLocal, kPlaced);
   after.changes_until_ns = Now_ns() + 50'000'000;
-  service->SetPlacement(after);
+  service->SetBasePose(after);
   ASSERT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, local));
   const float recentred[7] = {0.3f, -0.1f, 0.2f, 0, 0, 0, 1};
   ASSERT_EQ(omni_test_recenter(recentred, 0), 0);
@@ -219,7 +219,7 @@ TEST_F(Alignment, ANewServiceIsAskedAgain) {
   service.reset();
   service = std::make_unique<FakeService>();
   Rest(*service);
-  service->SetPlacement(KnownIn(protocol::kSpaceStage, kPlaced));
+  service->SetBasePose(KnownIn(protocol::kSpaceStage, kPlaced));
   EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, stage));
   EXPECT_EQ(service->heard().placement_requests.size(), 1U);
 }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "service/haptics/scene.h"
-#include "tests/support/touch/story.h"
+#include "tests/support/touch/scenario.h"
 
 namespace omni::test {
 namespace test_loop_ball {
@@ -67,7 +67,7 @@ TEST(LoopBall, LedAroundEdgesTheTipIsNeverPushedDeeper) {
   const haptics::Scene cube = CubeForABall();
   for (const auto& [inset_m, down_m] : {std::pair{0.0, 0.001}, {0.001, 0.005}}) {
     const std::uint64_t seed = inset_m > 0 ? 5 : 1;
-    Story story(AroundTheUpperEdges(inset_m, down_m), kStart_s + kEdges * kEdge_s, seed);
+    Scenario story(AroundTheUpperEdges(inset_m, down_m), kStart_s + kEdges * kEdge_s, seed);
     double worst_N = 0;
     int felt_ms = 0, inside_ms = 0, run_ms = 0, longest_ms = 0;
     while (story.Step(cube)) {

@@ -5,7 +5,7 @@
 
 #include "service/base/limits.h"
 #include "service/haptics/scene.h"
-#include "tests/support/touch/story.h"
+#include "tests/support/touch/scenario.h"
 
 namespace omni::test {
 namespace test_loop_force {
@@ -18,13 +18,13 @@ sim::HandScript HoldStill() {
   return script;
 }
 
-// Commands of an owner that pushes: `Story::Open` plus this.
-struct PushStory {
-  explicit PushStory(double seconds, const sim::HandScript& script = HoldStill()) : story(script, seconds) {}
+// Commands of an owner that pushes: `Scenario::Open` plus this.
+struct PushScenario {
+  explicit PushScenario(double seconds, const sim::HandScript& script = HoldStill()) : story(script, seconds) {}
 
   bool Step() {
     return story.Step(nothing, [this](const base::HallScan& scan) {
-      loop::Commands commands = Story::Open(scan);
+      loop::Commands commands = Scenario::Open(scan);
       commands.applied = applied;
       now_ns = scan.t_ns;
       return commands;
@@ -49,13 +49,13 @@ struct PushStory {
   }
 
   const haptics::Scene nothing;
-  Story story;
+  Scenario story;
   haptics::AppliedCommand applied;
   std::int64_t now_ns = 0;
 };
 
 TEST(LoopForce, AForceReachesTheWrenchAndTheCoilsAndEnds) {
-  PushStory push(1.5);
+  PushScenario push(1.5);
   push.Run(600);  // found, gate open
   ASSERT_EQ(push.story.current_A(), 0);
   push.Push({0.3, -0.2, 0.4}, 80);
@@ -73,7 +73,7 @@ TEST(LoopForce, AForceReachesTheWrenchAndTheCoilsAndEnds) {
 }
 
 TEST(LoopForce, ATooLargeForceKeepsItsDirection) {
-  PushStory push(1.5);
+  PushScenario push(1.5);
   push.Run(600);
   push.Push({30, 0, 40}, 80);
   push.Run(40);
@@ -86,7 +86,7 @@ TEST(LoopForce, ATooLargeForceKeepsItsDirection) {
 }
 
 TEST(LoopForce, StuckControlThreadEndsIt) {
-  PushStory push(1.5);
+  PushScenario push(1.5);
   push.Run(600);
   push.Set(
       {.kind = haptics::ConstraintKind::kPoint, .stiffness_N_m = 100, .max_force_N = 1, .point_base_m = {0, 0, 0.060}});
@@ -96,7 +96,7 @@ TEST(LoopForce, StuckControlThreadEndsIt) {
   const std::int64_t written_ns = push.now_ns;
   for (; ms < 100 && push.story.current_A() != 0; ++ms) {
     ASSERT_TRUE(push.story.Step(push.nothing, [&](const base::HallScan& scan) {
-      loop::Commands commands = Story::Open(scan);
+      loop::Commands commands = Scenario::Open(scan);
       commands.applied = push.applied;
       commands.t_ns = written_ns;
       return commands;
@@ -106,7 +106,7 @@ TEST(LoopForce, StuckControlThreadEndsIt) {
 }
 
 TEST(LoopForce, DeviceFaultEndsIt) {
-  PushStory push(1.5);
+  PushScenario push(1.5);
   push.Run(600);
   push.Push({0.5, 0, 0}, 100);
   push.Run(30);
@@ -115,7 +115,7 @@ TEST(LoopForce, DeviceFaultEndsIt) {
   for (int i = 0; i < 20; ++i) {
     scan.t_ns += base::kTickPeriod_ns;
     scan.device_faults = 1;
-    loop::Commands commands = Story::Open(scan);
+    loop::Commands commands = Scenario::Open(scan);
     commands.applied = push.applied;
     loop::Tick(push.story.config, scan, commands, push.nothing, push.story.state, push.story.output);
   }
@@ -125,7 +125,7 @@ TEST(LoopForce, DeviceFaultEndsIt) {
 
 // The twin's hand holds the pen by a spring: a constraint draws it towards its point, and it stays calm there.
 TEST(LoopForce, AConstraintDrawsTheHandAndStaysCalm) {
-  PushStory push(4.0);
+  PushScenario push(4.0);
   push.Run(800);
   const base::Vec3 rest = push.story.output.tool.device_point_base_m;
   push.Set({.kind = haptics::ConstraintKind::kPoint,
@@ -147,7 +147,7 @@ TEST(LoopForce, AConstraintDrawsTheHandAndStaysCalm) {
 }
 
 TEST(LoopForce, NothingAskedNothingDone) {
-  PushStory push(1.0);
+  PushScenario push(1.0);
   push.applied.open = true;
   for (int i = 0; i < 900; ++i) {
     push.Run(1);

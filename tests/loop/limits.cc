@@ -12,7 +12,7 @@
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "tests/support/rig/hostile_stream.h"
-#include "tests/support/touch/story.h"
+#include "tests/support/touch/scenario.h"
 
 namespace omni::test {
 namespace test_loop_limits {

@@ -5,7 +5,7 @@
 #include "service/haptics/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/scene_motion.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::loop {
 namespace test_loop_scene_motion {

@@ -9,7 +9,7 @@
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/surface_snapshot.h"
 #include "service/loop/tick_thread.h"
-#include "tests/support/touch/story.h"
+#include "tests/support/touch/scenario.h"
 
 namespace omni::test {
 namespace test_loop_surfaces {

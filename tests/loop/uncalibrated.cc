@@ -21,7 +21,7 @@ constexpr int kPoses = 8, kTicks = 210, kFoundTicks = 30, kPushTicks = 60;
 constexpr double kBeyondHull_m = 0.012;  // farther out the coils cannot make 2 N
 
 // What sensors do not see at once. Standard deviations: service/calibration/fit/options.h, which measures such bases.
-base::DeviceGeometry WorkshopDevice(sim::Random& random) {
+base::DeviceGeometry TolerancedDevice(sim::Random& random) {
   base::DeviceGeometry device = config::DefaultDevice();
   device.hull_radius_m += 0.1e-3 * random.Normal();
   device.core_radius_m *= 1 + 3e-3 * random.Normal();
@@ -31,7 +31,7 @@ base::DeviceGeometry WorkshopDevice(sim::Random& random) {
 
 // 1 mm, 1.5 % and 1.15 deg of the sensors times `share`. A base that has all of them is hardly ever tracked, and what
 // is not tracked is not pushed: those that are close enough to be tracked are the dangerous ones.
-sim::ImperfectionSizes WorkshopSizes(double share) {
+sim::ImperfectionSizes SculptSessionSizes(double share) {
   sim::ImperfectionSizes sizes = sim::UncalibratedImperfections();
   sizes.sensor_position_m *= share;
   sizes.sensor_gain *= share;
@@ -73,14 +73,14 @@ void PushAt(const loop::TickConfig& config, sim::Rig& rig, const sim::MagnetPose
   }
 }
 
-Pushed PushWorkshopBases(double share, int bases) {
+Pushed PushTolerancedBases(double share, int bases) {
   const loop::TickConfig config = loop::MakeTickConfig(config::DefaultDevice());
   Pushed pushed;
   for (int i = 0; i < bases; ++i) {
     const auto seed = static_cast<std::uint64_t>(i + 1);
     sim::Random random(seed);
-    sim::Rig rig(WorkshopDevice(random),
-                 {.seed = seed, .sizes = WorkshopSizes(share), .noise = sim::NoiseMode::kLowPower});
+    sim::Rig rig(TolerancedDevice(random),
+                 {.seed = seed, .sizes = SculptSessionSizes(share), .noise = sim::NoiseMode::kLowPower});
     const double contact_m = rig.device().hull_radius_m + rig.device().magnet.half_height_m;
     const sim::PoseRange range{.radius_min_m = contact_m, .radius_max_m = contact_m + kBeyondHull_m, .tilt_max_rad = 1};
     for (int k = 0; k < kPoses; ++k) PushAt(config, rig, rig.DrawPose(range, random), random, pushed);
@@ -92,7 +92,7 @@ TEST(LoopUncalibrated, TheTrueForceStaysWithinWhatTheDeviceMayDo) {
   loop::FlushDenormals();
   int driven = 0;
   for (const double share : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0}) {
-    const Pushed pushed = PushWorkshopBases(share, 50);
+    const Pushed pushed = PushTolerancedBases(share, 50);
     std::printf("%3.0f %% of a workshop's tolerances: driven in %2.0f %% of %d ticks, commanded %.3f N, true %.3f N\n",
                 100 * share, 100.0 * pushed.driven / pushed.ticks, pushed.ticks, pushed.commanded_N, pushed.true_N);
     EXPECT_LE(pushed.true_N, kForceMax_N) << share;

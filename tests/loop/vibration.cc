@@ -9,7 +9,7 @@
 
 #include "service/haptics/scene.h"
 #include "service/loop/vibration.h"
-#include "tests/support/touch/story.h"
+#include "tests/support/touch/scenario.h"
 
 namespace omni::loop {
 namespace test_loop_vibration {
@@ -169,9 +169,9 @@ TEST(Vibration, BandwidthAsDocumented) {
 }
 
 // The whole loop: contact and PCM together stay within what the coils can do, and PCM alone is what was asked.
-TEST(VibrationStory, PcmIsAddedToContactUnderTheSameLimits) {
+TEST(VibrationScenario, PcmIsAddedToContactUnderTheSameLimits) {
   const haptics::Scene table = test::TableScene(test::kTableTop_m);
-  test::Story story(test::PressAndSlide(), 4.0);
+  test::Scenario story(test::PressAndSlide(), 4.0);
   std::vector<float> values(4000);
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = static_cast<float>(std::sin(2 * std::numbers::pi * 120 * 1e-3 * static_cast<double>(i)));
@@ -180,7 +180,7 @@ TEST(VibrationStory, PcmIsAddedToContactUnderTheSameLimits) {
   story.feeds.samples = samples.get();
   int alone = 0, with_contact = 0;
   while (story.Step(table, [&](const base::HallScan& scan) {
-    Commands commands = test::Story::Open(scan);
+    Commands commands = test::Scenario::Open(scan);
     commands.haptic = {.id = 5, .active = true, .kind = VibrationKind::kPcm};
     return commands;
   })) {

@@ -63,16 +63,16 @@ Outcome OmniAlign(const ServiceProcess& service, std::vector<std::string> words)
 }
 
 // The placement that an application on that headset receives.
-std::optional<protocol::Placement> PlacementOf(const ServiceProcess& service, TestApplication& application) {
-  protocol::PlacementRequest request;
+std::optional<protocol::BasePose> PlacementOf(const ServiceProcess& service, TestApplication& application) {
+  protocol::BasePoseRequest request;
   protocol::SetField(request.headset.runtime, "Omni test runtime");
   protocol::SetField(request.headset.system, "Omni test system");
   request.space_count = 2;
   request.spaces = {protocol::kSpaceStage, protocol::kSpaceLocal};
-  application.connection().RequestPlacement(request);
-  std::optional<protocol::Placement> placement;
+  application.connection().RequestBasePose(request);
+  std::optional<protocol::BasePose> placement;
   application.Run(5000, 5, [&] {
-    placement = application.connection().TakePlacement();
+    placement = application.connection().PopBasePose();
     return placement.has_value();
   });
   (void)service;
@@ -150,7 +150,7 @@ void StoreInStage(const ServiceProcess& service) {
   outcome.base_space = TrueBase();
   const tools::Headset headset{
       .runtime = "Omni test runtime '1.0-5-gabcdef1'", .system = "Omni test system", .space = protocol::kSpaceStage};
-  const auto stored = tools::AskPlacement(**connection, tools::StoreCommand(headset, outcome, "touch"));
+  const auto stored = tools::RequestBasePose(**connection, tools::StoreCommand(headset, outcome, "touch"));
   ASSERT_TRUE(stored.ok()) << stored.error();
 }
 
@@ -168,7 +168,7 @@ TEST(ProcessAlign, AFaultyApplicationDoesNotSpoilAnAlignment) {
   EXPECT_EQ(placement->known, 1U) << "of another build of the runtime";
   const auto taken = [&](std::uint32_t doubtful) {
     return application.Run(5000, 5, [&] {
-      if (const auto newer = application.connection().TakePlacement()) placement = newer;
+      if (const auto newer = application.connection().PopBasePose()) placement = newer;
       return placement->doubtful == doubtful;
     });
   };

@@ -52,7 +52,7 @@ TEST(ProcessBombs, ScenesThatAreBombsAreRefusedOneByOne) {
     bomb.Run(3000, 5, [&] {
       app.connection().Poll(base::MonotonicNow_ns());
       app.connection().Beat();
-      return !bomb.connection().TakeNotices().empty();
+      return !bomb.connection().PopNotices().empty();
     });
     ASSERT_TRUE(bomb.connection().connected()) << kSceneBombs[i].name;
   }

@@ -7,7 +7,7 @@
 
 #include "service/scene/glb_save.h"
 #include "service/tools/common/service_link.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/process/service_end.h"
 #include "tests/support/process/service_process.h"
 

@@ -51,7 +51,7 @@ class SceneApplication : public TestApplication {
   }
 
   void Take() {
-    for (client::HapticSceneUpdate& update : connection().TakeHapticSceneUpdates()) {
+    for (client::HapticSceneUpdate& update : connection().PopHapticSceneUpdates()) {
       if (update.is_table) table = update.table;
       if (!update.is_table && update.state.number == number) {
         state = update.state;

@@ -11,7 +11,7 @@
 #include "service/scene/glb_save.h"
 #include "service/scene/scene_file.h"
 #include "service/tools/common/command_line.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/process/omni_command.h"
 #include "tests/support/process/service_process.h"
 

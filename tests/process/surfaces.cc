@@ -7,7 +7,7 @@
 #include "service/scene/glb_save.h"
 #include "service/scene/scene_file.h"
 #include "service/tools/surfaces/surfaces_save.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/process/service_process.h"
 
 namespace omni::test {

@@ -44,7 +44,7 @@ TEST(SampleRange, AcceptsDefaultsAndOrdinarySamples) {
 
 TEST(SampleRange, WhatIsInRangeStaysBitForBit) {
   const ToolSample sample = GoodSample();
-  const ToolSample tamed = Tamed(sample);
+  const ToolSample tamed = Clamped(sample);
   EXPECT_EQ(tamed.position_base_m, sample.position_base_m);
   EXPECT_EQ(tamed.flags, sample.flags);
 }
@@ -54,7 +54,7 @@ TEST(SampleRange, AFaultTakesThePoseAway) {
     ToolSample sample = GoodSample();
     spoil(sample);
     EXPECT_FALSE(InRange(sample));
-    const ToolSample tamed = Tamed(sample);
+    const ToolSample tamed = Clamped(sample);
     EXPECT_TRUE(InRange(tamed));
     EXPECT_EQ(tamed.flags, kToolAligned);
     EXPECT_EQ(tamed.t_ns, sample.t_ns);
@@ -66,7 +66,7 @@ TEST(SampleRange, AnUnknownGapOrSigmaIsALargeOneAndKeepsThePose) {
   sample.gap_m = kInfinite;
   sample.position_sigma_m = kNan;
   EXPECT_FALSE(InRange(sample));
-  const ToolSample tamed = Tamed(sample);
+  const ToolSample tamed = Clamped(sample);
   EXPECT_EQ(tamed.gap_m, kLargestValue);
   EXPECT_EQ(tamed.position_sigma_m, kLargestValue);
   EXPECT_EQ(tamed.flags, sample.flags);
@@ -76,14 +76,14 @@ TEST(SampleRange, FlagsAndTimesAreBounded) {
   ToolSample sample = GoodSample();
   sample.flags |= 1u << 31;
   EXPECT_FALSE(InRange(sample));
-  EXPECT_EQ(Tamed(sample).flags, GoodSample().flags);
+  EXPECT_EQ(Clamped(sample).flags, GoodSample().flags);
   sample = GoodSample();
   sample.t_ns = -1;
   EXPECT_FALSE(InRange(sample));
-  EXPECT_EQ(Tamed(sample).t_ns, 0);
+  EXPECT_EQ(Clamped(sample).t_ns, 0);
   sample.t_ns = std::numeric_limits<std::int64_t>::max();
   EXPECT_FALSE(InRange(sample));
-  EXPECT_EQ(Tamed(sample).t_ns, kLatestTime_ns);
+  EXPECT_EQ(Clamped(sample).t_ns, kLatestTime_ns);
 }
 
 TEST(SampleRange, InputsAreClamped) {
@@ -94,7 +94,7 @@ TEST(SampleRange, InputsAreClamped) {
   inputs.components[3].t_change_ns = -5;
   inputs.components[3].press_count = 4;
   EXPECT_FALSE(InRange(inputs));
-  const InputSnapshot tamed = Tamed(inputs);
+  const InputSnapshot tamed = Clamped(inputs);
   EXPECT_TRUE(InRange(tamed));
   EXPECT_EQ(tamed.components[0].value, 0);
   EXPECT_EQ(tamed.components[1].value, 1);

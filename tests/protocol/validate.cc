@@ -95,26 +95,26 @@ TEST(Validate, RefusesPlacementsOutsideTheirRange) {
     change(message);
     EXPECT_NE(ReasonFor(message).find(why), std::string::npos) << ReasonFor(message);
   };
-  PlacementRequest request;
+  BasePoseRequest request;
   request.space_count = 1;
   refused(
-      request, [](PlacementRequest& r) { r.space_count = 0; }, "space_count");
+      request, [](BasePoseRequest& r) { r.space_count = 0; }, "space_count");
   refused(
-      request, [](PlacementRequest& r) { r.space_count = 9; }, "space_count");
+      request, [](BasePoseRequest& r) { r.space_count = 9; }, "space_count");
   refused(
-      request, [](PlacementRequest& r) { std::memset(r.headset.system, 'x', sizeof(r.headset.system)); }, "system");
+      request, [](BasePoseRequest& r) { std::memset(r.headset.system, 'x', sizeof(r.headset.system)); }, "system");
   refused(
-      Placement{},
-      [](Placement& p) {
+      BasePose{},
+      [](BasePose& p) {
         p.base_space.orientation_wxyz = {0, 0, 0, 0};
       },
       "unit quaternion");
   refused(
-      Placement{}, [](Placement& p) { p.base_space.position_m[1] = std::nan(""); }, "within 100 m");
+      BasePose{}, [](BasePose& p) { p.base_space.position_m[1] = std::nan(""); }, "within 100 m");
   refused(
-      Placement{}, [](Placement& p) { p.expected_error_m = -1; }, "expected_error_m");
+      BasePose{}, [](BasePose& p) { p.expected_error_m = -1; }, "expected_error_m");
   refused(
-      Placement{}, [](Placement& p) { p.doubtful = 2; }, "doubtful");
+      BasePose{}, [](BasePose& p) { p.doubtful = 2; }, "doubtful");
   SpaceChange change;
   change.pose_valid = 1;
   refused(
@@ -122,13 +122,13 @@ TEST(Validate, RefusesPlacementsOutsideTheirRange) {
   refused(
       change, [](SpaceChange& c) { c.new_in_previous.position_m[0] = 101; }, "within 100 m");
   refused(
-      PlacementCommand{}, [](PlacementCommand& c) { c.action = static_cast<PlacementAction>(5); }, "action");
+      BasePoseCommand{}, [](BasePoseCommand& c) { c.action = static_cast<BasePoseAction>(5); }, "action");
   refused(
-      PlacementCommand{}, [](PlacementCommand& c) { c.rms_m = std::nan(""); }, "rms_m");
+      BasePoseCommand{}, [](BasePoseCommand& c) { c.rms_m = std::nan(""); }, "rms_m");
   refused(
-      PlacementCommand{}, [](PlacementCommand& c) { std::memset(c.method, 'x', sizeof(c.method)); }, "method");
+      BasePoseCommand{}, [](BasePoseCommand& c) { std::memset(c.method, 'x', sizeof(c.method)); }, "method");
   refused(
-      PlacementReply{}, [](PlacementReply& r) { r.done = 2; }, "done");
+      BasePoseReply{}, [](BasePoseReply& r) { r.done = 2; }, "done");
 }
 
 // A waveform with these samples behind it.

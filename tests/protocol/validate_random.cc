@@ -48,7 +48,7 @@ std::vector<Bytes> Seeds() {
   Surfaces surfaces;
   surfaces.total_bytes = 4096;
   surfaces.memory_generation = 3;
-  PlacementRequest placement_request;
+  BasePoseRequest placement_request;
   placement_request.space_count = 2;
   MessageHeader reply;
   reply.type = MessageType::kStatusReply;
@@ -89,10 +89,10 @@ std::vector<Bytes> Seeds() {
           BytesOf(surfaces),
           BytesOf(AppSettings{}),
           BytesOf(placement_request),
-          BytesOf(Placement{}),
+          BytesOf(BasePose{}),
           BytesOf(SpaceChange{}),
-          BytesOf(PlacementCommand{}),
-          BytesOf(PlacementReply{}),
+          BytesOf(BasePoseCommand{}),
+          BytesOf(BasePoseReply{}),
           WaveformBytes()};
 }
 
@@ -135,17 +135,17 @@ struct Contract {
     EXPECT_LE(surfaces.total_bytes, kMaxSurfaceBytes);
     EXPECT_EQ(surfaces.total_bytes == 0, surfaces.memory_generation == 0);
   }
-  static void ExpectPose(const PlacementPose& pose) {
+  static void ExpectPose(const WirePose& pose) {
     double norm2 = 0;
     for (const double x : pose.orientation_wxyz) norm2 += x * x;
     EXPECT_NEAR(norm2, 1, 0.0101);
     for (const double x : pose.position_m) EXPECT_LE(std::abs(x), kFarthestBase_m);
   }
-  void operator()(const PlacementRequest& request) const {
+  void operator()(const BasePoseRequest& request) const {
     EXPECT_TRUE(request.space_count >= 1 && request.space_count <= kMaxSpaceTypes);
     EXPECT_TRUE(IsTerminated(request.headset.runtime) && IsTerminated(request.headset.system));
   }
-  void operator()(const Placement& placement) const {
+  void operator()(const BasePose& placement) const {
     ExpectPose(placement.base_space);
     EXPECT_TRUE(placement.expected_error_m >= 0 && placement.rotation_sigma_rad >= 0);
     EXPECT_LE(placement.uncalibrated, Uncalibrated::kOff);
@@ -154,12 +154,12 @@ struct Contract {
     if (change.pose_valid == 1) ExpectPose(change.new_in_previous);
     EXPECT_LE(change.pose_valid, 1u);
   }
-  void operator()(const PlacementCommand& command) const {
+  void operator()(const BasePoseCommand& command) const {
     ExpectPose(command.base_space);
     EXPECT_TRUE(IsTerminated(command.method) && IsTerminated(command.headset.system));
     EXPECT_TRUE(command.rms_m >= 0 && command.expected_error_m >= 0);
   }
-  void operator()(const PlacementReply& reply) const { EXPECT_TRUE(IsTerminated(reply.text) && reply.done <= 1); }
+  void operator()(const BasePoseReply& reply) const { EXPECT_TRUE(IsTerminated(reply.text) && reply.done <= 1); }
   void operator()(const ShapedHaptic& haptic) const {
     EXPECT_EQ(size, sizeof(Waveform) + haptic.waveform.count * sizeof(float));
     for (std::size_t i = 0; i < haptic.waveform.count; ++i) EXPECT_LE(std::abs(haptic.sample(i)), 1.0F);

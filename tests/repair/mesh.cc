@@ -8,7 +8,7 @@
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/geometry/mesh_topology.h"
 #include "service/haptics/geometry/winding_number.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 namespace test_repair_mesh {

@@ -47,7 +47,7 @@ base::Calibration CalibrationOf(const base::DeviceGeometry& device, const TruthP
 
 enum class Pen { kAway, kWaved, kHeld };
 
-struct Story {
+struct Scenario {
   std::uint64_t seed = 5;
   bool ideal = false;
   Pen pen = Pen::kWaved;
@@ -56,7 +56,7 @@ struct Story {
   double run_s = kEvent_s + kNamed_s;
 };
 
-sim::HandScript HandOf(const Story& story, const base::DeviceGeometry& device) {
+sim::HandScript HandOf(const Scenario& story, const base::DeviceGeometry& device) {
   if (story.pen == Pen::kAway) return {};
   if (story.pen == Pen::kWaved) return sim::MakeOrdinaryHand(device, {.seed = story.seed, .duration_s = story.run_s});
   sim::HandScript held;
@@ -64,14 +64,14 @@ sim::HandScript HandOf(const Story& story, const base::DeviceGeometry& device) {
   return held;
 }
 
-struct Told {
+struct Reported {
   std::vector<daemon::RoomFinding> last;
   std::set<std::string> kinds;  // that were ever told
   bool early = false;           // before the event
 };
 
 // `wanted`: ends when it is reported.
-Told Tell(const Story& story, const std::string& wanted = {}) {
+Reported Watch(const Scenario& story, const std::string& wanted = {}) {
   const base::DeviceGeometry device = Device();
   TruthParameters truth = story.ideal ? config::IdealTwin() : config::RoomTwin();
   const base::Calibration calibration = CalibrationOf(device, truth, story.seed);
@@ -86,7 +86,7 @@ Told Tell(const Story& story, const std::string& wanted = {}) {
   const bool idle = story.idle || story.pen == Pen::kAway;
   daemon::RoomWatch watch(&calibration);
   base::HallScan scan;
-  Told told;
+  Reported told;
   for (int tick = 1; tick <= 1000 * story.run_s; ++tick) {
     base.Tick(scan);
     if (idle && scan.sequence % kIdleDivider != 0) continue;
@@ -104,9 +104,9 @@ Told Tell(const Story& story, const std::string& wanted = {}) {
   return told;
 }
 
-void ExpectTold(const Story& story, const std::string& kind, const std::vector<int>& sensors,
-                std::initializer_list<const char*> words) {
-  const Told told = Tell(story, kind);
+void ExpectReported(const Scenario& story, const std::string& kind, const std::vector<int>& sensors,
+                    std::initializer_list<const char*> words) {
+  const Reported told = Watch(story, kind);
   EXPECT_FALSE(told.early);
   std::string all;
   for (const daemon::RoomFinding& finding : told.last) all += finding.kind + ": " + daemon::RoomText(finding) + "\n";
@@ -147,21 +147,22 @@ std::function<void(TruthParameters&)> SteelLater(double z_m) {
 }
 
 TEST(RoomWatch, AGainThatIsWrongBlamesTheSensorOnceThePenWasAbout) {
-  ExpectTold({.event = Fault(Kind::kGain, 3, 1.1)}, "sensor-wrong", {3}, {"sensor 3 reads wrong", "left out", "omni"});
-  ExpectTold({.pen = Pen::kHeld, .event = Fault(Kind::kGain, 3, 1.1)}, "sensor-doubtful", {3},
-             {"sensor 3, or a magnet near it", "take magnets and steel away"});
+  ExpectReported({.event = Fault(Kind::kGain, 3, 1.1)}, "sensor-wrong", {3},
+                 {"sensor 3 reads wrong", "left out", "omni"});
+  ExpectReported({.pen = Pen::kHeld, .event = Fault(Kind::kGain, 3, 1.1)}, "sensor-doubtful", {3},
+                 {"sensor 3, or a magnet near it", "take magnets and steel away"});
 }
 
 TEST(RoomWatch, ASensorThatIsStuckIsNamedWithAPenAndWithout) {
   for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
     SCOPED_TRACE(static_cast<int>(pen));
-    ExpectTold({.pen = pen, .event = Fault(Kind::kStuck, 6)}, "sensor-repeats", {6},
-               {"sensor 6 repeats itself", "cable"});
+    ExpectReported({.pen = pen, .event = Fault(Kind::kStuck, 6)}, "sensor-repeats", {6},
+                   {"sensor 6 repeats itself", "cable"});
   }
 }
 
 TEST(RoomWatch, AHugeReadingIsNamed) {
-  ExpectTold({.event = Fault(Kind::kHuge, 2, 1e-3)}, "sensor-wrong", {2}, {"sensor 2 reads wrong"});
+  ExpectReported({.event = Fault(Kind::kHuge, 2, 1e-3)}, "sensor-wrong", {2}, {"sensor 2 reads wrong"});
 }
 
 TEST(RoomWatch, SensorsThatGiveNothingAreNamedWithAPenAndWithout) {
@@ -170,21 +171,21 @@ TEST(RoomWatch, SensorsThatGiveNothingAreNamedWithAPenAndWithout) {
   };
   for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
     SCOPED_TRACE(static_cast<int>(pen));
-    ExpectTold({.pen = pen, .event = five}, "sensor-silent", {0, 2, 3, 5, 7},
-               {"sensors 0, 2, 3, 5 and 7 give nothing", "too few", "no force"});
-    ExpectTold({.pen = pen, .event = Fault(Kind::kStopped, 4)}, "sensor-silent", {4}, {"sensor 4 gives nothing"});
+    ExpectReported({.pen = pen, .event = five}, "sensor-silent", {0, 2, 3, 5, 7},
+                   {"sensors 0, 2, 3, 5 and 7 give nothing", "too few", "no force"});
+    ExpectReported({.pen = pen, .event = Fault(Kind::kStopped, 4)}, "sensor-silent", {4}, {"sensor 4 gives nothing"});
   }
 }
 
 TEST(RoomWatch, ASwappedPairIsNamed) {
-  ExpectTold({.event = Fault(Kind::kSwapped, 3, 0, 4)}, "sensors-swapped", {3, 4}, {"sensors 3 and 4 are swapped"});
-  ExpectTold({.pen = Pen::kHeld, .event = Fault(Kind::kSwapped, 2, 0, 6)}, "sensors-swapped", {2, 6},
-             {"cables or addresses"});
+  ExpectReported({.event = Fault(Kind::kSwapped, 3, 0, 4)}, "sensors-swapped", {3, 4}, {"sensors 3 and 4 are swapped"});
+  ExpectReported({.pen = Pen::kHeld, .event = Fault(Kind::kSwapped, 2, 0, 6)}, "sensors-swapped", {2, 6},
+                 {"cables or addresses"});
 }
 
 TEST(RoomWatch, ASecondPenIsNamed) {
-  ExpectTold({.pen = Pen::kHeld, .event = SecondPen(0.3)}, "magnet-near", {}, {"another magnet", "take it away"});
-  ExpectTold({.event = SecondPen(0.2)}, "magnet-near", {}, {"another magnet", "take it away"});
+  ExpectReported({.pen = Pen::kHeld, .event = SecondPen(0.3)}, "magnet-near", {}, {"another magnet", "take it away"});
+  ExpectReported({.event = SecondPen(0.2)}, "magnet-near", {}, {"another magnet", "take it away"});
 }
 
 // So near that the tracker may find no pose any more while the pen lies still: that is no misfit of the calibration.
@@ -192,8 +193,8 @@ TEST(RoomWatch, ASecondPenThatHidesAHeldOneIsNamed) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     for (const bool ideal : {false, true}) {
       SCOPED_TRACE(testing::Message() << seed << (ideal ? " ideal" : " room"));
-      ExpectTold({.seed = seed, .ideal = ideal, .pen = Pen::kHeld, .idle = true, .event = SecondPen(0.2)},
-                 "magnet-near", {}, {"another magnet", "take it away"});
+      ExpectReported({.seed = seed, .ideal = ideal, .pen = Pen::kHeld, .idle = true, .event = SecondPen(0.2)},
+                     "magnet-near", {}, {"another magnet", "take it away"});
     }
   }
 }
@@ -201,13 +202,13 @@ TEST(RoomWatch, ASecondPenThatHidesAHeldOneIsNamed) {
 TEST(RoomWatch, ABaseThatWasTurnedIsNamedWithAPenAndWithout) {
   for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
     SCOPED_TRACE(static_cast<int>(pen));
-    ExpectTold({.pen = pen, .event = AmbientStep}, "field-changed", {},
-               {"by 60 uT", "carried or turned", "omni calibrate --zero"});
+    ExpectReported({.pen = pen, .event = AmbientStep}, "field-changed", {},
+                   {"by 60 uT", "carried or turned", "omni calibrate --zero"});
   }
 }
 
 TEST(RoomWatch, SteelThatCameLaterIsNamed) {
-  ExpectTold({.event = SteelLater(-0.2)}, "steel-near", {}, {"steel", "omni calibrate"});
+  ExpectReported({.event = SteelLater(-0.2)}, "steel-near", {}, {"steel", "omni calibrate"});
 }
 
 // The pen itself, laid down beside the base, is reported neither as another magnet nor as another field.
@@ -219,8 +220,8 @@ TEST(RoomWatch, AMagnetWithoutThePenIsNamedUnlessItIsAPen) {
     };
   };
   const double pen_Am2 = CalibrationOf(Device(), config::RoomTwin(), 5).moment_Am2;
-  EXPECT_TRUE(Tell({.pen = Pen::kAway, .event = at({0, pen_Am2, 0})}).kinds.empty());
-  EXPECT_EQ(Tell({.pen = Pen::kAway, .event = at({0, 4 * pen_Am2, 0})}).kinds.count("field-uneven"), 1U);
+  EXPECT_TRUE(Watch({.pen = Pen::kAway, .event = at({0, pen_Am2, 0})}).kinds.empty());
+  EXPECT_EQ(Watch({.pen = Pen::kAway, .event = at({0, 4 * pen_Am2, 0})}).kinds.count("field-uneven"), 1U);
 }
 
 TEST(RoomWatch, WhatIsGoneIsNoLongerTold) {
@@ -232,7 +233,7 @@ TEST(RoomWatch, WhatIsGoneIsNoLongerTold) {
                                           .leaves_s = kEvent_s + 6,
                                           .arrives_s = kEvent_s + 7});
   };
-  const Told told = Tell({.event = comes_and_goes, .run_s = 25});
+  const Reported told = Watch({.event = comes_and_goes, .run_s = 25});
   EXPECT_EQ(told.kinds, std::set<std::string>{"magnet-near"});
   EXPECT_TRUE(told.last.empty());
 }
@@ -243,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(IdealAndRoom, RoomWatchAtPeace,
 
 TEST_P(RoomWatchAtPeace, NothingIsSaidInAnUndisturbedRoom) {
   const auto [ideal, pen] = GetParam();
-  const Told told = Tell({.seed = 7, .ideal = ideal, .pen = pen, .run_s = 30});
+  const Reported told = Watch({.seed = 7, .ideal = ideal, .pen = pen, .run_s = 30});
   EXPECT_TRUE(told.kinds.empty()) << *told.kinds.begin();
 }
 

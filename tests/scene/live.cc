@@ -5,7 +5,7 @@
 #include "service/haptics/live/virtual_editor.h"
 #include "service/haptics/scene.h"
 #include "service/scene/load_live.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 #include "tests/support/same_bits.h"
 
@@ -49,7 +49,7 @@ std::vector<Vec3> FormedBy(Scene scene) {
 }
 
 std::uint64_t GenerationOf(const Scene& scene) {
-  return scene.live()->workshop_at(0).editor().publisher().generation();
+  return scene.live()->sculpt_session_at(0).editor().publisher().generation();
 }
 
 TEST(LiveScene, GetsItsBodiesFromTheCacheToo) {
@@ -60,7 +60,7 @@ TEST(LiveScene, GetsItsBodiesFromTheCacheToo) {
     const LiveReport report = LoadLive(scenes[k], k == 0 ? nullptr : &cache, kTets);
     EXPECT_TRUE(report.lines.empty()) << report.lines.front();
     EXPECT_EQ(report.soft_bodies, 1U);
-    EXPECT_EQ(report.workshops, 1U);
+    EXPECT_EQ(report.sculpt_sessions, 1U);
     const auto made = scenes[0].live()->soft_body(0)->bytes(), now = scenes[k].live()->soft_body(0)->bytes();
     EXPECT_TRUE(std::equal(made.begin(), made.end(), now.begin(), now.end())) << k;
   }
@@ -69,7 +69,7 @@ TEST(LiveScene, GetsItsBodiesFromTheCacheToo) {
 TEST(LiveScene, WithoutTagsGetsNothing) {
   Scene scene = Built(SceneOf(Sphere(8, 0.01)));
   const LiveReport report = LoadLive(scene, nullptr);
-  EXPECT_EQ(report.soft_bodies + report.workshops, 0U);
+  EXPECT_EQ(report.soft_bodies + report.sculpt_sessions, 0U);
   EXPECT_EQ(scene.live(), nullptr);
 }
 

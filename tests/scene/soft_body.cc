@@ -5,7 +5,7 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/scene/load_soft_body.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::scene {

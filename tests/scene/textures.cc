@@ -64,7 +64,7 @@ Model Square(const std::string& image) {
 
 Json& Entry(Model& model) { return model.json["extensions"]["MPEG_haptic_material"]["materials"][0]["stiffness"][0]; }
 
-struct Felt {
+struct Rendered {
   haptics::Scene scene;
   LoadReport load;
   std::string error;
@@ -92,74 +92,74 @@ struct Felt {
   }
 };
 
-Felt Feel(const Model& model) {
+Rendered Render(const Model& model) {
   const TempFolder folder;
-  Felt felt;
+  Rendered rendered;
   haptics::BuildReport build;
-  auto scene = LoadScene(folder.Write("square.glb", model.Bytes()), {}, nullptr, felt.load, build);
+  auto scene = LoadScene(folder.Write("square.glb", model.Bytes()), {}, nullptr, rendered.load, build);
   if (scene.ok()) {
-    felt.scene = std::move(*scene);
-    EXPECT_TRUE(haptics::CheckScene(felt.scene).ok());
+    rendered.scene = std::move(*scene);
+    EXPECT_TRUE(haptics::CheckScene(rendered.scene).ok());
   } else {
-    felt.error = scene.error();
+    rendered.error = scene.error();
   }
-  return felt;
+  return rendered;
 }
 
-std::string WarningsOf(const Felt& felt) {
+std::string WarningsOf(const Rendered& rendered) {
   std::string all;
-  for (const std::string& line : felt.load.warnings) all += line + "\n";
+  for (const std::string& line : rendered.load.warnings) all += line + "\n";
   return all;
 }
 
 TEST(SceneTextures, RedChannelLinearBilinear) {
-  const Felt felt = Feel(Square(Stairs()));
-  ASSERT_EQ(felt.error, "");
-  EXPECT_EQ(WarningsOf(felt), "");
-  EXPECT_EQ(felt.load.images_decoded, 1U);
-  EXPECT_EQ(felt.scene.materials()[felt.scene.triangles()[0].material].stiffness_N_m, 800);
+  const Rendered rendered = Render(Square(Stairs()));
+  ASSERT_EQ(rendered.error, "");
+  EXPECT_EQ(WarningsOf(rendered), "");
+  EXPECT_EQ(rendered.load.images_decoded, 1U);
+  EXPECT_EQ(rendered.scene.materials()[rendered.scene.triangles()[0].material].stiffness_N_m, 800);
   for (int row = 0; row < 2; ++row) {
     for (int column = 0; column < 4; ++column) {  // centres of texels
-      EXPECT_NEAR(felt.At((column + 0.5) / 4, (row + 0.5) / 2), RedOfStairs(column, row), 1e-6) << column << row;
+      EXPECT_NEAR(rendered.At((column + 0.5) / 4, (row + 0.5) / 2), RedOfStairs(column, row), 1e-6) << column << row;
     }
   }
-  EXPECT_NEAR(felt.At(0.25, 0.25), (RedOfStairs(0, 0) + RedOfStairs(1, 0)) / 2, 1e-6);
-  EXPECT_NEAR(felt.At(0.375, 0.5), (RedOfStairs(1, 0) + RedOfStairs(1, 1)) / 2, 1e-6);
+  EXPECT_NEAR(rendered.At(0.25, 0.25), (RedOfStairs(0, 0) + RedOfStairs(1, 0)) / 2, 1e-6);
+  EXPECT_NEAR(rendered.At(0.375, 0.5), (RedOfStairs(1, 0) + RedOfStairs(1, 1)) / 2, 1e-6);
   // At the left border repeat mixes in the right end.
-  EXPECT_NEAR(felt.At(0, 0.25), (RedOfStairs(0, 0) + RedOfStairs(3, 0)) / 2, 1e-6);
+  EXPECT_NEAR(rendered.At(0, 0.25), (RedOfStairs(0, 0) + RedOfStairs(3, 0)) / 2, 1e-6);
 }
 
 TEST(SceneTextures, SamplerWraps) {
   Model model = Square(Stairs());
   model.json["samplers"] = Json::parse(R"([{"wrapS": 33071, "wrapT": 33648}])");
   model.json["textures"][0]["sampler"] = 0;
-  const Felt clamp = Feel(model);
+  const Rendered clamp = Render(model);
   EXPECT_NEAR(clamp.At(0, 0.25), RedOfStairs(0, 0), 1e-6);
   EXPECT_NEAR(clamp.At(0.125, 0), RedOfStairs(0, 0), 1e-6) << "mirrored at the edge: itself";
   model.json["samplers"][0]["wrapS"] = 5;
-  EXPECT_NE(WarningsOf(Feel(model)).find("/samplers/0/wrapS"), std::string::npos);
+  EXPECT_NE(WarningsOf(Render(model)).find("/samplers/0/wrapS"), std::string::npos);
 }
 
 TEST(SceneTextures, TransformAndOtherSet) {
   Model model = Square(Stairs());
   Entry(model)["texture"]["extensions"]["KHR_texture_transform"] =
       Json::parse(R"({"offset": [0.25, 0.5], "scale": [0.5, 0.5], "rotation": 0})");
-  Felt felt = Feel(model);
+  Rendered rendered = Render(model);
   // u' = u / 2 + 1/4, v' = v / 2 + 1/2
-  EXPECT_NEAR(felt.At(0.25, 0.5), RedOfStairs(1, 1), 1e-6);
+  EXPECT_NEAR(rendered.At(0.25, 0.5), RedOfStairs(1, 1), 1e-6);
   // A quarter turn: (u, v) -> (v, -u) by the extension's matrix [c s; -s c].
   Entry(model)["texture"]["extensions"]["KHR_texture_transform"] = Json::parse(R"({"rotation": 1.5707963267948966})");
-  felt = Feel(model);
-  EXPECT_NEAR(felt.At(0.25, 0.125), RedOfStairs(0, 1), 1e-5) << "u' = 0.125, v' = -0.25 = 0.75";
+  rendered = Render(model);
+  EXPECT_NEAR(rendered.At(0.25, 0.125), RedOfStairs(0, 1), 1e-5) << "u' = 0.125, v' = -0.25 = 0.75";
   // The other set of coordinates, by both ways to say it.
   model = Square(Stairs());
   model.json["meshes"][0]["primitives"][0]["attributes"] = Json::parse(R"({"POSITION": 0, "TEXCOORD_1": 1})");
   Entry(model)["texture"]["texCoord"] = 1;
-  EXPECT_NEAR(Feel(model).At(0.125, 0.25), 0.0, 1e-6);
-  EXPECT_NEAR(Feel(model).At(0.875, 0.75), RedOfStairs(3, 1), 1e-6);
+  EXPECT_NEAR(Render(model).At(0.125, 0.25), 0.0, 1e-6);
+  EXPECT_NEAR(Render(model).At(0.875, 0.75), RedOfStairs(3, 1), 1e-6);
   Entry(model)["texture"]["texCoord"] = 0;
   Entry(model)["texture"]["extensions"]["KHR_texture_transform"]["texCoord"] = 1;
-  EXPECT_NEAR(Feel(model).At(0.875, 0.75), RedOfStairs(3, 1), 1e-6);
+  EXPECT_NEAR(Render(model).At(0.875, 0.75), RedOfStairs(3, 1), 1e-6);
 }
 
 TEST(SceneTextures, FrictionAndVibrationShareAnImage) {
@@ -167,15 +167,15 @@ TEST(SceneTextures, FrictionAndVibrationShareAnImage) {
   Json& material = model.json["extensions"]["MPEG_haptic_material"]["materials"][0];
   material["friction"] = material["stiffness"];
   material["vibrotactileTexture"] = material["stiffness"][0];  // without the list, as a person writes it
-  const Felt felt = Feel(model);
-  ASSERT_EQ(felt.error, "");
-  const haptics::Material& m = felt.scene.materials()[0];
+  const Rendered rendered = Render(model);
+  ASSERT_EQ(rendered.error, "");
+  const haptics::Material& m = rendered.scene.materials()[0];
   EXPECT_EQ(m.stiffness_texture, 0);
   EXPECT_EQ(m.friction_texture, 0);
   EXPECT_EQ(m.vibrotactile_texture, 0);
-  EXPECT_EQ(felt.scene.textures().size(), 1U);
-  EXPECT_EQ(felt.scene.texels().size(), 8U);
-  EXPECT_EQ(felt.load.images_decoded, 1U);
+  EXPECT_EQ(rendered.scene.textures().size(), 1U);
+  EXPECT_EQ(rendered.scene.texels().size(), 8U);
+  EXPECT_EQ(rendered.load.images_decoded, 1U);
 }
 
 TEST(SceneTextures, OneImageOfManyIsRead) {
@@ -188,10 +188,10 @@ TEST(SceneTextures, OneImageOfManyIsRead) {
     model.bin += other;
   }
   model.json["buffers"][0]["byteLength"] = model.bin.size();
-  const Felt felt = Feel(model);
-  ASSERT_EQ(felt.error, "");
-  EXPECT_EQ(felt.load.images_decoded, 1U);
-  EXPECT_LT(felt.load.bytes_read, 10'000U);
+  const Rendered rendered = Render(model);
+  ASSERT_EQ(rendered.error, "");
+  EXPECT_EQ(rendered.load.images_decoded, 1U);
+  EXPECT_LT(rendered.load.bytes_read, 10'000U);
 }
 
 // So many squares, each with a tag and an image of its own; all images in the same bytes, or each in its own.
@@ -219,20 +219,20 @@ Model Squares(int count, const std::string& image, bool same_bytes) {
 }
 
 TEST(SceneTextures, ImagesHaveLimitsInAll) {
-  const Felt many = Feel(Squares(66, Stairs(), false));
+  const Rendered many = Render(Squares(66, Stairs(), false));
   ASSERT_EQ(many.error, "");
   EXPECT_EQ(many.load.images_decoded, 64U);
   EXPECT_NE(WarningsOf(many).find("is beyond the limit of 64 images"), std::string::npos) << WarningsOf(many);
 
   Pixels noise(90'000);
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<unsigned char>(i * i * 2654435761U >> 13);
-  const Felt shared = Feel(Squares(5, Png(300, 300, 1, noise), true));
+  const Rendered shared = Render(Squares(5, Png(300, 300, 1, noise), true));
   ASSERT_EQ(shared.error, "");
   EXPECT_EQ(shared.load.images_decoded, 1U);
   EXPECT_NE(WarningsOf(shared).find("is among images that share their bytes"), std::string::npos) << WarningsOf(shared);
 
   // 2 kB each, and 16 million texels.
-  const Felt large = Feel(Squares(6, Png(4096, 4096, 1, Pixels(4096 * 4096)), false));
+  const Rendered large = Render(Squares(6, Png(4096, 4096, 1, Pixels(4096 * 4096)), false));
   ASSERT_EQ(large.error, "");
   EXPECT_EQ(large.load.images_decoded, 4U);
   EXPECT_NE(WarningsOf(large).find("with the images before it"), std::string::npos) << WarningsOf(large);
@@ -277,10 +277,11 @@ TEST(SceneTextures, WhatIsMissingOrWrongIsOneWithAWarning) {
   for (const Case& c : cases) {
     Model model = Square(Stairs());
     c.spoil(model);
-    const Felt felt = Feel(model);
-    ASSERT_EQ(felt.error, "") << c.warning;
-    EXPECT_NE(WarningsOf(felt).find(c.warning), std::string::npos) << WarningsOf(felt) << "\nexpected " << c.warning;
-    EXPECT_EQ(felt.At(0.3, 0.7), 1) << c.warning;
+    const Rendered rendered = Render(model);
+    ASSERT_EQ(rendered.error, "") << c.warning;
+    EXPECT_NE(WarningsOf(rendered).find(c.warning), std::string::npos)
+        << WarningsOf(rendered) << "\nexpected " << c.warning;
+    EXPECT_EQ(rendered.At(0.3, 0.7), 1) << c.warning;
   }
 }
 
@@ -291,9 +292,9 @@ TEST(SceneTextures, TooManyPixelsAreNotDecoded) {
   };
   big_endian(16, 8192);  // IHDR: width, height
   big_endian(20, 8192);
-  const Felt felt = Feel(Square(image));
-  ASSERT_EQ(felt.error, "");
-  EXPECT_NE(WarningsOf(felt).find("8192 x 8192 pixels"), std::string::npos) << WarningsOf(felt);
+  const Rendered rendered = Render(Square(image));
+  ASSERT_EQ(rendered.error, "");
+  EXPECT_NE(WarningsOf(rendered).find("8192 x 8192 pixels"), std::string::npos) << WarningsOf(rendered);
 }
 
 TEST(SceneTextures, DamagedImagesAreDecodedOrNotUsed) {
@@ -307,11 +308,11 @@ TEST(SceneTextures, DamagedImagesAreDecodedOrNotUsed) {
       damaged[8 + (random >> 8) % (damaged.size() - 8)] = static_cast<char>(random >> 24);
     }
     if (i % 7 == 0) damaged.resize(9 + random % (damaged.size() - 9));
-    const Felt felt = Feel(Square(damaged));
-    ASSERT_EQ(felt.error, "") << i;
-    const double value = felt.At(0.4, 0.4);
+    const Rendered rendered = Render(Square(damaged));
+    ASSERT_EQ(rendered.error, "") << i;
+    const double value = rendered.At(0.4, 0.4);
     ASSERT_TRUE(value >= 0 && value <= 1) << i;
-    used += felt.load.images_decoded > 0;
+    used += rendered.load.images_decoded > 0;
   }
   EXPECT_GT(used, 0);
   EXPECT_LT(used, 600);

@@ -12,7 +12,7 @@
 #include "service/sim/hand/hand.h"
 #include "service/sim/twin/twin.h"
 #include "tests/support/process/temp_folder.h"
-#include "tests/support/rig/twin_story.h"
+#include "tests/support/rig/twin_scenario.h"
 
 namespace omni::sim {
 namespace test_sim_hand {

@@ -9,7 +9,7 @@
 
 #include "firmware/wire/scaling.h"
 #include "service/sim/coils/plant.h"
-#include "tests/support/rig/twin_story.h"
+#include "tests/support/rig/twin_scenario.h"
 
 namespace omni::sim {
 namespace test_sim_plant {
@@ -38,8 +38,8 @@ Outputs Duty(double x, double y, double z, std::uint8_t awake = kAllAwake) {
   return outputs;
 }
 
-struct Story {
-  explicit Story(const PlantOptions& options = Perfect()) : plant(NominalDevice(), options) {}
+struct Scenario {
+  explicit Scenario(const PlantOptions& options = Perfect()) : plant(NominalDevice(), options) {}
   const Inputs& Run(const Outputs& outputs, int steps) {
     for (int i = 0; i < steps; ++i) plant.Step(outputs);
     return plant.inputs();
@@ -50,7 +50,7 @@ struct Story {
 };
 
 TEST(SimPlant, CurrentRisesWithTheCoilsOwnTimeConstant) {
-  Story story;
+  Scenario story;
   const double resistance = 0.633 * (1 + 0.00393 * 4) + BridgeParameters{}.on_ohm;
   const double tau_s = 1.1e-3 / resistance;
   const Outputs outputs = Duty(0.25, 0, 0);
@@ -74,8 +74,8 @@ TEST(SimPlant, CurrentSensorsHaveTheirErrorsAndUnits) {
   options.truth.imperfections = NoImperfections();
   options.truth.imperfections.current_gain = 0.01;
   options.truth.imperfections.current_offset_A = 0.05;
-  Story story(options);
-  Story perfect;
+  Scenario story(options);
+  Scenario perfect;
   const Outputs outputs = Duty(0.2, 0.2, 0.2);
   story.Run(outputs, 100);
   perfect.Run(outputs, 100);
@@ -88,7 +88,7 @@ TEST(SimPlant, CurrentSensorsHaveTheirErrorsAndUnits) {
 }
 
 TEST(SimPlant, SupplySagsUnderLoadAndIsPumpedUpByCoastingCoils) {
-  Story story;
+  Scenario story;
   story.Run(Duty(0.6, -0.6, 0.6), 200);
   EXPECT_LT(story.plant.supply_V(), 18 - 0.05 * 15) << "three coils draw more than 15 A from it";
   const CoilArray before_A = story.plant.current_A();
@@ -105,7 +105,7 @@ TEST(SimPlant, SupplySagsUnderLoadAndIsPumpedUpByCoastingCoils) {
 }
 
 TEST(SimPlant, BrakingCoilsLeaveTheSupplyAlone) {
-  Story story;
+  Scenario story;
   story.Run(Duty(0.6, -0.6, 0.6), 200);
   double highest_V = 0;
   for (int i = 0; i < 80; ++i) {
@@ -117,7 +117,7 @@ TEST(SimPlant, BrakingCoilsLeaveTheSupplyAlone) {
 }
 
 TEST(SimPlant, EverySensorHasItsOwnClock) {
-  Story story(Perfect(Holding({0, 0, 0.06})));
+  Scenario story(Perfect(Holding({0, 0, 0.06})));
   EXPECT_EQ(story.plant.inputs().field_age_us[0], 65535) << "no sample yet";
   std::array<int, base::kSensorCount> fresh{};
   for (int i = 0; i < 4000; ++i) {
@@ -137,8 +137,8 @@ TEST(SimPlant, EverySensorHasItsOwnClock) {
 }
 
 TEST(SimPlant, CurrentsMoveThePen) {
-  Story still(Perfect(Holding({0, 0, 0.05})));
-  Story pushed(Perfect(Holding({0, 0, 0.05})));
+  Scenario still(Perfect(Holding({0, 0, 0.05})));
+  Scenario pushed(Perfect(Holding({0, 0, 0.05})));
   still.Run({}, 2000);
   pushed.Run(Duty(0, 0, 0.2), 2000);
   const double moved_m = pushed.plant.pose().centre_base_m.z - still.plant.pose().centre_base_m.z;
@@ -157,10 +157,10 @@ bool Same(const Inputs& a, const Inputs& b) { return std::memcmp(&a, &b, offseto
 TEST(SimPlant, EqualInputsGiveEqualBits) {
   PlantOptions options;
   options.script = Holding({0.01, 0, 0.05});
-  Story a(options);
-  Story b(options);
+  Scenario a(options);
+  Scenario b(options);
   options.seed = 2;
-  Story other(options);
+  Scenario other(options);
   bool differs = false;
   for (int i = 0; i < 400; ++i) {
     const Outputs outputs = Duty(0.1 * std::sin(0.1 * i), 0.2, -0.1, i % 100 < 90 ? kAllAwake : 0);
@@ -172,7 +172,7 @@ TEST(SimPlant, EqualInputsGiveEqualBits) {
 }
 
 TEST(SimPlant, ResetStartsTheControllersClockOnly) {
-  Story story(Perfect(Holding({0, 0, 0.05})));
+  Scenario story(Perfect(Holding({0, 0, 0.05})));
   story.Run(Duty(0.1, 0, 0), 100);
   const double current_A = story.plant.current_A()[0];
   story.plant.ResetClock();
@@ -183,7 +183,7 @@ TEST(SimPlant, ResetStartsTheControllersClockOnly) {
 }
 
 TEST(SimPlant, TestFieldReachesEverySensor) {
-  Story story;
+  Scenario story;
   story.Run({}, 20);
   const Inputs before = story.plant.inputs();
   Outputs outputs;
@@ -196,7 +196,7 @@ TEST(SimPlant, TestFieldReachesEverySensor) {
 }
 
 TEST(SimPlantFaults, HallSensors) {
-  Story story(Perfect(Holding({0, 0, 0.05})));
+  Scenario story(Perfect(Holding({0, 0, 0.05})));
   story.Run({}, 40);
   const Inputs before = story.plant.inputs();
   auto& hall = story.plant.faults().hall;
@@ -226,7 +226,7 @@ TEST(SimPlantFaults, HallSensors) {
 }
 
 TEST(SimPlantFaults, CoilsBridgesAndTheirSensors) {
-  Story story;
+  Scenario story;
   const Outputs outputs = Duty(0.1, 0.1, 0.1);
   story.Run(outputs, 100);
   const Inputs before = story.plant.inputs();
@@ -248,7 +248,7 @@ TEST(SimPlantFaults, CoilsBridgesAndTheirSensors) {
 }
 
 TEST(SimPlantFaults, SupplyFanSwitchAndHeat) {
-  Story story;
+  Scenario story;
   Outputs outputs;
   outputs.fan = 255;
   story.Run(outputs, 20000);
@@ -272,7 +272,7 @@ TEST(SimPlantFaults, SupplyFanSwitchAndHeat) {
 
 // Outputs that no working core produces do no more than full duty.
 TEST(SimPlantFaults, NonsenseOutputsStayWithinTheSupply) {
-  Story story;
+  Scenario story;
   Outputs outputs = Duty(0, 0, 0, 0xFF);
   for (std::int16_t& duty : outputs.duty) duty = std::numeric_limits<std::int16_t>::min();
   story.Run(outputs, 400);

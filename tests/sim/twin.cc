@@ -14,7 +14,7 @@
 #include "service/sim/twin/recording.h"
 #include "service/sim/twin/twin_core.h"
 #include "tests/support/process/temp_folder.h"
-#include "tests/support/rig/twin_story.h"
+#include "tests/support/rig/twin_scenario.h"
 
 namespace omni::sim {
 namespace test_sim_twin {

@@ -57,7 +57,7 @@ TEST_F(Doctor, LayerNotInstalledNamesTheFoldersSearched) {
   Expect(
       LookForLayer(there_), Verdict::kFail,
       {"XR_APILAYER_OMNI_stylus", folder_.Path("root/usr/share/openxr/1/api_layers/explicit.d"), "XR_API_LAYER_PATH"});
-  Expect(LookAtLayerLibrary(there_), Verdict::kFail, {"layer manifest"});
+  Expect(CheckLayerLibrary(there_), Verdict::kFail, {"layer manifest"});
 }
 
 TEST_F(Doctor, LayerIsFoundInSystemAndHomeFolders) {
@@ -125,23 +125,23 @@ TEST_F(Doctor, TwoManifestsOfTheSameKindAreNamed) {
 
 TEST_F(Doctor, LibraryIsOpenedAndAsked) {
   Explicit(Manifest(folder_.Path("gone.so")));
-  Expect(LookAtLayerLibrary(there_), Verdict::kFail, {folder_.Path("gone.so"), "does not exist"});
+  Expect(CheckLayerLibrary(there_), Verdict::kFail, {folder_.Path("gone.so"), "does not exist"});
   Explicit(Manifest(folder_.Write("text.so", "not a library")));
-  Expect(LookAtLayerLibrary(there_), Verdict::kFail, {"cannot be opened"});
+  Expect(CheckLayerLibrary(there_), Verdict::kFail, {"cannot be opened"});
   Explicit(Manifest("libm.so.6"));  // a bare name: dlopen searches
-  Expect(LookAtLayerLibrary(there_), Verdict::kFail,
+  Expect(CheckLayerLibrary(there_), Verdict::kFail,
          {"libm.so.6", "does not export xrNegotiateLoaderApiLayerInterface"});
   Explicit(Manifest("libm.so.6", R"(, "functions": {"xrNegotiateLoaderApiLayerInterface": "cos"})"));
-  Expect(LookAtLayerLibrary(there_), Verdict::kOk, {"cos"});
+  Expect(CheckLayerLibrary(there_), Verdict::kOk, {"cos"});
   Explicit(Manifest(kSomeLayer));
-  Expect(LookAtLayerLibrary(there_), Verdict::kOk, {kSomeLayer});
+  Expect(CheckLayerLibrary(there_), Verdict::kOk, {kSomeLayer});
 }
 
 TEST_F(Doctor, EnabledByVariable) {
   Explicit(Manifest(kSomeLayer));
-  Expect(LookAtEnabledLayers(there_), Verdict::kWarn, {"not enabled", "XR_ENABLE_API_LAYERS=XR_APILAYER_OMNI_stylus"});
+  Expect(CheckEnabledLayers(there_), Verdict::kWarn, {"not enabled", "XR_ENABLE_API_LAYERS=XR_APILAYER_OMNI_stylus"});
   there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus";
-  Expect(LookAtEnabledLayers(there_), Verdict::kOk, {});
+  Expect(CheckEnabledLayers(there_), Verdict::kOk, {});
 }
 
 TEST_F(Doctor, AMissingEnabledLayerStopsEveryApplication) {
@@ -152,11 +152,11 @@ TEST_F(Doctor, AMissingEnabledLayerStopsEveryApplication) {
 
 TEST_F(Doctor, ImplicitLayerAndItsSwitches) {
   Implicit(Manifest(kSomeLayer, R"(, "disable_environment": "NO_OMNI", "enable_environment": "USE_OMNI")"));
-  Expect(LookAtEnabledLayers(there_), Verdict::kWarn, {"not enabled"});
+  Expect(CheckEnabledLayers(there_), Verdict::kWarn, {"not enabled"});
   there_.environment["USE_OMNI"] = "";  // being set is enough
-  Expect(LookAtEnabledLayers(there_), Verdict::kOk, {"implicit"});
+  Expect(CheckEnabledLayers(there_), Verdict::kOk, {"implicit"});
   there_.environment["NO_OMNI"] = "0";  // and disable wins
-  Expect(LookAtEnabledLayers(there_), Verdict::kWarn, {"NO_OMNI", "unset"});
+  Expect(CheckEnabledLayers(there_), Verdict::kWarn, {"NO_OMNI", "unset"});
 }
 
 // Observed with Debian's loader 1.0.20: it searches implicit layers for such a name only if there is an explicit one.
@@ -169,12 +169,12 @@ TEST_F(Doctor, AnImplicitLayerIsFoundByNameOnlyBesideAnExplicitOne) {
 }
 
 TEST_F(Doctor, SteamNeedsItsLaunchOptions) {
-  Expect(LookAtSteam(there_), Verdict::kOk, {});
+  Expect(CheckSteam(there_), Verdict::kOk, {});
   fs::create_directories(folder_.Path("home/.local/share/Steam"));
-  Expect(LookAtSteam(there_), Verdict::kWarn,
+  Expect(CheckSteam(there_), Verdict::kWarn,
          {"PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS=1", "PRESSURE_VESSEL_FILESYSTEMS_RW=" + folder_.Path("run")});
   there_.environment["PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS"] = "1";
-  Expect(LookAtSteam(there_), Verdict::kOk, {});
+  Expect(CheckSteam(there_), Verdict::kOk, {});
 }
 
 TEST_F(Doctor, RuntimeByVariableUserAndSystem) {
@@ -211,14 +211,14 @@ TEST_F(Doctor, ActiveRuntimeLinkIsFollowedForRelativeLibraries) {
 }
 
 TEST_F(Doctor, SocketFolderMustBeOursAlone) {
-  Expect(LookAtSocketFolder(there_), Verdict::kOk, {"omnid creates it"});
+  Expect(CheckSocketFolder(there_), Verdict::kOk, {"omnid creates it"});
   fs::create_directory(folder_.Path("run"));
   fs::permissions(folder_.Path("run"), fs::perms::owner_all);
-  Expect(LookAtSocketFolder(there_), Verdict::kOk, {folder_.Path("run")});
+  Expect(CheckSocketFolder(there_), Verdict::kOk, {folder_.Path("run")});
   fs::permissions(folder_.Path("run"), fs::perms::owner_all | fs::perms::others_exec);
-  Expect(LookAtSocketFolder(there_), Verdict::kFail, {"0701", "0700"});
+  Expect(CheckSocketFolder(there_), Verdict::kFail, {"0701", "0700"});
   there_.socket_path = folder_.Path(std::string(120, 'x'));
-  Expect(LookAtSocketFolder(there_), Verdict::kFail, {"107", "OMNI_SOCKET"});
+  Expect(CheckSocketFolder(there_), Verdict::kFail, {"107", "OMNI_SOCKET"});
 }
 
 TEST_F(Doctor, ServiceDownOldOrTroubled) {
@@ -240,47 +240,47 @@ TEST_F(Doctor, DeviceAbsentOrSimulated) {
 }
 
 TEST_F(Doctor, CalibrationNoneRefusedMisfitOrFine) {
-  Expect(LookAtCalibration(there_), Verdict::kWarn, {"omnid does not run"});
+  Expect(CheckCalibration(there_), Verdict::kWarn, {"omnid does not run"});
   there_.service = {.running = true, .error = {}, .status = {{"device", {{"name", nullptr}}}}};
-  Expect(LookAtCalibration(there_), Verdict::kWarn, {"without a device"});
+  Expect(CheckCalibration(there_), Verdict::kWarn, {"without a device"});
   nlohmann::json& status = there_.service.status;
   status = {{"device", {{"name", "twin"}}}, {"calibration", nullptr}, {"calibration_refused", nullptr}};
-  Expect(LookAtCalibration(there_), Verdict::kWarn, {"nominal geometry", "omni calibrate"});
+  Expect(CheckCalibration(there_), Verdict::kWarn, {"nominal geometry", "omni calibrate"});
   status["calibration_refused"] = "/c.toml:2: checksum";
-  Expect(LookAtCalibration(there_), Verdict::kWarn, {"/c.toml:2: checksum", "--replace", "--restore"});
+  Expect(CheckCalibration(there_), Verdict::kWarn, {"/c.toml:2: checksum", "--replace", "--restore"});
   status["calibration_refused"] = nullptr;
   status["calibration"] = {{"file", "/c.toml"}, {"date", "2026"}, {"note", nullptr}};
-  Expect(LookAtCalibration(there_), Verdict::kOk, {"/c.toml of 2026"});
+  Expect(CheckCalibration(there_), Verdict::kOk, {"/c.toml of 2026"});
   status["calibration"]["note"] = "without a checksum";
-  Expect(LookAtCalibration(there_), Verdict::kOk, {"/c.toml of 2026, without a checksum"});
+  Expect(CheckCalibration(there_), Verdict::kOk, {"/c.toml of 2026, without a checksum"});
   status["calibration_misfit"] = "/c.toml does not fit";
-  Expect(LookAtCalibration(there_), Verdict::kFail, {"does not fit", "omni calibrate --replace"});
+  Expect(CheckCalibration(there_), Verdict::kFail, {"does not fit", "omni calibrate --replace"});
 }
 
 TEST_F(Doctor, TheRoomIsFineOrEveryFindingIsNamedWithWhatToDo) {
-  Expect(LookAtRoom(there_), Verdict::kWarn, {"omnid does not run"});
+  Expect(CheckRoom(there_), Verdict::kWarn, {"omnid does not run"});
   there_.service = {.running = true, .error = {}, .status = {{"device", {{"name", nullptr}}}}};
-  Expect(LookAtRoom(there_), Verdict::kWarn, {"without a device"});
+  Expect(CheckRoom(there_), Verdict::kWarn, {"without a device"});
   nlohmann::json& status = there_.service.status;
   status = {{"device", {{"name", "twin"}}}};
-  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is faulty"});
+  Expect(CheckRoom(there_), Verdict::kOk, {"no sensor is faulty"});
   status["room"] = nlohmann::json::array();
-  Expect(LookAtRoom(there_), Verdict::kOk, {"no sensor is faulty"});
+  Expect(CheckRoom(there_), Verdict::kOk, {"no sensor is faulty"});
   status["room"] = {{{"kind", "magnet-near"}, {"what", "another magnet"}, {"fix", "take it away"}},
                     {{"kind", "sensor-silent"}, {"what", "sensor 3 gives nothing"}, {"fix", "its cable"}}};
-  Expect(LookAtRoom(there_), Verdict::kFail, {"another magnet; sensor 3 gives nothing", "take it away; its cable"});
+  Expect(CheckRoom(there_), Verdict::kFail, {"another magnet; sensor 3 gives nothing", "take it away; its cable"});
 }
 
 TEST_F(Doctor, RealtimeIsWhatTheServiceGot) {
   there_.service = {
       .running = true, .error = {}, .status = {{"tick", {{"realtime", true}, {"late", 2}, {"count", 9}}}}};
-  Expect(LookAtRealtime(there_), Verdict::kOk, {"2 late ticks of 9"});
+  Expect(CheckRealtime(there_), Verdict::kOk, {"2 late ticks of 9"});
   there_.service.status["tick"] = {{"realtime", false}, {"realtime_reason", "SCHED_FIFO refused"}};
-  Expect(LookAtRealtime(there_), Verdict::kWarn, {"SCHED_FIFO refused", "limits.d", "rtkit", "systemd"});
+  Expect(CheckRealtime(there_), Verdict::kWarn, {"SCHED_FIFO refused", "limits.d", "rtkit", "systemd"});
 }
 
 TEST_F(Doctor, RealtimeWithoutServiceIsTried) {
-  const Finding finding = LookAtRealtime(there_);
+  const Finding finding = CheckRealtime(there_);
   EXPECT_NE(finding.verdict, Verdict::kFail) << "late ticks are no reason not to work";
   EXPECT_EQ(finding.fix.empty(), finding.verdict == Verdict::kOk);
 }
@@ -288,17 +288,17 @@ TEST_F(Doctor, RealtimeWithoutServiceIsTried) {
 TEST_F(Doctor, ApplicationFilesAndTheirScenes) {
   there_.app_folders = {folder_.Path("apps.d")};
   there_.scenes_folder = folder_.Path("scenes");
-  Expect(LookAtApplications(there_), Verdict::kWarn, {"no application", "apps.d"});
+  Expect(CheckApplications(there_), Verdict::kWarn, {"no application", "apps.d"});
   const std::string file = folder_.Write("apps.d/10-a.toml", "application = \"a*\"\nscene = \"gone.glb\"\n");
-  Expect(LookAtApplications(there_), Verdict::kFail, {"a*", "gone.glb", file});
+  Expect(CheckApplications(there_), Verdict::kFail, {"a*", "gone.glb", file});
   folder_.Write("apps.d/20-b.toml", "application = 3\n");
-  Expect(LookAtApplications(there_), Verdict::kFail, {"20-b.toml", "application"});
+  Expect(CheckApplications(there_), Verdict::kFail, {"20-b.toml", "application"});
 }
 
 TEST_F(Doctor, AlignmentIsAssumed) {
-  Expect(LookAtAlignment(there_), Verdict::kWarn, {"not aligned: the base is assumed to be in front of you"});
+  Expect(CheckAlignment(there_), Verdict::kWarn, {"not aligned: the base is assumed to be in front of you"});
   there_.service.status = {{"aligned", true}};
-  Expect(LookAtAlignment(there_), Verdict::kOk, {});
+  Expect(CheckAlignment(there_), Verdict::kOk, {});
 }
 
 TEST_F(Doctor, ReportHasEveryDiagnosisOnce) {

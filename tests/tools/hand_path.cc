@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "service/haptics/scene.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::tools {
 namespace test_tools_hand_path {

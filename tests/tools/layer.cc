@@ -65,7 +65,7 @@ TEST_F(LayerStore, EnableWritesASoundImplicitManifestForTheLibraryBesideTheProgr
   const auto mode = fs::status(UserFile()).permissions();
   EXPECT_EQ(mode, fs::perms(0644)) << "everybody's loader may read it";
   EXPECT_EQ(std::distance(fs::directory_iterator(fs::path(UserFile()).parent_path()), {}), 1) << "no temporary is left";
-  EXPECT_EQ(LookAtEnabledLayers(there_).verdict, Verdict::kOk);
+  EXPECT_EQ(CheckEnabledLayers(there_).verdict, Verdict::kOk);
   EXPECT_EQ(LintDisabledByEnvironment(there_).verdict, Verdict::kOk);
   EXPECT_EQ(LintBadInstallation(there_).verdict, Verdict::kOk);
 }

@@ -268,7 +268,7 @@ TEST(LayerRules, ALayerOfTwoArchitecturesIsNoDuplicate) {
 
 // Our rules accept exactly the layers that the loader of this machine lists, on valid and on defective trees.
 TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
-  if (!AskLoader().asked) GTEST_SKIP() << "no libopenxr_loader.so.1 here";
+  if (!QueryLoader().asked) GTEST_SKIP() << "no libopenxr_loader.so.1 here";
   for (std::uint64_t seed = 1; seed <= 28; ++seed) {
     Random random(seed);
     Tree tree(random);
@@ -287,7 +287,7 @@ TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
     std::set<std::string> expected;
     for (const LayerManifest& manifest : FindLayerManifests(tree.there))
       if (IsUsable(manifest, tree.there)) expected.insert(manifest.name);
-    const LoaderAnswer loader = AskLoader();
+    const LoaderAnswer loader = QueryLoader();
     ASSERT_EQ(loader.error, "");
     std::set<std::string> listed(loader.layers.begin(), loader.layers.end());
     // Layers below the real /etc are there as well.

@@ -49,14 +49,14 @@ TEST(Detents, WithTheSpringStayWithinTheStiffnessLimit) {
     const double curvature_N_m = DetentCurvature_N_m(stick);
     Input input;
     const double limit_N_m = 110;
-    const Offer offer{limit_N_m, 1, {}};
+    const StiffnessBound bound{limit_N_m, 1, {}};
     for (int k = 0; k < 3000; ++k) {
       const Vec3 u = random.InBox(1.3 * stick.range_m), step = random.InBox(1e-6 * stick.range_m);
       Input moved = input;
       input.device_point_base_m = {u.x, u.y, 0};
       moved.device_point_base_m = {u.x + step.x, u.y + step.y, 0};
       const Vec3 change =
-          JoystickForce(stick, curvature_N_m, offer, moved) - JoystickForce(stick, curvature_N_m, offer, input);
+          JoystickForce(stick, curvature_N_m, bound, moved) - JoystickForce(stick, curvature_N_m, bound, input);
       const double distance_m = std::hypot(step.x, step.y);
       ASSERT_LE(Norm(change), 1.03 * limit_N_m * distance_m + 1e-12) << m;
     }
@@ -88,7 +88,7 @@ TEST(Detents, TheDeadZoneHasASoftEdge) {
   const auto at = [&](double x) {
     Input input;
     input.device_point_base_m = {x, 0, 0};
-    return -JoystickForce(stick, 0, Offer{.stiffness_N_m = 110, .damping_Ns_m = 1}, input).x;
+    return -JoystickForce(stick, 0, StiffnessBound{.stiffness_N_m = 110, .damping_Ns_m = 1}, input).x;
   };
   EXPECT_EQ(at(0.8 * stick.dead_zone_m), 0);
   EXPECT_NEAR(at(2 * stick.dead_zone_m), 60 * stick.dead_zone_m, 1e-12);

@@ -4,7 +4,7 @@
 #include "service/haptics/scene.h"
 #include "service/haptics/vehicle/car.h"
 #include "service/haptics/vehicle/car_dynamics.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics {
 

@@ -39,7 +39,7 @@ void setup() {
   static const omni::firmware::Settings settings = ChipSettings();
   static omni::firmware::FaultRecord record;
   static Board board(settings);
-  static omni::firmware::Runner<Board> runner(board, settings, TakeResetCause(false), dwt::Cycles(), record);
+  static omni::firmware::Runner<Board> runner(board, settings, PopResetCause(false), dwt::Cycles(), record);
   g_board = &board;
   g_runner = &runner;
   attachInterruptVector(IRQ_PIT, OnControlStep);

@@ -14,7 +14,7 @@ class TickReport {
 
   // Electrical means, samples with their ages, temperatures; begins the next tick. The core adds what it alone knows.
   // Returns the instant of the newest Hall sample; it never goes back.
-  std::uint64_t Take(const Settings& settings, const Inputs& inputs, const HallWatch& hall, const CoilHeat& heat,
+  std::uint64_t Fill(const Settings& settings, const Inputs& inputs, const HallWatch& hall, const CoilHeat& heat,
                      wire::Telemetry& telemetry) noexcept;
 
  private:

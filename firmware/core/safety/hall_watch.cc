@@ -24,7 +24,7 @@ HallVerdict HallWatch::Step(const Settings& settings, const Inputs& inputs) noex
   WatchCurrents(inputs);
   for (int i = 0; i < wire::kSensors; ++i) {
     const bool answers = Bit(inputs.field_answers, i);
-    if (answers && Bit(inputs.field_fresh, i)) Take(settings, inputs, i, verdict);
+    if (answers && Bit(inputs.field_fresh, i)) Handle(settings, inputs, i, verdict);
     const bool is_stale = !has_sample_[i] || inputs.now_us - sample_us_[i] > kHallStale_us;
     if (!answers || is_stale) verdict.silent |= BitOf(i);
     if (equal_[i] >= RuleOf(wire::kFaultHallStuck).hold) verdict.stuck |= BitOf(i);
@@ -34,7 +34,7 @@ HallVerdict HallWatch::Step(const Settings& settings, const Inputs& inputs) noex
 }
 
 // A sensor in all of whose axes the word ends cannot show noise, so equal samples say nothing.
-void HallWatch::Take(const Settings& settings, const Inputs& inputs, int sensor, HallVerdict& verdict) noexcept {
+void HallWatch::Handle(const Settings& settings, const Inputs& inputs, int sensor, HallVerdict& verdict) noexcept {
   const auto& sample = inputs.field[sensor];
   const std::uint16_t full_scale = settings.field_full_scale;
   const bool is_clipped =

@@ -30,7 +30,7 @@ class HallWatch {
   static constexpr int kCurrentMemory = 8;  // steps: two sample periods
 
   bool Jumps(const Settings& settings, int sensor, const std::int16_t (&sample)[3]) const noexcept;
-  void Take(const Settings& settings, const Inputs& inputs, int sensor, HallVerdict& verdict) noexcept;
+  void Handle(const Settings& settings, const Inputs& inputs, int sensor, HallVerdict& verdict) noexcept;
   void WatchCurrents(const Inputs& inputs) noexcept;
 
   std::int16_t field_[wire::kSensors][3] = {};

@@ -108,7 +108,7 @@ void Hands::AddFinger(int hand, XrTime time, std::vector<Seen>& seen) const {
   seen.push_back({hand == 0 ? Part::kLeftFinger : Part::kRightFinger, tip.pose});
 }
 
-std::vector<Seen> Hands::Look(XrTime time) {
+std::vector<Seen> Hands::Poll(XrTime time) {
   std::vector<Seen> seen;
   XrActiveActionSet active{set_, XR_NULL_PATH};
   XrActionsSyncInfo sync{XR_TYPE_ACTIONS_SYNC_INFO, nullptr, 1, &active};

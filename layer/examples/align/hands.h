@@ -26,7 +26,7 @@ class Hands {
   Hands& operator=(const Hands&) = delete;
 
   // Those that the runtime tracks now: a guess is not taken.
-  std::vector<Seen> Look(XrTime time);
+  std::vector<Seen> Poll(XrTime time);
 
  private:
   bool MakeActions(std::string* problem);

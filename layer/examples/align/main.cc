@@ -54,7 +54,7 @@ std::string OneLine(const char* name, std::size_t capacity) {
 }
 
 std::string MakeInstance(bool fingers, Runtime* runtime) {
-  const std::vector<std::string> offered = example::OfferedExtensions();
+  const std::vector<std::string> offered = example::AvailableExtensions();
   std::string problem;
   runtime->session_extensions = example::Session::Extensions(offered, &problem);
   if (!problem.empty()) return problem;
@@ -146,7 +146,7 @@ int Run(const Runtime& runtime) {
     session.PollEvents(OnEvent, &watch);
     const XrTime time = session.NextFrame();
     const int64_t t_ns = ToMonotonic_ns(runtime, time);
-    for (const align::Seen& seen : hands.Look(time)) {
+    for (const align::Seen& seen : hands.Poll(time)) {
       const XrVector3f& p = seen.pose.position;
       const XrQuaternionf& q = seen.pose.orientation;
       std::printf("pose %" PRId64 " %s %.7g %.7g %.7g %.7g %.7g %.7g %.7g\n", t_ns,

@@ -202,7 +202,7 @@ int Fail(const std::string& problem) {
 }
 
 int Run(const Options& options) {
-  const std::vector<std::string> offered = example::OfferedExtensions();
+  const std::vector<std::string> offered = example::AvailableExtensions();
   std::string problem;
   const std::vector<const char*> for_session = Session::Extensions(offered, &problem);
   if (for_session.empty()) return Fail(problem);

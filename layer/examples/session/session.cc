@@ -21,7 +21,7 @@ void* FunctionOf(XrInstance instance, const char* name) {
 
 }  // namespace
 
-std::vector<std::string> OfferedExtensions() {
+std::vector<std::string> AvailableExtensions() {
   std::uint32_t count = 0;
   if (XR_FAILED(xrEnumerateInstanceExtensionProperties(nullptr, 0, &count, nullptr))) return {};
   std::vector<XrExtensionProperties> properties(count, {XR_TYPE_EXTENSION_PROPERTIES, nullptr, {}, 0});

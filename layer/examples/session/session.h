@@ -11,7 +11,7 @@
 namespace example {
 
 // Instance extensions of the runtime and of the layers that are loaded for every application.
-std::vector<std::string> OfferedExtensions();
+std::vector<std::string> AvailableExtensions();
 bool Contains(const std::vector<std::string>& names, const char* name);
 
 // An instance of OpenXR 1.0 with these extensions; `name` is what the runtime, and omnid's files in apps.d, see.

@@ -171,7 +171,7 @@ bool Instance::PutDown(Session& session, const PenSnapshot& pen) {
 
 // The runtime tells of its own changes; we tell of what the pen changes for the application, if it changes anything.
 // `before` and `after` differ.
-void Instance::TellProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after) {
+void Instance::NotifyProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after) {
   if (!session.running) return;
   const XrPath below = before && after ? XR_NULL_PATH : ProfileBelow(session.handle, user_path);
   const auto shown = [&](const Profile* profile) { return profile ? PathOf(profile->path) : below; };
@@ -207,13 +207,13 @@ XrResult Instance::SyncActions(XrSession session, const XrActionsSyncInfo* info)
   const Profile* before[] = {state.ProfileAt(hand_paths[0]), state.ProfileAt(hand_paths[1])};
   state.Sync(input, NextStates(next, session), clock, clock.ToXr(now));
   UpdateSpaces(*record);
-  for (const Pulse& pulse : state.TakePulses()) Play(pulse);
+  for (const Pulse& pulse : state.PopPulses()) Play(pulse);
   for (std::size_t hand = 0; hand < hand_paths.size(); ++hand) {
     const Profile* after = state.ProfileAt(hand_paths[hand]);
     if (before[hand] == after) continue;
     const std::string side(UserPath(static_cast<Hand>(hand)));
     log.Line(side + (after ? " is the pen's, as " + after->path : ": the pen is gone or put down"));
-    TellProfileChange(*record, hand_paths[hand], before[hand], after);
+    NotifyProfileChange(*record, hand_paths[hand], before[hand], after);
   }
   return result;
 }

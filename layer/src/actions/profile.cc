@@ -32,7 +32,7 @@ int ScalarFor(const Profile& profile, Hand hand, XrActionType type, const std::s
   return -1;
 }
 
-bool Offered(const std::vector<std::string>& requires_any, const std::vector<std::string>& enabled) {
+bool Available(const std::vector<std::string>& requires_any, const std::vector<std::string>& enabled) {
   return requires_any.empty() || std::any_of(requires_any.begin(), requires_any.end(), [&](const std::string& name) {
            return std::find(enabled.begin(), enabled.end(), name) != enabled.end();
          });
@@ -72,9 +72,9 @@ std::string_view UserPath(Hand hand) { return hand == Hand::kLeft ? "/user/hand/
 
 bool HasPath(const Profile& profile, Hand hand, std::string_view local_path, const std::vector<std::string>& enabled) {
   for (const Component& c : profile.components)
-    if (c.On(hand) && Offered(c.requires_any, enabled) && IsPathOrParent(local_path, c.path)) return true;
+    if (c.On(hand) && Available(c.requires_any, enabled) && IsPathOrParent(local_path, c.path)) return true;
   for (const PoseComponent& pose : profile.poses)
-    if (Offered(pose.requires_any, enabled) && IsPathOrParent(local_path, pose.path)) return true;
+    if (Available(pose.requires_any, enabled) && IsPathOrParent(local_path, pose.path)) return true;
   return IsDpad(profile, hand, local_path, enabled) ||
          std::find(profile.haptics.begin(), profile.haptics.end(), local_path) != profile.haptics.end();
 }

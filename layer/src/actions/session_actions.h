@@ -100,7 +100,7 @@ class SessionActions {
   bool HapticBound(const Action& action, XrPath subaction) const;
 
   // Vibrations that thresholds asked for in the last sync; taking them clears them.
-  std::vector<Pulse> TakePulses() { return std::exchange(pulses_, {}); }
+  std::vector<Pulse> PopPulses() { return std::exchange(pulses_, {}); }
 
  private:
   enum class Device { kNone, kPen, kRuntime };

@@ -127,7 +127,7 @@ XRAPI_ATTR XrResult XRAPI_CALL SetVector2f(XrSession session, XrPath top_level, 
 XrResult PlaceTool(const Target& t, const PoseComponent& component, XrSpace space, const XrPosef& pose) {
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrTime now = t.instance->clock.ToXr(base::MonotonicNow_ns());
-  const Placement placement = t.session->placement.At(now);
+  const BasePose placement = t.session->placement.At(now);
   const XrResult result = t.instance->LocateSpace(space, t.session->Anchor(placement.space), now, &location);
   if (XR_FAILED(result)) return result;
   if ((location.locationFlags & kValid) != kValid) return XR_ERROR_RUNTIME_FAILURE;

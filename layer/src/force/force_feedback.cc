@@ -171,12 +171,12 @@ XrResult Instance::SetConstraints(XrForceFeedbackOMNIX1 handle_in,
   if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;  // lost meanwhile
   force->constraints = std::move(read);
   ++force->constraint_changes;
-  TellConstraints(*force, message);
+  SendConstraints(*force, message);
   return XR_SUCCESS;
 }
 
 // The caller holds force.mutex.
-void Instance::TellConstraints(ForceFeedback& force, const protocol::ForceConstraints& message) {
+void Instance::SendConstraints(ForceFeedback& force, const protocol::ForceConstraints& message) {
   force.told_connection = link.SendConstraints(message) ? link.connection_number() : 0;
   force.told = message;
 }
@@ -200,7 +200,7 @@ void Instance::FollowConstraints() {
     const bool other_ones = force->constraint_changes != changes;  // set, or gone, meanwhile
     const bool same_service = force->told_connection == link.connection_number();
     const bool known = same_service && SameConstraints(force->told, now);
-    if (!other_ones && !known) TellConstraints(*force, now);
+    if (!other_ones && !known) SendConstraints(*force, now);
   }
 }
 

@@ -60,7 +60,7 @@ Instance::Instance(InstanceSetup setup)
       fixed_hand_(FixedHand(log)),
       fixed_profile_(FixedProfile(profiles, log)) {
   if (Enabled(XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME) && TestDevice::Wanted())
-    link.OfferTestDevice(std::make_unique<TestDevice>());
+    link.UseTestDevice(std::make_unique<TestDevice>());
   const std::int64_t now = base::MonotonicNow_ns();
   clock.Refresh(now);
   link.Poll(now);

@@ -144,7 +144,7 @@ class Instance {
   void Alive() {
     link.Beat();
     link.Poll(base::MonotonicNow_ns());
-    TakePlacement();
+    PopBasePose();
   }
 
   // The pen's hand and preferred profile: from the environment, else from the service.
@@ -164,7 +164,7 @@ class Instance {
               const std::vector<BindingThreshold>& thresholds);
   bool PutDown(Session& session, const PenSnapshot& pen);
   XrPath ProfileBelow(XrSession session, XrPath user_path) const;
-  void TellProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after);
+  void NotifyProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after);
   void SetFocus(Session& session, bool focused);
   void ReportSessionState();
   void UpdateSpaces(const Session& session);
@@ -172,8 +172,8 @@ class Instance {
   XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                XrSpaceLocations* locations);
   // alignment.cc
-  void AskPlacement(Session& session, XrSystemId system);
-  void TakePlacement();
+  void RequestBasePose(Session& session, XrSystemId system);
+  void PopBasePose();
   void OnSpaceChange(XrEventDataReferenceSpaceChangePending change);
   bool ReportChange(const XrEventDataReferenceSpaceChangePending& change);
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
@@ -182,7 +182,7 @@ class Instance {
   void ForgetForces(const Session& session);  // it has lost the focus
   void ForgetSpace(XrSpace space);
   void FollowConstraints();
-  void TellConstraints(ForceFeedback& force, const protocol::ForceConstraints& message);
+  void SendConstraints(ForceFeedback& force, const protocol::ForceConstraints& message);
   ForceStatus StatusNow(const Session& session);
   void WatchForces();
   bool IsOfDestroyedForce(const XrEventDataBuffer& event) const;
@@ -208,7 +208,7 @@ class Instance {
 
   std::mutex forces_mutex_;  // there is one handle at a time
   std::mutex placement_mutex_;
-  std::optional<protocol::Placement> placed_;  // what the service has told last
+  std::optional<protocol::BasePose> placed_;  // what the service has told last
 
   std::mutex suggestions_mutex_;
   Suggestions suggestions_;

@@ -7,7 +7,7 @@
 
 #include "layer/src/actions/pen_rest.h"
 #include "layer/src/actions/session_actions.h"
-#include "layer/src/spaces/placement.h"
+#include "layer/src/spaces/base_pose.h"
 
 namespace omni::layer {
 
@@ -25,7 +25,7 @@ class Session {
   const XrSession handle;
 
   // Where the base stands, in one of the anchors. To be set from any thread, read by every question about the pen.
-  PlacementHistory placement;
+  BasePoseHistory placement;
 
   // A space of ours at the natural origin of each of kAnchorTypes that the runtime offers; else XR_NULL_HANDLE. Made
   // with the session, fixed from then on.

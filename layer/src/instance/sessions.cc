@@ -12,7 +12,7 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<Session>(*session, profiles, Choice(), hand_paths);
   MakeAnchors(*record);
-  AskPlacement(*record, info->systemId);
+  RequestBasePose(*record, info->systemId);
   sessions.Insert(*session, std::move(record));
   return result;
 }
@@ -81,7 +81,7 @@ void Instance::ReportSessionState() {
 XrResult Instance::PollEvent(XrEventDataBuffer* event) {
   const XrResult result = next.PollEvent(handle, event);
   Alive();
-  haptic_scenes.Look();
+  haptic_scenes.Poll();
   if (result == XR_SUCCESS && event) {
     if (event->type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
       XrEventDataSessionStateChanged changed;

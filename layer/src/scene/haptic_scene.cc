@@ -140,7 +140,7 @@ XrResult HapticScenes::Create(XrSession session, const XrHapticSceneCreateInfoOM
   scene->number = ++scenes_made_;
   *handle = scene->handle;
   scene_ = std::move(scene);
-  TellAll();
+  NotifyAll();
   return XR_SUCCESS;
 }
 
@@ -169,7 +169,7 @@ void HapticScenes::End() {
 
 XrResult HapticScenes::State(XrHapticSceneOMNIX1 handle, XrHapticSceneStateOMNIX1* state) {
   if (!state || state->type != XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
-  Look();
+  Poll();
   const std::lock_guard lock(mutex_);
   const HapticScene* scene = Find(handle);
   if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
@@ -185,7 +185,7 @@ XrResult HapticScenes::State(XrHapticSceneOMNIX1 handle, XrHapticSceneStateOMNIX
 
 XrResult HapticScenes::Diagnostics(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count, char* text) {
   if (!count || (capacity > 0 && !text)) return XR_ERROR_VALIDATION_FAILURE;
-  Look();
+  Poll();
   const std::string waiting = instance_.link.With([](client::Connection& connection) {
     return connection.connected() ? std::string("being built\n")
                                   : "waiting for omnid: " + connection.last_error() + "\n";

@@ -83,7 +83,7 @@ class HapticScenes {
   XrResult Mesh(XrHapticSceneOMNIX1 scene, const XrHapticNodeMeshGetInfoOMNIX1* info, XrHapticNodeMeshOMNIX1* mesh);
 
   // Takes what the service has said and tells it what it does not know; events go to the instance's queue.
-  void Look();
+  void Poll();
   // The placement of a scene follows its space: once a frame.
   void FollowSpace(XrSession session, XrTime time);
   void ForgetSpace(XrSpace space);
@@ -95,8 +95,8 @@ class HapticScenes {
   // All with the mutex held. Null: no such scene.
   HapticScene* Find(XrHapticSceneOMNIX1 handle) const;
   void End();
-  void TakeNews();
-  void TellAll();
+  void HandleUpdates();
+  void NotifyAll();
   void SetStatus(XrHapticSceneStatusOMNIX1 status);
   XrResult Usable(const HapticScene* scene) const;  // for all but state, diagnostics and end
   XrResult Ready(const HapticScene* scene) const;   // has nodes and materials

@@ -21,11 +21,11 @@ XrHapticSceneStatusOMNIX1 ToStatus(protocol::HapticSceneStatus status) noexcept 
 
 }  // namespace
 
-void HapticScenes::Look() {
+void HapticScenes::Poll() {
   const std::lock_guard lock(mutex_);
   if (scene_ == nullptr) return;
-  TakeNews();
-  TellAll();
+  HandleUpdates();
+  NotifyAll();
 }
 
 void HapticScenes::SetStatus(XrHapticSceneStatusOMNIX1 status) {
@@ -45,14 +45,14 @@ bool HapticScenes::IsOfDestroyed(const XrEventDataBuffer& event) const {
   return !Contains(changed.scene);
 }
 
-void HapticScenes::TakeNews() {
+void HapticScenes::HandleUpdates() {
   struct News {
     bool connected = false;
     std::uint64_t welcomes = 0;
     std::vector<client::HapticSceneUpdate> updates;
   };
   News news = instance_.link.With([](client::Connection& connection) {
-    return News{connection.connected(), connection.welcomes(), connection.TakeHapticSceneUpdates()};
+    return News{connection.connected(), connection.welcomes(), connection.PopHapticSceneUpdates()};
   });
   const bool failed = scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
   if (!failed && scene_->told != 0 && (!news.connected || scene_->told != news.welcomes)) {
@@ -76,7 +76,7 @@ void HapticScenes::TakeNews() {
 }
 
 // All of it, once a connection: what does not go out is tried again at the next look.
-void HapticScenes::TellAll() {
+void HapticScenes::NotifyAll() {
   if (scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1) return;
   scene_->told = instance_.link.With([this](client::Connection& connection) -> std::uint64_t {
     if (!connection.connected() || scene_->told == connection.welcomes()) return scene_->told;

@@ -43,7 +43,7 @@ bool Fits(std::uint32_t capacity, std::uint32_t count) noexcept { return capacit
 XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count,
                              XrHapticSceneNodeOMNIX1* nodes) {
   if (!count || (capacity > 0 && !nodes)) return XR_ERROR_VALIDATION_FAILURE;
-  Look();
+  Poll();
   const std::lock_guard lock(mutex_);
   const HapticScene* scene = Find(handle);
   const XrResult ready = Ready(scene);
@@ -69,7 +69,7 @@ XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint
 
 XrResult HapticScenes::Material(XrHapticSceneOMNIX1 handle, uint32_t index, XrHapticMaterialOMNIX1* out) {
   if (!out || out->type != XR_TYPE_HAPTIC_MATERIAL_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
-  Look();
+  Poll();
   const std::lock_guard lock(mutex_);
   const HapticScene* scene = Find(handle);
   const XrResult ready = Ready(scene);
@@ -85,7 +85,7 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
   if (!info || info->type != XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1 || !count || (capacity > 0 && !contacts))
     return XR_ERROR_VALIDATION_FAILURE;
   if (info->time <= 0) return XR_ERROR_TIME_INVALID;
-  Look();
+  Poll();
   std::shared_ptr<Session> session;
   std::uint64_t generation = 0;
   {
@@ -138,7 +138,7 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
       (mesh->indexCapacityInput > 0 && !mesh->indices)) {
     return XR_ERROR_VALIDATION_FAILURE;
   }
-  Look();
+  Poll();
   const std::lock_guard lock(mutex_);
   HapticScene* scene = Find(handle);
   const XrResult ready = Ready(scene);

@@ -11,7 +11,7 @@ namespace omni::layer {
 namespace {
 constexpr std::int64_t kPollInterval_ns = 5'000'000;
 // A service answers at once; one that knows no placements never does.
-constexpr std::int64_t kPlacementPatience_ns = 300'000'000;
+constexpr std::int64_t kBasePosePatience_ns = 300'000'000;
 }  // namespace
 
 ServiceLink::ServiceLink(client::ConnectionInfo info, Log& log) : connection_(std::move(info)), log_(log) {}
@@ -29,13 +29,13 @@ void ServiceLink::Poll(std::int64_t now_ns) {
     settings_ = connection_.settings();
   }
   const bool connected = connection_.connected();
-  if (connected && !was_connected_ && placement_asked_) placement_patience_ns_ = now_ns + kPlacementPatience_ns;
-  if (const auto placement = connection_.TakePlacement()) {
+  if (connected && !was_connected_ && placement_asked_) placement_patience_ns_ = now_ns + kBasePosePatience_ns;
+  if (const auto placement = connection_.PopBasePose()) {
     placement_ = placement;
     placement_patience_ns_ = 0;
     placement_came_.store(true, std::memory_order_release);
   }
-  for (const protocol::Notice& notice : connection_.TakeNotices())
+  for (const protocol::Notice& notice : connection_.PopNotices())
     log_.Line(std::string("service says: ") + notice.text);
   if (connected && !was_connected_) connection_number_.fetch_add(1, std::memory_order_relaxed);
   if (connected != was_connected_) log_.Line(connected ? "connected to omnid" : "connection to omnid lost");
@@ -118,13 +118,13 @@ void ServiceLink::AwaitForceProperties() {
   }
 }
 
-void ServiceLink::RequestPlacement(const protocol::PlacementRequest& request) {
+void ServiceLink::RequestBasePose(const protocol::BasePoseRequest& request) {
   const std::lock_guard lock(mutex_);
   placement_asked_ = true;
-  if (connection_.RequestPlacement(request)) placement_patience_ns_ = base::MonotonicNow_ns() + kPlacementPatience_ns;
+  if (connection_.RequestBasePose(request)) placement_patience_ns_ = base::MonotonicNow_ns() + kBasePosePatience_ns;
 }
 
-std::optional<protocol::Placement> ServiceLink::TakePlacement() {
+std::optional<protocol::BasePose> ServiceLink::PopBasePose() {
   if (!placement_came_.load(std::memory_order_acquire)) return std::nullopt;
   const std::lock_guard lock(mutex_);
   placement_came_.store(false, std::memory_order_relaxed);

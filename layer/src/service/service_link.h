@@ -50,7 +50,7 @@ class ServiceLink {
   bool Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples);
 
   // Before anybody else knows of this link: a pen that a conformance test may take over.
-  void OfferTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
+  void UseTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
   // Null: no test mode.
   TestDevice* test() const { return test_.get(); }
   void ClaimForce(bool wanted);
@@ -72,9 +72,9 @@ class ServiceLink {
     return use(connection_);
   }
   // Where does the base stand? Asked again after a lost connection.
-  void RequestPlacement(const protocol::PlacementRequest& request);
+  void RequestBasePose(const protocol::BasePoseRequest& request);
   // The newest answer since the last call. No lock where there is none.
-  std::optional<protocol::Placement> TakePlacement();
+  std::optional<protocol::BasePose> PopBasePose();
   void SendSpaceChange(const protocol::SpaceChange& change);
 
   std::shared_ptr<const client::StateReader> reader() const;
@@ -94,7 +94,7 @@ class ServiceLink {
   bool was_connected_ = false;
   std::string last_error_;
   bool placement_asked_ = false;
-  std::optional<protocol::Placement> placement_;
+  std::optional<protocol::BasePose> placement_;
   std::atomic<bool> placement_came_{false};
   // Until then the pen is not there for a session that waits for its placement: it would jump. 0: nobody waits.
   std::atomic<std::int64_t> placement_patience_ns_{0};

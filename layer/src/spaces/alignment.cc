@@ -10,35 +10,35 @@ namespace omni::layer {
 namespace {
 
 // Nobody has aligned the base: a place to reach for, and not a measured one, which the missing TRACKED bits tell.
-Placement Guess(bool valid) {
-  Placement guess;
+BasePose Guess(bool valid) {
+  BasePose guess;
   guess.valid = valid;
   guess.tracked = false;
   return guess;
 }
 
-Placement ToPlacement(const protocol::Placement& told) {
+BasePose ToBasePose(const protocol::BasePose& told) {
   const bool off = told.uncalibrated == protocol::Uncalibrated::kOff;
   const bool front = told.uncalibrated == protocol::Uncalibrated::kFrontOfUser;
   if (off || told.known == 0) return Guess(!off && front);
   const auto& p = told.base_space.position_m;
   const auto& q = told.base_space.orientation_wxyz;
-  Placement placement;
+  BasePose placement;
   placement.space = static_cast<XrReferenceSpaceType>(told.space);
   placement.X_LO = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
   placement.tracked = told.doubtful == 0;
   return placement;
 }
 
-protocol::PlacementPose ToWire(const XrPosef& pose) {
+protocol::WirePose ToWire(const XrPosef& pose) {
   const Pose unit = FromXr(pose);
   return {.position_m = {unit.p.x, unit.p.y, unit.p.z}, .orientation_wxyz = {unit.q.w, unit.q.x, unit.q.y, unit.q.z}};
 }
 
 }  // namespace
 
-void Instance::AskPlacement(Session& session, XrSystemId system) {
-  Placement guess = Guess(true);
+void Instance::RequestBasePose(Session& session, XrSystemId system) {
+  BasePose guess = Guess(true);
   guess.tracked = link.test() != nullptr;  // a conformance test says itself where the device is
   session.placement.Set(guess, 0);
   XrInstanceProperties runtime{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
@@ -48,18 +48,18 @@ void Instance::AskPlacement(Session& session, XrSystemId system) {
     log.Line("the runtime does not name itself or its headset: the base is assumed in front of the user");
     return;
   }
-  protocol::PlacementRequest request;
+  protocol::BasePoseRequest request;
   protocol::SetField(request.headset.runtime, std::string_view(runtime.runtimeName, strnlen(runtime.runtimeName, 127)));
   protocol::SetField(request.headset.system, std::string_view(headset.systemName, strnlen(headset.systemName, 255)));
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
     if (session.anchors[i] != XR_NULL_HANDLE) request.spaces[request.space_count++] = kAnchorTypes[i];
   }
-  if (request.space_count > 0) link.RequestPlacement(request);
+  if (request.space_count > 0) link.RequestBasePose(request);
 }
 
 // Called wherever the socket is looked at; almost always there is nothing.
-void Instance::TakePlacement() {
-  const std::optional<protocol::Placement> told = link.TakePlacement();
+void Instance::PopBasePose() {
+  const std::optional<protocol::BasePose> told = link.PopBasePose();
   if (!told) return;
   {
     const std::lock_guard lock(placement_mutex_);
@@ -68,7 +68,7 @@ void Instance::TakePlacement() {
   // What the runtime has already changed is in the service's file. A change to come is not, unless it says so.
   const std::int64_t known_until_ns = std::max(
       base::MonotonicNow_ns(), told->changes_until_ns == 0 ? 0 : told->changes_until_ns + protocol::kSameChange_ns);
-  Placement placement = ToPlacement(*told);
+  BasePose placement = ToBasePose(*told);
   if (link.test() != nullptr) placement.valid = placement.tracked = true;
   for (const auto& session : sessions.Values()) session->placement.Set(placement, clock.ToXr(known_until_ns));
   if (told->known == 0) log.Line("this headset is not aligned with the base: run `omni align`");

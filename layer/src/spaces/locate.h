@@ -1,7 +1,7 @@
 // The algebra of xrLocateSpace: motions with the spec's validity bits.
 #pragma once
 
-#include "layer/src/spaces/placement.h"
+#include "layer/src/spaces/base_pose.h"
 #include "layer/src/spaces/tool_motion.h"
 
 namespace omni::layer {

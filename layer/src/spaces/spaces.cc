@@ -7,7 +7,7 @@
 namespace omni::layer {
 namespace {
 
-std::vector<XrReferenceSpaceType> OfferedSpaces(const Dispatch& next, XrSession session) {
+std::vector<XrReferenceSpaceType> SupportedSpaces(const Dispatch& next, XrSession session) {
   std::uint32_t count = 0;
   if (XR_FAILED(next.EnumerateReferenceSpaces(session, 0, &count, nullptr))) return {};
   std::vector<XrReferenceSpaceType> offered(count);
@@ -20,7 +20,7 @@ std::vector<XrReferenceSpaceType> OfferedSpaces(const Dispatch& next, XrSession 
 
 // LOCAL is tried unasked: every runtime must have it, and the default placement is told in it.
 void Instance::MakeAnchors(Session& session) {
-  const std::vector<XrReferenceSpaceType> offered = OfferedSpaces(next, session.handle);
+  const std::vector<XrReferenceSpaceType> offered = SupportedSpaces(next, session.handle);
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
     const XrReferenceSpaceType type = kAnchorTypes[i];
     const bool is_offered = std::find(offered.begin(), offered.end(), type) != offered.end();

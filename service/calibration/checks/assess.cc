@@ -120,7 +120,7 @@ struct Touches {
   double held_out = 0;
   MatrixXd information;
 };
-Touches LookAtTouches(const Problem& problem, const Adjustment& adjustment) {
+Touches CheckTouches(const Problem& problem, const Adjustment& adjustment) {
   const Parameters& parameters = adjustment.parameters;
   const double sigma_m = problem.touch_sigma_m();
   double square = 0, count = 0;
@@ -169,7 +169,7 @@ Report Assess(const Problem& problem, const Adjustment& adjustment) {
   report.frame_rotation_rad = FrameRotation(adjustment);
   // Every sign that the model leaves something out makes the error larger.
   const double misfit = std::sqrt(report.chi2_per_dof);
-  const Touches touches = LookAtTouches(problem, adjustment);
+  const Touches touches = CheckTouches(problem, adjustment);
   report.expected_error_m =
       std::max({1.0, misfit, touches.held_out}) * ExpectedError(adjustment, CovarianceByTouches(adjustment, touches));
   report.iterations = adjustment.iterations;

@@ -86,7 +86,7 @@ void CoilSweep::Add(const base::HallScan& scan, bool rest) {
   if (change_A > kSteady_A && steady_scans_ > 0) step_scan_ = scan_ - 1;
   steady_scans_ = change_A <= kSteady_A ? steady_scans_ + 1 : 0;
   if (steady_scans_ < kSettleScans) return;
-  LookAtSensors(scan);
+  CheckSensors(scan);
   Eigen::Matrix<double, kReadings, 1> reading;
   for (std::size_t i = 0; i < base::kSensorCount; ++i) {
     const base::Vec3& B = scan.field_sensor_T[i];
@@ -115,7 +115,7 @@ void CoilSweep::Add(const base::HallScan& scan, bool rest) {
   }
 }
 
-void CoilSweep::LookAtSensors(const base::HallScan& scan) {
+void CoilSweep::CheckSensors(const base::HallScan& scan) {
   ++looks_;
   for (std::size_t i = 0; i < base::kSensorCount; ++i) {
     const base::Vec3& B = scan.field_sensor_T[i];

@@ -51,7 +51,7 @@ class CoilSweep {
     Eigen::Vector3d change_A = Eigen::Vector3d::Zero();
   };
 
-  void LookAtSensors(const base::HallScan& scan);
+  void CheckSensors(const base::HallScan& scan);
   std::string SensorProblem() const;
   void FollowSteps(const Eigen::Vector3d& current_A);
   Regressor MakeRegressor(const Eigen::Vector3d& current_A) const;

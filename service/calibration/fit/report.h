@@ -15,7 +15,7 @@ struct SensorReport {
 };
 
 // A parameter that the recording did not determine: its uncertainty is mostly its tolerance.
-struct Unfixed {
+struct Undetermined {
   std::string name;
   double sigma = 0;      // known to this, in `unit` ...
   double tolerance = 0;  // ... and before the recording to this
@@ -40,7 +40,7 @@ struct Report {
   base::SteelPlane steel;           // under the base; strength 0: none was seen
   double expected_error_m = 0;      // rms position error that this calibration leaves, noise apart
   int weak_directions = 0;          // combinations of unknowns of which the tolerances say more than the recording
-  std::vector<Unfixed> unfixed;
+  std::vector<Undetermined> unfixed;
   int iterations = 0;
   double seconds = 0;
 };

@@ -48,9 +48,9 @@ Residual Compare(const Parameters& parameters, const ArrayState& array, std::siz
   const double m_drawn = parameters.nominal().moment_Am2;
   const double core_radius_m = parameters.nominal().core_radius_m;
   PlacedField<kToolUnknowns> field = WholeField(array.fields[i], array, frame);
-  SteelAnswer<kToolUnknowns> steel =
-      AnswerOfSteel(sensor.position_base_m, core_radius_m, array.kappa, WholeField(array.mirrored[i], array, frame),
-                    WholeField(array.centre.front(), array, frame));
+  SteelResponse<kToolUnknowns> steel =
+      SteelResponseOf(sensor.position_base_m, core_radius_m, array.kappa, WholeField(array.mirrored[i], array, frame),
+                      WholeField(array.centre.front(), array, frame));
   steel.field.by.col(5) += steel.of_core / array.kappa;
   field.B += array.steel.strength * steel.field.B;
   field.by += array.steel.strength * steel.field.by;

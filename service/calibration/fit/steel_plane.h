@@ -14,7 +14,7 @@ struct PlacedField {
 };
 
 template <int N>
-struct SteelAnswer {
+struct SteelResponse {
   PlacedField<N> field;                               // at the sensor; by_place: by the sensor's
   Eigen::Vector3d of_core = Eigen::Vector3d::Zero();  // the core's share in field.B
   Eigen::Vector3d by_height = Eigen::Vector3d::Zero();
@@ -29,13 +29,13 @@ inline Eigen::Vector3d MirroredPlace(double height_m, const Eigen::Vector3d& pla
 // mirror, U = -M B(centre) and the core's response to it, K(s) = kappa (a/r)^3 (3 n n^T - I):
 //   B_steel = -M B(mirrored) + K U
 template <int N>
-SteelAnswer<N> AnswerOfSteel(const Eigen::Vector3d& sensor_m, double core_radius_m, double kappa,
-                             const PlacedField<N>& mirrored, const PlacedField<N>& centre) {
+SteelResponse<N> SteelResponseOf(const Eigen::Vector3d& sensor_m, double core_radius_m, double kappa,
+                                 const PlacedField<N>& mirrored, const PlacedField<N>& centre) {
   using Eigen::Matrix3d;
   using Eigen::Vector3d;
   const Vector3d M(1, 1, -1);
   const Vector3d up(0, 0, 2);
-  SteelAnswer<N> answer;
+  SteelResponse<N> answer;
   answer.field.B = -M.cwiseProduct(mirrored.B);
   answer.field.by = -(M.asDiagonal() * mirrored.by);
   answer.field.by_place = -(M.asDiagonal() * mirrored.by_place * M.asDiagonal());

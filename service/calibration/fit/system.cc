@@ -227,8 +227,8 @@ void Problem::AddMaps(const Parameters& parameters, System& system) const {
     for (int i = 0; i < parameters.sensors(); ++i) {
       const SensorState sensor = parameters.Sensor(i);
       const Vector3d& s = sensor.position_base_m;
-      const SteelAnswer<kCoilUnknowns> answer = AnswerOfSteel(s, nominal_.core_radius_m, parameters.Kappa(),
-                                                              coil_at(MirroredPlace(steel.height_base_m, s)), centre);
+      const SteelResponse<kCoilUnknowns> answer = SteelResponseOf(
+          s, nominal_.core_radius_m, parameters.Kappa(), coil_at(MirroredPlace(steel.height_base_m, s)), centre);
       PlacedField<kCoilUnknowns> field = coil_at(s);
       field.B += steel.strength * answer.field.B;
       field.by += steel.strength * answer.field.by;

@@ -102,7 +102,7 @@ ipc::ClientId ForceClients::claimed_owner() const {
   return found != clients_.end() && found->second.claimed ? owner_ : 0;
 }
 
-void ForceClients::Tell(const protocol::ForceProperties& properties) {
+void ForceClients::Notify(const protocol::ForceProperties& properties) {
   if (!SameProperties(properties, properties_)) {
     properties_ = properties;
     ++properties_number_;

@@ -35,7 +35,7 @@ class ForceClients {
   haptics::AppliedCommand Command(std::int64_t now_ns, std::int64_t last_beat_ns) const;
 
   // Tells every application what it does not know yet. What does not go out is tried again with the next call.
-  void Tell(const protocol::ForceProperties& properties);
+  void Notify(const protocol::ForceProperties& properties);
 
   // Whoever is felt when it asks for something; 0: nobody.
   ipc::ClientId claimed_owner() const;

@@ -89,7 +89,7 @@ void Vibration::Append(const protocol::ShapedHaptic& haptic, std::int64_t now_ns
   samples_.count += static_cast<std::uint32_t>(values.size());
 }
 
-bool Vibration::TakeFresh() {
+bool Vibration::PopFresh() {
   const bool fresh = fresh_;
   fresh_ = false;
   return fresh;

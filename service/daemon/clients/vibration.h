@@ -20,7 +20,7 @@ class Vibration {
   const loop::HapticWaveform& waveform() const { return waveform_; }
   const loop::VibrationSamples& samples() const { return samples_; }
   // True: samples() has changed since the last call.
-  bool TakeFresh();
+  bool PopFresh();
 
  private:
   void Start(loop::VibrationKind kind, double duration_s);

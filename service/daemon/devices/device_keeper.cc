@@ -149,7 +149,7 @@ void DeviceKeeper::WatchFit() {
 }
 
 // The state first: a fault that it shows has said before where it came.
-void DeviceKeeper::TellFaults() {
+void DeviceKeeper::LogFaults() {
   device::Transport& transport = *session_->opened.transport;
   const device::TransportState state = transport.state();
   device::BaseNote note;
@@ -181,7 +181,7 @@ void DeviceKeeper::WatchRecording() {
 
 bool DeviceKeeper::Watch() {
   WatchRecording();
-  if (session_ != nullptr) TellFaults();
+  if (session_ != nullptr) LogFaults();
   if (session_ != nullptr) WatchRoom();
   if (session_ != nullptr) WatchFit();
   if (session_ != nullptr && session_->loop.finished()) {

@@ -37,7 +37,7 @@ class DeviceKeeper {
   void WatchFit();
   void Record(OpenedDevice& opened);
   void WatchRecording();
-  void TellFaults();
+  void LogFaults();
   void Close(const std::string& why);
 
   const RunOptions& options_;

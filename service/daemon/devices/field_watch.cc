@@ -91,7 +91,7 @@ void FieldWatch::EndSecond(std::uint32_t useless, bool contradicted) {
     has_fitted_ = true;
     JudgeTracked();
   }
-  if (IsMostly(second_.quiet, second_.samples)) JudgeQuiet(useless);
+  if (IsMostly(second_.quiet, second_.samples)) JudgeResting(useless);
   second_ = {};
 }
 
@@ -108,7 +108,7 @@ void FieldWatch::JudgeTracked() {
   if (ambient_T.norm() > kSteady_T) uniform_T_ = ambient_T.norm();
 }
 
-void FieldWatch::JudgeQuiet(std::uint32_t useless) {
+void FieldWatch::JudgeResting(std::uint32_t useless) {
   const Fields reading_T = second_.reading_sum_T / second_.quiet;
   const Vector3d current_A = second_.current_sum_A / second_.quiet;
   Fields field_T = Fields::Zero();
@@ -146,7 +146,7 @@ bool FieldWatch::IsPen(const Fields& reading_T, const Vector3d& current_A, std::
   return pose.status == tracker::StaticStatus::kFound;
 }
 
-void FieldWatch::Tell(std::vector<RoomFinding>& findings) const {
+void FieldWatch::Report(std::vector<RoomFinding>& findings) const {
   if (is_magnet_.holds()) return findings.push_back(wanders_.holds() ? SteelNear() : MagnetNear());
   if (is_uniform_.holds()) findings.push_back(FieldChanged(uniform_T_));
   if (is_uneven_.holds()) findings.push_back(UnevenChanged());

@@ -30,7 +30,7 @@ class FieldWatch {
   // useless: bit i: not sensor i. contradicted: a magnet is near, and neither a pose nor what is known of the sensors
   // explains the readings.
   void EndSecond(std::uint32_t useless, bool contradicted);
-  void Tell(std::vector<RoomFinding>& findings) const;
+  void Report(std::vector<RoomFinding>& findings) const;
   bool magnet_near() const noexcept { return is_magnet_.holds(); }
 
  private:
@@ -43,7 +43,7 @@ class FieldWatch {
     Eigen::Vector3d current_sum_A = Eigen::Vector3d::Zero();
   };
   void JudgeTracked();
-  void JudgeQuiet(std::uint32_t useless);
+  void JudgeResting(std::uint32_t useless);
   bool IsPen(const Fields& reading_T, const Eigen::Vector3d& current_A, std::uint32_t useless) const;
 
   base::Calibration calibration_;

@@ -39,7 +39,7 @@ bool RoomWatch::Add(const loop::RoomSample& sample) {
   const std::int64_t elapsed_ns = base::StampDifference_ns(last_ns_, second_ns_);
   if (elapsed_ns >= 0 && elapsed_ns < kSecond_ns) return false;
   EndSecond();
-  std::vector<RoomFinding> now = Tell();
+  std::vector<RoomFinding> now = Report();
   if (now == findings_) return false;
   findings_ = std::move(now);
   return true;
@@ -59,11 +59,11 @@ void RoomWatch::EndSecond() {
   if (field_) field_->EndSecond(sensors_.useless(), contradicted && !IsExplained());
 }
 
-std::vector<RoomFinding> RoomWatch::Tell() const {
+std::vector<RoomFinding> RoomWatch::Report() const {
   std::vector<RoomFinding> findings;
-  sensors_.Tell(field_ && field_->magnet_near(), findings);
+  sensors_.Report(field_ && field_->magnet_near(), findings);
   if (swap_ && swap_->found()) findings.push_back(Swapped(*swap_->found()));
-  if (field_ && !IsExplained()) field_->Tell(findings);
+  if (field_ && !IsExplained()) field_->Report(findings);
   return findings;
 }
 

@@ -33,7 +33,7 @@ class RoomWatch {
  private:
   void EndSecond();
   bool IsExplained() const noexcept;  // by the sensors themselves
-  std::vector<RoomFinding> Tell() const;
+  std::vector<RoomFinding> Report() const;
 
   SensorWatch sensors_;
   std::optional<FieldWatch> field_;

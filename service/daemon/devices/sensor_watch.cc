@@ -95,7 +95,7 @@ void SensorWatch::EndSecond() {
   samples_ = tracked_ = frozen_ = 0;
 }
 
-void SensorWatch::Tell(bool magnet_near, std::vector<RoomFinding>& findings) const {
+void SensorWatch::Report(bool magnet_near, std::vector<RoomFinding>& findings) const {
   if (is_frozen_.holds()) findings.push_back(Frozen());
   std::vector<int> silent, stuck;
   for (int i = 0; i < base::kSensorCount; ++i) {

@@ -25,7 +25,7 @@ class SensorWatch {
   void Add(const loop::RoomSample& sample);
   void EndSecond();
   // magnet_near: is told of; a sensor that may only be near it is not named too.
-  void Tell(bool magnet_near, std::vector<RoomFinding>& findings) const;
+  void Report(bool magnet_near, std::vector<RoomFinding>& findings) const;
 
   // Bit i: sensor i cannot be used.
   std::uint32_t useless() const noexcept;

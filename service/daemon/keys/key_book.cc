@@ -73,7 +73,7 @@ void KeyDecoder::Take(const input_event& event, std::int64_t now_ns, const Emit&
   }
 }
 
-bool KeyDecoder::TakeDropped() {
+bool KeyDecoder::PopDropped() {
   if (skipping_) return false;  // the end of the report comes first
   const bool dropped = dropped_;
   dropped_ = false;

@@ -49,7 +49,7 @@ class KeyDecoder {
   void Feed(const unsigned char* bytes, std::size_t count, std::int64_t now_ns, const Emit& emit);
 
   // The kernel has dropped events since the last call: what is down must be asked anew.
-  bool TakeDropped();
+  bool PopDropped();
 
  private:
   void Take(const input_event& event, std::int64_t now_ns, const Emit& emit);

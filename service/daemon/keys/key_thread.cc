@@ -105,11 +105,11 @@ void KeyThread::ReadPort(int index) {
                     [&](std::uint16_t code, bool down, std::int64_t t_ns) {
                       changed = book_.Set(index, code, down, t_ns) || changed;
                     });
-  if (port.decoder.TakeDropped()) AskAnew(index, now_ns, changed);
+  if (port.decoder.PopDropped()) RequestAllKeys(index, now_ns, changed);
   if (changed) changed_(book_.states());
 }
 
-void KeyThread::AskAnew(int index, std::int64_t now_ns, bool& changed) {
+void KeyThread::RequestAllKeys(int index, std::int64_t now_ns, bool& changed) {
   const auto down = ports_->KeysDown(open_[index].fd, book_.codes());
   for (std::size_t slot = 0; slot < book_.codes().size(); ++slot) {
     const bool is_down = down && (*down)[slot];

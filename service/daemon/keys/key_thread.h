@@ -49,7 +49,7 @@ class KeyThread {
   void Search();
   void OpenPort(std::size_t rule, const std::string& path);
   void ReadPort(int index);
-  void AskAnew(int index, std::int64_t now_ns, bool& changed);
+  void RequestAllKeys(int index, std::int64_t now_ns, bool& changed);
   void ClosePort(int index);
   void Tell(std::size_t rule, const std::string& problem);
   void UpdateStatus();

@@ -174,7 +174,7 @@ bool AppScenes::Stands(ipc::ClientId id) const {
   return found != scenes_.end() && found->second.built != nullptr;
 }
 
-std::shared_ptr<const BuiltScene> AppScenes::Felt(ipc::ClientId id) const {
+std::shared_ptr<const BuiltScene> AppScenes::Active(ipc::ClientId id) const {
   const auto found = scenes_.find(id);
   return found == scenes_.end() || !found->second.enabled ? nullptr : found->second.built;
 }

@@ -51,7 +51,7 @@ class AppScenes {
   // From the first time that it was ready: what apps.d says is not felt.
   bool Stands(ipc::ClientId id) const;
   // Null: nothing, for it is not enabled.
-  std::shared_ptr<const BuiltScene> Felt(ipc::ClientId id) const;
+  std::shared_ptr<const BuiltScene> Active(ipc::ClientId id) const;
   bool Holds(const std::shared_ptr<const BuiltScene>& scene) const;
   // What the tick is to know. Precondition: Stands(id).
   void FillControl(ipc::ClientId id, std::uint64_t generation, loop::SceneControl& control) const;

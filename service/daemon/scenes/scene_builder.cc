@@ -21,7 +21,7 @@ base::Result<std::string> FileOf(const SceneJob& job) {
 
 scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m) {
   return {.touch_untagged = app.touch == config::Touch::kAll,
-          .fit = app.placement == config::Placement::kFit,
+          .fit = app.placement == config::BasePose::kFit,
           .offset_base_m = app.offset_base_m,
           .scale = app.scale,
           .hull_radius_m = hull_radius_m};
@@ -74,7 +74,7 @@ void SceneBuilder::DropSoft(std::uint64_t client) {
   if (soft_client_ == client) soft_client_ = 0;
 }
 
-std::optional<BuiltScene> SceneBuilder::TakeResult() {
+std::optional<BuiltScene> SceneBuilder::PopResult() {
   const std::lock_guard lock(mutex_);
   if (results_.empty()) return std::nullopt;
   BuiltScene result = std::move(results_.front());
@@ -82,7 +82,7 @@ std::optional<BuiltScene> SceneBuilder::TakeResult() {
   return result;
 }
 
-std::optional<SoftOutcome> SceneBuilder::TakeSoftOutcome() {
+std::optional<SoftOutcome> SceneBuilder::PopSoftOutcome() {
   const std::lock_guard lock(mutex_);
   if (outcomes_.empty()) return std::nullopt;
   SoftOutcome outcome = std::move(outcomes_.front());

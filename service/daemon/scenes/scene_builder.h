@@ -77,9 +77,9 @@ class SceneBuilder {
   // Forgets the client's waiting jobs; the result of a running one is dropped.
   void Cancel(std::uint64_t client);
   // A finished job, oldest first.
-  std::optional<BuiltScene> TakeResult();
+  std::optional<BuiltScene> PopResult();
   // A soft body that was finished or has failed, oldest first. Never before its scene's result.
-  std::optional<SoftOutcome> TakeSoftOutcome();
+  std::optional<SoftOutcome> PopSoftOutcome();
   SoftProgress Progress(std::uint64_t client) const;
 
  private:

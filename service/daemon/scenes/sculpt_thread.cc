@@ -15,7 +15,9 @@
 namespace omni::daemon {
 namespace {
 
-bool HasWorkshop(const haptics::Scene& scene) { return scene.live() != nullptr && scene.live()->workshop_count() > 0; }
+bool HasSculptSession(const haptics::Scene& scene) {
+  return scene.live() != nullptr && scene.live()->sculpt_session_count() > 0;
+}
 
 SculptAnswer AnswerTo(const SculptRequest& request) {
   SculptAnswer answer;
@@ -56,12 +58,12 @@ SculptThread::~SculptThread() {
 
 void SculptThread::Add(std::uint64_t client, const std::string& file,
                        const std::shared_ptr<const haptics::Scene>& scene) {
-  if (!HasWorkshop(*scene)) return;
+  if (!HasSculptSession(*scene)) return;
   std::thread ended;
   {
     const std::lock_guard lock(mutex_);
     scenes_.push_back({.client = client, .file = file, .scene = scene, .benches = {}});
-    scenes_.back().benches.resize(scene->live()->workshop_count());
+    scenes_.back().benches.resize(scene->live()->sculpt_session_count());
     if (std::exchange(ended_, false)) std::swap(ended, thread_);
     if (!thread_.joinable()) thread_ = std::thread([this] { Run(); });
   }
@@ -69,38 +71,38 @@ void SculptThread::Add(std::uint64_t client, const std::string& file,
 }
 
 void SculptThread::Enter(const haptics::Scene& scene) {
-  if (!HasWorkshop(scene)) return;
+  if (!HasSculptSession(scene)) return;
   {
     const std::lock_guard lock(mutex_);
     Sculpted* sculpted = Find(scene);
     if (sculpted == nullptr || sculpted->read) return;
-    for (std::size_t n = 0; n < sculpted->benches.size(); ++n) sculpted->workshop(n).SetReader(true);
+    for (std::size_t n = 0; n < sculpted->benches.size(); ++n) sculpted->sculpt_session(n).SetReader(true);
     sculpted->read = true;
   }
   wake_.notify_one();
 }
 
 void SculptThread::Leave(const haptics::Scene& scene) {
-  if (!HasWorkshop(scene)) return;
+  if (!HasSculptSession(scene)) return;
   const std::lock_guard lock(mutex_);
   Sculpted* sculpted = Find(scene);
   if (sculpted == nullptr || !sculpted->read) return;
   Poll(*sculpted);  // what the tick still sent
   for (std::size_t n = 0; n < sculpted->benches.size(); ++n) {
-    haptics::sculpt::Workshop& workshop = sculpted->workshop(n);
+    haptics::sculpt::SculptSession& sculpt_session = sculpted->sculpt_session(n);
     if (sculpted->broken) {
-      workshop.editor().publisher().SetReader(false);
+      sculpt_session.editor().publisher().SetReader(false);
       continue;
     }
-    if (workshop.editor().in_stroke()) sculpted->benches[n].edited = ++edits_;
-    workshop.SetReader(false);
-    workshop.editor().Publish();
+    if (sculpt_session.editor().in_stroke()) sculpted->benches[n].edited = ++edits_;
+    sculpt_session.SetReader(false);
+    sculpt_session.editor().Publish();
   }
   sculpted->read = false;
 }
 
 void SculptThread::Remove(const haptics::Scene& scene) {
-  if (!HasWorkshop(scene)) return;
+  if (!HasSculptSession(scene)) return;
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(scenes_, [&](const Sculpted& sculpted) { return sculpted.scene.get() == &scene; });
@@ -108,7 +110,7 @@ void SculptThread::Remove(const haptics::Scene& scene) {
   wake_.notify_one();
 }
 
-void SculptThread::Ask(const SculptRequest& request, std::uint64_t owner) {
+void SculptThread::Request(const SculptRequest& request, std::uint64_t owner) {
   {
     const std::lock_guard lock(mutex_);
     std::string why;
@@ -128,7 +130,7 @@ void SculptThread::Ask(const SculptRequest& request, std::uint64_t owner) {
 }
 
 // An edit may take some milliseconds: the control thread looks again a period later.
-std::optional<SculptAnswer> SculptThread::TakeAnswer() {
+std::optional<SculptAnswer> SculptThread::PopAnswer() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
   if (ended_ && thread_.joinable()) thread_.join();  // it has let go of the lock for good
@@ -138,7 +140,7 @@ std::optional<SculptAnswer> SculptThread::TakeAnswer() {
   return answer;
 }
 
-std::optional<SculptProblem> SculptThread::TakeProblem() {
+std::optional<SculptProblem> SculptThread::PopProblem() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock() || problems_.empty()) return std::nullopt;
   SculptProblem problem = std::move(problems_.front());
@@ -170,7 +172,7 @@ void SculptThread::Run() {
     while (!work_.empty()) {
       const Work work = std::move(work_.front());
       work_.pop_front();
-      Do(work, lock);
+      Execute(work, lock);
     }
   }
   ended_ = true;
@@ -179,7 +181,7 @@ void SculptThread::Run() {
 void SculptThread::Poll(Sculpted& sculpted) {
   for (std::size_t n = 0; n < sculpted.benches.size() && !sculpted.broken; ++n) {
     try {
-      const haptics::sculpt::ServeReport served = sculpted.workshop(n).Poll();
+      const haptics::sculpt::ServeReport served = sculpted.sculpt_session(n).Poll();
       if (served.ended > 0) sculpted.benches[n].edited = ++edits_;
       if (!served.problem.empty()) Tell(sculpted, n, served.problem);
     } catch (const std::exception& caught) {  // out of memory: what the tick has stays, what was being made may be torn
@@ -199,7 +201,7 @@ void SculptThread::Tell(Sculpted& sculpted, std::size_t n, const std::string& pr
   problems_.push_back({sculpted.client, sculpted.file + ": " + sculpted.name(n) + ": " + problem});
 }
 
-void SculptThread::Do(const Work& work, std::unique_lock<std::mutex>& lock) {
+void SculptThread::Execute(const Work& work, std::unique_lock<std::mutex>& lock) {
   SculptAnswer answer = AnswerTo(work.request);
   Sculpted* sculpted = Find(*work.scene);
   try {
@@ -226,7 +228,7 @@ void SculptThread::Do(const Work& work, std::unique_lock<std::mutex>& lock) {
 // The surface is copied under the lock, written without it: the tick's strokes go on meanwhile.
 void SculptThread::Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer) {
   for (std::size_t n = 0; n < sculpted.benches.size(); ++n) {
-    if (!sculpted.workshop(n).editor().in_stroke()) continue;
+    if (!sculpted.sculpt_session(n).editor().in_stroke()) continue;
     answer.text = std::string(sculpted.name(n)) + ": " + kOpenStroke;
     return;
   }
@@ -239,7 +241,7 @@ void SculptThread::Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& 
 void SculptThread::Step(Sculpted& sculpted, const SculptRequest& request, SculptAnswer& answer) {
   const std::optional<std::size_t> n = Named(sculpted, request.object, answer.text);
   if (!n) return;
-  haptics::sculpt::SculptEditor& editor = sculpted.workshop(*n).editor();
+  haptics::sculpt::SculptEditor& editor = sculpted.sculpt_session(*n).editor();
   const bool undo = request.action == SculptAction::kUndo;
   const std::string who = std::string(sculpted.name(*n)) + ": ";
   if (editor.in_stroke()) {
@@ -258,7 +260,7 @@ void SculptThread::Step(Sculpted& sculpted, const SculptRequest& request, Sculpt
 std::string SculptThread::Edits(const Sculpted& sculpted) {
   nlohmann::json objects = nlohmann::json::array();
   for (std::size_t n = 0; n < sculpted.benches.size(); ++n) {
-    haptics::sculpt::SculptEditor& editor = sculpted.workshop(n).editor();
+    haptics::sculpt::SculptEditor& editor = sculpted.sculpt_session(n).editor();
     objects.push_back({{"object", sculpted.object(n)},
                        {"name", sculpted.name(n)},
                        {"triangles", editor.mesh().triangle_count()},

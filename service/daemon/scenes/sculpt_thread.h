@@ -66,11 +66,11 @@ class SculptThread {
   // Nobody has it any more. Precondition: never entered, or left since.
   void Remove(const haptics::Scene& scene);
 
-  // The answer comes by TakeAnswer, also when it is a refusal. `owner`: client that owns the force; 0: none.
-  void Ask(const SculptRequest& request, std::uint64_t owner);
+  // The answer comes by PopAnswer, also when it is a refusal. `owner`: client that owns the force; 0: none.
+  void Request(const SculptRequest& request, std::uint64_t owner);
   // Neither of the two waits for an edit: none now may be one a moment later.
-  std::optional<SculptAnswer> TakeAnswer();
-  std::optional<SculptProblem> TakeProblem();
+  std::optional<SculptAnswer> PopAnswer();
+  std::optional<SculptProblem> PopProblem();
   // Whether the thread is there, for tests and status.
   bool running() const;
 
@@ -90,8 +90,8 @@ class SculptThread {
     bool read = false;           // by the tick
     bool broken = false;         // an edit ran out of memory: it is not edited any more
 
-    haptics::sculpt::Workshop& workshop(std::size_t n) const {
-      return scene->live()->workshop_at(static_cast<std::uint32_t>(n));
+    haptics::sculpt::SculptSession& sculpt_session(std::size_t n) const {
+      return scene->live()->sculpt_session_at(static_cast<std::uint32_t>(n));
     }
     std::uint32_t object(std::size_t n) const { return scene->live()->object_at(static_cast<std::uint32_t>(n)); }
     const char* name(std::size_t n) const { return scene->objects()[object(n)].name; }
@@ -103,7 +103,7 @@ class SculptThread {
   void Run();
   void Poll(Sculpted& sculpted);
   void Tell(Sculpted& sculpted, std::size_t n, const std::string& problem);
-  void Do(const Work& work, std::unique_lock<std::mutex>& lock);
+  void Execute(const Work& work, std::unique_lock<std::mutex>& lock);
   void Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer);
   void Step(Sculpted& sculpted, const SculptRequest& request, SculptAnswer& answer);
   static std::string Edits(const Sculpted& sculpted);

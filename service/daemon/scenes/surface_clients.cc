@@ -7,7 +7,7 @@ namespace omni::daemon {
 SurfaceClients::SurfaceClients(std::uint64_t service_instance, Snapshot snapshot, Send send)
     : service_instance_(service_instance), snapshot_(std::move(snapshot)), send_(std::move(send)) {}
 
-void SurfaceClients::Ask(ipc::ClientId id, bool wanted) {
+void SurfaceClients::Request(ipc::ClientId id, bool wanted) {
   if (wanted) {
     told_[id] = std::nullopt;
   } else {

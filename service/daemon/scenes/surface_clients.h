@@ -26,7 +26,7 @@ class SurfaceClients {
   SurfaceClients(std::uint64_t service_instance, Snapshot snapshot, Send send);
 
   // A request counts even if it is the same as before: it is answered again.
-  void Ask(ipc::ClientId id, bool wanted);
+  void Request(ipc::ClientId id, bool wanted);
   void Remove(ipc::ClientId id);
 
   // Every period: the scene that the tick should have, null: none. Returns a new problem for people, or nothing.

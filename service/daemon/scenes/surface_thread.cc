@@ -20,10 +20,10 @@ std::uint32_t SurfaceFlagsOf(const haptics::ChangingObject& object) {
 
 }  // namespace
 
-SurfaceLooker::SurfaceLooker(SurfaceSource source)
+SurfacePoller::SurfacePoller(SurfaceSource source)
     : source_(std::move(source)), snapshot_(std::make_unique<loop::SurfaceSnapshot>()) {}
 
-bool SurfaceLooker::Look(std::int64_t now_ns) {
+bool SurfacePoller::Look(std::int64_t now_ns) {
   if (!problem_.empty()) return false;
   TakeSnapshot();
   if (const auto changing = haptics::ChangingObjects(*source_.scene); changing != changing_) Begin(changing);
@@ -40,12 +40,12 @@ bool SurfaceLooker::Look(std::int64_t now_ns) {
 }
 
 // Without a tick, or while it still has another scene, everything rests.
-void SurfaceLooker::TakeSnapshot() {
+void SurfacePoller::TakeSnapshot() {
   const bool there = source_.snapshot(*snapshot_) && snapshot_->scene_generation == source_.scene_generation;
   if (!there) *snapshot_ = {};
 }
 
-void SurfaceLooker::Begin(const std::vector<haptics::ChangingObject>& changing) {
+void SurfacePoller::Begin(const std::vector<haptics::ChangingObject>& changing) {
   changing_ = changing;
   memory_ = nullptr;
   shown_.clear();
@@ -61,7 +61,7 @@ void SurfaceLooker::Begin(const std::vector<haptics::ChangingObject>& changing) 
   }
 }
 
-void SurfaceLooker::Refresh(Shown& shown) const {
+void SurfacePoller::Refresh(Shown& shown) const {
   // Published before the tick's first snapshot: readers wait for a time, even if nothing changes any more.
   if (!shown.timed && snapshot_->t_ns != 0) shown.new_pose = true;
   if (shown.object.moved) RefreshPose(shown);
@@ -69,7 +69,7 @@ void SurfaceLooker::Refresh(Shown& shown) const {
   if (shown.object.HasVertices()) RefreshDisplaced(shown);
 }
 
-void SurfaceLooker::RefreshPose(Shown& shown) const {
+void SurfacePoller::RefreshPose(Shown& shown) const {
   for (const haptics::MovedObject& moved : snapshot_->moved) {
     if (moved.object != shown.object.object) continue;
     if (moved.rotation == shown.pose.rotation && moved.translation_m == shown.pose.translation_m) continue;
@@ -78,18 +78,18 @@ void SurfaceLooker::RefreshPose(Shown& shown) const {
   }
 }
 
-void SurfaceLooker::RefreshSculpted(Shown& shown) const {
-  haptics::sculpt::Workshop& workshop = *source_.scene->live()->workshop(shown.object.object);
-  const haptics::sculpt::SculptTable* table = workshop.Pin();
+void SurfacePoller::RefreshSculpted(Shown& shown) const {
+  haptics::sculpt::SculptSession& sculpt_session = *source_.scene->live()->sculpt_session(shown.object.object);
+  const haptics::sculpt::SculptTable* table = sculpt_session.Pin();
   if (table != nullptr && table->generation != shown.sculpt_generation) {
     haptics::CompactSurface(*table, shown.vertices, shown.triangles);
     shown.sculpt_generation = table->generation;
     shown.new_vertices = shown.new_triangles = true;
   }
-  workshop.Unpin();
+  sculpt_session.Unpin();
 }
 
-void SurfaceLooker::RefreshDisplaced(Shown& shown) const {
+void SurfacePoller::RefreshDisplaced(Shown& shown) const {
   std::array<double, haptics::kMaxRegions> offset_m{};
   for (std::size_t r = 0; r < offset_m.size(); ++r) offset_m[r] = snapshot_->regions[r].offset_m;
   const bool touched =
@@ -104,7 +104,7 @@ void SurfaceLooker::RefreshDisplaced(Shown& shown) const {
   shown.new_vertices = true;
 }
 
-bool SurfaceLooker::MakeMemory() {
+bool SurfacePoller::MakeMemory() {
   std::vector<protocol::SurfacePlan> plans;
   for (Shown& shown : shown_) {
     const bool grows = shown.object.sculpted;
@@ -132,7 +132,7 @@ bool SurfaceLooker::MakeMemory() {
 }
 
 // What the publisher refuses (a number that is none) is looked at again; clients keep what they have.
-void SurfaceLooker::Publish(std::size_t index) {
+void SurfacePoller::Publish(std::size_t index) {
   Shown& shown = shown_[index];
   if (!shown.new_vertices && !shown.new_triangles && !shown.new_pose) return;
   const base::Quat& q = shown.pose.rotation;

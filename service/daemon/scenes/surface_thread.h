@@ -32,9 +32,9 @@ struct SurfaceSource {
 };
 
 // What the thread does, one look after the other.
-class SurfaceLooker {
+class SurfacePoller {
  public:
-  explicit SurfaceLooker(SurfaceSource source);
+  explicit SurfacePoller(SurfaceSource source);
 
   // False: the surfaces cannot be published, problem() says why; further looks do nothing.
   bool Look(std::int64_t now_ns);
@@ -92,7 +92,7 @@ class SurfaceThread {
  private:
   void Run();
 
-  SurfaceLooker looker_;
+  SurfacePoller looker_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;

@@ -77,7 +77,7 @@ class Prober final : public UsbHandler {
     const std::lock_guard lock(mutex_);
     listens_ = false;
   }
-  void AskFault() {
+  void RequestFault() {
     {
       const std::lock_guard lock(mutex_);
       wants_fault_ = true;
@@ -209,7 +209,7 @@ base::Result<UsbProbe> ProbeUsbBase(UsbBus& bus, const UsbBase& base, const UsbP
                              "(omni device flash-help)");
   }
   prober.Listen(options.listen_ns);
-  prober.AskFault();
+  prober.RequestFault();
   if (options.arm) prober.Arm();
   if (prober.gone()) return Named(base, "unplugged while it was being looked at");
   return prober.result();

@@ -4,13 +4,13 @@
 #include <limits>
 
 #include "service/base/clock.h"
-#include "service/device/usb/command_life.h"
+#include "service/device/usb/command_ttl.h"
 
 namespace omni::device {
 namespace {
 
 constexpr std::int64_t kAskHelloAgain_ns = 100'000'000;
-constexpr std::int64_t kCommandLife_ns = std::int64_t{kCommandTimeToLive_ms} * 1'000'000;
+constexpr std::int64_t kCommandTtl_ns = std::int64_t{kCommandTimeToLive_ms} * 1'000'000;
 constexpr std::int64_t kRepeat_ns = 5'000'000;  // a resting tick writes every 16 ms only, the base waits for 20
 constexpr std::int64_t kRest_ns = 100'000'000;  // a tick that writes nothing for so long does not rest, it is stuck
 constexpr int kOutOfOrderMax = 20;  // frames in a row that are older than the last good one: the base has restarted
@@ -152,7 +152,7 @@ void UsbSession::OnFrame(const std::uint8_t* data, std::size_t size, std::int64_
 }
 
 void UsbSession::TakeHello(const wire::FrameView& view) noexcept {
-  if (phase_.load(std::memory_order_relaxed) != Phase::kAskHello) return;  // answer to a question asked twice
+  if (phase_.load(std::memory_order_relaxed) != Phase::kRequestHello) return;  // answer to a question asked twice
   const wire::Status status = wire::Decode(view, hello_);
   if (status != wire::Status::kOk) {
     Refuse(status);
@@ -227,7 +227,7 @@ void UsbSession::KeepNote(const wire::FrameView& view) noexcept {
   if (status != wire::Status::kOk) Refuse(status);
 }
 
-std::size_t UsbSession::AskHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {
+std::size_t UsbSession::RequestHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {
   if (t_ns < hello_next_ns_) return 0;
   hello_next_ns_ = t_ns + kAskHelloAgain_ns;
   wire::Header header;
@@ -238,7 +238,7 @@ std::size_t UsbSession::AskHello(std::int64_t t_ns, std::uint8_t* frame, std::si
 
 std::size_t UsbSession::NextFrame(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {
   const Phase phase = phase_.load(std::memory_order_acquire);
-  if (phase == Phase::kAskHello) return AskHello(t_ns, frame, capacity);
+  if (phase == Phase::kRequestHello) return RequestHello(t_ns, frame, capacity);
   if (phase != Phase::kRunning) return 0;
   wire::Arm arm;
   const bool heard = counters_.sent.value() != 0;  // a base that has not heard its host yet would refuse
@@ -261,7 +261,7 @@ std::size_t UsbSession::NextCommand(std::int64_t t_ns, std::uint8_t* frame, std:
   const bool fresh = slot.index != commands_taken_;
   if (!fresh && !Repeats(slot, t_ns)) return 0;
   commands_taken_ = slot.index;
-  if (fresh && t_ns - slot.t_ns > kCommandLife_ns) {  // the bus was blocked: what was right then is not now
+  if (fresh && t_ns - slot.t_ns > kCommandTtl_ns) {  // the bus was blocked: what was right then is not now
     ++counters_.send_failed;
     return 0;
   }

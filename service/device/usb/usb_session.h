@@ -55,7 +55,7 @@ class UsbSession final : public UsbHandler {
   void OnGone() noexcept override;
 
  private:
-  enum class Phase : std::uint8_t { kAskHello, kHaveHello, kRunning };
+  enum class Phase : std::uint8_t { kRequestHello, kHaveHello, kRunning };
   struct ScanSlot {
     base::HallScan scan;
     std::uint64_t index = 0;  // counts the scans handed over; 0: none yet
@@ -77,13 +77,13 @@ class UsbSession final : public UsbHandler {
              std::int64_t& scan_t_ns) noexcept;
   bool InOrder(const wire::Header& header) noexcept;
   void Publish(const wire::Telemetry& telemetry, std::uint64_t t_device_us, std::int64_t scan_t_ns) noexcept;
-  std::size_t AskHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept;
+  std::size_t RequestHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept;
   bool Repeats(const CommandSlot& slot, std::int64_t t_ns) const noexcept;
   std::size_t NextCommand(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept;
 
   UsbLink* link_ = nullptr;
   ReadyEvent ready_;
-  std::atomic<Phase> phase_{Phase::kAskHello};
+  std::atomic<Phase> phase_{Phase::kRequestHello};
   std::atomic<bool> gone_{false};
   std::atomic<wire::Status> last_refused_{wire::Status::kOk};
   wire::Hello hello_;  // before kHaveHello: the link's thread

@@ -67,13 +67,14 @@ struct Springs {
   std::uint32_t count = 0;
 };
 
-double OfferedTo(const Offer& given, const Spring& spring) noexcept {
+double BoundTo(const StiffnessBound& given, const Spring& spring) noexcept {
   const bool rank_one = spring.shape.kind == ConstraintKind::kPlane || spring.shape.kind == ConstraintKind::kSphere ||
                         spring.shape.radius_m > 0;
   return rank_one ? StiffnessAlong(given, spring.stretch.outward) : given.stiffness_N_m;
 }
 
-Springs MeetConstraints(const AppliedCommand& command, const AppliedInput& input, const Offer& given) noexcept {
+Springs ConstraintSprings(const AppliedCommand& command, const AppliedInput& input,
+                          const StiffnessBound& given) noexcept {
   Springs springs;
   const double after_s = base::Elapsed_s(input.t_ns, command.constraints_t_ns);
   springs.count = std::min(command.constraint_count, kMaxConstraints);
@@ -82,11 +83,11 @@ Springs MeetConstraints(const AppliedCommand& command, const AppliedInput& input
     Spring& spring = springs.of[i];
     spring.shape = Moved(command.constraints[i], after_s);
     spring.stretch = StretchOf(spring.shape, tip);
-    const double offered_N_m = OfferedTo(given, spring);
+    const double bound_N_m = BoundTo(given, spring);
     const double asked_N_m = std::max(0.0, spring.shape.stiffness_N_m);
-    spring.stiffness_N_m = std::min(asked_N_m, std::max(0.0, offered_N_m));
+    spring.stiffness_N_m = std::min(asked_N_m, std::max(0.0, bound_N_m));
     const bool acts = spring.stretch.length_m > 0 && spring.stiffness_N_m > 0;
-    spring.load = acts ? spring.stiffness_N_m / offered_N_m : 0;
+    spring.load = acts ? spring.stiffness_N_m / bound_N_m : 0;
   }
   return springs;
 }
@@ -121,11 +122,11 @@ double DampingShare(const Springs& springs, double given_Ns_m) noexcept {
 }
 
 // Stiffness and damping that may be given, moved so slowly that the hand does not feel it.
-Offer UpdateGiven(const AppliedConfig& config, const AppliedInput& input, AppliedState& state) noexcept {
+StiffnessBound UpdateGiven(const AppliedConfig& config, const AppliedInput& input, AppliedState& state) noexcept {
   const double noise_Ns_m = input.velocity_sigma_m_s > 0 ? kCalm_N / input.velocity_sigma_m_s : 1e6;
-  const double damping_Ns_m = std::min(input.offer.damping_Ns_m, noise_Ns_m);
-  const double stiffness_N_m = std::max(0.0, input.offer.stiffness_N_m);
-  const double along_N_m = std::max(stiffness_N_m, input.offer.along_N_m);
+  const double damping_Ns_m = std::min(input.bound.damping_Ns_m, noise_Ns_m);
+  const double stiffness_N_m = std::max(0.0, input.bound.stiffness_N_m);
+  const double along_N_m = std::max(stiffness_N_m, input.bound.along_N_m);
   const double dt_s = FadeStep_s(input.dt_s);
   if (!state.known) {
     state.known = true;
@@ -136,7 +137,7 @@ Offer UpdateGiven(const AppliedConfig& config, const AppliedInput& input, Applie
   state.stiffness_N_m = Follow(config, state.stiffness_N_m, stiffness_N_m, dt_s);
   state.along_N_m = Follow(config, state.along_N_m, along_N_m, dt_s);
   state.damping_Ns_m = Follow(config, state.damping_Ns_m, damping_Ns_m, dt_s);
-  Offer given = input.offer;
+  StiffnessBound given = input.bound;
   given.stiffness_N_m = state.stiffness_N_m;
   given.along_N_m = state.along_N_m;
   given.damping_Ns_m = state.damping_Ns_m;
@@ -150,7 +151,7 @@ struct Rendered {
   bool conservative = true;
 };
 
-Rendered Sum(const Springs& springs, const AppliedInput& input, const Offer& given, double share,
+Rendered Sum(const Springs& springs, const AppliedInput& input, const StiffnessBound& given, double share,
              AppliedOutput& output) noexcept {
   Rendered all;
   const double damping_share = DampingShare(springs, given.damping_Ns_m);
@@ -180,8 +181,8 @@ Rendered StepConstraints(const AppliedConfig& config, const AppliedCommand& comm
   state.constraints_id = command.constraints_id;
   Rendered now;
   if (command.constraint_count > 0 && input.tracked) {
-    const Offer given = UpdateGiven(config, input, state);
-    const Springs springs = MeetConstraints(command, input, given);
+    const StiffnessBound given = UpdateGiven(config, input, state);
+    const Springs springs = ConstraintSprings(command, input, given);
     const double dt_s = FadeStep_s(input.dt_s);
     state.share = Follow(config, state.share, ShareOf(springs, input.contacts), dt_s);
     now = Sum(springs, input, given, state.share, output);

@@ -48,7 +48,7 @@ struct AppliedInput {
   base::Vec3 velocity_base_m_s;
   double tip_sigma_m = 0, velocity_sigma_m_s = 0;  // of the worst direction
   double lag_s = 0;                                // LoopLag_s
-  Offer offer;                                     // of this tick's Step
+  StiffnessBound bound;                            // of this tick's Step
   const Output* contacts = nullptr;                // of this tick's Step: their stiffness comes first
 };
 

@@ -14,7 +14,7 @@ namespace omni::haptics {
 namespace {
 
 // One contact as it is met in this tick, in the frame of its object's rest.
-struct Meeting {
+struct ContactGeometry {
   Frame frame;
   Vec3 velocity_m_s;  // of the tip, relative to the object
   Vec3 normal;        // unit, from the tip to the proxy
@@ -22,10 +22,11 @@ struct Meeting {
   bool soft = false;  // its body answers
 };
 
-void Measure(const Touchables& touchables, const Target& target, const ContactState& contact, Meeting& met) noexcept {
-  met.soft = touchables.SoftOf(target.index) != nullptr;
+void Measure(const ContactScene& contact_scene, const Target& target, const ContactState& contact,
+             ContactGeometry& met) noexcept {
+  met.soft = contact_scene.SoftOf(target.index) != nullptr;
   if (met.soft) {
-    const SoftPress press = PressOf(touchables, target, contact);
+    const SoftPress press = PressOf(contact_scene, target, contact);
     met.normal = press.normal;
     met.depth_m = std::max(0.0, press.depth_m);
     return;
@@ -36,52 +37,53 @@ void Measure(const Touchables& touchables, const Target& target, const ContactSt
     met.normal = (1 / met.depth_m) * d;
     return;
   }
-  met.normal = touchables.On(target.index, [&](const auto& view) noexcept {
+  met.normal = contact_scene.On(target.index, [&](const auto& view) noexcept {
     return contact.side * Pseudonormal(view, contact.triangle, Feature::kFace, 0);
   });
 }
 
 // Force shading   (13.5): where a smooth body is touched at one place, its facets are felt as what they stand for.
-void Shade(const Touchables& touchables, const ContactState& contact, Meeting& met) noexcept {
-  met.normal = touchables.On(contact.object, [&](const auto& view) noexcept {
+void Shade(const ContactScene& contact_scene, const ContactState& contact, ContactGeometry& met) noexcept {
+  met.normal = contact_scene.On(contact.object, [&](const auto& view) noexcept {
     const ClosestPoint at = ClosestOnTriangle(view.TriangleCorners(contact.triangle), contact.proxy_m);
     return ShadedDirection(view, contact.triangle, at, met.normal);
   });
 }
 
-Meeting Meet(const Touchables& touchables, const Input& input, const ContactState& contact) noexcept {
-  const Target target = touchables.TargetOf(contact.object);
-  Meeting met;
-  met.frame = touchables.FrameOf(contact.object);
-  const Vec3 relative = input.velocity_base_m_s - touchables.VelocityOf(contact.object, contact.proxy_m);
+ContactGeometry MeasureContact(const ContactScene& contact_scene, const Input& input,
+                               const ContactState& contact) noexcept {
+  const Target target = contact_scene.TargetOf(contact.object);
+  ContactGeometry met;
+  met.frame = contact_scene.FrameOf(contact.object);
+  const Vec3 relative = input.velocity_base_m_s - contact_scene.VelocityOf(contact.object, contact.proxy_m);
   met.velocity_m_s = met.frame.RestDirection(relative);
-  Measure(touchables, target, contact, met);
+  Measure(contact_scene, target, contact, met);
   return met;
 }
 
-std::uint32_t MaterialIndex(const Touchables& touchables, const ContactState& contact) noexcept {
-  return touchables.On(contact.object, [&](const auto& view) noexcept -> std::uint32_t {
+std::uint32_t MaterialIndex(const ContactScene& contact_scene, const ContactState& contact) noexcept {
+  return contact_scene.On(contact.object, [&](const auto& view) noexcept -> std::uint32_t {
     return view.GetTriangle(contact.triangle).material;
   });
 }
 
-const Material& MaterialOf(const Touchables& touchables, const ContactState& contact) noexcept {
-  return touchables.MaterialAt(MaterialIndex(touchables, contact));
+const Material& MaterialOf(const ContactScene& contact_scene, const ContactState& contact) noexcept {
+  return contact_scene.MaterialAt(MaterialIndex(contact_scene, contact));
 }
 
 // What images make of the material's factors at the proxy   (T.1).
-struct Felt {
+struct SurfaceFactors {
   double stiffness = 1, friction = 1, ripple = 1;
 };
 
 // A sculpted surface has no place in an image any more.
-Felt FeltAt(const Touchables& touchables, const Material& m, const ContactState& contact) noexcept {
+SurfaceFactors FactorsAt(const ContactScene& contact_scene, const Material& m, const ContactState& contact) noexcept {
   if (m.stiffness_texture < 0 && m.friction_texture < 0 && m.vibrotactile_texture < 0) return {};
-  if (touchables.TableOf(contact.object) != nullptr) return {};
-  const Surface& surface = touchables.surface();
+  if (contact_scene.TableOf(contact.object) != nullptr) return {};
+  const Surface& surface = contact_scene.surface();
   const auto weights = ClosestOnTriangle(surface.TriangleCorners(contact.triangle), contact.proxy_m).weights;
   const auto sample = [&](std::int32_t texture) noexcept {
-    return static_cast<double>(SampleTexture(touchables.scene(), texture, contact.triangle, weights));
+    return static_cast<double>(SampleTexture(contact_scene.scene(), texture, contact.triangle, weights));
   };
   return {sample(m.stiffness_texture), sample(m.friction_texture), sample(m.vibrotactile_texture)};
 }
@@ -92,19 +94,19 @@ Vec3 SlipAlong(const Vec3& velocity_m_s, const Vec3& normal) noexcept {
 }
 
 // One contact at a time, with what all share.
-struct Law {
-  const Offer& offer;
-  const Touchables& touchables;
+struct ContactModel {
+  const StiffnessBound& bound;
+  const ContactScene& contact_scene;
   const Input& input;
   double dt_s;
 
   // Damping acts on the way in and out, but the sum never pulls   (3.8)
-  double Normal(const Material& m, double elastic_N, const Meeting& met) const noexcept {
-    const double damping_Ns_m = std::clamp(m.damping_Ns_m, 0.0, offer.damping_Ns_m);
+  double Normal(const Material& m, double elastic_N, const ContactGeometry& met) const noexcept {
+    const double damping_Ns_m = std::clamp(m.damping_Ns_m, 0.0, bound.damping_Ns_m);
     return std::max(0.0, elastic_N - damping_Ns_m * Dot(met.velocity_m_s, met.normal));
   }
 
-  double Ripple(const Material& m, const Felt& felt, double stiffness_N_m, double elastic_N, double slid_m,
+  double Ripple(const Material& m, const SurfaceFactors& felt, double stiffness_N_m, double elastic_N, double slid_m,
                 double& phase) const noexcept {
     const TextureEffect texture{felt.ripple * m.texture_amplitude_m, m.texture_wavelength_m, m.texture_gain};
     const VibrationEffect hum{m.vibration_amplitude_N, m.vibration_frequency_Hz};
@@ -113,7 +115,7 @@ struct Law {
 
   Vec3 Drag(const Material& m, const Object& object, const Vec3& velocity_m_s) const noexcept {
     if ((object.flags & kClosed) == 0) return {};
-    const double left_Ns_m = std::max(0.0, offer.damping_Ns_m - m.damping_Ns_m);
+    const double left_Ns_m = std::max(0.0, bound.damping_Ns_m - m.damping_Ns_m);
     return ViscosityEffect{m.viscosity_Ns_m, left_Ns_m}.ForceOn(velocity_m_s);
   }
 
@@ -128,27 +130,27 @@ struct Law {
   }
 
   // `body_N`: what a soft body answers.
-  ContactForce Of(const Meeting& met, const Felt& felt, double stiffness_N_m, double body_N, const Vec3& last_proxy_m,
-                  double& texture_phase, ContactState& contact) const noexcept {
-    const Material& m = MaterialOf(touchables, contact);
+  ContactForce Of(const ContactGeometry& met, const SurfaceFactors& felt, double stiffness_N_m, double body_N,
+                  const Vec3& last_proxy_m, double& texture_phase, ContactState& contact) const noexcept {
+    const Material& m = MaterialOf(contact_scene, contact);
     ContactForce result;
     result.depth_m = met.depth_m;
     result.asked_stiffness_N_m = felt.stiffness * m.stiffness_N_m;
     result.stiffness_cut = result.asked_stiffness_N_m > 0 ? stiffness_N_m / result.asked_stiffness_N_m : 1;
     result.elastic_N = met.soft ? body_N : LayerForce(m.softness, stiffness_N_m, met.depth_m, dt_s, contact);
     const double tangential_N_m = met.depth_m > 1e-9 ? result.elastic_N / met.depth_m : 0;
-    const double rubs_N_m = std::min({tangential_N_m, stiffness_N_m, offer.stiffness_N_m});  // any direction
+    const double rubs_N_m = std::min({tangential_N_m, stiffness_N_m, bound.stiffness_N_m});  // any direction
     const Vec3 friction = Rub(met, felt, m, rubs_N_m, result.elastic_N, contact);
     const double slid_m = contact.sticking ? 0 : Norm(contact.proxy_m - last_proxy_m);
     const double normal_N = Normal(m, result.elastic_N, met);
     const double ripple_N = Ripple(m, felt, stiffness_N_m, result.elastic_N, slid_m, texture_phase);
-    const Object& object = touchables.scene().objects()[contact.object];
+    const Object& object = contact_scene.scene().objects()[contact.object];
     result.force_N = std::max(0.0, normal_N + ripple_N) * met.normal + friction + Drag(m, object, met.velocity_m_s);
     FadeSwap(result, contact);
     result.force_N = met.frame.BaseDirection(result.force_N);
     contact.normal = met.normal;
     result.report = {.object = contact.object,
-                     .material = MaterialIndex(touchables, contact),
+                     .material = MaterialIndex(contact_scene, contact),
                      .triangle = contact.triangle,
                      .point_base_m = {},
                      .normal_base = met.frame.BaseDirection(met.normal),
@@ -160,8 +162,8 @@ struct Law {
     return result;
   }
 
-  Vec3 Rub(const Meeting& met, const Felt& felt, const Material& m, double stiffness_N_m, double elastic_N,
-           ContactState& contact) const noexcept {
+  Vec3 Rub(const ContactGeometry& met, const SurfaceFactors& felt, const Material& m, double stiffness_N_m,
+           double elastic_N, ContactState& contact) const noexcept {
     const FrictionInput rubbed{contact.proxy_m,
                                met.normal,
                                contact.triangle,
@@ -169,7 +171,7 @@ struct Law {
                                stiffness_N_m,
                                felt.friction * m.static_friction,
                                felt.friction * std::min(m.dynamic_friction, m.static_friction)};
-    return touchables.On(contact.object, [&](const auto& view) noexcept {
+    return contact_scene.On(contact.object, [&](const auto& view) noexcept {
       const Vec3 friction = FrictionForce(view, rubbed, contact);
       if (contact.anchor_triangle != kNoIndex) contact.anchor_m = AnchorPosition(view, contact);
       return friction;
@@ -188,36 +190,37 @@ void PopIfTooHard(const Material& m, const Object& object, bool ball, const Cont
 }
 
 // What the contacts have in common, before their forces.
-struct Meetings {
-  std::array<Meeting, kMaxContacts> met;
-  std::array<Felt, kMaxContacts> felt;
+struct ContactGeometries {
+  std::array<ContactGeometry, kMaxContacts> met;
+  std::array<SurfaceFactors, kMaxContacts> felt;
   std::array<double, kMaxContacts> stiffness_N_m{};
   std::array<double, kMaxContacts> load{};  // over what is offered
   std::array<double, kMaxContacts> body_N{};
 };
 
 // What is offered in the contact's direction; as the pen is turned in touch it only falls, for a change is a push.
-double OfferedTo(const Offer& offer, const Vec3& normal_base, ContactState& contact) noexcept {
-  const double now_N_m = StiffnessAlong(offer, normal_base);
-  contact.offered_N_m = contact.offered_N_m > 0 ? std::min(contact.offered_N_m, now_N_m) : now_N_m;
-  return contact.offered_N_m;
+double BoundTo(const StiffnessBound& bound, const Vec3& normal_base, ContactState& contact) noexcept {
+  const double now_N_m = StiffnessAlong(bound, normal_base);
+  contact.bound_N_m = contact.bound_N_m > 0 ? std::min(contact.bound_N_m, now_N_m) : now_N_m;
+  return contact.bound_N_m;
 }
 
-Meetings MeetAll(const Touchables& touchables, const Input& input, const Offer& offer, State& state) noexcept {
-  Meetings all;
+ContactGeometries MeasureContacts(const ContactScene& contact_scene, const Input& input, const StiffnessBound& bound,
+                                  State& state) noexcept {
+  ContactGeometries all;
   std::array<double, kMaxContacts> load{};
   std::array<Vec3, kMaxContacts> normals_base;
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     ContactState& contact = state.contacts[k];
     if (!contact.IsFelt()) continue;
-    all.met[k] = Meet(touchables, input, contact);
-    if (MaterialOf(touchables, contact).smooth && contact.one_place) Shade(touchables, contact, all.met[k]);
+    all.met[k] = MeasureContact(contact_scene, input, contact);
+    if (MaterialOf(contact_scene, contact).smooth && contact.one_place) Shade(contact_scene, contact, all.met[k]);
     normals_base[k] = all.met[k].frame.BaseDirection(all.met[k].normal);
-    const Material& m = MaterialOf(touchables, contact);
-    all.felt[k] = FeltAt(touchables, m, contact);
-    const double offered_N_m = OfferedTo(offer, normals_base[k], contact);
-    all.stiffness_N_m[k] = std::clamp(all.felt[k].stiffness * m.stiffness_N_m, 0.0, offered_N_m);
-    load[k] = offered_N_m > 0 ? all.stiffness_N_m[k] / offered_N_m : 0;
+    const Material& m = MaterialOf(contact_scene, contact);
+    all.felt[k] = FactorsAt(contact_scene, m, contact);
+    const double bound_N_m = BoundTo(bound, normals_base[k], contact);
+    all.stiffness_N_m[k] = std::clamp(all.felt[k].stiffness * m.stiffness_N_m, 0.0, bound_N_m);
+    load[k] = bound_N_m > 0 ? all.stiffness_N_m[k] / bound_N_m : 0;
   }
   const double share = StiffnessShare(normals_base, load);
   for (double& stiffness_N_m : all.stiffness_N_m) stiffness_N_m *= share;
@@ -226,7 +229,7 @@ Meetings MeetAll(const Touchables& touchables, const Input& input, const Offer& 
 }
 
 // One step for every soft body that is touched, with all its contacts.
-void AskBodies(const Touchables& touchables, double dt_s, Meetings& all, State& state) noexcept {
+void QueryBodies(const ContactScene& contact_scene, double dt_s, ContactGeometries& all, State& state) noexcept {
   std::array<bool, kMaxContacts> asked{};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     if (asked[k] || !state.contacts[k].IsFelt() || !all.met[k].soft) continue;
@@ -234,7 +237,7 @@ void AskBodies(const Touchables& touchables, double dt_s, Meetings& all, State& 
     std::array<SoftPress, kMaxContacts> press;
     for (std::size_t i = 0; i < kMaxContacts; ++i)
       press[i] = {all.met[i].normal, all.met[i].depth_m, all.stiffness_N_m[i]};
-    const auto forces = SoftForcesOf(touchables, object, press, dt_s, state);
+    const auto forces = SoftForcesOf(contact_scene, object, press, dt_s, state);
     for (std::size_t i = k; i < kMaxContacts; ++i) {
       if (!state.contacts[i].IsFelt() || state.contacts[i].object != object) continue;
       all.body_N[i] = forces[i].normal_N;
@@ -245,21 +248,21 @@ void AskBodies(const Touchables& touchables, double dt_s, Meetings& all, State& 
 
 }  // namespace
 
-ContactForces ForcesOf(const Offer& offer, const Touchables& touchables, const Input& input,
+ContactForces ForcesOf(const StiffnessBound& bound, const ContactScene& contact_scene, const Input& input,
                        const std::array<Vec3, kMaxContacts>& last_proxy_m, State& state) noexcept {
-  Meetings all = MeetAll(touchables, input, offer, state);
-  AskBodies(touchables, input.dt_s, all, state);
+  ContactGeometries all = MeasureContacts(contact_scene, input, bound, state);
+  QueryBodies(contact_scene, input.dt_s, all, state);
   ContactForces forces;
-  const Law law{offer, touchables, input, input.dt_s};
+  const ContactModel model{bound, contact_scene, input, input.dt_s};
   for (std::size_t k = 0; k < kMaxContacts; ++k) {
     ContactState& contact = state.contacts[k];
     if (!contact.IsFelt()) continue;
-    const Material& m = MaterialOf(touchables, contact);
-    ContactForce force = law.Of(all.met[k], all.felt[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
-                                state.texture_phase, contact);
+    const Material& m = MaterialOf(contact_scene, contact);
+    ContactForce force = model.Of(all.met[k], all.felt[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
+                                  state.texture_phase, contact);
     force.report.load = all.load[k];
-    force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(touchables, contact, state));
-    PopIfTooHard(m, touchables.scene().objects()[contact.object], touchables.tip_radius_m() > 0, force, contact);
+    force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(contact_scene, contact, state));
+    PopIfTooHard(m, contact_scene.scene().objects()[contact.object], contact_scene.tip_radius_m() > 0, force, contact);
     if (contact.IsFelt()) forces.of[k] = force;
   }
   return forces;

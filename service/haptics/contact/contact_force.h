@@ -1,7 +1,7 @@
 // From a contact to a force: stiffness, damping, softness, friction and effects. docs/theory/haptics.md, sections 3-6.
 #pragma once
 
-#include "service/haptics/contact/touchables.h"
+#include "service/haptics/contact/contact_scene.h"
 #include "service/haptics/stability.h"
 
 namespace omni::haptics {
@@ -21,7 +21,7 @@ struct ContactForces {
 
 // Forces of all active contacts. `last_proxy_m[k]`: proxy of slot k one tick ago. Contacts that pop through are marked
 // or dropped.
-ContactForces ForcesOf(const Offer& offer, const Touchables& touchables, const Input& input,
+ContactForces ForcesOf(const StiffnessBound& bound, const ContactScene& contact_scene, const Input& input,
                        const std::array<Vec3, kMaxContacts>& last_proxy_m, State& state) noexcept;
 
 }  // namespace omni::haptics

@@ -128,9 +128,9 @@ void ReleaseFromCrease(const View& view, const Target& target, const Vec3& tip, 
 }
 
 template <TreeView View>
-void Follow(const View& view, const Target& target, const Touchables& touchables, double dt_s, State& state,
+void Follow(const View& view, const Target& target, const ContactScene& contact_scene, double dt_s, State& state,
             ContactState& contact, Left& left) noexcept {
-  Vec3 tip = touchables.TipOver(target, contact);
+  Vec3 tip = contact_scene.TipOver(target, contact);
   ProxyPoint proxy = DescendOn(view, target, contact.triangle, tip);
   if (contact.popped) {
     NearestResult nearest;
@@ -205,13 +205,13 @@ void Sweep(const View& view, const Target& target, const Left& left, State& stat
 }
 
 // A face that moved since the last tick may have swept over the tip: look at the tip's motion in the face's frame.
-void SweepMovedRegions(const Touchables& touchables, State& state) noexcept {
-  const auto regions = touchables.scene().regions();
-  const Surface& surface = touchables.surface();
+void SweepMovedRegions(const ContactScene& contact_scene, State& state) noexcept {
+  const auto regions = contact_scene.scene().regions();
+  const Surface& surface = contact_scene.surface();
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const double moved_m = state.regions[r].offset_m - state.regions[r].last_offset_m;
     if (moved_m == 0) continue;
-    const Target target = touchables.TargetOf(regions[r].object);
+    const Target target = contact_scene.TargetOf(regions[r].object);
     const SkipList skip = InContact(surface, target.index, state, nullptr);
     if ((target.object.flags & kCollidable) == 0) continue;
     if (skip.count >= static_cast<int>(target.object.component_count)) continue;
@@ -224,13 +224,13 @@ void SweepMovedRegions(const Touchables& touchables, State& state) noexcept {
 
 }  // namespace
 
-void StartContacts(const Touchables& touchables, State& state) noexcept {
-  if (touchables.tip_radius_m() > 0) return StartBalls(touchables, state);
-  const auto objects = touchables.scene().objects();
+void StartContacts(const ContactScene& contact_scene, State& state) noexcept {
+  if (contact_scene.tip_radius_m() > 0) return StartBalls(contact_scene, state);
+  const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0 || !HasInside(objects[i])) continue;
-    const Target target = touchables.TargetOf(i);
-    touchables.On(i, [&](const auto& view) noexcept {
+    const Target target = contact_scene.TargetOf(i);
+    contact_scene.On(i, [&](const auto& view) noexcept {
       ContactState contact;
       contact.active = true;
       contact.object = i;
@@ -239,28 +239,29 @@ void StartContacts(const Touchables& touchables, State& state) noexcept {
   }
 }
 
-void UpdateContacts(const Touchables& touchables, double dt_s, State& state) noexcept {
-  if (touchables.tip_radius_m() > 0) return UpdateBalls(touchables, dt_s, state);
+void UpdateContacts(const ContactScene& contact_scene, double dt_s, State& state) noexcept {
+  if (contact_scene.tip_radius_m() > 0) return UpdateBalls(contact_scene, dt_s, state);
   Left left;
   for (ContactState& contact : state.contacts) {
     if (!contact.active) continue;
-    const Target target = touchables.TargetOf(contact.object);
-    touchables.On(contact.object,
-                  [&](const auto& view) noexcept { Follow(view, target, touchables, dt_s, state, contact, left); });
+    const Target target = contact_scene.TargetOf(contact.object);
+    contact_scene.On(contact.object, [&](const auto& view) noexcept {
+      Follow(view, target, contact_scene, dt_s, state, contact, left);
+    });
   }
-  const auto objects = touchables.scene().objects();
+  const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0) continue;
-    const Target target = touchables.TargetOf(i);
-    touchables.On(i, [&](const auto& view) noexcept {
-      if (touchables.ChangedUnderTip(i)) {
+    const Target target = contact_scene.TargetOf(i);
+    contact_scene.On(i, [&](const auto& view) noexcept {
+      if (contact_scene.ChangedUnderTip(i)) {
         TakeOnInside(view, target, state);
       } else {
         Sweep(view, target, left, state);
       }
     });
   }
-  SweepMovedRegions(touchables, state);
+  SweepMovedRegions(contact_scene, state);
 }
 
 }  // namespace omni::haptics

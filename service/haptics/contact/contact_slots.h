@@ -1,7 +1,7 @@
 // What every way of finding contacts shares: their slots, and the questions that decide on them.
 #pragma once
 
-#include "service/haptics/contact/touchables.h"
+#include "service/haptics/contact/contact_scene.h"
 #include "service/haptics/scene.h"
 
 namespace omni::haptics {

@@ -51,9 +51,9 @@ sculpt::SculptTouch TouchOf(const sculpt::SculptTable& table, const ContactState
 }
 
 // What the tool has not taken over of the contact's force.
-double ContactShare(const Touchables& touchables, std::uint32_t object, const State& state) noexcept {
-  const LiveParts* live = touchables.scene().live().get();
-  for (std::uint32_t n = 0; live != nullptr && n < live->workshop_count() && n < kMaxSculpted; ++n) {
+double ContactShare(const ContactScene& contact_scene, std::uint32_t object, const State& state) noexcept {
+  const LiveParts* live = contact_scene.scene().live().get();
+  for (std::uint32_t n = 0; live != nullptr && n < live->sculpt_session_count() && n < kMaxSculpted; ++n) {
     if (live->object_at(n) == object) return 1 - state.sculpted[n].tool.hold;
   }
   return 1;
@@ -61,18 +61,18 @@ double ContactShare(const Touchables& touchables, std::uint32_t object, const St
 
 }  // namespace
 
-Vec3 ForceOnChanged(const Touchables& touchables, const State& state) noexcept {
+Vec3 ForceOnChanged(const ContactScene& contact_scene, const State& state) noexcept {
   Vec3 sum;
   for (const ContactState& contact : state.contacts) {
-    if (!contact.IsFelt() || !touchables.ChangedUnderTip(contact.object)) continue;
-    const double share = ContactShare(touchables, contact.object, state);
-    sum = sum + share * touchables.FrameOf(contact.object).BaseDirection(contact.last_force_N);
+    if (!contact.IsFelt() || !contact_scene.ChangedUnderTip(contact.object)) continue;
+    const double share = ContactShare(contact_scene, contact.object, state);
+    sum = sum + share * contact_scene.FrameOf(contact.object).BaseDirection(contact.last_force_N);
   }
   return sum;
 }
 
-void StartLeaving(const Touchables& touchables, const Vec3& before_N, State& state) noexcept {
-  const Vec3 gone_N = before_N - ForceOnChanged(touchables, state);
+void StartLeaving(const ContactScene& contact_scene, const Vec3& before_N, State& state) noexcept {
+  const Vec3 gone_N = before_N - ForceOnChanged(contact_scene, state);
   if (!(SquaredNorm(gone_N) > 1e-12)) return;
   state.left_N = gone_N + (state.left_fade_s / kSwapFade_s) * state.left_N;
   state.left_fade_s = kSwapFade_s;
@@ -83,10 +83,10 @@ Vec3 FadeLeaving(double dt_s, State& state) noexcept {
   return state.left_fade_s > 0 ? (state.left_fade_s / kSwapFade_s) * state.left_N : Vec3{};
 }
 
-void RebindContacts(const Touchables& touchables, State& state) noexcept {
+void RebindContacts(const ContactScene& contact_scene, State& state) noexcept {
   for (ContactState& contact : state.contacts) {
-    if (!contact.active || !touchables.ChangedUnderTip(contact.object)) continue;
-    const sculpt::SculptTable* table = touchables.TableOf(contact.object);
+    if (!contact.active || !contact_scene.ChangedUnderTip(contact.object)) continue;
+    const sculpt::SculptTable* table = contact_scene.TableOf(contact.object);
     if (table != nullptr) {
       PutContact(sculpt::SculptSurface(*table), contact);
     } else {
@@ -95,28 +95,29 @@ void RebindContacts(const Touchables& touchables, State& state) noexcept {
   }
 }
 
-Vec3 StepSculptTools(const Offer& offer, const Touchables& touchables, const Input& input, ContactForces& forces,
-                     State& state) noexcept {
+Vec3 StepSculptTools(const StiffnessBound& bound, const ContactScene& contact_scene, const Input& input,
+                     ContactForces& forces, State& state) noexcept {
   Vec3 sum;
-  const LiveParts* live = touchables.scene().live().get();
-  for (std::uint32_t n = 0; live != nullptr && n < live->workshop_count() && n < kMaxSculpted; ++n) {
+  const LiveParts* live = contact_scene.scene().live().get();
+  for (std::uint32_t n = 0; live != nullptr && n < live->sculpt_session_count() && n < kMaxSculpted; ++n) {
     const std::uint32_t object = live->object_at(n);
-    const sculpt::SculptTable* table = touchables.TableOf(object);
+    const sculpt::SculptTable* table = contact_scene.TableOf(object);
     if (table == nullptr) continue;
-    sculpt::Workshop& workshop = live->workshop_at(n);
-    const Frame frame = touchables.FrameOf(object);
-    const Target target = touchables.TargetOf(object);
+    sculpt::SculptSession& sculpt_session = live->sculpt_session_at(n);
+    const Frame frame = contact_scene.FrameOf(object);
+    const Target target = contact_scene.TargetOf(object);
     sculpt::SculptInput tool;
     tool.tracked = input.tracked;
     tool.tip_base_m = target.tip;  // the tool lives where the mesh rests
     tool.dt_s = input.dt_s;
-    tool.stiffness_limit_N_m = offer.stiffness_N_m;
-    tool.normal_stiffness_limit_N_m = StiffnessAlong(offer, frame.BaseDirection(state.sculpted[n].tool.normal));
+    tool.stiffness_limit_N_m = bound.stiffness_N_m;
+    tool.normal_stiffness_limit_N_m = StiffnessAlong(bound, frame.BaseDirection(state.sculpted[n].tool.normal));
     tool.generation = table->generation;
-    tool.brush = workshop.brush();
+    tool.brush = sculpt_session.brush();
     const std::size_t touched = DeepestOn(object, state);
     if (touched < kMaxContacts) tool.touch = TouchOf(*table, state.contacts[touched], forces.of[touched]);
-    const auto out = sculpt::StepSculptTool(workshop.feel(), tool, state.sculpted[n].tool, workshop.ring());
+    const auto out =
+        sculpt::StepSculptTool(sculpt_session.parameters(), tool, state.sculpted[n].tool, sculpt_session.ring());
     for (std::size_t k = 0; k < kMaxContacts; ++k) {
       if (state.contacts[k].active && state.contacts[k].object == object) {
         forces.of[k].force_N = out.contact_share * forces.of[k].force_N;
@@ -129,7 +130,7 @@ Vec3 StepSculptTools(const Offer& offer, const Touchables& touchables, const Inp
 
 bool ToolsRest(const Scene& scene, const State& state) noexcept {
   if (scene.live() == nullptr) return true;
-  for (std::uint32_t n = 0; n < scene.live()->workshop_count() && n < kMaxSculpted; ++n) {
+  for (std::uint32_t n = 0; n < scene.live()->sculpt_session_count() && n < kMaxSculpted; ++n) {
     const sculpt::SculptToolState& tool = state.sculpted[n].tool;
     const bool free = tool.phase == sculpt::SculptPhase::kFree;
     if (!free || tool.begin_waits || tool.end_waits || tool.hold > 0) return false;
@@ -138,8 +139,8 @@ bool ToolsRest(const Scene& scene, const State& state) noexcept {
 }
 
 bool SurfacesRest(const Scene& scene, const State& state) noexcept {
-  for (std::uint32_t n = 0; n < scene.live()->workshop_count() && n < kMaxSculpted; ++n) {
-    const sculpt::SculptTable* table = scene.live()->workshop_at(n).Acquire();
+  for (std::uint32_t n = 0; n < scene.live()->sculpt_session_count() && n < kMaxSculpted; ++n) {
+    const sculpt::SculptTable* table = scene.live()->sculpt_session_at(n).Acquire();
     if (table != nullptr && table->generation != state.sculpted[n].generation) return false;
   }
   return ToolsRest(scene, state);

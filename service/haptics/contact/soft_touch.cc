@@ -20,20 +20,20 @@ SoftTouch* SlotOf(std::uint32_t object, State& state) noexcept {
 }  // namespace
 
 // The direction to the proxy is that of a small difference where the dent is small; the face's normal steadies it.
-SoftPress PressOf(const Touchables& touchables, const Target& target, const ContactState& contact) noexcept {
+SoftPress PressOf(const ContactScene& contact_scene, const Target& target, const ContactState& contact) noexcept {
   constexpr double kSteady_m = 2e-5;
-  const Vec3 face = touchables.On(
+  const Vec3 face = contact_scene.On(
       target.index, [&](const auto& view) noexcept { return contact.side * FaceNormal(view, contact.triangle); });
-  const Vec3 towards = contact.held_m - touchables.TipOver(target, contact);
+  const Vec3 towards = contact.held_m - contact_scene.TipOver(target, contact);
   const Vec3 normal = Normalized(towards + kSteady_m * face);
   return {normal, Dot(contact.held_m - target.tip, normal), 0};
 }
 
-std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, std::uint32_t object,
+std::array<SoftForce, kMaxContacts> SoftForcesOf(const ContactScene& contact_scene, std::uint32_t object,
                                                  const std::array<SoftPress, kMaxContacts>& press, double dt_s,
                                                  State& state) noexcept {
   std::array<SoftForce, kMaxContacts> forces{};
-  const SoftBody* body = touchables.SoftOf(object);
+  const SoftBody* body = contact_scene.SoftOf(object);
   SoftTouch* soft = SlotOf(object, state);
   if (body == nullptr || soft == nullptr) return forces;
   std::array<SoftContact, kMaxContacts> contacts{};
@@ -42,13 +42,13 @@ std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, s
     if (!contact.IsFelt() || contact.object != object || !(press[k].stiffness_N_m > 0)) continue;
     contacts[k] = {true, contact.proxy_m, press[k].normal, press[k].depth_m, 1 / press[k].stiffness_N_m};
   }
-  const double ball_m = touchables.tip_radius_m();
+  const double ball_m = contact_scene.tip_radius_m();
   StepSoftContacts(body->view(), contacts, ball_m > 0 ? ball_m : kIndenterRadius_m, dt_s, soft->body, forces);
   return forces;
 }
 
-Vec3 DeformedProxy(const Touchables& touchables, const ContactState& contact, const State& state) noexcept {
-  const SoftBody* body = touchables.SoftOf(contact.object);
+Vec3 DeformedProxy(const ContactScene& contact_scene, const ContactState& contact, const State& state) noexcept {
+  const SoftBody* body = contact_scene.SoftOf(contact.object);
   if (body == nullptr) return contact.proxy_m;
   for (const SoftTouch& soft : state.soft) {
     if (soft.object == contact.object)

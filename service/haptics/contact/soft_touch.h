@@ -1,7 +1,7 @@
 // Contacts on soft bodies: what the body answers to the depths of all contacts on it. docs/theory/deformable.md.
 #pragma once
 
-#include "service/haptics/contact/touchables.h"
+#include "service/haptics/contact/contact_scene.h"
 #include "service/haptics/deformable/soft_contact.h"
 
 namespace omni::haptics {
@@ -14,14 +14,14 @@ struct SoftPress {
 };
 
 // Where the body answers: out of the surface, and how deep the real tip is   (deformable.md 8.1).
-SoftPress PressOf(const Touchables& touchables, const Target& target, const ContactState& contact) noexcept;
+SoftPress PressOf(const ContactScene& contact_scene, const Target& target, const ContactState& contact) noexcept;
 
 // Normal forces of the contacts of `object`, by slot; `press[k]` counts for active contacts of the object.
-std::array<SoftForce, kMaxContacts> SoftForcesOf(const Touchables& touchables, std::uint32_t object,
+std::array<SoftForce, kMaxContacts> SoftForcesOf(const ContactScene& contact_scene, std::uint32_t object,
                                                  const std::array<SoftPress, kMaxContacts>& press, double dt_s,
                                                  State& state) noexcept;
 
 // Where the proxy is on the deformed surface, in the frame of the rest.
-Vec3 DeformedProxy(const Touchables& touchables, const ContactState& contact, const State& state) noexcept;
+Vec3 DeformedProxy(const ContactScene& contact_scene, const ContactState& contact, const State& state) noexcept;
 
 }  // namespace omni::haptics

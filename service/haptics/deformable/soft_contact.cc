@@ -17,7 +17,7 @@ std::size_t Z(int i) { return static_cast<std::size_t>(i); }
 
 // All that is known of a contact before its force.
 struct Touch {
-  BallGive give;
+  BallCompliance give;
   double depth_m = 0;
   double relaxing_gain = 0;  // share of a new elastic force that is felt on top of it
   double least_m_N = 0;      // give of the patch that the columns stand for
@@ -67,12 +67,13 @@ double ComplianceAt(const SoftBodyView& body, const SoftPlace& place, double mod
   return 1 / stiffness - flat;
 }
 
-BallGive GiveOf(const SoftBodyView& body, const SoftPlace& place, double ball_radius_m, double series_m_N) noexcept {
+BallCompliance GiveOf(const SoftBodyView& body, const SoftPlace& place, double ball_radius_m,
+                      double series_m_N) noexcept {
   const SoftHeader& h = body.header();
-  const LocalLaw law{std::max(Blend(body, place, &SoftNode::modulus_Pa), 1.0),
-                     ContactRadius(ball_radius_m, Blend(body, place, &SoftNode::curvature_1_m)),
-                     GainOf(h.poisson_ratio, h.hardening)};
-  return MakeBallGive(law, ComplianceAt(body, place, law.modulus_Pa), series_m_N);
+  const LocalModel model{std::max(Blend(body, place, &SoftNode::modulus_Pa), 1.0),
+                         ContactRadius(ball_radius_m, Blend(body, place, &SoftNode::curvature_1_m)),
+                         GainOf(h.poisson_ratio, h.hardening)};
+  return MakeBallCompliance(model, ComplianceAt(body, place, model.modulus_Pa), series_m_N);
 }
 
 class SoftSystem {
@@ -95,7 +96,7 @@ class SoftSystem {
     if (moved_[Z(k)]) slot.place = place;
     slot.point_base_m = contact.point_base_m;
     slot.normal = contact.normal;
-    slot.law = touch.give.law;
+    slot.model = touch.give.model;
     slot.active = true;
     in_[Z(count_++)] = k;
   }

@@ -1,5 +1,5 @@
 // Touching a soft body, once a millisecond: up to 16 balls, their forces and how stiff they are at this instant. Each
-// ball feels its own dent (local_law.h) in series with the give of the whole body (columns of the block), and the
+// ball feels its own dent (local_model.h) in series with the give of the whole body (columns of the block), and the
 // others through the body. Cost does not depend on the number of tetrahedra. docs/theory/deformable.md, sections 6
 // to 8.
 //
@@ -10,7 +10,7 @@
 
 #include <span>
 
-#include "service/haptics/deformable/ball_give.h"
+#include "service/haptics/deformable/ball_compliance.h"
 #include "service/haptics/deformable/soft_body.h"
 #include "service/haptics/deformable/soft_contact_state.h"
 #include "service/haptics/deformable/soft_locate.h"

@@ -6,7 +6,7 @@
 
 #include "service/base/vec.h"
 #include "service/haptics/deformable/build/capacitance.h"
-#include "service/haptics/deformable/build/local_law.h"
+#include "service/haptics/deformable/build/local_model.h"
 #include "service/haptics/deformable/soft_place.h"
 
 namespace omni::haptics {
@@ -20,7 +20,7 @@ struct SoftSlot {
   double dent_m = 0;
   double carried_m = 0;  // how far the body gives way under this ball, without the dent
   base::Vec3 point_base_m, normal;
-  LocalLaw law;
+  LocalModel model;
 };
 
 // All that changes. Zero-initialised: nothing touched.

@@ -51,7 +51,7 @@ Vec3 Dents(const SoftBodyView& body, const SoftContactState& state, const Vec3& 
     const double r = Norm(away);
     const double share = r / (kDentReach_patches * rho);
     if (!(share < 1) || Dot(away, slot.normal) < -rho) continue;  // far, or the other side of a thin part
-    const double a = std::max(ContactPatchRadius(slot.law, slot.dent_m), 1e-9);
+    const double a = std::max(ContactPatchRadius(slot.model, slot.dent_m), 1e-9);
     const double depth = dent_share * slot.dent_m * DentProfile(r / a) - PatchDepth(body, slot) * DentProfile(r / rho);
     sum = sum - ((1 - share * share) * depth) * slot.normal;
   }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "service/haptics/deformable/soft_body.h"
-#include "service/haptics/live/workshop.h"
+#include "service/haptics/live/sculpt_session.h"
 #include "service/haptics/scene.h"
 
 namespace omni::haptics {
@@ -20,9 +20,9 @@ class LiveParts {
   LiveParts& operator=(const LiveParts&) = delete;
 
   // Before the scene is handed to the tick. Precondition: fewer than kMaxSculpted so far, none for this object.
-  void AddWorkshop(std::uint32_t object, std::unique_ptr<sculpt::Workshop> workshop) {
-    workshop_of_[object] = workshop.get();
-    workshops_.push_back(std::move(workshop));
+  void AddSculptSession(std::uint32_t object, std::unique_ptr<sculpt::SculptSession> sculpt_session) {
+    workshop_of_[object] = sculpt_session.get();
+    sculpt_sessions_.push_back(std::move(sculpt_session));
     objects_.push_back(object);
   }
   // One thread besides the tick, at any time, once an object: the tick takes it up as soon as nothing touches the
@@ -36,18 +36,18 @@ class LiveParts {
   const SoftBody* soft_body(std::uint32_t object) const noexcept {
     return soft_of_[object].load(std::memory_order_acquire);
   }
-  sculpt::Workshop* workshop(std::uint32_t object) const noexcept { return workshop_of_[object]; }
+  sculpt::SculptSession* sculpt_session(std::uint32_t object) const noexcept { return workshop_of_[object]; }
 
-  // The n-th workshop and its object, n < workshop_count() <= kMaxSculpted.
-  std::uint32_t workshop_count() const noexcept { return static_cast<std::uint32_t>(workshops_.size()); }
-  sculpt::Workshop& workshop_at(std::uint32_t n) const noexcept { return *workshops_[n]; }
+  // The n-th workshop and its object, n < sculpt_session_count() <= kMaxSculpted.
+  std::uint32_t sculpt_session_count() const noexcept { return static_cast<std::uint32_t>(sculpt_sessions_.size()); }
+  sculpt::SculptSession& sculpt_session_at(std::uint32_t n) const noexcept { return *sculpt_sessions_[n]; }
   std::uint32_t object_at(std::uint32_t n) const noexcept { return objects_[n]; }
 
  private:
   std::array<std::atomic<const SoftBody*>, kMaxObjects> soft_of_{};
   std::array<std::unique_ptr<const SoftBody>, kMaxObjects> bodies_;
-  std::array<sculpt::Workshop*, kMaxObjects> workshop_of_{};
-  std::vector<std::unique_ptr<sculpt::Workshop>> workshops_;
+  std::array<sculpt::SculptSession*, kMaxObjects> workshop_of_{};
+  std::vector<std::unique_ptr<sculpt::SculptSession>> sculpt_sessions_;
   std::vector<std::uint32_t> objects_;
 };
 

@@ -121,18 +121,18 @@ SoftBodyOptions SoftOptionsOf(const Material& material) {
   return options;
 }
 
-sculpt::SculptFeel FeelOf(const Material& material) {
+sculpt::SculptParameters SculptParametersOf(const Material& material) {
   const Sculpt& from = material.sculpt;
-  sculpt::SculptFeel feel;
-  feel.grab_force_N = from.grab_force_N;
-  feel.dwell_s = from.dwell_s;
-  feel.hardening_N_m = from.resistance_N_m;
-  feel.yield_N = std::clamp(from.resistance_N_m * kYieldDepth_m, kLeastYield_N, kMostYield_N);
-  feel.viscosity_Ns_m = std::max(from.resistance_N_m * kFollow_s, kLeastViscosity_Ns_m);
-  feel.stiffness_N_m = material.stiffness_N_m;
-  feel.tear_m = kTear_m;
-  feel.grid_step_m = from.snap_m;
-  return feel;
+  sculpt::SculptParameters parameters;
+  parameters.grab_force_N = from.grab_force_N;
+  parameters.dwell_s = from.dwell_s;
+  parameters.hardening_N_m = from.resistance_N_m;
+  parameters.yield_N = std::clamp(from.resistance_N_m * kYieldDepth_m, kLeastYield_N, kMostYield_N);
+  parameters.viscosity_Ns_m = std::max(from.resistance_N_m * kFollow_s, kLeastViscosity_Ns_m);
+  parameters.stiffness_N_m = material.stiffness_N_m;
+  parameters.tear_m = kTear_m;
+  parameters.grid_step_m = from.snap_m;
+  return parameters;
 }
 
 sculpt::Brush BrushOf(const Sculpt& from, const Mesh& mesh) {
@@ -152,7 +152,7 @@ sculpt::Brush BrushOf(const Sculpt& from, const Mesh& mesh) {
   return brush;
 }
 
-void AddWorkshops(const Scene& scene, const LivePlan& plan, LiveParts& live, std::vector<std::string>& lines) {
+void AddSculptSessions(const Scene& scene, const LivePlan& plan, LiveParts& live, std::vector<std::string>& lines) {
   for (const std::uint32_t index : plan.sculpted) {
     const Object& object = scene.objects()[index];
     const Material& material = scene.materials()[MainMaterial(scene, object)];
@@ -162,8 +162,8 @@ void AddWorkshops(const Scene& scene, const LivePlan& plan, LiveParts& live, std
       lines.push_back(std::string(object.name) + ": " + editor.error() + ": it stays rigid");
       continue;
     }
-    live.AddWorkshop(index, std::make_unique<sculpt::Workshop>(std::move(*editor), FeelOf(material),
-                                                               BrushOf(material.sculpt, mesh)));
+    live.AddSculptSession(index, std::make_unique<sculpt::SculptSession>(
+                                     std::move(*editor), SculptParametersOf(material), BrushOf(material.sculpt, mesh)));
   }
 }
 
@@ -171,14 +171,14 @@ LivePlan MakeLive(Scene& scene) {
   LivePlan plan = PlanLive(scene);
   if (plan.empty()) return plan;
   auto live = std::make_shared<LiveParts>();
-  AddWorkshops(scene, plan, *live, plan.lines);
-  if (!plan.soft.empty() || live->workshop_count() > 0) scene.SetLive(std::move(live));
+  AddSculptSessions(scene, plan, *live, plan.lines);
+  if (!plan.soft.empty() || live->sculpt_session_count() > 0) scene.SetLive(std::move(live));
   return plan;
 }
 
 Scene FreshCopy(const Scene& scene) {
   Scene fresh = scene;
-  if (scene.live() == nullptr || scene.live()->workshop_count() == 0) return fresh;
+  if (scene.live() == nullptr || scene.live()->sculpt_session_count() == 0) return fresh;
   fresh.SetLive(nullptr);
   for (const std::uint32_t object : MakeLive(fresh).soft) {
     if (const SoftBody* body = scene.live()->soft_body(object)) {
@@ -193,7 +193,7 @@ std::uint64_t MostSoftBytes(const SoftBodyOptions& options) {
   return n * n * sizeof(Float3) + n * (n + 1) / 2 * sizeof(float);
 }
 
-std::uint64_t WorkshopBytes(const Scene& scene, const LivePlan& plan) {
+std::uint64_t SculptSessionBytes(const Scene& scene, const LivePlan& plan) {
   std::uint64_t pages = 0;
   for (const std::uint32_t object : plan.sculpted) {
     pages += (scene.objects()[object].triangle_count + sculpt::kPageFill - 1) / sculpt::kPageFill;

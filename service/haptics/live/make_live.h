@@ -41,13 +41,13 @@ SoftBodyOptions SoftOptionsOf(const Material& material);
 // How a material feels while it is formed. The resistance H (N/m) is what a hand meets: each millimetre costs H more.
 // With it grow the force below which nothing gives way (that of one millimetre) and the viscosity, so that the surface
 // follows within 20 ms whatever H is.
-sculpt::SculptFeel FeelOf(const Material& material);
+sculpt::SculptParameters SculptParametersOf(const Material& material);
 
 // The brush of an object; its symmetry plane goes through the middle of the box around `mesh`.
 sculpt::Brush BrushOf(const Sculpt& sculpt, const Mesh& mesh);
 
 // A workshop for each of plan.sculpted. One that cannot be made stays out, with a line that says why.
-void AddWorkshops(const Scene& scene, const LivePlan& plan, LiveParts& live, std::vector<std::string>& lines);
+void AddSculptSessions(const Scene& scene, const LivePlan& plan, LiveParts& live, std::vector<std::string>& lines);
 
 // Plans, makes the workshops and gives the scene its LiveParts if anything is to change in it; soft bodies are left to
 // the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet.
@@ -60,6 +60,6 @@ Scene FreshCopy(const Scene& scene);
 // What the tables between a soft body's nodes take at most, bytes; its skin adds 16 a vertex.
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options);
 // What the freshly made workshops of plan.sculpted take, bytes, about.
-std::uint64_t WorkshopBytes(const Scene& scene, const LivePlan& plan);
+std::uint64_t SculptSessionBytes(const Scene& scene, const LivePlan& plan);
 
 }  // namespace omni::haptics

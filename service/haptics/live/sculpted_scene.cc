@@ -7,8 +7,8 @@ SceneInput SculptedScene(const Scene& scene, const LiveParts& live) {
   SceneInput saved;
   saved.name = scene.header().name;
   std::vector<std::uint32_t> renamed(scene.materials().size(), kNoIndex);
-  for (std::uint32_t n = 0; n < live.workshop_count(); ++n) {
-    Mesh mesh = live.workshop_at(n).editor().Snapshot();
+  for (std::uint32_t n = 0; n < live.sculpt_session_count(); ++n) {
+    Mesh mesh = live.sculpt_session_at(n).editor().Snapshot();
     for (std::uint16_t& m : mesh.material) {
       if (renamed[m] == kNoIndex) {
         renamed[m] = static_cast<std::uint32_t>(saved.materials.size());

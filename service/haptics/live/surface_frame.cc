@@ -47,7 +47,7 @@ std::vector<ChangingObject> ChangingObjects(const Scene& scene) {
     const auto in_object = [o](const Region& region) { return region.object == o; };
     ChangingObject found{.object = o};
     found.soft = live != nullptr && live->soft_body(o) != nullptr;
-    found.sculpted = live != nullptr && live->workshop(o) != nullptr;
+    found.sculpted = live != nullptr && live->sculpt_session(o) != nullptr;
     found.extruded = std::any_of(scene.regions().begin(), scene.regions().end(), in_object);
     found.moved = (scene.objects()[o].flags & kKinematic) != 0;
     if (found.HasVertices() || found.moved) changing.push_back(found);

@@ -21,13 +21,13 @@ class VirtualEditor {
   // After each tick, on its thread. May allocate, and take some milliseconds.
   void AfterTick() {
     if (live_ == nullptr || ++ticks_ % kPeriod_ticks != 0) return;
-    for (std::uint32_t n = 0; n < live_->workshop_count(); ++n) live_->workshop_at(n).Poll();
+    for (std::uint32_t n = 0; n < live_->sculpt_session_count(); ++n) live_->sculpt_session_at(n).Poll();
   }
 
  private:
   void SetReader(bool present) {
-    for (std::uint32_t n = 0; live_ != nullptr && n < live_->workshop_count(); ++n) {
-      live_->workshop_at(n).SetReader(present);
+    for (std::uint32_t n = 0; live_ != nullptr && n < live_->sculpt_session_count(); ++n) {
+      live_->sculpt_session_at(n).SetReader(present);
     }
   }
 

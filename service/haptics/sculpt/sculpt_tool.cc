@@ -26,73 +26,75 @@ void Take(const SculptInput& input, SculptToolState& state) noexcept {
   state.begin_waits = true;
 }
 
-void StepFree(const SculptFeel& feel, const SculptInput& input, SculptToolState& state) noexcept {
+void StepFree(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state) noexcept {
   const double press_N = input.touch.touching ? input.touch.normal_force_N : 0;
-  if (press_N < kRearmShare * feel.grab_force_N) state.armed = true;
-  if (!state.armed || state.end_waits || !(press_N >= feel.grab_force_N)) return;
+  if (press_N < kRearmShare * parameters.grab_force_N) state.armed = true;
+  if (!state.armed || state.end_waits || !(press_N >= parameters.grab_force_N)) return;
   state.phase = SculptPhase::kPressed;
   state.timer_s = 0;
 }
 
-void StepPressed(const SculptFeel& feel, const SculptInput& input, SculptToolState& state) noexcept {
-  if (!(input.touch.touching && input.touch.normal_force_N >= kLetGoShare * feel.grab_force_N)) {
+void StepPressed(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state) noexcept {
+  if (!(input.touch.touching && input.touch.normal_force_N >= kLetGoShare * parameters.grab_force_N)) {
     state.phase = SculptPhase::kFree;
     return;
   }
   state.timer_s += input.dt_s;
-  if (state.timer_s >= feel.dwell_s) Take(input, state);
+  if (state.timer_s >= parameters.dwell_s) Take(input, state);
 }
 
 // R = Y + H |o|
-double Bears_N(const SculptFeel& feel, const SculptToolState& state) noexcept {
-  return feel.yield_N + feel.hardening_N_m * std::abs(state.offset_m);
+double Bears_N(const SculptParameters& parameters, const SculptToolState& state) noexcept {
+  return parameters.yield_N + parameters.hardening_N_m * std::abs(state.offset_m);
 }
 
 // F = F_0 - k (x - o), x = height of the tip over the grip. Wax: while the force exceeds what it bears, F_0 + Y + H |o|
 // inwards and Y + H |o| outwards, the offset o follows at (excess) / c; backward Euler in o.   (5.1)-(5.3)
-double GiveWay(const SculptFeel& feel, double height_m, double stiffness_N_m, double dt_s,
+double GiveWay(const SculptParameters& parameters, double height_m, double stiffness_N_m, double dt_s,
                SculptToolState& state) noexcept {
   const double trial_N = state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
-  const double bears_N = Bears_N(feel, state);
+  const double bears_N = Bears_N(parameters, state);
   const double in_N = trial_N - state.start_force_N - bears_N, out_N = -trial_N - bears_N;
   const double excess_N = in_N > 0 ? -in_N : std::max(0.0, out_N);
-  const double lag = feel.viscosity_Ns_m + (stiffness_N_m + feel.hardening_N_m) * dt_s;
+  const double lag = parameters.viscosity_Ns_m + (stiffness_N_m + parameters.hardening_N_m) * dt_s;
   const double most_m = kFastest_m_s * dt_s;
   const double move_m = lag > 0 ? std::clamp(excess_N * dt_s / lag, -most_m, most_m) : 0;
-  state.offset_m = std::clamp(state.offset_m + move_m, -feel.offset_max_m, feel.offset_max_m);
+  state.offset_m = std::clamp(state.offset_m + move_m, -parameters.offset_max_m, parameters.offset_max_m);
   return state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
 }
 
 // Stretched or pressed farther than to where the surface gives way, however soft the spring.   (5.4)
-bool IsTorn(const SculptFeel& feel, double height_m, double stiffness_N_m, const SculptToolState& state) noexcept {
+bool IsTorn(const SculptParameters& parameters, double height_m, double stiffness_N_m,
+            const SculptToolState& state) noexcept {
   if (!(stiffness_N_m > 0)) return true;
-  const double in_m = Bears_N(feel, state) / stiffness_N_m, out_m = state.start_force_N / stiffness_N_m + in_m;
+  const double in_m = Bears_N(parameters, state) / stiffness_N_m, out_m = state.start_force_N / stiffness_N_m + in_m;
   const double stretch_m = height_m - state.offset_m;
-  return !(stretch_m <= feel.tear_m + std::min(out_m, feel.offset_max_m) &&
-           stretch_m >= -feel.tear_m - std::min(in_m, feel.offset_max_m));
+  return !(stretch_m <= parameters.tear_m + std::min(out_m, parameters.offset_max_m) &&
+           stretch_m >= -parameters.tear_m - std::min(in_m, parameters.offset_max_m));
 }
 
-void StepHeld(const SculptFeel& feel, const SculptInput& input, SculptToolState& state) noexcept {
+void StepHeld(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state) noexcept {
   const Vec3 from_grip = input.tip_base_m - state.grip_base_m;
   const double height_m = Dot(from_grip, state.normal);
   const Vec3 sideways = from_grip - height_m * state.normal;
-  const double k = std::min(feel.stiffness_N_m, std::max(0.0, input.normal_stiffness_limit_N_m));
-  const double side_k = std::min(feel.stiffness_N_m, std::max(0.0, input.stiffness_limit_N_m));
-  const double normal_N = GiveWay(feel, height_m, k, input.dt_s, state);
+  const double k = std::min(parameters.stiffness_N_m, std::max(0.0, input.normal_stiffness_limit_N_m));
+  const double side_k = std::min(parameters.stiffness_N_m, std::max(0.0, input.stiffness_limit_N_m));
+  const double normal_N = GiveWay(parameters, height_m, k, input.dt_s, state);
   const double side_m = Norm(sideways);
-  const double side_N = std::min(side_k * side_m, feel.side_force_max_N);
-  state.held_force_N = std::clamp(normal_N, -feel.hold_force_max_N, feel.hold_force_max_N) * state.normal -
+  const double side_N = std::min(side_k * side_m, parameters.side_force_max_N);
+  state.held_force_N = std::clamp(normal_N, -parameters.hold_force_max_N, parameters.hold_force_max_N) * state.normal -
                        side_N * Normalized(sideways);
   const bool rests = std::abs(height_m - state.rest_height_m) < kRest_m && std::abs(state.offset_m) > kMoved_m;
   state.rested_s = rests ? state.rested_s + input.dt_s : 0;
   if (!rests) state.rest_height_m = height_m;
-  const bool torn = IsTorn(feel, height_m, k, state) || !(side_m <= input.brush.radius_m + feel.tear_m);
-  if (torn || state.rested_s >= feel.rest_s) state.phase = SculptPhase::kSettling;
+  const bool torn = IsTorn(parameters, height_m, k, state) || !(side_m <= input.brush.radius_m + parameters.tear_m);
+  if (torn || state.rested_s >= parameters.rest_s) state.phase = SculptPhase::kSettling;
 }
 
-void StepSettling(const SculptFeel& feel, double dt_s, SculptToolState& state) noexcept {
-  const double wanted_m =
-      feel.grid_step_m > 0 ? feel.grid_step_m * std::round(state.offset_m / feel.grid_step_m) : state.offset_m;
+void StepSettling(const SculptParameters& parameters, double dt_s, SculptToolState& state) noexcept {
+  const double wanted_m = parameters.grid_step_m > 0
+                              ? parameters.grid_step_m * std::round(state.offset_m / parameters.grid_step_m)
+                              : state.offset_m;
   const double most_m = kSettleSpeed_m_s * dt_s;
   state.offset_m += std::clamp(wanted_m - state.offset_m, -most_m, most_m);
   if (!(std::abs(wanted_m - state.offset_m) <= 1e-9)) return;
@@ -124,7 +126,7 @@ void Send(SculptToolState& state, StrokeRing& ring) noexcept {
 
 }  // namespace
 
-SculptToolOutput StepSculptTool(const SculptFeel& feel, const SculptInput& input, SculptToolState& state,
+SculptToolOutput StepSculptTool(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state,
                                 StrokeRing& ring) noexcept {
   const bool tracked = input.tracked && Within(input.tip_base_m, kFarthestTip_m);
   const double dt_s = input.dt_s >= 0 && input.dt_s <= 5e-3 ? input.dt_s : 0;
@@ -133,13 +135,13 @@ SculptToolOutput StepSculptTool(const SculptFeel& feel, const SculptInput& input
   if (!tracked && state.phase == SculptPhase::kPressed) state.phase = SculptPhase::kFree;
   if (!tracked && state.phase == SculptPhase::kHeld) state.phase = SculptPhase::kSettling;
   if (tracked && state.phase == SculptPhase::kFree) {
-    StepFree(feel, clean, state);
+    StepFree(parameters, clean, state);
   } else if (tracked && state.phase == SculptPhase::kPressed) {
-    StepPressed(feel, clean, state);
+    StepPressed(parameters, clean, state);
   } else if (state.phase == SculptPhase::kHeld) {
-    StepHeld(feel, clean, state);
+    StepHeld(parameters, clean, state);
   } else if (state.phase == SculptPhase::kSettling) {
-    StepSettling(feel, dt_s, state);
+    StepSettling(parameters, dt_s, state);
   }
   Send(state, ring);
   const double most = dt_s / kHandOver_s;

@@ -9,7 +9,7 @@
 namespace omni::haptics::sculpt {
 
 // How a material feels under the tool. SI.
-struct SculptFeel {
+struct SculptParameters {
   double grab_force_N = 0.5;      // (0, 2]: press at least this ...
   double dwell_s = 0.2;           // ... for this long to take hold
   double yield_N = 0.2;           // [0, 2]: below, it does not give way
@@ -55,7 +55,7 @@ inline constexpr double kLeastMove_m = 2e-5;  // smaller moves wait until they a
 inline constexpr double kSettleSpeed_m_s = 0.05;
 
 // One tick. Sends at most one message into `ring`; while that is full, messages wait.
-SculptToolOutput StepSculptTool(const SculptFeel& feel, const SculptInput& input, SculptToolState& state,
+SculptToolOutput StepSculptTool(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state,
                                 StrokeRing& ring) noexcept;
 
 }  // namespace omni::haptics::sculpt

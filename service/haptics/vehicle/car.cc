@@ -5,7 +5,7 @@
 #include "service/haptics/vehicle/car_dynamics.h"
 #include "service/haptics/vehicle/hit_pulse.h"
 #include "service/haptics/vehicle/lap_timer.h"
-#include "service/haptics/vehicle/road_feel.h"
+#include "service/haptics/vehicle/road_force.h"
 
 namespace omni::haptics {
 namespace {
@@ -52,14 +52,14 @@ Impacts DriveCar(const VehicleInput& car, const WallMap& walls, std::span<const 
   return impacts;
 }
 
-Vec3 Play(const Config& config, const Offer& offer, const Scene& scene, const Input& input, const Vec3& contacts_N,
-          State& state, Output& output) noexcept {
+Vec3 Play(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& input,
+          const Vec3& contacts_N, State& state, Output& output) noexcept {
   const SceneHeader& header = scene.header();
   Vec3 stick_N;
   Thumbstick stick;
   if (header.has_joystick != 0 && input.tracked) {
     stick = JoystickDeflection(header.joystick, input.device_point_base_m);
-    stick_N = JoystickForce(header.joystick, header.detent_curvature_N_m, offer, input);
+    stick_N = JoystickForce(header.joystick, header.detent_curvature_N_m, bound, input);
     output.tip_normal_force_N += state.ramp * std::max(0.0, stick_N.z);  // pushing the stick down is a press
     output.joystick = true;
     output.thumbstick_x = stick.x;
@@ -74,7 +74,7 @@ Vec3 Play(const Config& config, const Offer& offer, const Scene& scene, const In
   const PulseLimits limits{input.limit, contacts_N + stick_N, config.force_slew_N_s};
   StartPulses(car, limits, impacts, state.vehicle);
   const PulseForce pulse = AdvancePulses(car, limits, input.dt_s, state.vehicle);
-  const double road_N = (1 - pulse.share) * RoadFeel_N(car, input.dt_s, state.vehicle);
+  const double road_N = (1 - pulse.share) * RoadForce_N(car, input.dt_s, state.vehicle);
   return stick_N + pulse.force_N + Vec3{0, 0, road_N};
 }
 

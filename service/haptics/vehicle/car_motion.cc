@@ -32,7 +32,7 @@ class Drive {
       state_.position_base_m = state_.position_base_m + touch.share * motion;
       if (!touch.found) break;
       left_s *= 1 - touch.share;
-      MeetWall(touch, left_s);
+      HitWall(touch, left_s);
     }
     KeepTouched();
     return impacts_;
@@ -51,7 +51,7 @@ class Drive {
     }
   }
 
-  void MeetWall(const WallTouch& touch, double left_s) noexcept {
+  void HitWall(const WallTouch& touch, double left_s) noexcept {
     const double speed_m_s = -Dot(state_.velocity_base_m_s, touch.normal);
     const bool hit = speed_m_s > kFelt_m_s && !Touched(touch.normal);
     const double restitution = hit ? std::clamp(materials_[touch.material].restitution, 0.0, 1.0) : 0;

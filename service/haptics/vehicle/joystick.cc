@@ -21,11 +21,11 @@ double Stretch(double r_m, double dead_m) noexcept {
 }  // namespace
 
 // F = -K stretch(|u|) u/|u| - B v + c F_detent, c so that K and the notches together stay within the limit   (7.1)
-Vec3 JoystickForce(const JoystickInput& joystick, double detent_curvature_N_m, const Offer& offer,
+Vec3 JoystickForce(const JoystickInput& joystick, double detent_curvature_N_m, const StiffnessBound& bound,
                    const Input& input) noexcept {
-  const double limit_N_m = offer.stiffness_N_m;
+  const double limit_N_m = bound.stiffness_N_m;
   const double stiffness_N_m = std::clamp(joystick.stiffness_N_m, 0.0, limit_N_m);
-  const double damping_Ns_m = std::clamp(joystick.damping_Ns_m, 0.0, offer.damping_Ns_m);
+  const double damping_Ns_m = std::clamp(joystick.damping_Ns_m, 0.0, bound.damping_Ns_m);
   const Vec3 u = input.device_point_base_m - joystick.centre_base_m;
   Vec3 force_N =
       -stiffness_N_m * Stretch(Norm(u), joystick.dead_zone_m) * Normalized(u) - damping_Ns_m * input.velocity_base_m_s;

@@ -15,7 +15,7 @@ struct Thumbstick {
 };
 
 // Spring, damping and notches at input.device_point_base_m. `detent_curvature_N_m`: what DetentCurvature_N_m says.
-Vec3 JoystickForce(const JoystickInput& joystick, double detent_curvature_N_m, const Offer& offer,
+Vec3 JoystickForce(const JoystickInput& joystick, double detent_curvature_N_m, const StiffnessBound& bound,
                    const Input& input) noexcept;
 Thumbstick JoystickDeflection(const JoystickInput& joystick, const Vec3& tip) noexcept;
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "service/device/usb/command_life.h"
+#include "service/device/usb/command_ttl.h"
 
 namespace omni::sim {
 namespace {

@@ -47,7 +47,7 @@ class StopSignals {
 };
 
 // A real base does not wait for the host's scheduler. Where this is refused the twin merely ticks less evenly.
-void AskForRealTime() {
+void RequestRealTime() {
   sched_param param{};
   param.sched_priority = kRealTimePriority;
   pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
@@ -69,7 +69,7 @@ class Server {
   void Run(double linger_s) {
     const auto linger_ns = static_cast<std::int64_t>(linger_s * 1e9);
     core_.MoveClock(base::MonotonicNow_ns() - core_.clock_offset_ns());
-    AskHello();
+    RequestHello();
     while (stop_requested == 0 && (!gone_ || base::MonotonicNow_ns() - gone_ns_ < linger_ns)) {
       WaitForTick();
       ReceiveFrames();
@@ -110,7 +110,7 @@ class Server {
   }
 
   // The host need not request the first HELLO.
-  void AskHello() {
+  void RequestHello() {
     std::array<std::uint8_t, wire::kHeaderSize + wire::kTrailerSize> frame;
     wire::Header header;
     header.type = wire::MessageType::kHello;
@@ -166,7 +166,7 @@ int ServeTwin(const base::DeviceGeometry& device, const TwinOptions& options, in
     recording = std::move(opened.value());
   }
   const StopSignals signals;
-  if (options.real_time) AskForRealTime();
+  if (options.real_time) RequestRealTime();
   Server(device, options, fd, std::move(recording)).Run(linger_s);
   return 0;
 }

@@ -54,7 +54,7 @@ TwinCore::TwinCore(const base::DeviceGeometry& device, const PlantOptions& optio
       current_max_A_(static_cast<float>(device.current_max_A)),
       scan_lost_(options.imperfect ? options.truth.effects.room.scan_lost : 0),
       scan_late_(options.imperfect ? options.truth.effects.room.scan_late : 0),
-      way_(options.seed ^ 0x3A7) {
+      link_random_(options.seed ^ 0x3A7) {
   std::uint8_t frame[wire::kFrameSizeMax];
   while (plant_.now_ns() < options.start_ns) {
     Step();
@@ -79,7 +79,7 @@ bool TwinCore::IsHeldUp(const std::uint8_t* frame, std::size_t size) noexcept {
   wire::FrameView view;
   if (wire::OpenFrame(frame, size, view) != wire::Status::kOk) return false;
   if (view.header.type != wire::MessageType::kTelemetry) return false;
-  const double chance = way_.Uniform();
+  const double chance = link_random_.Uniform();
   if (chance < scan_lost_) return true;
   if (!(chance < scan_lost_ + scan_late_) || size > late_.size()) return false;
   std::copy_n(frame, size, late_.begin());

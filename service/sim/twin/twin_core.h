@@ -62,7 +62,7 @@ class TwinCore {
   float current_max_A_;
   // The link to the host.
   double scan_lost_, scan_late_;
-  Random way_;
+  Random link_random_;
   std::array<std::uint8_t, wire::kFrameSizeMax> late_{};
   std::size_t late_size_ = 0;
   std::uint64_t late_tick_ = 0;

@@ -71,7 +71,7 @@ int NudgeStored(client::Connection& connection, const nlohmann::json& status, in
     outcome.samples = chosen->samples;
     outcome.rms_m = chosen->rms_m;
     connection.Poll(base::MonotonicNow_ns());
-    const auto stored = AskPlacement(connection, StoreCommand(chosen->headset, outcome, "nudge"));
+    const auto stored = RequestBasePose(connection, StoreCommand(chosen->headset, outcome, "nudge"));
     if (!stored.ok()) return Fail(kAlign, stored.error());
     std::printf("moved        %.1f mm and %.1f deg from where it was\n",
                 1e3 * alignment::Distance_m(nudge.placement(), chosen->base_space, {}),
@@ -82,15 +82,15 @@ int NudgeStored(client::Connection& connection, const nlohmann::json& status, in
 }
 
 int ForgetStored(client::Connection& connection, const nlohmann::json& status, int number) {
-  protocol::PlacementCommand command;
-  command.action = protocol::PlacementAction::kForget;
+  protocol::BasePoseCommand command;
+  command.action = protocol::BasePoseAction::kForget;
   if (number > 0) {
     const auto chosen = ChooseAlignment(status, number);
     if (!chosen.ok()) return Fail(kAlign, chosen.error());
     command = StoreCommand(chosen->headset, {}, "");
-    command.action = protocol::PlacementAction::kForget;
+    command.action = protocol::BasePoseAction::kForget;
   }
-  const auto done = AskPlacement(connection, command);
+  const auto done = RequestBasePose(connection, command);
   if (!done.ok()) return Fail(kAlign, done.error());
   Print(*done + "\n");
   return kExitOk;
@@ -99,21 +99,21 @@ int ForgetStored(client::Connection& connection, const nlohmann::json& status, i
 int RestoreStored(client::Connection& connection, const nlohmann::json& status, int number) {
   const auto chosen = ChooseAlignment(status, number);
   if (!chosen.ok()) return Fail(kAlign, chosen.error());
-  protocol::PlacementCommand command = StoreCommand(chosen->headset, {}, "");
-  command.action = protocol::PlacementAction::kRestore;
-  const auto done = AskPlacement(connection, command);
+  protocol::BasePoseCommand command = StoreCommand(chosen->headset, {}, "");
+  command.action = protocol::BasePoseAction::kRestore;
+  const auto done = RequestBasePose(connection, command);
   if (!done.ok()) return Fail(kAlign, done.error());
   std::printf("%s\n", done->c_str());
   return kExitOk;
 }
 
 int SetPolicy(client::Connection& connection, const std::string& placement) {
-  protocol::PlacementCommand command;
-  command.action = protocol::PlacementAction::kPolicy;
+  protocol::BasePoseCommand command;
+  command.action = protocol::BasePoseAction::kPolicy;
   for (std::size_t i = 0; i < std::size(kPlacements); ++i) {
     if (placement == kPlacements[i]) command.uncalibrated = static_cast<protocol::Uncalibrated>(i);
   }
-  const auto done = AskPlacement(connection, command);
+  const auto done = RequestBasePose(connection, command);
   if (!done.ok()) return Fail(kAlign, done.error());
   Print(*done + "\n");
   return kExitOk;
@@ -132,7 +132,7 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
   const auto aligned = RunAlignment(connection, arguments.run);
   if (!aligned.ok()) return Fail(kAlign, aligned.error());
   Print(AlignOutcomeText(arguments.run.session, aligned->outcome));
-  const auto stored = AskPlacement(connection, StoreCommand(aligned->headset, aligned->outcome, arguments.method));
+  const auto stored = RequestBasePose(connection, StoreCommand(aligned->headset, aligned->outcome, arguments.method));
   if (!stored.ok()) return Fail(kAlign, stored.error());
   std::printf("stored       %s; running applications use it already\n", stored->c_str());
   return kExitOk;
@@ -147,7 +147,7 @@ int Align(const AlignArguments& arguments) {
   if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
   const bool stored = arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
   if (!stored) return Measure(**connection, arguments);
-  const auto status = AskStatus(**connection);
+  const auto status = RequestStatus(**connection);
   if (!status.ok()) return Fail(kAlign, status.error());
   if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
   if (arguments.restore) return RestoreStored(**connection, *status, arguments.number);

@@ -48,13 +48,13 @@ const nlohmann::json* PlacedClient(const nlohmann::json& status) {
 
 }  // namespace
 
-base::Result<std::string> AskPlacement(client::Connection& connection, const protocol::PlacementCommand& command) {
-  const std::uint32_t number = connection.SendPlacementCommand(command);
+base::Result<std::string> RequestBasePose(client::Connection& connection, const protocol::BasePoseCommand& command) {
+  const std::uint32_t number = connection.SendBasePoseCommand(command);
   if (number == 0) return base::Error{"omnid does not accept requests; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kAnswer_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());
-    const std::optional<client::PlacementAnswer> answer = connection.TakePlacementAnswer();
+    const std::optional<client::BasePoseAnswer> answer = connection.PopBasePoseAnswer();
     if (answer && answer->number == number) {
       if (!answer->done) return base::Error{answer->text};
       return answer->text;
@@ -65,10 +65,10 @@ base::Result<std::string> AskPlacement(client::Connection& connection, const pro
   return base::Error{"omnid did not answer within 2.5 s (" + connection.last_error() + "); restart omnid"};
 }
 
-protocol::PlacementCommand StoreCommand(const Headset& headset, const alignment::Outcome& outcome,
-                                        const std::string& method) {
-  protocol::PlacementCommand command;
-  command.action = protocol::PlacementAction::kStore;
+protocol::BasePoseCommand StoreCommand(const Headset& headset, const alignment::Outcome& outcome,
+                                       const std::string& method) {
+  protocol::BasePoseCommand command;
+  command.action = protocol::BasePoseAction::kStore;
   protocol::SetField(command.headset.runtime, headset.runtime);
   protocol::SetField(command.headset.system, headset.system);
   command.space = headset.space;

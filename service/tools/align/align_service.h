@@ -12,15 +12,15 @@
 namespace omni::tools {
 
 // Waits for the answer, 2.5 s at most. A refusal is an error with omnid's text; otherwise the result is that text.
-base::Result<std::string> AskPlacement(client::Connection& connection, const protocol::PlacementCommand& command);
+base::Result<std::string> RequestBasePose(client::Connection& connection, const protocol::BasePoseCommand& command);
 
 struct Headset {
   std::string runtime, system;
   int space = protocol::kSpaceLocal;
 };
 
-protocol::PlacementCommand StoreCommand(const Headset& headset, const alignment::Outcome& outcome,
-                                        const std::string& method);
+protocol::BasePoseCommand StoreCommand(const Headset& headset, const alignment::Outcome& outcome,
+                                       const std::string& method);
 
 // One of the stored alignments by its number in `omni align --show`.
 struct StoredAlignment {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/alignment/rigid.h"
-#include "service/protocol/placement.h"
+#include "service/protocol/base_pose.h"
 #include "service/tools/common/json_text.h"
 #include "service/tools/common/printed.h"
 

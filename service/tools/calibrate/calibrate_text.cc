@@ -22,7 +22,7 @@ std::string UnfixedText(const calibration::Report& report) {
   std::string text =
       Format("not fixed    %zu parameters, known little better than their tolerance:\n", report.unfixed.size());
   for (std::size_t i = 0; i < std::min(kUnfixedShown, report.unfixed.size()); ++i) {
-    const calibration::Unfixed& one = report.unfixed[i];
+    const calibration::Undetermined& one = report.unfixed[i];
     text += Format("               %-22s +-%.3g %s (tolerance %.3g)\n", one.name.c_str(), one.sigma, one.unit.c_str(),
                    one.tolerance);
   }

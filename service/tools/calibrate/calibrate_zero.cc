@@ -13,14 +13,14 @@ namespace {
 using Eigen::Vector3d;
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int kQuietScans = 300;  // at first: eddy currents in the core die out
+constexpr int kSettleScans = 300;  // at first: eddy currents in the core die out
 constexpr int kBlockScans = 250;
 constexpr int kFreshMin = calibration::kZeroBlocks * kBlockScans / 10;
 
 }  // namespace
 
 base::CoilCurrents ZeroSession::Add(const base::HallScan& scan) {
-  const int at = scans_++ - kQuietScans;
+  const int at = scans_++ - kSettleScans;
   if (at < 0 || at >= calibration::kZeroBlocks * kBlockScans) return {};
   for (std::size_t i = 0; i < readings_.size(); ++i) {
     const Eigen::Map<const RowMajor3d> map(before_.sensors[i].current_map_T_A.data());
@@ -34,10 +34,10 @@ base::CoilCurrents ZeroSession::Add(const base::HallScan& scan) {
   return {};
 }
 
-bool ZeroSession::done() const { return scans_ >= kQuietScans + calibration::kZeroBlocks * kBlockScans; }
+bool ZeroSession::done() const { return scans_ >= kSettleScans + calibration::kZeroBlocks * kBlockScans; }
 
 double ZeroSession::progress() const {
-  return std::clamp(static_cast<double>(scans_) / (kQuietScans + calibration::kZeroBlocks * kBlockScans), 0.0, 1.0);
+  return std::clamp(static_cast<double>(scans_) / (kSettleScans + calibration::kZeroBlocks * kBlockScans), 0.0, 1.0);
 }
 
 std::string ZeroSession::Instruction() const {

@@ -43,12 +43,12 @@ nlohmann::json ParseStatus(const std::string& text) {
   return base::CheckJson(text, kStatusJson).ok() ? nlohmann::json::parse(text) : nlohmann::json();
 }
 
-base::Result<nlohmann::json> AskStatus(client::Connection& connection) {
+base::Result<nlohmann::json> RequestStatus(client::Connection& connection) {
   if (!connection.Send(protocol::StatusRequest{})) return base::Error{"omnid does not accept requests; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kPatience_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());
-    if (const std::string text = connection.TakeStatus(); !text.empty()) {
+    if (const std::string text = connection.PopStatus(); !text.empty()) {
       nlohmann::json status = ParseStatus(text);
       if (status.is_object()) return status;
       return base::Error{"omnid's status is not a JSON object; install the same Omni version for both"};
@@ -59,14 +59,14 @@ base::Result<nlohmann::json> AskStatus(client::Connection& connection) {
   return base::Error{"omnid did not answer within 2.5 s (" + connection.last_error() + "); restart omnid"};
 }
 
-base::Result<client::SceneAnswer> AskScene(client::Connection& connection, protocol::SceneAction action,
-                                           std::uint64_t client_id, const std::string& object) {
+base::Result<client::SceneAnswer> RequestScene(client::Connection& connection, protocol::SceneAction action,
+                                               std::uint64_t client_id, const std::string& object) {
   const std::uint32_t number = connection.SendSceneCommand(action, client_id, object);
   if (number == 0) return base::Error{"omnid does not accept requests; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kScenePatience_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());
-    std::optional<client::SceneAnswer> answer = connection.TakeSceneAnswer();
+    std::optional<client::SceneAnswer> answer = connection.PopSceneAnswer();
     if (answer && answer->number == number) return std::move(*answer);
     if (!connection.connected()) break;
     std::this_thread::sleep_for(kPause);
@@ -96,7 +96,7 @@ void AddNewestSample(const protocol::ToolSample& sample, std::int64_t now_ns, nl
 base::Result<nlohmann::json> FetchStatus(const std::string& socket_path) {
   auto connection = ConnectToService(socket_path);
   if (!connection.ok()) return base::Error{connection.error()};
-  base::Result<nlohmann::json> status = AskStatus(**connection);
+  base::Result<nlohmann::json> status = RequestStatus(**connection);
   protocol::ToolSample sample;
   if (status.ok() && (*connection)->state() != nullptr && (*connection)->state()->Newest(sample)) {
     AddNewestSample(sample, base::MonotonicNow_ns(), *status);

@@ -19,11 +19,11 @@ base::Result<std::unique_ptr<client::Connection>> ConnectToService(
 nlohmann::json ParseStatus(const std::string& text);
 
 // Waits for the answer, 2 s at most. An answer that is no JSON object is an error.
-base::Result<nlohmann::json> AskStatus(client::Connection& connection);
+base::Result<nlohmann::json> RequestStatus(client::Connection& connection);
 
 // Waits for the answer, 30 s at most: a large surface takes a while to be written. A refusal counts as an answer.
-base::Result<client::SceneAnswer> AskScene(client::Connection& connection, protocol::SceneAction action,
-                                           std::uint64_t client_id, const std::string& object);
+base::Result<client::SceneAnswer> RequestScene(client::Connection& connection, protocol::SceneAction action,
+                                               std::uint64_t client_id, const std::string& object);
 
 // Adds /tracking and /force from the newest sample of the state memory if the service's status lacks them.
 void AddNewestSample(const protocol::ToolSample& sample, std::int64_t now_ns, nlohmann::json& status);

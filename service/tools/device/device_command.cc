@@ -18,7 +18,7 @@ struct DeviceArguments {
   bool yes = false;
 };
 
-bool AskToGoOn() {
+bool ConfirmToContinue() {
   std::cout << "Continue? [y/N] " << std::flush;
   std::string answer;
   return std::getline(std::cin, answer) && (answer == "y" || answer == "Y" || answer == "yes");
@@ -30,7 +30,7 @@ int List(device::UsbBus& bus, const DeviceArguments& /*arguments*/) { return Dev
 int Info(device::UsbBus& bus, const DeviceArguments& arguments) { return DeviceInfo(bus, arguments.serial, std::cout); }
 int SelfTest(device::UsbBus& bus, const DeviceArguments& arguments) {
   return DeviceSelfTest(
-      bus, arguments.serial, [&] { return arguments.yes || AskToGoOn(); }, std::cout);
+      bus, arguments.serial, [&] { return arguments.yes || ConfirmToContinue(); }, std::cout);
 }
 int Estop(device::UsbBus& bus, const DeviceArguments& arguments) {
   return DeviceEstop(bus, arguments.serial, std::cout);

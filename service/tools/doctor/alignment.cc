@@ -8,7 +8,7 @@
 
 namespace omni::tools {
 
-Finding LookAtAlignment(const Surroundings& surroundings) {
+Finding CheckAlignment(const Surroundings& surroundings) {
   const auto& status = surroundings.service.status;
   if (TrueAt(status, "/aligned")) return {Verdict::kOk, "aligned with the headset", {}};
   if (const auto& stored = ArrayAt(status, "/alignments/stored"); !stored.empty()) {

@@ -6,7 +6,7 @@
 #include "service/tools/scene/scene_source.h"
 
 namespace omni::tools {
-Finding LookAtApplications(const Surroundings& surroundings) {
+Finding CheckApplications(const Surroundings& surroundings) {
   const config::AppTable table = config::LoadAppTable(surroundings.app_folders, surroundings.scenes_folder);
   if (!table.problems.empty()) {
     return {Verdict::kFail, table.problems.front(), "correct that file; omnid skips it until then"};

@@ -15,23 +15,23 @@ namespace {
 constexpr DiagnosisEntry kDiagnoses[] = {
     {"OpenXR runtime", LookForRuntime},
     {"layer manifest", LookForLayer},
-    {"layer library", LookAtLayerLibrary},
-    {"layer enabled", LookAtEnabledLayers},
+    {"layer library", CheckLayerLibrary},
+    {"layer enabled", CheckEnabledLayers},
     {"installations", LintBadInstallation},
     {"switches", LintDisabledByEnvironment},
     {"duplicates", LintDuplicates},
     {"architectures", LintExplicitLayerArchitectures},
     {"order", LintOrdering},
     {"loader", LintSkippedByLoader},
-    {"Steam", LookAtSteam},
-    {"socket folder", LookAtSocketFolder},
+    {"Steam", CheckSteam},
+    {"socket folder", CheckSocketFolder},
     {"service", LookForService},
     {"device", LookForDevice},
-    {"calibration", LookAtCalibration},
-    {"room", LookAtRoom},
-    {"real-time", LookAtRealtime},
-    {"applications", LookAtApplications},
-    {"alignment", LookAtAlignment},
+    {"calibration", CheckCalibration},
+    {"room", CheckRoom},
+    {"real-time", CheckRealtime},
+    {"applications", CheckApplications},
+    {"alignment", CheckAlignment},
 };
 
 }  // namespace
@@ -55,7 +55,7 @@ Surroundings SurroundingsOfThisProcess(const std::string& socket_path) {
   surroundings.app_folders = config::AppFolders();
   surroundings.scenes_folder = config::ScenesFolder();
   surroundings.share = config::ShareFolder();
-  surroundings.loader = AskLoader();
+  surroundings.loader = QueryLoader();
   base::Result<nlohmann::json> status = FetchStatus(socket_path);
   if (status.ok()) {
     surroundings.service = {.running = true, .error = {}, .status = std::move(*status)};

@@ -63,18 +63,18 @@ struct DiagnosisEntry {
 std::span<const DiagnosisEntry> Diagnoses();
 
 Finding LookForLayer(const Surroundings& surroundings);
-Finding LookAtLayerLibrary(const Surroundings& surroundings);
-Finding LookAtEnabledLayers(const Surroundings& surroundings);
+Finding CheckLayerLibrary(const Surroundings& surroundings);
+Finding CheckEnabledLayers(const Surroundings& surroundings);
 Finding LookForRuntime(const Surroundings& surroundings);
-Finding LookAtSocketFolder(const Surroundings& surroundings);
+Finding CheckSocketFolder(const Surroundings& surroundings);
 Finding LookForService(const Surroundings& surroundings);
 Finding LookForDevice(const Surroundings& surroundings);
-Finding LookAtCalibration(const Surroundings& surroundings);
-Finding LookAtRoom(const Surroundings& surroundings);
-Finding LookAtRealtime(const Surroundings& surroundings);
-Finding LookAtApplications(const Surroundings& surroundings);
-Finding LookAtAlignment(const Surroundings& surroundings);
-Finding LookAtSteam(const Surroundings& surroundings);
+Finding CheckCalibration(const Surroundings& surroundings);
+Finding CheckRoom(const Surroundings& surroundings);
+Finding CheckRealtime(const Surroundings& surroundings);
+Finding CheckApplications(const Surroundings& surroundings);
+Finding CheckAlignment(const Surroundings& surroundings);
+Finding CheckSteam(const Surroundings& surroundings);
 
 // The six portable rules of OpenXR-API-Layers-GUI (github.com/fredemmott/OpenXR-API-Layers-GUI), over all layers of
 // this machine, not only ours: any of them can keep applications from starting.

@@ -4,7 +4,7 @@
 #include "service/tools/doctor/openxr_manifests.h"
 
 namespace omni::tools {
-Finding LookAtEnabledLayers(const Surroundings& surroundings) {
+Finding CheckEnabledLayers(const Surroundings& surroundings) {
   const std::vector<LayerManifest> manifests = FindLayerManifests(surroundings);
   const std::vector<std::string> names = EnabledByVariable(surroundings);
   if (std::find(names.begin(), names.end(), kLayerName) != names.end()) {

@@ -4,7 +4,7 @@
 
 namespace omni::tools {
 
-Finding LookAtLayerLibrary(const Surroundings& surroundings) {
+Finding CheckLayerLibrary(const Surroundings& surroundings) {
   for (const LayerManifest& manifest : FindLayerManifests(surroundings)) {
     if (manifest.name != kLayerName || !manifest.problem.empty()) continue;
     if (const std::string problem = LibraryProblem(manifest.library, manifest.negotiate); !problem.empty()) {

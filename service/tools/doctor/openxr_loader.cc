@@ -14,18 +14,18 @@ constexpr const char* kLoader = "libopenxr_loader.so.1";
 constexpr const char* kDebug = "XR_LOADER_DEBUG";
 
 // Suppresses the loader's messages on stderr: the diagnoses report the same problems more clearly.
-class QuietLoader {
+class SilencedLoader {
  public:
-  QuietLoader() {
+  SilencedLoader() {
     if (const char* value = std::getenv(kDebug)) {
       had_ = true;
       before_ = value;
     }
     ::setenv(kDebug, "none", 1);
   }
-  ~QuietLoader() { had_ ? ::setenv(kDebug, before_.c_str(), 1) : ::unsetenv(kDebug); }
-  QuietLoader(const QuietLoader&) = delete;
-  QuietLoader& operator=(const QuietLoader&) = delete;
+  ~SilencedLoader() { had_ ? ::setenv(kDebug, before_.c_str(), 1) : ::unsetenv(kDebug); }
+  SilencedLoader(const SilencedLoader&) = delete;
+  SilencedLoader& operator=(const SilencedLoader&) = delete;
 
  private:
   bool had_ = false;
@@ -34,9 +34,9 @@ class QuietLoader {
 
 }  // namespace
 
-LoaderAnswer AskLoader() {
+LoaderAnswer QueryLoader() {
   LoaderAnswer answer;
-  const QuietLoader quiet;
+  const SilencedLoader quiet;
   void* library = ::dlopen(kLoader, RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return answer;
   answer.asked = true;

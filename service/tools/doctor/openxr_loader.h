@@ -6,6 +6,6 @@
 namespace omni::tools {
 
 // Opens libopenxr_loader.so.1, as an application would, with the environment of this process; no runtime is started.
-LoaderAnswer AskLoader();
+LoaderAnswer QueryLoader();
 
 }  // namespace omni::tools

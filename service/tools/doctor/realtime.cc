@@ -37,7 +37,7 @@ bool MayLockMemory() {
 
 }  // namespace
 
-Finding LookAtRealtime(const Surroundings& surroundings) {
+Finding CheckRealtime(const Surroundings& surroundings) {
   const nlohmann::json& status = surroundings.service.status;
   if (surroundings.service.running && status.contains("tick")) {
     if (TrueAt(status, "/tick/realtime")) {

@@ -8,7 +8,7 @@
 
 namespace omni::tools {
 
-Finding LookAtRoom(const Surroundings& surroundings) {
+Finding CheckRoom(const Surroundings& surroundings) {
   const auto& status = surroundings.service.status;
   if (!surroundings.service.running) {
     return {Verdict::kWarn, "unknown while omnid does not run", "fix \"service\" first"};

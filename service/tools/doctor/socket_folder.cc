@@ -3,7 +3,7 @@
 #include "service/tools/doctor/diagnosis.h"
 
 namespace omni::tools {
-Finding LookAtSocketFolder(const Surroundings& surroundings) {
+Finding CheckSocketFolder(const Surroundings& surroundings) {
   const std::string& path = surroundings.socket_path;
   if (const std::string problem = protocol::PathProblem(path); !problem.empty()) {
     return {Verdict::kFail, problem, "set OMNI_SOCKET for omnid and for the applications alike"};

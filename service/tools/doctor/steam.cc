@@ -5,7 +5,7 @@
 
 namespace omni::tools {
 
-Finding LookAtSteam(const Surroundings& surroundings) {
+Finding CheckSteam(const Surroundings& surroundings) {
   namespace fs = std::filesystem;
   const std::string home = surroundings.Variable("HOME");
   std::error_code error;

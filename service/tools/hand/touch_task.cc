@@ -7,7 +7,7 @@ namespace omni::tools {
 namespace {
 
 constexpr double kSafe_m = 0.012;  // over the highest place
-constexpr double kTravel_m_s = 0.06, kSlow_m_s = 0.01, kFeel_m_s = 0.006, kShape_m_s = 0.03;
+constexpr double kTravel_m_s = 0.06, kSlow_m_s = 0.01, kProbe_m_s = 0.006, kShape_m_s = 0.03;
 constexpr double kNear_m = 0.003;     // over the surface: slowly from here on
 constexpr double kDeepest_m = 0.012;  // the hand aims at most so far under the surface
 constexpr double kPatience_s = 2.5;   // how long to press at one place
@@ -127,7 +127,7 @@ void TouchTask::HoldDown(const Perceived& seen, double dt_s) {
   dent_m_ = std::max(dent_m_, seen.dent_m);
   const bool clay = touch().kind == TouchKind::kClay, soft = touch().kind == TouchKind::kSoft;
   const bool deeper = soft && seen.dent_m < kDent_m && seen.press_N < kMostPress_N;
-  if (deeper || seen.press_N < Wanted_N(touch())) Sink(kFeel_m_s, dt_s);
+  if (deeper || seen.press_N < Wanted_N(touch())) Sink(kProbe_m_s, dt_s);
   if (clay && seen.stroke_open) {
     grip_z_m_ = seen.tip_base_m.z;
     Enter(Phase::kShape);

@@ -44,7 +44,7 @@ int Disable(const LayerArguments& arguments) {
   if (!removed.ok()) return Fail(kDisableCommand, removed.error());
   for (const auto& file : *removed) Print("removed " + file.string() + "\n");
   if (removed->empty()) Print("it was not enabled there\n");
-  const Finding left = LookAtEnabledLayers(surroundings);
+  const Finding left = CheckEnabledLayers(surroundings);
   if (left.verdict == Verdict::kOk) Print("still enabled: " + left.what + "\n");
   return kExitOk;
 }
@@ -59,7 +59,7 @@ nlohmann::ordered_json StatusJson(const Surroundings& surroundings) {
                          {"problem", manifest.problem},
                          {"disable_environment", manifest.disable_environment}});
   }
-  const Finding enabled = LookAtEnabledLayers(surroundings);
+  const Finding enabled = CheckEnabledLayers(surroundings);
   return {{"layer", kLayerName},
           {"enabled", enabled.verdict == Verdict::kOk},
           {"why", enabled.what},

@@ -24,7 +24,7 @@ std::uint64_t NumberIn(const char* file, const std::string& name) {
 
 }  // namespace
 
-ProcessUse LookAtThisProcess() {
+ProcessUse MeasureThisProcess() {
   ProcessUse use;
   use.read_bytes = NumberIn("/proc/self/io", "rchar:");
   use.rss_bytes = 1024 * NumberIn("/proc/self/status", "VmRSS:");
@@ -36,10 +36,10 @@ ProcessUse LookAtThisProcess() {
 
 base::Result<nlohmann::ordered_json> SceneCost(const std::string& path, const scene::LoadOptions& options,
                                                bool cached) {
-  LookAtThisProcess();  // warms up, so that the measurement itself does not count
-  const ProcessUse before = LookAtThisProcess();
+  MeasureThisProcess();  // warms up, so that the measurement itself does not count
+  const ProcessUse before = MeasureThisProcess();
   const base::Result<LoadedScene> loaded = LoadScene(path, options, cached);
-  const ProcessUse after = LookAtThisProcess();
+  const ProcessUse after = MeasureThisProcess();
   if (!loaded.ok()) return base::Error{loaded.error()};
   const haptics::LivePlan plan = haptics::PlanLive(loaded->scene);
   const double rss_MB = (static_cast<double>(after.rss_bytes) - static_cast<double>(before.rss_bytes)) * 1e-6;
@@ -56,7 +56,7 @@ base::Result<nlohmann::ordered_json> SceneCost(const std::string& path, const sc
                                 {"soft_bodies", plan.soft.size()},
                                 {"soft_bytes_max", plan.soft.size() * haptics::MostSoftBytes({})},
                                 {"sculpted", plan.sculpted.size()},
-                                {"sculpted_bytes", haptics::WorkshopBytes(loaded->scene, plan)},
+                                {"sculpted_bytes", haptics::SculptSessionBytes(loaded->scene, plan)},
                                 {"triangles", loaded->scene.empty() ? 0 : loaded->scene.header().triangle_count}};
 }
 

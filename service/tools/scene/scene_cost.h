@@ -17,7 +17,7 @@ struct ProcessUse {
   std::uint64_t threads = 0;     // entries of /proc/self/task
   std::uint64_t rss_bytes = 0;   // VmRSS of /proc/self/status
 };
-ProcessUse LookAtThisProcess();
+ProcessUse MeasureThisProcess();
 
 // Loads `path` and reports the differences: bytes_file, bytes_read (by the system), bytes_counted (by us),
 // images_decoded, threads (more than before), rss_MB (more than before), load_ms, build_ms, cached, skipped, triangles;

@@ -32,13 +32,14 @@ std::string KiloBytes(double bytes) {
 }
 
 // Prints why not; the exit status. With an answer: kExitOk.
-int Ask(const std::string& command, SceneAction action, const EditArguments& arguments, client::SceneAnswer& answer) {
+int Request(const std::string& command, SceneAction action, const EditArguments& arguments,
+            client::SceneAnswer& answer) {
   auto connection = ConnectToService(arguments.socket);
   if (!connection.ok()) {
     Fail(command, connection.error());
     return kExitNoService;
   }
-  base::Result<client::SceneAnswer> answered = AskScene(**connection, action, arguments.client, arguments.object);
+  base::Result<client::SceneAnswer> answered = RequestScene(**connection, action, arguments.client, arguments.object);
   if (!answered.ok()) {
     Fail(command, answered.error());
     return kExitNoService;
@@ -49,7 +50,7 @@ int Ask(const std::string& command, SceneAction action, const EditArguments& arg
 
 int Edits(const EditArguments& arguments) {
   client::SceneAnswer answer;
-  if (const int status = Ask("omni scene edits", SceneAction::kEdits, arguments, answer); status != kExitOk) {
+  if (const int status = Request("omni scene edits", SceneAction::kEdits, arguments, answer); status != kExitOk) {
     return status;
   }
   const nlohmann::json edits = ParseStatus(answer.text);
@@ -66,7 +67,7 @@ int Edits(const EditArguments& arguments) {
 
 int UndoOrRedo(const char* command, SceneAction action, const EditArguments& arguments) {
   client::SceneAnswer answer;
-  const int status = Ask(command, action, arguments, answer);
+  const int status = Request(command, action, arguments, answer);
   if (status == kExitOk) Print(answer.text + "\n");
   return status;
 }
@@ -78,7 +79,7 @@ int Redo(const EditArguments& arguments) { return UndoOrRedo("omni scene redo", 
 int Save(const EditArguments& arguments) {
   constexpr const char* kCommand = "omni scene save";
   client::SceneAnswer answer;
-  if (const int status = Ask(kCommand, SceneAction::kSave, arguments, answer); status != kExitOk) return status;
+  if (const int status = Request(kCommand, SceneAction::kSave, arguments, answer); status != kExitOk) return status;
   if (answer.file.compare(0, 4, "glTF") != 0) {
     return Fail(kCommand, "omnid sent no .glb file; install the same Omni version for both");
   }

@@ -90,7 +90,7 @@ SceneFeature Sculpted(const haptics::Scene& scene, const std::vector<Material>& 
   for (const std::uint32_t object : plan.sculpted) triangles += scene.objects()[object].triangle_count;
   return {"sculpt", !plan.sculpted.empty(),
           Plural(plan.sculpted.size(), "object") + ", " + Plural(triangles, "triangle") + ", about " +
-              Short(static_cast<double>(haptics::WorkshopBytes(scene, plan)) * 1e-6) + " MB of pages"};
+              Short(static_cast<double>(haptics::SculptSessionBytes(scene, plan)) * 1e-6) + " MB of pages"};
 }
 
 SceneFeature Images(const haptics::Scene& scene) {

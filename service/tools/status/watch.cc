@@ -69,7 +69,7 @@ class Watcher {
     if (now_ns >= next_request_ns_ && connection_.Send(protocol::StatusRequest{})) {
       next_request_ns_ = now_ns + (std::isnan(ticks_) ? kFirstPause_ns : kSecond_ns);
     }
-    const std::string text = connection_.TakeStatus();
+    const std::string text = connection_.PopStatus();
     if (text.empty()) return;
     frame_.status = ParseStatus(text);
     const double ticks = NumberAt(frame_.status, "/tick/count");

@@ -81,7 +81,7 @@ class SurfaceCounter {
     view_.rows.clear();
     copies_.clear();
     since_ns_ = now_ns;
-    looks_ = Looks();
+    query_count_ = QueryCount();
     if (reader_ == nullptr) return;
     view_.scene_generation = reader_->scene_generation();
     view_.memory_generation = reader_->memory_generation();
@@ -106,15 +106,15 @@ class SurfaceCounter {
     for (std::size_t i = 0; i < counts_.size(); ++i) {
       view_.rows[i].changes_Hz = static_cast<double>(std::exchange(counts_[i], 0)) / elapsed_s;
     }
-    const std::uint64_t looks = Looks();
-    view_.looks_Hz = static_cast<double>(looks - looks_) / elapsed_s;
-    looks_ = looks;
+    const std::uint64_t query_count = QueryCount();
+    view_.looks_Hz = static_cast<double>(query_count - query_count_) / elapsed_s;
+    query_count_ = query_count;
     since_ns_ = now_ns;
   }
 
-  std::uint64_t Looks() const {
+  std::uint64_t QueryCount() const {
     protocol::SurfacePulse pulse;
-    return reader_ != nullptr && reader_->Pulse(pulse) ? pulse.looks : 0;
+    return reader_ != nullptr && reader_->Pulse(pulse) ? pulse.query_count : 0;
   }
 
   client::Connection connection_;
@@ -123,7 +123,7 @@ class SurfaceCounter {
   std::vector<SurfaceCopy> copies_;  // of the objects
   std::vector<int> counts_;          // reads that brought something new
   std::int64_t since_ns_ = 0;
-  std::uint64_t looks_ = 0;
+  std::uint64_t query_count_ = 0;
 };
 
 int NoSurfaceService(const SurfacesArguments& arguments, const SurfaceCounter& counter) {

@@ -52,14 +52,14 @@ Rows5 Whitened(const Measurement& measurement, const Component& component) noexc
 
 }  // namespace
 
-SteelAnswer AnswerOfSteel(const Model& model, const Pose& pose, double moment_scale) noexcept {
+SteelResponse SteelResponseOf(const Model& model, const Pose& pose, double moment_scale) noexcept {
   const SteelMirror& steel = model.steel;
   const double scale = steel.strength * moment_scale;
   const KernelPose at = ToKernel(MakePosePoint(pose), {}, {});
   BlockField mirrored, centre{};
   ActiveKernel().field(steel.sensors, model.tool, at, mirrored);
   if (model.tool.core) ActiveKernel().field(steel.centre, model.tool, at, centre);
-  SteelAnswer answer;
+  SteelResponse answer;
   for (std::size_t i = 0; i < kSensors; ++i) {
     const auto of = [&](const double(&sensor)[3][kBlockSensors], const double(&core)[3][kBlockSensors]) {
       return AnswerAt(model, i, scale,
@@ -77,7 +77,7 @@ SteelAnswer AnswerOfSteel(const Model& model, const Pose& pose, double moment_sc
 // satisfies J (x - x*) = D (x* - x0), so that with G = (J^T J)^-1 J^T D
 //   x* = x0 + (1 + G)^-1 (x - x0),   C* = (1 + G)^-1 C (1 + G)^-T                         docs/theory/tracking.md (21)
 void CorrectForSteel(const Model& model, const Measurement& measurement, const Pose& expected,
-                     const SteelAnswer& answer, Fit& fit) noexcept {
+                     const SteelResponse& answer, Fit& fit) noexcept {
   BlockField tool;
   ActiveKernel().field(model.places[0], model.tool, ToKernel(MakePosePoint(expected), {}, {}), tool);
   const Rows5 J = Whitened(measurement, [&](std::size_t k, std::size_t c, std::size_t i) {

@@ -9,17 +9,17 @@ namespace omni::tracker {
 inline bool HasSteel(const Model& model) noexcept { return model.steel.strength != 0; }
 
 // At each sensor, and how it changes with the pose: position, turn about the tangents of its axis.
-struct SteelAnswer {
+struct SteelResponse {
   LocalField field_T{};
   std::array<LocalField, kParameters> derivative{};
 };
 
 // `moment_scale`: of the model's moment. Precondition: HasSteel.
-SteelAnswer AnswerOfSteel(const Model& model, const Pose& pose, double moment_scale) noexcept;
+SteelResponse SteelResponseOf(const Model& model, const Pose& pose, double moment_scale) noexcept;
 
 // Corrects a fit whose readings had the response at the pose `expected` subtracted: to the pose and covariance with the
 // response at the fitted pose.
 void CorrectForSteel(const Model& model, const Measurement& measurement, const Pose& expected,
-                     const SteelAnswer& answer, Fit& fit) noexcept;
+                     const SteelResponse& answer, Fit& fit) noexcept;
 
 }  // namespace omni::tracker

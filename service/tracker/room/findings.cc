@@ -2,7 +2,7 @@
 
 namespace omni::tracker {
 
-void TellFindings(const State& state, bool frozen, base::ToolState& tool) noexcept {
+void ReportFindings(const State& state, bool frozen, base::ToolState& tool) noexcept {
   const Doubt& doubt = state.doubt;
   if (frozen) tool.limits |= base::kToolFrozen;
   tool.sensors_left_out = doubt.left_out >= 0 ? 1u << doubt.left_out : 0;

@@ -192,7 +192,7 @@ void StartAway(const AwayOptions& options, std::int64_t t_ns, Away& away) noexce
   away.zero_variance_T2 = Square(options.zero_T);
 }
 
-void TakeOffZeros(const Away& away, base::HallScan& scan) noexcept {
+void SubtractZeros(const Away& away, base::HallScan& scan) noexcept {
   for (std::size_t i = 0; i < kSensors; ++i) {
     base::Vec3& B = scan.field_sensor_T[i];
     B = {B.x - away.zero_T[i], B.y - away.zero_T[kSensors + i], B.z - away.zero_T[2 * kSensors + i]};

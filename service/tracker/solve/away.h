@@ -44,7 +44,7 @@ static_assert(std::is_trivially_copyable_v<Away>);
 void StartAway(const AwayOptions& options, std::int64_t t_ns, Away& away) noexcept;
 
 // Subtracts the zeros from a scan.
-void TakeOffZeros(const Away& away, base::HallScan& scan) noexcept;
+void SubtractZeros(const Away& away, base::HallScan& scan) noexcept;
 
 // A pen is there: the window is over.
 inline void EndAwayWindow(Away& away) noexcept {

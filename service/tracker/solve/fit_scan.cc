@@ -60,7 +60,7 @@ Outcome TryCold(const ScanContext& context, const DriftState& drift, const Doubt
     if (HasSteel(config.model) && outcome.fit.pose.position_base_m.allFinite()) {
       const int first = outcome.fit.iterations;
       const Pose expected = outcome.fit.pose;
-      const SteelAnswer steel = AnswerOfSteel(config.model, expected, MomentScale(drift));
+      const SteelResponse steel = SteelResponseOf(config.model, expected, MomentScale(drift));
       measurement =
           MeasureScan({config, context.scan, context.before, context.now, &steel.field_T, context.stray, context.mains},
                       drift, doubt);
@@ -213,8 +213,8 @@ bool TryJump(const ScanContext& context, const FilterState& predicted, State& st
   return true;
 }
 
-bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
-                     Outcome& outcome) noexcept {
+bool TryOtherHypotheses(const ScanContext& context, const FilterState& predicted, State& state,
+                        Measurement& measurement, Outcome& outcome) noexcept {
   const Config& config = context.config;
   if (!CanDoubt(config, state)) return false;
   const auto holds = [&](const DriftState& drift, const Doubt& doubt) {
@@ -248,7 +248,7 @@ bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, S
   return false;
 }
 
-Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& measurement) noexcept {
+Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement& measurement) noexcept {
   const Config& config = context.config;
   const int belief = CanDoubt(config, state) ? state.belief++ : 0;
   if (belief == 0) {

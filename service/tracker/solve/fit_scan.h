@@ -49,14 +49,14 @@ bool TryJump(const ScanContext& context, const FilterState& predicted, State& st
 
 // The scan did not fit where the pen was expected. In turn: the ambient field has jumped; one sensor is wrong (a few
 // per scan); the calibration is worse than stated. True: `state` holds that now, `measurement` and `outcome` are of it.
-bool TryOtherBeliefs(const ScanContext& context, const FilterState& predicted, State& state, Measurement& measurement,
-                     Outcome& outcome) noexcept;
+bool TryOtherHypotheses(const ScanContext& context, const FilterState& predicted, State& state,
+                        Measurement& measurement, Outcome& outcome) noexcept;
 
 // Cold start, each time under another assumption; one that fits is adopted, and `measurement` belongs to it.
-Outcome TryColdBelief(const ScanContext& context, State& state, Measurement& measurement) noexcept;
+Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement& measurement) noexcept;
 
 // The same while no pose explains any scan: the next step of the search for another magnet present from the start.
-// Precondition: TryColdBelief found no pose.
+// Precondition: TryColdHypothesis found no pose.
 Outcome TryPair(const ScanContext& context, State& state, Measurement& measurement) noexcept;
 
 // After a scan that fitted: checks for a wrong sensor, one left out that is right again, or a worse calibration.

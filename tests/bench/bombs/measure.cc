@@ -207,10 +207,10 @@ double Artist::LongestPause_ms() {
 Cost LoadByEntry(Omnid& omnid, const std::string& application, double limit_s) {
   Guest guest(omnid, application);
   const auto loaded = [&]() -> std::string {
-    for (const protocol::Notice& notice : guest.connection().TakeNotices())
+    for (const protocol::Notice& notice : guest.connection().PopNotices())
       return notice.level == 2 ? "refused" : "loaded";
     // Of a scene without a word there is its name in the status.
-    const std::string text = guest.connection().TakeStatus();
+    const std::string text = guest.connection().PopStatus();
     if (text.find("\"scene\":\"/") == std::string::npos) {
       guest.connection().Send(protocol::StatusRequest{});
       return {};
@@ -234,7 +234,7 @@ Cost LoadByDocument(Omnid& omnid, const std::string& application, const std::str
   load.bytes = document.size();
   load.flags = protocol::kSceneTouchUntagged;
   const auto ended = [&]() -> std::string {
-    for (const client::HapticSceneUpdate& update : guest.connection().TakeHapticSceneUpdates()) {
+    for (const client::HapticSceneUpdate& update : guest.connection().PopHapticSceneUpdates()) {
       if (update.is_table) continue;
       if (update.state.status == protocol::HapticSceneStatus::kFailed) return "refused";
       if (update.state.status == protocol::HapticSceneStatus::kReady) return "loaded";

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::collision {
 namespace {

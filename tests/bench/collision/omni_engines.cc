@@ -3,7 +3,7 @@
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/scene.h"
 #include "tests/bench/collision/engine.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::collision {
 
@@ -68,7 +68,7 @@ class ContactEngine final : public Engine {
     Enter(scene_, state_);
     Input input;
     input.device_point_base_m = tip;
-    StartContacts(Touchables(scene_, input, state_), state_);
+    StartContacts(ContactScene(scene_, input, state_), state_);
     state_.last_device_point_base_m = tip;
     state_.was_tracked = true;
   }
@@ -76,10 +76,10 @@ class ContactEngine final : public Engine {
     if (!(Norm(tip - state_.far_origin_base_m) < state_.far_distance_m)) {
       Input input;
       input.device_point_base_m = tip;
-      const Touchables touchables(scene_, input, state_);
-      UpdateContacts(touchables, 1e-3, state_);
+      const ContactScene contact_scene(scene_, input, state_);
+      UpdateContacts(contact_scene, 1e-3, state_);
       state_.far_distance_m = 0;
-      if (!state_.contacts[0].active) LookAround(touchables.surface(), tip);
+      if (!state_.contacts[0].active) LookAround(contact_scene.surface(), tip);
     }
     state_.last_device_point_base_m = tip;
     return -1;

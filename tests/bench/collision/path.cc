@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::collision {
 namespace {

@@ -13,7 +13,7 @@
 #include "service/sim/fields/vec3.h"
 #include "service/sim/twin/loopback.h"
 #include "tests/bench/harness/room_conditions.h"
-#include "tests/support/touch/hand_at_wall.h"
+#include "tests/support/touch/virtual_wall.h"
 
 namespace omni::bench {
 namespace {

@@ -65,7 +65,7 @@ void Aim(const haptics::Scene& scene, double speed_m_s, base::Vec3& normal, hapt
   car.heading_rad = std::atan2(-normal.y, -normal.x);
 }
 
-base::Result<double> FeltPeak_N(const std::string& recording, const base::Vec3& normal) {
+base::Result<double> RenderedPeak_N(const std::string& recording, const base::Vec3& normal) {
   auto truth = tools::CsvTable::Read(recording);
   if (!truth.ok()) return base::Error{truth.error()};
   if (truth->rows() < kHitRunTicks) return base::Error{recording + ": the twin recorded too few ticks"};
@@ -110,7 +110,7 @@ base::Result<HitRun> RunHit(const haptics::Scene& scene, double speed_m_s, std::
   }
   run.hits = state->haptics.vehicle.hits;
   twin.reset();  // closes the recording
-  const auto felt = FeltPeak_N(recording, normal);
+  const auto felt = RenderedPeak_N(recording, normal);
   if (!felt.ok()) return base::Error{felt.error()};
   run.felt_N = *felt;
   return run;

@@ -9,7 +9,7 @@
 #include "service/sim/fields/random.h"
 #include "service/tools/scene/scene_source.h"
 #include "tests/bench/haptics/race.h"
-#include "tests/bench/harness/quiet_timing.h"
+#include "tests/bench/harness/idle_timing.h"
 
 namespace omni::bench {
 namespace {
@@ -161,7 +161,7 @@ base::Status BenchRaceCost(BenchRows& rows) {
         haptics::DriveCar(car, walls, loaded->scene.materials(), sticks[i], 1e-3, state);
       }
     }
-    const QuietTiming timing = TimeQuietly(200, 20, 50, [&](std::uint64_t i) {
+    const IdleTiming timing = TimeWhenIdle(200, 20, 50, [&](std::uint64_t i) {
       haptics::VehicleState copy = states[i % states.size()];
       haptics::DriveCar(car, walls, loaded->scene.materials(), sticks[i % states.size()], 1e-3, copy);
     });

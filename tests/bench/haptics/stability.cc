@@ -9,7 +9,7 @@
 #include "service/base/limits.h"
 #include "tests/bench/haptics/closed_loop.h"
 #include "tests/bench/harness/bench.h"
-#include "tests/support/touch/hand_at_wall.h"
+#include "tests/support/touch/virtual_wall.h"
 
 namespace omni::bench {
 namespace {
@@ -146,7 +146,7 @@ class Table {
       if (all_good) good_N_m = stiffness_N_m;
     }
     const Outcome start = sweep_.Run(p, WallRule::kFixed, StartingRule_N_m(p));
-    const Outcome offered = sweep_.Run(p, WallRule::kOffered, kAsked_N_m);
+    const Outcome offered = sweep_.Run(p, WallRule::kBounded, kAsked_N_m);
     rows_.push_back(Row("start", p, start));
     rows_.push_back(Row("offered", p, offered));
     ++sum.points;
@@ -197,7 +197,7 @@ nlohmann::ordered_json OutsideRow(Sweep& sweep, const Crowd& crowd, double delay
   for (const double mass_kg : crowd.mass_kg) {
     for (const double damping_Ns_m : crowd.damping_Ns_m) {
       const Outcome outcome =
-          sweep.Run({delay_ms, damping_Ns_m, mass_kg, noise_mm, late_ms}, WallRule::kOffered, kAsked_N_m);
+          sweep.Run({delay_ms, damping_Ns_m, mass_kg, noise_mm, late_ms}, WallRule::kBounded, kAsked_N_m);
       ++hands;
       cycles += outcome.limit_cycle;
       force_cut += outcome.gain < 1;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kLocateSpaces = "XR_KHR_locate_spaces";
 
-bool Offered(const char* name) {
+bool Available(const char* name) {
   std::uint32_t count = 0;
   if (XR_FAILED(xrEnumerateInstanceExtensionProperties(nullptr, 0, &count, nullptr))) return false;
   std::vector<XrExtensionProperties> all(count, {XR_TYPE_EXTENSION_PROPERTIES, nullptr, {}, 0});
@@ -72,7 +72,7 @@ void Sync(const App& app) {
 
 void CreateInstance(App& app) {
   std::vector<const char*> extensions{"XR_MND_headless", "XR_KHR_convert_timespec_time"};
-  if (Offered(kLocateSpaces)) extensions.push_back(kLocateSpaces);
+  if (Available(kLocateSpaces)) extensions.push_back(kLocateSpaces);
   XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
   std::strncpy(info.applicationInfo.applicationName, "omni_bench_layer", XR_MAX_APPLICATION_NAME_SIZE - 1);
   info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);

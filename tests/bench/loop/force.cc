@@ -14,7 +14,7 @@
 #include "service/sim/twin/twin.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
-#include "tests/bench/harness/quiet_timing.h"
+#include "tests/bench/harness/idle_timing.h"
 
 namespace omni::bench {
 namespace {
@@ -146,7 +146,7 @@ base::Vec3 Request(std::uint64_t tick) {
   return {size_N * std::cos(3 * t), size_N * std::sin(3 * t), size_N * std::sin(11 * t)};
 }
 
-nlohmann::ordered_json TimingRow(const std::string& stage, const QuietTiming& timing) {
+nlohmann::ordered_json TimingRow(const std::string& stage, const IdleTiming& timing) {
   return {{"model", "timing"},
           {"gap_mm", nullptr},
           {"error_median_pct", nullptr},
@@ -176,21 +176,21 @@ bool TimeStages(const base::DeviceGeometry& device, const std::vector<base::Hall
   }
   double kept = 0;  // results are used
   rows.push_back(
-      TimingRow("map", TimeQuietly(kBatches, kBatch, 4, [&](std::uint64_t i) {
+      TimingRow("map", TimeWhenIdle(kBatches, kBatch, 4, [&](std::uint64_t i) {
                   const base::ToolState& tool = tools[i % tools.size()];
                   kept += actuation::EvaluateForceMap(config.map, tool.position_base_m, tool.axis_base).snapping_N.x;
                 })));
   rows.push_back(
-      TimingRow("map+limit", TimeQuietly(kBatches, kBatch, 4, [&](std::uint64_t i) {
+      TimingRow("map+limit", TimeWhenIdle(kBatches, kBatch, 4, [&](std::uint64_t i) {
                   kept += actuation::ComputeForceLimit(config, tools[i % tools.size()], {25, 25, 25}).conditioning;
                 })));
   actuation::State state;
   base::CoilCurrents currents;
-  rows.push_back(TimingRow("allocate, direction kept", TimeQuietly(kBatches, kBatch, 4, [&](std::uint64_t i) {
+  rows.push_back(TimingRow("allocate, direction kept", TimeWhenIdle(kBatches, kBatch, 4, [&](std::uint64_t i) {
                              actuation::Allocate(config, limits[i % tools.size()], Request(i), 1e-3, state, currents);
                              kept += currents.current_A[0];
                            })));
-  rows.push_back(TimingRow("track+map+allocate", TimeQuietly(kBatches, kBatch, 1, [&](std::uint64_t i) {
+  rows.push_back(TimingRow("track+map+allocate", TimeWhenIdle(kBatches, kBatch, 1, [&](std::uint64_t i) {
                              if (i % scans.size() == 0) *tracked = tracker::State{};
                              const base::HallScan& scan = scans[i % scans.size()];
                              base::ToolState tool;

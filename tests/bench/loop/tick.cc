@@ -22,7 +22,7 @@
 #include "service/loop/tick_config.h"
 #include "service/tools/scene/scene_source.h"
 #include "tests/bench/harness/bench.h"
-#include "tests/bench/harness/quiet_timing.h"
+#include "tests/bench/harness/idle_timing.h"
 #include "tests/bench/loop/tick_features.h"
 #include "tests/support/rig/loop_replay.h"
 #include "tests/support/usual_limit.h"
@@ -141,10 +141,10 @@ std::vector<haptics::Input> LongestTouch(const loop::TickConfig& config, const h
   return best;
 }
 
-QuietTiming TimePlayer(const loop::TickConfig& config, const haptics::Scene& scene,
-                       const std::vector<base::HallScan>& scans, int batches) {
+IdleTiming TimePlayer(const loop::TickConfig& config, const haptics::Scene& scene,
+                      const std::vector<base::HallScan>& scans, int batches) {
   const auto player = std::make_unique<test::ScanPlayer>(config, scene, scans);
-  return TimeQuietly(
+  return TimeWhenIdle(
       batches, kTicksOfBatch, 1, [&](std::uint64_t) { player->Tick(); },
       [&] {
         if (player->at_end()) player->Start();
@@ -182,13 +182,13 @@ class TickBench {
   base::Status Add(const std::string& name, const haptics::Scene& scene, const std::string& path) {
     auto scans = test::RecordScans(config_, scene, path, options_.seed, config::DefaultTwin());
     if (!scans.ok()) return base::Error{scans.error()};
-    const QuietTiming timing = TimePlayer(config_, scene, *scans, options_.quick ? 5 : 60);
+    const IdleTiming timing = TimePlayer(config_, scene, *scans, options_.quick ? 5 : 60);
     const test::ReplayTiming replay = test::ReplayTicks(config_, scene, *scans, scans->size());
     rows_.push_back(
         {{"scene", name},
          {"triangles", scene.header().triangle_count},
          {"soft_bodies", SoftBodiesOf(scene)},
-         {"sculptable", scene.live() != nullptr ? scene.live()->workshop_count() : 0},
+         {"sculptable", scene.live() != nullptr ? scene.live()->sculpt_session_count() : 0},
          {"us_median", timing.us_median},
          {"us_p99", timing.us_p99},
          {"allocations", replay.allocations},

@@ -11,7 +11,7 @@
 #include "service/haptics/scene.h"
 #include "service/haptics/state.h"
 #include "service/scene/load_live.h"
-#include "tests/bench/harness/quiet_timing.h"
+#include "tests/bench/harness/idle_timing.h"
 #include "tests/support/touch/fresh_scene.h"
 
 namespace omni::bench {
@@ -116,9 +116,9 @@ class StepPlayer {
   haptics::Output output_;
 };
 
-QuietTiming TimeSteps(const haptics::Scene& scene, const std::vector<haptics::Input>& inputs, int group, int batches) {
+IdleTiming TimeSteps(const haptics::Scene& scene, const std::vector<haptics::Input>& inputs, int group, int batches) {
   const auto player = std::make_unique<StepPlayer>(scene, inputs);
-  return TimeQuietly(
+  return TimeWhenIdle(
       batches, kGroups, group, [&](std::uint64_t) { player->Step(); },
       [&] {
         if (!player->has(static_cast<std::size_t>(group))) player->Start();
@@ -146,7 +146,7 @@ nlohmann::ordered_json FarRow(const char* name, const haptics::Scene& scene,
   haptics::Output output;
   const auto step = [&](std::size_t i) { haptics::Step(config, fresh.scene(), inputs[i % kMoment], *state, output); };
   for (std::size_t i = 0; i < kSettle; ++i) step(i);
-  const QuietTiming timing = TimeQuietly(batches, kGroups, kFarGroup, step);
+  const IdleTiming timing = TimeWhenIdle(batches, kGroups, kFarGroup, step);
   return {{"table", "far tip"},
           {"scene", name},
           {"triangles", scene.header().triangle_count},
@@ -168,8 +168,8 @@ base::Result<BenchRows> TickFeatureRows(const TouchedBody& body, bool quick) {
     feature.enable(with);
     const base::Result<haptics::Scene> scene = BuildLive(with);
     if (!scene.ok()) return base::Error{scene.error()};
-    const QuietTiming off = TimeSteps(*plain, body.touch, kTouchGroup, batches);
-    const QuietTiming on = TimeSteps(*scene, body.touch, kTouchGroup, batches);
+    const IdleTiming off = TimeSteps(*plain, body.touch, kTouchGroup, batches);
+    const IdleTiming on = TimeSteps(*scene, body.touch, kTouchGroup, batches);
     rows.push_back({{"table", "features"},
                     {"feature", feature.name},
                     {"off_us_median", off.us_median},

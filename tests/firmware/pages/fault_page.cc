@@ -3,7 +3,7 @@
 
 #include "firmware/core/safety/fault_rules.h"
 #include "firmware/wire/names.h"
-#include "service/device/usb/command_life.h"
+#include "service/device/usb/command_ttl.h"
 #include "tests/firmware/pages/fault_matrix.h"
 #include "tests/firmware/pages/fixed_text.h"
 
@@ -131,7 +131,7 @@ the self-test that follows ends in the state fault.
 
 A host gives every current )" +
          std::to_string(device::kCommandTimeToLive_ms) +
-         R"( ms to live (service/device/usb/command_life.h). In ms from its last COMMAND until every coil stays
+         R"( ms to live (service/device/usb/command_ttl.h). In ms from its last COMMAND until every coil stays
 below )" +
          Fixed(1000 * kZero_A, 0) + R"( mA, by supply:
 

@@ -83,7 +83,7 @@ TEST(Lockstep, DrillHasTheSameChecksum) {
 }
 
 // What the core answers to FAULT's question; fault = 0: nothing is recorded.
-base::Result<wire::FaultEvent> AskForRecord(QemuBoard& target, Session& session) {
+base::Result<wire::FaultEvent> RequestRecord(QemuBoard& target, Session& session) {
   LockstepRequest request;
   request.frames[0] = Question(wire::MessageType::kFault, 1);
   for (int i = 0; i < 40; ++i) {
@@ -121,7 +121,7 @@ TEST(Lockstep, ResetKeepsTheFaultRecord) {
   const base::Status reset = target.Reset(ResetCause::kSoftware);
   ASSERT_TRUE(reset.ok()) << reset.error();
   Session after(Session::Manner::kIdle, 3);
-  const auto event = AskForRecord(target, after);
+  const auto event = RequestRecord(target, after);
   ASSERT_TRUE(event.ok()) << event.error();
   EXPECT_EQ(event->fault, wire::kFaultEmergencyStop);
   EXPECT_EQ(after.telemetry().faults & wire::kFaultEmergencyStop, 0U) << "the core itself is a new one";
@@ -129,7 +129,7 @@ TEST(Lockstep, ResetKeepsTheFaultRecord) {
   const auto other = QemuBoard::Start({});
   ASSERT_TRUE(other.ok()) << other.error();
   Session fresh(Session::Manner::kIdle, 4);
-  const auto none = AskForRecord(**other, fresh);
+  const auto none = RequestRecord(**other, fresh);
   ASSERT_TRUE(none.ok()) << none.error();
   EXPECT_EQ(none->fault, 0U) << "power-on has no record";
 }

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "firmware/wire/scaling.h"
-#include "service/device/usb/command_life.h"
+#include "service/device/usb/command_ttl.h"
 
 namespace omni::hil {
 namespace {

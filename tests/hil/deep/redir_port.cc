@@ -165,7 +165,7 @@ void RedirPort::Appear() {
   plugged_ = true;
   ++counts_.plugged;
   Reset();
-  TellEndpoints();
+  ReportEndpoints();
   usb_redir_device_connect_header connect{};
   connect.speed = usb_redir_speed_high;
   connect.vendor_id = usb::kVendorId;
@@ -175,7 +175,7 @@ void RedirPort::Appear() {
 }
 
 // Before the base appears and after each change of its configuration.
-void RedirPort::TellEndpoints() {
+void RedirPort::ReportEndpoints() {
   usb_redir_ep_info_header endpoints{};
   std::fill(std::begin(endpoints.type), std::end(endpoints.type), std::uint8_t{usb_redir_type_invalid});
   for (const std::uint8_t control : {std::uint8_t{0x00}, std::uint8_t{0x80}}) {
@@ -243,7 +243,7 @@ void RedirPort::SetConfiguration(std::uint64_t id, std::uint8_t configuration) {
   std::uint8_t data[kAnswerMax];
   const bool done = Ask({kStandardToDevice, kRequestSetConfiguration, configuration, 0, 0}, data) >= 0;
   if (!done) ++counts_.stalls;
-  TellEndpoints();
+  ReportEndpoints();
   usb_redir_configuration_status_header status{};
   status.status = done ? std::uint8_t{usb_redir_success} : std::uint8_t{usb_redir_stall};
   status.configuration = state_.configuration;
@@ -255,7 +255,7 @@ void RedirPort::SetInterface(std::uint64_t id, std::uint8_t interface, std::uint
   std::uint8_t data[kAnswerMax];
   const bool done = Ask({kStandardToInterface, kRequestSetInterface, alternate, interface, 0}, data) >= 0;
   if (!done) ++counts_.stalls;
-  TellEndpoints();
+  ReportEndpoints();
   usb_redir_alt_setting_status_header status{};
   status.status = done ? std::uint8_t{usb_redir_success} : std::uint8_t{usb_redir_stall};
   status.interface = interface;

@@ -63,7 +63,7 @@ class RedirPort {
   };
 
   void Appear();
-  void TellEndpoints();
+  void ReportEndpoints();
   void Control(std::uint64_t id, usb_redir_control_packet_header header);
   int Ask(const drivers::usb::Setup& setup, std::uint8_t* data);
   void SetConfiguration(std::uint64_t id, std::uint8_t configuration);

@@ -14,7 +14,7 @@
 
 #include "service/base/clock.h"
 #include "tests/hil/time/host_process.h"
-#include "tests/hil/time/quiet.h"
+#include "tests/hil/time/idle_watch.h"
 #include "tests/hil/time/virtual_clock.h"
 #include "tests/support/process/temp_folder.h"
 #include "tests/support/sanitized.h"
@@ -30,7 +30,7 @@ class VirtualClockTest : public testing::Test {
  protected:
   void SetUp() override {
     if (test::kSanitized) GTEST_SKIP() << "a sanitizer wants to be the first library of a program, and the clock is";
-    const base::Status possible = QuietWatch::Possible();
+    const base::Status possible = IdleWatch::Possible();
     if (!possible) GTEST_SKIP() << possible.error();
     auto made = VirtualClock::Create(folder_.Path("clock"));
     ASSERT_TRUE(made.ok()) << made.error();
@@ -67,7 +67,7 @@ class VirtualClockTest : public testing::Test {
 
   const test::TempFolder folder_;
   std::optional<VirtualClock> clock_;
-  QuietWatch quiet_;
+  IdleWatch quiet_;
 };
 
 struct Way {

@@ -1,6 +1,6 @@
 // omni_virtual_time PROGRAM ARGUMENTS...: the program, and all that it starts, in virtual time. Whenever everybody
-// sleeps (tests/hil/time/quiet.h), time goes on to the instant of the first timer: what a program computes takes no
-// time, however busy the machine is, and a wait for which there is nothing to do is over at once. Exit status: the
+// sleeps (tests/hil/time/idle_watch.h), time goes on to the instant of the first timer: what a program computes takes
+// no time, however busy the machine is, and a wait for which there is nothing to do is over at once. Exit status: the
 // program's.
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -15,13 +15,13 @@
 #include <vector>
 
 #include "tests/hil/time/host_process.h"
-#include "tests/hil/time/quiet.h"
+#include "tests/hil/time/idle_watch.h"
 #include "tests/hil/time/virtual_clock.h"
 
 namespace {
 
 using omni::hil::HostProcess;
-using omni::hil::QuietWatch;
+using omni::hil::IdleWatch;
 using omni::hil::VirtualClock;
 
 constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two looks are short
@@ -56,7 +56,7 @@ int Run(const std::vector<std::string>& arguments) {
     return kCannotRun;
   };
   if (arguments.empty()) return fail("a program is missing: omni_virtual_time PROGRAM ARGUMENTS...");
-  if (const omni::base::Status possible = QuietWatch::Possible(); !possible) return fail(possible.error());
+  if (const omni::base::Status possible = IdleWatch::Possible(); !possible) return fail(possible.error());
   if (access(kOwnChildren, R_OK) != 0) return fail(std::string("needs ") + kOwnChildren + " (CONFIG_PROC_CHILDREN)");
   if (prctl(PR_SET_CHILD_SUBREAPER, 1) != 0) return fail("orphans cannot be adopted");
   prctl(PR_SET_TIMERSLACK, kTimerSlack_ns);
@@ -64,7 +64,7 @@ int Run(const std::vector<std::string>& arguments) {
   if (!clock) return fail(clock.error());
   auto program = HostProcess::Start(arguments, clock->Environment());
   if (!program) return fail(program.error());
-  QuietWatch quiet;
+  IdleWatch quiet;
   for (;;) {
     if (const auto status = program->Ended()) return *status;
     const std::vector<pid_t> processes = Descendants();

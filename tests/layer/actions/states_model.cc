@@ -50,7 +50,7 @@ class FakeRuntime : public layer::RuntimeStates {
 };
 
 // One application: its sets, actions and suggestions, as the layer and as the model know them.
-struct Story {
+struct Scenario {
   Dice dice;
   std::vector<std::shared_ptr<layer::ActionSet>> sets;
   std::vector<std::shared_ptr<layer::Action>> actions;
@@ -60,7 +60,7 @@ struct Story {
   std::vector<std::string> profiles;
   ModelSync sync;
 
-  explicit Story(std::uint64_t seed) : dice(seed) {
+  explicit Scenario(std::uint64_t seed) : dice(seed) {
     MakeActions();
     MakeSuggestions();
     sync.now = 1'000'000'000;
@@ -248,7 +248,7 @@ std::string CompareSpace(const layer::SessionActions& layer, const std::shared_p
   return "the space is at another pose than " + wanted.pose;
 }
 
-std::string CompareAction(const Story& story, const layer::SessionActions& layer, const ActionModel& model, int i) {
+std::string CompareAction(const Scenario& story, const layer::SessionActions& layer, const ActionModel& model, int i) {
   const auto& action = story.actions[static_cast<std::size_t>(i)];
   const ModelAction& m = story.model_actions[static_cast<std::size_t>(i)];
   for (const At at : {At::kNull, At::kLeft, At::kRight}) {
@@ -272,7 +272,7 @@ struct Seen {  // that the stories visit what they are told for
 };
 
 std::string Tell(std::uint64_t seed, Seen& seen) {
-  Story story(seed);
+  Scenario story(seed);
   layer::SessionActions layer(AllProfiles(), {layer::Hand::kRight, ""}, {kPathOf[1], kPathOf[2]});
   std::vector<std::shared_ptr<layer::ActionSet>> sets;
   for (const int set : story.attached) sets.push_back(story.sets[static_cast<std::size_t>(set)]);

@@ -20,8 +20,8 @@ namespace test_states_model_stack {
 
 using protocol::InputIndex;
 
-constexpr int kStories = 60;
-constexpr int kSyncsOfAStory = 30;
+constexpr int kScenarios = 60;
+constexpr int kSyncsPerScenario = 30;
 // Of the layer's measurement of the runtime's clock.
 constexpr std::int64_t kClockTolerance_ns = 2'000'000;
 
@@ -106,9 +106,9 @@ const layer::Profile& ProfileAt(const char* path) {
                        [path](const layer::Profile& p) { return p.path == path; });
 }
 
-class StackStory {
+class StackScenario {
  public:
-  explicit StackStory(std::uint64_t seed) : random_(seed), app_(Options()) {
+  explicit StackScenario(std::uint64_t seed) : random_(seed), app_(Options()) {
     MakeSets();
     MakeSuggestions();
   }
@@ -153,7 +153,7 @@ class StackStory {
   bool focus_ = true;
 };
 
-void StackStory::MakeSets() {
+void StackScenario::MakeSets() {
   static int serial = 0;
   for (int i = 0; i < 3; ++i) {
     priorities_.push_back(static_cast<std::uint32_t>(random_() % 3));
@@ -186,7 +186,7 @@ void StackStory::MakeSets() {
   }
 }
 
-std::string StackStory::ValidPath(const layer::Profile& profile) {
+std::string StackScenario::ValidPath(const layer::Profile& profile) {
   for (;;) {
     const layer::Hand hand = Chance(30) ? layer::Hand::kLeft : layer::Hand::kRight;
     std::string path = Chance(75) ? Of(profile.components).path : Of(profile.poses).path;
@@ -196,7 +196,7 @@ std::string StackStory::ValidPath(const layer::Profile& profile) {
   }
 }
 
-void StackStory::MakeSuggestions() {
+void StackScenario::MakeSuggestions() {
   std::vector<const char*> profiles{kTouch, kIndex, kSimple, kGeneric, kMxInk, kOmniStylus};
   std::shuffle(profiles.begin(), profiles.end(), random_);
   profiles.resize(1 + random_() % 3);
@@ -214,7 +214,7 @@ void StackStory::MakeSuggestions() {
   }
 }
 
-void StackStory::MoveInputs() {
+void StackScenario::MoveInputs() {
   for (int moves = Below100() % 8; moves > 0; --moves) {
     const auto index = static_cast<InputIndex>(random_() % protocol::kInputCount);
     if (index == InputIndex::kDocked && Chance(70)) continue;
@@ -234,7 +234,7 @@ void StackStory::MoveInputs() {
   omni_test_set_bool((user + (side[0] == 'l' ? "/input/x/click" : "/input/a/click")).c_str(), Chance(50));
 }
 
-void StackStory::Live() {
+void StackScenario::Live() {
   MoveInputs();
   if (Chance(10)) omni_test_set_device("right", Chance(50), nullptr);
   if (Chance(8)) omni_test_set_device("left", Chance(70), nullptr);
@@ -256,7 +256,7 @@ void StackStory::Live() {
   }
 }
 
-XrResult StackStory::Sync() {
+XrResult StackScenario::Sync() {
   std::vector<XrActiveActionSet> active;
   for (const ModelActiveSet& entry : sync_.active)
     active.push_back({sets_[static_cast<std::size_t>(entry.set)], PathAt(entry.at)});
@@ -274,7 +274,7 @@ XrResult StackStory::Sync() {
   return result;
 }
 
-std::string StackStory::CompareWith(const ActionModel& model) {
+std::string StackScenario::CompareWith(const ActionModel& model) {
   std::ostringstream why;
   const std::string profile = app_.Profile(app_.right);
   if (!model.Profile().empty() && profile != model.Profile())
@@ -304,7 +304,7 @@ std::string StackStory::CompareWith(const ActionModel& model) {
   return why.str();
 }
 
-std::string StackStory::Run() {
+std::string StackScenario::Run() {
   const XrSessionActionSetsAttachInfo attach{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 3, sets_.data()};
   EXPECT_EQ(xrAttachSessionActionSets(app_.session, &attach), XR_SUCCESS);
   service_.SetFlags(0);
@@ -321,7 +321,7 @@ std::string StackStory::Run() {
   nanosleep(&pause, nullptr);
   app_.Poll();
   sync_.service = 1;
-  for (int step = 0; step < kSyncsOfAStory; ++step) {
+  for (int step = 0; step < kSyncsPerScenario; ++step) {
     Live();
     const XrResult result = Sync();
     if (result != (focus_ ? XR_SUCCESS : XR_SESSION_NOT_FOCUSED)) return Name(result);
@@ -346,16 +346,16 @@ std::string StackStory::Run() {
 
 TEST(StatesModelStack, RandomApplicationsOverTheWholeStackAgreeWithTheModel) {
   long active = 0, changed = 0;
-  for (std::uint64_t seed = 1; seed <= kStories; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kScenarios; ++seed) {
     omni_test_reset();
-    StackStory story(seed);
+    StackScenario story(seed);
     const std::string why = story.Run();
     ASSERT_EQ(why, "") << "seed " << seed;
     active += story.active_states;
     changed += story.changes;
   }
-  std::printf("%d stories of %d syncs over the whole stack: %ld active states, %ld changes\n", kStories, kSyncsOfAStory,
-              active, changed);
+  std::printf("%d stories of %d syncs over the whole stack: %ld active states, %ld changes\n", kScenarios,
+              kSyncsPerScenario, active, changed);
   EXPECT_GT(active, 500);
   EXPECT_GT(changed, 100);
 }

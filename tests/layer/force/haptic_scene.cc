@@ -23,7 +23,7 @@ TEST(HapticScene, FunctionsAreThereOnlyWhereBothExtensionsAre) {
 }
 
 TEST(HapticScene, TheDocumentArrivesAndItsStateComesBack) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
   XrHapticSceneOMNIX1 second = XR_NULL_HANDLE;
@@ -63,7 +63,7 @@ TEST(HapticScene, TheDocumentArrivesAndItsStateComesBack) {
 }
 
 TEST(HapticScene, AFailedOneSaysWhyAndCanOnlyBeDestroyed) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_loads.empty(); }));
   story.SayState(story.service->heard().scene_loads[0].number, protocol::HapticSceneStatus::kFailed, 0,
@@ -78,7 +78,7 @@ TEST(HapticScene, AFailedOneSaysWhyAndCanOnlyBeDestroyed) {
 
 // The document's frame at a placement in LOCAL: where the service puts the scene, against the algebra written out.
 TEST(HapticScene, APlacementIsToldInTheBase) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const XrSpace local = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   XrHapticScenePlacementOMNIX1 placement{
@@ -89,7 +89,7 @@ TEST(HapticScene, APlacementIsToldInTheBase) {
   const protocol::HapticScenePlace place = story.service->heard().scene_places.back();
   EXPECT_EQ(place.scale, 2);
   // A point of the document: by the application's words in LOCAL; by the service's in the base, then in LOCAL.
-  const layer::Pose X_LO = layer::DefaultPlacement();
+  const layer::Pose X_LO = layer::DefaultBasePose();
   const glm::dvec3 p_G(0.01, 0.02, 0.03);
   const layer::Pose X_LG = layer::FromXr(placement.pose);
   const glm::dvec3 p_L = X_LG.p + X_LG.q * (2.0 * p_G);
@@ -106,7 +106,7 @@ TEST(HapticScene, APlacementIsToldInTheBase) {
 
 // A node at its rest is told as no motion; a move, a turn and a velocity as what they do to the document's points.
 TEST(HapticScene, NodePosesAreToldFromTheirRest) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticSceneNodeOMNIX1 nodes[2] = {{XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}, {XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}};
   std::uint32_t count = 0;
@@ -168,7 +168,7 @@ TEST(HapticScene, NodePosesAreToldFromTheirRest) {
 }
 
 TEST(HapticScene, MaterialsAreReadSetAndKeptInRange) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
   ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
@@ -189,7 +189,7 @@ TEST(HapticScene, MaterialsAreReadSetAndKeptInRange) {
 }
 
 TEST(HapticScene, ContactsComeInTheSpaceThatIsAskedFor) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   protocol::ContactSnapshot touched;
   touched.scene_generation = 9;
@@ -212,7 +212,7 @@ TEST(HapticScene, ContactsComeInTheSpaceThatIsAskedFor) {
       [&] { return story.f->contacts(story.scene, &info, 0, &count, nullptr) == XR_SUCCESS && count == 1; }));
   XrHapticContactOMNIX1 got{XR_TYPE_HAPTIC_CONTACT_OMNIX1};
   ASSERT_EQ(story.f->contacts(story.scene, &info, 1, &count, &got), XR_SUCCESS);
-  const layer::Pose X_LO = layer::DefaultPlacement();
+  const layer::Pose X_LO = layer::DefaultBasePose();
   const glm::dvec3 p_L = X_LO.p + X_LO.q * glm::dvec3(0.01, 0.02, 0.05);
   EXPECT_NEAR(got.point.x, p_L.x, 1e-6);
   EXPECT_NEAR(got.point.y, p_L.y, 1e-6);
@@ -232,7 +232,7 @@ TEST(HapticScene, ContactsComeInTheSpaceThatIsAskedFor) {
 
 // The service goes and another one comes: the same scene is loaded there, with all that was said about it.
 TEST(HapticScene, SurvivesTheService) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
   ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
@@ -253,7 +253,7 @@ TEST(HapticScene, SurvivesTheService) {
 }
 
 TEST(HapticScene, WaitsForAServiceThatIsNotThere) {
-  SceneStory story(false);
+  SceneScenario story(false);
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
   EXPECT_NE(story.Diagnostics().find("waiting for omnid"), std::string::npos);
@@ -262,7 +262,7 @@ TEST(HapticScene, WaitsForAServiceThatIsNotThere) {
 }
 
 TEST(HapticScene, EndsWithItsSession) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   ASSERT_EQ(xrEndSession(story.app->session), XR_ERROR_SESSION_NOT_STOPPING);
   ASSERT_EQ(xrDestroySession(story.app->session), XR_SUCCESS);
@@ -273,7 +273,7 @@ TEST(HapticScene, EndsWithItsSession) {
 }
 
 TEST(HapticScene, WrongArgumentsAreRefused) {
-  SceneStory story;
+  SceneScenario story;
   const std::uint8_t byte = 0;
   const XrHapticSceneCreateInfoOMNIX1 good{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1, nullptr, 0, 1, &byte};
   const auto create = [&](auto change) {

@@ -11,7 +11,7 @@ namespace test_haptic_scene_rules {
 constexpr XrPosef kHere{{0, 0, 0, 1}, {0, 0, 0}};
 
 // The results of everything that needs more than a handle, in one order.
-std::vector<XrResult> AskAll(const SceneStory& story, XrHapticNodeIdOMNIX1 node) {
+std::vector<XrResult> AskAll(const SceneScenario& story, XrHapticNodeIdOMNIX1 node) {
   const XrTime now = Now_ns() + kRuntimeOffset_ns;
   const XrSpace local = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   std::uint32_t count = 0;
@@ -34,14 +34,14 @@ XrHapticScenePlacementOMNIX1 In(XrSpace space, float scale = 1) {
   return {XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1, nullptr, space, kHere, scale};
 }
 
-XrResult Move(const SceneStory& story, const std::vector<XrHapticNodePoseOMNIX1>& poses,
+XrResult Move(const SceneScenario& story, const std::vector<XrHapticNodePoseOMNIX1>& poses,
               XrTime time = Now_ns() + kRuntimeOffset_ns, XrSpace base = XR_NULL_HANDLE) {
   const XrHapticNodesUpdateInfoOMNIX1 info{XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1,  nullptr,     base, time,
                                            static_cast<std::uint32_t>(poses.size()), poses.data()};
   return story.f->move(story.scene, &info);
 }
 
-std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneStory& story) {
+std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneScenario& story) {
   std::uint32_t count = 0;
   EXPECT_EQ(story.f->nodes(story.scene, 0, &count, nullptr), XR_SUCCESS);
   std::vector<XrHapticSceneNodeOMNIX1> nodes(count, {XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1});
@@ -51,7 +51,7 @@ std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneStory& story) {
 
 // [Results] LOADING for the first time: it can be placed and enabled, and has nothing to tell.
 TEST(HapticSceneRules, ALoadingSceneIsNotReady) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   ASSERT_NE(story.Number(), 0u);
   for (const XrResult result : AskAll(story, 1)) EXPECT_EQ(result, XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
@@ -66,7 +66,7 @@ TEST(HapticSceneRules, ALoadingSceneIsNotReady) {
 
 // [Results] "anything but its state, its diagnostics and its end"; [Life of a scene] "is FAILED, and stays so".
 TEST(HapticSceneRules, AFailedSceneStaysFailed) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   const std::uint32_t number = story.Number();
   ASSERT_NE(number, 0u);
@@ -93,7 +93,7 @@ TEST(HapticSceneRules, AFailedSceneStaysFailed) {
 
 // [XrEventDataHapticSceneStateChangedOMNIX1] one for each change of status; none of a scene that was destroyed.
 TEST(HapticSceneRules, EventsTellEachChangeOfALivingScene) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   story.app->Poll();
   const auto count = [&] { return story.app->CountEvents(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1); };
@@ -116,7 +116,7 @@ TEST(HapticSceneRules, EventsTellEachChangeOfALivingScene) {
 
 // [Results] a 17th moved node, a 17th changed material; the sixteen go on.
 TEST(HapticSceneRules, SixteenNodesMoveAndSixteenMaterialsChange) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady(ManyNodes(20, 20)));
   const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
   ASSERT_EQ(nodes.size(), 20u);
@@ -139,7 +139,7 @@ TEST(HapticSceneRules, SixteenNodesMoveAndSixteenMaterialsChange) {
 
 // [Results] "An unsuccessful call changes nothing": of an update with one bad pose, no pose is told later either.
 TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
   const XrHapticNodePoseOMNIX1 good{nodes[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}};
@@ -169,7 +169,7 @@ TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
 
 // [Life of a scene] "placement, node poses and materials are as they were last set", ids are those of before.
 TEST(HapticSceneRules, ANewServiceIsToldPlacementAndPoses) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
   XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL));
@@ -193,7 +193,7 @@ TEST(HapticSceneRules, ANewServiceIsToldPlacementAndPoses) {
 
 // [Frames] baseSpace is looked up at every xrWaitFrame; where it cannot be located the scene stays.
 TEST(HapticSceneRules, ThePlacementFollowsItsSpace) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const float head[7] = {0, 1.6f, -0.5f, 0, 0, 0, 1};
   const float moving[6] = {0.3f, 0, 0, 0, 0, 0};
@@ -238,7 +238,7 @@ TEST(HapticSceneRules, ThePlacementFollowsItsSpace) {
 
 // [Valid usage] a scale is finite and taken to the nearest end of its range; `next` is ignored.
 TEST(HapticSceneRules, ScalesAreTakenIntoRange) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 1e9f);
   XrBaseInStructure unknown{static_cast<XrStructureType>(1999999999), nullptr};
@@ -253,7 +253,7 @@ TEST(HapticSceneRules, ScalesAreTakenIntoRange) {
 
 // [Results] node ids are of one scene; a mesh is asked of what changes, and is there when a shape has arrived.
 TEST(HapticSceneRules, NodesOfAnotherSceneAndMeshesOfStillNodes) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const std::vector<XrHapticSceneNodeOMNIX1> old = NodesOf(story);
   const auto mesh_of = [&](XrHapticNodeIdOMNIX1 node) {
@@ -276,7 +276,7 @@ TEST(HapticSceneRules, NodesOfAnotherSceneAndMeshesOfStillNodes) {
 
 // [Life of a scene] felt while it is enabled and its session focused: what the service is told, and what it says.
 TEST(HapticSceneRules, FeltIsWhatTheServiceSays) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   EXPECT_EQ(story.State().isFelt, XR_TRUE);
   ASSERT_EQ(story.f->enable(story.scene, XR_FALSE), XR_SUCCESS);

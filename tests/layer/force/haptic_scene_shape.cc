@@ -14,7 +14,7 @@ namespace test_haptic_scene_shape {
 
 // In a space that is still it is told once; in one that moves, frame by frame with how it moves.
 TEST(HapticScene, APlacementFollowsItsSpace) {
-  SceneStory story;
+  SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const auto frame = [&] {
     story.service->Fill();
@@ -99,7 +99,7 @@ class SceneShape : public testing::Test {
     EXPECT_NEAR(mesh.maxDisplacement, 0.002f, 1e-7f);
   }
 
-  SceneStory story;
+  SceneScenario story;
   XrHapticNodeIdOMNIX1 node = XR_NULL_HAPTIC_NODE_ID_OMNIX1;
   XrHapticNodeMeshOMNIX1 mesh{XR_TYPE_HAPTIC_NODE_MESH_OMNIX1};
   std::vector<XrVector3f> vertices = std::vector<XrVector3f>(3);

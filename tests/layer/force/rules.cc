@@ -232,9 +232,9 @@ TEST_F(ForceRules, TheServiceHearsOfEveryEnd) {
 
 // [Valid usage] where nobody knows the base's place, what is wrong with a space or a time is told all the same.
 TEST_F(ForceRules, ArgumentsAreCheckedWithoutAPlaceToo) {
-  protocol::Placement unknown;
+  protocol::BasePose unknown;
   unknown.uncalibrated = protocol::Uncalibrated::kCalibrated;
-  service_.SetPlacement(unknown);
+  service_.SetBasePose(unknown);
   StartWithHandle();
   const XrSpace gone = app_->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   ASSERT_EQ(xrDestroySpace(gone), XR_SUCCESS);

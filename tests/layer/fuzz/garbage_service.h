@@ -25,7 +25,7 @@ class GarbageService : private ipc::ServerHandler {
   void OnGone(ipc::ClientId) override {}
   // Where the base stands is unknown; without an answer each application would wait for one.
   void OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd /*file*/) override {
-    if (std::holds_alternative<protocol::PlacementRequest>(request)) server_->Send(id, protocol::Placement{});
+    if (std::holds_alternative<protocol::BasePoseRequest>(request)) server_->Send(id, protocol::BasePose{});
   }
   void OnPeriod(std::int64_t) override {}
   std::string StatusJson() override { return "{}"; }

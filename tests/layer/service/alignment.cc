@@ -82,7 +82,7 @@ void StoreInLocal(const std::string& socket_path) {
   outcome.expected_error_m = 1e-3;
   const tools::Headset headset{
       .runtime = "Omni test runtime", .system = "Omni test system", .space = protocol::kSpaceLocal};
-  const auto stored = tools::AskPlacement(connection, tools::StoreCommand(headset, outcome, "touch"));
+  const auto stored = tools::RequestBasePose(connection, tools::StoreCommand(headset, outcome, "touch"));
   ASSERT_TRUE(stored.ok()) << stored.error();
 }
 

@@ -52,7 +52,7 @@ class ForceApp {
                                                        &header};
     constrain_(force_, &info);
   }
-  float Felt_N() {
+  float RenderedForce_N() {
     const XrForceFeedbackStateGetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, nullptr, local_,
                                                  Now_ns() + kRuntimeOffset_ns};
     XrForceFeedbackStateOMNIX1 state{XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1};
@@ -71,14 +71,14 @@ class ForceApp {
   bool PushUntilFelt() {
     return Until([&] {
       Push(kLong_ns);
-      return Felt_N() > 0.5f;
+      return RenderedForce_N() > 0.5f;
     });
   }
   bool HoldUntilFelt() {
     return Until([&] {
       if (held_ == 0) Hold();
       held_ = (held_ + 1) % 50;
-      return Felt_N() > 0.5f;
+      return RenderedForce_N() > 0.5f;
     });
   }
 

@@ -99,7 +99,7 @@ class SceneApp {
     return std::any_of(contacts.begin(), contacts.end(), [node](const auto& contact) { return contact.node == node; });
   }
   // A block under the pen, which may already be in it, until it pushes back.
-  bool GiveAndFeelBlock() {
+  bool LoadAndTouchBlock() {
     if (!Give(Document({{"block", 0.02, 0.005, 0.030, {{"stiffness", 300}}}}), 0.020, local)) return false;
     int pressed_frames = 0;  // in a row: the force fades in, and the hand gives way to it
     return Until([&] {
@@ -115,7 +115,7 @@ class SceneApp {
   }
 
   // Where nobody has aligned it.
-  static XrVector3f BaseInLocal() { return layer::ToXr(layer::DefaultPlacement().p); }
+  static XrVector3f BaseInLocal() { return layer::ToXr(layer::DefaultBasePose().p); }
 
   App app;
   SceneFunctions f;
@@ -264,7 +264,7 @@ int DocumentsHeldBy(pid_t omnid) {
 
 TEST(HapticSceneStack, ADeadApplicationsSceneIsGoneAndThereIsRoomForAnother) {
   StackService service("none.glb", kPressed);
-  ForkedApp<SceneApp> first([](SceneApp& a) -> std::int64_t { return a.GiveAndFeelBlock() ? Now_ns() : 0; },
+  ForkedApp<SceneApp> first([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },
                             [](SceneApp& a) { a.Until([] { return false; }); });
   EXPECT_EQ(DocumentsHeldBy(service.pid()), 1);
   const std::int64_t killed_ns = Now_ns();
@@ -273,7 +273,7 @@ TEST(HapticSceneStack, ADeadApplicationsSceneIsGoneAndThereIsRoomForAnother) {
   SleepMs(500);
   EXPECT_TRUE(Eventually([&] { return DocumentsHeldBy(service.pid()) == 0; })) << "omnid has forgotten it";
   const std::int64_t next_ns = Now_ns();
-  ForkedApp<SceneApp> second([](SceneApp& a) -> std::int64_t { return a.GiveAndFeelBlock() ? Now_ns() : 0; },
+  ForkedApp<SceneApp> second([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },
                              [](SceneApp&) {});
   second.Kill();
   EXPECT_NE(second.told(), 0) << "the next application feels a scene of its own";
@@ -287,7 +287,7 @@ TEST(HapticSceneStack, LosingFocusEndsItsForce) {
   StackService service("none.glb", kPressed);
   ForkedApp<SceneApp> child(
       [](SceneApp& a) -> std::int64_t {
-        if (!a.GiveAndFeelBlock()) return 0;
+        if (!a.LoadAndTouchBlock()) return 0;
         const std::int64_t t_ns = Now_ns();
         omni_test_set_focus(0);
         return t_ns;
@@ -304,7 +304,7 @@ TEST(HapticSceneStack, LosingFocusEndsItsForce) {
 // It is silent, not gone: the force fades (0.25 s to 0.35 s after the last sign of life, and what the clock adds).
 TEST(HapticSceneStack, AStoppedApplicationsForceFades) {
   StackService service("none.glb", kPressed);
-  ForkedApp<SceneApp> child([](SceneApp& a) -> std::int64_t { return a.GiveAndFeelBlock() ? Now_ns() : 0; },
+  ForkedApp<SceneApp> child([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },
                             [](SceneApp& a) { a.Until([] { return false; }); });
   const std::int64_t stopped_ns = Now_ns();
   child.Stop();

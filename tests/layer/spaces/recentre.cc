@@ -7,14 +7,14 @@
 #include <limits>
 #include <random>
 
-#include "layer/src/spaces/placement.h"
+#include "layer/src/spaces/base_pose.h"
 #include "tests/layer/spaces/fixture.h"
 
 namespace omni::test {
 namespace test_spaces_recentre {
 
-using layer::Placement;
-using layer::PlacementHistory;
+using layer::BasePose;
+using layer::BasePoseHistory;
 using layer::Pose;
 
 constexpr float kMoved[7] = {0.4f, -0.1f, 0.7f, 0, 0.6f, 0, 0.8f};
@@ -123,9 +123,9 @@ Pose RandomPose(std::mt19937& random) {
 }
 
 // X_LL' X_L'O = X_LO through any number of changes.
-TEST(PlacementOverTime, BaseStaysInTheWorld) {
+TEST(BasePoseHistoryTest, BaseStaysInTheWorld) {
   std::mt19937 random(5);
-  PlacementHistory history;
+  BasePoseHistory history;
   const Pose X_LO = RandomPose(random);
   history.Set({XR_REFERENCE_SPACE_TYPE_STAGE, X_LO, true, true}, 0);
   Pose X_WL;  // the first origin is the world's
@@ -143,9 +143,9 @@ TEST(PlacementOverTime, BaseStaysInTheWorld) {
 }
 
 // A placement measured now holds for the origin as it is now; a change that is announced still comes.
-TEST(PlacementOverTime, NewPlacementKeepsWhatIsPending) {
+TEST(BasePoseHistoryTest, NewPlacementKeepsWhatIsPending) {
   std::mt19937 random(6);
-  PlacementHistory history;
+  BasePoseHistory history;
   const Pose pending = RandomPose(random);
   history.OnChange(Change(XR_REFERENCE_SPACE_TYPE_STAGE, 50, RandomPose(random)));
   history.OnChange(Change(XR_REFERENCE_SPACE_TYPE_STAGE, 200, pending));
@@ -157,8 +157,8 @@ TEST(PlacementOverTime, NewPlacementKeepsWhatIsPending) {
   EXPECT_LT(glm::length(history.At(std::numeric_limits<XrTime>::min()).X_LO.p - X_LO.p), 1e-12);
 }
 
-TEST(PlacementOverTime, UnknownMoveIsCuredByANewPlacement) {
-  PlacementHistory history;
+TEST(BasePoseHistoryTest, UnknownMoveIsCuredByANewPlacement) {
+  BasePoseHistory history;
   EXPECT_TRUE(history.At(5).tracked);
   EXPECT_FALSE(history.OnChange(Change(XR_REFERENCE_SPACE_TYPE_LOCAL, 10, {}, false)));
   EXPECT_TRUE(history.At(9).tracked);

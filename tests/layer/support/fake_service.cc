@@ -28,8 +28,8 @@ std::int64_t Now_ns() {
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-protocol::Placement InFrontOfLocal() {
-  protocol::Placement placement;
+protocol::BasePose InFrontOfLocal() {
+  protocol::BasePose placement;
   const double h = std::sqrt(0.5);
   placement.known = 1;
   placement.base_space = {.position_m = {0, -0.35, -0.45}, .orientation_wxyz = {h, -h, 0, 0}};
@@ -121,7 +121,7 @@ void FakeService::SetForce(bool available, protocol::ForceStanding standing) {
   owner_->standing = standing;
 }
 
-void FakeService::SetPlacement(const protocol::Placement& placement) {
+void FakeService::SetBasePose(const protocol::BasePose& placement) {
   const std::lock_guard lock(mutex_);
   placement_ = placement;
   placement_changed_ = true;
@@ -170,7 +170,7 @@ struct FakeService::RequestHandler {
   void operator()(const protocol::HapticSceneEnable& on) const { service.Hear(service.heard_.scene_enables, on); }
   void operator()(const protocol::HapticNodes& nodes) const { service.Hear(service.heard_.scene_nodes, nodes); }
   void operator()(const protocol::HapticMaterial& m) const { service.Hear(service.heard_.scene_materials, m); }
-  void operator()(const protocol::PlacementRequest& request) const {
+  void operator()(const protocol::BasePoseRequest& request) const {
     const std::lock_guard lock(service.mutex_);
     service.heard_.placement_requests.push_back(request);
     service.placed_.push_back(id);
@@ -178,7 +178,7 @@ struct FakeService::RequestHandler {
   }
   void operator()(const protocol::SpaceChange& change) const { service.Hear(service.heard_.space_changes, change); }
   void operator()(const protocol::SceneCommand& /*command*/) const {}
-  void operator()(const protocol::PlacementCommand& /*command*/) const {}
+  void operator()(const protocol::BasePoseCommand& /*command*/) const {}
 };
 
 void FakeService::OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd file) {

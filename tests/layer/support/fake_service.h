@@ -21,7 +21,7 @@ namespace omni::test {
 std::int64_t Now_ns();
 
 // The base as the layer guesses it: known, 0.45 m ahead of the origin of LOCAL and 0.35 m below it.
-protocol::Placement InFrontOfLocal();
+protocol::BasePose InFrontOfLocal();
 
 struct Heard {
   std::vector<std::string> applications;
@@ -34,7 +34,7 @@ struct Heard {
   std::vector<Shaped> waveforms;
   int haptic_stops = 0;
   std::vector<protocol::ForceRequest> forces;
-  std::vector<protocol::PlacementRequest> placement_requests;
+  std::vector<protocol::BasePoseRequest> placement_requests;
   std::vector<protocol::SpaceChange> space_changes;
   int gone = 0;
   // Of the scene that the application gave itself.
@@ -83,7 +83,7 @@ class FakeService : private ipc::ServerHandler {
   void SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfaces);
   // What it answers when it is asked where the base stands, and tells who has asked before. At first: known, in front
   // of the origin of LOCAL, where the layer also guesses it.
-  void SetPlacement(const protocol::Placement& placement);
+  void SetBasePose(const protocol::BasePose& placement);
 
   Heard heard() const;
   std::int64_t last_beat_ns() const { return last_beat_ns_; }
@@ -119,7 +119,7 @@ class FakeService : private ipc::ServerHandler {
   ipc::ClientId client_ = 0;
   std::optional<protocol::ForceProperties> properties_;  // to be told; none: told
   std::optional<protocol::ForceOwner> owner_;
-  protocol::Placement placement_;
+  protocol::BasePose placement_;
   bool placement_changed_ = false;
   std::vector<ipc::ClientId> placed_;
   std::atomic<std::int64_t> last_beat_ns_{0};

@@ -17,16 +17,16 @@ inline const AppOptions kWithScene{.extensions = kSceneExtensions};
 
 inline constexpr const char* kDocument = "a document, as far as this service cares";
 
-class SceneStory {
+class SceneScenario {
  public:
-  explicit SceneStory(bool with_service = true) {
+  explicit SceneScenario(bool with_service = true) {
     omni_test_reset();
     if (with_service) service = std::make_unique<FakeService>();
     app = std::make_unique<App>(kWithScene);
     f = std::make_unique<SceneFunctions>(app->instance);
   }
 
-  ~SceneStory() { omni_test_reset(); }
+  ~SceneScenario() { omni_test_reset(); }
 
   XrResult Create(const std::string& document = kDocument) {
     XrHapticSceneCreateInfoOMNIX1 info{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1};

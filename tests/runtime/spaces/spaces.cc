@@ -9,7 +9,7 @@
 namespace omni::runtime {
 namespace {
 
-std::vector<XrReferenceSpaceType> OfferedSpaces(const State& state, const Session& session) {
+std::vector<XrReferenceSpaceType> SupportedSpaces(const State& state, const Session& session) {
   std::vector<XrReferenceSpaceType> offered = {XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL};
   if (state.world.has_stage) offered.push_back(XR_REFERENCE_SPACE_TYPE_STAGE);
   if (session.instance->version_1_1) offered.push_back(kLocalFloor);
@@ -24,7 +24,7 @@ XrSpace Add(State& state, Session& session, std::shared_ptr<Space> space) {
 }
 
 XrResult CheckReferenceType(const State& state, const Session& session, XrReferenceSpaceType type) {
-  const std::vector<XrReferenceSpaceType> offered = OfferedSpaces(state, session);
+  const std::vector<XrReferenceSpaceType> offered = SupportedSpaces(state, session);
   const bool known = std::find(offered.begin(), offered.end(), type) != offered.end();
   return known ? XR_SUCCESS : XR_ERROR_REFERENCE_SPACE_UNSUPPORTED;
 }
@@ -35,7 +35,7 @@ XrResult EnumerateReferenceSpaces(XrSession session, uint32_t capacity, uint32_t
   State& state = TheState();
   const std::shared_lock lock(state.mutex);
   OMNI_FIND(Session, owner, session);
-  const std::vector<XrReferenceSpaceType> offered = OfferedSpaces(state, *owner);
+  const std::vector<XrReferenceSpaceType> offered = SupportedSpaces(state, *owner);
   return TwoCall(static_cast<uint32_t>(offered.size()), capacity, count, types,
                  [&](uint32_t i, XrReferenceSpaceType& out) { out = offered[i]; });
 }

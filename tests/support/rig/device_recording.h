@@ -14,7 +14,7 @@
 
 #include "service/device/recording/recording_transport.h"
 #include "service/sim/twin/twin.h"
-#include "tests/support/rig/twin_story.h"
+#include "tests/support/rig/twin_scenario.h"
 
 namespace omni::support {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::haptics {

@@ -9,7 +9,7 @@ FreshScene::FreshScene(const haptics::Scene& original) : original_(original), sc
 FreshScene::~FreshScene() { Drop(); }
 
 void FreshScene::Renew() {
-  if (original_.live() == nullptr || original_.live()->workshop_count() == 0) return;
+  if (original_.live() == nullptr || original_.live()->sculpt_session_count() == 0) return;
   Drop();
   copy_ = std::make_shared<const haptics::Scene>(haptics::FreshCopy(original_));
   scene_ = copy_.get();

@@ -4,7 +4,7 @@
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/geometry/mesh_topology.h"
 #include "service/haptics/sculpt/sculpt_editor.h"
-#include "tests/haptics/story.h"
+#include "tests/haptics/scenario.h"
 
 namespace omni::haptics::sculpt {
 

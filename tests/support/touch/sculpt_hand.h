@@ -12,13 +12,13 @@ class SculptHand {
  public:
   static constexpr double kStiffness_N_m = 400;
 
-  SculptHand(const InputObject& object, const SculptFeel& feel, const Brush& brush, const SculptOptions& options = {},
-             int serve_every = 3)
+  SculptHand(const InputObject& object, const SculptParameters& feel, const Brush& brush,
+             const SculptOptions& options = {}, int serve_every = 3)
       : pen_(SceneWith(object, feel, brush, options)),
-        workshop_(pen_.scene().live()->workshop_at(0)),
+        sculpt_session_(pen_.scene().live()->sculpt_session_at(0)),
         serve_every_(serve_every) {}
 
-  SculptEditor& editor() { return workshop_.editor(); }
+  SculptEditor& editor() { return sculpt_session_.editor(); }
 
   // One tick; the force on the pen.
   Vec3 MoveTo(const Vec3& tip) {
@@ -26,7 +26,7 @@ class SculptHand {
     pen_.MoveTo(tip);
     if (moved_) largest_step_N_ = std::max(largest_step_N_, Norm(force_N() - before_N));
     moved_ = true;
-    if (++ticks_ % serve_every_ == 0) served_ = workshop_.Poll();
+    if (++ticks_ % serve_every_ == 0) served_ = sculpt_session_.Poll();
     return force_N();
   }
   // At a speed of `speed_m_s`.
@@ -41,7 +41,7 @@ class SculptHand {
   // A tick without a pose.
   void Lose() {
     pen_.Lose();
-    if (++ticks_ % serve_every_ == 0) served_ = workshop_.Poll();
+    if (++ticks_ % serve_every_ == 0) served_ = sculpt_session_.Poll();
   }
 
   const Vec3& tip() const { return pen_.state.last_device_point_base_m; }
@@ -53,22 +53,22 @@ class SculptHand {
   Pen& pen() { return pen_; }
 
  private:
-  static Scene SceneWith(const InputObject& object, const SculptFeel& feel, const Brush& brush,
+  static Scene SceneWith(const InputObject& object, const SculptParameters& feel, const Brush& brush,
                          const SculptOptions& options) {
     Material material;
     material.stiffness_N_m = kStiffness_N_m;
     material.static_friction = material.dynamic_friction = 0;
     Scene scene = Built(SceneOf(object, material));
-    auto workshop = std::make_unique<Workshop>(EditorOf(object, options), feel, brush);
-    workshop->SetReader(true);
+    auto sculpt_session = std::make_unique<SculptSession>(EditorOf(object, options), feel, brush);
+    sculpt_session->SetReader(true);
     auto live = std::make_shared<LiveParts>();
-    live->AddWorkshop(0, std::move(workshop));
+    live->AddSculptSession(0, std::move(sculpt_session));
     scene.SetLive(std::move(live));
     return scene;
   }
 
   Pen pen_;
-  Workshop& workshop_;
+  SculptSession& sculpt_session_;
   ServeReport served_;
   double largest_step_N_ = 0;
   bool moved_ = false;

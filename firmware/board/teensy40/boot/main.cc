@@ -27,7 +27,7 @@ void OnUsb() { omni::board::g_board->UsbInterrupt(); }
 int main() {
   using namespace omni::board;
   SetUpClocks();
-  const omni::firmware::ResetCause cause = TakeResetCause();
+  const omni::firmware::ResetCause cause = PopResetCause();
   static const omni::firmware::Settings settings = ChipSettings();
   static Board board(settings);
   static omni::firmware::Runner<Board> runner(board, settings, cause, retained().resets ^ dwt::Cycles(),

@@ -13,11 +13,11 @@ __attribute__((section(".retained"), used)) alignas(Retained) unsigned char g_re
 
 Retained& retained() noexcept { return *reinterpret_cast<Retained*>(g_retained); }
 
-firmware::ResetCause TakeResetCause() noexcept {
+firmware::ResetCause PopResetCause() noexcept {
   const bool crashed = retained().crashed == kCrashed;
   retained().crashed = 0;
   ++retained().resets;
-  return TakeResetCause(crashed);
+  return PopResetCause(crashed);
 }
 
 }  // namespace omni::board

@@ -20,9 +20,9 @@ Retained& retained() noexcept;
 
 // Why the chip started, asked once: the answer is cleared. `crashed`: the last run ended in a processor fault, which
 // counts as the watchdog's.
-firmware::ResetCause TakeResetCause(bool crashed) noexcept;
+firmware::ResetCause PopResetCause(bool crashed) noexcept;
 
 // The same with what is kept here, which it counts and clears.
-firmware::ResetCause TakeResetCause() noexcept;
+firmware::ResetCause PopResetCause() noexcept;
 
 }  // namespace omni::board

@@ -19,7 +19,7 @@ firmware::Settings ChipSettings() noexcept {
   return settings;
 }
 
-firmware::ResetCause TakeResetCause(bool crashed) noexcept {
+firmware::ResetCause PopResetCause(bool crashed) noexcept {
   const std::uint32_t status = Word(kResetStatus);
   Word(kResetStatus) = status;
   if (crashed || (status & kResetByWatchdogs) != 0) return firmware::ResetCause::kWatchdog;

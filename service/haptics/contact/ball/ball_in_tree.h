@@ -14,7 +14,7 @@ class BallDescent {
       : view_(view),
         root_(root),
         radius_m_(radius_m),
-        give_m_(kBallGive * radius_m),
+        margin_m_(kBallMargin * radius_m),
         target_(target),
         centre_(centre),
         span_m_(std::max(radius_m, 1e-3)) {}
@@ -31,10 +31,10 @@ class BallDescent {
       const NearestInside next = Next();
       RememberFaces(next);
       const bool slides = next.active_count > 0;
-      if (Norm(next.point) <= (slides ? 0.5 * give_m_ : 0)) return Contact(next, true);
+      if (Norm(next.point) <= (slides ? 0.5 * margin_m_ : 0)) return Contact(next, true);
       const Vec3 move = slides ? Stride(next) : next.point;
       const double known = Limit(move);  // what is left of the gathered place
-      if (known < 1 && known * Norm(move) < give_m_ && !Gather(move)) return Held();
+      if (known < 1 && known * Norm(move) < margin_m_ && !Gather(move)) return Held();
       const double t = Sweep(move, Limit(move));
       centre_ = t == 1 && !slides ? target_ : centre_ + t * move;
       if (t > 0) continue;
@@ -63,7 +63,7 @@ class BallDescent {
     double share = length_m > span_m_ ? span_m_ / length_m : 1;
     for (int k = 0; k < kTries; ++k, share *= 0.25) {
       gathered_at_ = centre_ + (0.5 * share) * move;
-      reach_m_ = 0.7 * share * length_m + 4 * give_m_;
+      reach_m_ = 0.7 * share * length_m + 4 * margin_m_;
       const bool complete = GatherNear(view_, root_, gathered_at_, radius_m_ + reach_m_, near_);
       looks_ += static_cast<int>(near_.count / kPacketSize);
       if (!complete) continue;
@@ -77,7 +77,7 @@ class BallDescent {
   // they were gathered.
   double Limit(const Vec3& move) const noexcept {
     const Vec3 way = centre_ - gathered_at_;
-    const double radius_m = reach_m_ - give_m_, out = Dot(way, move), squared = SquaredNorm(move);
+    const double radius_m = reach_m_ - margin_m_, out = Dot(way, move), squared = SquaredNorm(move);
     const double root = std::sqrt(std::max(out * out + squared * (radius_m * radius_m - SquaredNorm(way)), 0.0));
     return std::clamp((root - out) / squared, 0.0, 1.0);
   }
@@ -88,12 +88,12 @@ class BallDescent {
     const Vec3 way = centre_ - gathered_at_;
     for (std::size_t i = 0; i < near_.count; ++i) {
       BallNeighbour& neighbour = near_.of[i];
-      if (neighbour.AtLeast(way) > radius_m_ + 0.5 * give_m_) continue;
+      if (neighbour.AtLeast(way) > radius_m_ + 0.5 * margin_m_) continue;
       ++looks_;
       const ClosestPoint closest = ClosestOnTriangle(view_.TriangleCorners(neighbour.triangle), centre_);
       const double distance_m = std::sqrt(closest.distance_squared);
-      const double kept_m = IsOnFace(neighbour.triangle, closest) ? radius_m_ : radius_m_ - give_m_;
-      if (distance_m > kept_m + 0.5 * give_m_) continue;
+      const double kept_m = IsOnFace(neighbour.triangle, closest) ? radius_m_ : radius_m_ - margin_m_;
+      if (distance_m > kept_m + 0.5 * margin_m_) continue;
       const Vec3 normal =
           distance_m > 0 ? (1 / distance_m) * (centre_ - closest.point) : FaceNormal(view_, neighbour.triangle);
       AddTouching({normal, kept_m - distance_m}, {neighbour.triangle, closest, normal, 0});
@@ -140,7 +140,7 @@ class BallDescent {
 
   // (12.4) Squeezed between walls the ball may slide, but not out of them.
   NearestInside Next() noexcept {
-    const double tolerance_m = 1e-4 * give_m_;
+    const double tolerance_m = 1e-4 * margin_m_;
     const std::span<const HalfSpace> spaces(spaces_.data(), touching_);
     const NearestInside next = NearestInHalfSpaces(target_ - centre_, spaces, tolerance_m);
     if (next.feasible) return next;
@@ -165,7 +165,7 @@ class BallDescent {
   // blunt groove they would turn back and forth.
   Vec3 Stride(const NearestInside& next) noexcept {
     const Vec3 slide = next.point, last = last_slide_;
-    if (Norm(slide) < 4 * give_m_) return slide;  // hardly more than being pushed out
+    if (Norm(slide) < 4 * margin_m_) return slide;  // hardly more than being pushed out
     last_slide_ = slide;
     const bool turned = Dot(slide, last) < -0.5 * Norm(slide) * Norm(last);
     stride_ = turned ? 0.5 * stride_ : 1;
@@ -195,17 +195,17 @@ class BallDescent {
   // makes the ball leave: it does so in long steps, too.
   Vec3 AroundRim(const Vec3& normal, const Vec3& place, const Vec3& slide) const noexcept {
     constexpr double kLongest = 8, kFarthest = 0.25;  // times the slide, of the radius
-    const double height_m = Dot(normal, target_ - place), kept_m = radius_m_ - give_m_;
+    const double height_m = Dot(normal, target_ - place), kept_m = radius_m_ - margin_m_;
     const Vec3 edge = Normalized(view_.VertexPosition(last_rim_.to) - view_.VertexPosition(last_rim_.from));
     const Vec3 around = slide - Dot(slide, normal) * normal - Dot(slide, edge) * edge;
-    const double times =
-        std::min(kept_m / std::max(height_m, kept_m / kLongest), kFarthest * kept_m / std::max(Norm(around), give_m_));
+    const double times = std::min(kept_m / std::max(height_m, kept_m / kLongest),
+                                  kFarthest * kept_m / std::max(Norm(around), margin_m_));
     return times > 1 ? slide + (times - 1) * around : slide;
   }
 
   // (12.3)
   double Sweep(const Vec3& move, double limit) noexcept {
-    const double hard_m = radius_m_ - 2 * give_m_, over_m = radius_m_ - 1.5 * give_m_;
+    const double hard_m = radius_m_ - 2 * margin_m_, over_m = radius_m_ - 1.5 * margin_m_;
     double t = limit;
     const Vec3 way = centre_ - gathered_at_;
     for (std::size_t i = 0; i < near_.count && t > 0; ++i) {
@@ -213,7 +213,7 @@ class BallDescent {
       if (std::min(neighbour.AtLeast(way), neighbour.AtLeast(way + t * move)) > over_m) continue;
       ++looks_;
       const Corners corners = view_.TriangleCorners(neighbour.triangle);
-      if (!StaysOver(corners, t * move, over_m)) t = FirstTouch(corners, centre_, move, hard_m, 0.25 * give_m_, t);
+      if (!StaysOver(corners, t * move, over_m)) t = FirstTouch(corners, centre_, move, hard_m, 0.25 * margin_m_, t);
     }
     return t;
   }
@@ -264,7 +264,7 @@ class BallDescent {
 
   // Touched in too many places to tell what a move would meet: held, unless it is plain that nothing holds it.
   BallContact Held() noexcept {
-    const bool is_free = NearestInTree(view_, root_, target_, radius_m_ - give_m_).triangle == kNoIndex &&
+    const bool is_free = NearestInTree(view_, root_, target_, radius_m_ - margin_m_).triangle == kNoIndex &&
                          CrossingInTree(view_, root_, centre_, target_, true).triangle == kNoIndex;
     if (is_free) {
       centre_ = target_;
@@ -280,7 +280,7 @@ class BallDescent {
 
   const View& view_;
   const std::uint32_t root_;
-  const double radius_m_, give_m_;
+  const double radius_m_, margin_m_;
   const Vec3 target_;
   Vec3 centre_;
   double span_m_;       // longest move that is looked ahead for at once
@@ -307,7 +307,7 @@ BallState StartBall(const View& view, std::uint32_t root, bool closed, double ra
   if (!Within(device_point_m, kFarthestBall_m)) return {};
   const NearestResult nearest = NearestInTree(view, root, device_point_m);
   const auto is_free = [&](const NearestResult& at, const Vec3& centre) noexcept {
-    const double kept_m = radius_m * (1 - kBallGive);
+    const double kept_m = radius_m * (1 - kBallMargin);
     return at.closest.distance_squared >= kept_m * kept_m && !(closed && SideOf(view, at, centre) < 0);
   };
   if (is_free(nearest, device_point_m)) return {device_point_m, device_point_m};

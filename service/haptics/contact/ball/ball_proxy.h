@@ -14,10 +14,10 @@ namespace omni::haptics {
 inline constexpr double kMinBallRadius_m = 1e-6;  // smaller: use the point proxy
 inline constexpr double kMaxBallRadius_m = 0.01;
 
-// A ball of radius r rests at r from faces and at r (1 - kBallGive) from edges and vertices, so that a face always
+// A ball of radius r rests at r from faces and at r (1 - kBallMargin) from edges and vertices, so that a face always
 // comes before its own rim and inner edges are not felt, whatever the mesh. Nothing is ever nearer than r (1 - 2
-// kBallGive).
-inline constexpr double kBallGive = 1e-4;
+// kBallMargin).
+inline constexpr double kBallMargin = 1e-4;
 
 inline constexpr int kMaxBallSteps = 32;     // straight moves in a tick; the ball goes on in the next
 inline constexpr int kMaxBallLooks = 2048;   // triangles looked at in a tick, after which no further move is begun

@@ -94,7 +94,7 @@ void LeaveCrease(const View& view, const Target& target, double radius_m, const 
   const NearestResult face = NearerFace(view, target, tip, contact.triangle, contact.proxy_m);
   if (face.triangle == kNoIndex) return;
   const Vec3 centre = face.closest.point + radius_m * FaceNormal(view, face.triangle);
-  if (NearestInTree(view, target.root, centre, radius_m * (1 - kBallGive)).triangle != kNoIndex) return;
+  if (NearestInTree(view, target.root, centre, radius_m * (1 - kBallMargin)).triangle != kNoIndex) return;
   contact.anchor_triangle = kNoIndex;
   StartSwap(contact);
   RollBall(view, target, radius_m, centre, tip, contact);
@@ -102,12 +102,12 @@ void LeaveCrease(const View& view, const Target& target, double radius_m, const 
 
 // What moved by itself may have passed the ball: then it starts again, outside, and the force comes in gently.
 template <TreeView View>
-bool FollowTip(const View& view, const Target& target, const Touchables& touchables, const ContactState* known,
+bool FollowTip(const View& view, const Target& target, const ContactScene& contact_scene, const ContactState* known,
                bool restarts, double dt_s, ContactState& contact) noexcept {
-  const double radius_m = touchables.tip_radius_m();
+  const double radius_m = contact_scene.tip_radius_m();
   const Vec3 last = known != nullptr ? known->held_m : restarts ? target.tip : target.from;
   bool starts = restarts && known == nullptr;
-  if (!starts && (restarts || touchables.FaceMoved(target.index))) {
+  if (!starts && (restarts || contact_scene.FaceMoved(target.index))) {
     NearestResult nearest;
     starts = HasInside(target.object) && IsInside(view, target, last, nearest);
   }
@@ -115,7 +115,7 @@ bool FollowTip(const View& view, const Target& target, const Touchables& touchab
     StartSwap(contact);
     return RestartBall(view, target, radius_m, last, contact);
   }
-  const Vec3 tip = known != nullptr ? touchables.TipOver(target, *known) : target.tip;
+  const Vec3 tip = known != nullptr ? contact_scene.TipOver(target, *known) : target.tip;
   if (!RollBall(view, target, radius_m, last, tip, contact)) return false;
   if (CameThrough(view, target, target.tip, dt_s, contact)) {
     contact = NewContact(target.index);
@@ -126,13 +126,13 @@ bool FollowTip(const View& view, const Target& target, const Touchables& touchab
 }
 
 template <TreeView View>
-void UpdateBall(const View& view, const Target& target, const Touchables& touchables, double dt_s,
+void UpdateBall(const View& view, const Target& target, const ContactScene& contact_scene, double dt_s,
                 State& state) noexcept {
   const std::uint64_t bit = std::uint64_t{1} << target.index;
-  const bool restarts = touchables.ChangedUnderTip(target.index) || (state.ball_restarts & bit) != 0;
+  const bool restarts = contact_scene.ChangedUnderTip(target.index) || (state.ball_restarts & bit) != 0;
   state.ball_restarts &= ~bit;
   ContactState* known = ContactOn(target.index, state);
-  const double radius_m = touchables.tip_radius_m();
+  const double radius_m = contact_scene.tip_radius_m();
   if (known == nullptr && target.boxed &&
       BoxDistance(target.object, target.tip) > radius_m + Norm(target.tip - target.from)) {
     return;
@@ -142,7 +142,7 @@ void UpdateBall(const View& view, const Target& target, const Touchables& toucha
     return;
   }
   ContactState contact = known != nullptr ? *known : NewContact(target.index);
-  const bool touches = FollowTip(view, target, touchables, known, restarts, dt_s, contact);
+  const bool touches = FollowTip(view, target, contact_scene, known, restarts, dt_s, contact);
   if (known != nullptr) {
     *known = touches ? contact : ContactState{};
   } else if (touches) {
@@ -152,27 +152,27 @@ void UpdateBall(const View& view, const Target& target, const Touchables& toucha
 
 }  // namespace
 
-void StartBalls(const Touchables& touchables, State& state) noexcept {
+void StartBalls(const ContactScene& contact_scene, State& state) noexcept {
   state.ball_restarts = 0;
-  const double radius_m = touchables.tip_radius_m();
-  const auto objects = touchables.scene().objects();
+  const double radius_m = contact_scene.tip_radius_m();
+  const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0) continue;
-    const Target target = touchables.TargetOf(i);
+    const Target target = contact_scene.TargetOf(i);
     if (target.boxed && BoxDistance(target.object, target.tip) > radius_m) continue;
-    touchables.On(i, [&](const auto& view) noexcept {
+    contact_scene.On(i, [&](const auto& view) noexcept {
       ContactState contact = NewContact(i);
       if (RestartBall(view, target, radius_m, target.tip, contact)) KeepBall(contact, state);
     });
   }
 }
 
-void UpdateBalls(const Touchables& touchables, double dt_s, State& state) noexcept {
-  const auto objects = touchables.scene().objects();
+void UpdateBalls(const ContactScene& contact_scene, double dt_s, State& state) noexcept {
+  const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0) continue;
-    const Target target = touchables.TargetOf(i);
-    touchables.On(i, [&](const auto& view) noexcept { UpdateBall(view, target, touchables, dt_s, state); });
+    const Target target = contact_scene.TargetOf(i);
+    contact_scene.On(i, [&](const auto& view) noexcept { UpdateBall(view, target, contact_scene, dt_s, state); });
   }
 }
 

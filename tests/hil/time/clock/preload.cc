@@ -1,9 +1,10 @@
 // Preloaded into an unmodified program: CLOCK_MONOTONIC becomes the time of a page that somebody else writes, and timed
 // waits end in that time. Without the environment variable OMNI_HIL_CLOCK nothing changes.
 //
-// The time stands still between two steps of its master, who goes on when everybody sleeps (tests/hil/time/quiet.h):
-// what a program computes takes no time. Replaced is what omnid, libusb, the OpenXR loader and test applications wait
-// with: sleeps, poll, epoll, sigtimedwait, condition variables, timerfd. CLOCK_REALTIME and processor times stay real.
+// The time stands still between two steps of its master, who goes on when everybody sleeps
+// (tests/hil/time/idle_watch.h): what a program computes takes no time. Replaced is what omnid, libusb, the OpenXR
+// loader and test applications wait with: sleeps, poll, epoll, sigtimedwait, condition variables, timerfd.
+// CLOCK_REALTIME and processor times stay real.
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>

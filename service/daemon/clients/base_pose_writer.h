@@ -1,0 +1,39 @@
+// Keeps alignments on disk without waiting for it, and answers who asked for one once it is kept. Control thread only.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "service/daemon/clients/base_poses.h"
+#include "service/daemon/file_writer.h"
+
+namespace omni::daemon {
+
+class BasePoseWriter {
+ public:
+  using Reply = std::function<void(ipc::ClientId, std::uint32_t number, bool done, const std::string& text)>;
+  explicit BasePoseWriter(Reply reply);
+
+  BasePoses::Write write();
+  // After BasePoses::Do: at once, or when what it has changed is written.
+  void Answer(ipc::ClientId id, std::uint32_t number, const BasePoses::Done& done);
+  // Each period: what has been written since.
+  void HandleWritten(BasePoses& placements);
+
+ private:
+  struct LateReply {
+    std::uint64_t written = 0;  // number of the writer's
+    ipc::ClientId id = 0;
+    std::uint32_t number = 0;
+    std::string text;
+  };
+
+  const Reply reply_;
+  FileWriter writer_;
+  std::uint64_t requested_ = 0, written_ = 0;  // newest numbers of the writer's
+  std::vector<LateReply> late_;
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,84 @@
+// Where the base stands in the spaces of connected applications: the file, who asked, who must hear of a change.
+// Builds of one runtime share an alignment (config/runtime_identity.h). Control thread only.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "service/config/files/alignment_file.h"
+#include "service/config/text/text_file.h"
+#include "service/ipc/server.h"
+#include "service/protocol/base_pose.h"
+
+namespace omni::daemon {
+
+class BasePoses {
+ public:
+  // How the file is written. Ok: it is, or will be; then Written says how that went.
+  using Write = std::function<base::Status(const std::string& path, const std::string& text)>;
+  // Reads the file; an empty path: nothing is kept. A file that cannot be read is never written over.
+  explicit BasePoses(std::string path, Write write = config::WriteTextFile);
+
+  void Request(ipc::ClientId id, const protocol::BasePoseRequest& request);
+  void Remove(ipc::ClientId id) { clients_.erase(id); }
+  // Of a space that this client has asked about. The same change told by several applications counts once. What no
+  // recentring does leaves the alignment where it is, and doubtful. `now_ns`: CLOCK_MONOTONIC.
+  void Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns);
+
+  struct Done {
+    bool ok = false;
+    std::string text;  // for people
+  };
+  Done Execute(const protocol::BasePoseCommand& command, std::int64_t now_unix_s);
+
+  // A write that was put off is done, or failed: what it was to keep is then used until omnid ends.
+  void Written(const base::Status& status) { problem_ = status.ok() ? std::string() : status.error(); }
+
+  // Tells every client what it has not heard yet. `send` false: later.
+  void Notify(const std::function<bool(ipc::ClientId, const protocol::BasePose&)>& send);
+
+  // This client's spaces have a measured, undoubted placement.
+  bool Aligned(ipc::ClientId id) const;
+  // What this client has asked for; null: nothing yet.
+  const protocol::BasePoseRequest* RequestOf(ipc::ClientId id) const;
+  const config::AlignmentFile& file() const { return file_; }
+  const std::string& path() const { return path_; }
+  // Why the file is not used or could not be written; empty: nothing is wrong.
+  const std::string& problem() const { return problem_; }
+
+ private:
+  struct Live {  // of file_.entries, same index
+    std::int64_t changes_until_ns = 0;
+    std::uint64_t revision = 0;
+  };
+  struct Client {
+    protocol::BasePoseRequest request;
+    bool told = false;
+  };
+  int Find(const protocol::HeadsetNames& headset, std::int32_t space) const;  // index; -1: none
+  int FindToMove(ipc::ClientId id, std::int32_t space) const;
+  void Doubt(std::size_t index);
+  void KeepNewestOfEach();
+  int FindFor(const protocol::BasePoseRequest& request) const;
+  void Changed(std::size_t index);
+  base::Status Save();
+  Done Store(const protocol::BasePoseCommand& command, std::int64_t now_unix_s);
+  Done Forget(const protocol::BasePoseCommand& command);
+  Done Restore(const protocol::BasePoseCommand& command);
+  Done SetPolicy(const protocol::BasePoseCommand& command);
+  void NotifyAll();
+
+  std::string path_;
+  Write write_;
+  std::string problem_;
+  bool readable_ = true;
+  config::AlignmentFile file_;
+  std::vector<Live> live_;
+  std::map<ipc::ClientId, Client> clients_;
+  std::uint64_t revisions_ = 0;
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,80 @@
+#include "service/haptics/deformable/build/local_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace omni::haptics {
+namespace {
+
+constexpr int kMostDentSteps = 8;
+constexpr double kDentTolerance = 1e-7;  // of s; Newton squares it once more
+
+// s^3 (1 + g1 s + g2 s^2)
+double DentPolynomial(const SoftGain& g, double s) noexcept {
+  return s * s * s * (1 + s * (g.linear + s * g.quadratic));
+}
+double DentPolynomialSlope(const SoftGain& g, double s) noexcept {
+  return s * s * (3 + s * (4 * g.linear + s * 5 * g.quadratic));
+}
+
+double ForceScale(const LocalModel& model) noexcept {
+  return 4.0 / 3 * model.modulus_Pa * model.radius_m * model.radius_m;
+}
+
+}  // namespace
+
+double ContactRadius(double ball_radius_m, double curvature_1_m) noexcept {
+  const double curvature = 1 / ball_radius_m + curvature_1_m;
+  const double most = 4 / ball_radius_m;
+  return 1 / (curvature >= 1 / (4 * ball_radius_m) ? std::min(curvature, most) : 1 / (4 * ball_radius_m));
+}
+
+// dF/dx = dF/ds / (2 R s)
+LocalPoint LocalAtDent(const LocalModel& model, double dent_m) noexcept {
+  if (!(dent_m > 0)) return {};
+  const double end_m = model.radius_m * kLargestDent * kLargestDent;
+  const double s = std::min(std::sqrt(dent_m / model.radius_m), kLargestDent);
+  const double scale = ForceScale(model);
+  const double slope = scale * DentPolynomialSlope(model.gain, s) / (2 * model.radius_m * s);
+  const double force = scale * DentPolynomial(model.gain, s);
+  return {dent_m, dent_m > end_m ? force + (dent_m - end_m) * slope : force, slope};
+}
+
+LocalPoint LocalAtForce(const LocalModel& model, double force_N, double near_m) noexcept {
+  if (!(force_N > 0)) return {};
+  const double scale = ForceScale(model);
+  const double y = force_N / scale;
+  const double end = DentPolynomial(model.gain, kLargestDent);
+  if (y >= end) {
+    const LocalPoint last = LocalAtDent(model, model.radius_m * kLargestDent * kLargestDent);
+    return {last.dent_m + (force_N - last.force_N) / last.slope_N_m, force_N, last.slope_N_m};
+  }
+  double s = near_m > 0 ? std::min(std::sqrt(near_m / model.radius_m), kLargestDent) : 0;
+  const double guess = DentPolynomial(model.gain, s);
+  if (!(guess > 0.5 * y && guess < 2 * y)) s = std::min(std::cbrt(y), kLargestDent);
+  for (int step = 0; step < kMostDentSteps; ++step) {
+    const double change = (DentPolynomial(model.gain, s) - y) / DentPolynomialSlope(model.gain, s);
+    s = std::clamp(s - change, 1e-9, kLargestDent);
+    if (std::abs(change) < kDentTolerance * s) break;
+  }
+  const double slope = scale * DentPolynomialSlope(model.gain, s) / (2 * model.radius_m * s);
+  return {model.radius_m * s * s, force_N, slope};
+}
+
+double LocalForce(const LocalModel& model, double dent_m) noexcept { return LocalAtDent(model, dent_m).force_N; }
+double LocalSlope(const LocalModel& model, double dent_m) noexcept { return LocalAtDent(model, dent_m).slope_N_m; }
+double LocalDent(const LocalModel& model, double force_N) noexcept { return LocalAtForce(model, force_N, 0).dent_m; }
+
+double ContactPatchRadius(const LocalModel& model, double dent_m) noexcept {
+  return std::sqrt(model.radius_m * std::max(dent_m, 0.0));
+}
+
+double DentProfile(double r_over_a) noexcept {
+  const double r = r_over_a;
+  if (!(r > 1)) return 1 - 0.5 * r * r;
+  if (r > 30) return 4 / (3 * std::numbers::pi * r);
+  return ((2 - r * r) * std::asin(1 / r) + std::sqrt(r * r - 1)) / std::numbers::pi;
+}
+
+}  // namespace omni::haptics

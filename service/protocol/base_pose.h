@@ -1,0 +1,121 @@
+// Messages 40-44: where the base stands in a reference space of an application's runtime. docs/protocol/ipc.md
+// X_LB: pose of the base B (z up) in the reference space L (OpenXR: metres, y up). Quaternions w, x, y, z.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "service/protocol/control.h"
+
+namespace omni::protocol {
+
+inline constexpr std::uint32_t kMaxSpaceTypes = 8;
+inline constexpr double kFarthestBase_m = 100;  // from a reference space's origin
+// What recentring can do to a base, against where it was measured: its place within a room, and no tilt to speak of,
+// since all these spaces have gravity along -y.
+inline constexpr double kFarthestRecentring_m = 10;
+inline constexpr double kMostRecentringTilt_rad = 0.175;
+// Sightings of one and the same change of a reference space, by several applications, differ by less; a person does not
+// recentre twice within it.
+inline constexpr std::int64_t kSameChange_ns = 150'000'000;
+
+// XrReferenceSpaceType. In the order in which a placement is preferred: what a person's recentring moves least, first.
+inline constexpr std::int32_t kSpaceStage = 3;
+inline constexpr std::int32_t kSpaceLocalFloor = 1000426000;
+inline constexpr std::int32_t kSpaceLocal = 2;
+inline constexpr std::array<std::int32_t, 3> kPreferredSpaces{kSpaceStage, kSpaceLocalFloor, kSpaceLocal};
+
+// A headset as its runtime names it: the key of a placement, with the space's type.
+struct HeadsetNames {
+  char runtime[128] = {};  // XrInstanceProperties::runtimeName, UTF-8, terminated
+  char system[256] = {};   // XrSystemProperties::systemName
+};
+
+struct WirePose {
+  std::array<double, 3> position_m{};
+  std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
+};
+
+// application -> omnid, once a session: which placement do you have for one of these spaces? The first one known, in
+// the order given, is the answer; so is every later change of it.
+struct BasePoseRequest {
+  MessageHeader header{.type = MessageType::kBasePoseRequest, .size = sizeof(BasePoseRequest)};
+  std::uint32_t space_count = 0;
+  std::array<std::int32_t, kMaxSpaceTypes> spaces{};
+  std::uint32_t reserved = 0;
+  HeadsetNames headset;
+};
+
+// What a pen does while its base's place is not known.
+enum class Uncalibrated : std::uint32_t {
+  kFrontOfUser = 0,  // the layer puts the base in front of the user, and clears TRACKED
+  kCalibrated = 1,   // no pose
+  kOff = 2           // no pose, though a placement may be known
+};
+
+// omnid -> application.
+struct BasePose {
+  MessageHeader header{.type = MessageType::kBasePose, .size = sizeof(BasePose)};
+  std::uint32_t known = 0;  // 1: measured; 0: the rest but `uncalibrated` says nothing
+  Uncalibrated uncalibrated = Uncalibrated::kFrontOfUser;
+  std::int32_t space = kSpaceLocal;
+  std::uint32_t doubtful = 0;   // 1: the space was moved since, and it is not known, or not plausible, where to
+  WirePose base_space;          // X_LB
+  double expected_error_m = 0;  // 1 sigma where the pen is used; 0: not stated
+  double rotation_sigma_rad = 0;
+  std::int64_t measured_unix_s = 0;
+  std::int64_t changes_until_ns = 0;  // CLOCK_MONOTONIC: changes of the space up to then are in X_LB
+  std::uint64_t revision = 0;         // counts changes of this record since omnid's start
+};
+
+// application -> omnid: XrEventDataReferenceSpaceChangePending, for a space that it named in its BasePoseRequest. Not
+// believed before its session has begun for the first time.
+struct SpaceChange {
+  MessageHeader header{.type = MessageType::kSpaceChange, .size = sizeof(SpaceChange)};
+  std::int32_t space = kSpaceLocal;
+  std::uint32_t pose_valid = 0;    // 0: the runtime does not know where the new origin is
+  std::int64_t changes_at_ns = 0;  // CLOCK_MONOTONIC
+  WirePose new_in_previous;        // poseInPreviousSpace
+};
+
+enum class BasePoseAction : std::uint32_t {
+  kStore = 1,   // X_LB and what is known of it
+  kForget = 2,  // of this headset and space; empty runtime: all
+  kPolicy = 3,  // `uncalibrated` for all headsets
+  kRestore = 4  // of this headset and space: as it was measured, before any recentring
+};
+
+// omni align -> omnid; answered by one BasePoseReply. Tools only.
+struct BasePoseCommand {
+  MessageHeader header{.type = MessageType::kBasePoseCommand, .size = sizeof(BasePoseCommand)};
+  BasePoseAction action = BasePoseAction::kStore;
+  std::uint32_t number = 0;  // comes back in the reply
+  HeadsetNames headset;
+  std::int32_t space = kSpaceLocal;
+  Uncalibrated uncalibrated = Uncalibrated::kFrontOfUser;
+  WirePose base_space;
+  double rms_m = 0;
+  double expected_error_m = 0;
+  double rotation_sigma_rad = 0;
+  std::uint32_t samples = 0;
+  std::uint32_t reserved = 0;
+  char method[32] = {};
+};
+
+struct BasePoseReply {
+  MessageHeader header{.type = MessageType::kBasePoseReply, .size = sizeof(BasePoseReply)};
+  std::uint32_t number = 0;
+  std::uint32_t done = 0;  // 0: refused, the text says why
+  char text[1000] = {};
+};
+
+static_assert(std::is_trivially_copyable_v<BasePoseCommand> && std::is_trivially_copyable_v<BasePoseRequest>);
+static_assert(sizeof(BasePoseRequest) == 440 && sizeof(BasePose) == 128 && sizeof(SpaceChange) == 88);
+static_assert(sizeof(BasePoseCommand) == 536 && sizeof(BasePoseReply) == 1024);
+
+// What is wrong with the numbers of a pose; null: nothing. Unit quaternion (|q|^2 within 1e-2 of 1), finite, within
+// kFarthestBase_m.
+const char* PoseProblem(const WirePose& pose) noexcept;
+
+}  // namespace omni::protocol

@@ -1,0 +1,115 @@
+// The file of placements: named when it is not ours to lose, written before an answer says so.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "service/daemon/clients/base_pose_writer.h"
+#include "tests/daemon/base_pose_scenario.h"
+
+namespace omni::daemon {
+namespace test_daemon_base_pose_file {
+
+std::string Read(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// Garbage is named, by file and key, and never written over.
+TEST(DaemonBasePoseFile, AFileThatCannotBeReadIsLeftAlone) {
+  const TempFolder temp;
+  const std::string good = [&] {
+    BasePoses placements(temp.Path("good.toml"));
+    EXPECT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+    return Read(temp.Path("good.toml"));
+  }();
+  const auto broken = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::pair<std::string, std::string> cases[] = {
+      {"\x01\x02 garbage", "TOML syntax"},
+      {broken("format = 1", "format = 2"), "format = 2 is not known"},
+      {broken("space = 2", "space = \"x\""), "alignments[0].space"},
+      {broken("[0.10000000000000001", "[nan"), "alignments[0].position_space_m[0]"},
+      {broken("rms_mm", "rms"), "alignments[0].rms_mm is missing"},
+      {broken("wxyz = [", "wxyz = [0.9, 0.9, 0.9, 0.9] # "), "unit quaternion"}};
+  for (const auto& [text, says] : cases) {
+    const std::string path = temp.Write("bad.toml", text);
+    BasePoses placements(path);
+    EXPECT_NE(placements.problem().find("bad.toml"), std::string::npos);
+    EXPECT_NE(placements.problem().find(says), std::string::npos) << placements.problem();
+    const auto done = placements.Execute(Store(kSpaceStage), kDate_s);
+    EXPECT_FALSE(done.ok);
+    EXPECT_NE(done.text.find("move it away"), std::string::npos) << done.text;
+    protocol::BasePoseCommand forget;
+    forget.action = protocol::BasePoseAction::kForget;
+    EXPECT_FALSE(placements.Execute(forget, kDate_s).ok);
+    EXPECT_EQ(Read(path), text);
+  }
+}
+
+TEST(DaemonBasePoseFile, WhatCannotBeWrittenIsNotPretended) {
+  const TempFolder temp;
+  temp.Write("file", "");
+  BasePoses placements(temp.Path("file/alignments.toml"));
+  const auto done = placements.Execute(Store(kSpaceLocal), kDate_s);
+  EXPECT_FALSE(done.ok);
+  EXPECT_TRUE(placements.file().entries.empty());
+  BasePoses homeless("");
+  EXPECT_NE(homeless.Execute(Store(kSpaceLocal), kDate_s).text.find("XDG_CONFIG_HOME"), std::string::npos);
+}
+
+// An answer says what has become of the file; only a refusal comes at once.
+TEST(DaemonBasePoseFile, AnAnswerComesWhenTheFileIsWritten) {
+  const TempFolder temp;
+  const std::string path = temp.Path("a.toml");
+  struct Answer {
+    std::uint32_t number;
+    bool done;
+    std::string text;
+  };
+  std::vector<Answer> answers;
+  BasePoseWriter writer([&](ipc::ClientId, std::uint32_t number, bool done, const std::string& text) {
+    answers.push_back({number, done, text});
+  });
+  BasePoses placements(path, writer.write());
+  const auto execute = [&](std::uint32_t number, const protocol::BasePoseCommand& command) {
+    writer.Answer(1, number, placements.Execute(command, kDate_s));
+  };
+  const auto take = [&](std::size_t count) {
+    while (answers.size() < count) writer.TakeWritten(placements);
+  };
+  execute(1, Store(kSpaceLocal));
+  EXPECT_TRUE(answers.empty());
+  EXPECT_EQ(placements.file().entries.size(), 1U) << "in use at once";
+  protocol::BasePoseCommand forget = Store(kSpaceStage);
+  forget.action = protocol::BasePoseAction::kForget;
+  execute(2, forget);
+  ASSERT_EQ(answers.size(), 1U) << "nothing to wait for: no such alignment is stored";
+  EXPECT_FALSE(answers[0].done);
+  take(2);
+  EXPECT_TRUE(answers[1].done && answers[1].number == 1);
+  EXPECT_EQ(BasePoses(path).file().entries.size(), 1U);
+
+  std::filesystem::remove(path);
+  std::filesystem::create_directory(path);
+  execute(3, Store(kSpaceStage));
+  take(3);
+  EXPECT_FALSE(answers[2].done);
+  EXPECT_NE(answers[2].text.find("a.toml: cannot be written: it is a folder"), std::string::npos) << answers[2].text;
+  EXPECT_NE(placements.problem().find("it is a folder"), std::string::npos);
+  std::filesystem::remove(path);
+  execute(4, Store(kSpaceStage));
+  take(4);
+  EXPECT_TRUE(answers[3].done);
+  EXPECT_EQ(placements.problem(), "");
+  EXPECT_EQ(BasePoses(path).file().entries.size(), 2U);
+}
+
+}  // namespace test_daemon_base_pose_file
+}  // namespace omni::daemon

@@ -1,0 +1,168 @@
+// The service's record of where bases stand: kept, told, one for each headset.
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "tests/daemon/base_pose_scenario.h"
+
+namespace omni::daemon {
+namespace test_daemon_base_poses {
+
+TEST(DaemonBasePoses, WhatIsStoredIsToldAtOnceAndAfterARestart) {
+  const TempFolder temp;
+  const std::string path = temp.Path("config/omni/alignments.toml");
+  Listener listener;
+  {
+    BasePoses placements(path);
+    placements.Request(1, Request({kSpaceStage, kSpaceLocal}));
+    listener.Listen(placements);
+    ASSERT_EQ(listener.told[1].size(), 1U);
+    EXPECT_EQ(listener.told[1][0].known, 0U);
+    EXPECT_FALSE(placements.Aligned(1));
+    const auto done = placements.Execute(Store(kSpaceStage), kDate_s);
+    ASSERT_TRUE(done.ok) << done.text;
+    listener.Listen(placements);
+    listener.Listen(placements);
+    ASSERT_EQ(listener.told[1].size(), 2U) << "told once";
+    EXPECT_TRUE(placements.Aligned(1));
+  }
+  BasePoses again(path);
+  EXPECT_EQ(again.problem(), "");
+  again.Request(7, Request({kSpaceStage, kSpaceLocal}));
+  listener.Listen(again);
+  const protocol::BasePose& placement = listener.told[7].back();
+  EXPECT_EQ(placement.known, 1U);
+  EXPECT_EQ(placement.space, kSpaceStage);
+  EXPECT_EQ(placement.base_space.position_m[0], 0.1);
+  EXPECT_NEAR(placement.expected_error_m, 0.9e-3, 1e-15);
+  EXPECT_EQ(placement.measured_unix_s, kDate_s);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(placement.base_space.orientation_wxyz[i], listener.told[1].back().base_space.orientation_wxyz[i],
+                1e-15);
+  }
+}
+
+TEST(DaemonBasePoses, TheFirstKnownSpaceOfTheHeadsetIsTheAnswer) {
+  const TempFolder temp;
+  BasePoses placements(temp.Path("a.toml"));
+  ASSERT_TRUE(placements.Execute(Store(kSpaceLocal, 0.2), kDate_s).ok);
+  protocol::BasePoseRequest other = Request({kSpaceStage, kSpaceLocal});
+  other.headset = Headset("Monado(XRT)", "another headset");
+  placements.Request(1, Request({kSpaceStage, kSpaceLocal}));
+  placements.Request(2, other);
+  placements.Request(3, Request({kSpaceStage}));
+  Listener listener;
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().space, kSpaceLocal);
+  EXPECT_EQ(listener.told[2].back().known, 0U) << "an alignment belongs to the headset that it was made with";
+  EXPECT_EQ(listener.told[3].back().known, 0U);
+  ASSERT_TRUE(placements.Execute(Store(kSpaceStage, 0.3), kDate_s).ok);
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().space, kSpaceStage);
+  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.3);
+}
+
+// An update of the runtime is no other runtime: Monado puts its git tag into its name.
+TEST(DaemonBasePoses, AnAlignmentSurvivesAnUpdateOfTheRuntime) {
+  const TempFolder temp;
+  const std::string path = temp.Path("a.toml");
+  const auto known_to = [&](const std::string& runtime) {
+    BasePoses placements(path);
+    protocol::BasePoseRequest request = Request({kSpaceStage});
+    request.headset = Headset(runtime);
+    placements.Request(1, request);
+    Listener listener;
+    listener.Listen(placements);
+    return listener.told[1].back().known == 1;
+  };
+  protocol::BasePoseCommand store = Store(kSpaceStage);
+  store.headset = Headset("Monado(XRT) by Collabora et al '21.0.0-123-gabcdef'");
+  {
+    BasePoses placements(path);
+    ASSERT_TRUE(placements.Execute(store, kDate_s).ok);
+  }
+  EXPECT_TRUE(known_to("Monado(XRT) by Collabora et al '21.0.0-123-gabcdef'"));
+  EXPECT_TRUE(known_to("Monado(XRT) by Collabora et al 'v25.1.0-7-g1234567'"));
+  EXPECT_TRUE(known_to("Monado(XRT) by Collabora et al 'GIT-NOTFOUND'"));
+  EXPECT_TRUE(known_to("Monado(XRT)")) << "as in docs/howto/align.md";
+  EXPECT_FALSE(known_to("Pico(XRT) by Pico et al 'de86b93'"));
+  EXPECT_FALSE(known_to("SteamVR/OpenXR"));
+  BasePoses placements(path);
+  store.headset = Headset("Monado(XRT) by Collabora et al 'v25.1.0-7-g1234567'");
+  ASSERT_TRUE(placements.Execute(store, kDate_s).ok);
+  EXPECT_EQ(placements.file().entries.size(), 1U) << "measured again with the new build: it takes the old one's place";
+}
+
+// An older file, with an entry for every build that was ever aligned: the newest is the one that holds.
+TEST(DaemonBasePoses, OfSeveralBuildsOfARuntimeTheNewestAlignmentHolds) {
+  const TempFolder temp;
+  config::AlignmentFile file;
+  for (const auto& [build, date, x] :
+       {std::tuple{"'v24.0.0'", "2026-03-01T10:00:00Z", 1.0}, std::tuple{"'v25.0.0'", "2026-09-01T10:00:00Z", 3.0},
+        std::tuple{"'v24.1.0'", "2026-06-01T10:00:00Z", 2.0}}) {
+    file.entries.push_back({.runtime = std::string("Monado(XRT) by Collabora et al ") + build,
+                            .system = "A \"quoted\" \\ HMD",
+                            .space = kSpaceStage,
+                            .orientation_space = {1, 0, 0, 0},
+                            .position_space_m = {x, 0, 0},
+                            .method = "touch",
+                            .date = date});
+  }
+  const std::string path = temp.Write("a.toml", config::WriteAlignments(file));
+  BasePoses placements(path);
+  protocol::BasePoseRequest request = Request({kSpaceStage});
+  request.headset = Headset("Monado(XRT) by Collabora et al 'v24.1.0'");
+  placements.Request(1, request);
+  Listener listener;
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 3.0);
+  EXPECT_EQ(placements.file().entries.size(), 1U);
+}
+
+TEST(DaemonBasePoses, ForgetOneOrAll) {
+  const TempFolder temp;
+  BasePoses placements(temp.Path("a.toml"));
+  ASSERT_TRUE(placements.Execute(Store(kSpaceStage), kDate_s).ok);
+  ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+  protocol::BasePoseCommand forget = Store(kSpaceStage);
+  forget.action = protocol::BasePoseAction::kForget;
+  EXPECT_TRUE(placements.Execute(forget, kDate_s).ok);
+  ASSERT_EQ(placements.file().entries.size(), 1U);
+  EXPECT_EQ(placements.file().entries[0].space, kSpaceLocal);
+  EXPECT_FALSE(placements.Execute(forget, kDate_s).ok) << "it is gone already";
+  forget.headset = {};
+  EXPECT_TRUE(placements.Execute(forget, kDate_s).ok);
+  EXPECT_TRUE(BasePoses(temp.Path("a.toml")).file().entries.empty());
+}
+
+TEST(DaemonBasePoses, PolicyIsKeptAndTold) {
+  const TempFolder temp;
+  BasePoses placements(temp.Path("a.toml"));
+  placements.Request(1, Request({kSpaceLocal}));
+  protocol::BasePoseCommand policy;
+  policy.action = protocol::BasePoseAction::kPolicy;
+  policy.uncalibrated = protocol::Uncalibrated::kOff;
+  ASSERT_TRUE(placements.Execute(policy, kDate_s).ok);
+  Listener listener;
+  listener.Listen(placements);
+  EXPECT_EQ(listener.told[1].back().uncalibrated, protocol::Uncalibrated::kOff);
+  EXPECT_EQ(BasePoses(temp.Path("a.toml")).file().uncalibrated, config::UncalibratedPolicy::kOff);
+  ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+  EXPECT_FALSE(placements.Aligned(1)) << "the pen has no pose";
+}
+
+TEST(DaemonBasePoses, SixtyFourHeadsetsAndNoMore) {
+  const TempFolder temp;
+  BasePoses placements(temp.Path("a.toml"));
+  protocol::BasePoseCommand command = Store(kSpaceLocal);
+  for (std::size_t i = 0; i < config::kMaxAlignments; ++i) {
+    command.headset = Headset("runtime " + std::to_string(i));
+    ASSERT_TRUE(placements.Execute(command, kDate_s).ok);
+  }
+  command.headset = Headset("one more");
+  EXPECT_NE(placements.Execute(command, kDate_s).text.find("the limit"), std::string::npos);
+  EXPECT_EQ(BasePoses(temp.Path("a.toml")).file().entries.size(), config::kMaxAlignments);
+}
+
+}  // namespace test_daemon_base_poses
+}  // namespace omni::daemon

@@ -1,0 +1,234 @@
+// Scenarios of the whole loop against the twin in virtual time.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "service/base/limits.h"
+#include "service/haptics/scene.h"
+#include "tests/support/touch/scenario.h"
+
+namespace omni::test {
+namespace test_loop_scenario {
+
+constexpr double kSlewTolerance = 1.05;
+
+TEST(LoopScenario, ThePenIsFoundTouchesAndIsPushedBack) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario story(PressAndSlide(), 4.0);
+  int contact = 0;
+  int tracked = 0;
+  int ticks = 0;
+  double peak_N = 0;
+  double up_N = 0;
+  while (story.Step(table)) {
+    ++ticks;
+    tracked += story.output.tool.status == base::TrackingStatus::kTracking ? 1 : 0;
+    contact += story.force_N() > 0.01 ? 1 : 0;
+    peak_N = std::max(peak_N, story.force_N());
+    if (story.force_N() > 0.1) up_N += story.output.wrench.force_N.z;
+  }
+  EXPECT_EQ(ticks, 4000);
+  EXPECT_GT(tracked, 3980);
+  EXPECT_GT(contact, 1000);
+  EXPECT_GT(peak_N, 0.3);
+  EXPECT_LE(peak_N, 2.0 + 1e-9);
+  EXPECT_GT(up_N, 0);
+  const auto& select = story.output.inputs.components[static_cast<std::size_t>(base::InputComponent::kSelect)];
+  EXPECT_GE(select.press_count, 1U);
+  EXPECT_EQ(select.press_count, select.release_count);
+}
+
+// A hand holds the pen still, first above the table and then on it. Only in the air may it be taken for one at rest.
+TEST(LoopScenario, APenThatIsPushedIsNotTakenForOneAtRest) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario story(PressAndSlide(), 2.3);
+  const auto at_rest = [&] { return story.state.tracker.filter.motions.likely[tracker::kAtRest]; };
+  double in_air = 0, in_touch = 0;
+  while (story.Step(table)) {
+    const bool in_touch_long = story.state.tick > 1900 && story.force_N() > 0.1;
+    if (in_touch_long) in_touch = std::max(in_touch, at_rest());
+    if (story.force_N() == 0) in_air = std::max(in_air, at_rest());
+  }
+  EXPECT_GT(in_air, 0.5);
+  EXPECT_LT(in_touch, 1e-3);
+}
+
+TEST(LoopScenario, NoOwnerNoCurrent) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario story(PressAndSlide(), 2.5);
+  const auto closed = [](const base::HallScan& scan) {
+    loop::Commands commands = Scenario::Open(scan);
+    commands.gate = loop::ForceGate::kClosed;
+    return commands;
+  };
+  while (story.Step(table, closed)) ASSERT_EQ(story.current_A(), 0);
+}
+
+TEST(LoopScenario, NoSceneNoCurrent) {
+  const haptics::Scene nothing;
+  Scenario story(PressAndSlide(), 2.5);
+  while (story.Step(nothing)) ASSERT_EQ(story.current_A(), 0);
+}
+
+// Runs into the hold phase with the gate open, then lets `commands` rule; returns ms until the currents are zero.
+double MillisecondsToZero(const std::function<loop::Commands(const base::HallScan&)>& after) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario story(PressAndSlide(), 2.3);
+  while (story.scan.sequence == 0 || story.state.tick < 1900) {
+    if (!story.Step(table)) return -1;
+  }
+  if (!(story.current_A() > 0.5)) return -2;  // it must be pushing
+  for (int ms = 0; story.Step(table, after); ++ms) {
+    if (story.current_A() == 0) return ms;
+  }
+  return -3;
+}
+
+TEST(LoopScenario, OwnerGoneMeansZeroWithin20Milliseconds) {
+  const double ms = MillisecondsToZero([](const base::HallScan& scan) {
+    return loop::Commands{.t_ns = scan.t_ns, .gate = loop::ForceGate::kClosed, .scene_generation = 1};
+  });
+  EXPECT_GE(ms, 2);  // a ramp, not a step
+  EXPECT_LE(ms, 20);
+}
+
+TEST(LoopScenario, SilentOwnerFadesOver100Milliseconds) {
+  const double ms = MillisecondsToZero([](const base::HallScan& scan) {
+    loop::Commands commands = Scenario::Open(scan);
+    commands.gate = loop::ForceGate::kSilent;
+    return commands;
+  });
+  EXPECT_GE(ms, 60);
+  EXPECT_LE(ms, 110);
+}
+
+TEST(LoopScenario, StuckControlThreadFades) {
+  std::int64_t written_ns = 0;
+  const double ms = MillisecondsToZero([&](const base::HallScan& scan) {
+    if (written_ns == 0) written_ns = scan.t_ns;
+    loop::Commands commands = Scenario::Open(scan);
+    commands.t_ns = written_ns;
+    return commands;
+  });
+  EXPECT_GE(ms, 150);  // 100 ms of patience and the fade
+  EXPECT_LE(ms, 220);
+}
+
+TEST(LoopScenario, DeviceFaultMeansZero) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario story(PressAndSlide(), 2.3);
+  while (story.state.tick < 1900 && story.Step(table)) {
+  }
+  ASSERT_GT(story.current_A(), 0.5);
+  base::HallScan scan = story.scan;
+  for (int i = 0; i < 20; ++i) {
+    scan.t_ns += base::kTickPeriod_ns;
+    scan.device_faults = 1;
+    loop::Tick(story.config, scan, Scenario::Open(scan), table, story.state, story.output);
+  }
+  EXPECT_EQ(story.current_A(), 0);
+  EXPECT_TRUE(story.output.faults & loop::kFaultDevice);
+}
+
+TEST(LoopScenario, SceneSwapRampsThroughZero) {
+  const haptics::Scene first = TableScene(kTableTop_m);
+  const haptics::Scene second = TableScene(kTableTop_m - 0.002);
+  Scenario story(PressAndSlide(), 2.3);
+  while (story.state.tick < 1900 && story.Step(first)) {
+  }
+  ASSERT_GT(story.force_N(), 0.1);
+  const auto swap = [](const base::HallScan& scan) {
+    loop::Commands commands = Scenario::Open(scan);
+    commands.scene_generation = 2;
+    return commands;
+  };
+  bool asked = false;
+  base::Vec3 last = story.output.wrench.force_N;
+  bool through_zero = false;
+  while (story.Step(asked ? second : first, swap)) {
+    const base::Vec3& f = story.output.wrench.force_N;
+    const double step_N = Distance(f, last);
+    ASSERT_LE(step_N, 0.85 * kSlewTolerance) << story.state.tick;
+    last = f;
+    through_zero = through_zero || story.force_N() == 0;
+    if (story.output.wants_scene && !asked) {
+      loop::EnterScene(second, 2, story.state);
+      asked = true;
+    }
+  }
+  EXPECT_TRUE(asked);
+  EXPECT_TRUE(through_zero);
+  EXPECT_GT(story.force_N(), 0.05);  // the second table is felt
+}
+
+TEST(LoopScenario, PenTakenAwayMeansZeroAndItComesBack) {
+  sim::HandScript script = PressAndSlide();
+  script.waypoints.insert(script.waypoints.begin() + 4,
+                          {.duration_s = 0.5, .tip_base_m = {0, 0, kTableTop_m + 0.01}, .present = false});
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario story(script, 4.4);
+  int absent = 0;
+  int tracked_after = 0;
+  while (story.Step(table)) {
+    const bool tracking = story.output.tool.status == base::TrackingStatus::kTracking;
+    if (story.output.tool.status == base::TrackingStatus::kAbsent && story.state.tick > 2400) {
+      ++absent;
+      ASSERT_LT(story.force_N(), 1e-12);
+    }
+    if (absent > 0 && tracking) ++tracked_after;
+  }
+  EXPECT_GT(absent, 300);
+  EXPECT_GT(tracked_after, 500);
+}
+
+TEST(LoopScenario, HapticWaveformIsFeltCountedOnceAndEnds) {
+  const haptics::Scene nothing;
+  Scenario story(PressAndSlide(), 1.0);
+  int felt = 0;
+  const auto pulse = [](const base::HallScan& scan) {
+    loop::Commands commands = Scenario::Open(scan);
+    if (scan.sequence > 300) {
+      commands.haptic = {.id = 1, .active = true, .duration_s = 0.05, .amplitude = 1, .frequency_Hz = 100};
+    }
+    return commands;
+  };
+  while (story.Step(nothing, pulse)) felt += story.current_A() > 0.1 ? 1 : 0;
+  EXPECT_EQ(story.output.haptic_pulses, 1U);
+  EXPECT_GT(felt, 30);
+  EXPECT_LT(felt, 70);
+  EXPECT_EQ(story.current_A(), 0);
+}
+
+TEST(LoopScenario, GarbageScansNeverReachTheCoils) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario story(PressAndSlide(), 3.0);
+  std::uint64_t random = 88172645463325252ULL;
+  const auto next = [&] {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    return random;
+  };
+  while (story.Step(table)) {
+    if (next() % 5 != 0) continue;
+    base::HallScan bad = story.scan;
+    const double nasty[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300,
+                            -1, 0};
+    for (int i = 0; i < 4; ++i) {
+      bad.field_sensor_T[next() % 8].y = nasty[next() % 5];
+      bad.coil_current_A[next() % 3] = nasty[next() % 5];
+      bad.coil_temperature_C[next() % 3] = nasty[next() % 5];
+    }
+    bad.t_ns += static_cast<std::int64_t>(next() % 4'000'000) - 2'000'000;
+    loop::Tick(story.config, bad, Scenario::Open(bad), table, story.state, story.output);
+    for (const double i : story.output.currents.current_A) {
+      ASSERT_TRUE(std::isfinite(i));
+      ASSERT_LE(std::abs(i), story.config.actuation.current_max_A * (1 + 1e-9));
+    }
+    ASSERT_LE(story.force_N(), 2.0 + 1e-9);
+  }
+}
+
+}  // namespace test_loop_scenario
+}  // namespace omni::test

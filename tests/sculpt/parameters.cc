@@ -1,0 +1,263 @@
+// Pressing, holding, pulling and letting go, on a real surface that is edited and published meanwhile.
+#include <gtest/gtest.h>
+
+#include "service/haptics/sculpt/handover.h"
+#include "service/haptics/sculpt/mesh/check_manifold.h"
+#include "service/loop/probe/alloc_probe.h"
+#include "tests/support/touch/sculpt_hand.h"
+
+namespace omni::haptics::sculpt {
+namespace test_sculpt_parameters {
+
+constexpr double kRadius_m = 0.03;
+constexpr double kSlew_N = 0.85;  // per tick
+
+Brush FiveMillimetres() {
+  Brush brush;
+  brush.radius_m = 0.005;
+  return brush;
+}
+
+// Height of the surface on the z axis, seen from above.
+double TopOf(SculptEditor& editor) {
+  editor.Publish();
+  const Vec3 above{0, 0, 2 * kRadius_m};
+  const CrossingResult hit = CrossingInTree(SculptSurface(*editor.publisher().newest()), 0, above, {}, false);
+  return hit.triangle == kNoIndex ? 0 : (1 - hit.t) * above.z;
+}
+
+// Comes from above, presses by `depth_m` and stays for the dwell.
+void Grab(SculptHand& hand, double top_m, double depth_m = 0.0015) {
+  hand.MoveTo({0, 0, top_m + 0.005});
+  hand.Go({0, 0, top_m - depth_m}, 0.03);
+  hand.Rest(250);
+}
+
+TEST(SculptParametersTest, PullsOutAndIsFeltAsABump) {
+  SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
+  SculptEditor& editor = hand.editor();
+  const double top_m = TopOf(editor);
+  Grab(hand, top_m);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  hand.Go({0, 0, top_m + 0.006}, 0.03);
+  EXPECT_LT(hand.force_N().z, -0.2);  // it resists the pull
+  EXPECT_GT(hand.state().offset_m, 0.003);
+  hand.Rest(400);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+  EXPECT_FALSE(editor.in_stroke());
+  EXPECT_EQ(editor.undo_steps(), 1U);
+  EXPECT_NEAR(TopOf(editor) - top_m, hand.state().offset_m, 2e-4);
+  EXPECT_LT(hand.largest_step_N(), kSlew_N / 4);
+  // Sliding across at a height that was in the open is now pushed up by the bump.
+  hand.Go({0.02, 0, top_m + 0.004}, 0.1);
+  hand.Go({0.02, 0, top_m + 0.001}, 0.1);
+  double felt_N = 0;
+  for (double x = 0.02; x > 0; x -= 1e-4) felt_N = std::max(felt_N, hand.MoveTo({x, 0, top_m + 0.001}).x);
+  EXPECT_GT(felt_N, 0.1);  // against the motion
+}
+
+TEST(SculptParametersTest, PushesInOnlyAgainstMoreThanItBears) {
+  SculptParameters parameters;
+  SculptHand hand(Sphere(40, kRadius_m), parameters, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  const double depth_m = 0.0015, bears_m = parameters.yield_N / parameters.stiffness_N_m;
+  hand.Go({0, 0, top_m - depth_m - 0.9 * bears_m}, 0.01);
+  EXPECT_EQ(hand.state().offset_m, 0);
+  hand.Go({0, 0, top_m - depth_m - 0.005}, 0.03);
+  EXPECT_LT(hand.state().offset_m, -0.002);
+  hand.Rest(400);
+  EXPECT_LT(TopOf(hand.editor()), top_m - 0.002);
+  EXPECT_LT(hand.largest_step_N(), kSlew_N / 4);
+}
+
+TEST(SculptParametersTest, ResistanceGrowsWithSpeedAndWay) {
+  const auto pull = [](double speed_m_s, double way_m) {
+    SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
+    const double top_m = TopOf(hand.editor());
+    Grab(hand, top_m);
+    hand.Go({0, 0, top_m + way_m}, speed_m_s);
+    return -hand.force_N().z;
+  };
+  EXPECT_GT(pull(0.06, 0.006), pull(0.02, 0.006) + 0.1);
+  EXPECT_GT(pull(0.03, 0.012), pull(0.03, 0.006) + 0.1);
+}
+
+// The worst a person can ask for: undo while the pen is inside what was pulled out or pushed in.
+TEST(SculptParametersTest, UndoUnderThePenDoesNotKick) {
+  for (const double offset_m : {-0.004, 0.004}) {
+    SculptHand hand(Sphere(40, kRadius_m), {.grab_force_N = 2}, FiveMillimetres());
+    SculptEditor& editor = hand.editor();
+    ASSERT_TRUE(editor.Stroke(On(editor, {0, 0, 1}), FiveMillimetres(), offset_m).ok());
+    editor.Publish();
+    hand.MoveTo({0, 0, TopOf(editor) + 0.002});
+    hand.Go({0, 0, TopOf(editor) - 0.001}, 0.03);
+    hand.ForgetSteps();
+    ASSERT_TRUE(editor.Undo());
+    hand.Rest(100);
+    EXPECT_LT(hand.largest_step_N(), 0.15) << offset_m;
+    EXPECT_NEAR(TopOf(editor), kRadius_m, 1e-5) << offset_m;
+    if (offset_m < 0) {
+      EXPECT_NEAR(hand.force_N().z, 0.005 * SculptHand::kStiffness_N_m, 0.1);
+    } else {
+      EXPECT_EQ(hand.force_N(), Vec3{});
+    }
+  }
+}
+
+TEST(SculptParametersTest, SettlesOnTheGrid) {
+  SculptOptions options;
+  options.grid_step_m = 0.002;
+  SculptHand hand(Sphere(40, kRadius_m), {.grid_step_m = options.grid_step_m}, FiveMillimetres(), options);
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m + 0.006}, 0.03);
+  hand.Rest(600);
+  const double steps = hand.state().offset_m / options.grid_step_m;
+  EXPECT_GE(steps, 1);
+  EXPECT_NEAR(steps, std::round(steps), 1e-9);
+  EXPECT_NEAR(TopOf(hand.editor()) - top_m, hand.state().offset_m, 2e-5);
+}
+
+TEST(SculptParametersTest, LetsGoOfATipThatRestsInNoise) {
+  SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m + 0.006}, 0.03);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  Random random(9);
+  for (int k = 0; k < 500; ++k) hand.MoveTo({0, 0, top_m + 0.006 + random.Uniform(-6e-4, 6e-4)});  // of 1 ms each
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+}
+
+TEST(SculptParametersTest, TornOrLostItEndsTheStroke) {
+  for (const bool torn : {true, false}) {
+    SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
+    const double top_m = TopOf(hand.editor());
+    Grab(hand, top_m);
+    ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+    if (torn) {
+      hand.Go({0, 0, top_m + 0.03}, 1.0);
+      hand.Rest(30);
+    } else {
+      for (int k = 0; k < 60; ++k) hand.Lose();
+    }
+    EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+    EXPECT_EQ(hand.state().hold, 0);
+    EXPECT_FALSE(hand.editor().in_stroke());
+    EXPECT_TRUE(CheckManifold(hand.editor().mesh()).ok());
+  }
+}
+
+// A base that is not calibrated offers little: the hold gets from the press to the pull with any stiffness.
+TEST(SculptParametersTest, SoftHoldPullsToo) {
+  for (const double stiffness_N_m : {30.0, 60.0, 120.0, 400.0}) {
+    SculptToolState state;
+    SculptInput input;
+    input.tracked = true;
+    input.dt_s = 1e-3;
+    input.normal_stiffness_limit_N_m = stiffness_N_m;
+    input.touch = {true, 0, {1, 0, 0}, {}, {0, 0, 1}, 0.6};
+    StrokeRing ring;
+    const auto step = [&] {
+      StrokeMessage message;
+      while (ring.TryPop(message)) {
+      }
+      return StepSculptTool({.tear_m = 0.002}, input, state, ring);
+    };
+    for (int k = 0; k < 300; ++k) step();
+    ASSERT_EQ(state.phase, SculptPhase::kHeld);
+    while (state.phase == SculptPhase::kHeld && input.tip_base_m.z < 0.06) {
+      input.tip_base_m.z += 1.6e-5;
+      if (step().force_N.z < -0.2 && state.offset_m > 1e-3) break;
+    }
+    EXPECT_EQ(state.phase, SculptPhase::kHeld) << stiffness_N_m;
+    EXPECT_GT(state.offset_m, 1e-3) << stiffness_N_m;
+    input.normal_stiffness_limit_N_m = 0;
+    for (int k = 0; k < 50; ++k) step();
+    EXPECT_NE(state.phase, SculptPhase::kHeld) << "nothing holds it";
+    EXPECT_EQ(state.hold, 0);
+  }
+}
+
+TEST(SculptParametersTest, MessagesWaitWhileTheRingIsFull) {
+  StrokeRing ring;
+  while (ring.TryPush({})) {
+  }
+  SculptToolState state;
+  SculptInput input;
+  input.tracked = true;
+  input.dt_s = 1e-3;
+  input.stiffness_limit_N_m = input.normal_stiffness_limit_N_m = 400;
+  input.touch = {true, 0, {1, 0, 0}, {}, {0, 0, 1}, 0.6};
+  for (int k = 0; k < 300; ++k) StepSculptTool({}, input, state, ring);
+  ASSERT_EQ(state.phase, SculptPhase::kHeld);
+  for (int k = 0; k < 100; ++k) {
+    input.tip_base_m.z += 1e-4;
+    StepSculptTool({}, input, state, ring);
+  }
+  input.tracked = false;
+  for (int k = 0; k < 100; ++k) StepSculptTool({}, input, state, ring);
+  EXPECT_TRUE(state.begin_waits && state.end_waits);
+  StrokeMessage message;
+  while (ring.TryPop(message)) {
+  }
+  input.touch.touching = false;
+  for (int k = 0; k < 10; ++k) StepSculptTool({}, input, state, ring);
+  std::vector<StrokeKind> kinds;
+  double offset_m = 0;
+  while (ring.TryPop(message)) {
+    kinds.push_back(message.kind);
+    if (message.kind == StrokeKind::kMove) offset_m = message.offset_m;
+  }
+  EXPECT_EQ(kinds, (std::vector<StrokeKind>{StrokeKind::kBegin, StrokeKind::kMove, StrokeKind::kEnd}));
+  EXPECT_EQ(offset_m, state.offset_m);
+}
+
+// Whatever comes in: finite, bounded, no heap.
+TEST(SculptParametersTest, BadInputGivesFiniteForceAndNoHeap) {
+  const auto editor = EditorOf(BumpyBall(12, kRadius_m));
+  const SculptTable* table = editor->publisher().Acquire();
+  const double bad[] = {0, -1, 1e-9, 0.03, 1e3, 1e30, std::nan(""), std::numeric_limits<double>::infinity()};
+  Random random(5);
+  const auto any = [&] { return random.Next() % 3 == 0 ? bad[random.Next() % std::size(bad)] : random.Uniform(-1, 1); };
+  const auto ring = std::make_unique<StrokeRing>();
+  SculptToolState state;
+  double largest_N = 0;
+  bool finite = true;
+  const loop::AllocProbe probe;
+  for (int k = 0; k < 20000; ++k) {
+    const SculptSurface surface(*table);
+    SculptInput input;
+    input.tracked = random.Next() % 8 != 0;
+    input.tip_base_m = {any(), any(), any()};
+    input.dt_s = any();
+    input.stiffness_limit_N_m = any();
+    input.normal_stiffness_limit_N_m = any();
+    input.touch = {random.Next() % 2 == 0, 0, {}, {any(), any(), any()}, base::Normalized({any(), 1, 0}),
+                   std::abs(any())};
+    if (k % 1000 < 300) {  // long enough to take hold
+      input.tracked = true;
+      input.tip_base_m = {};
+      input.dt_s = 1e-3;
+      input.touch = {k % 1000 > 10, 0, {1, 0, 0}, {}, {0, 0, 1}, 0.6};
+    }
+    KeptFeature feature{0, {}, {any(), any(), any()}, {any(), any(), any()}};
+    Rebind(surface, any(), feature);
+    CrossingInTree(surface, 0, input.tip_base_m, {any(), any(), any()}, false);
+    const SculptToolOutput out = StepSculptTool({}, input, state, *ring);
+    finite = finite && Within(out.force_N, 1e3) && out.contact_share >= 0 && out.contact_share <= 1;
+    largest_N = std::max(largest_N, Norm(out.force_N));
+    StrokeMessage message;
+    while (ring->TryPop(message)) {
+    }
+  }
+  EXPECT_EQ(probe.count(), 0U);
+  EXPECT_TRUE(finite);
+  EXPECT_GT(largest_N, 0);
+  EXPECT_LT(largest_N, 2);
+}
+
+}  // namespace test_sculpt_parameters
+}  // namespace omni::haptics::sculpt
