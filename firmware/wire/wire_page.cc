@@ -15,7 +15,7 @@ void PrintIntroduction() {
       "\n"
       "Generated from firmware/wire by `wire_page`; a test compares. The same code runs in the base, in the twin and "
       "in\n"
-      "omnid. All numbers are little endian; floats are IEEE 754, single precision.\n"
+      "omnid. All numbers are little-endian; floats are IEEE 754 single precision.\n"
       "\n"
       "## Envelope\n"
       "\n"
@@ -28,7 +28,7 @@ void PrintIntroduction() {
       "| 6 | u16 | payload_len | bytes |\n"
       "| 8 | u64 | t_device_us | TELEMETRY: instant of the newest Hall sample, device clock; COMMAND: 0 |\n"
       "| %zu | | payload | at most %zu bytes |\n"
-      "| %zu + payload_len | u32 | crc | CRC-32C (Castagnoli) of all before |\n"
+      "| %zu + payload_len | u32 | crc | CRC-32C (Castagnoli) of all bytes before |\n"
       "\n"
       "One frame is one USB bulk transfer or one seqpacket datagram: at most %zu bytes, so a short packet always ends "
       "it\n"
@@ -46,29 +46,29 @@ void PrintRules() {
       "\n"
       "- A frame that fails a check (size, magic, version, length, CRC, range, NaN or infinity) is dropped and "
       "counted.\n"
-      "  Nothing in it is acted upon.\n"
-      "- A valid frame of an unknown type is ignored. Unknown bytes behind a payload's fields are ignored: a newer "
-      "sender\n"
-      "  may append fields. A payload shorter than its fields is refused.\n"
-      "- Another version is refused, but for HELLO, whose layout never changes: each side can say which of them is "
-      "older.\n"
-      "  A base never arms for another version.\n"
+      "  Nothing in it has any effect.\n"
+      "- A valid frame of an unknown type is ignored. Unknown bytes after a payload's fields are ignored, so that a "
+      "newer\n"
+      "  sender may append fields. A payload shorter than its fields is rejected.\n"
+      "- A frame of another version is rejected, except HELLO, whose layout never changes, so that each side can "
+      "report\n"
+      "  which of them is older. A base never arms for another version.\n"
       "- `seq` is compared as a serial number [RFC 1982]: b is after a if (b - a) mod 65536 is 1 to 32767. A frame "
       "that is\n"
       "  not after the last one (replayed, duplicated, reordered) is dropped and counted; a gap is counted as missed.\n"
-      "- A COMMAND holds for its time to live, 1 to %d ms. When none follows, the base ramps its coils to zero and "
-      "brakes\n"
+      "- A COMMAND is valid for its time to live, 1 to %d ms. If no other follows, the base ramps its coils to zero "
+      "and brakes\n"
       "  (host silent).\n"
       "- A base with the capability *arming* keeps its coils at zero until ARM, in two steps: request, challenge with "
       "a\n"
-      "  nonce, confirm with that nonce within 100 ms. No single frame, however it came about, can arm.\n"
+      "  nonce, confirm with that nonce within 100 ms. No single frame, whatever its origin, can arm the base.\n"
       "- A fault bit stays set until ARM finds its cause gone; any bit keeps the coils at zero. *Not armed* and *host\n"
-      "  silent* are no failures: the host arms again by itself.\n"
-      "- ESTOP may come any number of times, and at any time, also as a vendor request of endpoint 0.\n"
+      "  silent* are not failures: the host arms again by itself.\n"
+      "- ESTOP may be sent at any time and any number of times, also as a vendor request to endpoint 0.\n"
       "- The device clock counts microseconds since reset by its own crystal, unless the capability says otherwise. "
       "The\n"
-      "  host maps it from acknowledged commands (service/device/clock_map.h): host_us out, ack_rx_device_us and\n"
-      "  t_device_us in the base, arrival at the host.\n"
+      "  host relates it to its own clock by acknowledged commands (service/device/clock_map.h): host_us when sent,\n"
+      "  ack_rx_device_us and t_device_us in the base, arrival at the host.\n"
       "\n",
       int{kTimeToLiveMax_ms});
 }
@@ -131,15 +131,15 @@ void PrintMessage(const char* note) {
 }
 
 void PrintMessages() {
-  std::printf("## Messages\n\nOffsets count from the begin of the payload.\n\n");
+  std::printf("## Messages\n\nOffsets count from the start of the payload.\n\n");
   PrintNames("Types", MessageTypes(), false);
   PrintMessage<Hello>(
       "Base: after the link is up, and in answer to an empty HELLO. Positive, finite `field_lsb_T` and\n"
       "`current_max_A`; `version_min` <= `version_max`.");
   PrintMessage<Telemetry>("Base to host, 1 kHz.");
   PrintMessage<Command>(
-      "Host to base. One set-point out of range refuses the whole frame; a sender refuses to encode what a\n"
-      "receiver would refuse.");
+      "Host to base. One set-point out of range rejects the whole frame; a sender refuses to encode what a\n"
+      "receiver would reject.");
   PrintMessage<Config>("Both ways; set only while idle.");
   PrintMessage<Arm>("Both ways.");
   PrintMessage<Estop>("Host to base. Brake now, latched until ARM.");
@@ -160,7 +160,8 @@ void PrintEnums() {
 
 void PrintFaults() {
   std::printf(
-      "### Fault bits\n\nIn FAULT, `part` counts what stands here (255: the whole base, or its board), and `value` has "
+      "### Fault bits\n\nIn FAULT, `part` numbers the parts named here (255: the whole base, or its board), and "
+      "`value` has "
       "this unit (empty: none).\n\n| bit | name | what the base saw | part | value | what to do "
       "|\n|---|---|---|---|---|---|\n");
   for (const FaultText& row : Faults()) {
