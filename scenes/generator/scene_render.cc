@@ -1,7 +1,6 @@
-// scene_render FILE OUT.png --view front|side|top|three-quarter: a picture of any glTF scene. With --contact
-// also of a touch: tip, proxy, force. With --rest of what a touch has made of a scene: FILE is what `omni surfaces
-// --save` or `omni scene save` wrote, the scene gives the paint and what else there is, and colours show what has
-// moved.
+// scene_render FILE OUT.png --view front|side|top|three-quarter: a picture of any glTF scene. With --contact also of a
+// touch: tip, proxy, force. With --rest of a scene after it was touched: FILE is what `omni surfaces --save` or `omni
+// scene save` wrote, the --rest scene gives the paint and everything else, and colours show what has moved.
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -59,7 +58,7 @@ struct CameraAngles {
 };
 
 CameraAngles AddPlace(Command& app, DrawArguments& arguments) {
-  app.Add("--view", arguments.view, "from where").OneOf({"front", "side", "top", "three-quarter"});
+  app.Add("--view", arguments.view, "direction of the camera").OneOf({"front", "side", "top", "three-quarter"});
   Option elevation = app.Add("--elevation", arguments.elevation_deg, "of the camera, degrees, in place of the view's")
                          .Range(-90.0, 90.0);
   Option azimuth = app.Add("--azimuth", arguments.azimuth_deg, "of the camera, degrees, 0: in front of +x, likewise")
@@ -70,7 +69,7 @@ CameraAngles AddPlace(Command& app, DrawArguments& arguments) {
   app.Add("--zoom", arguments.options.zoom).Range(0.1, 20.0);
   Option look_at =
       app.Add("--look-at", arguments.look_at_mm, "x y z of the picture's middle in the base frame, mm").Numbers(3);
-  app.Add("--span", arguments.span_mm, "what its shorter side shows, mm").Range(1.0, 1000.0).Needs(look_at);
+  app.Add("--span", arguments.span_mm, "length shown along the shorter side, mm").Range(1.0, 1000.0).Needs(look_at);
   return {elevation, azimuth};
 }
 
@@ -84,17 +83,17 @@ void PlaceCamera(const CameraAngles& angles, DrawArguments& arguments) {
 
 void AddTouch(Command& app, DrawArguments& arguments) {
   Option contact =
-      app.Add("--contact", arguments.tip_mm, "x y z of the tip in the base frame, mm: draws what is felt there")
+      app.Add("--contact", arguments.tip_mm, "x y z of the tip in the base frame, mm: draws the contact there")
           .Numbers(3);
   app.Add("--from", arguments.from_mm, "x y z the tip comes from (default: 20 mm above)").Numbers(3).Needs(contact);
   Option rest = app.Add("--rest", arguments.rest, "the scene before it was sculpted or dented: its paint");
-  app.Add("--show-displacement", arguments.displacement_mm, "colours up to so many mm away from --rest")
+  app.Add("--show-displacement", arguments.displacement_mm, "colours displacements from --rest, up to this many mm")
       .Range(0.01, 100.0)
       .Needs(rest);
   Option pen = app.Add("--pen", arguments.pen_mm, "x y z of the tip, mm: draws a pen there").Numbers(3);
   app.Add("--pen-axis", arguments.axis, "x y z, out of its tip").Numbers(3).Needs(pen);
   app.Add("--force", arguments.force_N, "x y z, N: an arrow at its tip, 20 mm/N").Numbers(3).Needs(pen);
-  app.Add("--race", arguments.race, "recording of omnid: the car's way, laps and hits, best from the top");
+  app.Add("--race", arguments.race, "recording of omnid: the car's path, laps and hits, best from the top");
   app.Add("--caption", arguments.caption, "a line below the picture");
 }
 

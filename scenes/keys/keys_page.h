@@ -1,5 +1,5 @@
-// What of docs/scenes.md and of scenes/schema/OMNI_haptic_material.schema.json follows from the tables of a tag's
-// numbers.
+// The parts of docs/scenes.md and scenes/schema/OMNI_haptic_material.schema.json that are generated from the tables of
+// a tag's numbers.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace omni::scenes {
 // material's meaning too. Rows of words and all other text stay. Throws std::runtime_error: a table is missing.
 std::string UpdatedPage(const std::string& page);
 
-// The schema, its numbers those of the tables. What is no number stays. Throws as above.
+// The schema, its numbers those of the tables. Everything else stays. Throws as above.
 std::string UpdatedSchema(const std::string& schema);
 
 }  // namespace omni::scenes

@@ -1,4 +1,4 @@
-// scene_keys_page ROOT: writes what follows from the tables of a tag's numbers into ROOT/docs/scenes.md and
+// scene_keys_page ROOT: writes the parts generated from the tables of a tag's numbers into ROOT/docs/scenes.md and
 // ROOT/scenes/schema/OMNI_haptic_material.schema.json. Run after a key was added or changed.
 #include <cstdio>
 #include <exception>

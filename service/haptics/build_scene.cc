@@ -121,7 +121,7 @@ class Assembler {
     built.object.first_triangle = static_cast<std::uint32_t>(parts_.triangles.size());
     built.object.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
     std::fill(std::begin(built.object.first_uv), std::end(built.object.first_uv), kNoIndex);
-    // An object that lost all its triangles keeps its place, never touched.
+    // An object that lost all its triangles keeps its index but is never touched.
     if (mesh.triangles.empty()) {
       built.object.flags &= ~(std::uint32_t{kCollidable} | kCarWall);
     } else {

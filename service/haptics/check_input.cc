@@ -24,7 +24,7 @@ Status CheckTextures(const SceneInput& input) {
     texels += image.texels.size();
     if (image.width == 0 || image.height == 0 ||
         image.texels.size() != std::uint64_t{image.width} * std::uint64_t{image.height}) {
-      return Error{"image: its texels are not width x height"};
+      return Error{"image: the number of texels is not width x height"};
     }
   }
   if (texels > kMaxTexels || input.textures.size() > kMaxTextures) {
@@ -41,7 +41,8 @@ Status CheckTextures(const SceneInput& input) {
   for (const Material& m : input.materials) {
     for (const std::int32_t index : {m.stiffness_texture, m.friction_texture, m.vibrotactile_texture}) {
       if (index != -1 && !(index >= 0 && static_cast<std::size_t>(index) < input.textures.size())) {
-        return Error{"material: texture " + std::to_string(index) + " of " + std::to_string(input.textures.size())};
+        return Error{"material: uses texture " + std::to_string(index) + " of " +
+                     std::to_string(input.textures.size())};
       }
     }
   }
@@ -162,7 +163,8 @@ Status CheckMaterial(const Material& m, std::size_t index) {
     }
   }
   for (const double x : m.softness.fibre_direction_base) {
-    if (!(std::abs(x) <= 1e6)) return Error{where + "softness.fibreDirection is " + Number(x) + ", no direction"};
+    if (!(std::abs(x) <= 1e6))
+      return Error{where + "softness.fibreDirection is " + Number(x) + ", it must be within +-1e6"};
   }
   return Ok{};
 }

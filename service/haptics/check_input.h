@@ -1,4 +1,4 @@
-// Refuses what cannot be built, with words that say what to change. Set-up only.
+// Rejects input that cannot be built, with errors that say what to change. Set-up only.
 #pragma once
 
 #include <cstddef>

@@ -41,7 +41,7 @@ Status CheckHeader(const Scene& scene) {
   SceneHeader h;
   std::memcpy(&h, block.data(), sizeof h);
   if (h.magic != kSceneMagic || h.version != kSceneVersion) return Error{"holds a scene of another version"};
-  if (h.bytes != block.size()) return Error{"has another length than its scene says"};
+  if (h.bytes != block.size()) return Error{"has another length than its header says"};
   const bool fits =
       Fits<Material>(h.materials, h.material_count, h.bytes) && Fits<Vertex>(h.vertices, h.vertex_count, h.bytes) &&
       Fits<Triangle>(h.triangles, h.triangle_count, h.bytes) && Fits<TreeNode>(h.nodes, h.node_count, h.bytes) &&
@@ -51,20 +51,20 @@ Status CheckHeader(const Scene& scene) {
       Fits<Object>(h.objects, h.object_count, h.bytes) && Fits<Region>(h.regions, h.region_count, h.bytes) &&
       Fits<Texture>(h.textures, h.texture_count, h.bytes) && Fits<std::uint8_t>(h.texels, h.texel_count, h.bytes) &&
       Fits<CornerUv>(h.uvs, h.uv_count, h.bytes);
-  if (!fits) return Error{"has a part that lies outside it"};
+  if (!fits) return Error{"has a part that lies outside the block"};
   if (h.object_count > kMaxObjects || h.region_count > kMaxRegions || h.triangle_count > kMaxTriangles ||
       h.material_count == 0 || h.texture_count > kMaxTextures || h.texel_count > kMaxTexels) {
     return Error{"has a count over its limit"};
   }
   if (h.has_joystick > 1 || h.has_vehicle > 1 || !EndsInside(h.name)) return Error{"has a damaged header"};
-  // A scene of nothing but a joystick has the bounds of nothing; otherwise they are places.
+  // A scene with only a joystick has empty bounds; otherwise they are positions.
   if (!(h.tree_extent_m >= 0 && h.tree_extent_m <= kMaxPlace_m && h.detent_curvature_N_m >= 0 &&
         h.detent_curvature_N_m <= kMaxCurvature_N_m)) {
     return Error{"has a damaged header"};
   }
-  if (!(h.tip_radius_m >= 0 && h.tip_radius_m <= kMaxTipRadius_m)) return Error{"has a tip of no size"};
+  if (!(h.tip_radius_m >= 0 && h.tip_radius_m <= kMaxTipRadius_m)) return Error{"has a tip radius out of range"};
   if (!(std::abs(h.magnet_range_m) <= kMaxPlace_m && Within(h.lower_base_m, 1e30) && Within(h.upper_base_m, 1e30)))
-    return Error{"has bounds that are no numbers"};
+    return Error{"has bounds that are not finite"};
   if (h.has_joystick == 1 && !CheckJoystick(h.joystick).ok()) return Error{"has a joystick out of range"};
   if (h.has_vehicle == 1 && !CheckVehicle(h.vehicle).ok()) return Error{"has a vehicle out of range"};
   return Ok{};
@@ -87,7 +87,7 @@ Status CheckMaterials(const Scene& scene) {
     if (!SoundBytes(m) || !CheckMaterial(m, 0).ok()) return Error{"has a material out of range"};
     for (const std::int32_t texture : {m.stiffness_texture, m.friction_texture, m.vibrotactile_texture}) {
       if (!(texture == -1 || (texture >= 0 && static_cast<std::uint32_t>(texture) < scene.header().texture_count)))
-        return Error{"has a material with a texture that is not there"};
+        return Error{"has a material with a missing texture"};
     }
   }
   for (const Texture& t : scene.textures()) {
@@ -106,20 +106,20 @@ Status CheckMaterials(const Scene& scene) {
 Status CheckMesh(const Scene& scene) {
   const SceneHeader& h = scene.header();
   for (const Vertex& v : scene.vertices()) {
-    if (!base::Within({v.x, v.y, v.z}, kMaxPlace_m)) return Error{"has a vertex that is no place"};
-    if (v.region != kNoIndex && v.region >= h.region_count) return Error{"has a vertex of no region"};
-    if (v.first_triangle >= h.triangle_count) return Error{"has a vertex of no triangle"};
+    if (!base::Within({v.x, v.y, v.z}, kMaxPlace_m)) return Error{"has a vertex that is out of range"};
+    if (v.region != kNoIndex && v.region >= h.region_count) return Error{"has a vertex with a missing region"};
+    if (v.first_triangle >= h.triangle_count) return Error{"has a vertex with a missing triangle"};
   }
   for (const Triangle& t : scene.triangles()) {
     if (t.object >= h.object_count || t.material >= h.material_count ||
         t.component >= scene.objects()[t.object].component_count) {
-      return Error{"has a triangle of no object or material"};
+      return Error{"has a triangle with a missing object, material or component"};
     }
     for (const std::uint32_t v : t.vertex) {
-      if (v >= h.vertex_count) return Error{"has a triangle with a vertex that is not there"};
+      if (v >= h.vertex_count) return Error{"has a triangle with a missing vertex"};
     }
     for (const std::uint32_t n : t.neighbour) {
-      if (n != kNoIndex && n >= h.triangle_count) return Error{"has a triangle with a neighbour that is not there"};
+      if (n != kNoIndex && n >= h.triangle_count) return Error{"has a triangle with a missing neighbour"};
     }
   }
   return Ok{};
@@ -145,7 +145,7 @@ Status CheckNeighbours(const Scene& scene) {
 
 bool IsPlace(float x) { return std::abs(x) <= kMaxPlace_m; }
 
-// Child k of a node: a box of places, or no child and a box that nothing meets.
+// Child k of a node: a finite box, or no child and a box that nothing intersects.
 bool IsBox(const TreeNode& node, int k) {
   for (int axis = 0; axis < 3; ++axis) {
     const float lower = node.lower[axis][k], upper = node.upper[axis][k];
@@ -239,10 +239,10 @@ Status CheckObjects(const Scene& scene) {
   for (const Object& object : scene.objects()) {
     const bool inside = object.first_triangle <= h.triangle_count &&
                         object.triangle_count <= h.triangle_count - object.first_triangle && EndsInside(object.name);
-    if (!inside) return Error{"has an object whose triangles are not there"};
+    if (!inside) return Error{"has an object with missing triangles"};
     for (const std::uint32_t uv : object.first_uv) {
       if (uv != kNoIndex && !(uv <= h.uv_count && object.triangle_count <= h.uv_count - uv))
-        return Error{"has an object whose texture coordinates are not there"};
+        return Error{"has an object with missing texture coordinates"};
     }
     const bool touched = (object.flags & (kCollidable | kCarWall)) != 0;
     if (touched && !(object.triangle_count > 0 && tree.Sound(object))) return Error{"has a damaged tree"};

@@ -7,8 +7,8 @@
 
 namespace omni::haptics {
 
-// `scene` is made of any bytes; only after this gave no error may anything but block() be asked of it. Errors say what
-// is wrong, as a clause: "has a damaged tree".
+// `scene` may hold any bytes; until this returns Ok, call nothing but block(). Errors are clauses: "has a damaged
+// tree".
 base::Status CheckScene(const Scene& scene);
 
 }  // namespace omni::haptics

@@ -22,7 +22,7 @@ inline constexpr int kMaxContacts = 4;  // objects touched at once; the deepest 
 struct Config {
   double force_slew_N_s = 850;      // |dF/dt| limit (0.85 N/ms)
   double ramp_s = 0.15;             // force fades in over this time after contact at start, scene swap, tracking loss
-  double stiffness_max_N_m = 1000;  // offered at most, whatever the material says: rule in haptics/stability
+  double stiffness_max_N_m = 1000;  // upper bound, whatever the material says: rule in haptics/stability
   double delay_s = 3e-3;            // as Input's, while none is measured; for the stability rule
   double coil_lag_s = 0.4e-3;       // control step to 63 % of a current; `omni-bench latency` measures .23 to .35 ms
   double predict_max_s = 0.020;     // the tip is predicted to when the current acts, at most so far
@@ -37,7 +37,7 @@ struct ObjectPose {
   std::uint32_t object = kNoIndex;
   base::Quat rotation;       // unit, from where the scene has it
   base::Vec3 translation_m;  // base frame
-  bool leaps = false;        // put there since the last tick, not moved: another place, however near
+  bool leaps = false;        // teleported since the last tick, not moved, however near
 };
 
 // How a scene as a whole has moved since the last tick (placed.h). Its poses are in its own frame then.
@@ -61,10 +61,10 @@ struct Input {
   base::Vec3 axis_base;            // of the pen, unit; zero: noise is alike in all directions
   double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
   base::ForceLimit limit;
-  std::span<const ObjectPose> poses;          // at t_ns, at most kMaxMoved; what is not named stands where it stood
+  std::span<const ObjectPose> poses;          // at t_ns, at most kMaxMoved; objects not named stay where they are
   std::span<const MaterialChange> materials;  // all that differ from the scene's, at most kMaxLiveMaterials
   SceneMotion scene_motion = SceneMotion::kStill;
-  bool pushed = false;  // something else moves the hand now: contacts are not judged by its energy
+  bool pushed = false;  // something else moves the hand now: its energy is not counted against contacts
 };
 
 struct Contact {
@@ -76,12 +76,12 @@ struct Contact {
   double gap_m = 0;         // signed: < 0 penetrating
   double normal_force_N = 0;
   double tangential_force_N = 0;
-  double load = 0;           // its stiffness over what is offered along the normal
-  base::Vec3 force_base_N;   // that it asks for on the tip, all in all
+  double load = 0;           // its stiffness over the bound along the normal
+  base::Vec3 force_base_N;   // total force that it requests on the tip
   base::Vec3 slip_base_m_s;  // of the tip along the surface, relative to it
 };
 
-// The car, for who draws it and for people.
+// The car, for drawing and display.
 struct VehicleReport {
   bool on = false;  // the scene has a vehicle
   bool sliding = false;
@@ -97,13 +97,13 @@ struct Output {
   bool in_contact = false;  // |rendered force| > contact_threshold
   int contact_count = 0;
   std::array<Contact, kMaxContacts> contacts;
-  double tip_normal_force_N = 0;  // sum of normal contact forces asked for, before limits: drives tip force inputs
+  double tip_normal_force_N = 0;  // sum of requested normal contact forces, before limits: drives tip force inputs
   bool joystick = false;          // the scene says joystick: thumbstick is live
   double thumbstick_x = 0, thumbstick_y = 0;  // -1..1, +y away from the user (+y of B), +x right
   bool saturated = false;                     // the limit cut the force
-  double stiffness_cut = 1;                   // offered / asked stiffness of the stiffest contact
-  double stiffness_offered_N_m = 0;           // the most that any surface is given now, one across the pen's axis
-  double energy_gain = 1;  // < 1: contacts gave energy to the hand, or made it swing, and are held back
+  double stiffness_cut = 1;                   // rendered / requested stiffness of the stiffest contact
+  double stiffness_offered_N_m = 0;           // largest bound now: of a surface perpendicular to the pen's axis
+  double energy_gain = 1;  // < 1: contacts gave energy to the hand, or made it swing, and are reduced
   VehicleReport vehicle;
 };
 static_assert(std::is_trivially_copyable_v<Output>);

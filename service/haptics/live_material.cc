@@ -24,7 +24,7 @@ bool Glide(const MaterialField& field, double wanted, double share, Material& ma
   return !arrived;
 }
 
-// The hum's phase is that of the clock, so another frequency is a leap of phase: it is taken in silence.
+// The hum's phase is that of the clock, so another frequency jumps in phase: it is applied in silence.
 double HumTo(const MaterialParameters& wanted, const Material& now) noexcept {
   const bool other = wanted.vibration_frequency_Hz != now.vibration_frequency_Hz;
   return other && std::isfinite(wanted.vibration_frequency_Hz) ? 0 : wanted.vibration_amplitude_N;

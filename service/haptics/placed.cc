@@ -29,8 +29,8 @@ std::array<double, 9> ActingOnScene(const std::array<double, 9>& M, const Frame&
   return turned;
 }
 
-// The same device as the scene's frame sees it. Only what is asked for a force is turned; what currents do besides is
-// not asked in the renderer.
+// The same device in the scene's frame. Only the currents per force are rotated; the renderer uses nothing else of it
+// that has a direction.
 base::ForceLimit InScene(const base::ForceLimit& limit, const Frame& frame) noexcept {
   base::ForceLimit turned = limit;
   turned.ampere_per_newton = ActingOnScene(limit.ampere_per_newton, frame);
@@ -52,8 +52,8 @@ Frame FrameIn(const State& state, std::uint32_t object) noexcept {
   return {};
 }
 
-// What is touched is left where it was, and its force fades out; what is around the tip in the new place is taken on by
-// ContactScene.
+// Contacts end where they were, and their force fades out; ContactScene starts those with what is around the tip in the
+// new place.
 void Leap(const Frame& before, const Frame& now, bool drives, State& state) noexcept {
   const Turn turn{before, now};
   Vec3 left_N = (state.left_fade_s / kSwapFade_s) * state.left_N;

@@ -36,7 +36,7 @@ struct Triangle {
   std::uint16_t object;
   std::uint16_t material;
 };
-static_assert(sizeof(Vertex) == 32 && sizeof(Triangle) == 32);  // two a cache line
+static_assert(sizeof(Vertex) == 32 && sizeof(Triangle) == 32);  // two per cache line
 
 struct Object {
   std::uint32_t first_triangle, triangle_count;
@@ -66,7 +66,7 @@ struct Region {
   std::uint32_t object;
 };
 
-// Where the plane the car drives on cuts a wall; the tree over these is as BvhNode's, in two dimensions.
+// Where the plane the car drives on cuts a wall; a binary tree of two-dimensional boxes lies over these.
 struct WallSegment {
   double ax, ay, bx, by;  // base frame, m; a == b: a point
   std::uint32_t material;
@@ -105,11 +105,11 @@ using SceneBlock = std::vector<std::byte, base::BigBlockAllocator<std::byte>>;
 class Scene {
  public:
   Scene() = default;  // empty scene: nothing to touch, zero cost
-  // Bytes that BuildScene did not make: CheckScene (check_scene.h) before anything else.
+  // For bytes that BuildScene did not make, call CheckScene (check_scene.h) before anything else.
   explicit Scene(SceneBlock block) : block_(std::move(block)) {}
 
   bool empty() const noexcept { return block_.empty(); }
-  // What changes while the scene is felt; null: nothing does. Set before the scene is handed to the tick.
+  // What changes while the scene is in use; null: nothing does. Set before the scene is handed to the tick.
   void SetLive(std::shared_ptr<LiveParts> live) { live_ = std::move(live); }
   const std::shared_ptr<LiveParts>& live() const noexcept { return live_; }
   // Precondition for all below: !empty().
@@ -152,7 +152,7 @@ class Scene {
   std::shared_ptr<LiveParts> live_;
 };
 
-// What BuildScene did to the input, a line each, for `omni scene explain`.
+// What BuildScene did to the input, one line each, for `omni scene explain`.
 struct BuildReport {
   std::vector<std::string> lines;
   std::uint32_t welded_vertices = 0, dropped_triangles = 0, flipped_objects = 0;
@@ -160,7 +160,7 @@ struct BuildReport {
   double repair_ms = 0, topology_ms = 0, tree_ms = 0, layout_ms = 0;  // phases of it, sums over the objects
 };
 
-inline constexpr double kMaxCoordinate_m = 10;  // |x| of a vertex; farther is taken for a wrong unit
+inline constexpr double kMaxCoordinate_m = 10;  // |x| of a vertex; beyond, a wrong unit is assumed
 
 // Welds vertices, drops degenerate and non-finite triangles, orients closed objects outwards, finds neighbours and
 // extrude regions, builds the trees. Bounds of nodes include every offset an extrude region can take.

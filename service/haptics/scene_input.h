@@ -1,5 +1,5 @@
-// What a scene file says, before it is made fit for the tick. The seam between scene/ (reads glTF, knows nothing of
-// haptics) and haptics/ (BuildScene welds, orients, indexes).
+// What a scene file says, before BuildScene prepares it for the tick. The interface between scene/ (reads glTF, knows
+// nothing of haptics) and haptics/ (BuildScene welds, orients, indexes).
 #pragma once
 
 #include <array>
@@ -89,7 +89,7 @@ struct InputImage {
   std::vector<std::uint8_t> texels;  // width x height
 };
 
-// How a material looks an image up.
+// How a material samples an image.
 struct InputTexture {
   std::uint32_t image = 0;   // index into SceneInput::images
   std::uint32_t uv_set = 0;  // below kMaxUvSets

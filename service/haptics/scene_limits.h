@@ -5,7 +5,7 @@
 
 namespace omni::haptics {
 
-inline constexpr std::uint32_t kMaxObjects = 64;  // more: BuildScene refuses, with the number
+inline constexpr std::uint32_t kMaxObjects = 64;  // more: BuildScene fails, with the number
 inline constexpr std::uint32_t kMaxRegions = 16;  // extrude regions; further ones stay rigid, with a report line
 inline constexpr std::uint32_t kMaxSculpted = 4;  // sculpted objects; further ones stay rigid, with a report line
 inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene

@@ -9,7 +9,7 @@
 namespace omni::haptics {
 namespace {
 
-constexpr double kNoiseForce_N = 0.020;     // N, of K sigma and B sigma_v; more is felt as a buzz
+constexpr double kNoiseForce_N = 0.020;     // N, of K sigma and B sigma_v; more is a noticeable buzz
 constexpr double kGainMargin = 2;           // 6 dB
 constexpr double kHandStiffness_N_m = 150;  // [Hajian & Howe 1997: fingers and wrist]
 constexpr std::array kHandMasses_kg = {0.05, 0.2};
@@ -58,7 +58,7 @@ bool IsPlausible(const base::PointNoise& noise) noexcept {
          noise.velocity_m2_s2 >= 0 && noise.velocity_m2_s2 < 1e6;
 }
 
-// In touch only down; in the air towards the limit.
+// In contact only down; in the air towards the limit.
 void Follow(double limit_N_m, bool known, bool touching, double dt_s, double& recent_N_m,
             double& offered_N_m) noexcept {
   recent_N_m = known && limit_N_m > 0 ? Approach(recent_N_m, limit_N_m, dt_s, kLimitTime_s) : limit_N_m;

@@ -19,17 +19,17 @@ struct ContactState {
   bool active = false;
   std::uint32_t object = kNoIndex;
   std::uint32_t triangle = kNoIndex;  // of the proxy
-  base::Vec3 proxy_m;                 // on the surface, in the frame of the object's rest; a soft body undeformed
-  base::Vec3 held_m;                  // what the spring draws the tip to: the proxy, or the centre of a ball
+  base::Vec3 proxy_m;                 // on the surface, in the object's rest frame; of a soft body, undeformed
+  base::Vec3 held_m;                  // what the spring pulls the tip to: the proxy, or the centre of a ball
   base::Vec3 normal;                  // of the contact at the last tick, unit, out of the object, in that frame
-  bool one_place = true;              // a ball may rest on several at once; the others are in the direction only
+  bool one_place = true;              // false: a ball rests on several at once; the others count in the direction only
   bool sticking = false;
   std::uint32_t anchor_triangle = kNoIndex;  // stick anchor, barycentric: survives deformation
   std::array<double, 3> anchor_weights{};
   base::Vec3 anchor_m;        // where it was at the last tick, in the same frame
   double depth_m = 0;         // of the tip under the proxy, as the proxy was found
   double side = 1;            // +1 entered from the front, -1 from the back (double-sided objects)
-  double offered_N_m = 0;     // stiffness in the direction of the contact since it began; only falls; 0: new
+  double offered_N_m = 0;     // stiffness bound in the contact's direction since it began; only falls; 0: new
   double relaxation_N = 0;    // softness: viscous part
   double elastic_N = 0;       // softness: elastic part at the last tick
   base::Vec3 last_force_N;    // of the last tick, in that frame
@@ -56,16 +56,16 @@ struct RegionState {
   double last_offset_m = 0;  // offset of the tick before: the face may sweep over a still tip
 };
 
-inline constexpr int kMaxPulses = 4;  // hits felt at once; a further one takes the place of the one nearest its end
+inline constexpr int kMaxPulses = 4;  // hits rendered at once; a further one replaces the one nearest its end
 
-// One hit on its way to the pen: half a sine.
+// Force pulse of one hit: half a sine.
 struct HitPulse {
   double time_s = -1;  // < 0: not running
   double amplitude_N = 0;
   base::Vec3 direction;  // unit, away from the wall
 };
 
-// Laps and their times. Lines are passed in order and in their direction; going back takes a passage back.
+// Laps and their times. Lines are passed in order and in their direction; driving back undoes a passage.
 struct LapState {
   bool running = false;    // the start line was crossed: the clock runs
   std::uint32_t next = 0;  // checkpoint that is due; all passed: the start line
@@ -92,15 +92,15 @@ struct VehicleState {
   LapState lap;
 };
 
-// The stiffness on offer, which moves slowly: haptics/stability.h.
+// The stiffness bound, which changes slowly: haptics/stability.h.
 struct StiffnessBoundState {
   bool known = false;
   double age_s = 0;  // since it was renewed
   double predict_s = 0;
   double recent_N_m = 0, recent_along_N_m = 0;  // the limits, smoothed
-  double stiffness_N_m = 0;                     // what is offered in the worst direction ...
+  double stiffness_N_m = 0;                     // the bound in the worst direction ...
   double along_N_m = 0;                         // ... and along the pen's axis
-  double damping_Ns_m = 0;                      // that is offered
+  double damping_Ns_m = 0;                      // the bound
 };
 
 inline constexpr std::uint32_t kEnergyHistory = 32;
@@ -131,7 +131,7 @@ struct SwingState {
   std::array<SwingBandState, kSwingBands> bands{};
   base::Vec3 direction;  // of the force
   double stiffness_N_m = 0;
-  double left_s = 0;  // nothing was touched for so long
+  double left_s = 0;  // time since anything was touched
   bool has_tip = false;
   base::Vec3 tip;
   double gain = 1;  // on the forces
@@ -143,7 +143,7 @@ struct SoftTouch {
   SoftContactState body;
 };
 
-// A sculpted surface: the n-th workshop of the scene.
+// A sculpted surface: the n-th sculpt session of the scene.
 struct SculptTouchState {
   std::uint64_t generation = 0;  // of the surface at the last tick
   sculpt::SculptToolState tool;
@@ -156,7 +156,7 @@ struct MovedObject {
   base::Vec3 translation_m, last_translation_m;
 };
 
-// A material that the application has changed, on its way to what is wanted.
+// A material that the application has changed, moving towards the requested values.
 struct LiveMaterial {
   std::uint32_t material = kNoIndex;  // kNoIndex: free
   Material now;
@@ -169,9 +169,9 @@ struct State {
   base::Vec3 last_device_point_base_m;
   std::array<ContactState, kMaxContacts> contacts;
   std::array<RegionState, kMaxRegions> regions;
-  std::uint64_t ball_restarts = 0;  // a bit an object: where its ball is, is not known; it starts where the tip is
+  std::uint64_t ball_restarts = 0;  // one bit per object: its ball's place is unknown; it restarts at the tip
   std::array<SoftTouch, kMaxContacts> soft;
-  std::array<std::uint8_t, kMaxObjects> is_soft{};  // 1: the object's soft body has been taken up
+  std::array<std::uint8_t, kMaxObjects> is_soft{};  // 1: the object's soft body has been adopted
   std::array<SculptTouchState, kMaxSculpted> sculpted;
   std::array<MovedObject, kMaxMoved> moved;
   std::array<LiveMaterial, kMaxLiveMaterials> materials;

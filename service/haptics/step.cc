@@ -27,11 +27,11 @@ constexpr double kFarthestTip_m = 100;  // a tip beyond is not a measurement
 constexpr double kFastestTip_m_s = 1e3;
 constexpr double kLongestTick_s = 5e-3;
 constexpr double kGapMax_s = 25e-3;  // ticks without a pose that end no contact
-constexpr double kLeap_m = 0.5;      // 20 m/s over such a gap; farther is another place
-constexpr double kFast_m = 0.01;     // in one tick: no hand, so the force fades in, whatever was entered
+constexpr double kLeap_m = 0.5;      // 20 m/s over such a gap; further is another place
+constexpr double kFast_m = 0.01;     // in one tick: faster than a hand, so the force fades in, whatever was entered
 
-// As if new, for an output that is new or of an earlier tick: its contacts beyond the count are so already, and are
-// most of its bytes.
+// Resets an output that is new or of an earlier tick: its contacts beyond the count are reset already, and are most of
+// its bytes.
 void Clear(Output& output) noexcept {
   static constexpr Output kNew;
   constexpr std::size_t kHead = offsetof(Output, contacts), kTail = kHead + sizeof(Output::contacts);
@@ -48,7 +48,7 @@ bool IsClean(const Input& input) noexcept {
          Within(input.device_point_base_m, kFarthestTip_m) && Within(input.velocity_base_m_s, kFastestTip_m_s);
 }
 
-// The same input with what cannot be used taken out.
+// The input without values that cannot be used.
 Input Cleaned(const Input& input) noexcept {
   Input clean = input;
   clean.dt_s = input.dt_s >= 0 ? std::min(input.dt_s, kLongestTick_s) : 0;
@@ -59,7 +59,7 @@ Input Cleaned(const Input& input) noexcept {
 }
 
 bool AnyContact(const State& state) noexcept {
-  if (state.far_distance_m > 0) return false;  // it is only while nothing is touched
+  if (state.far_distance_m > 0) return false;  // set only while nothing is touched
   return std::any_of(state.contacts.begin(), state.contacts.end(), [](const ContactState& c) { return c.active; });
 }
 
@@ -81,14 +81,14 @@ bool IsDented(const State& state) noexcept {
   return std::any_of(state.soft.begin(), state.soft.end(), [](const SoftTouch& s) { return s.object != kNoIndex; });
 }
 
-// No surface changes by itself: none is edited, pushed, moved or dented, and none that went fades out. A soft body is
-// taken up when the tip comes near.
+// No surface changes by itself: none is edited, pushed, moved or dented, and no lost contact fades out. A soft body is
+// adopted when the tip comes near.
 bool IsStill(const Scene& scene, const Input& input, const State& state) noexcept {
   return scene.regions().empty() && input.poses.empty() && state.moved[0].object == kNoIndex &&
          !(state.left_fade_s > 0) && (scene.live() == nullptr || (!IsDented(state) && SurfacesRest(scene, state)));
 }
 
-// The scene does nothing with a tip there.
+// The scene has no effect on a tip there.
 bool NothingHere(const Scene& scene, const Input& input, const Vec3& tip, const State& state) noexcept {
   if (scene.empty()) return true;
   const bool drives = scene.header().has_joystick != 0 || scene.header().has_vehicle != 0;
@@ -123,7 +123,7 @@ Vec3 LookAround(const ContactScene& contact_scene, double stiffness_limit_N_m, c
   return magnet.ForceOn(gap_m, stiffness_limit_N_m) * Normalized(towards);
 }
 
-// What the contacts ask for, before limits.
+// What the contacts request, before limits.
 struct Touched {
   Vec3 contacts_N;
   Vec3 others_N;             // of magnets and of faces that are held or pushed
@@ -132,7 +132,7 @@ struct Touched {
   bool moving = false;       // a surface moves by itself
 };
 
-// Sums up what the contacts ask for and reports them.
+// Sums up what the contacts request and reports them.
 Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touched& touched, Output& output) noexcept {
   Vec3 sum;
   double stiffest_N_m = 0;
@@ -259,8 +259,8 @@ void Limit(const Config& config, const Input& input, const Vec3& wanted_N, State
 }
 
 // A pen that is away for no longer than kGapMax_s goes on where it was: contacts keep the side they were entered from.
-// After a longer absence, or a leap that no hand makes, nothing is known. Either way the force fades in again.
-// True: the motion since the last tick is one that a hand makes.
+// After a longer absence, or a jump that no hand makes, nothing is known. Either way the force fades in again. True:
+// the motion since the last tick is one that a hand makes.
 bool Remember(const Config& config, const Input& input, State& state) noexcept {
   const double moved_m = Norm(input.device_point_base_m - state.last_device_point_base_m);
   const bool leapt = input.tracked && state.was_tracked && !(moved_m < kLeap_m);
@@ -292,7 +292,7 @@ double Watch(const Config& config, const Input& measured, const Touched& touched
                        state.swing, state.energy);
 }
 
-// What the scene does, and what of it the device may.
+// The scene's force, and as much of it as the limits allow.
 void Render(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& measured,
             const Vec3& tip, bool steady, State& state, Output& output) noexcept {
   Input input = measured;
@@ -310,7 +310,7 @@ void Render(const Config& config, const StiffnessBound& bound, const Scene& scen
   Limit(config, input, input.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
 }
 
-// A far tip should cost nothing: it copies nothing and asks nobody.
+// A far tip should cost nothing: no copies, no queries.
 void StepClean(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
   const bool steady = Remember(config, input, state);
   StiffnessBound bound;

@@ -6,7 +6,7 @@
 namespace omni::haptics {
 namespace {
 
-// Half swings of a kind: what is slower than `corner_Hz` is no swing; two last at most `period_max_s` (where the tip
+// Half swings of a kind: slower motion than `corner_Hz` is no swing; two last at most `period_max_s` (where the tip
 // leaves the surface one is longer than the other) and each reaches `least_N`.
 struct Band {
   double corner_Hz, period_max_s, least_N;
@@ -20,8 +20,8 @@ constexpr std::array<Band, kSwingBands> kBands{{
 constexpr double kNoises = 3;  // standard deviations that are no swing
 constexpr int kHalves = 3;
 constexpr double kLasts = 0.95;  // of the half swing before: less is one that dies away
-// What swings keeps so much of its stiffness, and at most b / (2 D) = 5 N/m: a hand of b = 0.1 Ns/m holds that still
-// against answers that take D = 10 ms.
+// A swinging contact keeps this share of its stiffness, and at most b / (2 D) = 5 N/m: a hand of b = 0.1 Ns/m holds
+// that still against replies that take D = 10 ms.
 constexpr double kFall = 0.2, kGainMin = 0.01, kLeft_N_m = 5;
 constexpr double kLeft_s = 0.1;  // in the air: forgotten
 

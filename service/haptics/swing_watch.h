@@ -1,5 +1,5 @@
-// Watches that what is touched does not make the hand swing, as it does when the loop is later or the hand lighter than
-// the rule of stability.h assumes. It trusts nothing but the measured tip. docs/theory/haptics.md (3.10)
+// Checks that contacts do not make the hand swing, as they do when the loop is slower or the hand lighter than the rule
+// of stability.h assumes. It relies on the measured tip alone. docs/theory/haptics.md (3.10)
 #pragma once
 
 #include "service/base/vec.h"
@@ -13,7 +13,7 @@ using base::Vec3;
 // Gain in [0.01, 1] on the forces of this tick.
 double WatchSwings(const ContactTick& tick, SwingState& state) noexcept;
 
-// Of this watch and of that over the energy, which sees what this one leaves of the springs.
+// Of this watch and of the energy watch, which sees the springs as reduced by this one.
 double WatchContacts(const ContactTick& tick, SwingState& swing, EnergyState& energy) noexcept;
 
 }  // namespace omni::haptics

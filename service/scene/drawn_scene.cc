@@ -22,7 +22,7 @@
 namespace omni::scene {
 namespace {
 
-constexpr double kFarthest_m = 1e6;  // of a vertex: beyond, nothing could be told apart in a picture
+constexpr double kFarthest_m = 1e6;  // of a vertex: beyond, a picture would show no detail
 
 // glTF is y up, the base z up.
 glm::dvec3 Upright(const glm::dvec3& p) { return {p.x, -p.z, p.y}; }
@@ -30,7 +30,7 @@ base::Vec3 AsVec(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 glm::dvec3 AsGlm(const base::Vec3& v) { return {v.x, v.y, v.z}; }
 
 struct DrawnPaint {
-  glm::dvec3 colour{0.5};  // a mid grey, for files that say nothing of colour
+  glm::dvec3 colour{0.5};  // a mid grey, for files without colours
   double roughness = 0.7;
 };
 
@@ -118,7 +118,7 @@ class DrawnReader {
       for (const glm::dmat4& place : places) Draw(node, place, part.decoded, paint);
     }
     if (Find(ElementOf(file_.root(), "nodes", node.node), "skin"))
-      Note(Join(node.pointer, "skin"), "is not followed: drawn in its bind pose");
+      Note(Join(node.pointer, "skin"), "is ignored: drawn in its bind pose");
   }
 
   DrawnPaint PaintOf(const SubsetPrimitive& primitive) {

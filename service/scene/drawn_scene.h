@@ -1,5 +1,5 @@
-// A glTF file as it looks, for pictures: every triangle of the scene that is shown, with its colour. Touch reads
-// scene_file.h.
+// A glTF file as it looks, for pictures: every triangle of the scene that is shown, with its colour. Haptics reads
+// files through scene_file.h.
 #pragma once
 
 #include <array>

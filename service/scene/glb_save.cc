@@ -81,7 +81,7 @@ std::string Problem(const haptics::SceneInput& scene) {
       }
     }
     for (const Vec3& v : object.vertices_base_m) {
-      if (!std::isfinite(static_cast<float>(v.x + v.y + v.z))) return object.name + ": a coordinate is no number";
+      if (!std::isfinite(static_cast<float>(v.x + v.y + v.z))) return object.name + ": a coordinate is not finite";
     }
   }
   return {};

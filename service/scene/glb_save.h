@@ -11,7 +11,8 @@ namespace omni::scene {
 
 // Writes every object as a node, each of its materials as a primitive with shared vertices. Positions are stored in
 // single precision (at 0.1 m: 4 nm). The file appears whole or not at all. Fails with the path and the reason: a scene
-// with a joystick or a vehicle (not of this kind), an index out of range, a coordinate that is no number, no space.
+// with a joystick or a vehicle (not of this kind), an index out of range, a coordinate that is not finite, no disk
+// space.
 base::Status SaveGlb(const std::string& path, const haptics::SceneInput& scene);
 
 // The bytes of that file.

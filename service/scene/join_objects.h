@@ -1,4 +1,4 @@
-// Joining objects where a scene has more than haptics holds. Set-up only.
+// Joins objects where a scene has more than haptics supports. Set-up only.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// All that changes in a scene while it is felt, made before anybody feels it: for those who can wait, as tools can. The
-// service hands a scene to the tick first and its soft bodies when they are ready (daemon/scene_builder.cc).
+// Makes all parts of a scene that change while it is in use, before it is in use: for callers that can wait, as tools
+// can. The service hands a scene to the tick first and its soft bodies when they are ready (daemon/scene_builder.cc).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace omni::scene {
 
 struct LiveReport {
   std::uint32_t soft_bodies = 0, workshops = 0;
-  std::vector<std::string> lines;  // why an object that asks for one of them has none, a sentence each
+  std::vector<std::string> lines;  // why a tagged object has none, one sentence each
   double load_ms = 0;
 };
 

@@ -13,8 +13,7 @@
 namespace omni::scene {
 namespace {
 
-// All that a built scene depends on: the code, the bytes that were read, what was asked for, and the name in its
-// messages.
+// All that a built scene depends on: the code, the bytes that were read, the options, and the name in its messages.
 CacheKey KeyOf(const std::string& path, const LoadOptions& options, const Digest& bytes) {
   Sha256 hash;
   hash.Add(std::string_view(kBuildStamp));
@@ -28,7 +27,7 @@ CacheKey KeyOf(const std::string& path, const LoadOptions& options, const Digest
   return {"scene", hash.Finish()};
 }
 
-// A block from the cache, if there is one that holds what it says. Otherwise `load.cache` says why there is none.
+// A scene from the cache, if there is a valid one. Otherwise `load.cache` says why there is none.
 std::optional<haptics::Scene> FromCache(CacheStore& cache, const CacheKey& key, LoadReport& load,
                                         haptics::BuildReport& build) {
   std::string damage;
@@ -43,7 +42,7 @@ std::optional<haptics::Scene> FromCache(CacheStore& cache, const CacheKey& key, 
     }
     cache.Remove(key);
   }
-  load.cache = damage.empty() ? "not in the cache" : "the cached file " + damage + ": built anew";
+  load.cache = damage.empty() ? "not in the cache" : "the cached file " + damage + ": rebuilt";
   return std::nullopt;
 }
 

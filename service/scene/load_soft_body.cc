@@ -34,7 +34,7 @@ std::optional<haptics::SoftBody> FromSoftCache(CacheStore& cache, const CacheKey
     damage = body.ok() ? "is of another mesh" : "holds no soft body (" + body.error() + ")";
     cache.Remove(key);
   }
-  report.cache = damage.empty() ? "not in the cache" : "the cached file " + damage + ": built anew";
+  report.cache = damage.empty() ? "not in the cache" : "the cached file " + damage + ": rebuilt";
   return std::nullopt;
 }
 

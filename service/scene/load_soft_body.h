@@ -17,7 +17,7 @@ struct SoftLoadReport {
 };
 
 // Seconds to minutes unless it is in the cache; `cache` may be null. The key is the mesh, the options and the code. A
-// cached block that is damaged, or of another mesh, is built anew. options.progress returning false ends it with
+// cached block that is damaged, or of another mesh, is rebuilt. options.progress returning false ends it with
 // "cancelled" and leaves nothing behind. Other errors: those of BuildSoftBody, or memory.
 base::Result<haptics::SoftBody> LoadSoftBody(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options,
                                              CacheStore* cache, SoftLoadReport& report);

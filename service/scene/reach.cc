@@ -15,7 +15,7 @@ constexpr double kFitHeight_m = 0.040;
 constexpr double kClearance_m = 0.005;  // least distance of what is touched to the hull
 constexpr double kFitTopMin_m = 0.015;  // of the model's top over the hull
 constexpr double kFitTopMax_m = 0.030;  // force falls off: 0.6 N are left there
-constexpr double kReach_m = 0.060;      // over the hull; beyond, the pen still tracks but hardly feels anything
+constexpr double kReach_m = 0.060;      // over the hull; beyond, the pen is tracked but hardly any force is left
 
 struct Bounds {
   base::Vec3 lower{std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
@@ -44,7 +44,7 @@ void Transform(haptics::SceneInput& input, double scale, const base::Vec3& offse
     input.vehicle->wheelbase_m *= scale;
     input.vehicle->speed_max_m_s *= scale;
     input.vehicle->acceleration_m_s2 *= scale;
-    input.vehicle->grip_g *= scale;  // keeps the way it takes its bends
+    input.vehicle->grip_g *= scale;  // keeps its cornering the same
     input.vehicle->hit_speed_m_s *= scale;
     input.vehicle->road_wavelength_m *= scale;
     input.vehicle->start_line_m *= scale;

@@ -14,7 +14,7 @@ namespace omni::scene {
 // plus 5 mm, within that. Throws LoadError when there is nothing to fit. Returns the scale that `fit` applied.
 double Place(haptics::SceneInput& input, const LoadOptions& options);
 
-// A warning when nothing that can be touched is where the device has force.
+// A warning when nothing touchable is where the device can exert force.
 void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& options, Warnings& warnings);
 
 }  // namespace omni::scene

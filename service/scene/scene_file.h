@@ -14,7 +14,7 @@ namespace omni::scene {
 
 struct LoadOptions {
   bool all_kinematic = false;   // every node may be moved, whatever its tag says
-  int memory = -1;              // descriptor of the document, which nobody changes any more; stays the caller's. The
+  int memory = -1;              // descriptor of the document, which must not change any more; stays the caller's. The
                                 // path is its name then, for messages, and nothing beside it is read. < 0: none
   bool touch_untagged = false;  // a file without any haptic tag is touched as a whole, with the default material
   bool fit = false;             // scale and move into reach: what is touched lies 5-30 mm above the hull
@@ -26,7 +26,7 @@ struct LoadOptions {
   std::uint32_t max_depth = 64;  // of the node hierarchy; deeper or cyclic: refused
 };
 
-// One line per thing of the file, for `omni scene explain`.
+// One row per item of the file, for `omni scene explain`.
 struct ExplainRow {
   std::string pointer;  // JSON pointer, e.g. /meshes/0
   std::string name;
@@ -42,7 +42,7 @@ struct ObjectSource {
   std::array<double, 3> rest_position_m{};
 };
 struct LoadReport {
-  std::vector<ObjectSource> objects;  // one an object of the scene
+  std::vector<ObjectSource> objects;  // one per object of the scene
   std::vector<ExplainRow> rows;
   std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;

@@ -124,14 +124,14 @@ class SceneReader::Loader {
     return touched;
   }
 
-  // A file without any tag asked for no touch: nothing of it but the JSON is read (docs/decisions/0011).
+  // A file without any tag is not touched: nothing of it but the JSON is read (docs/decisions/0011).
   void Skip() {
     report_.skipped = true;
     const std::uint64_t meshes = CountOf(file_.root(), "meshes");
     report_.rows.push_back({"/meshes", "", false,
                             std::to_string(meshes) +
-                                " not read: the file has no haptic tag; tag what is to be felt, or "
-                                "ask for all of it (touch = \"all\", --touch-all)",
+                                " not read: the file has no haptic tag; tag what is to be touched, or "
+                                "load all of it (touch = \"all\", --touch-all)",
                             0});
     ExplainUnread();
   }
@@ -159,8 +159,8 @@ class SceneReader::Loader {
 
   void AddCheckpoint(const NodeVisit& node) {
     if (checkpoints_.size() == haptics::kMaxCheckpoints) {
-      warnings_.Add(node.pointer, "is one checkpoint more than " + std::to_string(haptics::kMaxCheckpoints) +
-                                      ", the limit, and is ignored");
+      warnings_.Add(node.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxCheckpoints) +
+                                      " checkpoints and is ignored");
       return;
     }
     haptics::Checkpoint& line = checkpoints_.emplace_back(CheckpointOf(*node.own));
@@ -254,7 +254,7 @@ class SceneReader::Loader {
       for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
     }
     if (Find(ElementOf(file_.root(), "nodes", node.node), "skin"))
-      warnings_.Add(Join(node.pointer, "skin"), "is not followed: touch knows the bind pose only");
+      warnings_.Add(Join(node.pointer, "skin"), "is ignored: the mesh is touched in its bind pose");
     if (object.triangles.empty()) return Explain(node, false, "no triangles");
     std::string why = any_tag_ ? (object.car_wall ? "role wall: touched, and the vehicle hits it" : "haptic tag")
                                : "default material: the file has no haptic tag";
@@ -323,7 +323,7 @@ class SceneReader::Loader {
       const std::uint64_t used = std::string(key) == "images" ? report_.images_decoded : 0;
       if (count > used) {
         report_.rows.push_back(
-            {Join("", key), "", false, std::to_string(count - used) + " not read: touch does not need them", 0});
+            {Join("", key), "", false, std::to_string(count - used) + " not read: not needed for haptics", 0});
       }
       if (used > 0) {
         report_.rows.push_back(

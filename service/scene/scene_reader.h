@@ -1,5 +1,5 @@
 // A glTF file read in two steps, so that between them a built scene can be taken from the cache: first the bytes that
-// touch needs, then triangles and materials out of them.
+// haptics needs, then triangles and materials out of them.
 #pragma once
 
 #include <memory>

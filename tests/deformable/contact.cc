@@ -1,4 +1,4 @@
-// Touching a soft body: laws that the force must obey whatever the numbers.
+// Contact with a soft body: properties of the force for any numbers.
 #include <cmath>
 #include <limits>
 #include <random>

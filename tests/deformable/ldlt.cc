@@ -1,5 +1,5 @@
-// The factorisation: L D L^T is the matrix, whatever its pattern; it stops when told to; what is not positive definite
-// is refused.
+// The factorisation: L D L^T is the matrix, whatever its pattern; it stops on request; matrices that are not positive
+// definite are rejected.
 #include <gtest/gtest.h>
 
 #include <cmath>

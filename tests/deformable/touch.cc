@@ -1,4 +1,4 @@
-// Soft bodies in the tick: a pen presses, slides and lets go of a body that gives way.
+// Soft bodies in the tick: a pen presses, slides on and leaves a body that deforms.
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/live/live_parts.h"
@@ -75,7 +75,7 @@ TEST(SoftTouch, ABallPressesWithItsRadius) {
   EXPECT_EQ(pen.output.contact_count, 0);
 }
 
-// A body that becomes ready under the pen waits until it is let go: until then not a bit changes.
+// A body that becomes ready under the pen waits until the contact ends: until then not a bit changes.
 TEST(SoftTouch, IsTakenUpOnlyWhileNothingTouchesIt) {
   Pen with(SoftScene(Jelly(), true)), without(SoftScene(Jelly(), true));
   const auto go = [&](double height_m) {
@@ -141,7 +141,7 @@ TEST(SoftTouch, Relaxes) {
   EXPECT_NEAR(pen.output.force_base_N.z, last_N, 0.005 * last_N);
 }
 
-// A soft body that stands elsewhere feels as at rest.
+// A soft body that stands elsewhere gives the same forces.
 TEST(SoftTouch, MayBeMoved) {
   Pen rest(SoftScene(Jelly(), false, true)), moved(SoftScene(Jelly(), false, true));
   const base::Quat turn{std::cos(0.4), std::sin(0.4) * 0.6, 0, std::sin(0.4) * 0.8};

@@ -229,7 +229,7 @@ TEST(Ball, FlanksMeetEdges) {
   EXPECT_GT(passed, 100);
 }
 
-// A hole stops the ball that is larger than it and lets the smaller one through: no point has such a feel.
+// A hole stops the ball that is larger than it and lets the smaller one through: a point tip cannot do this.
 TEST(Ball, HolesStopWhatIsLarger) {
   InputObject plate;
   plate.name = "plate with a hole";

@@ -10,7 +10,7 @@
 namespace omni::haptics {
 namespace test_geometry_ball_soup {
 
-// A view that counts how many triangles were looked at.
+// A view that counts how many triangles were read.
 class CountingSoup : public Soup {
  public:
   using Soup::Soup;
@@ -123,8 +123,8 @@ TEST(BallInSoup, IsDeterministicAndStillAtRest) {
   }
 }
 
-// However many triangles there are, and wherever the device point leaps to, a tick looks at a bounded number; where
-// they all touch the ball at once, it is held, and let go when it is pulled away.
+// However many triangles there are, and wherever the device point jumps to, a tick reads a bounded number; where they
+// all touch the ball at once, it is held, and released when it is pulled away.
 TEST(BallInSoup, WorkIsBoundedWhereTheMeshIsTooFine) {
   Random random(1203);
   std::vector<Corners> cup;  // 20000 facets whose middles are all within rounding of one distance
@@ -172,7 +172,7 @@ ProfilePoints StairProfile() {
   return stairs;
 }
 
-// Strokes over ridges and stairs, coarse and fine: the mesh's triangles are not felt, and wherever the pen stops the
+// Strokes over ridges and stairs, coarse and fine: the mesh's triangles have no effect, and wherever the pen stops the
 // ball is at a local minimum.
 TEST(BallOnProfiles, StrokesDoNotFeelTheTriangles) {
   Random random(1204);

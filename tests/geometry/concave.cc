@@ -1,4 +1,5 @@
-// Within a micrometre of a concave edge a tip is in front of one wall and behind the other; nothing may be lost there.
+// Within a micrometre of a concave edge a tip is in front of one wall and behind the other; no contact may be lost
+// there.
 #include <gtest/gtest.h>
 
 #include "tests/haptics/oracle.h"

@@ -1,4 +1,4 @@
-// The tree answers like brute force; the sign is the winding number's.
+// Tree queries match brute force; the sign matches the winding number.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -62,7 +62,7 @@ struct Miss {
   double facet_worst = 0, shaded_worst = 0, facet_sum = 0, shaded_sum = 0;
 };
 
-// By how much the true normal is missed, in radians; checks that no direction is farther from its facet than facets
+// By how much the true normal is missed, in radians; checks that no direction is further from its facet than facets
 // around it are.
 Miss MissOn(const Vec3& half_m, int times, Random& random) {
   const Scene scene = Built(SceneOf(Icosphere(times, half_m)));

@@ -1,5 +1,5 @@
-// A mesh that is no scene: loose triangles with numbers that have gaps, and a tree over them. Shows that queries ask
-// nothing of a mesh but what the concept says.
+// A mesh that is no scene: loose triangles with numbers that have gaps, and a tree over them. Shows that queries need
+// nothing of a mesh beyond the concept.
 #pragma once
 
 #include <vector>

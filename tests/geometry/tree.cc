@@ -1,4 +1,4 @@
-// The tree over meshes as bad as they come: answers are those of asking every triangle, bit by bit.
+// The tree over the worst meshes: results match testing every triangle, bit by bit.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -1,5 +1,5 @@
-// Somebody drives a lap on the shipped track through the whole loop in virtual time, whatever the pen, the base, and
-// how late or seldom they see it.
+// A simulated person drives a lap on the shipped track through the whole loop in virtual time, whatever the pen and the
+// base, and however late or seldom the car is seen.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Somebody forms clay and dents a soft body through the whole loop in virtual time, whatever the pen, the base, and how
-// late or seldom they see and feel it.
+// A simulated person forms clay and dents a soft body through the whole loop in virtual time, whatever the pen and the
+// base, and however late or seldom it is seen and felt.
 #include <gtest/gtest.h>
 
 #include <algorithm>

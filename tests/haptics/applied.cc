@@ -1,4 +1,5 @@
-// Forces and constraints of an application, tick by tick: bounded, without kicks, gone in time, calm in a delayed loop.
+// Forces and constraints of an application, tick by tick: bounded, without kicks, ended in time, stable in a delayed
+// loop.
 #include "service/haptics/applied/applied.h"
 
 #include <gtest/gtest.h>
@@ -247,7 +248,8 @@ TEST(Applied, BoundedAndWithoutKicksWhateverIsAsked) {
   }
 }
 
-// Springs in all directions together get no more than is offered; the device point is moved a little, the force read.
+// Springs in all directions together stay within the stiffness bound; the device point is moved a little, the force
+// read.
 TEST(Applied, SpringsTogetherKeepToTheOffer) {
   std::mt19937_64 random(8);
   const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
@@ -297,8 +299,8 @@ TEST(Applied, ContactsComeFirst) {
   EXPECT_NEAR(bench.output.force_base_N.z, alone_N, 0.02);
 }
 
-// A hand on the spring, through sampling and delay: with what is offered it comes to rest. `stiffness_N_m`: given,
-// whatever is asked.
+// A hand on the spring, through sampling and delay: within the stiffness bound it comes to rest. `given_N_m`: the
+// bound.
 double SwingAfter2s_m(double given_N_m) {
   Bench bench;
   bench.input.bound.stiffness_N_m = bench.input.bound.along_N_m = given_N_m;
@@ -311,7 +313,7 @@ double SwingAfter2s_m(double given_N_m) {
     bench.input.velocity_base_m_s = {v, 0, 0};
     for (std::size_t i = on_the_way.size() - 1; i > 0; --i) on_the_way[i] = on_the_way[i - 1];
     on_the_way[0] = bench.Tick();
-    bench.state.swing = {};  // the watch over swings would hold back what is not offered
+    bench.state.swing = {};  // the swing watch would reduce what exceeds the bound
     for (int k = 0; k < 10; ++k) {
       const double f = on_the_way.back().x - kHandDamping_Ns_m * v - kHandStiffness_N_m * x;
       v += kStep_s * f / kMass_kg;

@@ -102,7 +102,7 @@ TEST(BallTip, SticksAndSlips) {
   EXPECT_NEAR(pen.output.force_base_N.x, -0.4 * 0.4, 0.002);
 }
 
-// A surface that gives way lets the ball through, and is there again afterwards.
+// A surface that pops through lets the ball in, and can be touched again afterwards.
 TEST(BallTip, PopsThroughAndComesBack) {
   Material foil = Slippery();
   foil.pop_through_N = 0.5;
@@ -118,7 +118,7 @@ TEST(BallTip, PopsThroughAndComesBack) {
   EXPECT_NEAR(pen.output.force_base_N.z, 0.2, 0.002);
 }
 
-// A tip that appears inside comes out gently; one that is far costs a look at the motion bound; nothing is allocated.
+// A tip that appears inside gets a gentle force; a far one costs a check of the motion bound; nothing is allocated.
 TEST(BallTip, AppearsInsideAndComesFromAfar) {
   Pen pen(Built(WithBall(Sphere(16, 0.02))));
   pen.config.ramp_s = 0.1;
@@ -136,7 +136,7 @@ TEST(BallTip, AppearsInsideAndComesFromAfar) {
   EXPECT_EQ(probe.count(), 0U);
 }
 
-// On a sculpted surface the ball stays out of what is pulled up under it.
+// On a sculpted surface the ball stays outside of a bump pulled up under it.
 TEST(BallTip, RollsOnASculptedSurface) {
   using namespace sculpt;
   SceneInput input = WithBall(Sphere(40, 0.03));
@@ -167,7 +167,7 @@ TEST(BallTip, RollsOnASculptedSurface) {
   EXPECT_LT(largest_step_N, 0.1);
 }
 
-// The force on a coarse ball looks along the radius; edges of a block are not rounded.
+// The force on a coarse ball points along the radius; edges of a block are not rounded.
 TEST(SmoothTag, FacetsAreFeltAsTheBodyTheyStandFor) {
   Material smooth = Slippery();
   smooth.smooth = true;

@@ -51,8 +51,8 @@ TEST(BallInStep, GoesOnAfterATickThatWasTooShort) {
   EXPECT_EQ(sum.inverted, 0U);
 }
 
-// A tip that moves further in a tick than the ball can roll over a fine mesh: until the ball has come after it, nothing
-// is felt that is not touched.
+// A tip that moves further in a tick than the ball can roll over a fine mesh: until the ball has caught up, there is no
+// force without a touch.
 TEST(BallInStep, FeelsNothingOnItsWayThroughTheOpen) {
   constexpr double kRadius_m = 0.003;
   const Scene scene = Built(BallScene(sculpt::BumpyBall(60, 0.02, 0.12), kRadius_m));
@@ -138,7 +138,7 @@ TEST(BallInStep, StaysOutsideOfABodyThatIsMoved) {
   }
 }
 
-// Bodies in touch with each other, two and more than there are slots: each is rolled over by itself.
+// Bodies that touch each other, two, and more than there are slots: the ball rolls over each by itself.
 TEST(BallInStep, StaysOutsideOfEachOfSeveralBodies) {
   constexpr double kRadius_m = 0.001;
   for (const int count : {2, 7}) {
@@ -244,7 +244,7 @@ TEST(BallInStep, StaysOutsideOfASurfaceThatIsSculptedOverIt) {
   EXPECT_GT(felt, 1000U);
 }
 
-// A soft body gives way under the ball, whose place is kept on the body as it is at rest.
+// A soft body deforms under the ball, whose place is kept on the body at rest.
 TEST(BallInStep, StaysOutsideOfASoftBodyAtRest) {
   for (const double radius_m : {0.0005, 0.002}) {
     SceneInput input = BallScene(SoftBallMesh(), radius_m);

@@ -1,4 +1,4 @@
-// BuildScene: what it repairs, what it refuses, what it says.
+// BuildScene: repairs, errors and reports.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -19,7 +19,7 @@ bool Says(const BuildReport& report, const std::string& words) {
 
 InputObject SmallBlock() { return Block(3, {0.02, 0.02, 0.02}); }
 
-// Pressing on the top is felt, beside it is not.
+// Pressing on the top gives a contact, beside it does not.
 void ExpectSolid(const Scene& scene) {
   ASSERT_FALSE(scene.empty());
   Pen pen(scene);

@@ -1,4 +1,4 @@
-// Constraints over random shapes, places and motions: they give no energy, stay within their force, and never jump.
+// Constraints over random shapes, places and motions: they give no energy, stay within max_force, and never jump.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -166,12 +166,12 @@ TEST(Constraints, MoveWithTheirFrame) {
     c.velocity_base_m_s = dice.Vector(0.2);
     const Constraint later = Moved(c, 0.02);
     EXPECT_LE(Norm(later.point_base_m - c.point_base_m - 0.02 * c.velocity_base_m_s), 1e-15);
-    // A point that moves with the frame feels only the spring.
+    // On a point that moves with the frame only the spring acts.
     const Vec3 x = dice.Vector(0.05);
     Constraint springs = c;
     springs.damping_Ns_m = 0;
     EXPECT_LE(Norm(At(c, x, c.velocity_base_m_s) - At(springs, x, c.velocity_base_m_s)), 1e-12);
-    EXPECT_EQ(Moved(c, 10).velocity_base_m_s, Vec3{}) << "nobody speaks of it any more: it stands";
+    EXPECT_EQ(Moved(c, 10).velocity_base_m_s, Vec3{}) << "without updates it stands still";
   }
 }
 

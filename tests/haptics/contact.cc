@@ -1,4 +1,4 @@
-// What the pen feels, told as stories.
+// Contact scenarios of a point tip.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -102,7 +102,7 @@ TEST(Contact, AThinPlateKeepsTheSideOfEntry) {
 
 TEST(Contact, PushedRightThroughThePenIsLetGo) {
   InputObject shell = Block(4, {0.02, 0.02, 0.003});
-  shell.triangles.resize(shell.triangles.size() - 4);  // a hole: open, hence felt from both sides
+  shell.triangles.resize(shell.triangles.size() - 4);  // a hole: open, hence touched from both sides
   shell.triangle_material.resize(shell.triangles.size());
   for (const InputObject& object : {Block(4, {0.02, 0.02, 0.003}), shell}) {
     Pen pen(Built(SceneOf(object, Hard())));
@@ -117,7 +117,7 @@ TEST(Contact, PushedRightThroughThePenIsLetGo) {
     pen.Slide({0.03, 0, -0.035}, {0.03, 0, 0.03}, 100);
     pen.Slide({0.03, 0, 0.03}, {0, 0, 0.03}, 50);
     pen.Slide({0, 0, 0.03}, {0, 0, -0.005}, 200);
-    EXPECT_GT(pen.output.force_base_N.z, 1) << "felt again";
+    EXPECT_GT(pen.output.force_base_N.z, 1) << "in contact again";
   }
 }
 
@@ -307,7 +307,7 @@ TEST(Contact, BadNumbersAreNotMeasurements) {
     pen.MoveTo({0, 0, 0.03});
     pen.input.noise.position_m2 = x;
     pen.Slide({0, 0, 0.021}, {0, 0, 0.018}, 50);
-    EXPECT_LT(Norm(pen.output.force_base_N), 1e-9) << "nothing can be offered on unknown noise";
+    EXPECT_LT(Norm(pen.output.force_base_N), 1e-9) << "no stiffness is allowed on unknown noise";
     pen.input.noise.position_m2 = 0;
   }
 }
@@ -320,7 +320,7 @@ TEST(Contact, SoftIsSofterAndMonotone) {
     const double depth = 1e-5 * step;
     const double force = ElasticForce(soft, 400, depth);
     EXPECT_GE(force, last);
-    EXPECT_LE(force - last, 400 * 1e-5 * 1.0001) << "never stiffer than offered";
+    EXPECT_LE(force - last, 400 * 1e-5 * 1.0001) << "never stiffer than the bound";
     EXPECT_LE(force, 400 * depth * (1 + 1e-12));
     last = force;
   }

@@ -1,6 +1,5 @@
-// MISSED: the tip is more than 50 um inside and nothing is felt. FALSE: it is more than 0.1 mm outside and something
-// is. Both are zero on closed meshes over slow, fast, tap and hold paths that stay shallower than 0.3 of the local
-// thickness.
+// MISSED: the tip is more than 50 um inside without a force. FALSE: it is more than 0.1 mm outside with a force. Both
+// are zero on closed meshes over slow, fast, tap and hold paths that stay shallower than 0.3 of the local thickness.
 #include <gtest/gtest.h>
 
 #include "tests/haptics/oracle.h"
@@ -131,7 +130,7 @@ TEST(Correctness, DirectionIsThatOfTheNearestPoint) {
   EXPECT_GT(compared, 500);
 }
 
-// The same plane in two or in 5000 triangles feels the same.
+// The same plane in two or in 5000 triangles gives the same force.
 TEST(Correctness, ForceOnAPlaneDoesNotDependOnItsTriangles) {
   Pen coarse(Built(SceneOf(Block(1, {0.02, 0.02, 0.02})))), fine(Built(SceneOf(Block(20, {0.02, 0.02, 0.02}))));
   Random random(31);

@@ -1,4 +1,5 @@
-// A tip that is far from everything takes a short way through the tick: it must lead to the same bits as the long one.
+// A tip that is far from everything takes a fast path through the tick: its results must be bit-identical to the full
+// path.
 #include <gtest/gtest.h>
 
 #include "service/haptics/scene.h"
@@ -8,7 +9,7 @@
 namespace omni::haptics {
 namespace test_haptics_far {
 
-// A pen that the short way is closed to, by a pose that names no object, and that gets a new output each tick.
+// A pen kept off the fast path by a pose that names no object, with a new output each tick.
 class LongWay {
  public:
   explicit LongWay(const Scene& scene) : scene_(scene) { Enter(scene_, state); }
@@ -33,7 +34,7 @@ Material Rough() {
   return material;
 }
 
-// Up and down between touch and 6 cm, aside, with lost poses, leaps and what is no number.
+// Up and down between contact and 6 cm, aside, with lost poses, jumps and NaN.
 class Wanderer {
  public:
   explicit Wanderer(std::uint64_t seed) : random_(seed) {}

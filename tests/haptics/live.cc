@@ -1,4 +1,4 @@
-// What of a scene gets a workshop or a soft body, why not, and how tags become what a hand feels.
+// Which objects get a sculpt session or a soft body, why not, and how tags become parameters.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -100,7 +100,7 @@ TEST(LivePlanTest, WhatIsExtrudedIsNeither) {
   }
 }
 
-// Property over bodies of several sizes and places: the mesh that a workshop gets is the one that is felt.
+// Property over bodies of several sizes and places: the mesh that a sculpt session gets is the one that is touched.
 TEST(LiveMeshTest, IsTheObjectAsItIsInTheScene) {
   for (int n : {3, 7, 16}) {
     SceneInput input = SceneOf(Sphere(5, 0.01), Material());

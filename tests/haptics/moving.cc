@@ -1,4 +1,4 @@
-// Objects that the application moves: felt as if the pen moved the other way.
+// Objects that the application moves: rendered as if the pen moved the other way.
 #include <gtest/gtest.h>
 
 #include "service/haptics/contact/frame.h"
@@ -30,7 +30,7 @@ ObjectPose At(const Vec3& translation_m, const base::Quat& rotation = {}) {
   return {.object = 0, .rotation = rotation, .translation_m = translation_m};
 }
 
-// A ball that stands elsewhere and is touched there feels as at rest; so do friction and what is reported.
+// A ball that stands elsewhere and is touched there gives the same forces, friction and reports.
 TEST(MovedObjects, WhereAnObjectStandsChangesNothing) {
   Random random(71);
   for (int trial = 0; trial < 20; ++trial) {
@@ -61,7 +61,7 @@ TEST(MovedObjects, APlateMovesIntoAPenThatRests) {
     double height_m = -0.021;
     ObjectPose pose = At({0, 0, height_m});
     pen.input.poses = {&pose, 1};
-    for (int k = 0; k < 250; ++k) pen.MoveTo({});  // the leap from where the scene has it is over
+    for (int k = 0; k < 250; ++k) pen.MoveTo({});  // the jump from its place in the scene is over
     ASSERT_EQ(pen.output.contact_count, 0);
     while (height_m < 0.0005) {
       height_m = std::min(0.0005, height_m + 1e-3 * speed_m_s);
@@ -76,7 +76,7 @@ TEST(MovedObjects, APlateMovesIntoAPenThatRests) {
 }
 
 // A belt under a resting pen drags it along by its friction, no more than the cone allows; a pen that goes with the
-// belt feels the normal force only, and no damping.
+// belt gets the normal force only, and no damping.
 TEST(MovedObjects, ABeltDragsThePenAlong) {
   Material rough;
   rough.static_friction = rough.dynamic_friction = 0.3;

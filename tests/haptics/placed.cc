@@ -1,4 +1,4 @@
-// Scenes that stand somewhere, and move as one body; materials that change while they are felt.
+// Scenes that stand somewhere, and move as one body; materials that change while they are in use.
 #include <gtest/gtest.h>
 
 #include "service/base/force_limit.h"
@@ -19,7 +19,7 @@ base::Quat QuarterAbout(const Vec3& axis, double angle_rad) {
   return {std::cos(angle_rad / 2), v.x, v.y, v.z};
 }
 
-// As the story's pen, with the scene at a placement.
+// As `Pen`, with the scene at a placement.
 struct PlacedPen {
   explicit PlacedPen(const SceneInput& from) : scene(Built(from)) {
     config = {.ramp_s = 0, .delay_s = 0, .coil_lag_s = 0, .predict_max_s = 0};
@@ -127,7 +127,7 @@ TEST(PlacedScene, ASceneThatSlidesRubs) {
   EXPECT_NEAR(pen.output.contacts[0].slip_base_m_s.x, -0.1, 1e-3);
 }
 
-// Wherever it leaps, and however it is turned there: no tick changes the force by more than a fade does, far below the
+// Wherever it jumps, and however it is turned there: no tick changes the force by more than a fade does, far below the
 // slew limit.
 TEST(PlacedScene, ALeapDoesNotKick) {
   Random random(503);
@@ -198,7 +198,7 @@ TEST(PlacedScene, TakesNothingFromTheHeap) {
   EXPECT_EQ(probe.count(), 0U);
 }
 
-// Any feel to any other under a pressing, sliding pen: the force goes over within a few ticks of the glide, and
+// From any parameters to any others under a pressing, sliding pen: the force changes smoothly over the glide, and
 // arrives.
 TEST(LiveMaterial, AChangeUnderThePenIsContinuous) {
   Random random(504);

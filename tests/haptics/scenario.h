@@ -1,4 +1,4 @@
-// Meshes made by formula, and a pen that tells a story tick by tick.
+// Meshes made by formula, and a pen that plays a scenario tick by tick.
 #pragma once
 
 #include <cmath>
@@ -116,7 +116,7 @@ class Random {
   std::uint64_t state_;
 };
 
-// A pen in a scene. The stability rule is opened up, so that a material feels as stiff as it says.
+// A pen in a scene. The stability rule is relaxed, so that a material renders with its own stiffness.
 class Pen {
  public:
   explicit Pen(Scene scene) : scene_(std::move(scene)) {

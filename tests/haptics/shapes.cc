@@ -122,7 +122,7 @@ TEST(Shapes, AtRestTheForceIsStill) {
   }
 }
 
-// The same planes in few and in many triangles feel the same, tick by tick, on the same path.
+// The same planes in few and in many triangles give the same force, tick by tick, on the same path.
 TEST(Shapes, SubdividedPlanesFeelTheSame) {
   Random random(77);
   for (const Profile& profile : Profiles()) {
@@ -149,7 +149,7 @@ TEST(Shapes, SubdividedPlanesFeelTheSame) {
   }
 }
 
-// Where the sagitta is at most 1 % of the depth, the tessellation is not felt.
+// Where the sagitta is at most 1 % of the depth, the tessellation has no effect.
 TEST(Shapes, CurvedSurfacesDoNotDependOnTheirTessellation) {
   Pen coarse(Built(SceneOf(Sphere(42, 0.03), Smooth()))), fine(Built(SceneOf(Sphere(90, 0.03), Smooth())));
   Random random(5);
@@ -175,7 +175,7 @@ TEST(Shapes, CurvedSurfacesDoNotDependOnTheirTessellation) {
   EXPECT_LT(worst, 0.05);
 }
 
-// A plate in any attitude, entered from either side at any speed: felt from the side of entry, also when ticks are
+// A plate in any attitude, entered from either side at any speed: pushes back to the side of entry, also when ticks are
 // missing for 20 ms.
 TEST(Shapes, PlatesKeepTheSideOfEntry) {
   Random random(61);

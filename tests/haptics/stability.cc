@@ -1,4 +1,4 @@
-// The stiffness on offer, and the watch over the energy of contacts.
+// The stiffness bound, and the energy watch over contacts.
 #include "service/haptics/stability.h"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ TEST(Stability, NothingIsOfferedOnWhatIsNotANumber) {
   }
 }
 
-// Less is offered the longer the delay, the more the noise and the weaker the hand's damping; predicting never loses.
+// The bound falls with longer delay, more noise and weaker hand damping; predicting never lowers it.
 TEST(Stability, OfferIsMonotone) {
   Random random(71);
   Config config;
@@ -142,7 +142,7 @@ TEST(Stability, AWallThatAsksForMoreSaysSo) {
   EXPECT_NEAR(pen.output.tip_normal_force_N, offered * 1e-3, 1e-9);
 }
 
-// The tip is taken where it will be when the current acts.
+// The tip is predicted to when the current acts.
 TEST(Stability, TheTipIsPredictedOverTheWholeLag) {
   Pen pen(Built(SceneOf(Block(4, {0.02, 0.02, 0.02}))));
   pen.config.predict_max_s = 0.02;
@@ -159,7 +159,7 @@ Scene HardWall() {
   return Built(SceneOf(Block(2, {0.02, 0.02, 0.02}), m));
 }
 
-// A hand on a wall whose delay is 12 ms, which the renderer takes for none: without a watch it swings for ever.
+// A hand on a wall with a delay of 12 ms, which the renderer takes for none: without a watch it swings forever.
 struct UnstableWall {
   Pen pen{HardWall()};
   double z = 0.0205, v = 0, given_J = 0;
@@ -184,7 +184,7 @@ struct UnstableWall {
 TEST(EnergyWatch, StopsAWallThatSwings) {
   UnstableWall free, watched;
   free.Run(6000, false);
-  // The watch believes the delay it is told; told the truth it holds the wall back.
+  // The watch trusts the reported delay; with the true one it holds the wall back.
   watched.pen.input.delay_s = 12e-3;
   watched.pen.config.hand_damping_Ns_m = 1e9;
   watched.Run(6000, true);
@@ -232,7 +232,7 @@ TEST(Gap, ALongAbsenceForgets) {
   EXPECT_EQ(pen.output.contact_count, 0);
 }
 
-// A pen that is better known along its axis than across it is offered more there; in between by the mixed variance.
+// A pen that is better known along its axis than across it gets more stiffness there; in between by the mixed variance.
 TEST(Stability, OffersMoreAlongThePen) {
   Config config;
   Input input = Delayed(2e-3, NoiseOf(4e-4, 200));
@@ -254,7 +254,7 @@ TEST(Stability, OffersMoreAlongThePen) {
   EXPECT_EQ(UpdateStiffnessBound(config, input, false, uniform).along_N_m, uniform.stiffness_N_m);
 }
 
-// The pen is turned while it presses: what the contact is given falls with the angle and does not rise again.
+// The pen is turned while it presses: the contact's stiffness falls with the angle and does not rise again.
 TEST(Stability, AContactsStiffnessOnlyFallsWhileThePenIsTurned) {
   Pen pen(Built(SceneOf(Block(2, {0.02, 0.02, 0.01}))));
   pen.input.delay_s = 2e-3;

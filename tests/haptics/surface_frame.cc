@@ -1,4 +1,4 @@
-// Surfaces as they are drawn, against what the tick feels.
+// Surfaces as they are drawn, against the tick's own.
 #include "service/haptics/live/surface_frame.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ TEST(SurfaceFrame, VerticesOfAnObjectAreItsOwnInTheOrderOfItsTriangles) {
   EXPECT_EQ(VerticesOf(scene, 0).count + VerticesOf(scene, 1).count, scene.vertices().size());
 }
 
-// What soft bodies and editors are made from is what is drawn, vertex by vertex.
+// Soft bodies and editors are made from the drawn mesh, vertex by vertex.
 TEST(SurfaceFrame, IsInTheOrderOfTheMeshThatPartsAreMadeFrom) {
   const Scene scene = Built(TwoBalls());
   for (std::uint32_t o = 0; o < 2; ++o) {
@@ -80,7 +80,7 @@ TEST(SurfaceFrame, SaysWhatChanges) {
   const Scene block = Built(BlockWithTop());
   EXPECT_EQ(ChangingObjects(block), (std::vector<ChangingObject>{{.object = 0, .extruded = true}}));
   EXPECT_TRUE(ChangingObjects(Scene()).empty());
-  EXPECT_TRUE(ChangingObjects(Built(SceneOf(SoftBallMesh()))).empty()) << "a rigid scene has nothing to draw anew";
+  EXPECT_TRUE(ChangingObjects(Built(SceneOf(SoftBallMesh()))).empty()) << "a rigid scene has nothing to redraw";
 }
 
 // Each vertex where the tick's own view of the surface has it.
@@ -141,11 +141,11 @@ TEST(SurfaceFrame, SoftBodiesAreDrawnWithTheirDents) {
   }
   EXPECT_NEAR(farthest_m, largest_m, 1e-6);
 
-  state.soft[2].object = kNoIndex;  // let go: at rest
+  state.soft[2].object = kNoIndex;  // released: at rest
   EXPECT_EQ(DisplacedVertices(scene, {state.soft, state.regions}, rest, drawn), 0);
 }
 
-// Of another mesh: nothing is drawn displaced.
+// A soft body of another mesh displaces nothing.
 TEST(SurfaceFrame, ABodyOfAnotherMeshIsLeftOut) {
   Scene scene = Built(BlockWithTop());
   auto live = std::make_shared<LiveParts>();
@@ -160,7 +160,7 @@ TEST(SurfaceFrame, ABodyOfAnotherMeshIsLeftOut) {
   EXPECT_EQ(DisplacedVertices(scene, {state.soft, state.regions}, rest, drawn), 0);
 }
 
-// Compact is what the editor's own snapshot is, to the rounding of a float, after random strokes.
+// The compact surface equals the editor's own snapshot, to the rounding of a float, after random strokes.
 TEST(SurfaceFrame, SculptedSurfacesAreWhole) {
   const auto editor = sculpt::EditorOf(sculpt::BumpyBall(10, 0.03));
   ASSERT_NE(editor, nullptr);

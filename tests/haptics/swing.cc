@@ -27,7 +27,7 @@ double Buzz_N(const WallRun& run) {
   return test::RmsAbove(run.force_N, run.force_N.size() - 2 * kSecond, run.force_N.size(), 30);
 }
 
-// Hands of 10 to 50 g that hardly damp, and answers that come up to 3 ms later than the base says of itself.
+// Hands of 10 to 50 g with little damping, and replies up to 3 ms later than the base reports.
 TEST(SwingWatch, QuietensLightHandsAndLateAnswers) {
   for (const double mass_kg : {0.01, 0.02, 0.05}) {
     for (const double damping_Ns_m : {0.1, 0.5}) {
@@ -66,7 +66,7 @@ TEST(SwingWatch, FirmHandsHoldStill) {
   }
 }
 
-// The least damped hands, and answers later than said by up to 5 ms.
+// The least damped hands, and replies up to 5 ms later than reported.
 TEST(SwingWatch, LightHandsComeToRest) {
   for (const double mass_kg : {0.02, 0.05}) {
     for (const double late_s : {2e-3, 3e-3, 5e-3}) {
@@ -77,7 +77,7 @@ TEST(SwingWatch, LightHandsComeToRest) {
   }
 }
 
-// Longer in the air than in touch: 40 mJ and 4.6 mm in a second otherwise.
+// Longer in the air than in contact: 40 mJ and 4.6 mm in a second otherwise.
 TEST(SwingWatch, AHeavyPenDoesNotBounceOn) {
   const WallHand hand{0.2, 1};
   const WallLoop loop{.delay_s = 1e-3, .late_s = 5e-3, .noise_m = 2e-5};
@@ -106,7 +106,7 @@ class SwingWatchHand : public testing::Test {
     m.stiffness_N_m = 350;
     pen_ = std::make_unique<Pen>(Built(SceneOf(Block(4, {0.02, 0.02, 0.02}), m)));
   }
-  // Half a millimetre above the surface at 0; what a watch leaves in the end.
+  // Half a millimetre above the surface at 0; returns the gain that remains in the end.
   double Move(double middle_m, double amplitude_m, double rate_Hz, double seconds) {
     for (int k = 0; k < 1000 * seconds; ++k) {
       const double z = 0.0205 + middle_m + amplitude_m * std::sin(2 * 3.14159265358979 * rate_Hz * 1e-3 * k);
@@ -121,7 +121,7 @@ TEST_F(SwingWatchHand, MayTap) { EXPECT_EQ(Move(0, 4e-3, 6, 3), 1); }
 TEST_F(SwingWatchHand, MayTremble) { EXPECT_EQ(Move(-3e-3, 2e-4, 10, 3), 1); }
 TEST_F(SwingWatchHand, MayRub) { EXPECT_EQ(Move(-4e-3, 3e-3, 2, 3), 1); }
 
-// 25 Hz is no hand's: the surface makes it swing. Lifted and put down again it is as stiff as before.
+// No hand moves at 25 Hz: the surface makes it swing. Lifted and put down again it is as stiff as before.
 TEST_F(SwingWatchHand, IsHeldBackWhileItTouches) {
   EXPECT_LT(Move(-3e-3, 2e-4, 25, 1), 0.1);
   EXPECT_LT(Move(-3e-3, 0, 1, 1), 0.1);

@@ -1,4 +1,4 @@
-// The disk cache: gives back what was put, or nothing.
+// The disk cache: returns what was put, or nothing.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -254,7 +254,7 @@ TEST(SceneCache, ADamagedFileIsBuiltAnewAndSaysSo) {
   std::ofstream(entry, std::ios::binary) << bytes;
   const LoadedByCache again = LoadBy(cache, file);
   EXPECT_FALSE(again.load.cached);
-  EXPECT_EQ(again.load.cache, "the cached file has a wrong checksum: built anew, kept");
+  EXPECT_EQ(again.load.cache, "the cached file has a wrong checksum: rebuilt, kept");
   EXPECT_TRUE(Same(built.scene, again.scene));
   EXPECT_TRUE(LoadBy(cache, file).load.cached);
 }

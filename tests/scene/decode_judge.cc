@@ -317,7 +317,7 @@ TEST(SceneDecodeJudge, GeneratedModelsAreReadAsByTinyGltf) {
     SCOPED_TRACE(seed);
     ASSERT_NO_FATAL_FAILURE(ExpectSame(WriteAs(seed % 3, Generator(seed).Make(), folder), compared));
   }
-  // Or this test has looked at little.
+  // Otherwise this test has checked little.
   EXPECT_GT(compared.primitives, 1000U);
   EXPECT_GT(compared.triangles, 20'000U);
   EXPECT_GT(compared.coordinates, 20'000U);

@@ -1,4 +1,4 @@
-// A scene with all that changes in it: what is made, from where, and that copies of it start as it did.
+// Live parts of a scene: which are made, from where, and that copies start in the initial state.
 #include <gtest/gtest.h>
 
 #include "service/haptics/live/make_live.h"

@@ -1,4 +1,4 @@
-// What a good file gives.
+// How valid files load.
 #include <gtest/gtest.h>
 
 #include <cmath>

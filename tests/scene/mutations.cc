@@ -1,5 +1,5 @@
-// Ten thousand damaged files: each is loaded or refused with a message, never more. scripts/fuzz asks for more than a
-// test run has time for, by OMNI_FUZZ.
+// Ten thousand damaged files: each is loaded or refused with a message, never more. scripts/fuzz runs more than a test
+// run has time for, by OMNI_FUZZ.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -211,7 +211,7 @@ TEST(SceneTags, RolesDecideWhatIsRead) {
   EXPECT_NEAR(scene.vehicle->checkpoints[0].position_base_m.x, 0.02, 1e-12);
   EXPECT_NEAR(std::abs(scene.vehicle->checkpoints[0].heading_rad), 2 * std::acos(0.0), 1e-7) << "against x";
   EXPECT_TRUE(Has(loaded.Warnings(), "deadZone 0.02 m must be below range 0.01 m"));
-  EXPECT_TRUE(Has(loaded.Warnings(), "/nodes/6/extras/haptic/stiffness: is no key"));
+  EXPECT_TRUE(Has(loaded.Warnings(), "/nodes/6/extras/haptic/stiffness: is not a key"));
 }
 
 TEST(SceneTags, SculptKinematicTipAndFibres) {
@@ -257,12 +257,11 @@ TEST(SceneTags, ContradictionsAreSettledAndSaid) {
     bool sculpt, extrude, tet;
   };
   const Case cases[] = {
-      {R"({"sculptable": true, "softness": "tet"})", "sculptable and softness tet; sculptable holds", true, false,
+      {R"({"sculptable": true, "softness": "tet"})", "sculptable and softness tet; sculptable wins", true, false,
        false},
-      {R"({"sculptable": true, "extrude": true})", "sculptable and to be extruded; sculptable holds", true, false,
-       false},
-      {R"({"sculptable": true, "kinematic": true})", "kinematic and sculptable; kinematic holds", false, false, false},
-      {R"({"kinematic": true, "extrude": true})", "kinematic and to be extruded", false, false, false},
+      {R"({"sculptable": true, "extrude": true})", "sculptable and extrudable; sculptable wins", true, false, false},
+      {R"({"sculptable": true, "kinematic": true})", "kinematic and sculptable; kinematic wins", false, false, false},
+      {R"({"kinematic": true, "extrude": true})", "kinematic and extrudable", false, false, false},
       {R"({"kinematic": true, "softness": "tet"})", "", false, false, true},
   };
   for (const Case& c : cases) {

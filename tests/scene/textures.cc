@@ -1,4 +1,4 @@
-// Textures that tags name: read, decoded, looked up; and nothing else is.
+// Textures that tags name are read, decoded and sampled; no other image is.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The same solid, said in many ways, is the same solid.
+// The same solid in many encodings loads as the same solid.
 #include <gtest/gtest.h>
 
 #include <cmath>

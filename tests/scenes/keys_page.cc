@@ -1,4 +1,4 @@
-// docs/scenes.md and the schema say what the tables of a tag's numbers say.
+// docs/scenes.md and the schema match the tables of a tag's numbers.
 #include "scenes/keys/keys_page.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Pages, generations, and what an editor refuses.
+// Pages, generations, and input that an editor rejects.
 #include <gtest/gtest.h>
 
 #include "service/haptics/sculpt/mesh/check_manifold.h"

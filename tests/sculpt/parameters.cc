@@ -84,7 +84,7 @@ TEST(SculptParametersTest, ResistanceGrowsWithSpeedAndWay) {
   EXPECT_GT(pull(0.03, 0.012), pull(0.03, 0.006) + 0.1);
 }
 
-// The worst a person can ask for: undo while the pen is inside what was pulled out or pushed in.
+// The worst case: undo while the pen is inside what was pulled out or pushed in.
 TEST(SculptParametersTest, UndoUnderThePenDoesNotKick) {
   for (const double offset_m : {-0.004, 0.004}) {
     SculptHand hand(Sphere(40, kRadius_m), {.grab_force_N = 2}, FiveMillimetres());
@@ -150,7 +150,7 @@ TEST(SculptParametersTest, TornOrLostItEndsTheStroke) {
   }
 }
 
-// A base that is not calibrated offers little: the hold gets from the press to the pull with any stiffness.
+// A base that is not calibrated allows little: the hold gets from the press to the pull with any stiffness.
 TEST(SculptParametersTest, SoftHoldPullsToo) {
   for (const double stiffness_N_m : {30.0, 60.0, 120.0, 400.0}) {
     SculptToolState state;

@@ -1,5 +1,5 @@
-// Who draws pins generations while an editor publishes and a tick reads: every one is whole, the editor goes on, and
-// what is let go is used again. Made to be run under ThreadSanitizer.
+// A drawing thread pins generations while an editor publishes and a tick reads: every one is complete, the editor goes
+// on, and memory of unpinned ones is reused. Made to be run under ThreadSanitizer.
 #include <gtest/gtest.h>
 
 #include <atomic>

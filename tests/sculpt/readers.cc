@@ -1,4 +1,4 @@
-// A tick reads while an editor publishes: every generation it sees is whole. Made to be run under ThreadSanitizer.
+// A tick reads while an editor publishes: every generation it sees is complete. Made to be run under ThreadSanitizer.
 #include <gtest/gtest.h>
 
 #include <thread>

@@ -1,4 +1,4 @@
-// The stick's notches: a potential, within the stiffness that can be offered, without steps.
+// The stick's notches: a potential, within the stiffness bound, without steps.
 #include <gtest/gtest.h>
 
 #include "service/haptics/stability.h"

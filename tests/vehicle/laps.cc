@@ -1,4 +1,4 @@
-// Laps: counted once each, timed, and not to be had for free.
+// Laps: counted once each, timed, and not earned by short cuts.
 #include <gtest/gtest.h>
 
 #include "service/haptics/vehicle/lap_timer.h"

@@ -1,4 +1,4 @@
-// The pen as a joystick, the car and its walls, and what of it is felt.
+// The pen as a joystick, the car and its walls, and their forces on the pen.
 #include <gtest/gtest.h>
 
 #include "service/base/force_limit.h"
@@ -167,7 +167,7 @@ TEST(Road, IsFeltWithinItsBounds) {
   }
   EXPECT_LE(largest_N, kRoadForceMax_N);
   EXPECT_GT(largest_N, 0.09);
-  // A road too fine for the coils is not felt at all.
+  // A road too fine for the coils is not rendered at all.
   car.engine_force_N = 0;
   car.road_wavelength_m = 1e-4;
   state.velocity_base_m_s = {0.05, 0, 0};
@@ -184,7 +184,7 @@ TEST(Build, SaysWhatIsWrongWithATrack) {
   for (const std::string& line : report.lines) all += line + "\n";
   EXPECT_NE(all.find("vehicle: starts"), std::string::npos) << all;
   EXPECT_NE(all.find("checkpoint 1: its middle"), std::string::npos) << all;
-  EXPECT_NE(all.find("512 pieces of wall"), std::string::npos) << all;
+  EXPECT_NE(all.find("512 wall segments"), std::string::npos) << all;
   input.vehicle->start_base_m.z = 0.5;
   ASSERT_TRUE(BuildScene(input, report).ok());
   all.clear();

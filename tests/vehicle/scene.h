@@ -60,7 +60,7 @@ class Driver {
   }
   Impacts Coast(double dt_s = 1e-3) { return MoveCar(car(), walls_, scene_.materials(), dt_s, state); }
 
-  // Along the middle of the ring; direction -1: the wrong way round. Steers by where it is and looks.
+  // Along the middle of the ring; direction -1: the wrong way round. Steers by its position and heading.
   Impacts Follow(double throttle, int direction = 1) {
     const Vec3 p = state.position_base_m;
     const double angle = std::atan2(p.y, p.x), off_m = std::hypot(p.x, p.y) - 0.04;

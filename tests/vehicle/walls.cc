@@ -1,4 +1,4 @@
-// Over random walls, motions and states: nothing is passed, nothing is gained, nothing that comes in is passed on.
+// Over random walls, motions and states: no wall is passed, no energy gained, no invalid value propagated.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -35,7 +35,7 @@ struct OutNode {
   Vec translation_base_m{0.0};
   double heading_rad = 0;               // about the base's z
   OrderedJson haptic = nullptr;         // becomes extras.haptic
-  std::vector<std::uint32_t> children;  // only nodes that no other has
+  std::vector<std::uint32_t> children;  // each node has at most one parent
 };
 
 struct Document {  // NOLINT(bugprone-exception-escape): the JSON library's move is noexcept and only asserts

@@ -79,7 +79,7 @@ TouchedContact Touch(const std::string& path, const Vec& from_m, const Vec& tip_
     input.t_ns += 1'000'000;
     haptics::Step(config, *scene, input, state, output);
   }
-  if (output.contact_count == 0) throw std::runtime_error(path + ": nothing is touched at the place of --contact");
+  if (output.contact_count == 0) throw std::runtime_error(path + ": nothing is touched at the --contact position");
   return {tip_m, AsDrawn(output.contacts[0].point_base_m), AsDrawn(output.force_base_N)};
 }
 

@@ -1,5 +1,5 @@
-// A touch as the renderer feels it, as meshes to draw: the tip where the device has it, the proxy on the surface, the
-// spring between them, the force as an arrow.
+// A contact as the renderer computes it, as meshes to draw: the tip where the device has it, the proxy on the surface,
+// the spring between them, the force as an arrow.
 #pragma once
 
 #include <string>

@@ -17,7 +17,7 @@ struct DrawnMesh {
 };
 
 // What a scene looks like, one mesh per primitive of each node, by the service's own reader
-// (service/scene/drawn_scene.h). What is not drawn is said on stderr. Throws std::runtime_error.
+// (service/scene/drawn_scene.h). What is not drawn is reported on stderr. Throws std::runtime_error.
 std::vector<DrawnMesh> ReadMeshes(const std::string& path);
 
 }  // namespace omni::scenes

@@ -1,4 +1,4 @@
-// A race as it was driven, from the service's recording (omnid --record): the car's way lap by lap, and its hits.
+// A race as it was driven, from the service's recording (omnid --record): the car's path lap by lap, and its hits.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct RacePoint {
 // Throws std::runtime_error: not there, columns missing, or no car in it.
 std::vector<RacePoint> ReadRace(const std::string& path);
 
-// Lines over the road at `height_m`, a colour each lap, a star at every hit, and the car where it ended.
+// Lines over the road at `height_m`, one colour per lap, a star at every hit, and the car where it ended.
 std::vector<DrawnMesh> DrawRace(const std::vector<RacePoint>& race, double height_m);
 
 // "2 laps: 5.02 s (blue), 4.71 s (green); 7 hits (red stars)"

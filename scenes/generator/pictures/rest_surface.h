@@ -34,8 +34,8 @@ class RestSurface {
   Cell count_{1};
 };
 
-// `meshes`, of a file without colours, as `rest` paints them; what `rest` has besides, by name, is added as it is.
-// With displacement_max_m > 0 places are yellow to red that have come so far from the rest surface.
+// `meshes`, of a file without colours, painted as `rest`; parts that only `rest` has, by name, are added as they are.
+// With displacement_max_m > 0 places are coloured yellow to red by their distance from the rest surface.
 std::vector<DrawnMesh> PaintLike(const std::vector<DrawnMesh>& rest, std::vector<DrawnMesh> meshes,
                                  double displacement_max_m);
 

@@ -11,12 +11,12 @@ namespace omni::haptics {
 using base::Vec3;
 namespace {
 
-constexpr double kCalm_N = 0.020;        // of what a damper makes of noise, 1 sigma
-constexpr double kContactLeaves = 0.25;  // of the offer, whatever contacts take: half of the gain margin of (3.2)
-constexpr double kLimitedFrom = 0.98;    // given over asked below which a constraint counts as limited
+constexpr double kCalm_N = 0.020;        // of the damping force that velocity noise causes, 1 sigma
+constexpr double kContactLeaves = 0.25;  // of the bound, whatever contacts use: half of the gain margin of (3.2)
+constexpr double kLimitedFrom = 0.98;    // rendered over requested stiffness below which a constraint is limited
 constexpr double kFarthest_m = 100, kFastest_m_s = 1e3;
 
-// Time always passes for what has to end, also where a device's stamps stand still.
+// Fades advance even while a device's timestamps stand still.
 double FadeStep_s(double dt_s) noexcept { return dt_s > 0 ? std::min(dt_s, 5e-3) : base::kTickPeriod_s; }
 
 double Approach(double from, double to, double dt_s, double time_s) noexcept {
@@ -39,7 +39,7 @@ void MoveForce(AppliedState& state, const Vec3& to_N, double over_s) noexcept {
   state.move_s = over_s;
 }
 
-// The application's force: taken up, moved on, and let go when its time is up.
+// The application's force: started, ramped, and faded out when it expires.
 Vec3 StepForce(const AppliedConfig& config, const AppliedCommand& command, const AppliedInput& input,
                AppliedState& state) noexcept {
   const bool due = command.open && input.allowed && base::StampDifference_ns(command.force_end_ns, input.t_ns) > 0;
@@ -59,7 +59,7 @@ struct Spring {
   Constraint shape;
   Stretch stretch;
   double stiffness_N_m = 0;  // before the share
-  double load = 0;           // over what is offered in its direction
+  double load = 0;           // over the stiffness bound in its direction
 };
 
 struct Springs {
@@ -92,8 +92,8 @@ Springs ConstraintSprings(const AppliedCommand& command, const AppliedInput& inp
   return springs;
 }
 
-// Springs that act at once add up: each gets so much that no direction gets more than is offered there, after contacts
-// have taken theirs.   (14.6)
+// Springs that act at once add up: each is scaled so that no direction exceeds its stiffness bound after contacts have
+// taken their share.   (14.6)
 double ShareOf(const Springs& springs, const Output* contacts) noexcept {
   double share = 1;
   for (std::uint32_t i = 0; i < springs.count; ++i) {
@@ -121,7 +121,7 @@ double DampingShare(const Springs& springs, double given_Ns_m) noexcept {
   return sum_Ns_m > given_Ns_m ? given_Ns_m / sum_Ns_m : 1;
 }
 
-// Stiffness and damping that may be given, moved so slowly that the hand does not feel it.
+// Stiffness and damping allowed for constraints, changed too slowly for the hand to notice.
 StiffnessBound UpdateGiven(const AppliedConfig& config, const AppliedInput& input, AppliedState& state) noexcept {
   const double noise_Ns_m = input.velocity_sigma_m_s > 0 ? kCalm_N / input.velocity_sigma_m_s : 1e6;
   const double damping_Ns_m = std::min(input.bound.damping_Ns_m, noise_Ns_m);
@@ -174,7 +174,7 @@ Rendered Sum(const Springs& springs, const AppliedInput& input, const StiffnessB
   return all;
 }
 
-// All constraints, from those of before without a kick.
+// All constraints, blended from the previous set without a kick.
 Rendered StepConstraints(const AppliedConfig& config, const AppliedCommand& command, const AppliedInput& input,
                          AppliedState& state, AppliedOutput& output) noexcept {
   const bool changed = command.constraints_id != state.constraints_id;
@@ -228,7 +228,7 @@ bool Usable(const AppliedInput& input) noexcept {
 
 bool IsAtRest(const AppliedCommand& command, const AppliedState& state) noexcept {
   const bool nothing_new = command.force_id == state.force_id && command.constraint_count == 0;
-  if (state.from_N != Vec3{} || state.to_N != Vec3{}) return false;  // it stands, or fades, if only unseen
+  if (state.from_N != Vec3{} || state.to_N != Vec3{}) return false;  // set or fading, even while not tracked
   return state.last_N == Vec3{} && state.presence == 0 && state.force_presence == 0 && (!command.open || nothing_new);
 }
 

@@ -8,8 +8,8 @@ using base::Vec3;
 namespace {
 
 constexpr double kSmallest_m = 1e-9;     // a shorter vector has no direction
-constexpr double kDampedFrom_m = 5e-4;   // a damper grows in over this stretch: what is just met gives no kick
-constexpr double kAdvanceMax_s = 0.050;  // a frame that nobody speaks of any more stands still from then on
+constexpr double kDampedFrom_m = 5e-4;   // damping fades in over this stretch, so that reaching the shape does not kick
+constexpr double kAdvanceMax_s = 0.050;  // a frame without updates stands still from then on
 
 Stretch Along(const Vec3& outward, double length_m) noexcept { return {.length_m = length_m, .outward = outward}; }
 

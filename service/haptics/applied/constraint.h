@@ -11,7 +11,8 @@ namespace omni::haptics {
 
 enum class ConstraintKind : std::uint8_t { kPoint = 1, kLine = 2, kPlane = 3, kSphere = 4, kViscous = 5 };
 
-// Of a plane (outside: where its normal points to) or a sphere. Outside and inside push only, and only from beyond.
+// Of a plane (outside: where its normal points to) or a sphere. Outside and inside only push, and only when the point
+// is on the wrong side.
 enum class ConstraintSide : std::uint8_t { kOn = 0, kOutside = 1, kInside = 2 };
 
 // Base frame. The shape is fixed to a frame that may move: where it is now follows from where it was and its velocity.
@@ -21,7 +22,7 @@ struct Constraint {
   double stiffness_N_m = 0;            // >= 0
   double damping_Ns_m = 0;             // >= 0
   double max_force_N = 0;              // >= 0
-  double radius_m = 0;                 // sphere: > 0; line: free so far from it
+  double radius_m = 0;                 // sphere: > 0; line: free within this distance of it
   base::Vec3 point_base_m;             // a point of the shape, or its centre
   base::Vec3 direction_base{0, 0, 1};  // unit: along the line, the plane's normal
   base::Vec3 velocity_base_m_s;        // of that point, with its frame
@@ -29,27 +30,27 @@ struct Constraint {
 };
 static_assert(std::is_trivially_copyable_v<Constraint>);
 
-// The same `after_s` later.
+// The constraint `after_s` later.
 Constraint Moved(const Constraint& constraint, double after_s) noexcept;
 
-// Where a device point is against a shape.
+// A device point relative to a shape.
 struct Stretch {
   bool one_sided = false;    // it never pulls
   bool conservative = true;  // the spring's energy is `elasticity()` of its stretch
   double length_m = 0;       // of the spring, >= 0; 0: it does not act
   double weight = 1;         // of spring and damper: fades where the shape has no direction
-  base::Vec3 outward;        // unit: the spring draws against it; zero: it has no direction
+  base::Vec3 outward;        // unit: the spring pulls against it; zero: it has no direction
 };
 Stretch StretchOf(const Constraint& constraint, const base::Vec3& device_point_base_m) noexcept;
 
-// What the hand feels of it, with this stiffness and damping: at most max_force_N, finite.
+// Its force on the hand with this stiffness and damping: at most max_force_N, finite.
 base::Vec3 ForceOf(const Constraint& constraint, const Stretch& stretch, double stiffness_N_m, double damping_Ns_m,
                    const base::Vec3& device_point_base_m, const base::Vec3& velocity_base_m_s) noexcept;
 
 // Energy in the spring.
 double StoredIn_J(const Constraint& constraint, const Stretch& stretch, double stiffness_N_m) noexcept;
 
-// |P_a P_b| of the directions in which two springs are stiff, in [0, 1]: 0 if they never meet.
+// |P_a P_b| of the directions in which two springs are stiff, in [0, 1]: 0 if orthogonal.
 double Overlap(const Constraint& a, const Stretch& at_a, const Constraint& b, const Stretch& at_b) noexcept;
 // With a spring along a unit normal.
 double Overlap(const Constraint& a, const Stretch& at_a, const base::Vec3& normal_base) noexcept;

@@ -13,13 +13,13 @@
 namespace omni::haptics {
 namespace {
 
-// One contact as it is met in this tick, in the frame of its object's rest.
+// One contact in this tick, in its object's rest frame.
 struct ContactGeometry {
   Frame frame;
   Vec3 velocity_m_s;  // of the tip, relative to the object
   Vec3 normal;        // unit, from the tip to the proxy
   double depth_m = 0;
-  bool soft = false;  // its body answers
+  bool soft = false;  // its body computes the force
 };
 
 void Measure(const ContactScene& contact_scene, const Target& target, const ContactState& contact,
@@ -42,7 +42,8 @@ void Measure(const ContactScene& contact_scene, const Target& target, const Cont
   });
 }
 
-// Force shading   (13.5): where a smooth body is touched at one place, its facets are felt as what they stand for.
+// Force shading   (13.5): where a smooth body is touched at one place, its facets render as the surface they
+// approximate.
 void Shade(const ContactScene& contact_scene, const ContactState& contact, ContactGeometry& met) noexcept {
   met.normal = contact_scene.On(contact.object, [&](const auto& view) noexcept {
     const ClosestPoint at = ClosestOnTriangle(view.TriangleCorners(contact.triangle), contact.proxy_m);
@@ -71,12 +72,12 @@ const Material& MaterialOf(const ContactScene& contact_scene, const ContactState
   return contact_scene.MaterialAt(MaterialIndex(contact_scene, contact));
 }
 
-// What images make of the material's factors at the proxy   (T.1).
+// The material's factors at the proxy as scaled by its textures   (T.1).
 struct SurfaceFactors {
   double stiffness = 1, friction = 1, ripple = 1;
 };
 
-// A sculpted surface has no place in an image any more.
+// A sculpted surface has no texture coordinates any more.
 SurfaceFactors FactorsAt(const ContactScene& contact_scene, const Material& m, const ContactState& contact) noexcept {
   if (m.stiffness_texture < 0 && m.friction_texture < 0 && m.vibrotactile_texture < 0) return {};
   if (contact_scene.TableOf(contact.object) != nullptr) return {};
@@ -88,19 +89,19 @@ SurfaceFactors FactorsAt(const ContactScene& contact_scene, const Material& m, c
   return {sample(m.stiffness_texture), sample(m.friction_texture), sample(m.vibrotactile_texture)};
 }
 
-// What of a velocity is along a surface.
+// The part of a velocity along a surface.
 Vec3 SlipAlong(const Vec3& velocity_m_s, const Vec3& normal) noexcept {
   return velocity_m_s - Dot(velocity_m_s, normal) * normal;
 }
 
-// One contact at a time, with what all share.
+// Computes one contact at a time, with the state that all share.
 struct ContactModel {
   const StiffnessBound& bound;
   const ContactScene& contact_scene;
   const Input& input;
   double dt_s;
 
-  // Damping acts on the way in and out, but the sum never pulls   (3.8)
+  // Damping acts inwards and outwards, but the sum never pulls   (3.8)
   double Normal(const Material& m, double elastic_N, const ContactGeometry& met) const noexcept {
     const double damping_Ns_m = std::clamp(m.damping_Ns_m, 0.0, bound.damping_Ns_m);
     return std::max(0.0, elastic_N - damping_Ns_m * Dot(met.velocity_m_s, met.normal));
@@ -129,7 +130,7 @@ struct ContactModel {
     contact.last_force_N = result.force_N;
   }
 
-  // `body_N`: what a soft body answers.
+  // `body_N`: the force of a soft body.
   ContactForce Of(const ContactGeometry& met, const SurfaceFactors& felt, double stiffness_N_m, double body_N,
                   const Vec3& last_proxy_m, double& texture_phase, ContactState& contact) const noexcept {
     const Material& m = MaterialOf(contact_scene, contact);
@@ -194,11 +195,12 @@ struct ContactGeometries {
   std::array<ContactGeometry, kMaxContacts> met;
   std::array<SurfaceFactors, kMaxContacts> felt;
   std::array<double, kMaxContacts> stiffness_N_m{};
-  std::array<double, kMaxContacts> load{};  // over what is offered
+  std::array<double, kMaxContacts> load{};  // over the stiffness bound
   std::array<double, kMaxContacts> body_N{};
 };
 
-// What is offered in the contact's direction; as the pen is turned in touch it only falls, for a change is a push.
+// Stiffness bound in the contact's direction; while the pen turns in contact it only falls, for a rise would push the
+// hand.
 double BoundTo(const StiffnessBound& bound, const Vec3& normal_base, ContactState& contact) noexcept {
   const double now_N_m = StiffnessAlong(bound, normal_base);
   contact.bound_N_m = contact.bound_N_m > 0 ? std::min(contact.bound_N_m, now_N_m) : now_N_m;

@@ -10,7 +10,7 @@ struct ContactForce {
   Vec3 force_N;
   double elastic_N = 0;  // normal force without damping and effects
   double depth_m = 0;
-  double stiffness_cut = 1;  // offered / asked
+  double stiffness_cut = 1;  // rendered / requested stiffness
   double asked_stiffness_N_m = 0;
   Contact report;
 };

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kFarthestPose_m = 100;
 constexpr double kUnitTolerance = 1e-3;  // of a quaternion's norm
-constexpr double kPoseLeap_m = 0.01;     // of the tip in the object's frame, in one tick: no motion, another place
+constexpr double kPoseLeap_m = 0.01;     // of the tip in the object's frame, in one tick: a jump, not a motion
 
 bool IsPose(const ObjectPose& pose) noexcept {
   const base::Quat& q = pose.rotation;
@@ -52,7 +52,7 @@ ContactScene::ContactScene(const Scene& scene, const Input& input, State& state)
   TakePoses(input, state);
   FindMovedFaces();
   if (input.scene_motion == SceneMotion::kLeaps) changed_ = ~std::uint64_t{0};
-  if (!input.tracked) state.ball_restarts |= changed_ | moved_ | face_moved_;  // no tip to sweep over it
+  if (!input.tracked) state.ball_restarts |= changed_ | moved_ | face_moved_;  // no tip to sweep
 }
 
 void ContactScene::TakeSculpted(State& state) noexcept {
@@ -68,7 +68,7 @@ void ContactScene::TakeSculpted(State& state) noexcept {
   }
 }
 
-// Only under a tip that is not there: the force does not change by a body that is ready.
+// Only while the tip touches nothing of it: a body that becomes ready must not change the force.
 void ContactScene::TakeSoft(State& state) noexcept {
   for (std::uint32_t object = 0; object < scene_.objects().size(); ++object) {
     if (state.is_soft[object] != 0 || scene_.live()->soft_body(object) == nullptr) continue;

@@ -1,5 +1,5 @@
 // What the tip may touch in this tick: the scene's meshes as they are now. An object may be moved by the application,
-// sculpted, or soft; each is met in the frame its mesh rests in, so that queries and proxies need not know.
+// sculpted, or soft; contacts are computed in its mesh's rest frame, so that queries and proxies need not know.
 // docs/theory/haptics.md, section 9.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace omni::haptics {
 
-// One object as the tip meets it. Points in the frame of its rest.
+// One object and the tip relative to it. Points in the object's rest frame.
 struct Target {
   const Object& object;
   std::uint32_t index;
@@ -28,7 +28,7 @@ class ContactScene {
   ContactScene(const Scene& scene, const Input& input, State& state) noexcept;
 
   const Scene& scene() const noexcept { return scene_; }
-  // Of the ball that the tip is; 0: a point.
+  // Radius of a ball tip; 0: a point.
   double tip_radius_m() const noexcept {
     const double radius_m = scene_.header().tip_radius_m;
     return radius_m >= kMinBallRadius_m ? std::min(radius_m, kMaxBallRadius_m) : 0;
@@ -43,7 +43,7 @@ class ContactScene {
   const SoftBody* SoftOf(std::uint32_t object) const noexcept {
     return state_.is_soft[object] != 0 ? scene_.live()->soft_body(object) : nullptr;
   }
-  // As it is felt now; materials that the application has changed are in the state.
+  // As rendered now; materials that the application has changed are in the state.
   const Material& MaterialAt(std::uint32_t material) const noexcept {
     for (std::uint32_t n = 0; n < live_materials_; ++n) {
       if (state_.materials[n].material == material) return state_.materials[n].now;
@@ -69,7 +69,7 @@ class ContactScene {
     return nullptr;
   }
 
-  // The object leapt, or its surface was changed: a tip that is inside now has entered by no motion of its own.
+  // The object jumped, or its surface was changed: a tip that is inside now did not enter by its own motion.
   bool ChangedUnderTip(std::uint32_t object) const noexcept { return (changed_ >> object & 1) != 0; }
   // A face of the object was pushed or settles.
   bool FaceMoved(std::uint32_t object) const noexcept { return (face_moved_ >> object & 1) != 0; }
@@ -94,11 +94,11 @@ class ContactScene {
   std::array<Sculpted, kMaxSculpted> sculpted_{};
   std::uint32_t sculpted_count_ = 0;
   std::uint32_t live_materials_ = 0;
-  std::uint64_t changed_ = 0, moved_ = 0, face_moved_ = 0;  // a bit an object
+  std::uint64_t changed_ = 0, moved_ = 0, face_moved_ = 0;  // one bit per object
 };
 static_assert(kMaxObjects <= 64);
 
-// After the tick's contacts are known: what is touched no more lets its soft body go.
+// After the tick's contacts are known: objects no longer touched release their soft bodies.
 void ForgetUntouched(State& state) noexcept;
 
 }  // namespace omni::haptics

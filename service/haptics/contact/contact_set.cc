@@ -22,7 +22,7 @@ struct SkipList {
   }
 };
 
-// What was let go in this tick.
+// Contacts released in this tick.
 struct Left {
   std::array<std::uint32_t, kMaxContacts> object{};
   std::array<std::uint32_t, kMaxContacts> component{};
@@ -56,8 +56,8 @@ bool IsFlatAround(const View& view, std::uint32_t triangle) noexcept {
   return false;
 }
 
-// Local descent, and from within a plane to the nearest face of the same smooth surface, so that a plane in many
-// triangles does as one in few   (2.1).
+// Local descent, and from within a plane to the nearest face of the same smooth surface, so that a finely cut plane
+// behaves as a coarse one   (2.1).
 template <TreeView View>
 ProxyPoint DescendOn(const View& view, const Target& target, std::uint32_t start, const Vec3& tip) noexcept {
   const ProxyPoint proxy = Descend(view, start, tip);
@@ -77,8 +77,7 @@ bool Skips(const SkipList& skip, std::uint32_t component) noexcept {
 }
 
 // Within a micrometre of a concave edge a tip can be in front of one wall and behind the other with no crossing between
-// where it is looked from and where it is. Where a contact ends or an entry leads nowhere, the exact sign has the last
-// word.
+// the segment's start and the tip. Where a contact ends or an entry leads nowhere, the exact sign decides.
 template <TreeView View>
 bool AcquireInside(const View& view, const Target& target, const Vec3& tip, const SkipList& skip,
                    ContactState& contact) noexcept {
@@ -141,7 +140,8 @@ void Follow(const View& view, const Target& target, const ContactScene& contact_
     }
     return;
   }
-  // What a soft body gave way a tick ago may lift the tip out, though it is still in: then the tip itself counts.
+  // A soft body's displacement of a tick ago may lift the tip out although it is still inside: then the tip itself
+  // counts.
   if (tip != target.tip && Judge(view, proxy, tip, contact.side) != ProxyVerdict::kInside) {
     tip = target.tip;
     proxy = DescendOn(view, target, contact.triangle, tip);
@@ -155,7 +155,7 @@ void Follow(const View& view, const Target& target, const ContactScene& contact_
     ReleaseFromCrease(view, target, tip, proxy, contact);
     return;
   }
-  // Out here, but perhaps straight into another part of the same object: the proxy is outside, look from there.
+  // Out here, but perhaps straight into another part of the same object: the proxy is outside, so sweep from there.
   const std::uint32_t component = view.GetTriangle(proxy.triangle).component;
   const Vec3 start = proxy.closest.point + (kBackDate_m * contact.side) * NormalAt(view, proxy);
   if (Acquire(view, target, start, tip, InContact(view, contact.object, state, &contact), true, contact)) return;
@@ -172,8 +172,8 @@ bool TakeOn(const View& view, const Target& target, const Vec3& start, const Ski
   return Acquire(view, target, start, target.tip, skip, false, contact) && Keep(contact, state);
 }
 
-// A tip that an object was put around, or whose surface was moved over it: taken on where it is, and the force comes in
-// gently.
+// An object was put around the tip, or its surface moved over it: contact starts where the tip is, and the force fades
+// in.
 template <TreeView View>
 void TakeOnInside(const View& view, const Target& target, State& state) noexcept {
   ContactState contact;
@@ -196,7 +196,8 @@ void Sweep(const View& view, const Target& target, const Left& left, State& stat
     for (std::size_t k = 0; double_sided && k < left.count; ++k) {
       if (left.object[k] == target.index) skip.Add(left.component[k]);
     }
-    // As it is first: near a concave edge the start dated back may lie behind the other wall, and would enter nothing.
+    // Without back-dating first: near a concave edge a back-dated start may lie behind the other wall and would enter
+    // nothing.
     if (TakeOn(view, target, target.from, skip, state)) continue;
     if (double_sided) return;
     const Vec3 start = target.from - kBackDate_m * Normalized(target.tip - target.from);
@@ -204,7 +205,7 @@ void Sweep(const View& view, const Target& target, const Left& left, State& stat
   }
 }
 
-// A face that moved since the last tick may have swept over the tip: look at the tip's motion in the face's frame.
+// A face that moved since the last tick may have swept over the tip: sweep the tip in the face's frame.
 void SweepMovedRegions(const ContactScene& contact_scene, State& state) noexcept {
   const auto regions = contact_scene.scene().regions();
   const Surface& surface = contact_scene.surface();

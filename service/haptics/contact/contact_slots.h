@@ -1,4 +1,4 @@
-// What every way of finding contacts shares: their slots, and the questions that decide on them.
+// Shared by all ways of finding contacts: their slots, and the predicates that decide on them.
 #pragma once
 
 #include "service/haptics/contact/contact_scene.h"
@@ -8,13 +8,13 @@ namespace omni::haptics {
 
 inline constexpr double kSwapFade_s = 0.02;
 
-// The proxy has been put somewhere else: the force goes over from the last one in kSwapFade_s.
+// The proxy has been moved elsewhere: the force blends from the last one within kSwapFade_s.
 inline void StartSwap(ContactState& contact) noexcept {
   contact.swapped_from_N = contact.last_force_N;
   contact.swap_left_s = kSwapFade_s;
 }
 
-// A tip that was pushed through a part is let go when it is this far from its proxy, in the open, for this long.
+// A tip that was pushed through a part is released when it is this far from its proxy, in the open, for this long.
 inline constexpr double kThroughDepth_m = 0.010;
 inline constexpr double kThroughTime_s = 0.1;
 
@@ -52,12 +52,12 @@ bool IsInside(const View& view, const Target& target, const Vec3& tip, NearestRe
   return nearest.triangle != kNoIndex && SideOf(view, nearest, tip) < 0;
 }
 
-inline constexpr double kTrustedDepth_m = 0.002;  // deeper, a proxy that faces the wrong way round an edge is let go
+inline constexpr double kTrustedDepth_m = 0.002;  // deeper, a proxy that faces the wrong way around an edge is released
 
 // A proxy stays on the face it entered through while the tip, deep inside, goes around a convex edge. If another face
 // is nearer than half the proxy and the tip is behind that one too, the proxy should go there   (2.3). The far side of
-// a thin part (facing the opposite way) does not count, nor does it hide a third face: entered from here, felt from
-// here.
+// a thin part (facing the opposite way) does not count, nor does it hide a third face: the force stays on the side of
+// entry.
 template <TreeView View>
 NearestResult NearerFace(const View& view, const Target& target, const Vec3& tip, std::uint32_t triangle,
                          const Vec3& proxy_m) noexcept {
@@ -71,7 +71,7 @@ NearestResult NearerFace(const View& view, const Target& target, const Vec3& tip
   return is_same ? nearest : NearestResult{};
 }
 
-// Pushed through a part and out on its far side, the pen would hang on a spring to where it went in.   (2.6)
+// Pushed through a part and out on its far side, the pen would stay tied by a spring to where it went in.   (2.6)
 template <TreeView View>
 bool CameThrough(const View& view, const Target& target, const Vec3& tip, double dt_s, ContactState& contact) noexcept {
   NearestResult nearest;

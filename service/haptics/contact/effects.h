@@ -1,5 +1,5 @@
-// Simple force laws on top of a contact: texture, vibration, viscosity, magnet, pop-through.
-// docs/theory/haptics.md, section 6.
+// Simple force models on top of a contact: texture, vibration, viscosity, magnet, pop-through. docs/theory/haptics.md,
+// section 6.
 #pragma once
 
 #include "service/base/vec.h"
@@ -9,7 +9,7 @@ namespace omni::haptics {
 
 using base::Vec3;
 
-// A ridge pattern felt as a ripple of the normal force while the tip slides over it.
+// A ridge pattern rendered as a ripple of the normal force while the tip slides over it.
 struct TextureEffect {
   double amplitude_m, wavelength_m, gain;
   // Advances `phase` (in wavelengths) by the path `slid_m`.

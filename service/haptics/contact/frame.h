@@ -1,4 +1,4 @@
-// Where a moving object stands: from the frame its mesh rests in to the base frame and back. Runs in the tick.
+// Pose of a moving object: from its mesh's rest frame to the base frame and back. Runs in the tick.
 #pragma once
 
 #include "service/base/vec.h"
@@ -9,7 +9,7 @@ using base::Vec3;
 
 // x = R p + t
 struct Frame {
-  bool at_rest = true;  // the rest is not looked at
+  bool at_rest = true;  // the other members are ignored
   base::Quat rotation;
   Vec3 translation_m;
 

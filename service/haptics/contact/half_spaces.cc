@@ -6,7 +6,7 @@ namespace omni::haptics {
 namespace {
 
 constexpr double kParallel = 1e-12;    // squared sine below which two planes have no line in common
-constexpr std::size_t kMaxTight = 12;  // planes through the nearest point that are looked at
+constexpr std::size_t kMaxTight = 12;  // planes through the nearest point that are checked
 
 // Gauss elimination of a symmetric positive system of up to three; unknowns without a pivot stay 0.
 std::array<double, kMaxActive> SolveGram(std::array<std::array<double, kMaxActive>, kMaxActive> gram,

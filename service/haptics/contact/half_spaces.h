@@ -1,5 +1,5 @@
-// The point of an intersection of half-spaces that is nearest to a goal: where a ball may go that up to sixteen
-// surfaces hold back. docs/theory/haptics.md (12.4)
+// The point of an intersection of half-spaces that is nearest to a goal: where a ball held back by up to sixteen
+// surfaces may go. docs/theory/haptics.md (12.4)
 #pragma once
 
 #include <array>

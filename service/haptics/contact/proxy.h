@@ -31,8 +31,8 @@ ProxyVerdict Judge(const View& view, const ProxyPoint& proxy, const Vec3& tip, d
 
 inline constexpr double kSmoothCosine = 0.82;  // 35 degrees: triangles that meet at less belong to one smooth face
 
-// Only what touches the feature the closest point lies on may take over: across the edge, or around the vertex. Looking
-// farther would jump over creases by one triangle size and make the force depend on the tessellation.   (2.1)
+// Only what touches the feature the closest point lies on may take over: across the edge, or around the vertex.
+// Searching further would jump over creases by one triangle size and make the force depend on the tessellation.   (2.1)
 template <MeshView View>
 class Descent {
  public:
@@ -64,8 +64,8 @@ class Descent {
     const ClosestPoint closest = Closest(triangle);
     if (closest.distance_squared < best_.closest.distance_squared) best_ = {triangle, closest};
   }
-  // Inside a curved body every facet is a minimum of its own. Facets that belong to one smooth face, and only those,
-  // give way to the nearest.
+  // Inside a curved body every facet is a minimum of its own. Among facets of one smooth face, and only those, the
+  // nearest wins.
   void SearchBesides(std::uint32_t from) noexcept {
     const auto& t = view_.GetTriangle(from);
     for (int k = 0; k < 3; ++k) {
@@ -101,7 +101,7 @@ ProxyPoint Descend(const View& view, std::uint32_t start_triangle, const Vec3& t
 template <MeshView View>
 ProxyVerdict Judge(const View& view, const ProxyPoint& proxy, const Vec3& tip, double side) noexcept {
   const Vec3 offset = tip - proxy.closest.point;
-  if (proxy.closest.feature == Feature::kFace) {  // the very predicate by which a sweep decides
+  if (proxy.closest.feature == Feature::kFace) {  // the same predicate by which a sweep decides
     const Corners corners = view.TriangleCorners(proxy.triangle);
     return side * Height(corners, AreaVector(corners), tip) > 0 ? ProxyVerdict::kOutside : ProxyVerdict::kInside;
   }

@@ -18,7 +18,7 @@ void PutAnchor(const sculpt::SculptSurface& surface, ContactState& contact) noex
   contact.anchor_m = anchor.point_base_m;
 }
 
-// The force goes over smoothly to what the new place asks for, unless the surface is where it was.
+// The force blends to that of the new place, unless the surface has not moved.
 void PutContact(const sculpt::SculptSurface& surface, ContactState& contact) noexcept {
   sculpt::KeptFeature proxy{contact.triangle, {}, contact.proxy_m, contact.normal};
   const double moved_m = sculpt::Rebind(surface, kReach_m, proxy);
@@ -50,7 +50,7 @@ sculpt::SculptTouch TouchOf(const sculpt::SculptTable& table, const ContactState
   return {true, contact.triangle, at.weights, contact.proxy_m, contact.normal, force.report.normal_force_N};
 }
 
-// What the tool has not taken over of the contact's force.
+// The part of the contact's force that the tool has not taken over.
 double ContactShare(const ContactScene& contact_scene, std::uint32_t object, const State& state) noexcept {
   const LiveParts* live = contact_scene.scene().live().get();
   for (std::uint32_t n = 0; live != nullptr && n < live->sculpt_session_count() && n < kMaxSculpted; ++n) {
@@ -90,7 +90,7 @@ void RebindContacts(const ContactScene& contact_scene, State& state) noexcept {
     if (table != nullptr) {
       PutContact(sculpt::SculptSurface(*table), contact);
     } else {
-      contact = {};  // the object leapt away; if it is around the tip now, it is taken on anew
+      contact = {};  // the object jumped away; if it is around the tip now, a new contact starts
     }
   }
 }
@@ -108,7 +108,7 @@ Vec3 StepSculptTools(const StiffnessBound& bound, const ContactScene& contact_sc
     const Target target = contact_scene.TargetOf(object);
     sculpt::SculptInput tool;
     tool.tracked = input.tracked;
-    tool.tip_base_m = target.tip;  // the tool lives where the mesh rests
+    tool.tip_base_m = target.tip;  // the tool works in the mesh's rest frame
     tool.dt_s = input.dt_s;
     tool.stiffness_limit_N_m = bound.stiffness_N_m;
     tool.normal_stiffness_limit_N_m = StiffnessAlong(bound, frame.BaseDirection(state.sculpted[n].tool.normal));

@@ -1,5 +1,5 @@
-// Force shading: the facets of a coarse mesh of a smooth body are felt as one smooth surface. Turns the direction of a
-// contact's force, never its size or its place. docs/theory/haptics.md, section 13.
+// Force shading: the facets of a coarse mesh of a smooth body render as one smooth surface. Changes only the direction
+// of a contact's force, never its magnitude or point. docs/theory/haptics.md, section 13.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@ namespace omni::haptics {
 template <MeshView View>
 Vec3 ShadedNormal(const View& view, std::uint32_t triangle, const std::array<double, 3>& weights) noexcept;
 
-// `direction` (unit, from the surface to the tip's proxy or back, on either side of the triangle) as a contact at `at`
-// on the triangle feels it: the shaded normal on its side. At sharp edges, borders and on flat faces it stays as it is,
-// bit by bit.
+// `direction` (unit, from the surface to the tip's proxy or back, on either side of the triangle) as shaded for a
+// contact at `at` on the triangle: the shaded normal on its side. At sharp edges, borders and on flat faces it stays as
+// it is, bit by bit.
 template <MeshView View>
 Vec3 ShadedDirection(const View& view, std::uint32_t triangle, const ClosestPoint& at, const Vec3& direction) noexcept;
 

@@ -1,4 +1,4 @@
-// Contacts on soft bodies: what the body answers to the depths of all contacts on it. docs/theory/deformable.md.
+// Contacts on soft bodies: the body's reaction to the depths of all contacts on it. docs/theory/deformable.md.
 #pragma once
 
 #include "service/haptics/contact/contact_scene.h"
@@ -6,14 +6,14 @@
 
 namespace omni::haptics {
 
-// A contact as its body meets it, in the frame of its rest.
+// A contact as its body sees it, in its rest frame.
 struct SoftPress {
   Vec3 normal;               // unit, out of the body
   double depth_m = 0;        // of the tip under the rest surface, along `normal`
-  double stiffness_N_m = 0;  // offered, in series with the body; > 0
+  double stiffness_N_m = 0;  // of the contact's spring, in series with the body; > 0
 };
 
-// Where the body answers: out of the surface, and how deep the real tip is   (deformable.md 8.1).
+// Direction of the body's reaction, out of the surface, and depth of the real tip   (deformable.md 8.1).
 SoftPress PressOf(const ContactScene& contact_scene, const Target& target, const ContactState& contact) noexcept;
 
 // Normal forces of the contacts of `object`, by slot; `press[k]` counts for active contacts of the object.

@@ -21,7 +21,7 @@ double ElasticForce(const Softness& softness, double stiffness_N_m, double depth
 }
 
 // Maxwell branch beside the layer: r' = g F' - r / tau, exactly integrated over a tick   (4.3). The series stiffness is
-// lowered by 1 + g, so that the instantaneous slope stays within the offered stiffness.
+// lowered by 1 + g, so that the instantaneous slope stays within the stiffness bound.
 double LayerForce(const Softness& softness, double stiffness_N_m, double depth_m, double dt_s,
                   ContactState& contact) noexcept {
   if (softness.model == SoftnessModel::kNone) return ElasticForce(softness, stiffness_N_m, depth_m);

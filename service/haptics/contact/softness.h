@@ -1,4 +1,4 @@
-// Soft surface: an elastic layer in series with the offered stiffness, with one relaxing term.
+// Soft surface: an elastic layer in series with the contact's stiffness, with one relaxing term.
 // docs/theory/haptics.md, section 4.
 #pragma once
 

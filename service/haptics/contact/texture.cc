@@ -6,7 +6,7 @@
 namespace omni::haptics {
 namespace {
 
-constexpr double kMaxRepeats = 1e9;  // farther out a double has no fraction of a texel left
+constexpr double kMaxRepeats = 1e9;  // beyond, a double has no fraction of a texel left
 
 // Texel of a row of `size` that index i, which may lie outside, stands for   [glTF 2.0, 3.8.4.4]
 std::uint32_t Wrapped(std::int64_t i, std::uint32_t size, std::uint32_t wrap) noexcept {

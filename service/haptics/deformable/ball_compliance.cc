@@ -6,7 +6,7 @@
 namespace omni::haptics {
 namespace {
 
-constexpr double kSteepest = 0.8;          // how much of the local give a negative compliance may take away
+constexpr double kSteepest = 0.8;          // how much of the local displacement a negative compliance may take away
 constexpr double kSmallestForce_N = 1e-5;  // below, the slope of the dent is taken from here
 constexpr int kMostAloneSteps = 24;
 constexpr double kAloneTolerance = 1e-10;  // of the dent

@@ -1,5 +1,5 @@
-// One ball on a soft body: how deep it goes for a force, and the force of a ball alone. Its own dent, what the whole
-// body gives way and a spring, in series. Runs in the tick. docs/theory/deformable.md, section 6.
+// One ball on a soft body: how deep it goes for a force, and the force of a ball alone. Its own dent, the displacement
+// of the whole body and a spring, in series. Runs in the tick. docs/theory/deformable.md, section 6.
 #pragma once
 
 #include "service/haptics/deformable/build/local_model.h"

@@ -131,7 +131,7 @@ base::Result<SoftBody> SoftBody::Load(std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof(SoftHeader)) return base::Error{"soft body: the block is shorter than its header"};
   SoftHeader h;
   std::memcpy(&h, bytes.data(), sizeof h);
-  if (h.magic != kSoftMagic) return base::Error{"soft body: this is no soft body block"};
+  if (h.magic != kSoftMagic) return base::Error{"soft body: this is not a soft body block"};
   if (h.version != kSoftVersion) {
     return base::Error{"soft body: the block has version " + std::to_string(h.version) + ", this program reads " +
                        std::to_string(kSoftVersion)};

@@ -9,7 +9,7 @@ namespace {
 constexpr int kSoftNewtonSteps = 12;
 constexpr double kForceTolerance = 1e-7;  // relative
 constexpr double kMovedWeight = 1e-3;     // a row of the matrix is kept until its place moved by this
-constexpr double kStaleDiagonal = 0.05;   // ... or its own give changed by this share
+constexpr double kStaleDiagonal = 0.05;   // ... or its own compliance changed by this share
 constexpr double kLeastGive = 0.1;        // of a patch, of a half-space's
 constexpr double kDeepest_balls = 4;      // depth beyond this is taken for this
 
@@ -19,8 +19,8 @@ std::size_t Z(int i) { return static_cast<std::size_t>(i); }
 struct Touch {
   BallCompliance give;
   double depth_m = 0;
-  double relaxing_gain = 0;  // share of a new elastic force that is felt on top of it
-  double least_m_N = 0;      // give of the patch that the columns stand for
+  double relaxing_gain = 0;  // share of a new elastic force that is added to it
+  double least_m_N = 0;      // compliance of the patch that the columns stand for
   GivePoint now;             // at the force of this iteration
 };
 
@@ -54,8 +54,8 @@ bool Usable(const SoftContact& c) noexcept {
          c.series_compliance_m_N >= 0 && c.series_compliance_m_N < 1e6;
 }
 
-// What the body adds at a place. Near an edge that grows like one over the distance, so that the whole give of a patch
-// is blended by its reciprocal; in the open both are the same.   (4.5)
+// Compliance that the body adds at a place. Near an edge it grows like one over the distance, so that the whole
+// compliance of a patch is blended by its reciprocal; elsewhere both are the same.   (4.5)
 double ComplianceAt(const SoftBodyView& body, const SoftPlace& place, double modulus_Pa) noexcept {
   const double flat = 0.6 / (modulus_Pa * body.header().patch_radius_m);
   const SoftTriangle& t = body.GetTriangle(place.triangle);
@@ -121,7 +121,7 @@ class SoftSystem {
     touch.now = GiveAtForce(touch.give, slot.elastic_N, slot.dent_m);
     slopes[Z(k)] = slot.elastic_N > 0 ? 1 / touch.now.slope_m_N : 0;
     state_.factor.count = 0;
-    state_.matrix[Z(k)][Z(k)] = 0;  // its row is made again when it gets company
+    state_.matrix[Z(k)][Z(k)] = 0;  // its row is recomputed when another ball joins
   }
 
   // Modified Newton: A = C between the balls + their own slopes, f >= 0   (6.3).
@@ -167,7 +167,7 @@ class SoftSystem {
     return change / largest;
   }
 
-  // Own slope, at least the give of the patch the columns stand for, so that A stays positive definite.
+  // Own slope, at least the compliance of the patch the columns stand for, so that A stays positive definite.
   double Diagonal(int k) const noexcept { return std::max(touches_[Z(k)].now.slope_m_N, touches_[Z(k)].least_m_N); }
 
   bool Positioned(int k, int& position) const noexcept {
@@ -177,7 +177,7 @@ class SoftSystem {
     return false;
   }
 
-  // Rows whose place moved, and all if nothing was kept; the factor follows one by one, or afresh when most have
+  // Rows whose place moved, and all if nothing was kept; the factor is updated one by one, or recomputed when most have
   // changed.
   void RefreshRows() noexcept {
     int changed = 0;

@@ -1,7 +1,7 @@
 // Touching a soft body, once a millisecond: up to 16 balls, their forces and how stiff they are at this instant. Each
-// ball feels its own dent (local_model.h) in series with the give of the whole body (columns of the block), and the
-// others through the body. Cost does not depend on the number of tetrahedra. docs/theory/deformable.md, sections 6
-// to 8.
+// ball acts against its own dent (local_model.h) in series with the displacement of the whole body (columns of the
+// block), and on the others through the body. Cost does not depend on the number of tetrahedra.
+// docs/theory/deformable.md, sections 6 to 8.
 //
 // Displaced proxy (8.1): keep the rigid proxy s on the REST surface, with the tip x - CarriedDisplacement(s). Then
 //   contact.point = s, contact.normal = out of the surface, contact.depth = (s - x) . normal,
@@ -22,7 +22,7 @@ struct SoftContact {
   Vec3 point_base_m;                 // on the rest surface
   Vec3 normal;                       // unit, out of the body
   double depth_m = 0;                // of the ball below the rest surface; NaN and <= 0: no force
-  double series_compliance_m_N = 0;  // of a spring between depth and ball, 1 / offered stiffness; >= 0
+  double series_compliance_m_N = 0;  // of a spring between depth and ball, 1 / its stiffness; >= 0
 };
 
 struct SoftForce {

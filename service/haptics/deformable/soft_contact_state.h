@@ -18,7 +18,7 @@ struct SoftSlot {
   double elastic_N = 0;
   double relaxing_N = 0;
   double dent_m = 0;
-  double carried_m = 0;  // how far the body gives way under this ball, without the dent
+  double carried_m = 0;  // displacement of the body under this ball, without the dent
   base::Vec3 point_base_m, normal;
   LocalModel model;
 };

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kMaxSoftMoves = 32;
 constexpr int kMaxSoftFan = 24;
-constexpr double kHintReach_cells = 1.5;  // a hint farther from the point than this is not followed
+constexpr double kHintReach_cells = 1.5;  // a hint further from the point than this is ignored
 
 Vec3 PositionOf(const SoftNode& node) noexcept {
   return {node.position_base_m.x, node.position_base_m.y, node.position_base_m.z};

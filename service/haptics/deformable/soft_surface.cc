@@ -28,8 +28,8 @@ Vec3 Carried(const SoftBodyView& body, const SoftContactState& state, const Soft
   return sum;
 }
 
-// What the column of a ball shows at the ball itself, beyond what the body really gives way: the patch, to be taken
-// out.
+// What the column of a ball shows at the ball itself, beyond the body's actual displacement: the patch, to be
+// subtracted.
 double PatchDepth(const SoftBodyView& body, const SoftSlot& slot) noexcept {
   const SoftTriangle& t = body.GetTriangle(slot.place.triangle);
   Vec3 own;

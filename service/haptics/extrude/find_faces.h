@@ -1,4 +1,4 @@
-// Finds the faces of an object that can be pushed and pulled: connected triangles of one extrudable material that look
+// Finds the faces of an object that can be pushed and pulled: connected triangles of one extrudable material that face
 // roughly the same way. Set-up only.
 #pragma once
 

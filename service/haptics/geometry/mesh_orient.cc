@@ -91,8 +91,8 @@ std::vector<std::uint32_t> LargestFirst(const std::vector<Part>& parts) {
   return order;
 }
 
-// Of the parts that are wrong, those that lie in no other wrong one are turned; what they hold is asked again, because
-// its winding number counts them.
+// Of the parts that are wrong, those that lie in no other wrong one are flipped; what they contain is checked again,
+// because its winding number counts them.
 std::vector<bool> OutermostWrong(const std::vector<Part>& parts, const std::vector<std::uint32_t>& wrong) {
   std::vector<bool> flip(parts.size(), false);
   for (const std::uint32_t inner : wrong) {

@@ -1,4 +1,4 @@
-// Third repair step: each component's front looks out of the body. docs/theory/haptics.md (R.6). Set-up only.
+// Third repair step: each component's front faces out of the body. docs/theory/haptics.md (R.6). Set-up only.
 #pragma once
 
 #include "service/haptics/geometry/mesh.h"

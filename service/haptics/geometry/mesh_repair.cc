@@ -31,7 +31,7 @@ class Buckets {
 };
 
 // Vertices within `tolerance_m` of an earlier kept one become that one. Cells are much larger than the tolerance, so
-// that a vertex mostly has to look into its own cell only.
+// that a vertex mostly needs its own cell only.
 class Welder {
  public:
   Welder(double tolerance_m, std::size_t expected)

@@ -1,5 +1,5 @@
-// T-junctions: a vertex of one triangle on the edge of another leaves a crack without width, through which the two are
-// no neighbours. The edge is split at the vertex. docs/theory/haptics.md (R.2). Set-up only.
+// T-junctions: a vertex of one triangle on the edge of another leaves a crack without width, across which the two are
+// not neighbours. The edge is split at the vertex. docs/theory/haptics.md (R.2). Set-up only.
 #pragma once
 
 #include "service/haptics/geometry/mesh.h"

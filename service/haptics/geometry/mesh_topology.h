@@ -1,4 +1,4 @@
-// Second repair step: who is whose neighbour, cracks and small holes closed, one orientation per component, fronts
+// Second repair step: finds neighbours, closes cracks and small holes, orients each component consistently and
 // outwards. docs/theory/haptics.md (R.2) to (R.6). Set-up only.
 #pragma once
 

@@ -1,5 +1,5 @@
-// What queries, ring walks and the proxy ask of a mesh. Any type with these may be touched: the flat mesh of a scene
-// (surface.h), a mesh in pages. Indices are 32 bits and need not be dense.
+// What queries, ring walks and the proxy require of a mesh. Any type with these may be touched: the flat mesh of a
+// scene (surface.h), a mesh in pages. Indices are 32 bits and need not be dense.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
-// Questions to the tree of one object: nearest point, first crossing of a segment. No allocation; stacks are fixed,
-// because the builder guarantees kMaxTreeDepth. Floats exclude (tree_lanes.h), doubles decide: the answer is exactly
-// that of asking every triangle.
+// Queries on the tree of one object: nearest point, first crossing of a segment. No allocation; stacks are fixed,
+// because the builder guarantees kMaxTreeDepth. Floats exclude (tree_lanes.h), doubles decide: the result is exactly
+// that of testing every triangle.
 #pragma once
 
 #include <limits>
@@ -11,7 +11,7 @@
 namespace omni::haptics {
 
 struct NearestResult {
-  std::uint32_t triangle = kNoIndex;  // kNoIndex: nothing nearer than asked
+  std::uint32_t triangle = kNoIndex;  // kNoIndex: nothing within the distance
   ClosestPoint closest;
 };
 
@@ -35,7 +35,7 @@ NearestResult NearestInTree(const View& view, std::uint32_t root, const Vec3& p,
                             std::uint32_t known = kNoIndex) noexcept;
 
 // Of the faces a point sees: triangles whose outward normal makes at least `cosine` with `direction`, and whose nearest
-// point the point looks at along that normal (within 45 degrees) from behind.
+// point is seen along that normal (within 45 degrees) from behind.
 struct FacesTowards {
   Vec3 direction;  // unit
   double cosine = -1;

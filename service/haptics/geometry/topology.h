@@ -5,7 +5,7 @@
 
 namespace omni::haptics {
 
-inline constexpr int kMaxRing = 512;  // triangles around one vertex that are looked at; a fan beyond is cut off
+inline constexpr int kMaxRing = 512;  // triangles around one vertex that are visited; a longer fan is cut off
 
 template <class Triangle>
 int CornerOf(const Triangle& triangle, std::uint32_t vertex) noexcept {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kBins = 16;
 constexpr std::uint32_t kFullNode = kTreeWidth * kPacketSize;
-constexpr std::uint32_t kSmall = kTreeWidth * kFullNode;  // so few are divided with a view to full nodes and leaves
+constexpr std::uint32_t kSmall = kTreeWidth * kFullNode;  // parts this small are divided to fill nodes and leaves
 constexpr int kSahLevels = 13;  // deeper nodes split by median: 13 + log8(4e6) < kMaxTreeDepth
 
 struct FloatBox {

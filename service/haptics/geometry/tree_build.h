@@ -1,4 +1,4 @@
-// Builds the tree over the triangles of one object: binned surface-area heuristic in float, eight children a node,
+// Builds the tree over the triangles of one object: binned surface-area heuristic in float, eight children per node,
 // depth at most kMaxTreeDepth, one thread, memory linear. Deterministic. Set-up only.
 #pragma once
 

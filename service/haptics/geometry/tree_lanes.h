@@ -73,8 +73,8 @@ struct SegmentLanes {
   }
 };
 
-// Lanes in which the segment may meet the box, by separating axes   [Ericson 5.3.3]. Positive comparisons: the boxes of
-// unused children give no number and are not met.
+// Lanes in which the segment may intersect the box, by separating axes   [Ericson 5.3.3]. Positive comparisons: the
+// boxes of unused children give NaN and are not intersected.
 inline __m128 MayMeet(const SegmentLanes& s, const Lanes3& lower, const Lanes3& upper) noexcept {
   const __m128 one_half = _mm_set1_ps(0.5F);
   const auto middle = [&](__m128 m, __m128 low, __m128 high) noexcept {
@@ -105,7 +105,7 @@ inline Lanes3 LoadAxes(const float (&box)[3][kTreeWidth], int half) noexcept {
   return {_mm_load_ps(box[0] + 4 * half), _mm_load_ps(box[1] + 4 * half), _mm_load_ps(box[2] + 4 * half)};
 }
 
-// Children whose box the segment may meet, a bit each.
+// Children whose box the segment may intersect, one bit each.
 inline int MeetMask(const TreeNode& node, const SegmentLanes& s) noexcept {
   const __m128 low = MayMeet(s, LoadAxes(node.lower, 0), LoadAxes(node.upper, 0));
   const __m128 high = MayMeet(s, LoadAxes(node.lower, 1), LoadAxes(node.upper, 1));
@@ -116,7 +116,7 @@ inline Lanes3 LoadCorner(const TrianglePacket& packet, int k) noexcept {
   return {_mm_load_ps(packet.corner[k][0]), _mm_load_ps(packet.corner[k][1]), _mm_load_ps(packet.corner[k][2])};
 }
 
-// Triangles of the packet whose box the segment may meet, a bit each.
+// Triangles of the packet whose box the segment may intersect, one bit each.
 inline int MeetMask(const TrianglePacket& packet, const SegmentLanes& s) noexcept {
   const Lanes3 a = LoadCorner(packet, 0), b = LoadCorner(packet, 1), c = LoadCorner(packet, 2);
   const auto least = [](__m128 x, __m128 y, __m128 z) noexcept { return _mm_min_ps(_mm_min_ps(x, y), z); };

@@ -1,4 +1,4 @@
-// The tree over the triangles of one object: eight float boxes a node, four float triangles a leaf. All of it only
+// The tree over the triangles of one object: eight float boxes per node, four float triangles per leaf. All of it only
 // excludes; what is left is decided in double on the mesh itself. docs/theory/haptics.md, section 1.
 #pragma once
 
@@ -11,7 +11,7 @@ inline constexpr int kPacketSize = 4;
 inline constexpr int kMaxTreeDepth =
     24;  // nodes from root to leaf, guaranteed by BuildTree: stacks in the tick are fixed
 
-// What a child is: an inner node, or a leaf (a packet). Unused children have boxes that nothing meets.
+// What a child is: an inner node, or a leaf (a packet). Unused children have boxes that nothing intersects.
 inline constexpr std::uint32_t kLeafBit = 0x80000000;   // the rest is the index of a packet, else of a node
 inline constexpr std::uint32_t kMovesBit = 0x40000000;  // leaf: its triangles can leave their rest place, not its box
 inline constexpr std::uint32_t kChildIndex = 0x3FFFFFFF;

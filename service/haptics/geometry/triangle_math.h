@@ -1,4 +1,4 @@
-// Exact questions about one triangle. Formulas: docs/theory/haptics.md, section 1.
+// Exact queries on one triangle. Formulas: docs/theory/haptics.md, section 1.
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@ namespace omni::haptics {
 // Signed solid angle of a triangle whose corners are seen from the origin, rad   (R.4)
 double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c);
 
-// Sums over far triangles by their clusters' area vectors [Barill et al. 2018]: O(log n) a point, error about 1 %.
+// Sums over far triangles by their clusters' area vectors [Barill et al. 2018]: O(log n) per point, error about 1 %.
 class WindingTree {
  public:
   using Triangles = std::span<const std::array<std::uint32_t, 3>>;
@@ -36,9 +36,9 @@ class WindingTree {
     Vec3 centre;       // of the area
     Vec3 area_vector;  // sum of n A
     double area_m2 = 0;
-    double radius_m = 0;                 // no triangle reaches farther from the centre
+    double radius_m = 0;                 // no triangle reaches further from the centre
     std::uint32_t first = 0, count = 0;  // of order_
-    std::uint32_t left = 0, right = 0;   // 0: leaf (the root is nobody's child)
+    std::uint32_t left = 0, right = 0;   // 0: leaf (the root is never a child)
   };
   std::uint32_t Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids);
 

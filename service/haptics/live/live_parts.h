@@ -1,5 +1,5 @@
-// What of a scene changes while it is felt: soft bodies, which are ready some time after the scene, and surfaces that
-// are sculpted. Made off the tick, owned beside the scene; the tick loads one pointer a part and never waits.
+// Parts of a scene that change while it is in use: soft bodies, which become ready some time after the scene, and
+// sculpted surfaces. Made off the tick, owned beside the scene; the tick loads one pointer per part and never waits.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class LiveParts {
     sculpt_sessions_.push_back(std::move(sculpt_session));
     objects_.push_back(object);
   }
-  // One thread besides the tick, at any time, once an object: the tick takes it up as soon as nothing touches the
+  // One thread besides the tick, at any time, once per object: the tick adopts it as soon as nothing touches the
   // object. Kept for as long as this lives.
   void SetSoftBody(std::uint32_t object, std::unique_ptr<const SoftBody> body) {
     soft_of_[object].store(body.get(), std::memory_order_release);
@@ -38,7 +38,7 @@ class LiveParts {
   }
   sculpt::SculptSession* sculpt_session(std::uint32_t object) const noexcept { return workshop_of_[object]; }
 
-  // The n-th workshop and its object, n < sculpt_session_count() <= kMaxSculpted.
+  // The n-th sculpt session and its object, n < sculpt_session_count() <= kMaxSculpted.
   std::uint32_t sculpt_session_count() const noexcept { return static_cast<std::uint32_t>(sculpt_sessions_.size()); }
   sculpt::SculptSession& sculpt_session_at(std::uint32_t n) const noexcept { return *sculpt_sessions_[n]; }
   std::uint32_t object_at(std::uint32_t n) const noexcept { return objects_[n]; }

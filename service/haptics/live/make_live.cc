@@ -6,8 +6,8 @@ namespace omni::haptics {
 namespace {
 
 constexpr double kLargestPoisson = 0.49;  // CheckModuli's limit; files may say 0.499
-constexpr double kHeldShare = 0.3;        // of a soft body's height rests on the base: held by a foot, it would swing
-constexpr double kYieldDepth_m = 1e-3;    // the surface gives way to the force of so much displacement ...
+constexpr double kHeldShare = 0.3;        // of a soft body's height is clamped: held by its foot alone, it would swing
+constexpr double kYieldDepth_m = 1e-3;    // the surface yields at the force of this displacement ...
 constexpr double kLeastYield_N = 0.05;    // ... at least this, so that it does not creep under a hand that rests ...
 constexpr double kMostYield_N = 0.5;      // ... at most this, so that the hardest can still be formed
 constexpr double kFollow_s = 0.02;        // viscosity over resistance
@@ -29,7 +29,7 @@ const char* WhyRigid(const Scene& scene, std::uint32_t index) {
   const Object& object = scene.objects()[index];
   if ((object.flags & kClosed) == 0) return "sculptable, but not closed; close its holes";
   if ((object.flags & kDoubleSided) != 0) return "sculptable, but double-sided; remove doubleSided";
-  if (HasRegions(scene, index)) return "sculptable, but some of its faces are extruded; remove one of both";
+  if (HasRegions(scene, index)) return "sculptable, but some of its faces are extruded; remove one of the two";
   return nullptr;
 }
 
@@ -71,7 +71,7 @@ LivePlan PlanLive(const Scene& scene) {
       }
     } else if (material.softness.model == SoftnessModel::kTet) {
       if (HasRegions(scene, i)) {
-        say("softness tet, but some of its faces are extruded; remove one of both: it stays a layer");
+        say("softness tet, but some of its faces are extruded; remove one of the two: it stays a layer");
       } else {
         plan.soft.push_back(i);
       }

@@ -1,6 +1,6 @@
-// What of a scene is to change while it is felt, and the parts that do it: workshops at once, soft bodies by whoever
-// calls BuildSoftBody (deformable/build_soft_body.h) with what stands here. Off the tick. A scene without such tags
-// costs a look at its materials.
+// Which objects of a scene change while it is in use, and the parts for it: sculpt sessions at once, soft bodies by the
+// caller of BuildSoftBody (deformable/build/build_soft_body.h) with these options. Off the tick. A scene without such
+// tags costs one pass over its materials.
 #pragma once
 
 #include <memory>
@@ -14,10 +14,10 @@
 
 namespace omni::haptics {
 
-// Object indices, ascending. `lines`: why an object that asks for it gets neither, a sentence each.
+// Object indices, ascending. `lines`: why a tagged object gets neither, one sentence each.
 struct LivePlan {
   std::vector<std::uint32_t> soft;      // get a soft body
-  std::vector<std::uint32_t> sculpted;  // get a workshop; at most kMaxSculpted
+  std::vector<std::uint32_t> sculpted;  // get a sculpt session; at most kMaxSculpted
   std::vector<std::string> lines;
   bool empty() const noexcept { return soft.empty() && sculpted.empty(); }
 };
@@ -38,28 +38,28 @@ Mesh MeshOf(const Scene& scene, std::uint32_t object);
 // direction count as none.
 SoftBodyOptions SoftOptionsOf(const Material& material);
 
-// How a material feels while it is formed. The resistance H (N/m) is what a hand meets: each millimetre costs H more.
-// With it grow the force below which nothing gives way (that of one millimetre) and the viscosity, so that the surface
-// follows within 20 ms whatever H is.
+// How a material resists sculpting. The resistance H (N/m) is force per displacement of the surface. With it grow the
+// force below which nothing gives way (that of one millimetre) and the viscosity, so that the surface follows within 20
+// ms whatever H is.
 sculpt::SculptParameters SculptParametersOf(const Material& material);
 
 // The brush of an object; its symmetry plane goes through the middle of the box around `mesh`.
 sculpt::Brush BrushOf(const Sculpt& sculpt, const Mesh& mesh);
 
-// A workshop for each of plan.sculpted. One that cannot be made stays out, with a line that says why.
+// A sculpt session for each of plan.sculpted. One that cannot be made is left out, with a line that says why.
 void AddSculptSessions(const Scene& scene, const LivePlan& plan, LiveParts& live, std::vector<std::string>& lines);
 
-// Plans, makes the workshops and gives the scene its LiveParts if anything is to change in it; soft bodies are left to
-// the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet.
+// Plans, makes the sculpt sessions and gives the scene its LiveParts if anything is to change in it; soft bodies are
+// left to the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet.
 LivePlan MakeLive(Scene& scene);
 
-// The scene as it was before anybody sculpted it: new workshops, the same soft bodies. A scene without workshops shares
+// The scene as it was before it was sculpted: new sculpt sessions, the same soft bodies. A scene without them shares
 // its live parts with the copy.
 Scene FreshCopy(const Scene& scene);
 
-// What the tables between a soft body's nodes take at most, bytes; its skin adds 16 a vertex.
+// Largest memory of the tables between a soft body's nodes, bytes; its skin adds 16 per vertex.
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options);
-// What the freshly made workshops of plan.sculpted take, bytes, about.
+// Approximate memory of new sculpt sessions for plan.sculpted, bytes.
 std::uint64_t SculptSessionBytes(const Scene& scene, const LivePlan& plan);
 
 }  // namespace omni::haptics

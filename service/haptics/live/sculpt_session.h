@@ -25,15 +25,15 @@ class SculptSession {
   const SculptTable* Acquire() noexcept { return editor_->publisher().Acquire(); }
   StrokeRing& ring() noexcept { return ring_; }
 
-  // The side of who draws, one thread: SculptPublisher::Pin.
+  // The drawing side, one thread: SculptPublisher::Pin.
   const SculptTable* Pin() noexcept { return editor_->publisher().Pin(); }
   void Unpin() noexcept { editor_->publisher().Unpin(); }
 
   // The editor's side, one thread.
   SculptEditor& editor() noexcept { return *editor_; }
   ServeReport Poll() { return server_.Poll(); }
-  // The tick begins or has ceased to look at this (SculptPublisher::SetReader).
-  // A stroke that is open when it ceases is ended: its tool is gone.
+  // The tick starts or has stopped reading this (SculptPublisher::SetReader). A stroke that is open when it stops is
+  // ended: its tool is gone.
   void SetReader(bool present) {
     if (!present) server_.Close();
     editor_->publisher().SetReader(present);

@@ -6,7 +6,7 @@
 namespace omni::haptics {
 
 // Every sculpted object as it is now, open strokes included, with the materials it uses (without their images), in the
-// base frame. Called by the thread that edits. No workshop: no object.
+// base frame. Called by the thread that edits. Empty without sculpt sessions.
 SceneInput SculptedScene(const Scene& scene, const LiveParts& live);
 
 }  // namespace omni::haptics

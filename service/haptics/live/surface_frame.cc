@@ -19,7 +19,7 @@ const SoftContactState* SoftTouchOf(std::uint32_t object, std::span<const SoftTo
   return nullptr;
 }
 
-// False: the body does not give way now, or does not belong to this mesh.
+// False: the body is not displaced now, or does not belong to this mesh.
 bool SoftDisplacements(const Scene& scene, std::span<const SoftTouch> soft, RestObject& rest) {
   const SoftContactState* touch = SoftTouchOf(rest.object, soft);
   const SoftBody* body = scene.live() == nullptr ? nullptr : scene.live()->soft_body(rest.object);

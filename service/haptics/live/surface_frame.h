@@ -1,5 +1,5 @@
 // A scene's surfaces as they are drawn: vertices and triangles from copies of what the tick knows. Pure functions, off
-// the tick; the results are kept by the caller, so that their memory is used again.
+// the tick; the results are kept by the caller, so that their memory is reused.
 #pragma once
 
 #include <array>
@@ -19,14 +19,14 @@ using DrawnTriangle = std::array<std::uint32_t, 3>;
 struct ChangingObject {
   std::uint32_t object = 0;
   bool soft = false;      // its soft body is ready
-  bool sculpted = false;  // it has a workshop
+  bool sculpted = false;  // it has a sculpt session
   bool extruded = false;  // it has extrudable faces
   bool moved = false;     // kinematic
   bool HasVertices() const noexcept { return soft || sculpted || extruded; }
   friend bool operator==(const ChangingObject&, const ChangingObject&) = default;
 };
 
-// In the order of the scene. More of them may come while the scene is felt: soft bodies get ready.
+// In the order of the scene. Their number may grow while the scene is in use, as soft bodies become ready.
 std::vector<ChangingObject> ChangingObjects(const Scene& scene);
 
 // The scene's vertices that belong to one object, which follow one another, in the order in which its triangles first
@@ -54,8 +54,8 @@ struct DeformingState {
   std::span<const RegionState> regions;  // State::regions
 };
 
-// Where the object's vertices are now: at rest, with the offsets of its extrudable faces and with what its soft body
-// gives way. Returns the longest way of a vertex from its rest, m. `out`: as VerticesOf.
+// The object's vertices now: at rest, plus the offsets of its extrudable faces and the displacement of its soft body.
+// Returns the largest displacement of a vertex, m. `out`: as VerticesOf.
 double DisplacedVertices(const Scene& scene, const DeformingState& state, RestObject& rest,
                          std::vector<DrawnVertex>& out);
 

@@ -1,4 +1,4 @@
-// What a stroke does, in the editor's and the tick's words.
+// What a stroke does; shared by the editor and the tick.
 #pragma once
 
 #include <cstdint>

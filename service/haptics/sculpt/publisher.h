@@ -1,10 +1,10 @@
-// Hands generations of a sculpted surface from the editor to two readers: the tick, and whoever draws.
+// Hands generations of a sculpted surface from the editor to two readers: the tick, and a drawing thread.
 //
-// The tick never waits and never frees: it loads one pointer and says which generation it now holds. What an older
-// generation refers to is used again only after that. Who draws pins a generation for as long as the copy takes and
-// then lets go: a hazard pointer [Michael 2004], which asks for nothing to be set up on the editor's thread, and which
-// costs the editor one load. It loads the newest, says so, and looks again whether it still is the newest. Either the
-// editor sees the pin when it looks for what may be used again, or the reader sees that there is a newer one.
+// The tick never waits and never frees: it loads one pointer and records which generation it now holds. Memory of older
+// generations is reused only after that. The drawing thread pins a generation while it copies it and then unpins it: a
+// hazard pointer [Michael 2004], which needs no set-up on the editor's thread and costs the editor one load. It loads
+// the newest, records the pin, and checks that this still is the newest. Either the editor sees the pin when it checks
+// what may be reused, or the reader sees that there is a newer one.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace omni::haptics::sculpt {
 
-// Generations the readers have not yet passed; beyond, edits collect and go out with a later publish.
+// Generations that readers may still hold; beyond, edits accumulate until a later publish.
 inline constexpr std::size_t kMaxTables = 4;
 
 class SculptPublisher {
@@ -42,7 +42,7 @@ class SculptPublisher {
   void Unpin() noexcept { pinned_.store(nullptr, std::memory_order_release); }
 
   // Editor only. False while nothing reads (before the tick starts, after its thread has ended): all but the newest
-  // generation is then free at once. Precondition for false: the reader calls Acquire no more.
+  // generation is then free at once. Precondition for false: the reader no longer calls Acquire.
   void SetReader(bool present) noexcept {
     if (present && !reader_) acknowledged_.store(0, std::memory_order_relaxed);
     reader_ = present;
@@ -54,7 +54,7 @@ class SculptPublisher {
     const SculptTable* pinned = pinned_.load(std::memory_order_seq_cst);
     return pinned != nullptr ? std::min(in_tick, pinned->generation) : in_tick;
   }
-  // A table that nobody reads, to be filled; null: a reader is kMaxTables generations behind.
+  // A table without readers, to be filled; null: a reader is kMaxTables generations behind.
   SculptTable* Spare();
   // Makes it the newest generation; visible to the next Acquire.
   void Publish(SculptTable* table) noexcept {
@@ -62,7 +62,7 @@ class SculptPublisher {
     current_.store(table, std::memory_order_seq_cst);
   }
   std::uint64_t generation() const noexcept { return generation_; }
-  // The newest, for the editor's own questions; null: none yet.
+  // The newest, for the editor's own queries; null: none yet.
   const SculptTable* newest() const noexcept { return current_.load(std::memory_order_relaxed); }
 
  private:

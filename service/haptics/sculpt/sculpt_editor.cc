@@ -10,8 +10,8 @@ namespace {
 using base::Error;
 
 constexpr double kEdgesPerRadius = 6;  // at least, so that the falloff has a shape
-constexpr double kRemeshShare = 0.2;   // of the shortest edge: offset after which lengths are looked at again
-constexpr int kMaxSteps = 256;         // per MoveTo; what is left is done by the next
+constexpr double kRemeshShare = 0.2;   // of the shortest edge: offset after which lengths are checked again
+constexpr int kMaxSteps = 256;         // per MoveTo; the remainder is done by the next
 
 std::string Millimetres(double m) { return std::to_string(1e3 * m) + " mm"; }
 
@@ -52,7 +52,7 @@ base::Result<std::unique_ptr<SculptEditor>> SculptEditor::Make(const Mesh& mesh,
 base::Status SculptEditor::CheckBrush(const Brush& brush) const {
   if (in_stroke()) return Error{"sculpting: a stroke is open, end it first"};
   if (!(brush.radius_m >= kLeastRadius_m && brush.radius_m <= kLargestRadius_m)) {
-    return Error{"sculpting: brush radius " + Millimetres(brush.radius_m) + ", allowed are " +
+    return Error{"sculpting: brush radius " + Millimetres(brush.radius_m) + ", must be from " +
                  Millimetres(kLeastRadius_m) + " to " + Millimetres(kLargestRadius_m)};
   }
   const SymmetryPlane& plane = brush.symmetry;

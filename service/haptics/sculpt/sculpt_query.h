@@ -1,4 +1,4 @@
-// Questions to a sculpted surface beyond those to any tree (query.h). No allocation.
+// Queries on a sculpted surface beyond those on any tree (query.h). No allocation.
 #pragma once
 
 #include <limits>

@@ -45,7 +45,7 @@ class SculptSurface : public PageView {
   std::uint32_t page_count() const noexcept { return page_count_; }
   std::uint64_t generation() const noexcept { return generation_; }
 
-  // False for a slot that holds no triangle in this generation; any index may be asked for.
+  // False for a slot that holds no triangle in this generation; any index may be passed.
   bool IsLive(std::uint32_t triangle) const noexcept {
     return PageOf(triangle) < page_count_ && UsesTriangle(pages_[PageOf(triangle)]->content, SlotOf(triangle));
   }

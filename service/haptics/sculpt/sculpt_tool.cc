@@ -48,7 +48,7 @@ double Bears_N(const SculptParameters& parameters, const SculptToolState& state)
   return parameters.yield_N + parameters.hardening_N_m * std::abs(state.offset_m);
 }
 
-// F = F_0 - k (x - o), x = height of the tip over the grip. Wax: while the force exceeds what it bears, F_0 + Y + H |o|
+// F = F_0 - k (x - o), x = height of the tip over the grip. Wax: while the force exceeds its limit, F_0 + Y + H |o|
 // inwards and Y + H |o| outwards, the offset o follows at (excess) / c; backward Euler in o.   (5.1)-(5.3)
 double GiveWay(const SculptParameters& parameters, double height_m, double stiffness_N_m, double dt_s,
                SculptToolState& state) noexcept {
@@ -63,7 +63,7 @@ double GiveWay(const SculptParameters& parameters, double height_m, double stiff
   return state.start_force_N - stiffness_N_m * (height_m - state.offset_m);
 }
 
-// Stretched or pressed farther than to where the surface gives way, however soft the spring.   (5.4)
+// Stretched or pressed beyond where the surface yields, however soft the spring.   (5.4)
 bool IsTorn(const SculptParameters& parameters, double height_m, double stiffness_N_m,
             const SculptToolState& state) noexcept {
   if (!(stiffness_N_m > 0)) return true;
@@ -104,7 +104,7 @@ void StepSettling(const SculptParameters& parameters, double dt_s, SculptToolSta
   state.end_waits = true;
 }
 
-// Begin, moves, end, in this order, one a tick.
+// Begin, moves, end, in this order, one per tick.
 void Send(SculptToolState& state, StrokeRing& ring) noexcept {
   if (state.begin_waits) {
     state.begin_waits = !ring.TryPush(state.begin);

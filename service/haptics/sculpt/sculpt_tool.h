@@ -1,5 +1,5 @@
-// The tick's side of sculpting: press the surface until it is held, then push or pull; it gives way like wax, and the
-// editor is told by how much. While held the tool's own force stands for the contact's, so nothing the editor does to
+// The tick's side of sculpting: press the surface until it is held, then push or pull; it yields like wax, and messages
+// tell the editor by how much. While held, the tool's own force replaces the contact's, so nothing the editor does to
 // the surface can kick the pen. docs/theory/sculpting.md, section 5.
 #pragma once
 
@@ -8,23 +8,23 @@
 
 namespace omni::haptics::sculpt {
 
-// How a material feels under the tool. SI.
+// How a material resists the tool. SI.
 struct SculptParameters {
   double grab_force_N = 0.5;      // (0, 2]: press at least this ...
   double dwell_s = 0.2;           // ... for this long to take hold
-  double yield_N = 0.2;           // [0, 2]: below, it does not give way
+  double yield_N = 0.2;           // [0, 2]: below, it does not yield
   double hardening_N_m = 40;      // [0, 2000]: and this much more for every metre it was moved
   double viscosity_Ns_m = 4;      // [0, 100]: and this much more for every metre per second
   double stiffness_N_m = 400;     // [0, 2000], of the hold, at most what stability allows
   double hold_force_max_N = 1.5;  // (0, 2]
   double side_force_max_N = 0.4;  // across the direction of the pull
-  double tear_m = 0.006;          // stretched so much beyond where it gives way, the hold breaks
-  double rest_s = 0.3;            // resting so long after it was moved: let go
+  double tear_m = 0.006;          // stretched this much beyond where it yields, the hold breaks
+  double rest_s = 0.3;            // resting this long after it was moved: released
   double grid_step_m = 0;         // offsets settle on multiples of it; 0: no grid
   double offset_max_m = 0.05;     // (0, 1], either way
 };
 
-// Contact of the tip with the sculptable surface in this tick; not touching: the rest is not looked at.
+// Contact of the tip with the sculptable surface in this tick; not touching: the other members are ignored.
 struct SculptTouch {
   bool touching = false;
   std::uint32_t triangle = 0;

@@ -1,4 +1,4 @@
-// The way of the tick's messages to the editor: a lock-free ring.
+// Carries the tick's messages to the editor: a lock-free ring.
 #pragma once
 
 #include "service/base/spsc_ring.h"
@@ -6,7 +6,7 @@
 
 namespace omni::haptics::sculpt {
 
-// The tick sends at most one message a tick: half a second.
+// At most one message per tick: room for half a second.
 using StrokeRing = base::SpscRing<StrokeMessage, 512>;
 
 }  // namespace omni::haptics::sculpt

@@ -1,4 +1,4 @@
-// What the tick tells the editor: fixed-size messages.
+// Messages from the tick to the editor, of fixed size.
 #pragma once
 
 #include <array>

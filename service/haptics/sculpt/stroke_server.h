@@ -1,4 +1,4 @@
-// The editor's end of the ring: takes what the tick sent, edits, publishes. Called by the editor's thread as often as
+// The editor's end of the ring: reads what the tick sent, edits, publishes. Called by the editor's thread as often as
 // it likes; every 1 to 5 ms feels immediate.
 #pragma once
 

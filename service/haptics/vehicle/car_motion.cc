@@ -5,7 +5,7 @@
 namespace omni::haptics {
 namespace {
 
-constexpr int kMaxLegs = 12;        // straight pieces of a tick's way; what is left over is not driven
+constexpr int kMaxLegs = 12;        // straight pieces of a tick's path; the remainder is not driven
 constexpr int kMaxPushes = 4;       // walls that may push at once
 constexpr double kFelt_m_s = 1e-3;  // slower contacts with a wall are not hits
 constexpr double kTouching = 0.1;   // of the radius: leans on a wall until it is that far away
@@ -81,8 +81,8 @@ class Drive {
     return side * car_.wheelbase_m * (heading.x * n.y - heading.y * n.x);
   }
 
-  // The bumper is pushed aside by the way `into_m` that the wall did not let it go: turns the car along the wall, even
-  // where its tyres would hold it.
+  // The bumper is pushed aside by the distance `into_m` that the wall did not let it go: turns the car along the wall,
+  // even where its tyres would hold it.
   void TurnAlong(const Vec3& n, double into_m) noexcept {
     const double lever_m = 0.5 * car_.wheelbase_m;
     state_.heading_rad += std::clamp(into_m / lever_m, 0.0, 0.1) * BumperArm_m(n) / lever_m;

@@ -7,7 +7,7 @@
 
 namespace omni::haptics {
 
-inline constexpr int kMaxImpacts = 4;  // felt in one tick; further ones are counted only
+inline constexpr int kMaxImpacts = 4;  // rendered in one tick; further ones are only counted
 
 struct Impact {
   double speed_m_s = 0;  // into the wall

@@ -1,4 +1,4 @@
-// Hits on their way to the pen: half sines, stronger for faster hits, together never more than the device can do.
+// Force pulses of hits: half sines, stronger for faster hits, together never more than the device can do.
 // docs/theory/haptics.md, section 8.
 #pragma once
 
@@ -14,12 +14,12 @@ double Headroom_N(const base::ForceLimit& limit, const Vec3& others_N, const Vec
 
 struct PulseLimits {
   const base::ForceLimit& device;
-  Vec3 others_N;  // what is rendered besides
+  Vec3 others_N;  // other forces rendered
   double slew_N_s = 0;
 };
 
 // Peak of the pulse of a hit: J = F_max (1 - exp(-(1 + e) v / hit_speed)), strictly growing with the speed v   (8.10).
-// F_max   (8.9): what the vehicle asks for, what the device can here, and what the slew limit lets a half sine be.
+// F_max   (8.9): what the vehicle requests, what the device can do here, and what the slew limit lets a half sine be.
 double PulseAmplitude_N(const VehicleInput& car, const PulseLimits& limits, const Impact& impact) noexcept;
 
 void StartPulses(const VehicleInput& car, const PulseLimits& limits, const Impacts& impacts,

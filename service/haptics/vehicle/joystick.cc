@@ -74,7 +74,7 @@ Vec3 DetentForce(const JoystickInput& joystick, const Vec3& u) noexcept {
 double DetentCurvature_N_m(const JoystickInput& joystick) {
   if (!(joystick.detent_force_N > 0) || joystick.radial_detents + joystick.angular_detents <= 0) return 0;
   constexpr int kRadii = 240, kAngles = 48;
-  constexpr double kMargin = 1.02;  // between the places looked at
+  constexpr double kMargin = 1.02;  // between the places sampled
   const double step_m = 1e-5 * Travel(joystick);
   double largest_N_m = 0;
   for (int i = 1; i < kRadii; ++i) {

@@ -1,4 +1,4 @@
-// Joystick: the tip is drawn to a centre, over notches if there are any; its displacement is the thumbstick.
+// Joystick: the tip is pulled to a centre, over notches if there are any; its displacement is the thumbstick.
 // docs/theory/haptics.md, section 7.
 #pragma once
 
@@ -14,7 +14,7 @@ struct Thumbstick {
   double x = 0, y = 0;  // length <= 1
 };
 
-// Spring, damping and notches at input.device_point_base_m. `detent_curvature_N_m`: what DetentCurvature_N_m says.
+// Spring, damping and notches at input.device_point_base_m. `detent_curvature_N_m`: what DetentCurvature_N_m returned.
 Vec3 JoystickForce(const JoystickInput& joystick, double detent_curvature_N_m, const StiffnessBound& bound,
                    const Input& input) noexcept;
 Thumbstick JoystickDeflection(const JoystickInput& joystick, const Vec3& tip) noexcept;

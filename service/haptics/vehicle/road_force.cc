@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFade_Hz = 100;    // full below; none at kRoadForceMax_Hz, where the coils stop following
 constexpr double kIdleShare = 0.3;  // of the engine's frequency at top speed
-constexpr double kFullAt = 0.25;    // share of the top speed at which the road is felt in full
+constexpr double kFullAt = 0.25;    // share of the top speed at which the road has its full force
 
 double Wave(double frequency_Hz, double dt_s, double& turns) noexcept {
   turns = std::fmod(turns + frequency_Hz * dt_s, 1.0);
@@ -22,7 +22,7 @@ double Wave(double frequency_Hz, double dt_s, double& turns) noexcept {
 }  // namespace
 
 // Engine: A s sin(2 pi f t), f = f_max (0.3 + 0.7 s), s = speed / top speed. Road: B min(1, 4 s) sin(2 pi x / lambda)
-// over the way x   (8.13), (8.14)
+// over the distance x   (8.13), (8.14)
 double RoadForce_N(const VehicleInput& car, double dt_s, VehicleState& state) noexcept {
   const double speed_m_s = Norm(state.velocity_base_m_s);
   const double share = std::min(1.0, speed_m_s / car.speed_max_m_s);

@@ -113,7 +113,7 @@ std::vector<std::string> ExplainWalls(const Scene& scene) {
     lines.emplace_back("vehicle: no car wall at its height; it can drive anywhere");
     return lines;
   }
-  lines.push_back("vehicle: " + std::to_string(walls.segments.size()) + " pieces of wall at its height, " +
+  lines.push_back("vehicle: " + std::to_string(walls.segments.size()) + " wall segments at its height, " +
                   std::to_string(car.checkpoint_count) + " checkpoints");
   const Wall start = NearestWall(walls, car.start_base_m, car.radius_m);
   if (start.found) {

@@ -13,7 +13,7 @@ namespace omni::haptics {
 void BuildWalls(SceneParts& parts);
 
 // A car that starts inside a wall could never move, one without walls never hits, a checkpoint inside a wall cannot be
-// passed: a line each, for people.
+// passed: one line each, for people.
 std::vector<std::string> ExplainWalls(const Scene& scene);
 
 }  // namespace omni::haptics

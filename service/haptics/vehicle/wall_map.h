@@ -1,4 +1,4 @@
-// The walls a car meets, as segments in the plane it drives on, and questions to them. Exact; no allocation; any speed.
+// The walls a car meets, as segments in the plane it drives on, and queries on them. Exact; no allocation; any speed.
 // docs/theory/haptics.md, section 8.
 #pragma once
 

@@ -34,7 +34,7 @@ struct FileHeader {
 };
 static_assert(sizeof(FileHeader) == 64);
 
-// Against damage, not against malice: the folder is ours alone, and readers check what a block says before they use it.
+// Against damage, not against malice: the folder is ours alone, and readers check a block's content before they use it.
 // FNV-1a over 64-bit words.
 std::uint64_t Checksum(const std::vector<std::byte>& block) {
   std::uint64_t sum = 0xcbf29ce484222325ULL;
@@ -114,14 +114,14 @@ bool Older(const Entry& a, const Entry& b) {
 
 // Why a folder cannot be the store; empty: it can.
 std::string ProblemOf(const std::string& folder) {
-  if (folder.empty()) return "there is no home folder for a cache";
+  if (folder.empty()) return "no home folder for the cache";
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(folder).parent_path(), error);
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-    return folder + ": cannot be made (" + CacheReason(errno) + ")";
+    return folder + ": cannot be created (" + CacheReason(errno) + ")";
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0) return folder + ": cannot be examined (" + CacheReason(errno) + ")";
-  if (!S_ISDIR(status.st_mode)) return folder + ": is no folder";
+  if (!S_ISDIR(status.st_mode)) return folder + ": is not a folder";
   if (status.st_uid != geteuid()) return folder + ": belongs to another user";
   if ((status.st_mode & 0022) != 0) return folder + ": can be written by others; chmod 700 it";
   if (access(folder.c_str(), W_OK | X_OK) != 0) return folder + ": cannot be written (" + CacheReason(errno) + ")";
@@ -146,13 +146,13 @@ std::optional<std::vector<std::byte>> CacheStore::Get(const CacheKey& key, std::
   FileHeader header{};
   std::vector<std::byte> block;
   if (fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != geteuid()) {
-    damage = "is no regular file of ours";
+    damage = "is not a regular file owned by this user";
   } else if (!ReadAll(file.get(), &header, sizeof header)) {
     damage = "ends inside its header";
   } else if (header.magic != kCacheMagic || header.format != kCacheFormat) {
-    damage = "has another format";
+    damage = "has an unknown format";
   } else if (header.key != key.digest) {
-    damage = "was stored for something else";
+    damage = "belongs to another key";
   } else if (!(header.bytes <= kMaxBlockBytes &&
                header.bytes + sizeof header == static_cast<std::uint64_t>(status.st_size))) {
     damage = "has " + std::to_string(status.st_size) + " bytes, its header says otherwise";
@@ -165,7 +165,7 @@ std::optional<std::vector<std::byte>> CacheStore::Get(const CacheKey& key, std::
     Remove(key);
     return std::nullopt;
   }
-  futimens(file.get(), nullptr);  // least recently used goes first; where it fails, age decides
+  futimens(file.get(), nullptr);  // least recently used is removed first; where it fails, age decides
   return block;
 }
 

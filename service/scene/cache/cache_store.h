@@ -1,5 +1,5 @@
-// What was expensive to compute, kept on disk by the hash of what it was computed from. Safe with several processes at
-// once, a full disk, a power cut and damaged files: a block is given back only as it was put.
+// Results that are expensive to compute, kept on disk by the hash of their inputs. Safe with several processes at once,
+// a full disk, a power cut and damaged files: a block is returned only as it was put.
 #pragma once
 
 #include <cstddef>
@@ -26,19 +26,19 @@ class CacheStore {
   static constexpr std::uint64_t kDefaultMaxBytes = 2ull << 30;
   static constexpr std::uint64_t kMaxBlockBytes = 1ull << 30;
 
-  // Opens `folder`, made with mode 0700 where it is missing. A folder that cannot be written, or that others can,
-  // leaves the store off: Get finds nothing, Put does nothing, problem() says why.
+  // Opens `folder`, created with mode 0700 where it is missing. A folder that is not writable, or that others can
+  // write, disables the store: Get finds nothing, Put does nothing, problem() says why.
   explicit CacheStore(std::string folder, std::uint64_t max_bytes = kDefaultMaxBytes);
 
   const std::string& folder() const { return folder_; }
   const std::string& problem() const { return problem_; }  // empty: in use
 
   // The block of `key`. A file that is not exactly what Put wrote (length, version, checksum, key) is removed and not
-  // given; `damage` then says what was wrong with it.
+  // returned; `damage` then says what was wrong with it.
   std::optional<std::vector<std::byte>> Get(const CacheKey& key, std::string& damage);
 
   // Written beside, synced, renamed: readers see the old file or the whole new one. Over the size limit the least
-  // recently used files go. False: not kept (see problem(); or larger than kMaxBlockBytes).
+  // recently used files are removed. False: not kept (see problem(); or larger than kMaxBlockBytes).
   bool Put(const CacheKey& key, const std::vector<std::byte>& block);
 
   void Remove(const CacheKey& key);

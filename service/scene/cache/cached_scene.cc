@@ -53,14 +53,15 @@ std::string ReportsText(const LoadReport& load, const haptics::BuildReport& buil
 
 // The elements of a list of `size`. Throws LoadError when it is none.
 std::span<const Json> Listed(const Json* list, std::optional<std::size_t> size = {}) {
-  if (!list || !list->is_array() || (size && list->elements().size() != *size)) throw LoadError("", "is no such list");
+  if (!list || !list->is_array() || (size && list->elements().size() != *size))
+    throw LoadError("", "is not such a list");
   return list->elements();
 }
 
 template <class T>
 T Counted(const Json& value) {
   const std::optional<std::uint64_t> count = value.whole();
-  if (!count || *count > std::numeric_limits<T>::max()) throw LoadError("", "is no count");
+  if (!count || *count > std::numeric_limits<T>::max()) throw LoadError("", "is not a count");
   return static_cast<T>(*count);
 }
 
@@ -72,7 +73,7 @@ std::vector<std::string> Texts(const Json* list) {
 
 double Number(const Json& json, const char* key) {
   const Json* found = Find(json, key);
-  if (!found || !found->is_number()) throw LoadError("", "is no number");
+  if (!found || !found->is_number()) throw LoadError("", "is not a number");
   return found->number();
 }
 

@@ -18,7 +18,7 @@ struct CachedScene {
 
 std::vector<std::byte> Pack(const haptics::Scene& scene, const LoadReport& load, const haptics::BuildReport& build);
 
-// Empty: done. Otherwise what is wrong with the block, which is trusted in nothing: haptics::CheckScene.
+// Empty: done. Otherwise what is wrong with the block, none of which is trusted: haptics::CheckScene.
 std::string Unpack(const std::vector<std::byte>& block, CachedScene& cached);
 
 }  // namespace omni::scene

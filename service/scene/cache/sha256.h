@@ -1,4 +1,4 @@
-// SHA-256 (FIPS 180-4): what names a cached scene by its content.
+// SHA-256 (FIPS 180-4): names cached scenes by their content.
 #pragma once
 
 #include <array>

@@ -33,10 +33,10 @@ struct ComponentRow {
   std::size_t bytes;
   unsigned uses;  // integers for positions, coordinates and normals: KHR_mesh_quantization
 };
-// Of `parent`/componentType. Throws LoadError when it is not for this use.
+// Of `parent`/componentType. Throws LoadError when it is not allowed for this use.
 const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, Use use);
 
-// Of a type that ComponentOf has given.
+// Of a type that ComponentOf has returned.
 std::size_t ComponentBytes(std::uint64_t type);
 
 }  // namespace omni::scene

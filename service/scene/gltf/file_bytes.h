@@ -16,8 +16,8 @@ class FileBytes {
   FileBytes& operator=(const FileBytes&) = delete;
   ~FileBytes();
 
-  // Throws LoadError: missing, not a regular file, unreadable, or larger than `max_bytes`.
-  // `follow_links` = false also refuses a symbolic link in the last component.
+  // Throws LoadError: missing, not a regular file, unreadable, or larger than `max_bytes`. `follow_links` = false also
+  // rejects a symbolic link in the last component.
   void Open(const std::string& path, std::uint64_t max_bytes, bool follow_links);
 
   // The same for an open descriptor, which stays the caller's.

@@ -43,8 +43,8 @@ double Component(const unsigned char* bytes, std::uint64_t type, bool normalized
   }
 }
 
-// Elements of an accessor as rows of numbers, each decoded when it is asked for: an accessor may have a million
-// elements and a primitive use three. Its ranges were checked when the subset was built.
+// Elements of an accessor as rows of numbers, each decoded on demand: an accessor may have a million elements and a
+// primitive use three. Its ranges were checked when the subset was built.
 class Elements {
  public:
   using Row = std::array<double, 4>;
@@ -125,7 +125,7 @@ std::vector<base::Vec3> Kept(const Elements& elements, const std::vector<std::ui
   return values;
 }
 
-// Costs what a primitive's triangles cost, however many vertices there are that others use.
+// The cost depends on the primitive's triangles, not on the vertices that only others use.
 class Decoder {
  public:
   explicit Decoder(const Subset& subset) : subset_(subset) {}

@@ -39,7 +39,7 @@ void GltfFile::Open(const std::string& path, const LoadOptions& options, LoadRep
   report.file_bytes = file_.size();
   document_ = ParseJson(ReadJsonText(report));
   const Json* asset = FindObject(root(), "", "asset");
-  if (!asset) throw LoadError("/asset", "is missing; this is no glTF 2.0 document");
+  if (!asset) throw LoadError("/asset", "is missing; this is not a glTF 2.0 document");
   const std::string version = FindString(*asset, "/asset", "version", "");
   if (!version.starts_with("2.")) {
     throw LoadError("/asset/version",
@@ -115,8 +115,8 @@ FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& point
                         "\", but a document in memory has no files beside it: export as .glb, or with data URIs");
   }
   if (external_.size() == kMaxFilesBeside) {
-    throw LoadError(pointer, "names one file more than " + std::to_string(kMaxFilesBeside) +
-                                 " beside the document, the limit; export as .glb");
+    throw LoadError(pointer, "names more than " + std::to_string(kMaxFilesBeside) +
+                                 " files beside the document, which is the limit; export as .glb");
   }
   const std::string name = LocalFileName(uri, pointer);
   const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
@@ -187,7 +187,7 @@ std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_
     const std::uint64_t offset = Whole(view_json, place, "byteOffset", 1ull << 40, 0);
     const std::uint64_t length = Whole(view_json, place, "byteLength", 1ull << 40, std::nullopt);
     check(length);
-    unsigned char last = 0;  // is it there? Asked before memory is
+    unsigned char last = 0;  // is it there? Checked before memory is allocated
     if (length > 0) ReadBuffer(*buffer, offset + length - 1, &last, 1);
     stored.resize(static_cast<std::size_t>(length));
     ReadBuffer(*buffer, offset, stored.data(), stored.size());

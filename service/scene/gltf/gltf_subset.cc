@@ -33,7 +33,7 @@ bool Requires(const Json& root, std::string_view extension) {
                                  [extension](const Json& name) { return name.text() == extension; });
 }
 
-// Byte ranges of the original buffers, one after another. A range asked for twice is read once.
+// Byte ranges of the original buffers, one after another. A range requested twice is read once.
 class Packer {
  public:
   explicit Packer(GltfFile& file) : file_(file) {}
@@ -79,7 +79,7 @@ class Packer {
 
   std::size_t Read(const Key& key) {
     const std::size_t at = (bytes_.size() + 3) / 4 * 4;
-    // Whether the file has these bytes is known before memory is asked for: the read of the last one.
+    // Reads the last byte first: whether the file has these bytes is known before memory is allocated.
     unsigned char last = 0;
     if (key.bytes > 0) file_.ReadBuffer(key.buffer, key.offset + key.bytes - 1, &last, 1);
     const std::uint64_t most = std::min(kMaxPackedBytes, kMaxShares * file_.stored_bytes());

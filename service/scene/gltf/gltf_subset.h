@@ -1,4 +1,4 @@
-// The part of a document that touch needs: positions and indices of chosen meshes, texture coordinates where a haptic
+// The part of a document that haptics needs: positions and indices of chosen meshes, texture coordinates where a haptic
 // texture needs them, normals and colours for a picture, transforms of instances; checked against the document's own
 // limits, their bytes read.
 #pragma once
@@ -17,7 +17,7 @@ namespace omni::scene {
 
 struct MeshRequest {
   std::uint32_t mesh = 0;             // index into /meshes, each once
-  std::vector<std::uint8_t> uv_sets;  // of each primitive: bit k asks for TEXCOORD_k; those beyond the list need none
+  std::vector<std::uint8_t> uv_sets;  // of each primitive: bit k requests TEXCOORD_k; those beyond the list need none
   bool paint = false;                 // NORMAL and COLOR_0 too, where they are
 };
 
@@ -27,7 +27,7 @@ struct SubsetAccessor {
   bool normalized = false;
   std::size_t width = 1;
   std::size_t count = 0;
-  bool zeros = true;  // without data of its own; the sparse ones replace some
+  bool zeros = true;  // without data of its own; sparse values replace some
   std::size_t offset = 0, stride = 0;
   std::size_t changed = 0;  // elements that are replaced
   std::uint64_t index_component = 0;
@@ -47,7 +47,7 @@ struct SubsetPrimitive {
   std::string pointer;         // /meshes/0/primitives/1
   std::uint64_t bytes = 0;     // read for it
   std::string skipped;         // why it is not in the subset; empty: it is, in the order of this list
-  std::uint8_t uv_sets = 0;    // bit k: TEXCOORD_k was asked for and is there
+  std::uint8_t uv_sets = 0;    // bit k: TEXCOORD_k was requested and is there
   std::uint32_t accessor = 0;  // POSITION, in the original document (for messages)
   std::uint64_t mode = 4;      // 4 triangles, 5 strip, 6 fan
   // Accessors of the subset.
@@ -63,7 +63,7 @@ struct Subset {
   std::vector<unsigned char> bytes;
 };
 
-// Throws LoadError on anything that is not as glTF 2.0 says. `instanced`: nodes whose instances are wanted.
+// Throws LoadError on anything that violates glTF 2.0. `instanced`: nodes whose instances are wanted.
 Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced);
 
 }  // namespace omni::scene

@@ -18,7 +18,7 @@ bool IsInstanced(const Json& root, std::uint32_t node);
 // How often a node's mesh is there; 1 without the extension. Throws LoadError.
 std::uint64_t CountInstances(const Json& root, std::uint32_t node);
 
-// Where it stands: mesh -> scene, one an instance. Throws LoadError.
+// Its transforms, mesh -> scene, one per instance. Throws LoadError.
 std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const std::vector<Instance>& instances);
 
 }  // namespace omni::scene

@@ -58,7 +58,7 @@ std::string Shown(const Json& value) {
 base::JsonDocument ParseJson(std::string_view text) {
   base::Result<base::JsonDocument> document = base::JsonDocument::Parse(text, kSceneJson);
   if (!document.ok()) throw LoadError("", document.error());
-  if (!document->root().is_object()) throw LoadError("", "JSON root must be an object; this is no glTF document");
+  if (!document->root().is_object()) throw LoadError("", "JSON root must be an object; this is not a glTF document");
   return std::move(*document);
 }
 

@@ -1,4 +1,4 @@
-// JSON of files that nobody vouches for: bounded parsing, and typed fields whose errors carry a JSON pointer.
+// JSON of untrusted files: bounded parsing, and typed fields whose errors carry a JSON pointer.
 #pragma once
 
 #include <cstdint>

@@ -6,8 +6,7 @@
 
 namespace omni::scene {
 
-// A message may quote a file's own words, and goes to terminals and logs: no control characters, and no more bytes than
-// a person reads.
+// A message may quote a file's own words, and goes to terminals and logs: no control characters, and a bounded length.
 std::string Printable(std::string message);
 
 class LoadError : public std::runtime_error {

@@ -18,10 +18,9 @@ struct NodeVisit {
   std::uint32_t node = 0;
   std::string pointer;  // /nodes/3
   std::string name;
-  glm::dmat4 world{1.0};                 // glTF frame, node -> scene
-  std::shared_ptr<const HapticTag> own;  // of this node alone; nullptr: it has none
-  std::shared_ptr<const HapticTag>
-      inherited;  // of its ancestors and itself, the nearest has the last word; never nullptr
+  glm::dmat4 world{1.0};                       // glTF frame, node -> scene
+  std::shared_ptr<const HapticTag> own;        // of this node alone; nullptr: it has none
+  std::shared_ptr<const HapticTag> inherited;  // of its ancestors and itself, the nearest wins; never nullptr
   std::optional<std::uint32_t> mesh;
 };
 

@@ -12,7 +12,7 @@
 namespace omni::scene {
 namespace {
 
-// Of all nodes together: each is looked at by itself, whether it has triangles or not.
+// Of all nodes together: each is processed by itself, whether it has triangles or not.
 constexpr std::uint64_t kMaxParts = 400'000;
 
 std::uint64_t CountPrimitives(const Json& root, std::uint32_t mesh) {

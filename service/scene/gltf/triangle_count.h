@@ -1,5 +1,4 @@
-// How many triangles and primitives a document asks for, by the counts of its accessors: known before any of them is
-// read.
+// How many triangles and primitives a document has, by the counts of its accessors: known before any of them is read.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Which haptic material a primitive of a node has: all the places a glTF file can say it, in their order of precedence.
+// Which haptic material a primitive of a node has: all places where a glTF file can specify it, in order of precedence.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +47,7 @@ class Binding {
 
   const Json& root_;
   Warnings& warnings_;
-  std::map<std::string, std::unique_ptr<const HapticTag>> cache_;  // each place is read, and complained about, once
+  std::map<std::string, std::unique_ptr<const HapticTag>> cache_;  // each place is read, and warned about, once
   std::map<std::uint32_t, bool> tagged_meshes_;
   std::vector<haptics::Material> materials_;
   std::map<std::vector<double>, std::uint16_t> numbers_;  // of materials_, by their fields

@@ -1,6 +1,6 @@
-// What may stand in a haptic tag beside the numbers of a material (service/base/material.h): its words, and the
-// numbers of a joystick, a vehicle and a checkpoint. Drives parsing and clamping; `scene_keys_page` writes what of it
-// stands in scenes/schema/OMNI_haptic_material.schema.json and docs/scenes.md, and a test compares.
+// Keys of a haptic tag other than the numbers of a material (service/base/material.h): its words, and the numbers of a
+// joystick, a vehicle and a checkpoint. Drives parsing and clamping; `scene_keys_page` writes the numbers into
+// scenes/schema/OMNI_haptic_material.schema.json and docs/scenes.md, and a test compares.
 #pragma once
 
 #include <array>

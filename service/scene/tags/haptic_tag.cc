@@ -69,7 +69,7 @@ class TagReader {
     if (path.starts_with("softness.") && !tag_.softness) tag_.softness = haptics::SoftnessModel::kWinkler;
     const bool known = ReadRoleNumber(path, value, pointer);
     if (known) return;
-    warnings_.Add(pointer, "is no key of a haptic tag and is ignored; see docs/scenes.md for the keys" +
+    warnings_.Add(pointer, "is not a key of a haptic tag and is ignored; see docs/scenes.md for the keys" +
                                (warnings_.full() ? std::string() : base::DidYouMean(path, KeysOfRole())));
   }
 
@@ -107,7 +107,7 @@ class TagReader {
     return base::DidYouMean(value.text(), names);
   }
 
-  // What may stand in a tag of this role; in groups as "softness.thickness".
+  // Keys allowed in a tag of this role; in groups as "softness.thickness".
   std::vector<std::string> KeysOfRole() const {
     std::vector<std::string> keys{"role", "doubleSided", "kinematic", "smooth"};
     const auto add = [&keys](const auto& table) {
@@ -269,8 +269,8 @@ HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warning
     if (document.ok() && document->root().is_object()) {
       reader.ReadObject(document->root(), "", pointer);
     } else {
-      const std::string why = document.ok() ? "its root is none" : document.error();
-      warnings.Add(pointer, "text is no JSON object (" + why + "); the default material is used");
+      const std::string why = document.ok() ? "its root is not an object" : document.error();
+      warnings.Add(pointer, "text is not a JSON object (" + why + "); the default material is used");
     }
   } else if (tag.is_text()) {
     reader.ReadRole(tag, pointer);
@@ -328,22 +328,22 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
   return Filled(kKeys, values).radius_m;
 }
 
-// Settles what cannot be both.
+// Resolves combinations that exclude each other.
 static void Settle(const HapticTag& tag, const std::string& pointer, Warnings& warnings, haptics::Material& material) {
   if (material.sculpt.enabled && tag.kinematic.value_or(false)) {
-    warnings.Add(pointer, "is kinematic and sculptable; kinematic holds, it cannot be sculpted");
+    warnings.Add(pointer, "is both kinematic and sculptable; kinematic wins, it cannot be sculpted");
     material.sculpt.enabled = false;
   }
   if (material.extrude.enabled && tag.kinematic.value_or(false)) {
-    warnings.Add(pointer, "is kinematic and to be extruded; kinematic holds, its faces stay");
+    warnings.Add(pointer, "is both kinematic and extrudable; kinematic wins, its faces stay");
     material.extrude.enabled = false;
   }
   if (material.sculpt.enabled && material.extrude.enabled) {
-    warnings.Add(pointer, "is sculptable and to be extruded; sculptable holds");
+    warnings.Add(pointer, "is both sculptable and extrudable; sculptable wins");
     material.extrude.enabled = false;
   }
   if (material.sculpt.enabled && material.softness.model == haptics::SoftnessModel::kTet) {
-    warnings.Add(pointer, "is sculptable and softness tet; sculptable holds, softness is a winkler layer");
+    warnings.Add(pointer, "is both sculptable and softness tet; sculptable wins, softness is a winkler layer");
     material.softness.model = haptics::SoftnessModel::kWinkler;
   }
 }
@@ -358,7 +358,7 @@ haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, W
   material.sculpt.symmetry = tag.symmetry.value_or(material.sculpt.symmetry);
   Settle(tag, pointer, warnings, material);
   if (!(material.dynamic_friction <= material.static_friction)) {
-    // Only what was said is complained about.
+    // Only values that were given are warned about.
     if (tag.material.Get(base::IndexOfKey(base::kMaterialFields, "dynamicFriction"))) {
       warnings.Add(pointer, "dynamicFriction " + Text(material.dynamic_friction) + " is above staticFriction " +
                                 Text(material.static_friction) + "; " + Text(material.static_friction) +

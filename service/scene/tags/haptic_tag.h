@@ -1,4 +1,4 @@
-// What a haptic tag says: a role, and values that override those of weaker tags key by key.
+// A haptic tag: a role, and values that override those of weaker tags key by key.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ class Warnings {
   Warnings(std::string file, std::vector<std::string>& lines) : file_(std::move(file)), lines_(lines) {}
   void Add(const std::string& pointer, const std::string& what);
 
-  // Further ones are left out: work on their words is, too.
+  // Further ones are dropped: callers need not compose them.
   bool full() const;
 
  private:
@@ -93,7 +93,7 @@ struct HapticTag {
   Values<haptics::VehicleInput> vehicle;
   Values<haptics::Checkpoint> checkpoint;
 
-  // What `stronger` says replaces what this says, key by key.
+  // Values of `stronger` replace those of this, key by key.
   void OverrideBy(const HapticTag& stronger);
 };
 
@@ -102,7 +102,7 @@ struct HapticTag {
 // of the object that is not the tag's.
 HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warnings, std::string_view besides = {});
 
-// Only these keys of an object that is no tag otherwise.
+// Only these keys of an object that is not a tag itself.
 HapticTag ReadNumbers(const Json& object, std::initializer_list<const char*> keys, const std::string& pointer,
                       Warnings& warnings);
 
@@ -113,11 +113,11 @@ HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& wa
 // Radius of the tip's ball in `extras` of a scene, "haptic": {"tip": {"radius": m}} or "haptic.tip.radius"; 0: a point.
 double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings);
 
-// What contradicts itself is settled with a warning: dynamic friction above static is lowered; sculptable wins over
-// extrude and over softness tet; kinematic wins over sculptable and extrude. Textures and the fibres' direction, which
-// need the whole document, are left to the caller.
+// Contradictions are resolved with a warning: dynamic friction above static is lowered; sculptable wins over extrude
+// and over softness tet; kinematic wins over sculptable and extrude. Textures and the fibres' direction, which need the
+// whole document, are left to the caller.
 haptics::Material MaterialOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings);
-// All that tells one material from another.
+// All fields that distinguish one material from another.
 std::vector<double> FieldsOf(const haptics::Material& material);
 haptics::JoystickInput JoystickOf(const HapticTag& tag, const std::string& pointer, Warnings& warnings);
 haptics::VehicleInput VehicleOf(const HapticTag& tag);

@@ -1,4 +1,4 @@
-// Textures that haptic tags name: which image, how it is looked up, and its red channel. No other image of a file is
+// Textures that haptic tags name: which image, how it is sampled, and its red channel. No other image of a file is
 // read. stb_image is confined to haptic_texture.cc.
 #pragma once
 
@@ -28,8 +28,7 @@ class TextureReader {
  public:
   TextureReader(GltfFile& file, Warnings& warnings) : file_(file), warnings_(warnings) {}
 
-  // Reads the stored bytes of the image; a second time, and of an image already read, nothing. An image that is not
-  // there: a warning, and `IndexOf` gives -1.
+  // Reads the stored bytes of the image, once per image. A missing image: a warning, and `IndexOf` returns -1.
   void Read(const TextureUse& use);
 
   // Decodes what was read (PNG, JPEG). Once, before IndexOf.

@@ -5,8 +5,8 @@
 
 namespace omni::haptics {
 
-// Straight moves, one after the other: each towards the point that the surfaces touched now allow, as far as no other
-// surface is met   (12.2) to (12.5).
+// Successive straight moves: each towards the nearest point that the surfaces touched now allow, until another surface
+// is hit   (12.2) to (12.5).
 template <TreeView View>
 class BallDescent {
  public:
@@ -33,13 +33,13 @@ class BallDescent {
       const bool slides = next.active_count > 0;
       if (Norm(next.point) <= (slides ? 0.5 * margin_m_ : 0)) return Contact(next, true);
       const Vec3 move = slides ? Stride(next) : next.point;
-      const double known = Limit(move);  // what is left of the gathered place
+      const double known = Limit(move);  // what is left of the gathered region
       if (known < 1 && known * Norm(move) < margin_m_ && !Gather(move)) return Held();
       const double t = Sweep(move, Limit(move));
       centre_ = t == 1 && !slides ? target_ : centre_ + t * move;
       if (t > 0) continue;
       if (overshot_ || !slides) return Contact(next, false);
-      overshot_ = true;  // a longer stride was into another surface that is touched: again, without
+      overshot_ = true;  // a lengthened stride ran into another touched surface: retry without
     }
     FindTouching();
     if (touching_ == 0) Fall();
@@ -47,7 +47,8 @@ class BallDescent {
   }
 
  private:
-  // The last move of a tick that is not done: strides around a rim leave it, and what ends over it is not felt.
+  // The last move of a tick that ran out of steps: strides around a rim leave it, and a ball that ends above it would
+  // have no contact.
   void Fall() noexcept {
     const Vec3 move = target_ - centre_;
     if (move == Vec3{} || (Limit(move) < 1 && !Gather(move))) return;
@@ -73,8 +74,8 @@ class BallDescent {
     return false;
   }
 
-  // The part of `move` on which every triangle is known that the ball could touch: inside of the sphere around where
-  // they were gathered.
+  // The part of `move` along which all triangles that the ball could touch are known: inside the sphere they were
+  // gathered in.
   double Limit(const Vec3& move) const noexcept {
     const Vec3 way = centre_ - gathered_at_;
     const double radius_m = reach_m_ - margin_m_, out = Dot(way, move), squared = SquaredNorm(move);
@@ -100,8 +101,8 @@ class BallDescent {
     }
   }
 
-  // A face that has just held the ball does so to its very rim: else, where walls meet over the edges between coplanar
-  // triangles, the ball would be pushed off a face onto an edge and sink back.
+  // A face that has just held the ball holds it up to its rim: otherwise, where walls meet over the edges between
+  // coplanar triangles, the ball would be pushed off a face onto an edge and sink back.
   bool IsOnFace(std::uint32_t triangle, const ClosestPoint& closest) const noexcept {
     return closest.feature == Feature::kFace || std::find(faces_.begin(), faces_.end(), triangle) != faces_.end();
   }
@@ -116,7 +117,8 @@ class BallDescent {
     }
   }
 
-  // The same direction twice (both faces of an edge) counts once. With no room left, what holds back least gives way.
+  // The same direction twice (both faces of an edge) counts once. With no room left, the least restrictive one is
+  // dropped.
   void AddTouching(const HalfSpace& space, const BallTouch& touch) noexcept {
     constexpr double kSameDirection = 1 - 1e-10;
     const Vec3 goal = target_ - centre_;
@@ -149,7 +151,7 @@ class BallDescent {
     return slide.feasible ? slide : Stuck();
   }
 
-  // Rounding left no way: held by the surface that stands most in the way.
+  // Rounding left no move: held by the most opposing surface.
   NearestInside Stuck() const noexcept {
     NearestInside stuck;
     stuck.active_count = 1;
@@ -165,7 +167,7 @@ class BallDescent {
   // blunt groove they would turn back and forth.
   Vec3 Stride(const NearestInside& next) noexcept {
     const Vec3 slide = next.point, last = last_slide_;
-    if (Norm(slide) < 4 * margin_m_) return slide;  // hardly more than being pushed out
+    if (Norm(slide) < 4 * margin_m_) return slide;  // little more than being pushed out
     last_slide_ = slide;
     const bool turned = Dot(slide, last) < -0.5 * Norm(slide) * Norm(last);
     stride_ = turned ? 0.5 * stride_ : 1;
@@ -244,8 +246,8 @@ class BallDescent {
     return contact;
   }
 
-  // Nothing is known to hold the centre, and yet it is not at the device point: rounding holds it, or it is still on
-  // its way through the open. What stands most in the way, else what is nearest, without a share.
+  // No touched surface holds the centre, yet it is not at the device point: rounding holds it, or it is still moving
+  // through free space. The most opposing surface, else the nearest, without a share.
   BallTouch Beside(const Vec3& push) const noexcept {
     BallTouch most;
     for (std::size_t k = 0; k < touching_; ++k) {
@@ -262,7 +264,7 @@ class BallDescent {
     return {nearest.triangle, nearest.closest, Normalized(centre_ - nearest.closest.point), share};
   }
 
-  // Touched in too many places to tell what a move would meet: held, unless it is plain that nothing holds it.
+  // Touched in too many places to tell what a move would hit: held, unless it is clearly free.
   BallContact Held() noexcept {
     const bool is_free = NearestInTree(view_, root_, target_, radius_m_ - margin_m_).triangle == kNoIndex &&
                          CrossingInTree(view_, root_, centre_, target_, true).triangle == kNoIndex;
@@ -283,15 +285,15 @@ class BallDescent {
   const double radius_m_, margin_m_;
   const Vec3 target_;
   Vec3 centre_;
-  double span_m_;       // longest move that is looked ahead for at once
+  double span_m_;       // longest move that is gathered for at once
   Vec3 gathered_at_;    // around there, near_ is complete ...
   double reach_m_ = 0;  // ... for a ball whose centre is at most so far away
   BallNear near_;
-  int looks_ = 0;  // triangles looked at in this tick, packets while gathering
+  int looks_ = 0;  // triangles checked in this tick, packets while gathering
   std::array<std::uint32_t, kMaxActive> faces_{kNoIndex, kNoIndex, kNoIndex};  // that held the ball at the last move
   Vec3 last_slide_;
   double stride_ = 1;
-  bool overshot_ = false;  // in this tick: no lengthened strides any more
+  bool overshot_ = false;  // in this tick: no more lengthened strides
   Rim last_rim_;
   std::size_t touching_ = 0;
   std::array<HalfSpace, kMaxBallTouching> spaces_;

@@ -1,4 +1,4 @@
-// What a ball can meet on its way: all triangles near a place, and the first touch with one   (12.3), (12.6).
+// What a ball can hit as it moves: all triangles near a place, and the first touch with one   (12.3), (12.6).
 #pragma once
 
 #include <bit>
@@ -8,7 +8,7 @@
 
 namespace omni::haptics {
 
-// A triangle near the ball, behind a plane: from a place that is `way` away from where it was gathered, its distance is
+// A triangle near the ball, behind a plane: from a place displaced by `way` from where it was gathered, its distance is
 // at least lower_m + normal . way   (12.3).
 struct BallNeighbour {
   std::uint32_t triangle;
@@ -110,7 +110,7 @@ bool GatherNear(const View& view, std::uint32_t root, const Vec3& p, double dist
 
 // (12.3) First t in [0, limit] at which a ball moving from `centre` by t `move` is as near as `radius_m` to the
 // triangle and comes nearer; `limit` if none. The distance is convex in t, so Newton's steps never pass the first
-// touch: wherever they end, the way so far is free.
+// touch: wherever they end, the path so far is free.
 inline double FirstTouch(const Corners& corners, const Vec3& centre, const Vec3& move, double radius_m, double near_m,
                          double limit) noexcept {
   constexpr int kMaxNewton = 32;

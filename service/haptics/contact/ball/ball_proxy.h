@@ -15,18 +15,18 @@ inline constexpr double kMinBallRadius_m = 1e-6;  // smaller: use the point prox
 inline constexpr double kMaxBallRadius_m = 0.01;
 
 // A ball of radius r rests at r from faces and at r (1 - kBallMargin) from edges and vertices, so that a face always
-// comes before its own rim and inner edges are not felt, whatever the mesh. Nothing is ever nearer than r (1 - 2
+// comes before its own rim and inner edges have no effect, whatever the mesh. Nothing is ever nearer than r (1 - 2
 // kBallMargin).
 inline constexpr double kBallMargin = 1e-4;
 
 inline constexpr int kMaxBallSteps = 32;     // straight moves in a tick; the ball goes on in the next
-inline constexpr int kMaxBallLooks = 2048;   // triangles looked at in a tick, after which no further move is begun
+inline constexpr int kMaxBallLooks = 2048;   // triangles checked in a tick, after which no further move is begun
 inline constexpr int kMaxBallNear = 512;     // triangles known in a move; more near by: the move gets shorter
 inline constexpr int kMaxBallTouching = 16;  // surfaces touched at once; those that hold back most are kept
 
-// What is kept from tick to tick, one for each object a ball can touch. Frame: the mesh's rest frame. Who moves the
-// mesh's vertices carries the centre of a touching ball along by the same motion, or keeps the motion below the radius:
-// the ball is pushed out of what came up to its centre, not of what passed it.
+// Kept from tick to tick, one for each object a ball can touch. Frame: the mesh's rest frame. Code that moves the
+// mesh's vertices must move the centre of a touching ball by the same motion, or keep the motion below the radius: the
+// ball is pushed out of a surface that came up to its centre, not of one that passed it.
 struct BallState {
   Vec3 centre_m;
   Vec3 device_point_m;  // of the last tick
@@ -48,9 +48,9 @@ struct BallContact {
   bool settled = true;  // false: the ball is still under way, its place is free but not the nearest
 };
 
-// Puts the ball where it may be: at the device point if that is free, else outside near the nearest surface, from where
-// the first tick lets it fall. `closed`: the object has an inside, which is not free. Any device point with components
-// within 1e6 m.
+// Places the ball: at the device point if that is free, else outside near the nearest surface, from where the first
+// tick lets it fall. `closed`: the object has an inside, which is not free. Any device point with components within 1e6
+// m.
 template <TreeView View>
 BallState StartBall(const View& view, std::uint32_t root, bool closed, double radius_m,
                     const Vec3& device_point_m) noexcept;
@@ -61,7 +61,7 @@ BallState StartBall(const View& view, std::uint32_t root, bool closed, double ra
 //
 // Work is bounded by the constants above. At the bounds the ball falls straight towards the device point, onto what is
 // in its way, and goes on from there in the next tick, which has to be given its centre again; where more than
-// kMaxBallNear triangles touch it at once it is held, and let go when its device point is free and in sight of its
+// kMaxBallNear triangles touch it at once it is held, and released when its device point is free and in sight of its
 // centre   (12.6).
 template <TreeView View>
 BallContact FollowBall(const View& view, std::uint32_t root, double radius_m, const Vec3& device_point_m,

@@ -57,7 +57,7 @@ bool IsNear(const View& view, const Target& target, double distance_m) noexcept 
   return NearestInTree(view, target.root, target.tip, distance_m).triangle != kNoIndex;
 }
 
-// Gave way to the ball: nothing is felt until it is out again.
+// The ball popped through: no force until it is out again.
 template <TreeView View>
 bool IsStillIn(const View& view, const Target& target, double radius_m) noexcept {
   NearestResult nearest;
@@ -71,7 +71,7 @@ bool RollBall(const View& view, const Target& target, double radius_m, const Vec
               ContactState& contact) noexcept {
   BallState ball{centre, target.from};
   BallContact touched = FollowBall(view, target.root, radius_m, tip, ball);
-  if (!touched.felt && tip != target.tip) {  // lifted out by what the body gave way a tick ago
+  if (!touched.felt && tip != target.tip) {  // lifted out by the body's displacement of a tick ago
     tip = target.tip;
     touched = FollowBall(view, target.root, radius_m, tip, ball);
   }
@@ -100,7 +100,7 @@ void LeaveCrease(const View& view, const Target& target, double radius_m, const 
   RollBall(view, target, radius_m, centre, tip, contact);
 }
 
-// What moved by itself may have passed the ball: then it starts again, outside, and the force comes in gently.
+// A surface that moved may have passed the ball: then the ball restarts outside, and its force fades in.
 template <TreeView View>
 bool FollowTip(const View& view, const Target& target, const ContactScene& contact_scene, const ContactState* known,
                bool restarts, double dt_s, ContactState& contact) noexcept {

@@ -1,4 +1,4 @@
-// Contacts of a tip that is a ball: one an object, held by the ball's centre. docs/theory/haptics.md, section 12.
+// Contacts of a tip that is a ball: one per object, held by the ball's centre. docs/theory/haptics.md, section 12.
 #pragma once
 
 #include "service/haptics/contact/contact_scene.h"
@@ -8,7 +8,7 @@ namespace omni::haptics {
 // The tip has just appeared: objects it overlaps become contacts.
 void StartBalls(const ContactScene& contact_scene, State& state) noexcept;
 
-// The tip moved: every ball rolls after it.
+// The tip moved: every ball follows it.
 void UpdateBalls(const ContactScene& contact_scene, double dt_s, State& state) noexcept;
 
 }  // namespace omni::haptics

@@ -13,12 +13,12 @@ namespace {
 
 // Radius of the pressure a column answers to. The nodes of the quadratic elements are half a cell apart.
 constexpr double kPatch_cells = 1.25;
-constexpr double kMostExtrapolated = 0.15;  // of the flat give
+constexpr double kMostExtrapolated = 0.15;  // of the flat displacement
 constexpr double kCurvature_cells = 1.7;    // radius of the neighbourhood curvature is fitted in
-constexpr double kFlatMean = 0.6;           // mean give of a half-space under a Hertz pressure, times M rho   (4.2)
-constexpr double kFlatMiddle = 0.75;        // ... and that at its middle
-constexpr double kLatticeShare = 0.05;      // of the progress bar ...
-constexpr double kFactorShare = 0.4;        // ... with what comes before
+constexpr double kFlatMean = 0.6;       // mean displacement of a half-space under a Hertz pressure, times M rho   (4.2)
+constexpr double kFlatMiddle = 0.75;    // ... and that at its middle
+constexpr double kLatticeShare = 0.05;  // of the progress bar ...
+constexpr double kFactorShare = 0.4;    // ... with what comes before
 
 using Clock = std::chrono::steady_clock;
 
@@ -172,8 +172,8 @@ class SoftBuilder {
     node.compliance_m_N = static_cast<float>(OwnCompliance(j, c, block, flat));
   }
 
-  // What the body adds to a half-space, as the mean over the patch and as its middle feels it. The one is off by twice
-  // as much as the other, so that of a patch without size follows.   (4.2), (4.4)
+  // What the body adds to a half-space, as the mean over the patch and at its middle. The former is off by twice as
+  // much as the latter, from which the value of a patch without size follows.   (4.2), (4.4)
   double OwnCompliance(std::size_t j, std::size_t c, const LoadBlock& block, double flat) const {
     const double mean = Give(loads_[j], c, block) - kFlatMean * flat;
     const std::size_t row = 3 * static_cast<std::size_t>(surface_nodes_[j]);

@@ -20,7 +20,7 @@ bool IsIn(const ActiveFactor& factor, int node) noexcept {
   return false;
 }
 
-// The node outside S that is pressed in most beyond what the others give way; -1: none.
+// The node outside S that is pressed in most beyond the displacement that the others cause; -1: none.
 int DeepestOutside(const ContactMatrix& a, int count, const ContactVector& depth_m, const ActiveFactor& factor,
                    const ContactVector& force) noexcept {
   int worst = -1;

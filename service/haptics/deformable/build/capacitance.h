@@ -20,7 +20,7 @@ struct ActiveFactor {
 
 // l = L^-1 a_S, l_nn = sqrt(a_nn - l . l): O(n^2). False, and nothing changed, if that is no positive number.
 bool AddNode(const ContactMatrix& a, int node, ActiveFactor& factor) noexcept;
-// Takes out the node at `position` of the factor's order; Givens rotations mend the rest: O(n^2).
+// Takes out the node at `position` of the factor's order; Givens rotations restore the rest: O(n^2).
 void RemoveNode(int position, ActiveFactor& factor) noexcept;
 // A_SS x = b_S; x outside S is left alone.
 void SolveActive(const ActiveFactor& factor, const ContactVector& b, ContactVector& x) noexcept;

@@ -168,7 +168,8 @@ base::Result<ElasticFem> ElasticFem::Build(const QuadraticMesh& mesh,
                     go_on, factor->ldlt);
   if (outcome == LdltOutcome::kStopped) return base::Error{"cancelled"};
   if (outcome == LdltOutcome::kNotPositive) {
-    return base::Error{"soft body: the stiffness matrix is singular; a part of the body hangs on nothing"};
+    return base::Error{
+        "soft body: the stiffness matrix is singular; a part of the body is not connected to the clamped base"};
   }
   return ElasticFem(std::move(factor));
 }

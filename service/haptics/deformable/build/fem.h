@@ -35,7 +35,7 @@ using LoadBlock = std::vector<std::array<double, kSolveWidth>>;
 class ElasticFem {
  public:
   // `stiffness(p)`: of the material at p. Fails if nothing is clamped, all is, or the matrix is singular. `go_on` is
-  // asked now and then with 0 ... 1; false: stop, with the error "cancelled".
+  // called now and then with 0 ... 1; false: stop, with the error "cancelled".
   static base::Result<ElasticFem> Build(const QuadraticMesh& mesh,
                                         const std::function<Stiffness6(const Vec3&)>& stiffness,
                                         const std::vector<bool>& clamped,

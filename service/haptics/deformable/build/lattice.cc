@@ -223,7 +223,7 @@ std::vector<FaceUse> FindTetFaces(const TetLattice& lattice) {
   return uses;
 }
 
-// Keeps the largest part whose tets hang together by faces, and drops vertices that nothing uses any more.
+// Keeps the largest part whose tets are connected by faces, and drops vertices that are no longer used.
 void KeepLargestPart(TetLattice& lattice) {
   const std::vector<FaceUse> uses = FindTetFaces(lattice);
   std::vector<std::uint32_t> parent(lattice.tets.size());
@@ -304,7 +304,7 @@ base::Status CheckLatticeInput(std::span<const Vec3> vertices, Triangles triangl
   if (vertices.empty() || triangles.empty()) return base::Error{"soft body: the mesh is empty"};
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!Within(vertices[i], 1e3)) {
-      return base::Error{"soft body: vertex " + std::to_string(i) + " is not a number or farther than 1 km"};
+      return base::Error{"soft body: vertex " + std::to_string(i) + " is not finite or beyond 1 km"};
     }
   }
   for (const auto& t : triangles) {

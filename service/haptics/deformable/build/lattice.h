@@ -1,7 +1,7 @@
 // A tetrahedral lattice that fills a triangle mesh, by isosurface stuffing [Labelle & Shewchuk 2007]: a body-centred
 // cubic (BCC) grid, warped and cut where the winding number passes one half. BCC rather than cubes cut in six (Kuhn),
-// because its stiffness has no favourite diagonal; cut rather than merely embedding, because a contact is felt at the
-// surface, and half-filled cells would make it too stiff there. The mesh only answers "inside or outside", so that its
+// because its stiffness has no favourite diagonal; cut rather than merely embedding, because contact happens at the
+// surface, and half-filled cells would make it too stiff there. The mesh is only asked "inside or outside", so that its
 // defects cannot stop the build. Set-up only. docs/theory/deformable.md, section 1.
 #pragma once
 
@@ -31,9 +31,9 @@ struct LatticeOptions {
   Vec3 shift_cells{0.137, 0.291, 0.419};      // of the grid, so that flat faces do not fall on grid planes
 };
 
-// The finest lattice within both limits. Parts that hang together by an edge or a vertex only are dropped, all but the
-// largest. Fails if nothing is inside (open sheet, zero thickness), a coordinate is not a number, or `progress`, asked
-// with the share done in [0, 1] before each of its trials (0.1 s), says false ("cancelled").
+// The finest lattice within both limits. Of parts connected only by an edge or a vertex, all but the largest are
+// dropped. Fails if nothing is inside (open sheet, zero thickness), a coordinate is not a number, or `progress`, called
+// with the share done in [0, 1] before each trial (0.1 s), returns false ("cancelled").
 base::Result<TetLattice> BuildTetLattice(std::span<const Vec3> vertices_base_m,
                                          std::span<const std::array<std::uint32_t, 3>> triangles,
                                          const LatticeOptions& options = {},

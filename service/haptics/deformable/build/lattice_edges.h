@@ -11,8 +11,8 @@
 namespace omni::haptics {
 
 // Moves corners of the lattice's surface onto sharp edges nearby (faces more than 30 degrees apart), the nearest first,
-// where no tetrahedron becomes worse than a sliver. They stay on the mesh. An edge that does not have two triangles is
-// none.
+// where no tetrahedron becomes worse than a sliver. They stay on the mesh. Edges without exactly two triangles are
+// ignored.
 void KeepSharpEdges(std::span<const Vec3> vertices_base_m, std::span<const std::array<std::uint32_t, 3>> triangles,
                     TetLattice& lattice);
 

@@ -4,7 +4,7 @@ namespace omni::haptics {
 namespace {
 
 constexpr std::uint32_t kNoParent = 0xFFFFFFFF;
-constexpr std::size_t kWorkPerQuestion = 4'000'000;  // multiplications between two questions
+constexpr std::size_t kWorkPerQuestion = 4'000'000;  // multiplications between two calls
 
 class LdltBuilder {
  public:

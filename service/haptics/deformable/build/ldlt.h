@@ -27,7 +27,7 @@ struct LdltFactor {
 
 enum class LdltOutcome { kDone, kNotPositive, kStopped };
 
-// Up-looking: row after row, along the elimination tree [Davis, Algorithm 849: LDL, 2005]. `go_on` is asked every few
+// Up-looking: row after row, along the elimination tree [Davis, Algorithm 849: LDL, 2005]. `go_on` is called every few
 // milliseconds with the share that is done, 0 ... 1; empty: never.
 LdltOutcome FactoriseLdlt(const UpperColumns& matrix, const std::function<bool(double done)>& go_on,
                           LdltFactor& factor);

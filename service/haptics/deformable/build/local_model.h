@@ -16,9 +16,9 @@ struct LocalModel {
   SoftGain gain;
 };
 
-inline constexpr double kLargestDent = 1;  // s up to which the gain was fitted and a bit beyond; from there on straight
+inline constexpr double kLargestDent = 1;  // s up to which the gain was fitted and a bit beyond; linear from there on
 
-// A point of the law.
+// A point of the model.
 struct LocalPoint {
   double dent_m = 0;
   double force_N = 0;
@@ -27,7 +27,7 @@ struct LocalPoint {
 
 // F = 4/3 M R^2 s^3 (1 + g1 s + g2 s^2), s = sqrt(x / R); all 0 for x <= 0 or NaN.   (5.1)
 LocalPoint LocalAtDent(const LocalModel& model, double dent_m) noexcept;
-// The dent for a force >= 0: Newton on s, to rounding. `near_m`: a dent near it, which saves steps; 0: none known.
+// The dent for a force >= 0: Newton on s, to rounding. `near_m`: a dent near it, which saves iterations; 0: none known.
 LocalPoint LocalAtForce(const LocalModel& model, double force_N, double near_m) noexcept;
 
 // Parts of them.

@@ -9,7 +9,7 @@ namespace {
 constexpr int kCuts = 4;            // per edge, of a triangle for quadrature
 constexpr double kSameWay = 0.35;   // cosine: triangles turned away more are another side of the body
 constexpr double kAlike = 0.8;      // cosine: points turned away more say nothing about the curvature here
-constexpr double kDeepest = 1.0;    // of the radius: farther below the tangent plane does not count
+constexpr double kDeepest = 1.0;    // of the radius: further below the tangent plane does not count
 constexpr std::size_t kFewest = 9;  // points for a fit of curvature
 
 struct Offset {

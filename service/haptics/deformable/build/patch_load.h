@@ -17,14 +17,14 @@ struct PatchLoad {
   std::vector<std::pair<std::uint32_t, double>> shares;
 };
 
-// Where a node lies and what its surroundings look like.
+// Position of a node and shape of its surroundings.
 struct SurfacePatch {
   Vec3 point_base_m;
   Vec3 normal;               // unit, outwards, area-weighted over the triangles of the node
   double curvature_1_m = 0;  // mean of the two principal ones, convex > 0, at the scale of the patch
 };
 
-// p = 3 / (2 pi a^2) sqrt(1 - r^2 / a^2), r across the normal, on triangles that look the same way.
+// p = 3 / (2 pi a^2) sqrt(1 - r^2 / a^2), r across the normal, on triangles that face the same way.
 PatchLoad SpreadLoad(const QuadraticMesh& mesh, const SurfacePatch& at, double radius_m);
 
 // One patch per vertex of `nodes`.

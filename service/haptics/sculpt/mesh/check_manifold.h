@@ -1,4 +1,4 @@
-// Is a paged mesh what every reader relies on: closed, oriented, 2-manifold, positive areas? Looks at everything; for
+// Is a paged mesh what every reader relies on: closed, oriented, 2-manifold, positive areas? Checks everything; for
 // tests and benchmarks.
 #pragma once
 

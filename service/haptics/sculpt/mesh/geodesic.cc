@@ -40,7 +40,7 @@ class Front {
       const auto [distance_m, vertex] = heap_.top();
       heap_.pop();
       const std::uint32_t at = place_.Find(vertex);
-      if (distance_m != known_[at].distance_m) continue;  // offered again, nearer
+      if (distance_m != known_[at].distance_m) continue;  // queued again, nearer
       if (!known_[at].settled) result_.push_back({vertex, distance_m});
       known_[at].settled = true;
       Spread(vertex, distance_m);
@@ -70,7 +70,7 @@ class Front {
       const std::uint32_t a = t.vertex[(corner + 1) % 3], b = t.vertex[(corner + 2) % 3];
       const double from_a_m = Distance(a), from_b_m = Distance(b);
       const Vec3 &pa = mesh_.VertexPosition(a), &pb = mesh_.VertexPosition(b);
-      // A way over the edge to the other vertex is no shorter than the nearer of the two.
+      // A path over the edge to the other vertex is no shorter than the nearer of the two.
       if (from_a_m > std::min(distance_m, from_b_m)) {
         StiffnessBound(a,
                        from_b_m < kFar ? Unfolded(here, pb, pa, distance_m, from_b_m) : distance_m + Norm(pa - here));
@@ -103,7 +103,7 @@ class Front {
   }
 
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr double kNearer = 1e-9;  // relative; what is better by less is rounding
+  static constexpr double kNearer = 1e-9;  // relative; smaller improvements are rounding
   const PagedMesh& mesh_;
   double radius_m_;
   std::size_t most_;

@@ -19,11 +19,11 @@ class PagePool {
     free_.pop_back();
     return page;
   }
-  // Nobody reads it.
+  // No reader uses it.
   void Give(Page* page) { free_.push_back(page); }
   // Readers of generations before `first_without` may still read it.
   void Retire(Page* page, std::uint64_t first_without) { retired_.push_back({page, first_without}); }
-  // Nothing older than `oldest_in_use` is read any more.
+  // Nothing older than `oldest_in_use` is read any longer.
   void Release(std::uint64_t oldest_in_use) {
     while (!retired_.empty() && retired_.front().first_without <= oldest_in_use) {
       Give(retired_.front().page);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kFlatCosine = 0.9;     // edges sharper than about 26 degrees are left alone: they are features
 constexpr double kSmoothCosine = 0.96;  // to the mean normal: only where all are within 16 degrees is there one tangent
-constexpr std::size_t kMaxChanges = 200'000;  // per call; what is left over is split by the next
+constexpr std::size_t kMaxChanges = 200'000;  // per call; the remainder is split by the next
 
 double EdgeSquared(const Corners& c, std::size_t k) noexcept { return SquaredNorm(c[(k + 1) % 3] - c[k]); }
 

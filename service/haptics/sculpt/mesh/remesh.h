@@ -21,7 +21,7 @@ struct RemeshCounts {
 };
 
 // Once over the region and its rim. The region follows: it gets the vertices of splits and loses those of collapses.
-// False: nothing was too long or too short, `patch` is still good; else it is made anew.
+// False: nothing was too long or too short, `patch` is still valid; else it is rebuilt.
 bool Remesh(PagedMesh& mesh, const EdgeRange& edges, Region& region, Patch& patch, RemeshCounts& counts);
 
 // Splits edges around `at` until, as far as `radius_m` reaches, none is longer than `long_m`. Moves

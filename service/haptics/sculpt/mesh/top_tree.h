@@ -13,7 +13,7 @@ static_assert(kMaxTopDepth + 2 <= kMaxTreeDepth);  // with those of a page: stac
 
 class TopTree {
  public:
-  // One box a page; empty boxes are allowed. Node 0 is the root.
+  // One box per page; empty boxes are allowed. Node 0 is the root.
   void Build(const std::vector<FloatBox>& page_boxes);
   // The page's box has changed: fits the boxes above it.
   void SetPageBox(std::uint32_t page, const FloatBox& box);
