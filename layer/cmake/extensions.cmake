@@ -1,8 +1,8 @@
 # layer/extensions.json is the one list of the extensions that this layer answers. From it come, at configuration,
 #   our_extensions.cc       the table behind OurExtensions(), which xrEnumerateInstanceExtensionProperties answers with
 #   OMNI_LAYER_EXTENSIONS   "instance_extensions" of every manifest
-# An extension: name; version; may_be_below: asked for there first, else only we know it and what lies below never hears
-# of it; entrypoints: its functions, as in OwnFunctions() (a test compares them).
+# An extension: name; version; may_be_below: requested from the runtime first; otherwise only we know it and it is
+# never passed down; entrypoints: its functions, as in OwnFunctions() (a test compares them).
 set(list_file ${CMAKE_CURRENT_SOURCE_DIR}/extensions.json)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${list_file})
 file(READ ${list_file} list_text)

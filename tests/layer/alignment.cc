@@ -1,4 +1,4 @@
-// Where the base stands: asked for, taken, guessed, and followed when the runtime moves a space.
+// The placement of the base: requested, used, guessed, and followed when the runtime moves a space.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +54,7 @@ class Alignment : public testing::Test {
   double DistanceFrom(const glm::dvec3& p, XrSpace base, std::int64_t after_ns = 0) {
     return glm::length(layer::FromXr(At(base, after_ns).pose.position) - p);
   }
-  // Looks at the socket until the pen is there.
+  // Polls the socket until the pen is there.
   bool Comes(App& app, const glm::dvec3& p, XrSpace base) {
     return app.SyncUntil(*service, [&] { return DistanceFrom(p, base) < 1e-5; });
   }
@@ -74,7 +74,7 @@ TEST_F(Alignment, TheServiceIsAskedByRuntimeSystemAndSpaces) {
   EXPECT_STREQ(request.headset.runtime, properties.runtimeName);
   EXPECT_STREQ(request.headset.system, "Omni test system");
   ASSERT_GE(request.space_count, 2U);
-  EXPECT_EQ(request.spaces[0], protocol::kSpaceStage) << "the steadiest first";
+  EXPECT_EQ(request.spaces[0], protocol::kSpaceStage) << "the most stable space first";
   EXPECT_EQ(request.spaces[request.space_count - 1], protocol::kSpaceLocal);
 }
 
@@ -98,10 +98,10 @@ TEST_F(Alignment, AChangeReachesTheSession) {
     EXPECT_TRUE(Comes(app, X.p + X.q * kPen_B, stage));
   }
   service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
-  EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, local)) << "and another space";
+  EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, local)) << "a placement in another space";
 }
 
-// A guess is VALID and not TRACKED; what a person asked for instead is no pose.
+// A guess is VALID and not TRACKED; if the user disabled guessing, there is no pose.
 TEST_F(Alignment, WithoutAPlacementThePenIsGuessedAndNotTracked) {
   protocol::BasePose unknown;
   service->SetBasePose(unknown);
@@ -115,7 +115,7 @@ TEST_F(Alignment, WithoutAPlacementThePenIsGuessedAndNotTracked) {
   unknown.uncalibrated = protocol::Uncalibrated::kCalibrated;
   service->SetBasePose(unknown);
   EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == 0; }));
-  EXPECT_TRUE(app.PoseActive(app.pose, app.right)) << "the pen is there, only its place is not known";
+  EXPECT_TRUE(app.PoseActive(app.pose, app.right)) << "the pen is present, only its place is unknown";
 
   service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == kAll; }));
@@ -136,7 +136,7 @@ TEST_F(Alignment, ADoubtfulPlacementIsNotTracked) {
 }
 
 // [XrEventDataReferenceSpaceChangePending] Recentring LOCAL must not move the pen in the world, at once or afterwards,
-// and the service hears of it.
+// and the service is notified.
 TEST_F(Alignment, RecentringIsFollowedAndReported) {
   service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   App app;
@@ -151,7 +151,7 @@ TEST_F(Alignment, RecentringIsFollowedAndReported) {
   ASSERT_EQ(omni_test_recenter(recentred, kDelay_ns), 0);
   app.Poll();
   EXPECT_LT(DistanceFrom(in_stage, stage), 1e-5) << "before the change";
-  EXPECT_LT(DistanceFrom(in_stage, stage, 2 * kDelay_ns), 1e-5) << "a question about the time after it";
+  EXPECT_LT(DistanceFrom(in_stage, stage, 2 * kDelay_ns), 1e-5) << "a query for a time after it";
   ASSERT_TRUE(app.SyncUntil(*service, [&] { return !service->heard().space_changes.empty(); }));
   const protocol::SpaceChange told = service->heard().space_changes.front();
   EXPECT_EQ(told.space, protocol::kSpaceLocal);
@@ -165,7 +165,7 @@ TEST_F(Alignment, RecentringIsFollowedAndReported) {
   EXPECT_LT(DistanceFrom(in_stage, stage), 1e-5) << "after the change";
   EXPECT_GT(DistanceFrom(in_local, local), 0.1) << "LOCAL itself has moved";
 
-  // The service tells what its file holds now: the change is in it, and must not be made twice.
+  // The service sends what its file holds now: the change is in it, and must not be applied twice.
   const Pose P = layer::FromXr(XrPosef{{0, 0.6f, 0, 0.8f}, {0.3f, -0.1f, 0.2f}});
   protocol::BasePose after = KnownIn(protocol::kSpaceLocal, layer::Compose(layer::Inverse(P), kPlaced));
   after.changes_until_ns = told.changes_at_ns;
@@ -179,7 +179,7 @@ TEST_F(Alignment, RecentringIsFollowedAndReported) {
   }
 }
 
-// A runtime that moves an origin by 250 m: it is not known where to, for the service too.
+// A runtime that moves an origin by 250 m: the new origin counts as unknown, for the service too.
 TEST_F(Alignment, ARecentringOutOfRangeClearsTracked) {
   service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   App app;
@@ -193,7 +193,7 @@ TEST_F(Alignment, ARecentringOutOfRangeClearsTracked) {
   ASSERT_TRUE(
       app.SyncUntil(*service, [&] { return service->heard().gone > 0 || !service->heard().space_changes.empty(); }));
   const Heard heard = service->heard();
-  EXPECT_EQ(heard.gone, 0) << "a message out of range costs the connection";
+  EXPECT_EQ(heard.gone, 0) << "a message out of range would end the connection";
   ASSERT_EQ(heard.space_changes.size(), 1U);
   EXPECT_EQ(heard.space_changes.front().pose_valid, 0U);
 }

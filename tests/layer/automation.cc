@@ -1,4 +1,5 @@
-// XR_EXT_conformance_automation: a conformance test moves the pen. Offered by a manifest of its own, in test mode only.
+// XR_EXT_conformance_automation: a conformance test moves the pen. Available through a manifest of its own, in test
+// mode only.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -99,7 +100,7 @@ TEST_F(Automation, StatesOfEveryType) {
   EXPECT_FLOAT_EQ(app.Vector(app.stick, app.right).currentState.y, 0.25f);
 }
 
-// Where the aim pose is in STAGE after a test has said where `path` is there.
+// Where the aim pose is in STAGE after a test has set the location of `path` there.
 XrSpaceLocation AimAfter(const App& app, const Functions& f, const char* path, const XrPosef& wanted) {
   EXPECT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
   EXPECT_EQ(app.Sync(), XR_SUCCESS);
@@ -135,7 +136,7 @@ TEST_F(Automation, LocationOfTheGripMovesTheTip) {
   EXPECT_NEAR(location.pose.position.z, -0.25f, 1e-4f);
 }
 
-// A test that speaks takes the hardware's place.
+// A test that sets states replaces the hardware.
 TEST_F(Automation, HardwareIsNotHeardAnyMore) {
   FakeService service;
   App app(WithAutomation());
@@ -169,7 +170,7 @@ TEST_F(Automation, Errors) {
 
 TEST_F(Automation, OnlyInTestMode) {
   unsetenv("OMNI_TEST_MODE");
-  EXPECT_THROW(App app(WithAutomation()), std::runtime_error) << "nobody answers the extension";
+  EXPECT_THROW(App app(WithAutomation()), std::runtime_error) << "no layer or runtime has the extension";
   setenv("OMNI_TEST_MODE", "1", 1);
   setenv("XR_API_LAYER_PATH", (kLayers + "explicit.d").c_str(), 1);
   EXPECT_THROW(App app(WithAutomation()), std::runtime_error) << "the usual manifest does not name it";

@@ -1,4 +1,4 @@
-// Services that are not as they should be: of another version, silent, replaced under a running application.
+// Faulty services: of another version, silent, replaced under a running application.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -17,7 +17,7 @@
 namespace omni::test {
 namespace test_bad_service {
 
-// Listens where omnid does; what it says to a client is for the test to choose.
+// Listens where omnid does; the test chooses what it sends to clients.
 class OddService {
  public:
   enum class Manner { kOtherVersion, kSilent };
@@ -120,12 +120,12 @@ TEST_F(BadService, UpgradeUnderARunningApplication) {
   EXPECT_EQ(LinesWith("speaks protocol version"), 1);
 }
 
-// A service that accepts and never answers costs no call more than its own time.
+// A service that accepts and never answers delays no call.
 TEST_F(BadService, SilentServiceBlocksNobody) {
   const OddService service(OddService::Manner::kSilent);
   const App app;
   ASSERT_TRUE(Eventually([&] { return service.connections() == 1; }));
-  // The layer gives up after 2 s and tries anew. A call that waited for it would be seen as one sync in all that time.
+  // The layer gives up after 2 s and tries again. A call that waited for it would be seen as one sync in all that time.
   int syncs = 0;
   ASSERT_TRUE(Eventually([&] {
     EXPECT_EQ(app.Sync(), XR_SUCCESS);
@@ -136,7 +136,7 @@ TEST_F(BadService, SilentServiceBlocksNobody) {
   EXPECT_EQ(LinesWith("does not answer"), 1);
 }
 
-// Only the first question of an instance waits for a service that was reached and says nothing.
+// Only the first query of an instance waits for a service that is connected and silent.
 TEST_F(BadService, SilentServiceDelaysOneQueryOnly) {
   const OddService service(OddService::Manner::kSilent);
   const App app(WithForceAndNoMore());

@@ -1,5 +1,5 @@
-// The layer without Debian's loader (mini_loader): negotiation, versions, several instances at once, what a destroyed
-// instance leaves.
+// The layer without Debian's loader (mini_loader): negotiation, versions, several instances at once, leaks of destroyed
+// instances.
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -65,7 +65,7 @@ TEST_F(Chain, LayerHasNoCreateInstance) {
   EXPECT_FALSE(loader.Get(app.instance, "xrNothing"));
 }
 
-// [loader: negotiation] no compile-time gate: what the application says it is does not matter to us.
+// [loader: negotiation] no compile-time gate: any application version works.
 TEST_F(Chain, ApplicationsOf10And11) {
   const MiniLoader loader({OmniLayer()});
   for (const XrVersion version : {XR_MAKE_VERSION(1, 0, 0), XR_MAKE_VERSION(1, 0, 20), XR_MAKE_VERSION(1, 0, 34),
@@ -84,7 +84,7 @@ TEST_F(Chain, ApplicationsOf10And11) {
   }
 }
 
-// Two applications' worth of everything at once: paths, handles, states and profiles do not mix.
+// Two applications at once: paths, handles, states and profiles do not mix.
 TEST_F(Chain, TwoInstancesAreApart) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;
@@ -104,10 +104,10 @@ TEST_F(Chain, TwoInstancesAreApart) {
       << "nothing of the first is attached";
   EXPECT_TRUE(XR_FAILED(first.Suggest(kTouch, {{second.force, first.Path("/user/hand/right/input/trigger/value")}})))
       << "an action of the other instance";
-  EXPECT_TRUE(Eventually([&] { return service.heard().applications.size() == 2; })) << "a connection each";
+  EXPECT_TRUE(Eventually([&] { return service.heard().applications.size() == 2; })) << "one connection each";
 }
 
-// 200 times an instance with a session and the pen: no memory, descriptor or thread stays.
+// 200 instances with a session, some with the pen: no memory, descriptor or thread is leaked.
 TEST_F(Chain, TwoHundredInstancesLeaveNothing) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;
@@ -138,7 +138,7 @@ TEST_F(Chain, TwoHundredInstancesLeaveNothing) {
   EXPECT_LT(now, heap + std::size_t{200} * 1024) << "grew by " << now - heap << " bytes";
 }
 
-// The loader closes a layer with the instance: nothing may hold it, and the next opening starts afresh.
+// The loader closes a layer with the instance: nothing may hold it, and the next opening starts from scratch.
 TEST_F(Chain, LibraryIsUnloaded) {
   const std::string library = std::filesystem::path(OmniLayer().library).filename();
   if (Mapped(library)) GTEST_SKIP() << "Debian's loader has left it open: run this test in a process of its own";
@@ -153,7 +153,7 @@ TEST_F(Chain, LibraryIsUnloaded) {
   EXPECT_FALSE(Mapped(library)) << "something of it cannot be unloaded";
 }
 
-// What negotiates wrongly is refused, whatever is wrong.
+// A wrong name in the negotiation and an unknown extension are rejected.
 TEST_F(Chain, NegotiationIsChecked) {
   const MiniLoader loader({OmniLayer()});
   const LayerFile misnamed{"XR_APILAYER_another", OmniLayer().library};
@@ -165,7 +165,7 @@ TEST_F(Chain, NegotiationIsChecked) {
   EXPECT_EQ(loader.CreateInstance(InstanceInfo(options), &instance), XR_ERROR_EXTENSION_NOT_PRESENT);
 }
 
-// Calls that a loader would stop come through to us.
+// Calls that a loader would reject reach the layer.
 TEST_F(Chain, NullAndForeignHandles) {
   const MiniLoader loader({OmniLayer()});
   ChainApp app(loader);
@@ -183,7 +183,7 @@ TEST_F(Chain, NullAndForeignHandles) {
   app.instance = XR_NULL_HANDLE;
 }
 
-// A neighbour that makes a dummy instance inside its own creation, above and below us.
+// Another layer that makes a dummy instance inside its own creation, above and below ours.
 class OtherLayers : public testing::Test {
  protected:
   void SetUp() override { omni_test_reset(); }

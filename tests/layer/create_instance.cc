@@ -1,4 +1,4 @@
-// xrCreateInstance with something wrong in it: the result is that of what lies below, with the layer as without.
+// xrCreateInstance with an error in its arguments: the result is the same with the layer as without.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -62,14 +62,14 @@ const std::vector<Mistake>& Mistakes() {
       {"none", [](CreateInfo&) {}},
       Type("no type", XR_TYPE_UNKNOWN),
       Type("another structure's type", XR_TYPE_SESSION_CREATE_INFO),
-      Type("a type that nobody knows", XR_STRUCTURE_TYPE_MAX_ENUM),
+      Type("an unknown type", XR_STRUCTURE_TYPE_MAX_ENUM),
       {"an unknown structure in the chain", [](CreateInfo& create) { create.info.next = &create.chained; }},
       {"a structure of another call in the chain",
        [](CreateInfo& create) {
          create.chained.type = XR_TYPE_SESSION_CREATE_INFO;
          create.info.next = &create.chained;
        }},
-      {"flags that nobody knows", [](CreateInfo& create) { create.info.createFlags = 1; }},
+      {"unknown flags", [](CreateInfo& create) { create.info.createFlags = 1; }},
       Version("no version", 0),
       Version("0.90", XR_MAKE_VERSION(0, 90, 0)),
       Version("2.0", XR_MAKE_VERSION(2, 0, 0)),
@@ -80,10 +80,10 @@ const std::vector<Mistake>& Mistakes() {
       {"an engine name without an end", [](CreateInfo& create) { FillUp(create.info.applicationInfo.engineName); }},
       {"a name that is no UTF-8",
        [](CreateInfo& create) { std::strcpy(create.info.applicationInfo.applicationName, "\xFF\xFE"); }},
-      Extensions("an extension that nobody has", {"XR_NOBODY_has_this"}),
+      Extensions("an unknown extension", {"XR_NOBODY_has_this"}),
       Extensions("an extension without a name", {""}),
       Extensions("an extension twice", {"XR_MND_headless", "XR_MND_headless"}),
-      {"a wrong type and an extension that nobody has",
+      {"a wrong type and an unknown extension",
        [](CreateInfo& create) {
          create.info.type = XR_TYPE_UNKNOWN;
          create.extensions = {"XR_NOBODY_has_this"};
@@ -93,14 +93,14 @@ const std::vector<Mistake>& Mistakes() {
   return all;
 }
 
-// What Debian's loader itself answers, or dies of: only a mini_loader passes these on.
+// What Debian's loader rejects itself, or crashes on: only a mini_loader passes these on.
 const std::vector<Mistake>& MistakesThatALoaderStops() {
   static const std::vector<Mistake> all{
       Version("1.1", XR_MAKE_VERSION(1, 1, 0)),
       Version("1.99", XR_MAKE_VERSION(1, 99, 0)),
-      {"extensions nowhere", [](CreateInfo& create) { create.info.enabledExtensionNames = nullptr; }},
+      {"a null list of extensions", [](CreateInfo& create) { create.info.enabledExtensionNames = nullptr; }},
       Extensions("a null extension", {"XR_MND_headless", nullptr}),
-      {"a wrong type and extensions nowhere",
+      {"a wrong type and a null list of extensions",
        [](CreateInfo& create) {
          create.info.type = XR_TYPE_UNKNOWN;
          create.info.enabledExtensionNames = nullptr;

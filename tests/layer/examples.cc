@@ -83,7 +83,7 @@ TEST(Examples, TouchGetsThePenWithTheLayer) {
   EXPECT_EQ(heard.applications, std::vector<std::string>{"omni_touch_test"});
   EXPECT_FALSE(heard.haptics.empty()) << "a press is answered with a pulse";
   ASSERT_TRUE(heard.last_session());
-  EXPECT_EQ(*heard.last_session(), protocol::SessionState::kNone) << "it left as it should";
+  EXPECT_EQ(*heard.last_session(), protocol::SessionState::kNone) << "it ended its session";
 }
 
 // Nothing in it knows of Omni: without the layer it shows the runtime's controller.

@@ -1,4 +1,4 @@
-// Sessions, haptics and signs of life as the service hears them; instances that come and go.
+// Sessions, haptics and heartbeats as the service receives them; repeated instances.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -29,10 +29,12 @@ TEST_F(Lifecycle, ServiceHearsTheApplicationAndItsSession) {
 
     omni_test_set_focus(0);
     ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
-    EXPECT_TRUE(Until([&] { return service.heard().last_session() == SessionState::kBegun; })) << "told by the sync";
+    EXPECT_TRUE(Until([&] { return service.heard().last_session() == SessionState::kBegun; }))
+        << "reported by the sync";
     omni_test_set_focus(1);
     app.Poll();
-    EXPECT_TRUE(Until([&] { return service.heard().last_session() == SessionState::kFocused; })) << "told by the event";
+    EXPECT_TRUE(Until([&] { return service.heard().last_session() == SessionState::kFocused; }))
+        << "reported by the event";
 
     ASSERT_EQ(xrRequestExitSession(app.session), XR_SUCCESS);
     ASSERT_TRUE(Until([&] {
@@ -53,7 +55,7 @@ TEST_F(Lifecycle, DestroyedSessionIsOver) {
   EXPECT_TRUE(Until([&] { return service.heard().last_session() == SessionState::kNone; }));
 }
 
-// Every intercepted call is a sign of life.
+// Every intercepted call updates the heartbeat.
 TEST_F(Lifecycle, CallsAreSignsOfLife) {
   FakeService service;
   App app;
@@ -107,7 +109,7 @@ TEST_F(Lifecycle, HapticErrorsAndFocus) {
   ASSERT_EQ(app.Vibrate(app.right, 1), XR_SUCCESS);
   omni_test_set_focus(0);
   ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
-  EXPECT_TRUE(Until([&] { return service.heard().haptic_stops == 1; })) << "what vibrates stops with focus";
+  EXPECT_TRUE(Until([&] { return service.heard().haptic_stops == 1; })) << "vibrations stop when focus is lost";
   EXPECT_EQ(app.Vibrate(app.right, 1), XR_SESSION_NOT_FOCUSED);
   const timespec pause{0, 30'000'000};
   nanosleep(&pause, nullptr);
@@ -120,7 +122,7 @@ TEST_F(Lifecycle, ServiceKilledAndRestarted) {
   for (int life = 0; life < 3; ++life) {
     FakeService service;
     ASSERT_TRUE(app.SyncUntil(service, [&] { return !service.heard().sessions.empty(); })) << "life " << life;
-    EXPECT_EQ(service.heard().last_session(), SessionState::kFocused) << "told again after each restart";
+    EXPECT_EQ(service.heard().last_session(), SessionState::kFocused) << "sent again after each restart";
     ASSERT_TRUE(app.WaitProfile(service, kTouch));
   }
   ASSERT_TRUE(Until([&] {
@@ -162,7 +164,7 @@ TEST_F(Lifecycle, LeftHandByEnvironment) {
   EXPECT_FLOAT_EQ(app.Float(app.force, app.left).currentState, 0.5f);
 }
 
-// Without XR_KHR_convert_timespec_time in the application's list the layer has it all the same, and hides it.
+// Without XR_KHR_convert_timespec_time in the application's list the layer still enables it, and hides it.
 TEST_F(Lifecycle, TimeConversionIsPrivate) {
   FakeService service;
   AppOptions options;

@@ -1,4 +1,4 @@
-// The layer's log: where it may be written, and what a line may be made of.
+// The layer's log: where it may be written, and what a line may contain.
 #include "layer/src/instance/log.h"
 
 #include <fcntl.h>
@@ -37,7 +37,7 @@ TEST_F(LayerLog, WithoutAPlaceNothingIsWritten) {
   EXPECT_NE(::access(file.c_str(), F_OK), 0);
 }
 
-// What an application or a runtime calls itself must not look like a line of somebody else's.
+// The name of an application or a runtime must not look like a line of its own.
 TEST_F(LayerLog, TextCannotForgeALine) {
   layer::Log(file).Line("one\nomni layer: two\x1b[31m\r\x80\xC2\x9B end");
   EXPECT_EQ(Content(file),
@@ -61,7 +61,7 @@ TEST_F(LayerLog, LinksAreNotFollowed) {
   EXPECT_EQ(Content(target), "before\n");
 }
 
-// Neither waits for a reader nor writes to one.
+// It neither waits for a reader nor writes to one.
 TEST_F(LayerLog, FifosAndFoldersAreRefused) {
   ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
   layer::Log(file).Line("one");
@@ -69,7 +69,7 @@ TEST_F(LayerLog, FifosAndFoldersAreRefused) {
   ASSERT_GE(reader, 0);
   layer::Log(file).Line("two");
   char byte = 0;
-  EXPECT_EQ(::read(reader, &byte, 1), 0) << "nothing came";
+  EXPECT_EQ(::read(reader, &byte, 1), 0) << "nothing was written";
   ::close(reader);
   layer::Log(temp.Path()).Line("three");
   layer::Log("/dev/full").Line("four");

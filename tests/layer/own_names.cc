@@ -12,7 +12,7 @@ namespace test_own_names {
 
 namespace fs = std::filesystem;
 
-// Every enumerant of the headers is told by its name, and by the runtime's what is the runtime's.
+// Every enumerant of the headers has its name, and the runtime's enumerants those of the runtime.
 TEST(OwnNames, AreThoseOfTheHeaders) {
   const App app;
   const std::regex defined(R"(#define (XR_\w+)[\s\\]+OMNI_XR_ENUMERANT\((XrResult|XrStructureType), (-?\d+)\))");

@@ -71,7 +71,7 @@ TEST(Packaging, TheBuildTreeHasAnExplicitManifestOnly) {
   EXPECT_FALSE(std::filesystem::exists(kBuild + "/share/openxr/1/api_layers/implicit.d"));
 }
 
-// The library's own function: the loader answers for its layers from their manifests.
+// The library's own function: the loader itself reads only the manifests.
 PFN_xrEnumerateInstanceExtensionProperties EnumerateOfTheLibrary() {
   void* library = dlopen((kBuild + "/lib/libXrApiLayer_omni.so").c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) return nullptr;
@@ -89,8 +89,8 @@ PFN_xrEnumerateInstanceExtensionProperties EnumerateOfTheLibrary() {
   return reinterpret_cast<PFN_xrEnumerateInstanceExtensionProperties>(found);
 }
 
-// layer/extensions.json is the one list: the manifest, what the layer enumerates and the tables of its own functions
-// say the same.
+// layer/extensions.json is the only list: the manifest, the layer's enumeration and the tables of its own functions
+// agree.
 TEST(Packaging, ManifestEnumerationAndFunctionsAgreeOnExtensions) {
   std::map<std::string, std::uint32_t> listed;
   std::map<std::string, std::set<std::string>> functions;
@@ -195,7 +195,7 @@ TEST(Packaging, BadProfileIsNamed) {
   EXPECT_NE(message(wrong).find("/type"), std::string::npos) << message(wrong);
 }
 
-// [input-suggested-bindings] which source a path means for an action type.
+// [input-suggested-bindings] the source of a path for an action type.
 TEST(Packaging, PathsResolveByActionType) {
   using layer::Hand;
   const std::vector<layer::Profile> profiles = layer::LoadProfiles();

@@ -1,4 +1,4 @@
-// With no service the layer must not be noticed: the same calls over the runtime alone and through the layer.
+// Without a service the layer must be transparent: the same calls over the runtime alone and through the layer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace omni::test {
 namespace test_pass_through {
 
-// A list of "call -> what came back", free of handles and times.
+// A list of "call -> result", free of handles and times.
 class Transcript {
  public:
   explicit Transcript(bool layer) {

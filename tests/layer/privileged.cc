@@ -25,7 +25,7 @@ std::string Content(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// For root: set-uid, and somebody else starts it. For others: set-gid, where they are in a second group.
+// For root: set-uid, started by another user. For others: set-gid, if they are in a second group.
 bool GiveMoreRights(const std::string& program) {
   if (::geteuid() == 0) return ::chmod(program.c_str(), 04755) == 0;
   std::array<gid_t, 64> groups{};
@@ -52,7 +52,7 @@ class Privileged : public testing::Test {
     ASSERT_EQ(::chmod(program.c_str(), 0755), 0);
   }
 
-  // Starts the program with a log of the caller's choice and a line for it. What it printed; "": it failed.
+  // Starts the program with a log of the caller's choice and a line for it. Returns its output; "": it failed.
   std::string Run(const std::string& log, bool by_nobody) const {
     int ends[2];
     if (::pipe(ends) != 0) return {};

@@ -1,4 +1,4 @@
-// Applications that are careless: many threads, a million events, no polls, no syncs, forks.
+// Careless applications: many threads, a million events, no polls, no syncs, forks.
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <sys/wait.h>
@@ -84,8 +84,8 @@ void CallEverything(const ChainApp& app, XrSpace pen, XrSpace local, std::uint32
   }
 }
 
-// [fundamentals-threading-behavior] every function of every thread, while the pen comes and goes; a whole second
-// application lives and dies beside it. Under ThreadSanitizer: no data race.
+// [fundamentals-threading-behavior] every function from every thread, while the pen comes and goes and a second
+// application is created and destroyed. Under ThreadSanitizer: no data race.
 TEST_F(Robust, ManyThreadsCallEverything) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;
@@ -126,12 +126,12 @@ TEST_F(Robust, ManyThreadsCallEverything) {
   }
   stop = true;
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(failed, 0) << "a call failed that is right";
+  EXPECT_EQ(failed, 0) << "a valid call failed";
   EXPECT_GT(turn, 500u);
   RecordProperty("calls", static_cast<int>(turn));
 }
 
-// [xrPollEvent] an application that does not poll: the queues are bounded, and the loss is told.
+// [xrPollEvent] an application that does not poll: the queues are bounded, and the loss is reported.
 TEST_F(Robust, MillionEventsWithoutAPoll) {
   const int events = kSanitized ? 100'000 : 1'000'000;
   const MiniLoader loader({OmniLayer()});
@@ -155,7 +155,7 @@ TEST_F(Robust, MillionEventsWithoutAPoll) {
   EXPECT_LT(app.events.size(), 1000u);
   const auto count = [&](XrStructureType type) { return std::count(app.events.begin(), app.events.end(), type); };
   EXPECT_EQ(count(XR_TYPE_EVENT_DATA_EVENTS_LOST), 1);
-  EXPECT_LE(count(XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED), 2) << "one says it all";
+  EXPECT_LE(count(XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED), 2) << "one event is enough";
 }
 
 // The same for the queue of the layer's own events.
@@ -176,7 +176,7 @@ TEST_F(Robust, OwnEventsAreBoundedToo) {
   EXPECT_EQ(waiting, layer::EventQueue::kMostWaiting);
 }
 
-// Nothing of the pen is seen, nothing breaks, and the first sync makes up for it all.
+// The pen stays inactive, nothing breaks, and the first sync activates it.
 TEST_F(Robust, ApplicationThatNeverSyncs) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;

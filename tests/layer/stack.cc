@@ -1,6 +1,6 @@
 // Our layer among Debian's: the tests of this program run once more as applications of their own, with LunarG's
-// core_validation or api_dump above and below us. Above, an application sees of us only what is valid; below, we send
-// down only what is valid, and nothing that is ours alone.
+// core_validation or api_dump above and below us. Above us, it checks what we return to the application; below us, it
+// checks our calls, which must not contain anything of our own extensions.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -22,7 +22,7 @@ const std::string kDebianLayers = "/usr/share/openxr/1/api_layers/explicit.d";
 const std::string kValidation = "XR_APILAYER_LUNARG_core_validation";
 const std::string kDump = "XR_APILAYER_LUNARG_api_dump";
 
-// What an application of OpenXR 1.0.20 does that makes no mistake on purpose.
+// Tests that are valid applications of OpenXR 1.0.20, without deliberate errors.
 const std::string kValidApplications =
     "States.SelectFromTipForceClick:States.PressBetweenSyncsIsOnePressedSync:States.ChangedAndPhysicalChangeTime:"
     "States.AnalogThresholdHasHysteresis:States.ThumbstickParentPathIsAVector:States.NullPathMergesPenAndRuntime:"
@@ -113,7 +113,7 @@ TEST_F(Stack, CoreValidationBelowFindsNothing) {
   ExpectNothingFound(Place::kBelow);
 }
 
-// Applications of extensions that only we know leave nothing of them to those below.
+// Extensions that only we know are not passed down.
 TEST_F(Stack, OwnExtensionsAreStrippedBelow) {
   OMNI_NEEDS(kValidation, "openxr-layer-corevalidation");
   const Ran ran = Run(kValidation, Place::kBelow, kOwnExtension);
@@ -122,7 +122,7 @@ TEST_F(Stack, OwnExtensionsAreStrippedBelow) {
   EXPECT_EQ(ran.report, "");
 }
 
-// The silence above means something: a planted error is found in either place.
+// The tests above can fail: a planted error is found in either place.
 TEST_F(Stack, PlantedErrorIsFound) {
   OMNI_NEEDS(kValidation, "openxr-layer-corevalidation");
   for (const Place place : {Place::kAbove, Place::kBelow}) {
@@ -140,10 +140,10 @@ TEST_F(Stack, ApiDumpAboveAndBelow) {
   const Ran below = Run(kDump, Place::kBelow, kValidApplications + ":" + kOwnExtension);
   EXPECT_EQ(below.status, 0) << below.output;
   EXPECT_NE(below.report.find("xrSyncActions"), std::string::npos);
-  EXPECT_EQ(below.report.find("OMNIX1"), std::string::npos) << "what is ours is stripped";
+  EXPECT_EQ(below.report.find("OMNIX1"), std::string::npos) << "our extensions are stripped";
 }
 
-// Run by PlantedErrorIsFound in a process of its own.
+// Run by the test of the planted error in a process of its own.
 TEST(StackChild, DISABLED_PlantsAnError) {
   omni_test_reset();
   const App app;

@@ -49,7 +49,7 @@ XrReferenceSpaceType SpaceNamed(std::string_view name) {
 
 namespace {
 
-// Tells every session that `space` moves at `when`; where to: as the world says.
+// Sends every session the event that `space` moves at `when`, with the world's new origin.
 void TellChange(State& state, XrReferenceSpaceType space, XrTime when, bool told) {
   const XrBool32 known = told ? XR_TRUE : XR_FALSE;
   const XrPosef before = state.world.OriginAt(space, when - 1);

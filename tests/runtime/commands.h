@@ -1,6 +1,6 @@
 #pragma once
-// What can happen to the world and the sessions in it: said once, for the hooks and for the script. The caller holds
-// the state exclusively. False: refused.
+// What can happen to the world and the sessions in it, for both the hooks and the script. The caller holds the state
+// exclusively. False: rejected.
 
 #include <openxr/openxr.h>
 
@@ -20,7 +20,7 @@ bool SetFocus(State& state, bool focus);
 bool SetHand(State& state, int hand, bool active, const Motion& palm);
 // "local", "local_floor" or "stage", else XR_REFERENCE_SPACE_TYPE_MAX_ENUM.
 XrReferenceSpaceType SpaceNamed(std::string_view name);
-// LOCAL (with LOCAL_FLOOR) or STAGE moves. `told`: the event says where to.
+// LOCAL (with LOCAL_FLOOR) or STAGE moves. `told`: the event has the new origin.
 bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrDuration delay_ns, bool told);
 bool RequestExit(State& state);
 bool LoseSessions(State& state);

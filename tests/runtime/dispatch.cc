@@ -55,7 +55,7 @@ bool NeedsNoInstance(std::string_view name) {
          name == "xrEnumerateApiLayerProperties" || name == "xrCreateInstance";
 }
 
-// Functions of extensions and of OpenXR 1.1 are there for the instances that asked for them.
+// Functions of extensions and of OpenXR 1.1 exist only for instances that enabled them.
 bool Offers(const Instance& instance, std::string_view name) {
   if (name == "xrLocateSpaces") return instance.version_1_1;
   if (name == "xrLocateSpacesKHR") return instance.Enabled(XR_KHR_LOCATE_SPACES_EXTENSION_NAME);

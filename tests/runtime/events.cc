@@ -52,7 +52,7 @@ XrResult Deliver(Instance& instance, XrEventDataBuffer* buffer) {
   if (instance.events.empty()) return XR_EVENT_UNAVAILABLE;
   *buffer = instance.events.front();
   instance.events.pop_front();
-  // The application has been told: from here on nothing works but xrDestroyInstance.
+  // The application has received the event: from here on nothing works but xrDestroyInstance.
   if (buffer->type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) instance.lost = true;
   return XR_SUCCESS;
 }

@@ -15,7 +15,7 @@ namespace {
 using omni::runtime::Motion;
 using omni::runtime::TheState;
 
-// Runs `change` on the state, alone.
+// Runs `change` on the state, exclusively.
 template <class Change>
 int Alone(Change change) {
   omni::runtime::State& state = TheState();

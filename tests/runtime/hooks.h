@@ -1,7 +1,7 @@
 #pragma once
 // How a test in the same process moves the simulated world. Link with omni_test_runtime (the loader then opens the very
 // library the test already has), or dlsym these names. Every function takes effect at once and is safe from any thread.
-// int results: 0 done, -1 refused (unknown hand, path, type or an argument out of range).
+// int results: 0 done, -1 rejected (unknown hand, path, type or an argument out of range).
 //
 // Hands are "left" and "right". Input paths are full component paths of the profile that the device has at the moment:
 // "/user/hand/left/input/trigger/value". Poses are {x, y, z, qx, qy, qz, qw} in STAGE, velocities {vx, vy, vz, wx, wy,
@@ -62,11 +62,11 @@ int omni_test_set_head(const float pose[7], const float velocity[6]);
 int omni_test_set_focus(int focus);
 // LOCAL (and LOCAL_FLOOR with it) moves to `pose`, given in the present LOCAL, after delay_ns; the event is queued now.
 int omni_test_recenter(const float pose[7], int64_t delay_ns);
-// The same for "local" or "stage". told = 0: the event does not say where to (poseValid is false).
+// The same for "local" or "stage". told = 0: the event does not contain the new origin (poseValid is false).
 int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int told);
-// 0: STAGE is not offered to sessions from now on.
+// 0: sessions have no STAGE from now on.
 int omni_test_offer_stage(int offered);
-// 0: new instances are refused XR_KHR_convert_timespec_time.
+// 0: new instances cannot enable XR_KHR_convert_timespec_time.
 int omni_test_offer_timespec(int offered);
 // 1: new instances may have XR_FB_haptic_amplitude_envelope and XR_FB_haptic_pcm (of one call 1000 samples are taken).
 int omni_test_offer_shapes(int offered);
@@ -76,15 +76,15 @@ int omni_test_tell_velocities(int told);
 int omni_test_set_hand(const char* hand, int active, const float pose[7], const float velocity[6]);
 // The user quits the application: every running session goes to STOPPING.
 int omni_test_request_exit(void);
-// Every session: LOSS_PENDING is queued, and all its functions but destruction answer XR_ERROR_SESSION_LOST.
+// Every session: LOSS_PENDING is queued, and all its functions but destruction return XR_ERROR_SESSION_LOST.
 int omni_test_lose_session(void);
-// Every instance: the loss event is queued; once it has been polled, all functions answer XR_ERROR_INSTANCE_LOST.
+// Every instance: the loss event is queued; once it has been polled, all functions return XR_ERROR_INSTANCE_LOST.
 int omni_test_lose_instance(void);
 
 int omni_test_haptics(const char* hand, struct OmniTestHaptics* haptics);
 // The newest xrEndFrame that came down, accepted or not; info is null before the first.
 int omni_test_frame(struct OmniTestFrame* frame);
-// Calls of "xrLocateSpace" ... that came down to the runtime since it was loaded; -1 for a function it does not have.
+// Calls of "xrLocateSpace" ... that reached the runtime since it was loaded; -1 for a function it does not have.
 long omni_test_call_count(const char* function);
 // Handles that are alive, of all types.
 uint32_t omni_test_live_handles(void);

@@ -84,7 +84,7 @@ bool FitsArgument(char kind, const std::string& word) {
   }
 }
 
-// Empty, or what is wrong with words = {command, args...}.
+// Empty, or the error in words = {command, args...}.
 std::string CheckCommand(const Words& words) {
   const Command* const command = FindCommand(words[0]);
   if (command == nullptr) return "unknown command '" + words[0] + "'";
@@ -138,7 +138,8 @@ void RunScript(Script& script, XrTime now) {
     const ScriptEvent& event = script.events[script.next];
     if (!FindCommand(event.words[0])->run(TheState(), event.words)) {
       std::fprintf(
-          stderr, "omni_test_runtime: %s: '%s' was refused: the device has no such input, or a value is out of range\n",
+          stderr,
+          "omni_test_runtime: %s: '%s' was rejected: the device has no such input, or a value is out of range\n",
           event.line.c_str(), event.words[0].c_str());
     }
   }

@@ -1,6 +1,6 @@
 #pragma once
 // OMNI_TEST_RUNTIME_SCRIPT: what happens to the simulated world while an application in another process runs. One event
-// a line: "at_seconds command args", counted from the creation of the instance; see docs/howto/test-runtime.md.
+// per line: "at_seconds command args", counted from the creation of the instance; see docs/howto/test-runtime.md.
 
 #include <openxr/openxr.h>
 
@@ -20,7 +20,7 @@ struct Script {
   size_t next = 0;
 };
 
-// Empty on success, else what is wrong in which line. Arguments are checked here, before anything runs.
+// Empty on success, else the line and its error. Arguments are checked here, before anything runs.
 std::string LoadScript(const std::string& file, XrTime start, Script* script);
 
 // Applies the events that are due. The caller holds the world exclusively.

@@ -52,7 +52,7 @@ T* InChain(void* next, XrStructureType type) {
   return reinterpret_cast<T*>(link);
 }
 
-// A structure is there and says what it should be.
+// A structure is present and has the right type.
 template <class T>
 bool Is(const T* structure, XrStructureType type) {
   return structure != nullptr && structure->type == type;

@@ -71,7 +71,7 @@ struct World {
   Hand hands[kHands];
   Origins local_origins;
   Origins stage_origins;
-  bool has_stage = true;         // false: STAGE is not offered
+  bool has_stage = true;         // false: there is no STAGE
   bool has_shapes = false;       // vibrations with a shape: XR_FB_haptic_amplitude_envelope, XR_FB_haptic_pcm
   bool has_timespec = true;      // false: new instances cannot convert times
   bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid

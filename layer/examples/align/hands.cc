@@ -10,7 +10,7 @@ constexpr XrSpaceLocationFlags kTracked =
     XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT |
     XR_SPACE_LOCATION_POSITION_TRACKED_BIT | XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
 
-// All controllers have a grip pose; a profile that a runtime does not know is refused, which does no harm.
+// All controllers have a grip pose; a runtime rejects a profile that it does not know, which does no harm.
 constexpr const char* kProfiles[] = {
     "/interaction_profiles/khr/simple_controller",       "/interaction_profiles/oculus/touch_controller",
     "/interaction_profiles/valve/index_controller",      "/interaction_profiles/htc/vive_controller",
@@ -112,7 +112,7 @@ std::vector<Seen> Hands::Poll(XrTime time) {
   std::vector<Seen> seen;
   XrActiveActionSet active{set_, XR_NULL_PATH};
   XrActionsSyncInfo sync{XR_TYPE_ACTIONS_SYNC_INFO, nullptr, 1, &active};
-  if (time <= 0 || xrSyncActions(session_, &sync) != XR_SUCCESS) return seen;  // not focused: nothing is ours
+  if (time <= 0 || xrSyncActions(session_, &sync) != XR_SUCCESS) return seen;  // not focused: no input for us
   for (int hand = 0; hand < 2; ++hand) {
     XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, kHere};
     if (XR_FAILED(xrLocateSpace(spaces_[hand], base_, time, &location))) continue;

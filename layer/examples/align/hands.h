@@ -25,7 +25,7 @@ class Hands {
   Hands(const Hands&) = delete;
   Hands& operator=(const Hands&) = delete;
 
-  // Those that the runtime tracks now: a guess is not taken.
+  // Only what the runtime tracks now; guessed poses are left out.
   std::vector<Seen> Poll(XrTime time);
 
  private:

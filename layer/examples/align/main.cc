@@ -1,11 +1,11 @@
-// omni_align_probe: says on standard output where the runtime's controllers are, a line a pose, until standard input
-// ends. `omni align` starts it and reads it; it is an ordinary OpenXR application and knows nothing of Omni.
+// omni_align_probe: prints where the runtime's controllers are, one line per pose, until standard input ends.
+// `omni align` starts it and reads its output; it is an ordinary OpenXR application and knows nothing of Omni.
 //
 //   runtime NAME                  as it names itself
 //   system NAME                   of the headset
 //   space N                       XrReferenceSpaceType of all poses below: STAGE, else LOCAL_FLOOR, else LOCAL
 //   pose T PART X Y Z QX QY QZ QW CLOCK_MONOTONIC ns; left, right, left_finger, right_finger; metres
-//   moved                         the runtime moves that space: what was said before is of another origin
+//   moved                         the runtime moves that space: earlier poses have another origin
 //   end REASON                    the session is over
 
 #include <openxr/openxr.h>
@@ -45,7 +45,7 @@ int Fail(const std::string& problem) {
   return 1;
 }
 
-// One line, whatever a runtime calls itself.
+// On one line, whatever the runtime's name contains.
 std::string OneLine(const char* name, std::size_t capacity) {
   std::string text(name, strnlen(name, capacity));
   std::replace_if(
@@ -78,7 +78,7 @@ std::string MakeInstance(bool fingers, Runtime* runtime) {
   return {};
 }
 
-// The space whose origin a person moves least.
+// The space whose origin users move least often.
 XrReferenceSpaceType Choose(XrSession session) {
   uint32_t count = 0;
   xrEnumerateReferenceSpaces(session, 0, &count, nullptr);

@@ -2,9 +2,9 @@
 //
 //   omni_force [--seconds S] [--hand right|left] [--name NAME]
 //
-// Three things, a third of the time each: a breeze that the application itself makes, frame by frame; a table, which
-// the device feels for itself a thousand times a second; and honey. It waits for the pen, and prints four times a
-// second what force acts. Exit status: 0; 1 with a line on stderr; 2 wrong arguments.
+// Three effects, a third of the time each: a breeze that the application itself makes, frame by frame; a table, which
+// the device renders by itself a thousand times a second; and honey. It waits for the pen, and prints the acting force
+// four times a second. Exit status: 0; 1 with a line on stderr; 2 wrong arguments.
 
 #include <openxr/omni_force_feedback.h>
 #include <openxr/openxr.h>
@@ -88,25 +88,25 @@ bool FindPen(XrInstance instance, XrSession session, const std::string& hand, Xr
     force.pen = XR_NULL_HANDLE;
     return false;
   }
-  // Where force can be felt: a shell around the base, in any space.
+  // Where force can act: a shell around the base, in any space.
   const XrForceFeedbackPropertiesGetInfoOMNIX1 where{XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1, nullptr,
                                                      force.local, time};
   force.properties = {};
   force.properties.type = XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1;
   if (!Ok(force.xr.get_properties(force.pen, &where, &force.properties), "xrGetForceFeedbackPropertiesOMNIX1"))
     return false;
-  std::printf("the pen feels force from %.0f to %.0f mm around the base\n", 1e3f * force.properties.innerRadius,
+  std::printf("force acts from %.0f to %.0f mm around the base\n", 1e3f * force.properties.innerRadius,
               1e3f * force.properties.outerRadius);
   return true;
 }
 
-// 4. A force of the application's own, in newtons. It ends by itself after `duration` unless it is renewed: should the
-// application hang, the hand is let go. `ramp` makes steps between frames smooth.
+// 4. A force of the application's own, in newtons. It ends by itself after `duration` unless it is renewed: if the
+// application hangs, the hand is released. `ramp` makes steps between frames smooth.
 void Breeze(const Force& force, double time_s) {
   const auto swell = static_cast<float>(0.2 * std::sin(2 * 3.14159265 * 0.5 * time_s));
   const XrForceApplyInfoOMNIX1 info{
       XR_TYPE_FORCE_APPLY_INFO_OMNIX1, nullptr, force.local, {swell, 0, 0}, kSecond_ns / 20, kSecond_ns / 90};
-  force.xr.apply(force.pen, &info);  // XR_SESSION_NOT_FOCUSED is a success: nothing is felt then
+  force.xr.apply(force.pen, &info);  // XR_SESSION_NOT_FOCUSED is a success code: no force acts then
 }
 
 // 5. A constraint: the device evaluates it at its own rate, so that it is crisp and stable whatever the frame rate is.
@@ -142,7 +142,7 @@ void SetHoney(const Force& force) {
   Ok(force.xr.set_constraints(force.pen, &info), "xrSetForceFeedbackConstraintsOMNIX1");
 }
 
-// 6. What is felt, and why it may be less than was asked for.
+// 6. The acting force, and why it may be less than requested.
 void PrintState(Force& force, XrTime time) {
   const XrForceFeedbackStateGetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, nullptr, force.local,
                                                time};
@@ -153,7 +153,7 @@ void PrintState(Force& force, XrTime time) {
   force.largest_N = std::fmax(force.largest_N, std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z));
   if (force.frames % 22 != 0) return;
   std::printf("%s, force (%.2f, %.2f, %.2f) N%s%s%s\n", state.isActive ? "active" : "not active", f.x, f.y, f.z,
-              state.stateFlags & XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1 ? ", all that the device makes" : "",
+              state.stateFlags & XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1 ? ", at the device's limit" : "",
               state.stateFlags & XR_FORCE_FEEDBACK_STATE_OUT_OF_WORKSPACE_BIT_OMNIX1 ? ", too far away" : "",
               state.stateFlags & XR_FORCE_FEEDBACK_STATE_STALE_BIT_OMNIX1 ? ", the device has gone" : "");
 }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kUsage = "usage: %s [--hand right|left] [--seconds S] [--name NAME]%s\n";
 
-// Empty: taken.
+// Empty: accepted.
 std::string Take(const std::string& key, const char* value, Options& options) {
   if (key != "--hand" && key != "--name" && key != "--seconds") return "there is no option '" + key + "'";
   if (value == nullptr) return key + ": its value is missing";
@@ -17,12 +17,12 @@ std::string Take(const std::string& key, const char* value, Options& options) {
   } else if (key == "--hand") {
     options.hand = value;
     if (options.hand != "right" && options.hand != "left")
-      return "--hand: '" + options.hand + "' is neither right nor left";
+      return "--hand: '" + options.hand + "' must be right or left";
   } else {
     char* end = nullptr;
     options.seconds = std::strtod(value, &end);
     if (end == value || *end != '\0' || !(options.seconds > 0))
-      return "--seconds: '" + std::string(value) + "' is no time";
+      return "--seconds: '" + std::string(value) + "' must be a number of seconds above 0";
   }
   return {};
 }

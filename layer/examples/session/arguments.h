@@ -12,8 +12,8 @@ struct Options {
   double seconds = 10;
 };
 
-// [--hand right|left] [--seconds S] [--name NAME]; `options.name` is at first the program's. Nothing: go on. Else the
-// exit status: 0, --help was printed; 2, something else was given, and stderr says what.
+// [--hand right|left] [--seconds S] [--name NAME]; `options.name` is at first the program's. Empty: continue. Otherwise
+// the exit status: 0, --help was printed; 2, something else was given, and stderr says what.
 std::optional<int> ParseArguments(int argc, char** argv, Options& options);
 
 }  // namespace example

@@ -12,7 +12,7 @@
 namespace example {
 namespace {
 
-constexpr long kFramePeriod_ns = 11'111'111;  // of an application without graphics: nobody paces it
+constexpr long kFramePeriod_ns = 11'111'111;  // of an application without graphics: no runtime paces it
 
 void* FunctionOf(XrInstance instance, const char* name) {
   PFN_xrVoidFunction function = nullptr;

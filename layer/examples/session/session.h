@@ -28,7 +28,7 @@ struct Instance {
 
 class Session {
  public:
-  // Before xrCreateInstance: the extensions to enable for a session. Empty: there is no way to one; `problem` says why.
+  // Before xrCreateInstance: the extensions to enable for a session. Empty: no session is possible; `problem` says why.
   static std::vector<const char*> Extensions(const std::vector<std::string>& offered, std::string* problem);
 
   // Creates the session with what Extensions() chose; on failure handle() is XR_NULL_HANDLE and problem() says why.
@@ -40,15 +40,15 @@ class Session {
   XrSession handle() const { return session_; }
   const std::string& problem() const { return problem_; }
   bool running() const { return running_; }  // between xrBeginSession and xrEndSession
-  bool over() const { return over_; }        // the runtime wants no more of it
+  bool over() const { return over_; }        // the runtime has ended it
   bool focused() const { return focused_; }  // input and forces are ours
 
-  // Once per pass: takes the events of the runtime and begins or ends the session as they say. Events for which
-  // `other` is not null are handed on to it.
+  // Once per pass: handles the runtime's events and begins or ends the session accordingly. All other events go to
+  // `other` if it is not null.
   void PollEvents(void (*other)(const XrEventDataBuffer& event, void* user), void* user);
 
   // Waits for the next frame, and submits an empty one where there are graphics. The time for which poses are wanted:
-  // now without graphics, else when the frame will be seen. 0: not running, or the runtime refused.
+  // now without graphics, else when the frame will be seen. 0: not running, or the runtime returned an error.
   XrTime NextFrame();
 
  private:

@@ -130,7 +130,7 @@ struct Counts {
   std::string profile = "none";
 };
 
-// 5. Every frame: states are taken at xrSyncActions and stay the same until the next one.
+// 5. Every frame: states are sampled at xrSyncActions and stay the same until the next one.
 void ReadButtons(XrSession session, const Actions& actions, XrPath hand, Counts& counts) {
   const XrActionStateGetInfo select{XR_TYPE_ACTION_STATE_GET_INFO, nullptr, actions.select, hand};
   XrActionStateBoolean state{};

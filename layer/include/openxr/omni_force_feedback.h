@@ -69,29 +69,29 @@ static const XrForceFeedbackCapabilityFlagBitsOMNIX1 XR_FORCE_FEEDBACK_CAPABILIT
 /* xrApplyHapticFeedback and forces act at the same time. */
 static const XrForceFeedbackCapabilityFlagBitsOMNIX1 XR_FORCE_FEEDBACK_CAPABILITY_VIBRATION_BIT_OMNIX1 = 0x00000004;
 
-/* What holds now. No bit says that an earlier call failed. */
+/* The present state. No bit reports that an earlier call failed. */
 typedef XrFlags64 XrForceFeedbackStateFlagsOMNIX1;
 typedef XrFlags64 XrForceFeedbackStateFlagBitsOMNIX1;
 /* The session is not focused: all forces are zero, and forces and constraints set before are gone. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_FOCUS_LOST_BIT_OMNIX1 = 0x00000001;
-/* The device makes less force than asked for, in the same direction. */
+/* The device produces less force than requested, in the same direction. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1 = 0x00000002;
-/* The device is warm and offers less force than it does when it is cold. */
+/* The device is warm and can produce less force than when it is cold. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_THERMAL_LIMITED_BIT_OMNIX1 = 0x00000004;
-/* No force can be made where the device is now. */
+/* No force is available where the device is now. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_OUT_OF_WORKSPACE_BIT_OMNIX1 = 0x00000008;
-/* The device reports a fault and has taken all force away. */
+/* The device reports a fault and has removed all force. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1 = 0x00000010;
-/* Nothing has been heard of the device for 100 ms: its service ended, or it was unplugged. */
+/* No data from the device for 100 ms: its service ended, or it was unplugged. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_STALE_BIT_OMNIX1 = 0x00000020;
-/* Constraints are rendered less stiff or less damped than asked for, so that the hand stays calm. */
+/* Constraints are rendered less stiff or less damped than requested, to stay stable. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_STIFFNESS_LIMITED_BIT_OMNIX1 = 0x00000040;
 /* Another application has the device. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_IN_USE_BIT_OMNIX1 = 0x00000080;
 
 /* On which side of a plane or sphere the device is held. */
 typedef enum XrForceFeedbackSideOMNIX1 {
-  /* On the surface: drawn to it from both sides. */
+  /* On the surface: attracted to it from both sides. */
   XR_FORCE_FEEDBACK_SIDE_ON_OMNIX1 = 0,
   /* Plane: where the normal points to. Sphere: outside of it. Force only while it is beyond. */
   XR_FORCE_FEEDBACK_SIDE_OUTSIDE_OMNIX1 = 1,
@@ -100,8 +100,8 @@ typedef enum XrForceFeedbackSideOMNIX1 {
   XR_FORCE_FEEDBACK_SIDE_MAX_ENUM_OMNIX1 = 0x7FFFFFFF
 } XrForceFeedbackSideOMNIX1;
 
-/* Chain it to XrSystemProperties. All zero where supportsForceFeedback is XR_FALSE: the service is absent or has no
- * device, maybe only for now. */
+/* Chain it to XrSystemProperties. All zero if supportsForceFeedback is XR_FALSE: the service is absent or has no
+ * device, possibly only temporarily. */
 typedef struct XrSystemForceFeedbackPropertiesOMNIX1 {
   XrStructureType type;
   void* XR_MAY_ALIAS next;
@@ -109,7 +109,7 @@ typedef struct XrSystemForceFeedbackPropertiesOMNIX1 {
   XrForceFeedbackCapabilityFlagsOMNIX1 capabilityFlags;
   float maxForce;              /* N, anywhere and for a short time */
   float maxContinuousForce;    /* N, where it is largest, for any time */
-  float maxStiffness;          /* N/m, the most that any constraint is given; noise and delay may leave less */
+  float maxStiffness;          /* N/m, the most that any constraint gets; noise and delay may reduce it */
   float maxDamping;            /* N s/m, likewise */
   float updateRate;            /* Hz, of constraints */
   uint32_t maxConstraintCount; /* <= XR_MAX_FORCE_FEEDBACK_CONSTRAINTS_OMNIX1 */
@@ -128,7 +128,7 @@ typedef struct XrForceFeedbackPropertiesGetInfoOMNIX1 {
   XrTime time;       /* at which the workspace is located; > 0 */
 } XrForceFeedbackPropertiesGetInfoOMNIX1;
 
-/* The largest force that the device makes in every direction at one distance from the workspace's origin. */
+/* The largest force that the device can produce in every direction at one distance from the workspace's origin. */
 typedef struct XrForceFeedbackReachOMNIX1 {
   float distance; /* m, of the device point */
   float force;    /* N, in the direction in which it is least, device pointing at the origin, device cold */
@@ -153,14 +153,14 @@ typedef struct XrForceApplyInfoOMNIX1 {
   XrStructureType type;
   const void* XR_MAY_ALIAS next;
   XrSpace baseSpace;       /* its orientation at the time of the call counts */
-  XrVector3f force;        /* N, on the device, in baseSpace; finite; a larger one than the device makes is clamped */
+  XrVector3f force;        /* N, on the device, in baseSpace; finite; clamped to what the device can produce */
   XrDuration duration;     /* ns, > 0; from XR_MAX_FORCE_DURATION_OMNIX1 on: that. Then it fades out within 20 ms */
   XrDuration rampDuration; /* ns, >= 0: time from the present force to this one; at most XR_MAX_FORCE_DURATION_OMNIX1 */
 } XrForceApplyInfoOMNIX1;
 
-/* How every constraint structure begins. A constraint is a spring and a damper between the device point and a shape
- * that is fixed in baseSpace; the device evaluates it at its own rate. A constraint only gives back what the hand has
- * put in. */
+/* Common header of all constraint structures. A constraint is a spring and a damper between the device point and a
+ * shape that is fixed in baseSpace; the device evaluates it at its own rate. A constraint only returns energy that the
+ * hand has put in. */
 typedef struct XR_MAY_ALIAS XrForceFeedbackConstraintBaseHeaderOMNIX1 {
   XrStructureType type;
   const void* XR_MAY_ALIAS next;
@@ -231,11 +231,11 @@ typedef struct XrForceFeedbackConstraintViscousOMNIX1 {
   float maxForce;
 } XrForceFeedbackConstraintViscousOMNIX1;
 
-/* All constraints that hold from now on; those set before go. All of them are taken, or none. */
+/* Replaces all constraints set before. All of them are accepted, or none. */
 typedef struct XrForceFeedbackConstraintsSetInfoOMNIX1 {
   XrStructureType type;
   const void* XR_MAY_ALIAS next;
-  uint32_t constraintCount; /* 0: none hold any more; at most maxConstraintCount */
+  uint32_t constraintCount; /* 0: removes all; at most maxConstraintCount */
   const XrForceFeedbackConstraintBaseHeaderOMNIX1* const* constraints;
 } XrForceFeedbackConstraintsSetInfoOMNIX1;
 
@@ -249,7 +249,7 @@ typedef struct XrForceFeedbackStateGetInfoOMNIX1 {
 typedef struct XrForceFeedbackStateOMNIX1 {
   XrStructureType type;
   void* XR_MAY_ALIAS next;
-  XrBool32 isActive; /* forces of this handle can be felt: focused, not in use by others, device there */
+  XrBool32 isActive; /* forces of this handle take effect: focused, not in use by others, device present */
   XrForceFeedbackStateFlagsOMNIX1 stateFlags;
   XrTime sampleTime;       /* of what follows; 0: there is none */
   XrBool32 isForceValid;   /* XR_FALSE: baseSpace could not be located, or there is no sample; appliedForce is zero */
@@ -257,8 +257,8 @@ typedef struct XrForceFeedbackStateOMNIX1 {
   uint32_t contactCount;   /* surfaces touched */
 } XrForceFeedbackStateOMNIX1;
 
-/* isActive or stateFlags are not what they were. SATURATED, THERMAL_LIMITED, OUT_OF_WORKSPACE and STIFFNESS_LIMITED are
- * told to have ended only after 0.5 s without them. */
+/* isActive or stateFlags changed. SATURATED, THERMAL_LIMITED, OUT_OF_WORKSPACE and STIFFNESS_LIMITED are reported as
+ * cleared only after 0.5 s without them. */
 typedef struct XrEventDataForceFeedbackStateChangedOMNIX1 {
   XrStructureType type;
   const void* XR_MAY_ALIAS next;

@@ -1,12 +1,12 @@
 /*
  * XR_OMNIX1_haptic_scene: a scene that the pen touches, given by the application.
  *
- * EXPERIMENTAL. The author tag is not registered with Khronos; names and values change before it is. What is written
- * here is the reference; docs/extensions/XR_OMNIX1_haptic_scene.md has the rules in full.
+ * EXPERIMENTAL. The author tag is not registered with Khronos; names and values will change with a registration. This
+ * header is the reference; docs/extensions/XR_OMNIX1_haptic_scene.md has the rules in full.
  *
- * Units: SI (metres, seconds, newtons). Frames: as said at each field. The "scene frame" is that of the glTF document:
- * right-handed, y up, metres as the file has them; the placement says where it stands and how large it is.
- * C89, needs <openxr/openxr.h> 1.0.20 or newer and nothing else. Requires XR_OMNIX1_force_feedback to be enabled too.
+ * Units: SI (metres, seconds, newtons). Frames: as documented at each field. The "scene frame" is that of the glTF
+ * document: right-handed, y up, metres as in the file; the placement sets its pose and scale. C89, needs
+ * <openxr/openxr.h> 1.0.20 or newer and nothing else. Requires XR_OMNIX1_force_feedback to be enabled too.
  */
 #ifndef OPENXR_OMNI_HAPTIC_SCENE_H_
 #define OPENXR_OMNI_HAPTIC_SCENE_H_ 1
@@ -46,11 +46,11 @@ extern "C" {
 #define XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1 OMNI_XR_ENUMERANT(XrResult, -2000002000)
 /* The scene is FAILED: xrGetHapticSceneDiagnosticsOMNIX1 says why. */
 #define XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1 OMNI_XR_ENUMERANT(XrResult, -2000002001)
-/* No node of this scene has that id, or the node cannot do what was asked (move, deform). */
+/* No node of this scene has that id, or the node does not support the operation (move, deform). */
 #define XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1 OMNI_XR_ENUMERANT(XrResult, -2000002002)
 
 XR_DEFINE_HANDLE(XrHapticSceneOMNIX1) /* parent: XrSession */
-XR_DEFINE_ATOM(XrHapticNodeIdOMNIX1)  /* valid for the life of the scene that gave it */
+XR_DEFINE_ATOM(XrHapticNodeIdOMNIX1)  /* valid as long as its scene */
 
 #define XR_NULL_HAPTIC_NODE_ID_OMNIX1 0
 
@@ -63,8 +63,8 @@ XR_DEFINE_ATOM(XrHapticNodeIdOMNIX1)  /* valid for the life of the scene that ga
 /* ---- Creation ---------------------------------------------------------------------------------------------------- */
 
 typedef XrFlags64 XrHapticSceneCreateFlagsOMNIX1;
-/* A document without any haptic tag is touched as a whole, with the default material. Without this bit such a document
- * makes a scene in which nothing is felt. */
+/* A document without any haptic tag can be touched as a whole, with the default material. Without this bit such a
+ * document makes a scene that cannot be touched. */
 static const XrHapticSceneCreateFlagsOMNIX1 XR_HAPTIC_SCENE_CREATE_TOUCH_UNTAGGED_BIT_OMNIX1 = 0x00000001;
 /* Every node may be moved by xrUpdateHapticNodesOMNIX1, as if each had the tag "kinematic". */
 static const XrHapticSceneCreateFlagsOMNIX1 XR_HAPTIC_SCENE_CREATE_ALL_KINEMATIC_BIT_OMNIX1 = 0x00000002;
@@ -79,7 +79,7 @@ typedef struct XrHapticSceneCreateInfoOMNIX1 {
 
 typedef enum XrHapticSceneStatusOMNIX1 {
   XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1 = 0, /* being built, or waiting for the service */
-  XR_HAPTIC_SCENE_STATUS_READY_OMNIX1 = 1,   /* felt while it is enabled and the session is focused */
+  XR_HAPTIC_SCENE_STATUS_READY_OMNIX1 = 1,   /* rendered while it is enabled and the session is focused */
   XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1 = 2,  /* for good: destroy it */
   XR_HAPTIC_SCENE_STATUS_MAX_ENUM_OMNIX1 = 0x7FFFFFFF
 } XrHapticSceneStatusOMNIX1;
@@ -95,7 +95,7 @@ typedef struct XrHapticSceneStateOMNIX1 {
   XrDuration loadTime;    /* from the service's receipt of the document to READY or FAILED, ns */
 } XrHapticSceneStateOMNIX1;
 
-/* Sent whenever `status` changes; the first one after creation tells READY or FAILED. */
+/* Sent whenever `status` changes; the first one after creation reports READY or FAILED. */
 typedef struct XrEventDataHapticSceneStateChangedOMNIX1 {
   XrStructureType type; /* XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1 */
   const void* XR_MAY_ALIAS next;
@@ -110,17 +110,17 @@ typedef struct XrEventDataHapticSceneStateChangedOMNIX1 {
 typedef struct XrHapticScenePlacementOMNIX1 {
   XrStructureType type; /* XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1 */
   const void* XR_MAY_ALIAS next;
-  XrSpace baseSpace; /* followed while it moves: looked up at every xrWaitFrame */
+  XrSpace baseSpace; /* followed while it moves: located at every xrWaitFrame */
   XrPosef pose;      /* of the scene frame in baseSpace */
-  float scale;       /* metres per metre of the document, 1e-4 to 1e4; another one than before loads the scene anew */
+  float scale;       /* metres per metre of the document, 1e-4 to 1e4; a different one reloads the scene */
 } XrHapticScenePlacementOMNIX1;
 
 /* ---- Nodes ------------------------------------------------------------------------------------------------------- */
 
 typedef XrFlags64 XrHapticNodeFlagsOMNIX1;
 static const XrHapticNodeFlagsOMNIX1 XR_HAPTIC_NODE_KINEMATIC_BIT_OMNIX1 = 0x00000001;  /* may be moved */
-static const XrHapticNodeFlagsOMNIX1 XR_HAPTIC_NODE_SOFT_BIT_OMNIX1 = 0x00000002;       /* gives way to the pen */
-static const XrHapticNodeFlagsOMNIX1 XR_HAPTIC_NODE_SCULPTABLE_BIT_OMNIX1 = 0x00000004; /* is formed by the pen */
+static const XrHapticNodeFlagsOMNIX1 XR_HAPTIC_NODE_SOFT_BIT_OMNIX1 = 0x00000002;       /* deforms under the pen */
+static const XrHapticNodeFlagsOMNIX1 XR_HAPTIC_NODE_SCULPTABLE_BIT_OMNIX1 = 0x00000004; /* is sculpted by the pen */
 static const XrHapticNodeFlagsOMNIX1 XR_HAPTIC_NODE_EXTRUDABLE_BIT_OMNIX1 = 0x00000008; /* faces are pulled, pushed */
 static const XrHapticNodeFlagsOMNIX1 XR_HAPTIC_NODE_DOUBLE_SIDED_BIT_OMNIX1 = 0x00000010;
 
@@ -138,7 +138,7 @@ typedef struct XrHapticSceneNodeOMNIX1 {
 } XrHapticSceneNodeOMNIX1;
 
 typedef XrFlags64 XrHapticNodePoseFlagsOMNIX1;
-/* Put there, not moved there: nothing in between is touched, and the pen feels no motion. */
+/* Teleported, not moved: nothing in between is touched, and no motion is rendered. */
 static const XrHapticNodePoseFlagsOMNIX1 XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1 = 0x00000001;
 
 typedef struct XrHapticNodePoseOMNIX1 {
@@ -160,11 +160,11 @@ typedef struct XrHapticNodesUpdateInfoOMNIX1 {
 
 /* ---- Materials --------------------------------------------------------------------------------------------------- */
 
-/* How a surface feels. What lies outside of a range is taken to its nearest end. */
+/* How a surface feels. Values outside of a range are clamped to it. */
 typedef struct XrHapticMaterialOMNIX1 {
   XrStructureType type; /* XR_TYPE_HAPTIC_MATERIAL_OMNIX1 */
   void* XR_MAY_ALIAS next;
-  float stiffness;          /* N/m, 0 to 2000; what the device can hold stable is offered at most */
+  float stiffness;          /* N/m, 0 to 2000; at most what the device renders stably */
   float damping;            /* N s/m, 0 to 5 */
   float staticFriction;     /* Coulomb, 0 to 2 */
   float dynamicFriction;    /* 0 to staticFriction */
@@ -183,7 +183,7 @@ typedef struct XrHapticContactsGetInfoOMNIX1 {
   XrStructureType type; /* XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1 */
   const void* XR_MAY_ALIAS next;
   XrSpace baseSpace; /* what is returned is expressed in it */
-  XrTime time;       /* at which baseSpace is looked up; the contacts are always the newest */
+  XrTime time;       /* at which baseSpace is located; the contacts are always the newest */
 } XrHapticContactsGetInfoOMNIX1;
 
 typedef struct XrHapticContactOMNIX1 {
@@ -193,7 +193,7 @@ typedef struct XrHapticContactOMNIX1 {
   uint32_t materialIndex;
   XrVector3f point;        /* on the surface, m */
   XrVector3f normal;       /* unit, towards the side the pen came from */
-  XrVector3f force;        /* that this contact asks for on the pen, N; the device's limits come after */
+  XrVector3f force;        /* requested by this contact on the pen, N; before the device's limits */
   float normalForce;       /* N, >= 0 */
   float tangentialForce;   /* N, >= 0 */
   float penetration;       /* m, >= 0: of the tip under the surface */
@@ -215,34 +215,34 @@ typedef struct XrHapticNodeMeshOMNIX1 {
   XrStructureType type; /* XR_TYPE_HAPTIC_NODE_MESH_OMNIX1 */
   void* XR_MAY_ALIAS next;
   XrTime time;           /* of the measurement that the shape follows from; 0: at rest since the scene became ready */
-  uint64_t vertexChange; /* another number: other vertices */
-  uint64_t indexChange;  /* another number: other indices, and perhaps other counts */
+  uint64_t vertexChange; /* changes when the vertices change */
+  uint64_t indexChange;  /* changes when the indices, and perhaps the counts, change */
   float maxDisplacement; /* m of the document, of a vertex from its rest; 0 for a sculpted node */
   uint32_t vertexCapacityInput;
   uint32_t vertexCountOutput;
-  XrVector3f* vertices; /* scene frame, document's metres; what xrUpdateHapticNodesOMNIX1 says is not in them */
+  XrVector3f* vertices; /* scene frame, document's metres; without the motion set by xrUpdateHapticNodesOMNIX1 */
   uint32_t indexCapacityInput;
-  uint32_t indexCountOutput; /* three a triangle, counter-clockwise from outside */
+  uint32_t indexCountOutput; /* three per triangle, counter-clockwise from outside */
   uint32_t* indices;
 } XrHapticNodeMeshOMNIX1;
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
-/* Takes a copy of the document and starts to load it; returns at once with status LOADING. One at a time: a
- * second one is XR_ERROR_LIMIT_REACHED. From READY until it is destroyed it stands in the place of the scene that the
- * service's configuration has for this application. */
+/* Copies the document and starts to load it; returns at once with status LOADING. One at a time: a second one is
+ * XR_ERROR_LIMIT_REACHED. From READY until it is destroyed it replaces the scene that the service's configuration has
+ * for this application. */
 typedef XrResult(XRAPI_PTR* PFN_xrCreateHapticSceneOMNIX1)(XrSession session,
                                                            const XrHapticSceneCreateInfoOMNIX1* createInfo,
                                                            XrHapticSceneOMNIX1* scene);
 
-/* Ends the scene; what it made felt is gone within 10 ms. */
+/* Destroys the scene; its forces end within 10 ms. */
 typedef XrResult(XRAPI_PTR* PFN_xrDestroyHapticSceneOMNIX1)(XrHapticSceneOMNIX1 scene);
 
 typedef XrResult(XRAPI_PTR* PFN_xrGetHapticSceneStateOMNIX1)(XrHapticSceneOMNIX1 scene,
                                                              XrHapticSceneStateOMNIX1* state);
 
-/* Two-call text for people, UTF-8, a line each: FAILED: why, with the JSON pointer of the culprit; READY: warnings;
- * LOADING: what is waited for. */
+/* Human-readable text (two-call idiom), UTF-8, one message per line. FAILED: why, with the JSON pointer of the cause;
+ * READY: warnings; LOADING: what the scene waits for. */
 typedef XrResult(XRAPI_PTR* PFN_xrGetHapticSceneDiagnosticsOMNIX1)(XrHapticSceneOMNIX1 scene,
                                                                    uint32_t bufferCapacityInput,
                                                                    uint32_t* bufferCountOutput, char* buffer);
@@ -256,10 +256,10 @@ typedef XrResult(XRAPI_PTR* PFN_xrEnumerateHapticSceneNodesOMNIX1)(XrHapticScene
 typedef XrResult(XRAPI_PTR* PFN_xrSetHapticScenePlacementOMNIX1)(XrHapticSceneOMNIX1 scene,
                                                                  const XrHapticScenePlacementOMNIX1* placement);
 
-/* A scene that is not enabled is not felt; what it knows (nodes, materials, poses) is kept. New scenes are enabled. */
+/* A disabled scene is not rendered but keeps its nodes, materials and poses. New scenes are enabled. */
 typedef XrResult(XRAPI_PTR* PFN_xrSetHapticSceneEnabledOMNIX1)(XrHapticSceneOMNIX1 scene, XrBool32 enabled);
 
-/* Poses of kinematic nodes, usually once a frame. All or none are taken. */
+/* Poses of kinematic nodes, usually once a frame. All or none are applied. */
 typedef XrResult(XRAPI_PTR* PFN_xrUpdateHapticNodesOMNIX1)(XrHapticSceneOMNIX1 scene,
                                                            const XrHapticNodesUpdateInfoOMNIX1* updateInfo);
 
@@ -269,7 +269,7 @@ typedef XrResult(XRAPI_PTR* PFN_xrGetHapticMaterialOMNIX1)(XrHapticSceneOMNIX1 s
 typedef XrResult(XRAPI_PTR* PFN_xrSetHapticMaterialOMNIX1)(XrHapticSceneOMNIX1 scene, uint32_t materialIndex,
                                                            const XrHapticMaterialOMNIX1* material);
 
-/* Two-call; none unless the scene is felt. */
+/* Two-call; none unless the scene is rendered. */
 typedef XrResult(XRAPI_PTR* PFN_xrEnumerateHapticContactsOMNIX1)(XrHapticSceneOMNIX1 scene,
                                                                  const XrHapticContactsGetInfoOMNIX1* getInfo,
                                                                  uint32_t contactCapacityInput,

@@ -1,12 +1,12 @@
-// Reading input. The next layer is always asked first: it validates, and its answer stands
-// wherever the pen has no part.
+// Reading input. The next layer is always called first: it validates, and its answer is returned unless the pen
+// contributes.
 #include "layer/src/instance/instance.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
 
-// Fills `state` with what the last sync found, if the pen has had a part in this session.
+// Fills `state` with what the last sync found, if the pen has contributed in this session.
 template <class State, class Assign>
 void Overlay(const Instance& instance, XrSession session, const XrActionStateGetInfo& info, State& state,
              Assign assign) {

@@ -1,4 +1,4 @@
-// Action sets, actions, attachment and the sync, the one place where anything of them changes.
+// Action sets, actions, attachment and the sync, the only place where their state changes.
 #include <cstring>
 #include <string>
 
@@ -114,7 +114,7 @@ XrResult Instance::AttachSessionActionSets(XrSession session, const XrSessionAct
     const std::lock_guard lock(suggestions_mutex_);
     suggestions = suggestions_;
   }
-  // Actions that were destroyed since they were suggested go on working; their suggestions keep them.
+  // Actions that were destroyed since they were suggested keep working; their suggestions keep them alive.
   std::vector<std::shared_ptr<Action>> candidates = actions.Values();
   for (const auto& [profile, entries] : suggestions)
     for (const Suggestion& entry : entries)
@@ -122,8 +122,7 @@ XrResult Instance::AttachSessionActionSets(XrSession session, const XrSessionAct
   const std::unique_lock lock(record->mutex);
   record->actions.Attach(sets, candidates, suggestions);
   if (record->actions.preference_unusable())
-    log.Line(
-        "the preferred profile gives the pen nothing of what this application suggests; taking the best of the others");
+    log.Line("the preferred profile has no suggested binding that the pen serves; using the best of the others");
   return result;
 }
 
@@ -156,7 +155,7 @@ XrPath Instance::ProfileBelow(XrSession session, XrPath user_path) const {
   return XR_SUCCEEDED(result) ? below.interactionProfile : XR_NULL_PATH;
 }
 
-// A pen that lies there leaves its hand to the runtime's controller, if the runtime has one for that hand.
+// A pen that was put down yields its hand to the runtime's controller, if the runtime has one for that hand.
 bool Instance::PutDown(Session& session, const PenSnapshot& pen) {
   if (!pen.present) {
     session.rest.Reset();
@@ -169,7 +168,7 @@ bool Instance::PutDown(Session& session, const PenSnapshot& pen) {
   return session.rest.Update(pen, limits) && ProfileBelow(session.handle, session.actions.hand_path()) != XR_NULL_PATH;
 }
 
-// The runtime tells of its own changes; we tell of what the pen changes for the application, if it changes anything.
+// The runtime reports its own changes; we report the pen's, if they change the profile that the application sees.
 // `before` and `after` differ.
 void Instance::NotifyProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after) {
   if (!session.running) return;
@@ -212,7 +211,7 @@ XrResult Instance::SyncActions(XrSession session, const XrActionsSyncInfo* info)
     const Profile* after = state.ProfileAt(hand_paths[hand]);
     if (before[hand] == after) continue;
     const std::string side(UserPath(static_cast<Hand>(hand)));
-    log.Line(side + (after ? " is the pen's, as " + after->path : ": the pen is gone or put down"));
+    log.Line(side + (after ? ": the pen, as " + after->path : ": the pen is gone or put down"));
     NotifyProfileChange(*record, hand_paths[hand], before[hand], after);
   }
   return result;

@@ -1,8 +1,8 @@
-// What an application asks of a suggested binding beside its path: the structures chained to
+// What an application specifies for a suggested binding besides its path: the structures chained to
 // XrInteractionProfileSuggestedBinding (XR_KHR_binding_modification, XR_VALVE_analog_threshold).
 //
 // XrInteractionProfileDpadBindingEXT (XR_EXT_dpad_binding) is passed on like everything in the chain; the pen has no
-// dpad, so that a binding to a dpad path gives it nothing, as any binding that a device cannot serve.
+// dpad, so a binding to a dpad path is inactive, like any binding that a device cannot serve.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 
 namespace omni::layer {
 
-// A vibration that goes with an edge.
+// A vibration played at an edge.
 struct Pulse {
   XrDuration duration_ns = 0;
   float frequency_Hz = 0;  // 0: the device's best
   float amplitude = 0;     // 0..1
 };
 
-// Within their ranges: XR_MIN_HAPTIC_DURATION is -1, as in the protocol; what is no number is rest.
+// Within their ranges: XR_MIN_HAPTIC_DURATION is -1, as in the protocol; NaN becomes 0.
 Pulse ToPulse(const XrHapticVibration& vibration);
 
 // An analog source read as a boolean: true from `on`, false again below `off`.
@@ -47,8 +47,8 @@ struct ModificationExtensions {
 std::vector<BindingThreshold> ReadThresholds(const XrInteractionProfileSuggestedBinding& suggested,
                                              const ModificationExtensions& enabled);
 
-// What XR_VALVE_analog_threshold asks of a threshold: XR_ERROR_VALIDATION_FAILURE for values out of 0..1 or on below
-// off, XR_ERROR_PATH_UNSUPPORTED for an (action, path) that is not among the suggested ones.
+// What XR_VALVE_analog_threshold requires of a threshold: XR_ERROR_VALIDATION_FAILURE for values out of 0..1 or on
+// below off, XR_ERROR_PATH_UNSUPPORTED for an (action, path) that is not among the suggested ones.
 XrResult CheckThresholds(const XrInteractionProfileSuggestedBinding& suggested,
                          const std::vector<BindingThreshold>& thresholds);
 

@@ -1,4 +1,4 @@
-// What an application shows its user: which physical sources feed an action, and what they are called.
+// What an application shows its user: which physical sources feed an action, and their names.
 #include <algorithm>
 #include <cstring>
 #include <string>
@@ -70,7 +70,7 @@ XrResult Instance::EnumerateBoundSourcesForAction(XrSession session, const XrBou
   if (below > 0) result = next.EnumerateBoundSourcesForAction(session, info, below, &below, all.data());
   if (XR_FAILED(result)) return result;
   all.resize(std::min<std::size_t>(below, all.size()));
-  // Our hand has no other device while the pen is there.
+  // The pen's hand has no other device while the pen is present.
   all.erase(
       std::remove_if(all.begin(), all.end(), [&](XrPath path) { return StartsWith(PathText(path), UserPath(hand)); }),
       all.end());

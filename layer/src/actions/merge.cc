@@ -35,7 +35,7 @@ void EdgeTracker::StepDigital(bool now_pressed, std::uint32_t press_count, std::
 void EdgeTracker::StepAnalog(float value, std::uint32_t press_count, float on, float off) {
   if (pressed) {
     pressed = value >= off;
-    if (pressed) seen_press = press_count;  // else one that came since is reported by the next sync
+    if (pressed) seen_press = press_count;  // otherwise a later one is reported by the next sync
     return;
   }
   pressed = value >= on || (on <= kPressThreshold && press_count != seen_press);

@@ -18,7 +18,7 @@ struct EdgeTracker {
   std::uint32_t seen_press = 0;
   std::uint32_t seen_release = 0;
 
-  // From now on; edges before it are history.
+  // Counts from now on; earlier edges are ignored.
   void Start(std::uint32_t press_count, std::uint32_t release_count);
   void StepDigital(bool now_pressed, std::uint32_t press_count, std::uint32_t release_count);
   // Pressed from `on`, released below `off`. `press_count` counts the edges over 0.5, which say something only of

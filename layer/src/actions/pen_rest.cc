@@ -51,7 +51,7 @@ bool PenRest::Update(const PenSnapshot& pen, const RestLimits& limits) {
   if (tracked) last_tracked_ns_ = now_ns;
   const bool used = contact || input_ns != last_input_ns_;
   last_input_ns_ = input_ns;
-  // While it lies, small motion is a table's; the angle of what rolls away says nothing.
+  // While it lies, small motion is the table's, and its angle means nothing: it may roll.
   const bool moved = still_ ? Moved(pen, limits.taken_up_m, M_PI) : Moved(pen, limits.still_m, limits.still_rad);
   if (used || (tracked && moved)) Hold(pen);
   if (limits.still_ns > 0 && now_ns - held_since_ns_ >= limits.still_ns) still_ = true;

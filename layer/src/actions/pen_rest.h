@@ -12,16 +12,16 @@ struct RestLimits {
   // A hand that holds a pen still moves it more than this within seconds; the tracker's noise is well below.
   double still_m = 0.003;
   double still_rad = 0.05;                    // of the pen's axis
-  std::int64_t still_ns = 20'000'000'000;     // so long without motion, contact and input: put down; <= 0: never
-  double taken_up_m = 0.010;                  // moved so far from where it was put down: taken up again
-  std::int64_t untracked_ns = 1'000'000'000;  // not seen for so long: put down
+  std::int64_t still_ns = 20'000'000'000;     // this long without motion, contact and input: put down; <= 0: never
+  double taken_up_m = 0.010;                  // moved this far from where it was put down: picked up again
+  std::int64_t untracked_ns = 1'000'000'000;  // not tracked for this long: put down
 };
 
 class PenRest {
  public:
   // True: put down. From the samples that the syncs see; `pen` is present. Docked, still or unseen, see RestLimits.
   bool Update(const PenSnapshot& pen, const RestLimits& limits);
-  // No pen: the next one starts anew.
+  // No pen: the next one starts from scratch.
   void Reset() { *this = PenRest(); }
 
  private:

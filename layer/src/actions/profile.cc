@@ -42,7 +42,7 @@ bool IsPathOrParent(std::string_view candidate, std::string_view path) {
   return candidate == path || candidate == Parent(path);
 }
 
-// XR_EXT_dpad_binding adds these to each thumbstick and trackpad. They are accepted, and give the pen nothing.
+// XR_EXT_dpad_binding adds these to each thumbstick and trackpad. They are accepted but inactive for the pen.
 bool IsDpad(const Profile& profile, Hand hand, std::string_view path, const std::vector<std::string>& enabled) {
   if (std::find(enabled.begin(), enabled.end(), "XR_EXT_dpad_binding") == enabled.end()) return false;
   const std::string parent(Parent(path));

@@ -26,7 +26,7 @@ struct Component {
   std::string name;  // for people: "Tip force"
   ComponentType type = ComponentType::kBoolean;
   int source = kNoSource;        // protocol::InputIndex
-  int click_source = kNoSource;  // a service-made click that stands for this analog component where a boolean is asked
+  int click_source = kNoSource;  // the service's click, which booleans read instead of this analog component
   bool left = true;              // which hands have it
   bool right = true;
   std::vector<std::string> requires_any;  // extensions or "1.1"; empty: always there
@@ -43,8 +43,8 @@ struct PoseComponent {
 struct Profile {
   std::string path;       // "/interaction_profiles/..."
   std::string title;      // for people
-  std::string extension;  // instance extension that brings it; empty: core
-  int priority = 0;       // the highest of those an application suggests is taken
+  std::string extension;  // instance extension that adds it; empty: core
+  int priority = 0;       // the highest of those an application suggests wins
   std::vector<Component> components;
   std::vector<PoseComponent> poses;
   std::vector<std::string> haptics;  // "/output/haptic"

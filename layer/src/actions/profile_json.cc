@@ -30,7 +30,7 @@ constexpr std::array<SourceName, 10> kSources{{{"none", kNoSource},
                                                {"thumbstick_click", Index(protocol::InputIndex::kThumbstickClick)},
                                                {"docked", Index(protocol::InputIndex::kDocked)}}};
 
-// A place in a profile file, for messages.
+// A location in a profile file, for messages.
 struct Place {
   const std::string& file;
   std::string pointer;
@@ -59,7 +59,7 @@ int Source(const json& object, const char* key, const char* fallback, const Plac
     if (name == source.name) return source.index;
   std::string known;
   for (const SourceName& source : kSources) known += std::string(known.empty() ? "" : ", ") + source.name;
-  place.At(key).Fail("\"" + name + "\" is no input of the pen; use one of: " + known);
+  place.At(key).Fail("\"" + name + "\" is not an input of the pen; use one of: " + known);
 }
 
 template <std::size_t N>

@@ -24,7 +24,7 @@ void SessionActions::Attach(const std::vector<std::shared_ptr<ActionSet>>& sets,
   Bind();
 }
 
-// The profile that gives the pen's hand something: the preferred one, else the first in order of priority.
+// The profile with bindings for the pen's hand: the preferred one, else the first in order of priority.
 void SessionActions::Bind() {
   chosen_ = nullptr;
   preference_unusable_ = false;
@@ -70,7 +70,7 @@ bool SessionActions::attached(const ActionSet& set) const {
   return std::any_of(sets_.begin(), sets_.end(), [&](const auto& s) { return s.get() == &set; });
 }
 
-// Who has the pen's hand. Selection is made in focused syncs only: before the first one no profile is current.
+// Who owns the pen's hand. Selected in focused syncs only: before the first one no profile is current.
 void SessionActions::UpdateOwner(const SyncInput& input) {
   start_edges_ = input.start_edges || !focused_;
   focused_ = input.focused;
@@ -83,7 +83,7 @@ void SessionActions::UpdateOwner(const SyncInput& input) {
   put_down_ = input.pen.present && input.put_down;
   bool owner = chosen_ != nullptr && input.pen.present && !put_down_;
   if (owner && !merging_ && synced_) {
-    // What the runtime says now is what the pen's first state is compared with: the hand changes in the next sync.
+    // The pen's first state is compared with the runtime's present one: the hand changes in the next sync.
     merging_ = true;
     owner = false;
   }
@@ -160,7 +160,7 @@ void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
 }
 
 StatePart SessionActions::Scalar(const LiveBinding& b, int index, const RuntimeClock& clock) const {
-  if (static_cast<std::size_t>(index) >= inputs_.size()) return {};  // nothing was heard of the pen yet
+  if (static_cast<std::size_t>(index) >= inputs_.size()) return {};  // no data from the pen yet
   const ComponentInput& input = inputs_[static_cast<std::size_t>(index)];
   const bool digital = b.binding.kind == BindingKind::kBoolean ||
                        chosen_->components[static_cast<std::size_t>(index)].type == ComponentType::kBoolean;
@@ -193,8 +193,8 @@ StatePart SessionActions::PenPart(const Bound& bound, const RuntimeClock& clock)
   return out;
 }
 
-// While the pen owns its hand, a runtime's controller of that hand must not speak. The runtime's answer to an action
-// without subaction paths cannot be divided by hand: it stays in, unless nothing but the pen's hand is bound to it.
+// While the pen owns its hand, a runtime's controller of that hand must not contribute. The runtime's answer to an
+// action without subaction paths cannot be split by hand: it is included unless only the pen's hand is bound.
 StatePart SessionActions::RuntimePartOfAny(const Bound& bound, const RuntimeStates& runtime) const {
   const Action& action = *bound.action;
   if (!owner_) return runtime.Query(action, XR_NULL_PATH);
@@ -205,7 +205,7 @@ StatePart SessionActions::RuntimePartOfAny(const Bound& bound, const RuntimeStat
   return out;
 }
 
-// A pen that was put down leaves its place to the runtime's controller until it is taken up again.
+// A pen that was put down yields to the runtime's controller until it is picked up again.
 SessionActions::Device SessionActions::PoseDevice(const View& view) const {
   return view.pose_device == Device::kPen && put_down_ ? Device::kRuntime : view.pose_device;
 }

@@ -37,7 +37,7 @@ struct ActiveSet {
   std::uint32_t priority = 0;
 };
 
-// The runtime's own part of an action, asked at sync.
+// The runtime's own part of an action, queried at sync.
 class RuntimeStates {
  public:
   virtual ~RuntimeStates() = default;
@@ -56,9 +56,9 @@ struct SyncInput {
   bool focused = false;
   PenChoice choice;
   PenSnapshot pen;
-  bool put_down = false;             // the pen is there, but its hand is the runtime's controller's now
-  const TestInputs* test = nullptr;  // conformance automation speaks instead of the pen
-  bool start_edges = false;          // what was pressed since the last sync was not meant for this session
+  bool put_down = false;             // the pen is present but has yielded its hand to the runtime's controller
+  const TestInputs* test = nullptr;  // conformance automation replaces the pen
+  bool start_edges = false;          // presses since the last sync were not meant for this session
 };
 
 class SessionActions {
@@ -77,16 +77,16 @@ class SessionActions {
 
   Hand hand() const { return choice_.hand; }
   XrPath hand_path() const { return PathOf(choice_.hand); }
-  // True while our hand is the pen's. Changes in Sync only.
+  // True while the pen owns its hand. Changes in Sync only.
   bool pen_owns_hand() const { return owner_; }
   // The pen's profile, while it owns its hand. Changes in Sync only.
   const Profile* profile() const { return owner_ ? chosen_ : nullptr; }
-  // ... as seen at a hand: null where the runtime's answer stands.
+  // The same at one hand: null where the runtime's answer applies.
   const Profile* ProfileAt(XrPath user_path) const { return user_path == hand_path() ? profile() : nullptr; }
-  // A preferred profile that the application suggests nothing of the pen's for.
+  // The preferred profile has no suggested binding that the pen serves.
   bool preference_unusable() const { return preference_unusable_; }
 
-  // State of (action, subaction) at the last sync; null: the runtime's own answer stands.
+  // State of (action, subaction) at the last sync; null: the runtime's own answer applies.
   const ActionState* Find(const Action& action, XrPath subaction) const;
 
   // Brings Space::served_by of an action space up to date.
@@ -99,7 +99,7 @@ class SessionActions {
   std::vector<std::string> BoundSources(const Action& action) const;
   bool HapticBound(const Action& action, XrPath subaction) const;
 
-  // Vibrations that thresholds asked for in the last sync; taking them clears them.
+  // Vibrations requested by thresholds in the last sync; clears them.
   std::vector<Pulse> PopPulses() { return std::exchange(pulses_, {}); }
 
  private:
@@ -113,7 +113,7 @@ class SessionActions {
   struct View {  // of an action, at one subaction path or at XR_NULL_PATH
     ActionState state;
     Device pose_device = Device::kNone;
-    bool ours = false;  // the pen has fed it once: from then on the application's answer comes from here
+    bool ours = false;  // the pen has fed it once: from then on this layer answers
   };
   struct Bound {
     std::shared_ptr<Action> action;

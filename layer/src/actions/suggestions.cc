@@ -32,7 +32,7 @@ bool Instance::OnlyOurs(const Profile& profile, std::string_view full_path) cons
   return AnyHandHas(profile, full_path, enabled_) && !AnyHandHas(profile, full_path, enabled_below_);
 }
 
-// What the runtime checks for its own profiles, for what it does not know.
+// The runtime's checks of its own profiles, for those that it does not know.
 XrResult Instance::CheckSuggestions(const Profile& profile, const std::vector<XrActionSuggestedBinding>& suggested) {
   if (suggested.empty()) return XR_ERROR_VALIDATION_FAILURE;
   for (const XrActionSuggestedBinding& binding : suggested) {
@@ -46,7 +46,7 @@ XrResult Instance::CheckSuggestions(const Profile& profile, const std::vector<Xr
   return XR_SUCCESS;
 }
 
-// To the next layer, without the paths of `known` that only we know: they would make it refuse the whole call.
+// To the next layer, without the paths of `known` that only we know: they would make it reject the whole call.
 XrResult Instance::Forward(const XrInteractionProfileSuggestedBinding& suggested, const Profile* known) {
   std::vector<XrActionSuggestedBinding> ours;
   std::vector<XrActionSuggestedBinding> theirs;

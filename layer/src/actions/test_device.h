@@ -1,5 +1,5 @@
-// A pen that a conformance test moves (XR_EXT_conformance_automation), in test mode only. It stands in for the service:
-// its samples come out of a state memory like the service's, so that everything behind it works as it always does.
+// A pen that a conformance test moves (XR_EXT_conformance_automation), in test mode only. It replaces the service: its
+// samples come from a state memory like the service's, so everything behind it works unchanged.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace omni::layer {
 
 class TestDevice {
  public:
-  // OMNI_TEST_MODE=1: only then is the extension answered.
+  // OMNI_TEST_MODE=1: only then is the extension available.
   static bool Wanted();
 
   // Throws std::runtime_error: no memory of that kind.
@@ -24,7 +24,7 @@ class TestDevice {
   TestDevice(const TestDevice&) = delete;
   TestDevice& operator=(const TestDevice&) = delete;
 
-  // A test has spoken: from then on the hardware is not heard any more.
+  // A test has made a call: from then on the hardware is ignored.
   bool in_control() const;
   std::shared_ptr<const client::StateReader> reader() const { return reader_; }
   TestInputs inputs() const;

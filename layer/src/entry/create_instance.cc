@@ -1,12 +1,12 @@
-// Which extensions the next layer is asked for.
+// Which extensions are requested from the next layer or runtime ("below").
 //
-// xrEnumerateInstanceExtensionProperties of what lies below is not to be relied on (layers and runtimes that lack it
-// exist), so we ask for what we want and, where that fails, again for less. Where it fails for whatever reason:
-// LunarG's core_validation 1.0.20 makes XR_ERROR_INITIALIZATION_FAILED of a runtime's XR_ERROR_EXTENSION_NOT_PRESENT.
-// The last attempt asks for no more than the application did, and its result stands.
+// xrEnumerateInstanceExtensionProperties below is unreliable (some layers and runtimes lack it), so we request what we
+// want and, if that fails, request less. If it fails for any reason: LunarG's core_validation 1.0.20 turns a runtime's
+// XR_ERROR_EXTENSION_NOT_PRESENT into XR_ERROR_INITIALIZATION_FAILED. The last attempt requests no more than the
+// application did, and its result is returned.
 //
-// What is wrong with the application's XrInstanceCreateInfo is for what lies below to find: its result is the same with
-// this layer as without.
+// Errors in the application's XrInstanceCreateInfo are left to be found below: the result is the same with this layer
+// as without.
 #include "layer/src/entry/create_instance.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 }
 
 struct Attempt {
-  std::vector<std::string> ours;  // those of our extensions that are asked for below
+  std::vector<std::string> ours;  // those of our extensions that are requested below
   bool timespec = false;          // add XR_KHR_convert_timespec_time
 };
 
@@ -60,8 +60,8 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
   return creation.next->nextCreateApiLayerInstance(&info, &creation.below, instance);
 }
 
-// Of the extensions that both may answer, which ones what lies below has is found by trying: all of them, then fewer
-// and fewer. An application asks for one or two of them. Of more than five: all or none.
+// Which of the extensions that may be below are there is found by trying: all of them, then fewer and fewer. An
+// application requests one or two of them. Of more than five: all or none.
 std::vector<std::vector<std::string>> ChoicesOf(const std::vector<std::string>& asked) {
   std::vector<std::string> shared;
   for (const std::string& name : asked)
@@ -92,7 +92,7 @@ XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
   return result;
 }
 
-// The application's structure as it came: its extensions cannot be read.
+// The application's structure unchanged: its extensions cannot be read.
 XrResult TryUnchanged(const Creation& creation, XrInstance* instance) {
   return creation.next->nextCreateApiLayerInstance(creation.info, &creation.below, instance);
 }
@@ -145,7 +145,7 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   setup.handle = *instance;
   const char* missing = nullptr;
   if (!LoadDispatch(*instance, creation.next->nextGetInstanceProcAddr, setup.next, &missing)) {
-    Log().Line(std::string("not loaded: what lies below has no ") + missing);
+    Log().Line(std::string("not loaded: the runtime (or next layer) lacks ") + missing);
     if (setup.next.DestroyInstance) setup.next.DestroyInstance(*instance);
     return XR_ERROR_INITIALIZATION_FAILED;
   }
@@ -182,7 +182,7 @@ XrResult EnumerateExtensions(const char* layer_name, uint32_t capacity, uint32_t
                              XrExtensionProperties* properties) {
   if (!count) return XR_ERROR_VALIDATION_FAILURE;
   if (!layer_name || std::strcmp(layer_name, kLayerName) != 0) {
-    // Not a question for us. The loader adds what the manifest names.
+    // Not for us to answer. The loader adds what the manifest names.
     const auto below = Registry::Get().Owner(XrSession{});
     if (below && below->next.EnumerateInstanceExtensionProperties)
       return below->next.EnumerateInstanceExtensionProperties(layer_name, capacity, count, properties);

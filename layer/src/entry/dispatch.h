@@ -1,4 +1,4 @@
-// One list of the functions this layer touches. A new one is a word here and a method of that name of Instance.
+// One list of the functions this layer touches. To add one, add a word here and a method of that name to Instance.
 #pragma once
 
 #include "layer/src/entry/omni_openxr_compat.h"
@@ -37,8 +37,8 @@
   X(ResultToString)                    \
   X(StructureTypeToString)
 
-// Functions that not every runtime has (extensions, OpenXR 1.1): intercepted where what lies below has them. The
-// application gets the answer from below where it does not.
+// Functions that not every runtime has (extensions, OpenXR 1.1): intercepted only if the next layer has them; otherwise
+// the application gets the next layer's answer.
 #define OMNI_LAYER_OPTIONAL(X) \
   X(LocateSpaces)              \
   X(LocateSpacesKHR)           \
@@ -72,10 +72,10 @@ struct Dispatch {
 // Fills `next`. False: a core function is missing below (`*missing` names it).
 bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispatch& next, const char** missing);
 
-// Our own function of that name, or nullptr. `below` is the table of the instance that asks; null: there is none yet.
+// Our own function of that name, or nullptr. `below` is the table of the calling instance; null: there is none yet.
 PFN_xrVoidFunction FindIntercepted(const char* name, const Dispatch* below);
 
-// A function of an extension that this layer brings: nothing below knows it. Each extension has a file of entry points
+// A function of an extension that only this layer implements. Each extension has a file of entry points
 // with such a table.
 struct OwnFunction {
   const char* name;       // "xrApplyForceOMNIX1"

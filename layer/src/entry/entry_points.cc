@@ -1,5 +1,5 @@
-// Every function that an application or the loader can call: finds the instance, keeps exceptions in.
-// What happens is in Instance, a file per subject.
+// Every function that an application or the loader can call: finds the instance and stops exceptions. Instance does the
+// work, one file per subject.
 #include <cstring>
 
 #include "layer/src/entry/create_instance.h"
@@ -52,7 +52,7 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
       *function = own.function;
       return XR_SUCCESS;
     }
-    // Enabled for our own use: to the application it is not there.
+    // Enabled for our own use: hidden from the application.
     if (record->hide_timespec && (std::strcmp(name, "xrConvertTimespecTimeToTimeKHR") == 0 ||
                                   std::strcmp(name, "xrConvertTimeToTimespecTimeKHR") == 0))
       return XR_ERROR_FUNCTION_UNSUPPORTED;
@@ -124,7 +124,7 @@ extern "C" XRAPI_ATTR __attribute__((visibility("default"))) XrResult XRAPI_CALL
       request->structVersion != kApiLayerRequestVersion || request->structSize < sizeof(XrNegotiateApiLayerRequest))
     return XR_ERROR_INITIALIZATION_FAILED;
   if (layer_name && std::strcmp(layer_name, kLayerName) != 0) return XR_ERROR_INITIALIZATION_FAILED;
-  // What we need is OpenXR 1.0; a loader or application of any 1.x works with us.
+  // We need OpenXR 1.0; loaders and applications of any 1.x work with us.
   const XrVersion ours = XR_MAKE_VERSION(1, 0, 0);
   if (!(loader->minInterfaceVersion <= kLoaderApiLayerInterfaceVersion &&
         loader->maxInterfaceVersion >= kLoaderApiLayerInterfaceVersion && loader->minApiVersion <= ours &&

@@ -28,7 +28,7 @@ std::shared_ptr<Instance> InstanceOf(Handle handle) {
 }
 
 // The C function of type `Function` that calls a method of the instance that made its first argument, or of that
-// instance's scenes. The method gets all arguments; that of an XrInstance, which it is, not.
+// instance's scenes. The method gets all arguments but an XrInstance, which it is itself.
 template <class Function, auto kMethod>
 struct Entry;
 template <class Handle, class... Arguments, auto kMethod>

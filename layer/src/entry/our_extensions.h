@@ -1,4 +1,4 @@
-// The extensions that this layer answers; the list is layer/extensions.json, which the manifests are made from too.
+// The extensions that this layer supports, from layer/extensions.json, which the manifests are made from too.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace omni::layer {
 struct OurExtension {
   const char* name;
   std::uint32_t version;
-  bool may_be_below;  // asked for there first; else only we know it, and what lies below never hears of it
+  bool may_be_below;  // requested from the runtime first; otherwise only we know it, and it is never passed down
 };
 
 std::span<const OurExtension> OurExtensions();

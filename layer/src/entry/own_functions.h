@@ -1,4 +1,4 @@
-// The functions of extensions that this layer brings: nothing below knows them.
+// The functions of extensions that only this layer implements.
 #pragma once
 
 #include <vector>

@@ -14,7 +14,7 @@ struct Named {
   const char* name;
 };
 
-// A row an enumerant, extension by extension: appended here.
+// One row per enumerant, extension by extension: append here.
 #define OMNI_NAMED(enumerant) \
   { enumerant, #enumerant }
 constexpr Named<XrResult> kResults[] = {

@@ -1,4 +1,4 @@
-// Names of the enumerants that our extensions bring: nothing below knows them.
+// Names of the enumerants of our extensions, which the runtime does not know.
 #pragma once
 
 #include "layer/src/entry/omni_openxr_compat.h"

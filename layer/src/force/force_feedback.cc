@@ -39,7 +39,7 @@ class Places {
   std::vector<std::pair<XrSpace, Located>> found_;
 };
 
-// Those whose space is somewhere. `all_placed`: every one is.
+// Those whose space can be located. `all_placed`: every one can.
 XrResult PlaceConstraints(Places& places, const std::vector<LocalConstraint>& constraints,
                           protocol::ForceConstraints& out, bool& all_placed) {
   all_placed = true;
@@ -120,7 +120,7 @@ void Instance::ForgetSpace(XrSpace space) {
     if (gone == all.end()) continue;
     all.erase(gone, all.end());
     ++force->constraint_changes;
-    force->told_connection = 0;  // told anew at the next sync, or here if none is left
+    force->told_connection = 0;  // sent again at the next sync, or here if none is left
     if (all.empty()) link.SendConstraints(protocol::ForceConstraints{});
   }
 }
@@ -181,7 +181,7 @@ void Instance::SendConstraints(ForceFeedback& force, const protocol::ForceConstr
   force.told = message;
 }
 
-// Spaces move, and a service that has come back knows nothing.
+// Spaces move, and a restarted service knows no constraints.
 void Instance::FollowConstraints() {
   for (const auto& force : forces.Values()) {
     std::vector<LocalConstraint> constraints;

@@ -16,16 +16,16 @@ namespace omni::layer {
 struct ForceFeedback {
   ForceFeedback(std::shared_ptr<Session> of, const ForceStatus& at_first) : session(std::move(of)), watch(at_first) {}
 
-  // No other record that lives has this one.
+  // Unique among live records.
   XrForceFeedbackOMNIX1 handle() noexcept { return reinterpret_cast<XrForceFeedbackOMNIX1>(this); }
 
   const std::shared_ptr<Session> session;
 
-  std::mutex mutex;                          // of what follows; never held over a call to what lies below
+  std::mutex mutex;                          // of what follows; never held during a call to the next layer
   std::vector<LocalConstraint> constraints;  // as set
   std::uint64_t constraint_changes = 0;      // of that list
-  protocol::ForceConstraints told;           // what the service has of them ...
-  std::uint64_t told_connection = 0;         // ... over which connection
+  protocol::ForceConstraints told;           // as last sent to the service ...
+  std::uint64_t told_connection = 0;         // ... over this connection
   ForceStatusWatch watch;
 };
 

@@ -1,4 +1,4 @@
-// XR_OMNIX1_force_feedback: what a device can do, what is felt, and the events about it.
+// XR_OMNIX1_force_feedback: properties of the device, state of forces, and events about it.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -41,7 +41,7 @@ void FillReach(const protocol::ForceProperties& can, XrForceFeedbackPropertiesOM
   }
 }
 
-// What both queries refuse: structures of other types, no space, no time.
+// What both queries reject: structures of other types, no space, no time.
 template <class GetInfo, class Out>
 XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* out, XrStructureType out_type) {
   if (!info || info->type != info_type || !out || out->type != out_type) return XR_ERROR_VALIDATION_FAILURE;
@@ -51,7 +51,7 @@ XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* o
 
 }  // namespace
 
-// What lies below never sees a structure of ours.
+// The next layer never sees our structures.
 XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* properties) {
   Alive();
   if (!properties || !Enabled(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
@@ -64,7 +64,7 @@ XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* pr
   const XrResult result = next.GetSystemProperties(handle, system, properties);
   before->next = ours;
   if (XR_FAILED(result)) return result;
-  link.AwaitForceProperties();  // often asked right after xrCreateInstance, before the service has answered
+  link.AwaitForceProperties();  // often called right after xrCreateInstance, before the service has answered
   FillSystem(link.force_properties(), *reinterpret_cast<XrSystemForceFeedbackPropertiesOMNIX1*>(ours));
   return result;
 }

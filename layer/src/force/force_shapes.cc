@@ -119,7 +119,7 @@ std::array<double, 3> Clamped(const glm::dvec3& v, double limit) noexcept {
   return out;
 }
 
-// v = v_S + w x R p. A line or a plane is named by its point nearest to the base: farther ones name the same shape.
+// v = v_S + w x R p. A line or a plane is given by its point nearest to the base; its other points give the same shape.
 protocol::ForceConstraint InBase(const protocol::ForceConstraint& shape, const Motion& X_BS) noexcept {
   protocol::ForceConstraint out = shape;
   const glm::dvec3 d = glm::normalize(X_BS.X.q * VecOf(shape.direction_base));

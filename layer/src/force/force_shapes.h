@@ -17,17 +17,17 @@ struct LocalConstraint {
   protocol::ForceConstraint shape;
 };
 
-// XR_ERROR_VALIDATION_FAILURE: a structure that is not in the extension's range. Values over what the service takes are
+// XR_ERROR_VALIDATION_FAILURE: a structure outside of the extension's range. Values over what the service takes are
 // clamped.
 XrResult ReadConstraints(const XrForceFeedbackConstraintsSetInfoOMNIX1& info, std::vector<LocalConstraint>& out);
 
 // The same in the base frame; X_BS: its space there, with the space's velocity.
 protocol::ForceConstraint InBase(const protocol::ForceConstraint& shape, const Motion& X_BS) noexcept;
 
-// A vector of the service's messages, within +-limit; zero where it is no number.
+// A vector of the service's messages, within +-limit; zero where not finite.
 std::array<double, 3> Clamped(const glm::dvec3& v, double limit) noexcept;
 
-// True: the service, which moves constraints on at their velocity, would be told nothing new.
+// True: `now` is nothing new to the service, which extrapolates constraints by their velocity.
 bool SameConstraints(const protocol::ForceConstraints& told, const protocol::ForceConstraints& now) noexcept;
 
 }  // namespace omni::layer

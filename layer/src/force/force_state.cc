@@ -16,7 +16,7 @@ constexpr std::array<SampleBit, 5> kSampleBits{{
     {protocol::kToolDeviceFault, XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1},
     {protocol::kToolStiffnessLimited, XR_FORCE_FEEDBACK_STATE_STIFFNESS_LIMITED_BIT_OMNIX1},
 }};
-// Those that come and go with the hand.
+// Those that flicker with the hand's motion.
 constexpr std::array<XrForceFeedbackStateFlagsOMNIX1, 4> kFleeting{
     XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1, XR_FORCE_FEEDBACK_STATE_THERMAL_LIMITED_BIT_OMNIX1,
     XR_FORCE_FEEDBACK_STATE_OUT_OF_WORKSPACE_BIT_OMNIX1, XR_FORCE_FEEDBACK_STATE_STIFFNESS_LIMITED_BIT_OMNIX1};

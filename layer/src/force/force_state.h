@@ -1,4 +1,4 @@
-// What XR_OMNIX1_force_feedback says of the state of forces, and when a change is worth an event. Pure.
+// The state of forces that XR_OMNIX1_force_feedback reports, and which changes are events. Pure.
 #pragma once
 
 #include <array>
@@ -19,16 +19,16 @@ struct ForceStatus {
 struct ForceSituation {
   bool focused = false;
   protocol::ForceStanding standing = protocol::ForceStanding::kFree;
-  bool fresh = false;                            // the device was heard of within 100 ms
+  bool fresh = false;                            // a sample arrived within 100 ms
   const protocol::ToolSample* sample = nullptr;  // whose flags count; null: none
 };
 ForceStatus StatusOf(const ForceSituation& situation) noexcept;
 
-// Bits that come and go with the hand are told to be gone only after half a second without them.
+// Bits that flicker with the hand's motion are reported as cleared only after half a second without them.
 class ForceStatusWatch {
  public:
   explicit ForceStatusWatch(const ForceStatus& at_first) : told_(at_first) {}
-  // True: `told` is another one than the last that was told.
+  // True: there is a change to report, in `told`.
   bool Step(const ForceStatus& now, std::int64_t now_ns, ForceStatus& told) noexcept;
 
  private:

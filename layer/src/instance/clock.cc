@@ -5,7 +5,7 @@
 namespace omni::layer {
 namespace {
 constexpr std::int64_t kRefreshInterval_ns = 1'000'000'000;
-// Far beyond any time of a machine, and differences of two such times still fit.
+// Far beyond any uptime, and differences of two such times still fit.
 constexpr std::int64_t kLongest_ns = std::int64_t{1} << 61;
 }  // namespace
 

@@ -13,14 +13,14 @@ namespace omni::layer {
 
 // The offset of a runtime's clock, from its xrWaitFrame alone.
 //
-// A frame says when it will be seen. We take that for 1.5 periods after xrWaitFrame returned, which a runtime may miss
-// by a period either way: more cannot be known. A return that was late, or a frame that was planned for later, is an
-// outlier; hence the median of the last frames. It follows a clock that drifts by 100 ppm within 20 us at 90 Hz.
+// A frame says when it will be displayed. We assume 1.5 periods after xrWaitFrame returned, which may be off by a
+// period either way; there is no better estimate. Late returns and frames planned for later are outliers, hence the
+// median of the last frames. It follows a clock that drifts by 100 ppm within 20 us at 90 Hz.
 class FrameClock {
  public:
   static constexpr std::size_t kFrames = 31;
 
-  // One frame's word; `now_ns` when xrWaitFrame returned. Returns the offset, XrTime - CLOCK_MONOTONIC.
+  // Adds one frame; `now_ns`: when xrWaitFrame returned. Returns the offset, XrTime - CLOCK_MONOTONIC.
   std::int64_t Add(const XrFrameState& frame, std::int64_t now_ns) noexcept;
 
  private:
@@ -43,7 +43,7 @@ class RuntimeClock {
   XrTime ToXr(std::int64_t monotonic_ns) const noexcept {
     return monotonic_ns + offset_ns_.load(std::memory_order_relaxed);
   }
-  // Any XrTime; what lies beyond the range of our own times becomes its end.
+  // Any XrTime; clamped to the range of our own times.
   std::int64_t ToMonotonic(XrTime time) const noexcept;
 
  private:

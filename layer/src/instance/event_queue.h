@@ -1,5 +1,5 @@
-// Events of ours that wait for xrPollEvent. Bounded: of an application that never polls the oldest are lost, and the
-// loss is told by XrEventDataEventsLost, as a runtime tells it.
+// The layer's own events, until xrPollEvent. Bounded: if an application never polls, the oldest are lost and reported
+// by XrEventDataEventsLost, as in a runtime.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ class EventQueue {
     waiting_.push_back(buffer);
   }
 
-  // False: nothing waits.
+  // False: the queue is empty.
   bool Pop(XrEventDataBuffer& event) {
     const std::lock_guard lock(mutex_);
     if (lost_ > 0) {

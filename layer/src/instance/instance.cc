@@ -25,7 +25,7 @@ std::string FixedProfile(const std::vector<Profile>& profiles, Log& log) {
   if (name.empty()) return {};
   std::string path = FullProfilePath(name);
   const bool known = std::any_of(profiles.begin(), profiles.end(), [&](const Profile& p) { return p.path == path; });
-  if (!known) log.Line("OMNI_PROFILE=" + name + " is no profile that the pen knows: ignored");
+  if (!known) log.Line("OMNI_PROFILE=" + name + " is not a known profile: ignored");
   return known ? path : std::string();
 }
 

@@ -47,7 +47,7 @@ class Instance {
   RuntimeClock clock;
   ServiceLink link;
   PcmBacklog pcm_backlog;
-  EventQueue events;  // ours, delivered when nothing waits below
+  EventQueue events;  // ours, delivered when the runtime has none
 
   HandleMap<XrSession, Session> sessions;
   HandleMap<XrActionSet, ActionSet> action_sets;
@@ -113,7 +113,8 @@ class Instance {
 
   // end_frame.cc
   XrResult EndFrame(XrSession session, const XrFrameEndInfo* info);
-  // Where a space is in the base frame. Flags are 0 where it is nowhere; errors in space and time are the runtime's.
+  // Where a space is in the base frame. Flags are 0 if it cannot be located; errors in space and time are the
+  // runtime's.
   XrResult LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS);
 
   // force_feedback.cc
@@ -124,7 +125,7 @@ class Instance {
   XrResult SetConstraints(XrForceFeedbackOMNIX1 force, const XrForceFeedbackConstraintsSetInfoOMNIX1* info);
   XrResult StopForce(XrForceFeedbackOMNIX1 force);
 
-  // What lies below does not know the names of our own enumerants.
+  // The runtime does not know the names of our own enumerants.
   XrResult ResultToString(XrResult value, char* buffer);
   XrResult StructureTypeToString(XrStructureType value, char* buffer);
 
@@ -140,7 +141,7 @@ class Instance {
   // An extension that the application enabled, or "1.1".
   bool Enabled(std::string_view extension) const;
 
-  // Sign of life and, when due, a look at the socket. Not from xrLocateSpace, which makes no system call.
+  // Updates the heartbeat and, when due, polls the socket. Not from xrLocateSpace, which makes no system call.
   void Alive() {
     link.Beat();
     link.Poll(base::MonotonicNow_ns());
@@ -208,7 +209,7 @@ class Instance {
 
   std::mutex forces_mutex_;  // there is one handle at a time
   std::mutex placement_mutex_;
-  std::optional<protocol::BasePose> placed_;  // what the service has told last
+  std::optional<protocol::BasePose> placed_;  // as last received from the service
 
   std::mutex suggestions_mutex_;
   Suggestions suggestions_;

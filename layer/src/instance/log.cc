@@ -51,7 +51,7 @@ void Log::Line(const std::string& text) {
 // In one piece, so that lines of several processes do not mix.
 void Log::Write(const std::string& text) const {
   const std::string line = "omni layer: " + text + "\n";
-  [[maybe_unused]] const auto written = ::write(fd_, line.data(), line.size());  // a full disk: nowhere to say so
+  [[maybe_unused]] const auto written = ::write(fd_, line.data(), line.size());  // a full disk: nowhere to report it
 }
 
 }  // namespace omni::layer

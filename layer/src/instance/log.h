@@ -1,4 +1,4 @@
-// A few lines about rare events, only where OMNI_LAYER_LOG asks for them: "1" for stderr, else a file to append to.
+// A few lines about rare events, only if OMNI_LAYER_LOG enables them: "1" for stderr, else a file to append to.
 // The text is made printable: names from applications and runtimes end up in it.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace omni::layer {
 
 class Log {
  public:
-  // A file is made for this user alone. What is no regular file (a link, a FIFO, a device) is not written to.
+  // A new file is private to this user. Only regular files are written to, no link, FIFO or device.
   explicit Log(const std::string& where = protocol::Environment("OMNI_LAYER_LOG"));
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;

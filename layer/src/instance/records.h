@@ -1,5 +1,5 @@
 // What we remember of the application's objects. A record outlives its handle while something still uses it: a
-// destroyed action goes on working in spaces and bindings, as the spec asks.
+// destroyed action keeps working in spaces and bindings, as the spec requires.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Action {
   std::shared_ptr<ActionSet> set;
   XrActionType type = XR_ACTION_TYPE_BOOLEAN_INPUT;
   std::vector<XrPath> subactions;
-  std::atomic<bool> destroyed{false};  // its handle is no more: nothing below may be asked with it
+  std::atomic<bool> destroyed{false};  // its handle is invalid and must not be passed down
   std::atomic<bool> withdrawn{false};  // destroyed before its set was attached: it feeds nothing
   bool Declares(XrPath path) const { return std::find(subactions.begin(), subactions.end(), path) != subactions.end(); }
 };
@@ -78,7 +78,7 @@ class HandleMap {
     const std::unique_lock lock(mutex_);
     for (auto it = map_.begin(); it != map_.end();) it = predicate(*it->second) ? map_.erase(it) : std::next(it);
   }
-  // The records are touched under the shared lock: keep `visit` short and call nothing of the runtime in it.
+  // The records are touched under the shared lock: keep `visit` short and call no runtime function in it.
   template <class Visit>
   void ForEach(Visit visit) const {
     const std::shared_lock lock(mutex_);

@@ -17,8 +17,8 @@ class Registry {
   void Remove(XrInstance handle);
   std::shared_ptr<Instance> Find(XrInstance handle) const;
 
-  // The instance that made this handle. A handle that nobody knows (made by a function that we do not intercept, or
-  // wrong) is a matter for the runtime: it goes down through the newest instance. Null: there is no instance.
+  // The instance that made this handle. An unknown handle (made by a function that we do not intercept, or invalid) is
+  // left to the runtime: it goes down through the newest instance. Null: there is no instance.
   template <class Handle>
   std::shared_ptr<Instance> Owner(Handle handle) const {
     const std::shared_lock lock(mutex_);

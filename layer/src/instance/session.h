@@ -11,7 +11,7 @@
 
 namespace omni::layer {
 
-// Spaces in which the base's placement can be told, the steadiest first: nobody recentres STAGE in passing.
+// Spaces in which the base's placement can be given, the most stable first: STAGE is rarely recentred.
 inline constexpr std::array kAnchorTypes{XR_REFERENCE_SPACE_TYPE_STAGE,
                                          static_cast<XrReferenceSpaceType>(kReferenceSpaceTypeLocalFloor),
                                          XR_REFERENCE_SPACE_TYPE_LOCAL};
@@ -24,7 +24,7 @@ class Session {
 
   const XrSession handle;
 
-  // Where the base stands, in one of the anchors. To be set from any thread, read by every question about the pen.
+  // Where the base stands, in one of the anchors. Set from any thread, read by every query about the pen.
   BasePoseHistory placement;
 
   // A space of ours at the natural origin of each of kAnchorTypes that the runtime offers; else XR_NULL_HANDLE. Made
@@ -35,7 +35,7 @@ class Session {
       if (kAnchorTypes[i] == type) return anchors[i];
     return XR_NULL_HANDLE;
   }
-  // The steadiest one that is offered: what a new placement is best measured in. LOCAL if nothing is.
+  // The most stable one offered, the best for measuring a new placement. LOCAL if nothing is.
   XrReferenceSpaceType PreferredAnchor() const {
     for (std::size_t i = 0; i < kAnchorTypes.size(); ++i)
       if (anchors[i] != XR_NULL_HANDLE) return kAnchorTypes[i];

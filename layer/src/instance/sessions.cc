@@ -57,7 +57,7 @@ XrResult Instance::EndSession(XrSession session) {
   return result;
 }
 
-// Leaving focus ends what vibrates and takes the force away.
+// Losing focus ends vibrations and forces.
 void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
   if (!focused) {

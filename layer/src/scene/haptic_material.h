@@ -1,4 +1,4 @@
-// A material as applications give it and as the service has it.
+// Materials, converted between the application's structure and the service's.
 #pragma once
 
 #include "layer/include/openxr/omni_haptic_scene.h"
@@ -6,7 +6,7 @@
 
 namespace omni::layer {
 
-// Numbers, all of them: neither NaN nor infinite.
+// All values are finite.
 bool IsMaterial(const XrHapticMaterialOMNIX1& material) noexcept;
 
 // In the ranges of service/base/material.h; dynamic friction is at most static friction.

@@ -1,4 +1,4 @@
-// What an application says about its scene.
+// The calls by which an application creates and changes its scene.
 #include "layer/src/scene/haptic_scene.h"
 
 #include <algorithm>
@@ -69,7 +69,7 @@ std::uint32_t ToFlags(XrHapticSceneCreateFlagsOMNIX1 flags) noexcept {
 
 bool IsThere(const Located& located) noexcept { return (located.flags & kValid) == kValid; }
 
-// Farther than numbers tremble, or it moves.
+// Differs by more than rounding noise, or moves.
 bool Differs(const Motion& a, const Motion& b) noexcept {
   const auto far = [](const glm::dvec3& x, const glm::dvec3& y) { return glm::length(x - y) > 1e-6; };
   return far(a.X.p, b.X.p) || std::abs(glm::dot(a.X.q, b.X.q)) < 1 - 1e-12 || far(a.v, b.v) || far(a.w, b.w);
@@ -267,7 +267,7 @@ void HapticScenes::FollowSpace(XrSession session_handle, XrTime time) {
   instance_.link.With([&](client::Connection& connection) { connection.Send(scene_->place); });
 }
 
-// Its handle may be given to another space: the scene stays where it is.
+// Its handle may be reused for another space: the scene stays where it is.
 void HapticScenes::ForgetSpace(XrSpace space) {
   const std::lock_guard lock(mutex_);
   if (scene_ != nullptr && scene_->placement && scene_->placement->base == space)
@@ -359,7 +359,7 @@ XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodes
     nodes[*object] = to;
     if (std::find(moved.begin(), moved.end(), *object) == moved.end()) moved.push_back(*object);
   }
-  if (!is_there) return XR_SUCCESS;  // nobody knows where that is: the nodes stay where they were
+  if (!is_there) return XR_SUCCESS;  // not locatable: the nodes stay where they were
   if (nodes.size() > protocol::kMaxHapticNodesMoved) return XR_ERROR_LIMIT_REACHED;
   scene->nodes = std::move(nodes);
   scene->nodes_t_ns = std::max<std::int64_t>(0, instance_.clock.ToMonotonic(info->time));

@@ -1,6 +1,6 @@
-// XR_OMNIX1_haptic_scene: what we remember of the scene that an application gave, and what goes to the service about
-// it. At most one per instance, since the service keeps one per client. One mutex orders all that is said about it;
-// nothing of the runtime is called under it.
+// XR_OMNIX1_haptic_scene: the record of an application's scene, and its messages to the service. At most one per
+// instance, since the service keeps one per client. One mutex orders all messages about it; no runtime function is
+// called under it.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct HapticScene {
   std::uint64_t bytes = 0;
   std::uint32_t flags = 0;
 
-  // As the service was told, and is told again after a reconnection.
+  // As sent to the service, and sent again after a reconnection.
   std::optional<ScenePlacement> placement;
   protocol::HapticScenePlace place;                         // in the base frame
   Motion X_OG;                                              // document's frame in the base frame, lengths in metres
@@ -46,9 +46,9 @@ struct HapticScene {
   std::int64_t nodes_t_ns = 0;
   std::map<std::uint32_t, base::MaterialParameters> changed;  // by material
   bool enabled = true;
-  std::uint64_t told = 0;  // the connection that has been told of it; 0: none
+  std::uint64_t told = 0;  // the connection over which it was sent; 0: none
 
-  // As the service said.
+  // As reported by the service.
   XrHapticSceneStatusOMNIX1 status = XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1;
   protocol::HapticSceneState state;
   std::string text;
@@ -82,13 +82,13 @@ class HapticScenes {
                     uint32_t* count, XrHapticContactOMNIX1* contacts);
   XrResult Mesh(XrHapticSceneOMNIX1 scene, const XrHapticNodeMeshGetInfoOMNIX1* info, XrHapticNodeMeshOMNIX1* mesh);
 
-  // Takes what the service has said and tells it what it does not know; events go to the instance's queue.
+  // Handles the service's messages and sends what it does not have yet; events go to the instance's queue.
   void Poll();
   // The placement of a scene follows its space: once a frame.
   void FollowSpace(XrSession session, XrTime time);
   void ForgetSpace(XrSpace space);
   void EndOf(XrSession session);
-  // A status event whose scene is no more.
+  // A status event of a destroyed scene.
   bool IsOfDestroyed(const XrEventDataBuffer& event) const;
 
  private:
@@ -98,7 +98,7 @@ class HapticScenes {
   void HandleUpdates();
   void NotifyAll();
   void SetStatus(XrHapticSceneStatusOMNIX1 status);
-  XrResult Usable(const HapticScene* scene) const;  // for all but state, diagnostics and end
+  XrResult Usable(const HapticScene* scene) const;  // for all but state, diagnostics and destruction
   XrResult Ready(const HapticScene* scene) const;   // has nodes and materials
 
   Instance& instance_;

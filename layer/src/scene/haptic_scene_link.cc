@@ -1,4 +1,4 @@
-// What goes between the scene's record and the service: told anew after a reconnection, heard at every look.
+// Messages between the scene's record and the service: sent again after a reconnection, received at every poll.
 #include <cstring>
 #include <utility>
 
@@ -75,7 +75,7 @@ void HapticScenes::HandleUpdates() {
   }
 }
 
-// All of it, once a connection: what does not go out is tried again at the next look.
+// All of it, once per connection: what cannot be sent is retried at the next poll.
 void HapticScenes::NotifyAll() {
   if (scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1) return;
   scene_->told = instance_.link.With([this](client::Connection& connection) -> std::uint64_t {

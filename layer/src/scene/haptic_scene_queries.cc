@@ -1,4 +1,4 @@
-// What an application asks about its scene.
+// An application's queries about its scene.
 #include <algorithm>
 #include <cstring>
 
@@ -159,7 +159,7 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
     if (reader->object(i).object != *object) continue;
     found = reader->Read(i, copy) != client::SurfaceRead::kNothing;
   }
-  if (!found || copy.frame.t_ns <= 0) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;  // not of the tick yet
+  if (!found || copy.frame.t_ns <= 0) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;  // not published by a tick yet
   const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
   const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
   const double scale = scene->state.scale;

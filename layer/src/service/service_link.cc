@@ -10,7 +10,7 @@
 namespace omni::layer {
 namespace {
 constexpr std::int64_t kPollInterval_ns = 5'000'000;
-// A service answers at once; one that knows no placements never does.
+// A service answers at once; one without placements never does.
 constexpr std::int64_t kBasePosePatience_ns = 300'000'000;
 }  // namespace
 
@@ -48,7 +48,7 @@ void ServiceLink::Poll(std::int64_t now_ns) {
 
 void ServiceLink::PublishReader() {
   std::shared_ptr<const client::StateReader> now = connection_.state();
-  if (now == reader_) return;  // only written under mutex_, which we hold
+  if (now == reader_) return;  // only written under mutex_, which is held here
   const std::unique_lock lock(reader_mutex_);
   reader_.swap(now);
 }
@@ -57,7 +57,7 @@ void ServiceLink::SetSession(protocol::SessionState state) {
   const std::lock_guard lock(mutex_);
   if (state == session_) return;
   session_ = state;
-  connection_.SendSession(state);  // the connection repeats what did not get through
+  connection_.SendSession(state);  // the connection retries what was not sent
 }
 
 void ServiceLink::Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) {
@@ -72,7 +72,7 @@ void ServiceLink::HapticStop() {
 
 void ServiceLink::ClaimForce(bool wanted) {
   const std::lock_guard lock(mutex_);
-  connection_.ClaimForce(wanted);  // the connection repeats what did not get through
+  connection_.ClaimForce(wanted);  // the connection retries what was not sent
 }
 
 void ServiceLink::SendForce(const protocol::ForceApply& apply) {

@@ -1,7 +1,7 @@
 // The one connection to omnid of an XrInstance: who may call what, and when.
 //
-// Poll and the sends take a mutex; Beat and reader() may be called from any thread at any time. Nothing blocks but
-// AwaitForceProperties: every socket call below is non-blocking, and Poll gives way when another thread is already
+// Poll and the sends take a mutex; Beat and reader() may be called from any thread at any time. Only
+// AwaitForceProperties blocks: every socket call below is non-blocking, and Poll returns when another thread is already
 // polling.
 #pragma once
 
@@ -37,7 +37,7 @@ class ServiceLink {
     if (test_) test_->Beat();
   }
   void Poll(std::int64_t now_ns);
-  // The same, however short ago the last look was.
+  // The same, however recent the last poll was.
   void PollNow(std::int64_t now_ns) {
     next_poll_ns_.store(0, std::memory_order_relaxed);
     Poll(now_ns);
@@ -49,29 +49,29 @@ class ServiceLink {
   // False: not sent.
   bool Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples);
 
-  // Before anybody else knows of this link: a pen that a conformance test may take over.
+  // Before this link is shared: a pen that a conformance test may take over.
   void UseTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
   // Null: no test mode.
   TestDevice* test() const { return test_.get(); }
   void ClaimForce(bool wanted);
   void SendForce(const protocol::ForceApply& apply);
-  bool SendConstraints(const protocol::ForceConstraints& constraints);  // false: they did not go out
+  bool SendConstraints(const protocol::ForceConstraints& constraints);  // false: not sent
   void StopForce();
   protocol::ForceStanding force_standing() const;
   protocol::ForceProperties force_properties() const;
-  // Looks at the socket. Where the service was reached and has not said yet what its device can do, the first call
-  // waits for that, at most kDevicePatience_ns; no other call waits, and none where there is no service.
+  // Polls the socket. If the service is connected but has not reported its device's properties yet, the first call
+  // waits for them, at most kDevicePatience_ns; no other call waits, and none without a service.
   void AwaitForceProperties();
   static constexpr std::int64_t kDevicePatience_ns = 100'000'000;
-  // Counts connections from 1: what an earlier one was told, this one does not know.
+  // Counts connections from 1: a new one knows nothing that was sent over an earlier one.
   std::uint64_t connection_number() const { return connection_number_.load(std::memory_order_relaxed); }
-  // use(connection) while nobody else does; short, and nothing of the runtime in it.
+  // Calls use(connection) exclusively; must be short and call no runtime function.
   template <class Use>
   auto With(Use use) {
     const std::lock_guard lock(mutex_);
     return use(connection_);
   }
-  // Where does the base stand? Asked again after a lost connection.
+  // Requests where the base stands; repeated after a lost connection.
   void RequestBasePose(const protocol::BasePoseRequest& request);
   // The newest answer since the last call. No lock where there is none.
   std::optional<protocol::BasePose> PopBasePose();
@@ -79,7 +79,7 @@ class ServiceLink {
 
   std::shared_ptr<const client::StateReader> reader() const;
   PenSnapshot Read(std::int64_t now_ns) const;
-  // What the service wishes of this application's layer; defaults while it has said nothing.
+  // The service's settings for this application; defaults until it has sent them.
   protocol::AppSettings settings() const;
 
  private:
@@ -96,7 +96,7 @@ class ServiceLink {
   bool placement_asked_ = false;
   std::optional<protocol::BasePose> placement_;
   std::atomic<bool> placement_came_{false};
-  // Until then the pen is not there for a session that waits for its placement: it would jump. 0: nobody waits.
+  // Until then the pen is absent for a session that waits for its placement: it would jump. 0: no session waits.
   std::atomic<std::int64_t> placement_patience_ns_{0};
   std::atomic<std::int64_t> next_poll_ns_{0};
   std::atomic<std::uint64_t> connection_number_{0};

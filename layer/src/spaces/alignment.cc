@@ -1,4 +1,4 @@
-// Where the service says that the base stands: asked for once a session, followed from then on.
+// Where the base stands, from the service: requested once per session, followed from then on.
 #include <algorithm>
 #include <cstring>
 
@@ -9,7 +9,7 @@
 namespace omni::layer {
 namespace {
 
-// Nobody has aligned the base: a place to reach for, and not a measured one, which the missing TRACKED bits tell.
+// For a base that is not aligned: a place within reach, but not a measured one, as the missing TRACKED bits show.
 BasePose Guess(bool valid) {
   BasePose guess;
   guess.valid = valid;
@@ -39,7 +39,7 @@ protocol::WirePose ToWire(const XrPosef& pose) {
 
 void Instance::RequestBasePose(Session& session, XrSystemId system) {
   BasePose guess = Guess(true);
-  guess.tracked = link.test() != nullptr;  // a conformance test says itself where the device is
+  guess.tracked = link.test() != nullptr;  // a conformance test sets the device's pose itself
   session.placement.Set(guess, 0);
   XrInstanceProperties runtime{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
   XrSystemProperties headset{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
@@ -57,7 +57,7 @@ void Instance::RequestBasePose(Session& session, XrSystemId system) {
   if (request.space_count > 0) link.RequestBasePose(request);
 }
 
-// Called wherever the socket is looked at; almost always there is nothing.
+// Called wherever the socket is polled; almost always there is nothing.
 void Instance::PopBasePose() {
   const std::optional<protocol::BasePose> told = link.PopBasePose();
   if (!told) return;
@@ -65,7 +65,7 @@ void Instance::PopBasePose() {
     const std::lock_guard lock(placement_mutex_);
     placed_ = told;
   }
-  // What the runtime has already changed is in the service's file. A change to come is not, unless it says so.
+  // Changes that the runtime has already made are in the service's file. A pending one is not, unless it says so.
   const std::int64_t known_until_ns = std::max(
       base::MonotonicNow_ns(), told->changes_until_ns == 0 ? 0 : told->changes_until_ns + protocol::kSameChange_ns);
   BasePose placement = ToBasePose(*told);
@@ -77,17 +77,17 @@ void Instance::PopBasePose() {
 void Instance::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
   const auto session = sessions.Find(change.session);
   if (!session) return;
-  // Out of range, or not a number: it is not known where to.
+  // Out of range or NaN: the new origin counts as unknown.
   const bool in_range = protocol::PoseProblem(ToWire(change.poseInPreviousSpace)) == nullptr;
   if (!in_range) change.poseValid = XR_FALSE;
   const bool news = ReportChange(change);
   if (!news || session->placement.OnChange(change)) return;
   log.Line(
-      "the runtime moves the origin of the space in which the base is placed and does not say where to: the pen's "
-      "poses are no longer tracked; align the base again");
+      "the runtime moves the origin of the base's reference space to an unknown place: the pen's poses are no longer "
+      "tracked; run `omni align` again");
 }
 
-// Tells the service, whose file follows. False: another application was faster, and our placement has it already.
+// Notifies the service, whose file follows. False: another application was faster, and our placement includes it.
 bool Instance::ReportChange(const XrEventDataReferenceSpaceChangePending& change) {
   protocol::SpaceChange told;
   told.space = change.referenceSpaceType;

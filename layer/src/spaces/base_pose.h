@@ -1,6 +1,6 @@
 // Where the base stands in the runtime's world, also while the runtime moves the origin of a reference space.
 //
-// [XrEventDataReferenceSpaceChangePending] A change holds for questions about `changeTime` and later; earlier ones are
+// [XrEventDataReferenceSpaceChangePending] A change applies to queries for `changeTime` and later; earlier times are
 // answered with the origin as it was. The base does not move in the world: with X_LL' = poseInPreviousSpace,
 // X_L'O = inverse(X_LL') * X_LO. Where that pose is not known, the base is somewhere near: VALID, not TRACKED.
 #pragma once
@@ -13,30 +13,30 @@
 
 namespace omni::layer {
 
-// Where the base stands when nobody has aligned it: in front of the user of LOCAL, below the eyes, its +y away from
+// Where the base stands before it is aligned: in front of the user of LOCAL, below the eyes, its +y away from
 // the user. O: base, z up; L: LOCAL, y up.
 Pose DefaultBasePose();
 
 struct BasePose {
   XrReferenceSpaceType space = XR_REFERENCE_SPACE_TYPE_LOCAL;  // L
   Pose X_LO = DefaultBasePose();  // base in the natural frame of L: no offset of any application
-  bool valid = true;              // false: nobody knows where the base stands; the pen has no pose
+  bool valid = true;              // false: it is not known where the base stands; the pen has no pose
   bool tracked = true;            // false: the pen's poses are VALID, not TRACKED
 };
 
 // The placement of one session over time. Any thread may call anything; nothing blocks for long.
 class BasePoseHistory {
  public:
-  // Older changes are forgotten: enough for a second of questions about the past.
+  // Older changes are forgotten: enough for a second of queries about the past.
   static constexpr std::size_t kMostEpochs = 16;
 
   // Replaces what was known, for every time. Changes of L that were announced and come after `now` still apply.
   void Set(const BasePose& placement, XrTime now);
 
-  // Call once per event. False: the origin of L moves to where nobody knows, so that tracking ends at `changeTime`.
+  // Call once per event. False: the origin of L moves to an unknown place, so tracking ends at `changeTime`.
   bool OnChange(const XrEventDataReferenceSpaceChangePending& change);
 
-  // The placement that holds for a question about `time`.
+  // The placement at `time`.
   BasePose At(XrTime time) const;
 
  private:
@@ -47,7 +47,7 @@ class BasePoseHistory {
   bool Append(const XrEventDataReferenceSpaceChangePending& change);
 
   mutable std::shared_mutex mutex_;
-  std::vector<Epoch> epochs_{Epoch{}};  // in the order of arrival, never empty; the last one that has begun holds
+  std::vector<Epoch> epochs_{Epoch{}};  // in the order of arrival, never empty; the last one that has begun applies
   std::vector<XrEventDataReferenceSpaceChangePending> changes_;  // the last kMostEpochs, of any space
 };
 

@@ -9,14 +9,14 @@ bool ShowsLayers(const XrFrameEndInfo* info) {
   return info && info->type == XR_TYPE_FRAME_END_INFO && info->displayTime > 0 && info->layerCount > 0 && info->layers;
 }
 
-// A layer that is the pen's to place.
+// The space of a layer that we can move.
 Side LayerSide(const Instance& instance, const XrCompositionLayerBaseHeader* layer) {
   return layer && FrameLayers::Knows(layer->type) ? SideOf(instance, layer->space) : Side{};
 }
 
 }  // namespace
 
-// Where no space is ours, the application's own structure goes down.
+// If no layer is in a space of the pen, the application's own structure is passed down.
 XrResult Instance::EndFrame(XrSession session, const XrFrameEndInfo* info) {
   link.Beat();
   if (!ShowsLayers(info)) return next.EndFrame(session, info);

@@ -39,7 +39,7 @@ bool WithLayerType(XrStructureType type, Visit visit) {
   }
 }
 
-// An orientation that is none is left for the runtime to refuse.
+// An invalid orientation is left for the runtime to reject.
 XrPosef Moved(const Pose& X_LS, const XrPosef& pose) {
   const XrQuaternionf& q = pose.orientation;
   const double norm = std::sqrt(double{q.x} * q.x + double{q.y} * q.y + double{q.z} * q.z + double{q.w} * q.w);

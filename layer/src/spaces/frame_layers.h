@@ -1,4 +1,4 @@
-// Composition layers that an application placed in a space of the pen, told to the runtime in a space that it knows.
+// Composition layers that an application placed in a space of the pen, converted to a space that the runtime knows.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class FrameLayers {
   // Projection, quad, cube, cylinder, equirect, equirect2. Of other types we do not know where their poses are.
   static bool Knows(XrStructureType type) noexcept;
 
-  // The same layer in the space `anchor`, L. Chains stay. Precondition: Knows(layer.type).
+  // The same layer in the space `anchor`, L. `next` chains are kept. Precondition: Knows(layer.type).
   const XrCompositionLayerBaseHeader* Move(const XrCompositionLayerBaseHeader& layer, XrSpace anchor, const Pose& X_LS);
 
  private:

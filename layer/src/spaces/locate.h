@@ -22,7 +22,7 @@ inline constexpr XrSpaceVelocityFlags kVelocityValid =
 Located Chain(const Located& X_AB, const Located& X_BC) noexcept;
 Located Invert(const Located& X_AB) noexcept;
 
-// Where and how fast it is, as far as that is known: no velocity where there is none.
+// Pose and velocity as far as they are known; an unknown velocity is zero.
 Motion KnownMotion(const Located& X_AB) noexcept;
 
 // A space fixed to the pen, in L.
@@ -33,7 +33,7 @@ struct LocationFields {
   XrSpaceLocationFlags* flags;
   XrPosef* pose;
 };
-struct VelocityFields {  // all null: not asked for
+struct VelocityFields {  // all null: not requested
   XrSpaceVelocityFlags* flags = nullptr;
   XrVector3f* linear = nullptr;
   XrVector3f* angular = nullptr;

@@ -1,4 +1,4 @@
-// What else can be located in a space of the pen: the views, and a tracked hand.
+// The views and a tracked hand, located in a space of the pen.
 #include "layer/src/spaces/pen_space.h"
 
 namespace omni::layer {

@@ -9,7 +9,7 @@ bool NamesSpaces(const XrSpacesLocateInfo* info, const XrSpaceLocations* locatio
          locations->type == XR_TYPE_SPACE_LOCATIONS;
 }
 
-// A space of another session's stays as it is: the runtime refuses it.
+// A space of another session is passed down as it is: the runtime rejects it.
 Side SideIn(const Instance& instance, const Session& session, XrSpace handle) {
   Side side = SideOf(instance, handle);
   if (side.session() != &session) side.served_by = kServedByRuntime;
@@ -26,7 +26,8 @@ XrResult Instance::LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* 
   return LocateSpacesThrough(next.LocateSpacesKHR, session, info, locations);
 }
 
-// The application's output goes down as it is, so that the runtime checks its counts and fills what we do not know.
+// The application's output is passed down as it is, so that the runtime checks its counts and fills what we do not
+// know.
 XrResult Instance::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                        XrSpaceLocations* locations) {
   link.Beat();

@@ -5,7 +5,7 @@
 namespace omni::layer {
 namespace {
 
-// Does not move against the anchor. A side that is the pen's stands for the anchor itself.
+// Does not move relative to the anchor. A side in a space of the pen stands for the anchor itself.
 bool StandsStill(const Side& side) {
   if (side.pen()) return true;
   if (!side.space || side.space->action) return false;

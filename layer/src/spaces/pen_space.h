@@ -1,5 +1,5 @@
-// The spaces that are the pen's, as the functions that take an XrSpace see them: what the runtime is asked instead, and
-// what is made of its answer.
+// Spaces of the pen in functions that take an XrSpace: which space the runtime is queried for instead, and how its
+// answer is converted.
 #pragma once
 
 #include <memory>
@@ -30,18 +30,18 @@ struct PenAt {
 
   // S in L.
   Located Locate(const Pose& X_TS) const noexcept;
-  // What the runtime is asked about in place of a space. Ours without a pose stay themselves: the runtime's own space
-  // behind the handle, so that handles and time are checked all the same.
+  // The space that the runtime is queried for instead. A space of the pen without a pose stays itself (the runtime's
+  // own space behind the handle), so that handles and time are still checked.
   XrSpace Below(const Side& side) const noexcept { return side.pen() && anchor ? anchor : side.handle; }
 };
 
-// No call below, no system call.
+// No runtime call, no system call.
 PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time);
 
 // Space `s` in space `b`, at least one of them ours, from what the runtime says of their stand-ins.
 Located Between(const Side& s, const Side& b, const Located& below, const PenAt& pen) noexcept;
 
-// The runtime's answer. Two spaces that do not move against each other have a velocity even if it names none.
+// The runtime's answer. Two spaces that do not move relative to each other have a velocity even if it reports none.
 Located FromBelow(const LocationFields& location, const VelocityFields& velocity, const Side& s,
                   const Side& b) noexcept;
 

@@ -36,7 +36,7 @@ glm::dvec3 FromXr(const XrVector3f& v) noexcept;
 XrVector3f ToXr(const glm::dvec3& v) noexcept;
 std::array<double, 3> ToArray(const glm::dvec3& v) noexcept;  // as in the service's messages
 
-// Numbers, all of them: neither NaN nor infinite.
+// All components are finite.
 bool IsFinite(const XrVector3f& v) noexcept;
 bool IsFinite(const Motion& m) noexcept;
 

@@ -18,7 +18,7 @@ std::vector<XrReferenceSpaceType> SupportedSpaces(const Dispatch& next, XrSessio
 
 }  // namespace
 
-// LOCAL is tried unasked: every runtime must have it, and the default placement is told in it.
+// LOCAL is always tried: every runtime must have it, and the default placement is given in it.
 void Instance::MakeAnchors(Session& session) {
   const std::vector<XrReferenceSpaceType> offered = SupportedSpaces(next, session.handle);
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
@@ -31,7 +31,7 @@ void Instance::MakeAnchors(Session& session) {
       session.anchors[i] = XR_NULL_HANDLE;
   }
   if (session.Anchor(XR_REFERENCE_SPACE_TYPE_LOCAL) == XR_NULL_HANDLE)
-    log.Line("the runtime gives no LOCAL space: until the base is aligned the pen has no pose in this session");
+    log.Line("the runtime has no LOCAL space: until the base is aligned the pen has no pose in this session");
 }
 
 XrResult Instance::CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
@@ -82,8 +82,8 @@ void Instance::UpdateSpaces(const Session& session) {
   });
 }
 
-// One call down, into the application's own structure: what else is chained to it is the runtime's to fill. It also
-// finds the errors in handles and time.
+// One call down, into the application's own structure: the runtime fills what else is chained to it. It also checks
+// handles and time.
 XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
   link.Beat();
   const Side s = SideOf(*this, space);
@@ -109,7 +109,7 @@ XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime ti
     X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
     return XR_SUCCESS;
   }
-  // Also where nobody knows the base's place: the runtime finds what is wrong with the space and the time.
+  // Also without a known placement: the runtime checks the space and the time.
   if (pen.anchor == XR_NULL_HANDLE) return XR_SUCCESS;
   XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};

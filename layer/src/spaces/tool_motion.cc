@@ -22,7 +22,7 @@ Motion MotionOf(const protocol::ToolSample& s) noexcept {
 
 bool Has(const protocol::ToolSample& s, std::uint32_t flag) noexcept { return (s.flags & flag) != 0; }
 
-// Seen by the tracker, and surely enough.
+// Measured by the tracker, with enough certainty.
 bool Tracked(const protocol::ToolSample& s) noexcept {
   return Has(s, protocol::kToolPoseValid) && Has(s, protocol::kToolTracked) && s.position_sigma_m <= kMaxTrackedSigma_m;
 }
@@ -50,7 +50,7 @@ Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSampl
 
 namespace {
 
-// Share of a velocity that is a hand on its way, not a hand that trembles.
+// Share of a velocity that is deliberate motion, not tremor.
 double Share(double mean, double rest) noexcept { return mean * mean / (mean * mean + rest * rest); }
 
 double AngleBetween(const glm::dquat& a, const glm::dquat& b) noexcept {
@@ -58,7 +58,7 @@ double AngleBetween(const glm::dquat& a, const glm::dquat& b) noexcept {
   return 2.0 * std::atan2(glm::length(glm::dvec3(turn.x, turn.y, turn.z)), std::abs(turn.w));
 }
 
-// Takes away what is not to be trusted of the velocities in `m`.
+// Removes the untrusted share of the velocities in `m`.
 void TrustVelocities(const protocol::ToolSample& newest, const protocol::ToolSample& earlier, Motion& m) noexcept {
   double speed_m_s = glm::length(m.v);
   double turn_rad_s = glm::length(m.w);

@@ -16,19 +16,19 @@ inline constexpr std::int64_t kPresenceTimeout_ns = 100'000'000;
 inline constexpr std::int64_t kMaxPrediction_ns = 40'000'000;
 
 // A hand at rest trembles at 8 to 12 Hz: its velocity at an instant says nothing about the next 40 ms, and following it
-// shakes the pen. So the velocity is trusted as far as the pen has got anywhere in the last tenth of a second, which
-// holds a whole wave of tremor: with the mean speed m over that time, by the share m^2 / (m^2 + s^2).
-// s: what a resting hand and the tracker's noise make of m (`omni-bench layer` tells what comes of it).
+// shakes the pen. So the velocity is trusted as far as the pen has moved on in the last tenth of a second, which holds
+// a whole period of tremor: with the mean speed m over that time, by the share m^2 / (m^2 + s^2). s: the m of a resting
+// hand with the tracker's noise (`omni-bench layer` measures the result).
 inline constexpr std::uint32_t kTrendSamples = 100;
 inline constexpr std::int64_t kTrendMin_ns = 50'000'000, kTrendMax_ns = 200'000'000;
 inline constexpr double kRestSpeed_m_s = 0.012;
 inline constexpr double kRestTurn_rad_s = 0.1;
 
-// A time that is farther than this from the samples on both sides was not seen.
+// A time that is further than this from the samples on both sides was not measured.
 inline constexpr std::int64_t kMaxGap_ns = 50'000'000;
 
-// A position that is less sure than this (1 sigma of the tracker, norm over the axes) is a guess: VALID, not TRACKED.
-// Headsets know their own controllers to 1 to 2 mm.
+// A position that is less certain than this (1 sigma of the tracker, norm over the axes) is a guess: VALID, not
+// TRACKED. Headsets know their own controllers to 1 to 2 mm.
 inline constexpr double kMaxTrackedSigma_m = 3e-3;
 
 struct ToolMotion {
@@ -41,7 +41,7 @@ struct ToolMotion {
 // velocities, linearly.
 Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSample& after, std::int64_t t_ns) noexcept;
 
-// How a pose is carried on past the newest sample. All but kTrusted are there to be compared with.
+// How a pose is carried on past the newest sample. All but kTrusted are for comparison.
 enum class Prediction { kHold, kConstantVelocity, kTrusted };
 
 // From `newest` onwards; `earlier` is the sample kTrendSamples before it. Where that one has no pose, or is not from

@@ -1,5 +1,5 @@
-// The next layer is asked first wherever its device has a part: it validates, and its answer stands. What it does not
-// know (our extensions on a runtime without them) is validated here.
+// The next layer is called first wherever its device is involved: it validates, and its answer is returned. What it
+// does not know (our extensions on a runtime without them) is validated here.
 #include "layer/src/vibration/haptics.h"
 
 #include <algorithm>
@@ -98,7 +98,7 @@ void PcmBacklog::Clear() {
   end_ns_ = 0;
 }
 
-// Any doubt about the arguments leaves the call to the runtime, which knows the right error.
+// Calls with doubtful arguments are left to the runtime, which returns the right error.
 Instance::HapticRoute Instance::RouteHaptic(XrSession session, const XrHapticActionInfo* info) const {
   if (!info || info->type != XR_TYPE_HAPTIC_ACTION_INFO) return {};
   const auto record = sessions.Find(session);
@@ -137,8 +137,8 @@ void Instance::Play(const Pulse& pulse) {
   link.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
 }
 
-// A runtime that does not know the shape gets its nearest relative: its devices vibrate, and it checks handles and
-// paths.
+// A runtime that does not know the shape gets the closest plain vibration: its devices vibrate, and it checks handles
+// and paths.
 XrResult Instance::ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
                               const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const {
   if (!only_ours) return next.ApplyHapticFeedback(session, info, haptic);

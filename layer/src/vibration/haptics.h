@@ -24,16 +24,16 @@ std::optional<ShapedVibration> ReadEnvelope(const XrHapticAmplitudeEnvelopeVibra
 // [XR_FB_haptic_pcm] At most as many samples as fit into one message. Empty: the structure is invalid.
 std::optional<ShapedVibration> ReadPcm(const XrHapticPcmVibrationFB& pcm);
 
-// The vibration without a shape that is most like it, for devices that know no other: of the same length; an envelope's
+// The closest vibration without a shape, for devices that play no other: of the same length; an envelope's
 // mean amplitude, or the amplitude of a sine with the power of the PCM.
 XrHapticVibration WithoutShape(const ShapedVibration& shaped);
 
-// How much PCM the service has been given and has not played yet: it keeps protocol::kWaveformBuffer_s of it. Any
+// How much PCM was sent to the service and is not played yet: it keeps protocol::kWaveformBuffer_s of it. Any
 // thread.
 class PcmBacklog {
  public:
-  // Books as many of the samples as fit now, and says how many. They go on after those of before if the application
-  // appends and its last PCM was for this action and still plays; else they replace them: `continues` says which.
+  // Books as many of the samples as fit now, and says how many. They follow the previous ones if the application
+  // appends and its last PCM was for this action and still plays; otherwise they replace them: `continues` says which.
   std::uint32_t Book(XrAction action, const ShapedVibration& pcm, std::int64_t now_ns, bool& continues);
   // Something else vibrates, or nothing does.
   void Clear();

@@ -15,7 +15,8 @@ const layer::Component* ComponentAt(const layer::Profile& profile, At hand, cons
   return nullptr;
 }
 
-// [input-suggested-bindings] what a suggested path is for an action of that type; empty: nothing, which is ignored.
+// [input-suggested-bindings] the source that a suggested path means for an action of that type; empty: none, which is
+// ignored.
 std::string SourceFor(const layer::Profile& profile, At hand, XrActionType type, const std::string& path) {
   const auto has = [&](const std::string& p) { return ComponentAt(profile, hand, p) != nullptr; };
   if (type == XR_ACTION_TYPE_POSE_INPUT) {
@@ -78,7 +79,7 @@ std::vector<ActionModel::Wire> ActionModel::WiresOf(const layer::Profile& profil
   return wires;
 }
 
-// The preferred profile if it gives the pen's hand anything, else the one of highest priority that does.
+// The preferred profile if it binds anything for the pen's hand, else the one of highest priority that does.
 bool ActionModel::Choose() {
   std::vector<const layer::Profile*> order;
   if (const layer::Profile* preferred = FindProfile(preferred_)) order.push_back(preferred);
@@ -193,7 +194,7 @@ ModelPart ActionModel::PenSays(int action, const ModelSync& sync) const {
   return out;
 }
 
-// While the pen has its hand, the runtime's controller there is not heard.
+// While the pen owns its hand, the runtime's controller there is ignored.
 ModelPart ActionModel::RuntimeSays(int action, At at, const ModelSync& sync) const {
   const ModelAction& a = actions_[static_cast<std::size_t>(action)];
   const auto answer = [&](At where) {

@@ -32,7 +32,7 @@ struct ModelSuggestion {
   std::optional<std::pair<float, float>> threshold;  // on, off
 };
 
-struct ModelPart {  // what a source says
+struct ModelPart {  // what a source reports
   bool active = false;
   float x = 0;
   float y = 0;

@@ -80,7 +80,7 @@ TEST_F(Profiles, SimpleAlone) {
   EXPECT_TRUE(app.WaitProfile(service, kSimple));
 }
 
-// A profile whose bindings name only the other hand gives the pen nothing; the next one is taken.
+// A profile whose bindings name only the other hand is skipped for the pen; the next one is used.
 TEST_F(Profiles, ProfileWithoutBindingsForOurHandIsPassedOver) {
   FakeService service;
   AppOptions options;
@@ -106,7 +106,7 @@ TEST_F(Profiles, SecondSuggestionReplacesTheFirst) {
   EXPECT_FALSE(app.Bool(app.select, app.right).isActive);
 }
 
-// A suggestion that the runtime refuses is no suggestion.
+// A suggestion that the runtime rejects does not count.
 TEST_F(Profiles, RefusedSuggestionIsNotRecorded) {
   FakeService service;
   AppOptions options;
@@ -120,7 +120,7 @@ TEST_F(Profiles, RefusedSuggestionIsNotRecorded) {
   EXPECT_TRUE(app.WaitProfile(service, kSimple));
 }
 
-// [input-current-interaction-profile] selection changes only in xrSyncActions, and one event tells of it.
+// [input-current-interaction-profile] selection changes only in xrSyncActions, with one event.
 TEST_F(Profiles, CurrentOnlyAfterSyncWithOneEvent) {
   FakeService service;
   App app;

@@ -1,4 +1,4 @@
-// Profiles that only the layer knows, paths that only the layer knows, and who decides which profile is taken.
+// Profiles and paths that only the layer knows, and how a profile is chosen.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -113,7 +113,8 @@ TEST_F(ProfilesChoice, IndexAfterTouch) {
   EXPECT_EQ(trackpad.currentState, 0.0f);
 }
 
-// A path of ours on a profile of the runtime's does not break the call, and what goes below is what the runtime knows.
+// A path of ours on a profile of the runtime's does not break the call; only paths that the runtime knows are passed
+// down.
 TEST_F(ProfilesChoice, TipPathsOnTheRuntimesProfile) {
   FakeService service;
   App app(Unattached({kStylusExtension}));
@@ -131,7 +132,7 @@ TEST_F(ProfilesChoice, TipPathsOnTheRuntimesProfile) {
   service.Fill();
   ASSERT_EQ(app.Sync(), XR_SUCCESS);
   EXPECT_FLOAT_EQ(app.Float(app.force, app.right).currentState, 0.7f);
-  EXPECT_TRUE(app.Bool(app.select, app.left).currentState) << "the runtime has taken its part of the suggestion";
+  EXPECT_TRUE(app.Bool(app.select, app.left).currentState) << "the runtime has received its part of the suggestion";
 }
 
 TEST_F(ProfilesChoice, TipPathsNeedTheExtension) {
@@ -139,7 +140,7 @@ TEST_F(ProfilesChoice, TipPathsNeedTheExtension) {
   EXPECT_EQ(app.Suggest(kTouch, {{app.pose, "/user/hand/right/input/tip_omnix1/pose"}}), XR_ERROR_PATH_UNSUPPORTED);
 }
 
-// What the runtime refuses stays refused with a path of ours beside it, and the reverse.
+// The runtime's errors remain with a path of ours beside them, and the reverse.
 TEST_F(ProfilesChoice, ErrorsBesideTipPaths) {
   const App app(Unattached({kStylusExtension}));
   EXPECT_EQ(app.Suggest(kTouch, {{app.pose, "/user/hand/right/input/tip_omnix1/pose"},
@@ -154,7 +155,7 @@ TEST_F(ProfilesChoice, ErrorsBesideTipPaths) {
             XR_ERROR_ACTIONSETS_ALREADY_ATTACHED);
 }
 
-// Of two extensions that both may answer, what lies below is asked for the one that it has, and answers that one.
+// Of two extensions that may be below, the one that the runtime has is requested from it and left to it.
 TEST_F(ProfilesChoice, RuntimeAnswersWhatItHas) {
   for (const char* below : {kGenericExtension, XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME}) {
     setenv("OMNI_TEST_RUNTIME_EXTENSIONS", below, 1);
@@ -162,7 +163,7 @@ TEST_F(ProfilesChoice, RuntimeAnswersWhatItHas) {
     options.mx_ink_extension = true;
     const App app(options);
     const bool generic_below = below == kGenericExtension;
-    // The runtime takes the name and knows no such profile: its refusal shows that it was asked.
+    // The runtime accepts the name but knows no such profile: its error shows that it was called.
     EXPECT_EQ(app.Suggest(kGeneric, {{app.force, "/user/hand/right/input/trigger/value"}}),
               generic_below ? XR_ERROR_PATH_UNSUPPORTED : XR_SUCCESS);
     EXPECT_EQ(app.SuggestUsual(kMxInk), generic_below ? XR_SUCCESS : XR_ERROR_PATH_UNSUPPORTED);
@@ -232,7 +233,7 @@ TEST_F(ProfilesChoice, UnusablePinGivesTheBestOfTheOthers) {
   }
 }
 
-// The service's wish holds too, and may change while the session runs: at a sync, with an event.
+// The service's setting applies too, and may change while the session runs: at a sync, with an event.
 TEST_F(ProfilesChoice, ServicePinsTheProfileAtAnyTime) {
   FakeService service;
   AppOptions options;

@@ -121,7 +121,7 @@ TEST(ProfilesRegistry, EveryProfileHasTheRegistrysPathsAndNoOthers) {
   }
 }
 
-// [input-bound-sources] what a person reads: every source has a name, and no two of a hand the same one.
+// [input-bound-sources] names for users: every source has a name, and no two of a hand have the same.
 TEST(ProfilesRegistry, EverySourceHasANameOfItsOwn) {
   for (const layer::Profile& profile : layer::LoadProfiles()) {
     for (const layer::Hand hand : {layer::Hand::kLeft, layer::Hand::kRight}) {

@@ -1,4 +1,4 @@
-// Rules of the action system that states.cc and profiles.cc do not show, and events.
+// Rules of the action system that states.cc and profiles.cc do not cover, and events.
 #include <gtest/gtest.h>
 
 #include "tests/layer/actions/states_fixture.h"
@@ -44,7 +44,7 @@ TEST_F(RuleActions, PriorityOverrideHoldsForOneSync) {
   }
 }
 
-// Suggestions belong to the instance: legal, and heard, before any session.
+// Suggestions belong to the instance: valid, and recorded, before any session.
 TEST_F(RuleActions, SuggestedBeforeTheSession) {
   FakeService service;
   const MiniLoader loader({OmniLayer()});
@@ -85,7 +85,7 @@ TEST_F(RuleActions, NothingChangesBetweenSyncs) {
   EXPECT_EQ(app.Profile(app.right), kTouch);
 }
 
-// What lies below may have given the handle to another action by now.
+// The runtime may have reused the handle for another action by now.
 TEST_F(RuleActions, DestroyedActionIsNotAskedForBelow) {
   FakeService service;
   App app;
@@ -112,7 +112,7 @@ TEST_F(RuleActions, SyncErrorsAreTheRuntimes) {
   EXPECT_EQ(app.SyncSets({{app.set, 987654321}}), XR_ERROR_PATH_INVALID);
   EXPECT_EQ(app.SyncSets({{XR_NULL_HANDLE, XR_NULL_PATH}}), XR_ERROR_HANDLE_INVALID);
   EXPECT_EQ(app.SyncSets({{app.MakeSet("late", 0), XR_NULL_PATH}}), XR_ERROR_ACTIONSET_NOT_ATTACHED);
-  EXPECT_FLOAT_EQ(app.Float(app.force, app.right).currentState, 0.5f) << "a refused sync changes nothing";
+  EXPECT_FLOAT_EQ(app.Float(app.force, app.right).currentState, 0.5f) << "a failed sync changes nothing";
   service.Fill();
   ASSERT_EQ(app.SyncSets({{app.set, app.left}}), XR_SUCCESS);
   EXPECT_FALSE(app.Float(app.force, app.right).isActive) << "active for the other hand";
@@ -126,7 +126,7 @@ TEST_F(RuleActions, SyncErrorsAreTheRuntimes) {
   EXPECT_EQ(none.lastChangeTime, 0);
 }
 
-// [xrLocateSpace] a space that nobody serves now, in a base that is none: the runtime's error.
+// [xrLocateSpace] an inactive space in an invalid base: the runtime's error.
 TEST_F(RuleActions, InactiveSpaceInABadBase) {
   FakeService service;
   App app;

@@ -1,4 +1,4 @@
-// Action states: what the pen, the runtime and both together make of them, and when.
+// Action states from the pen, the runtime and both together, and when they change.
 #include <gtest/gtest.h>
 
 #include "tests/layer/actions/states_fixture.h"
@@ -128,7 +128,7 @@ TEST_F(States, NullPathMergesPenAndRuntime) {
   EXPECT_TRUE(app.Float(app.force, XR_NULL_PATH).changedSinceLastSync);
 }
 
-// The hand is the pen's: a runtime's controller in the same hand is not heard while the pen is there.
+// The hand is the pen's: a runtime's controller in the same hand is ignored while the pen is present.
 TEST_F(States, RuntimesControllerOfOurHandIsSilentWhileThePenIsThere) {
   omni_test_set_device("right", 1, kTouch);
   App app;
@@ -252,7 +252,7 @@ TEST_F(States, ServiceDiesAndReturns) {
   }
 }
 
-// Presses made before the pen became this session's are history.
+// Presses made before the pen belonged to this session are not reported.
 TEST_F(States, OldPressesAreNotReported) {
   FakeService service;
   service.Set(InputIndex::kSelect, 1);

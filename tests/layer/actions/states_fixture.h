@@ -1,4 +1,4 @@
-// What tests of action states share.
+// Shared by the tests of action states.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace omni::test {
 class StatesTest : public testing::Test {
  protected:
   void SetUp() override { omni_test_reset(); }
-  // One more sync with a pen that is there.
+  // One more sync with the pen present.
   static void Step(App& app, FakeService& service) {
     service.Fill();
     ASSERT_EQ(app.Sync(), XR_SUCCESS);

@@ -149,7 +149,7 @@ struct Scenario {
     input.value = value;
   }
 
-  // What happened until the next sync.
+  // Random changes until the next sync.
   void Live() {
     sync.now += 10'000'000;
     for (int moves = dice.Below(8); moves > 0; --moves)
@@ -267,7 +267,7 @@ std::string CompareAction(const Scenario& story, const layer::SessionActions& la
   return sources == model.PenSources(i) && sources.size() == listed.size() ? std::string() : "other bound sources";
 }
 
-struct Seen {  // that the stories visit what they are told for
+struct Seen {  // that the scenarios cover what they are meant to
   long active = 0, changed = 0, pen_spaces = 0, hand_overs = 0;
 };
 

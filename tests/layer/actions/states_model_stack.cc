@@ -1,5 +1,5 @@
-// The reference model against everything at once: loader, layer, service and runtime. What the runtime says below the
-// layer is asked of it directly: handles are the same on both sides.
+// The reference model against everything at once: loader, layer, service and runtime. The runtime's own states below
+// the layer are queried directly: handles are the same on both sides.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -308,7 +308,7 @@ std::string StackScenario::Run() {
   const XrSessionActionSetsAttachInfo attach{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 3, sets_.data()};
   EXPECT_EQ(xrAttachSessionActionSets(app_.session, &attach), XR_SUCCESS);
   service_.SetFlags(0);
-  // Connected, and asked where the base stands: until then the pen is not there. No sync so far.
+  // Connected, and placement requested: until then the pen is not present. No sync so far.
   for (int i = 0; i < 2000 && service_.heard().placement_requests.empty(); ++i) {
     service_.Fill();
     app_.Poll();
@@ -317,7 +317,7 @@ std::string StackScenario::Run() {
   }
   ActionModel model(LayerProfiles(), actions_, suggestions_, {0, 1, 2});
   const auto profile_below = Below<PFN_xrGetCurrentInteractionProfile>(app_, "xrGetCurrentInteractionProfile");
-  const timespec pause{0, 12'000'000};  // the answer reaches the layer with one of its looks at the socket
+  const timespec pause{0, 12'000'000};  // the answer reaches the layer at one of its polls of the socket
   nanosleep(&pause, nullptr);
   app_.Poll();
   sync_.service = 1;
@@ -354,7 +354,7 @@ TEST(StatesModelStack, RandomApplicationsOverTheWholeStackAgreeWithTheModel) {
     active += story.active_states;
     changed += story.changes;
   }
-  std::printf("%d stories of %d syncs over the whole stack: %ld active states, %ld changes\n", kScenarios,
+  std::printf("%d scenarios of %d syncs over the whole stack: %ld active states, %ld changes\n", kScenarios,
               kSyncsPerScenario, active, changed);
   EXPECT_GT(active, 500);
   EXPECT_GT(changed, 100);

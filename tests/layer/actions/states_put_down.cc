@@ -1,4 +1,4 @@
-// A pen that is put down leaves its hand to the runtime's controller, and takes it back when it is taken up.
+// A pen that is put down yields its hand to the runtime's controller, and takes it back when it is picked up.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ layer::PenSnapshot PenAt(std::int64_t t_ns, double x_m) {
   return pen;
 }
 
-// Shared with nobody: one pen that somebody holds, lays down, or loses.
+// Without a session: one pen that is held, put down, or lost.
 class RestingPen {
  public:
   explicit RestingPen(std::uint64_t seed = 1) : noise_(seed) {}
@@ -56,11 +56,11 @@ TEST(PenRest, StillPenIsPutDownAndTakenUpAgain) {
   p.pen.sample.position_base_m[0] += 0.005;
   EXPECT_TRUE(p.Wait(0.5)) << "the table was bumped";
   p.pen.sample.position_base_m[2] += 0.02;
-  EXPECT_FALSE(p.Wait(0.1)) << "taken up";
+  EXPECT_FALSE(p.Wait(0.1)) << "picked up";
   EXPECT_FALSE(p.Wait(19));
 }
 
-// The tracker's noise is no motion: a lying pen is put down for any seed.
+// The tracker's noise is not motion: a lying pen is put down for any seed.
 TEST(PenRest, NoiseIsNoMotion) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     RestingPen p(seed);
@@ -69,7 +69,7 @@ TEST(PenRest, NoiseIsNoMotion) {
   }
 }
 
-// Whoever works with it never loses it: a hand's slow motion, contact, or input in time.
+// A pen in use is never put down: slow motion, contact, or input in time.
 TEST(PenRest, HeldPenIsNeverPutDown) {
   RestingPen p;
   for (int i = 0; i < 20; ++i) {
@@ -107,7 +107,7 @@ TEST(PenRest, DockedAndUnseen) {
   p.pen.sample.flags |= protocol::kToolTracked;
   EXPECT_FALSE(p.Wait(0.02));
   p.limits.still_ns = 0;
-  EXPECT_FALSE(p.Wait(120)) << "never, if it is so wished";
+  EXPECT_FALSE(p.Wait(120)) << "never, with a limit of 0";
 }
 
 class StatesPutDown : public testing::Test {
@@ -169,7 +169,7 @@ TEST_F(StatesPutDown, DockedPenGivesTheHandBack) {
   }
 }
 
-// Where the runtime has no controller for that hand there is nobody to give it to.
+// If the runtime has no controller for that hand, the pen keeps it.
 TEST_F(StatesPutDown, WithoutAControllerThePenKeepsItsHand) {
   FakeService service;
   App app;
@@ -181,7 +181,7 @@ TEST_F(StatesPutDown, WithoutAControllerThePenKeepsItsHand) {
   EXPECT_TRUE(app.PoseActive(app.pose, app.right));
 }
 
-// The time that the service wishes; and an event, since the profile is another one.
+// After the time that the service has set; with an event, since the profile changes.
 TEST_F(StatesPutDown, StillPenAfterTheServicesTime) {
   omni_test_set_device("right", 1, kSimple);
   FakeService service;
@@ -203,7 +203,7 @@ TEST_F(StatesPutDown, StillPenAfterTheServicesTime) {
   app.Poll();
   EXPECT_EQ(app.CountEvents(XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED), 1);
   x_m = 0.05;
-  EXPECT_TRUE(app.WaitProfile(service, kTouch)) << "taken up";
+  EXPECT_TRUE(app.WaitProfile(service, kTouch)) << "picked up";
 }
 
 }  // namespace test_states_put_down

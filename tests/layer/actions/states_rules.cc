@@ -1,4 +1,4 @@
-// Rules of action states that need two devices, two sets, or a moment to go wrong.
+// Rules of action states that need two devices, two sets, or a special moment.
 #include <gtest/gtest.h>
 
 #include "tests/layer/actions/states_fixture.h"
@@ -46,8 +46,8 @@ TEST_F(StatesRules, EqualPrioritySetsShareTheSource) {
   EXPECT_TRUE(app.Bool(sets.grab, app.right).currentState);
 }
 
-// [XrActionSetCreateInfo] a set that is active for the other hand only takes nothing of the pen's, although its action
-// is bound there.
+// [XrActionSetCreateInfo] a set that is active for the other hand only takes none of the pen's sources, although its
+// action is bound there.
 TEST_F(StatesRules, ASuppressedSourceComesBackWhenTheHigherSetGoes) {
   FakeService service;
   App app(Unattached());
@@ -122,7 +122,7 @@ TEST_F(StatesRules, ApplicationsThresholdIsUsed) {
   }
 }
 
-// ... on the tip's force its thresholds go before the service's click; its pulses are felt at the edges.
+// ... on the tip's force its thresholds override the service's click; its pulses are sent at the edges.
 TEST_F(StatesRules, ThresholdOnTheTipWithPulses) {
   constexpr const char* kPath = "/user/hand/right/input/trigger/value";
   FakeService service;
@@ -181,7 +181,7 @@ TEST_F(StatesRules, TakingOverAHandIsAChangeOfItsStates) {
   EXPECT_FALSE(app.Bool(app.select, app.right).changedSinceLastSync);
 }
 
-// [input-state-sync] what happened while another application had the focus was not meant for this one.
+// [input-state-sync] presses made while another application had the focus are not reported.
 TEST_F(StatesRules, PressesWithoutFocusAreNotReported) {
   for (const bool synced_meanwhile : {true, false}) {
     FakeService service;
@@ -203,7 +203,7 @@ TEST_F(StatesRules, PressesWithoutFocusAreNotReported) {
   }
 }
 
-// [input-creating-actions] a destroyed action goes on in priorities and spaces of the session it is attached to.
+// [input-creating-actions] a destroyed action still counts in priorities and spaces of the session it is attached to.
 TEST_F(StatesRules, DestroyedActionStillTakesItsSource) {
   FakeService service;
   App app(Unattached());
@@ -217,7 +217,7 @@ TEST_F(StatesRules, DestroyedActionStillTakesItsSource) {
   EXPECT_TRUE(app.Bool(app.select, app.right).isActive);
 }
 
-// ... destroyed before its set was attached, it was never there.
+// ... destroyed before its set was attached, it does not.
 TEST_F(StatesRules, ActionDestroyedBeforeAttachTakesNothing) {
   FakeService service;
   App app(Unattached());
@@ -250,7 +250,7 @@ TEST_F(StatesRules, SyncWithoutSets) {
   const XrActionStateBoolean state = app.Bool(app.select, app.right);
   EXPECT_FALSE(state.isActive || state.currentState || state.changedSinceLastSync);
   EXPECT_EQ(state.lastChangeTime, 0);
-  EXPECT_EQ(app.Profile(app.right), kTouch) << "the device is there all the same";
+  EXPECT_EQ(app.Profile(app.right), kTouch) << "the device is still present";
 }
 
 // [input-state-sync] errors of xrSyncActions change nothing of the pen's states.
@@ -269,7 +269,7 @@ TEST_F(StatesRules, RefusedSyncChangesNothing) {
   EXPECT_FALSE(app.Bool(app.select, app.right).currentState);
 }
 
-// An action without subaction paths that is bound to the pen's hand only: the runtime's controller there is silent.
+// An action without subaction paths that is bound to the pen's hand only: the runtime's controller there is ignored.
 TEST_F(StatesRules, ActionOfThePensHandOnlyDoesNotHearTheController) {
   omni_test_set_device("right", 1, kTouch);
   FakeService service;

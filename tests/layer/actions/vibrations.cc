@@ -73,7 +73,7 @@ class Vibrations : public testing::Test {
   std::uint32_t consumed_ = 0;
 };
 
-// [XR_FB_haptic_amplitude_envelope] The service hears each amplitude, bit by bit.
+// [XR_FB_haptic_amplitude_envelope] The service receives each amplitude unchanged.
 TEST_F(Vibrations, EnvelopeReachesTheServiceBitByBit) {
   FakeService service;
   App app(WithShapes());
@@ -90,7 +90,7 @@ TEST_F(Vibrations, EnvelopeReachesTheServiceBitByBit) {
   EXPECT_EQ(service.heard().waveforms[1].waveform.duration_ns, -1);
 }
 
-// [XR_FB_haptic_pcm] samplesConsumed is written before return; append goes on, a full buffer takes no more.
+// [XR_FB_haptic_pcm] samplesConsumed is written before return; append continues, a full buffer takes no more.
 TEST_F(Vibrations, PcmReachesTheServiceAndSaysWhatItTook) {
   FakeService service;
   App app(WithShapes());
@@ -112,12 +112,12 @@ TEST_F(Vibrations, PcmReachesTheServiceAndSaysWhatItTook) {
   EXPECT_EQ(second.samples, std::vector<float>(values.begin(), values.begin() + consumed_));
 
   ASSERT_EQ(Apply(app, app.right, Pcm(values, 1000, false)), XR_SUCCESS);
-  EXPECT_EQ(consumed_, 3000u) << "without append all before is gone";
+  EXPECT_EQ(consumed_, 3000u) << "without append the previous samples are replaced";
   ASSERT_TRUE(HasWaveforms(service, 3));
   EXPECT_EQ(service.heard().waveforms[2].waveform.append, 0u);
 }
 
-// [XR_FB_haptic_pcm] Append after another kind of effect, or after a stop, starts anew.
+// [XR_FB_haptic_pcm] Append after another kind of effect, or after a stop, restarts.
 TEST_F(Vibrations, AppendNeedsPcmThatStillPlays) {
   FakeService service;
   App app(WithShapes());
@@ -188,7 +188,7 @@ TEST_F(Vibrations, ARuntimeWithoutThemVibratesPlainly) {
   EXPECT_EQ(Apply(app, app.left, Pcm(none, 1000, false)), XR_ERROR_VALIDATION_FAILURE);
 }
 
-// A runtime that has them plays them itself on its own devices; of PCM for both, as much counts as both have taken.
+// A runtime that has them plays them itself on its own devices; PCM for both counts the samples that both have taken.
 TEST_F(Vibrations, ARuntimeThatHasThemPlaysThem) {
   omni_test_offer_shapes(1);
   FakeService service;
@@ -236,7 +236,7 @@ TEST_F(Vibrations, SampleRateErrors) {
   EXPECT_EQ(get(app.session, &info, &rate), XR_ERROR_HANDLE_INVALID);
 }
 
-// [input-output-actions-haptics] Not focused: discarded, and what plays stops.
+// [input-output-actions-haptics] Not focused: discarded, and playing vibrations stop.
 TEST_F(Vibrations, FocusRules) {
   FakeService service;
   App app(WithShapes());
@@ -273,7 +273,7 @@ TEST_F(Vibrations, WithoutTheExtensionNothingIsThere) {
   EXPECT_TRUE(service.heard().waveforms.empty());
 }
 
-// The service's four seconds are never overrun, and never left empty while there is more to come.
+// The service's buffer of four seconds never overflows, and is never left unfilled while there are more samples.
 TEST(PcmBacklog, BooksWhatFits) {
   std::mt19937 random(6);
   layer::PcmBacklog backlog;

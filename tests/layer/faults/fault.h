@@ -1,5 +1,5 @@
-// What a seeded fault (seeds.json) asks: is it the one that the environment names? Included before every source of the
-// mutated copy of the layer (target XrApiLayer_omni_faulty), never by what ships.
+// Whether a seeded fault (seeds.json) is the one that the environment names. Included before every source of the
+// mutated copy of the layer (target XrApiLayer_omni_faulty), never by the shipped layer.
 #pragma once
 
 #include <unistd.h>

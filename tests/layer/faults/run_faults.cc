@@ -99,7 +99,7 @@ void RunAll(std::vector<Job>& jobs, const fs::path& folder) {
 bool SoundWithoutFault(const std::map<std::string, std::set<std::string>>& tests, const fs::path& folder) {
   std::set<std::string> all;
   for (const auto& [fault, named] : tests) all.insert(named.begin(), named.end());
-  std::vector<Job> jobs(2 * kAtOnce);  // shared out, so that it takes less long
+  std::vector<Job> jobs(2 * kAtOnce);  // in parallel, to save time
   std::size_t at = 0;
   for (const std::string& test : all) jobs[at++ % jobs.size()].tests.insert(test);
   RunAll(jobs, folder);
@@ -115,7 +115,7 @@ bool SoundWithoutFault(const std::map<std::string, std::set<std::string>>& tests
 
 bool Survives(const Job& job) { return job.outcome.failed.empty() && job.outcome.death.empty(); }
 
-// What a busy machine let pass gets a second run; the table says so.
+// A fault that survived, perhaps on a busy machine, gets a second run; the table says so.
 void RunSurvivorsAgain(std::vector<Job>& jobs, const fs::path& folder) {
   for (Job& job : jobs) {
     if (!Survives(job)) continue;

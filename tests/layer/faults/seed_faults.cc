@@ -1,8 +1,8 @@
-// seed_faults SEEDS.json SOURCES OUTPUT: a copy of the layer's sources with all seeded faults in it, each asleep until
-// the environment variable OMNI_LAYER_FAULT names it. A row {name, file, find, replace} takes the one place where
-// `find` stands in the file; in `replace` the word FAULT stands for the question whether this fault is the one. Exit
-// status 1 if a row matches no place, or several, or the place of another row: then the source has changed, and its row
-// is to follow. Nothing but the rows differs between the copy and the source.
+// seed_faults SEEDS.json SOURCES OUTPUT: a copy of the layer's sources with all seeded faults in it, each inactive
+// until the environment variable OMNI_LAYER_FAULT names it. A row {name, file, find, replace} replaces the only
+// occurrence of `find` in the file; the word FAULT in `replace` becomes the condition that this fault is active. Exit
+// status 1 if a row matches no place, several, or the place of another row: then the source has changed, and its row
+// must follow. Nothing but the rows differs between the copy and the source.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -47,18 +47,18 @@ std::string WithFault(const Seed& seed) {
   constexpr std::string_view kWord = "FAULT";
   std::string text = seed.replace;
   const std::size_t at = text.find(kWord);
-  if (at == std::string::npos) throw std::runtime_error(seed.name + ": its replacement does not say FAULT");
+  if (at == std::string::npos) throw std::runtime_error(seed.name + ": its replacement lacks the word FAULT");
   return text.replace(at, kWord.size(), "::omni::layer::FaultIs(\"" + seed.name + "\")");
 }
 
 Edit EditFor(const Seed& seed, const std::string& source, const std::string& file) {
   const std::size_t at = source.find(seed.find);
   if (seed.find.empty() || at == std::string::npos) {
-    throw std::runtime_error(file + ": the seeded fault \"" + seed.name + "\" finds its place no longer: \"" +
+    throw std::runtime_error(file + ": the seeded fault \"" + seed.name + "\" no longer matches its file: \"" +
                              seed.find + "\"; change its row in tests/layer/faults/seeds.json with the source");
   }
   if (source.find(seed.find, at + 1) != std::string::npos) {
-    throw std::runtime_error(file + ": the seeded fault \"" + seed.name + "\" finds several places: \"" + seed.find +
+    throw std::runtime_error(file + ": the seeded fault \"" + seed.name + "\" matches several places: \"" + seed.find +
                              "\"");
   }
   return {.at = at, .bytes = seed.find.size(), .text = WithFault(seed), .name = seed.name};
@@ -72,7 +72,7 @@ std::string Mutated(const std::string& source, const std::vector<Seed>& seeds, c
   std::size_t copied = 0;
   for (const Edit& edit : edits) {
     if (edit.at < copied) {
-      throw std::runtime_error(file + ": the seeded fault \"" + edit.name + "\" lies in the place of another one");
+      throw std::runtime_error(file + ": the seeded fault \"" + edit.name + "\" overlaps another one");
     }
     text.append(source, copied, edit.at - copied);
     text += edit.text;
@@ -84,7 +84,7 @@ std::string Mutated(const std::string& source, const std::vector<Seed>& seeds, c
 int Run(const fs::path& seeds_path, const fs::path& sources, const fs::path& output) {
   std::map<std::string, std::vector<Seed>> seeds;  // by file
   for (const nlohmann::json& row : nlohmann::json::parse(TextOf(seeds_path))) {
-    if (row.size() != 4) throw std::runtime_error(seeds_path.string() + ": a row is {name, file, find, replace}");
+    if (row.size() != 4) throw std::runtime_error(seeds_path.string() + ": a row must be {name, file, find, replace}");
     seeds[row.at("file")].push_back({row.at("name"), row.at("find"), row.at("replace")});
   }
   fs::create_directories(output);

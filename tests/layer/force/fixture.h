@@ -1,4 +1,4 @@
-// An application with XR_OMNIX1_force_feedback, its one handle, and a service that says what the device can do.
+// An application with XR_OMNIX1_force_feedback, its one handle, and a service that reports what the device can do.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ inline AppOptions WithForce() {
   return options;
 }
 
-// An application that asks what the device can do before it does anything else.
+// An application that first queries what the device can do.
 inline AppOptions WithForceAndNoMore() {
   AppOptions options = WithForce();
   options.attach = options.begin = false;
@@ -31,7 +31,7 @@ inline XrSystemForceFeedbackPropertiesOMNIX1 ForceSystemProperties(const App& ap
   XrSystemForceFeedbackPropertiesOMNIX1 ours{XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1};
   XrSystemProperties properties{XR_TYPE_SYSTEM_PROPERTIES, &ours};
   EXPECT_EQ(xrGetSystemProperties(app.instance, app.system, &properties), XR_SUCCESS);
-  EXPECT_EQ(properties.next, &ours) << "the application's chain is as it was";
+  EXPECT_EQ(properties.next, &ours) << "the application's chain is unchanged";
   EXPECT_STREQ(properties.systemName, "Omni test system");
   return ours;
 }
@@ -68,7 +68,7 @@ class ForceTest : public testing::Test {
   }
   void TearDown() override { omni_test_reset(); }
 
-  // An application that is focused, and a service that has said what it can do.
+  // An application that is focused, and a service that has reported its properties.
   void Start() {
     app_.emplace(WithForce());
     xr_.emplace(app_->instance);

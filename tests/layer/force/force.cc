@@ -1,4 +1,4 @@
-// XR_OMNIX1_force_feedback as an application meets it, with a scripted service.
+// XR_OMNIX1_force_feedback as an application sees it, with a scripted service.
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -59,7 +59,7 @@ TEST_F(Force, CreateChecksHandPathAndOwner) {
   }));
 }
 
-// LOCAL -> base while nobody has aligned it: x stays, y (up) becomes z, z (towards the user) becomes -y.
+// LOCAL -> base while it is not aligned: x stays, y (up) becomes z, z (towards the user) becomes -y.
 TEST_F(Force, AForceArrivesInTheBaseFrame) {
   StartWithHandle();
   ASSERT_EQ(Push({0.1f, 0.2f, 0.3f}, local_, kFrame_ns, 5'000'000), XR_SUCCESS);
@@ -151,7 +151,7 @@ TEST_F(Force, ConstraintsArriveInTheBaseFrame) {
   EXPECT_NEAR(q.point_base_m[0], 0, 1e-6) << "the point of the plane nearest to the base";
 }
 
-// What stands still is said once; what moves is said at every sync, with its velocity.
+// Constraints at rest are sent once, moving ones at every sync, with their velocity.
 TEST_F(Force, ConstraintsFollowTheirSpace) {
   StartWithHandle();
   const float pose[7] = {0, 1.6f, -0.5f, 0, 0, 0, 1};
@@ -170,7 +170,7 @@ TEST_F(Force, ConstraintsFollowTheirSpace) {
   const auto moving = Heard<protocol::ForceConstraints>(before + 3);
   ASSERT_TRUE(moving);
   EXPECT_NEAR(moving->constraints[0].velocity_base_m_s[0], 0.5, 1e-4);
-  // A space that is destroyed takes its constraints along.
+  // A destroyed space removes its constraints.
   ASSERT_EQ(xrDestroySpace(view), XR_SUCCESS);
   ASSERT_TRUE(app_->SyncUntil(service_, [&] {
     const auto all = service_.heard().forces;
@@ -235,7 +235,7 @@ TEST_F(Force, StopEndsForceAndConstraints) {
   ASSERT_EQ(Set({&point}), XR_SUCCESS);
   ASSERT_EQ(xr_->stop(force_), XR_SUCCESS);
   ASSERT_TRUE(Heard<protocol::ForceStop>(1));
-  EXPECT_EQ(xr_->stop(force_), XR_SUCCESS) << "also where there is nothing";
+  EXPECT_EQ(xr_->stop(force_), XR_SUCCESS) << "also if there is nothing to stop";
 }
 
 TEST_F(Force, TheSessionTakesItsHandlesAlong) {
@@ -303,13 +303,13 @@ TEST_F(Force, EventsTellWhatChanged) {
   EXPECT_EQ(Push({1, 0, 0}, local_), XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1);
 }
 
-// A service that comes back is told again: the claim, and the constraints that still hold.
 TEST_F(Force, NothingIsSentWithoutAHandle) {
   Start();
   for (int i = 0; i < 10; ++i) ASSERT_EQ(app_->Sync(), XR_SUCCESS);
   EXPECT_TRUE(service_.heard().forces.empty());
 }
 
+// A restarted service receives the claim and the constraints again.
 TEST(ForceReconnect, ClaimAndConstraintsAreToldAgain) {
   omni_test_reset();
   auto service = std::make_unique<FakeService>();

@@ -1,5 +1,5 @@
 // layer/include/openxr/omni_haptic_scene.h has a float for each live number of a material: its name, its place and the
-// range that the header tells are those of the table.
+// range in its comment are those of the table.
 #include <gtest/gtest.h>
 
 #include <algorithm>

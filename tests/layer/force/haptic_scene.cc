@@ -1,4 +1,4 @@
-// XR_OMNIX1_haptic_scene through the real loader: what the service hears, and what the application gets back.
+// XR_OMNIX1_haptic_scene through the real loader: what the service receives, and what the application gets back.
 #include <cmath>
 #include <string>
 
@@ -59,7 +59,7 @@ TEST(HapticScene, TheDocumentArrivesAndItsStateComesBack) {
   EXPECT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
   EXPECT_EQ(story.f->destroy(story.scene), XR_ERROR_HANDLE_INVALID);
   EXPECT_TRUE(story.Until([&] { return story.service->heard().scene_ends.size() == 1; }));
-  EXPECT_EQ(story.Create(), XR_SUCCESS) << "now there is room for another one";
+  EXPECT_EQ(story.Create(), XR_SUCCESS) << "after the first one is destroyed";
 }
 
 TEST(HapticScene, AFailedOneSaysWhyAndCanOnlyBeDestroyed) {
@@ -88,7 +88,7 @@ TEST(HapticScene, APlacementIsToldInTheBase) {
   ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_places.empty(); }));
   const protocol::HapticScenePlace place = story.service->heard().scene_places.back();
   EXPECT_EQ(place.scale, 2);
-  // A point of the document: by the application's words in LOCAL; by the service's in the base, then in LOCAL.
+  // A point of the document: placed by the application in LOCAL; by the message in the base, then in LOCAL.
   const layer::Pose X_LO = layer::DefaultBasePose();
   const glm::dvec3 p_G(0.01, 0.02, 0.03);
   const layer::Pose X_LG = layer::FromXr(placement.pose);
@@ -104,7 +104,7 @@ TEST(HapticScene, APlacementIsToldInTheBase) {
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1) << "another scale is another scene";
 }
 
-// A node at its rest is told as no motion; a move, a turn and a velocity as what they do to the document's points.
+// A node at rest is sent as no motion; a move, a turn and a velocity as what they do to the document's points.
 TEST(HapticScene, NodePosesAreToldFromTheirRest) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
@@ -221,7 +221,7 @@ TEST(HapticScene, ContactsComeInTheSpaceThatIsAskedFor) {
   EXPECT_NEAR(got.force.y, 0.5, 1e-6);
   EXPECT_FLOAT_EQ(got.penetration, 0.001f);
   EXPECT_GT(got.time, 0);
-  // Of another scene: none of ours is touched.
+  // Contacts of another scene: none of ours is touched.
   touched.scene_generation = 10;
   story.service->SetContacts(touched);
   ASSERT_TRUE(story.Until(
@@ -230,7 +230,7 @@ TEST(HapticScene, ContactsComeInTheSpaceThatIsAskedFor) {
   EXPECT_EQ(story.f->contacts(story.scene, &info, 0, &count, nullptr), XR_ERROR_TIME_INVALID);
 }
 
-// The service goes and another one comes: the same scene is loaded there, with all that was said about it.
+// The service is replaced: the same scene is loaded in the new one, with all that was set.
 TEST(HapticScene, SurvivesTheService) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());

@@ -1,4 +1,4 @@
-// Rules of docs/extensions/XR_OMNIX1_haptic_scene.md: what may be asked when, limits, spaces that move, and events.
+// Rules of docs/extensions/XR_OMNIX1_haptic_scene.md: which calls are valid when, limits, moving spaces, and events.
 #include <cmath>
 #include <cstdint>
 
@@ -49,7 +49,7 @@ std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneScenario& story) {
   return nodes;
 }
 
-// [Results] LOADING for the first time: it can be placed and enabled, and has nothing to tell.
+// [Results] LOADING for the first time: it can be placed and enabled, and has no contents yet.
 TEST(HapticSceneRules, ALoadingSceneIsNotReady) {
   SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
@@ -76,7 +76,7 @@ TEST(HapticSceneRules, AFailedSceneStaysFailed) {
   const XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 2);
   EXPECT_EQ(story.f->place(story.scene, &placement), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
   EXPECT_EQ(story.f->enable(story.scene, XR_TRUE), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
-  // A word that was under way, and a new service.
+  // A late message, and a new service.
   story.service->Say(SceneTableMessage(number, TwoNodes()));
   story.SayState(number, protocol::HapticSceneStatus::kReady, 9, "");
   const std::int64_t end = Now_ns() + 100'000'000;
@@ -105,16 +105,16 @@ TEST(HapticSceneRules, EventsTellEachChangeOfALivingScene) {
   story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 10, "");
   ASSERT_TRUE(story.Until([&] { return count() == 3; }));
   story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 0, "");
-  ASSERT_TRUE(story.Until([&] { return story.State().isFelt == XR_FALSE; })) << "ready, and not felt now";
+  ASSERT_TRUE(story.Until([&] { return story.State().isFelt == XR_FALSE; })) << "ready, and not rendered now";
   EXPECT_EQ(count(), 3) << "the status is the same";
   const XrHapticScenePlacementOMNIX1 again = In(placement.baseSpace, 4);
   ASSERT_EQ(story.f->place(story.scene, &again), XR_SUCCESS);
   ASSERT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
   story.app->Poll();
-  EXPECT_EQ(count(), 3) << "its handle is no more";
+  EXPECT_EQ(count(), 3) << "its handle is destroyed";
 }
 
-// [Results] a 17th moved node, a 17th changed material; the sixteen go on.
+// [Results] a 17th moved node, a 17th changed material; the first sixteen still work.
 TEST(HapticSceneRules, SixteenNodesMoveAndSixteenMaterialsChange) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady(ManyNodes(20, 20)));
@@ -137,7 +137,7 @@ TEST(HapticSceneRules, SixteenNodesMoveAndSixteenMaterialsChange) {
   ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_materials.size() == 17; }));
 }
 
-// [Results] "An unsuccessful call changes nothing": of an update with one bad pose, no pose is told later either.
+// [Results] "An unsuccessful call changes nothing": no pose of an update with one bad pose is ever sent.
 TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
@@ -151,7 +151,7 @@ TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
   EXPECT_EQ(Move(story, {good, bad}), XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(Move(story, {}), XR_ERROR_VALIDATION_FAILURE) << "no pose at all";
   for (const XrTime time : {XrTime{0}, XrTime{-3}}) EXPECT_EQ(Move(story, {good}, time), XR_ERROR_TIME_INVALID);
-  // In a space that cannot be located nothing moves; what is wrong is told all the same.
+  // In a space that cannot be located nothing moves; errors are still returned.
   const XrTime now = Now_ns() + kRuntimeOffset_ns;
   const XrSpace nowhere = story.app->ActionSpace(story.app->pose, story.app->left);
   omni_test_set_device("left", 0, nullptr);
@@ -163,7 +163,8 @@ TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
   story.service = nullptr;
   ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
   story.service = std::make_unique<FakeService>();
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_enables.empty(); })) << "all was told again";
+  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_enables.empty(); }))
+      << "everything was sent again";
   EXPECT_TRUE(story.service->heard().scene_nodes.empty());
 }
 
@@ -236,7 +237,7 @@ TEST(HapticSceneRules, ThePlacementFollowsItsSpace) {
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_READY_OMNIX1) << "it stays where it was";
 }
 
-// [Valid usage] a scale is finite and taken to the nearest end of its range; `next` is ignored.
+// [Valid usage] a scale is finite and clamped to its range; `next` is ignored.
 TEST(HapticSceneRules, ScalesAreTakenIntoRange) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
@@ -251,7 +252,7 @@ TEST(HapticSceneRules, ScalesAreTakenIntoRange) {
   EXPECT_EQ(story.service->heard().scene_places[1].scale, 1e-4);
 }
 
-// [Results] node ids are of one scene; a mesh is asked of what changes, and is there when a shape has arrived.
+// [Results] node ids belong to one scene; only changing nodes have a mesh, once a shape has arrived.
 TEST(HapticSceneRules, NodesOfAnotherSceneAndMeshesOfStillNodes) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
@@ -274,7 +275,8 @@ TEST(HapticSceneRules, NodesOfAnotherSceneAndMeshesOfStillNodes) {
   EXPECT_EQ(Move(story, {{NodesOf(story)[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}}}), XR_SUCCESS);
 }
 
-// [Life of a scene] felt while it is enabled and its session focused: what the service is told, and what it says.
+// [Life of a scene] rendered while it is enabled and its session focused: what is sent to the service, and what it
+// reports.
 TEST(HapticSceneRules, FeltIsWhatTheServiceSays) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());

@@ -12,7 +12,7 @@
 namespace omni::test {
 namespace test_haptic_scene_shape {
 
-// In a space that is still it is told once; in one that moves, frame by frame with how it moves.
+// In a space at rest it is sent once; in a moving one in every frame, with its velocity.
 TEST(HapticScene, APlacementFollowsItsSpace) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
@@ -34,7 +34,7 @@ TEST(HapticScene, APlacementFollowsItsSpace) {
   ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() == 1; }));
   for (int i = 0; i < 20; ++i) frame();
   Pause_ms(50);
-  EXPECT_EQ(story.service->heard().scene_places.size(), 1u) << "nothing new was to be told";
+  EXPECT_EQ(story.service->heard().scene_places.size(), 1u) << "nothing new to send";
 
   // A head that rises at 0.1 m/s carries the scene with it.
   const float head[7] = {0, 1.6f, 0, 0, 0, 0, 1}, rising[6] = {0, 0.1f, 0, 0, 0, 0};
@@ -49,7 +49,7 @@ TEST(HapticScene, APlacementFollowsItsSpace) {
   for (std::size_t i = 2; i < places.size(); ++i) {
     const protocol::HapticScenePlace &before = places[i - 1], &place = places[i];
     EXPECT_NEAR(place.pose.velocity_m_s[2], 0.1, 1e-4);
-    EXPECT_EQ(place.flags, 0u) << "it is moved, not put";
+    EXPECT_EQ(place.flags, 0u) << "moved, not teleported";
     const double s = 1e-9 * static_cast<double>(place.t_ns - before.t_ns);
     EXPECT_GT(s, 0);
     EXPECT_NEAR(place.pose.position_m[2] - before.pose.position_m[2], 0.1 * s, 1e-5);
@@ -144,7 +144,7 @@ TEST_F(SceneShape, SizesAreLookedAtFirst) {
   EXPECT_EQ(vertices[0].x, 0);
 }
 
-// Until a scene of another scale is ready, the former one is felt and read.
+// Until a scene of another scale is ready, the previous one is rendered and read.
 TEST_F(SceneShape, InTheDocumentsMetresAtEveryScale) {
   story.service->SetSurfaces(OneTriangle(9, 1));
   ASSERT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));

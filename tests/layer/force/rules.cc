@@ -1,4 +1,4 @@
-// Rules of docs/extensions/XR_OMNIX1_force_feedback.md about other sessions, the past, sizes and the ends of things.
+// Rules of docs/extensions/XR_OMNIX1_force_feedback.md about other sessions, past times, sizes and how forces end.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +13,7 @@ using protocol::ForceStop;
 
 class ForceRules : public ForceTest {
  protected:
-  // Syncs until what the service heard last of constraints has so many.
+  // Syncs until the service's newest constraints are that many.
   bool HoldsConstraints(std::uint32_t count) {
     return app_->SyncUntil(service_, [&] {
       const auto all = service_.heard().forces;
@@ -34,7 +34,7 @@ class ForceRules : public ForceTest {
   }
 };
 
-// [System support] the service answers within milliseconds, but seldom before an application's first question.
+// [System support] the service answers within milliseconds, but seldom before an application's first query.
 TEST_F(ForceRules, FirstQueryWaitsForTheService) {
   int unsupported = 0;
   for (int i = 0; i < 20; ++i) {
@@ -45,7 +45,7 @@ TEST_F(ForceRules, FirstQueryWaitsForTheService) {
   EXPECT_EQ(unsupported, 0) << "of 20";
 }
 
-// [New Object Types] a handle is its session's: spaces of another one are as wrong as they are for xrLocateSpace.
+// [New Object Types] a handle belongs to its session: spaces of another one are rejected as by xrLocateSpace.
 TEST_F(ForceRules, SpacesOfAnotherSessionAreRefused) {
   StartWithHandle();
   const XrSession first = app_->session;
@@ -88,7 +88,7 @@ TEST_F(ForceRules, ConstraintsOfALostSpaceRestUntilItIsFound) {
   EXPECT_TRUE(HoldsConstraints(2));
 }
 
-// [xrStopForceFeedbackOMNIX1] what was stopped is not told again, though its space moves.
+// [xrStopForceFeedbackOMNIX1] stopped constraints are not sent again, though their space moves.
 TEST_F(ForceRules, StoppedConstraintsDoNotComeBack) {
   StartWithHandle();
   const float pose[7] = {0, 1.6f, -0.5f, 0, 0, 0, 1};
@@ -96,7 +96,7 @@ TEST_F(ForceRules, StoppedConstraintsDoNotComeBack) {
   ASSERT_EQ(omni_test_set_head(pose, velocity), 0);
   const auto point = Point(app_->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW));
   ASSERT_EQ(Set({&point}), XR_SUCCESS);
-  ASSERT_TRUE(Heard<ForceConstraints>(3)) << "it moves: told at every sync";
+  ASSERT_TRUE(Heard<ForceConstraints>(3)) << "it moves: sent at every sync";
   ASSERT_EQ(xr_->stop(force_), XR_SUCCESS);
   ASSERT_TRUE(Heard<ForceStop>(1));
   const auto after_stop = [&] {
@@ -106,13 +106,13 @@ TEST_F(ForceRules, StoppedConstraintsDoNotComeBack) {
     return std::count_if(stop, all.end(), [](const auto& r) { return std::holds_alternative<ForceConstraints>(r); });
   };
   for (int i = 0; i < 10; ++i) ASSERT_EQ(app_->Sync(), XR_SUCCESS);
-  ASSERT_EQ(xr_->stop(force_), XR_SUCCESS) << "also where there is nothing";
-  ASSERT_TRUE(Heard<ForceStop>(2)) << "what was told before it has been heard, too";
+  ASSERT_EQ(xr_->stop(force_), XR_SUCCESS) << "also if there is nothing to stop";
+  ASSERT_TRUE(Heard<ForceStop>(2)) << "everything sent before it has arrived, too";
   EXPECT_EQ(after_stop(), 0);
 }
 
-// [xrGetForceFeedbackStateOMNIX1] "the newest sample that is not newer than getInfo->time", 250 ms of them; what is of
-// now is of now for a question about the past too.
+// [xrGetForceFeedbackStateOMNIX1] "the newest sample that is not newer than getInfo->time", 250 ms of them; flags and
+// isActive are current for a past time too.
 TEST_F(ForceRules, StateOfThePast) {
   service_.SetTrajectory([](protocol::ToolSample& sample) {
     sample.position_base_m = {0, 0, 0.06};
@@ -127,7 +127,7 @@ TEST_F(ForceRules, StateOfThePast) {
     XrForceFeedbackStateOMNIX1 state;
     ASSERT_EQ(StateAt(local_, now - ago, state), XR_SUCCESS);
     EXPECT_LE(state.sampleTime, now - ago);
-    EXPECT_GT(state.sampleTime, now - ago - 3'000'000) << "one sample a millisecond";
+    EXPECT_GT(state.sampleTime, now - ago - 3'000'000) << "one sample per millisecond";
     const double t_s = 1e-9 * static_cast<double>((state.sampleTime - kRuntimeOffset_ns) % 1'000'000'000);
     EXPECT_NEAR(static_cast<double>(state.appliedForce.y), t_s, 2e-5) << "the force of that sample";
     EXPECT_EQ(state.stateFlags & XR_FORCE_FEEDBACK_STATE_STALE_BIT_OMNIX1, 0U);
@@ -171,7 +171,7 @@ TEST_F(ForceRules, PropertiesTimesSizesAndSpaces) {
   EXPECT_EQ(PropertiesAt(local_, now, out), XR_ERROR_FEATURE_UNSUPPORTED) << "the device has gone";
 }
 
-// Structures of a wrong type, and what is not there: VALIDATION_FAILURE from every function.
+// Structures of a wrong type and null pointers: VALIDATION_FAILURE from every function.
 TEST_F(ForceRules, StructuresAreChecked) {
   StartWithHandle();
   XrForceFeedbackStateGetInfoOMNIX1 ask{XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, nullptr, local_, 1};
@@ -189,13 +189,13 @@ TEST_F(ForceRules, StructuresAreChecked) {
   XrForceFeedbackConstraintsSetInfoOMNIX1 set{XR_TYPE_FORCE_FEEDBACK_CONSTRAINTS_SET_INFO_OMNIX1, nullptr, 1, nullptr};
   EXPECT_EQ(xr_->constraints(force_, &set), XR_ERROR_VALIDATION_FAILURE) << "a count without a list";
   set.constraintCount = 0;
-  EXPECT_EQ(xr_->constraints(force_, &set), XR_SUCCESS) << "none hold any more";
+  EXPECT_EQ(xr_->constraints(force_, &set), XR_SUCCESS) << "removes all constraints";
   set.type = XR_TYPE_FORCE_APPLY_INFO_OMNIX1;
   EXPECT_EQ(xr_->constraints(force_, &set), XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(xr_->constraints(force_, nullptr), XR_ERROR_VALIDATION_FAILURE);
 }
 
-// [xrDestroyForceFeedbackOMNIX1] a destroyed handle is unknown to every function, and its events are not delivered.
+// [xrDestroyForceFeedbackOMNIX1] a destroyed handle is invalid for every function, and its events are not delivered.
 TEST_F(ForceRules, ADestroyedHandleIsUnknown) {
   StartWithHandle();
   ASSERT_TRUE(app_->SyncUntil(service_, [&] { return State().isActive == XR_TRUE; }));
@@ -218,7 +218,7 @@ TEST_F(ForceRules, ADestroyedHandleIsUnknown) {
   EXPECT_EQ(PropertiesAt(local_, Now_ns() + kRuntimeOffset_ns, properties), XR_ERROR_HANDLE_INVALID);
 }
 
-// [When forces end] the service hears a stop, and that nobody wants the device any more, when the session ends.
+// [When forces end] the service receives a stop, and the release of the device, when the session ends.
 TEST_F(ForceRules, TheServiceHearsOfEveryEnd) {
   StartWithHandle();
   ASSERT_EQ(Push({1, 0, 0}, local_), XR_SUCCESS);
@@ -230,7 +230,7 @@ TEST_F(ForceRules, TheServiceHearsOfEveryEnd) {
   }));
 }
 
-// [Valid usage] where nobody knows the base's place, what is wrong with a space or a time is told all the same.
+// [Valid usage] an invalid space or time is an error also where the base's placement is unknown.
 TEST_F(ForceRules, ArgumentsAreCheckedWithoutAPlaceToo) {
   protocol::BasePose unknown;
   unknown.uncalibrated = protocol::Uncalibrated::kCalibrated;

@@ -1,4 +1,4 @@
-// Constraints from a space into the base frame, over random places; and which changes of state are told.
+// Constraints from a space into the base frame, over random motions; and which changes of state are events.
 #include "layer/src/force/force_shapes.h"
 
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ TEST(ForceShapes, OnlyWhatMovesIsToldAgain) {
   b = a;
   b.constraints[0].velocity_base_m_s[0] = 0.1;
   EXPECT_FALSE(SameConstraints(a, b));
-  EXPECT_FALSE(SameConstraints(b, b)) << "what moves is told at every sync";
+  EXPECT_FALSE(SameConstraints(b, b)) << "moving constraints are sent at every sync";
   b = a;
   b.count = 0;
   EXPECT_FALSE(SameConstraints(a, b));
@@ -133,7 +133,7 @@ TEST(ForceStatus, FleetingBitsAreToldGoneAfterHalfASecond) {
   EXPECT_EQ(told, calm);
   const ForceStatus lost{.active = false, .flags = XR_FORCE_FEEDBACK_STATE_FOCUS_LOST_BIT_OMNIX1};
   EXPECT_TRUE(watch.Step(lost, 4 * kSecond_ns, told));
-  EXPECT_TRUE(watch.Step(calm, 4 * kSecond_ns + 1, told)) << "focus is told at once, both ways";
+  EXPECT_TRUE(watch.Step(calm, 4 * kSecond_ns + 1, told)) << "focus is reported at once, both ways";
 }
 
 }  // namespace test_force_shapes

@@ -144,16 +144,16 @@ XrResult Sequence::SyncOnce(bool sane) {
   return result;
 }
 
-// [input-reading-input-action-state] what holds for every state, whoever it is of.
+// [input-reading-input-action-state] invariants of every state, whatever its source.
 template <class State>
 void Sequence::CheckState(const char* call, const State& state, bool rests) {
   const auto violated = [&](const char* rule) { Violation(std::string(call) + ": " + rule); };
-  if (state.isActive != XR_TRUE && state.isActive != XR_FALSE) violated("isActive is no XrBool32");
+  if (state.isActive != XR_TRUE && state.isActive != XR_FALSE) violated("isActive is not an XrBool32");
   if (state.changedSinceLastSync != XR_TRUE && state.changedSinceLastSync != XR_FALSE)
-    violated("changedSinceLastSync is no XrBool32");
+    violated("changedSinceLastSync is not an XrBool32");
   if (!state.isActive && (!rests || state.changedSinceLastSync || state.lastChangeTime != 0))
     violated("inactive but not zero, unchanged and of time 0");
-  if (state.changedSinceLastSync && state.lastChangeTime <= 0) violated("changed at no time");
+  if (state.changedSinceLastSync && state.lastChangeTime <= 0) violated("changed without a change time");
 }
 
 void Sequence::Bool() {
@@ -164,7 +164,7 @@ void Sequence::Bool() {
   Say("boolean", result, XR_SUCCEEDED(result) ? StateText(state, state.currentState, 0) : "");
   if (XR_FAILED(result)) return;
   CheckState("boolean", state, !state.currentState);
-  if (state.currentState != XR_TRUE && state.currentState != XR_FALSE) Violation("a boolean that is none");
+  if (state.currentState != XR_TRUE && state.currentState != XR_FALSE) Violation("an invalid boolean");
   XrActionStateBoolean again = state;
   f_.GetActionStateBoolean(session, &info, &again);
   if (!SameState(state, again)) Violation("a boolean changed between two syncs");

@@ -106,8 +106,8 @@ void Sequence::ForceState() {
   Expect("force state", result, {XR_ERROR_VALIDATION_FAILURE, XR_ERROR_HANDLE_INVALID, XR_ERROR_TIME_INVALID});
   if (XR_FAILED(result)) return;
   const XrVector3f& f = state.appliedForce;
-  if (!std::isfinite(f.x) || !std::isfinite(f.y) || !std::isfinite(f.z)) Violation("a force that is no number");
-  if (state.isActive > XR_TRUE || state.isForceValid > XR_TRUE) Violation("a force state's boolean is none");
+  if (!std::isfinite(f.x) || !std::isfinite(f.y) || !std::isfinite(f.z)) Violation("a force that is not finite");
+  if (state.isActive > XR_TRUE || state.isForceValid > XR_TRUE) Violation("a force state has an invalid boolean");
   if (state.isActive && (state.stateFlags & XR_FORCE_FEEDBACK_STATE_FOCUS_LOST_BIT_OMNIX1) != 0)
     Violation("forces are active without focus");
 }
@@ -129,7 +129,7 @@ void Sequence::ForceProperties() {
   if (XR_SUCCEEDED(result)) CheckPlace(out.workspaceLocationFlags, out.workspacePose);
 }
 
-// [XrSystemForceFeedbackPropertiesOMNIX1] the application's chain is as it was, whatever is in it.
+// [XrSystemForceFeedbackPropertiesOMNIX1] the application's chain is unchanged, whatever is in it.
 void Sequence::SystemSays() {
   XrSystemForceFeedbackPropertiesOMNIX1 ours{XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1};
   XrBaseOutStructure unknown{static_cast<XrStructureType>(1999999999), nullptr};
@@ -141,7 +141,8 @@ void Sequence::SystemSays() {
   const XrResult result = f_.GetSystemProperties(instance_, random_.Percent(5) ? 77 : system_, OrNull(&properties));
   Say("system properties", result);
   if (properties.next != before || ours.next != before_that) Violation("xrGetSystemProperties changed a chain");
-  if (XR_SUCCEEDED(result) && ours.supportsForceFeedback > XR_TRUE) Violation("supportsForceFeedback is no XrBool32");
+  if (XR_SUCCEEDED(result) && ours.supportsForceFeedback > XR_TRUE)
+    Violation("supportsForceFeedback is not an XrBool32");
 }
 
 }  // namespace omni::test

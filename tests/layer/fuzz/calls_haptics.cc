@@ -82,7 +82,7 @@ void Sequence::SampleRate() {
   XrDevicePcmSampleRateStateFB rate{Type(XR_TYPE_DEVICE_PCM_SAMPLE_RATE_STATE_FB), nullptr, -1};
   const XrResult result = own_.GetDeviceSampleRateFB(MainSession(), OrNull(&info), OrNull(&rate));
   CheckHaptic("sample rate", result);
-  if (XR_SUCCEEDED(result) && !(rate.sampleRate >= 0)) Violation("a sample rate that is none");
+  if (XR_SUCCEEDED(result) && !(rate.sampleRate >= 0)) Violation("an invalid sample rate");
 }
 
 }  // namespace omni::test

@@ -25,7 +25,7 @@ XrTime Sequence::AnyTime() {
 void Sequence::LocateMany() {
   const bool by_core_name = f_.LocateSpaces && random_.Percent(50);
   const PFN_xrLocateSpaces locate = by_core_name ? f_.LocateSpaces : f_.LocateSpacesKHR;
-  if (!locate) return Violation("xrLocateSpacesKHR is not there");
+  if (!locate) return Violation("xrLocateSpacesKHR is missing");
   std::array<XrSpace, kMostSpaces> spaces{};
   std::array<XrSpaceLocationData, kMostSpaces> places{};
   std::array<XrSpaceVelocityData, kMostSpaces> speeds{};

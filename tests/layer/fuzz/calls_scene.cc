@@ -10,7 +10,7 @@ namespace omni::test {
 namespace {
 
 constexpr std::uint32_t kRoom = 8;
-// What any function may say of a scene that is not there, loads, or has failed.
+// What any function may return for a scene that does not exist, is loading, or has failed.
 #define OMNI_SCENE_RESULTS                                                                      \
   XR_ERROR_VALIDATION_FAILURE, XR_ERROR_HANDLE_INVALID, XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1, \
       XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1
@@ -60,7 +60,7 @@ void Sequence::SceneState() {
   Expect("scene state", result, {XR_ERROR_VALIDATION_FAILURE, XR_ERROR_HANDLE_INVALID});
   if (XR_SUCCEEDED(result) && state.status != XR_HAPTIC_SCENE_STATUS_READY_OMNIX1 &&
       (state.isFelt || state.nodeCount != 0 || state.materialCount != 0 || state.triangleCount != 0))
-    Violation("a scene that is not ready has something");
+    Violation("a scene that is not ready has contents");
   char text[64];
   std::uint32_t count = 0;
   const XrResult said =
@@ -158,7 +158,7 @@ void Sequence::Contacts() {
   if (count > contacts.size()) Violation("more contacts than there can be");
   for (std::uint32_t i = 0; i < count && i < capacity; ++i)
     if (!AllFinite(contacts[i].point) || !AllFinite(contacts[i].normal) || !AllFinite(contacts[i].force))
-      Violation("a contact that is nowhere");
+      Violation("a contact with an invalid point");
 }
 
 void Sequence::SceneMesh() {

@@ -110,7 +110,7 @@ void Sequence::Views() {
   Say("locate views", result, " " + std::to_string(count) + " " + std::to_string(state.viewStateFlags));
   if (XR_FAILED(result)) return;
   for (const XrView& view : views)
-    if (!Finite(view.pose.position) || !Unit(view.pose.orientation)) Violation("a view's pose is none");
+    if (!Finite(view.pose.position) || !Unit(view.pose.orientation)) Violation("a view's pose is invalid");
 }
 
 XrPosef Sequence::AnyPose() {
@@ -152,16 +152,16 @@ void Sequence::CheckPlace(XrSpaceLocationFlags flags, const XrPosef& pose) {
   const bool tracked_is_valid = (!(flags & XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT) || (flags & kOrientationValid)) &&
                                 (!(flags & XR_SPACE_LOCATION_POSITION_TRACKED_BIT) || (flags & kPositionValid));
   if (!tracked_is_valid) Violation("TRACKED without VALID");
-  if ((flags & kOrientationValid) && !Unit(pose.orientation)) Violation("an orientation that is no rotation");
-  if ((flags & kPositionValid) && !Finite(pose.position)) Violation("a position that is no number");
+  if ((flags & kOrientationValid) && !Unit(pose.orientation)) Violation("an orientation that is not a rotation");
+  if ((flags & kPositionValid) && !Finite(pose.position)) Violation("a position that is not finite");
 }
 
 void Sequence::CheckSpeed(XrSpaceLocationFlags place, XrSpaceVelocityFlags flags, const XrVector3f& linear,
                           const XrVector3f& angular) {
-  if ((flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) && !Finite(linear)) Violation("a velocity that is no number");
+  if ((flags & XR_SPACE_VELOCITY_LINEAR_VALID_BIT) && !Finite(linear)) Violation("a velocity that is not finite");
   if ((flags & XR_SPACE_VELOCITY_ANGULAR_VALID_BIT) && !Finite(angular))
-    Violation("an angular velocity that is no number");
-  if (flags && !place) Violation("a velocity of what has no place");
+    Violation("an angular velocity that is not finite");
+  if (flags && !place) Violation("a velocity without a position");
 }
 
 void Sequence::Locate() {

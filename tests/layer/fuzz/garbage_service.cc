@@ -73,7 +73,7 @@ void GarbageService::Heal() {
   }
 }
 
-// Complete, so that the reader has to judge its numbers.
+// Complete, so that the reader has to check its numbers.
 protocol::ToolSample GarbageService::Absurd(Random& random) {
   protocol::ToolSample sample;
   sample.t_ns = Now_ns() - 1'000'000 * static_cast<std::int64_t>(random.Below(50));
@@ -86,7 +86,7 @@ protocol::ToolSample GarbageService::Absurd(Random& random) {
     x = AbsurdNumber(random);
     squared += x * x;
   }
-  // Mostly a rotation, else the sample is refused for that alone.
+  // Mostly a rotation, otherwise the sample is rejected for that alone.
   if (random.Percent(80) && squared > 0 && std::isfinite(squared))
     for (double& x : sample.orientation_base_wxyz) x /= std::sqrt(squared);
   for (double& x : sample.linear_velocity_base_m_s) x = AbsurdNumber(random);

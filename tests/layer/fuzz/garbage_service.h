@@ -15,7 +15,7 @@ class GarbageService : private ipc::ServerHandler {
   GarbageService();  // on $OMNI_SOCKET, with a pen at rest
   ~GarbageService() override;
 
-  // Publishes a sane sample of now, so that the pen is there.
+  // Publishes a valid current sample, so that the pen is present.
   void Heal();
   // Does one kind of damage.
   void Scribble(Random& random);

@@ -1,5 +1,5 @@
 // Random sequences of calls against the bare runtime, without and with the pen, and with garbage in the service's
-// memory. OMNI_FUZZ: so many sequences of each kind instead of what ctest has time for, from OMNI_FUZZ_FIRST on
+// memory. OMNI_FUZZ: that many sequences of each kind instead of what ctest has time for, from OMNI_FUZZ_FIRST on
 // (scripts/fuzz-layer).
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ int Sequences(int usual) {
   return asked ? std::atoi(asked) : usual;
 }
 
-// Of each kind its own: the n-th sequence of this run.
+// Different for each kind: the n-th sequence of this run.
 std::uint64_t SeedOf(std::uint64_t kind, int n) {
   const char* first = std::getenv("OMNI_FUZZ_FIRST");
   return 1'000'000 * kind + static_cast<std::uint64_t>(first ? std::atoi(first) : 0) + static_cast<std::uint64_t>(n);
@@ -73,7 +73,7 @@ class LayerFuzz : public testing::Test {
   void TearDown() override { omni_test_reset(); }  // whatever world the last sequence has left
 };
 
-// [loader: API Layer Conventions and Rules] right or wrong, every call ends as it does without the layer.
+// [loader: API Layer Conventions and Rules] valid or not, every call returns what it returns without the layer.
 TEST_F(LayerFuzz, WithoutThePenEveryResultIsTheRuntimes) {
   const MiniLoader bare({});
   const MiniLoader layered({OmniLayer()});
@@ -97,7 +97,7 @@ TEST_F(LayerFuzz, WithoutThePenEveryResultIsTheRuntimes) {
   RecordProperty("calls", static_cast<int>(calls));
 }
 
-// A service that lives in most steps, moves its pen, loses it, dies and comes back.
+// A service that is up in most steps, moves its pen, loses it, dies and comes back.
 class LivingService {
  public:
   void Stir(Random& random) {
@@ -130,7 +130,7 @@ class LivingService {
   }
 
  private:
-  // Takes a third of the scenes that it is given for broken.
+  // Rejects a third of the scenes as broken.
   void Start() {
     service_.emplace();
     service_->SetForce(true, protocol::ForceStanding::kYours);
@@ -146,7 +146,7 @@ class LivingService {
   std::optional<FakeService> service_;
 };
 
-// Calls that came to something at least once, or the sequences prove nothing about them.
+// Calls that must succeed at least once, or the sequences prove nothing about them.
 const std::set<std::string> kMeant = {
     "locate many", "joints",      "vibrate",     "envelope",         "pcm",          "sample rate",  "create force",
     "push",        "constrain",   "stop force",  "force properties", "force state",  "create scene", "destroy scene",
@@ -171,7 +171,7 @@ bool AwaitPen(const std::function<std::string()>& sync_and_profile, KeepAlive ke
   return false;
 }
 
-// What the spec never allows does not happen, whatever the application and the pen do.
+// Invariants of the specification hold, whatever the application and the pen do.
 TEST_F(LayerFuzz, InvariantsHoldWithThePen) {
   const MiniLoader layered({OmniLayer()});
   const int sequences = Sequences(150);
@@ -198,8 +198,8 @@ TEST_F(LayerFuzz, InvariantsHoldWithThePen) {
     ExpectClean(sequence);
   }
   for (const std::string& call : kMeant)
-    EXPECT_TRUE(sequences < 100 || successes.count(call) == 1) << call << " never came to anything";
-  EXPECT_GT(met, sequences / 3) << "of most sequences the pen is a part";
+    EXPECT_TRUE(sequences < 100 || successes.count(call) == 1) << call << " never succeeded";
+  EXPECT_GT(met, sequences / 3) << "the pen takes part in most sequences";
   RecordProperty("sequences", sequences);
   RecordProperty("calls", static_cast<int>(calls));
 }

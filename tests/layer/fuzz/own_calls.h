@@ -1,4 +1,4 @@
-// The functions that our extensions bring, as a chain gives them: nullptr where the extension is not enabled.
+// The functions of our extensions, looked up in a chain: nullptr where the extension is not enabled.
 #pragma once
 
 #include "layer/include/openxr/omni_force_feedback.h"

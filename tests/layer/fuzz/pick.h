@@ -1,4 +1,4 @@
-// How a sequence picks handles and pointers; mostly right ones.
+// How a sequence picks handles and pointers; mostly valid ones.
 #pragma once
 
 #include "tests/layer/fuzz/sequence.h"

@@ -80,7 +80,7 @@ Sequence::Sequence(const MiniLoader& loader, const SequenceOptions& options)
 
 Sequence::~Sequence() { f_.DestroyInstance(instance_); }
 
-// An application in its best state, so that what follows means something.
+// An application with session, actions and spaces set up, so that the calls that follow have an effect.
 void Sequence::Prepare() {
   MakeSet();
   for (const XrActionType type : {XR_ACTION_TYPE_POSE_INPUT, XR_ACTION_TYPE_BOOLEAN_INPUT, XR_ACTION_TYPE_FLOAT_INPUT,
@@ -191,9 +191,9 @@ void Sequence::Step() {
 
 void Sequence::Say(const char* call, XrResult result, const std::string& rest) {
   lines_.push_back(std::string(call) + " -> " + std::to_string(static_cast<int>(result)) + rest);
-  // What an exception that an entry point stopped becomes; nothing below gives it.
+  // The result of an exception that an entry point stopped; the runtime never returns it.
   if (result == XR_ERROR_RUNTIME_FAILURE || result == XR_ERROR_OUT_OF_MEMORY)
-    Violation(std::string(call) + " failed within: " + Name(result));
+    Violation(std::string(call) + " failed internally: " + Name(result));
 }
 
 void Sequence::Violation(const std::string& text) {
@@ -203,7 +203,7 @@ void Sequence::Violation(const std::string& text) {
 
 void Sequence::Expect(const char* call, XrResult result, std::initializer_list<XrResult> known) {
   if (result == XR_SUCCESS || std::find(known.begin(), known.end(), result) != known.end()) return;
-  Violation(std::string(call) + " does not know " + Name(result));
+  Violation(std::string(call) + " must not return " + Name(result));
 }
 
 XrSpace Sequence::SpaceFor(const void* handle) {
@@ -216,7 +216,7 @@ XrSpace Sequence::SpaceFor(const void* handle) {
 
 XrStructureType Sequence::Type(XrStructureType right) { return random_.Percent(3) ? kUnknownType : right; }
 
-// Structures that nobody knows are to be skipped.
+// Unknown structures must be skipped.
 const void* Sequence::Chain() { return random_.Percent(5) ? &unknown_ : nullptr; }
 
 XrPath Sequence::AnyPath() {
@@ -243,7 +243,7 @@ std::string Sequence::Text(XrPath path) {
   char text[XR_MAX_PATH_LENGTH] = {};
   std::uint32_t length = 0;
   if (path == XR_NULL_PATH) return {};
-  if (XR_FAILED(f_.PathToString(instance_, path, sizeof(text), &length, text))) Violation("a path that is none");
+  if (XR_FAILED(f_.PathToString(instance_, path, sizeof(text), &length, text))) Violation("an invalid path");
   return text;
 }
 

@@ -1,7 +1,7 @@
-// One fuzzed application: a seeded sequence of all calls that the layer intercepts or brings, with valid and destroyed
-// handles, handles of other types, null pointers, wrong structure types, wrong counts and times, chains of unknown
-// structures. Every call and what came back is one line of the transcript, free of handles, path atoms and times, so
-// that the same seed over two chains gives the same text where both answer alike. What the spec never allows is a
+// One fuzzed application: a seeded sequence of all calls that the layer intercepts or implements, with valid and
+// destroyed handles, handles of other types, null pointers, wrong structure types, wrong counts and times, chains of
+// unknown structures. Every call and its result is one line of the transcript, free of handles, path atoms and times,
+// so that the same seed over two chains gives the same text where both answer alike. What the spec never allows is a
 // violation.
 #pragma once
 
@@ -56,14 +56,14 @@ class Sequence {
   void Step();
   void Say(const char* call, XrResult result, const std::string& rest = {});
   void Violation(const std::string& text);
-  // What the specification of the call knows, besides XR_SUCCESS.
+  // The results that the specification allows for the call, besides XR_SUCCESS.
   void Expect(const char* call, XrResult result, std::initializer_list<XrResult> known);
   template <class Handle>
   Handle Pick(const Pool<Handle>& pool);
-  // Destroys one of them, or what is none; none: it was refused.
+  // Destroys one of them, or an invalid one; none: it was rejected.
   template <class Handle>
   std::optional<Handle> Drop(Pool<Handle>& pool, XrResult(XRAPI_PTR* destroy)(Handle), const char* what);
-  // There is none; most calls would only say so.
+  // There is none; most calls would only return that error.
   template <class Handle>
   bool Lacks(const Pool<Handle>& pool) {
     return pool.live.empty() && random_.Percent(80);

@@ -1,6 +1,6 @@
-// The least that an OpenXR loader does, in this process: negotiates with layers and runtime, and chains them. For what
+// A minimal OpenXR loader in this process: negotiates with layers and runtime, and chains them. For what
 // Debian's loader 1.0.20 cannot do: applications of OpenXR 1.1, several instances at once, and calls that reach the
-// layer unchecked, where that loader would refuse null handles and names itself.
+// layer unchecked, where that loader would reject null handles and names itself.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
-// A neighbour for the tests of our layer, with the habit that breaks layers with global state: inside its own
-// xrCreateApiLayerInstance it first makes a second, dummy instance of everything below, asks it something, and destroys
-// it; with OMNI_OTHER_LAYER=keep only when the real one is destroyed.
+// Another layer for the tests of ours, which does what breaks layers with global state: inside its own
+// xrCreateApiLayerInstance it first makes a second, dummy instance of everything below, calls it, and destroys it; with
+// OMNI_OTHER_LAYER=keep only when the real one is destroyed.
 #include <cstdlib>
 #include <cstring>
 

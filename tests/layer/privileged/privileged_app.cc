@@ -7,7 +7,7 @@
 
 #include "tests/layer/mini_loader/mini_loader.h"
 
-// Such a process cannot be examined, which is how leaks are looked for.
+// Such a process cannot be traced, which the leak check needs.
 extern "C" const char* __asan_default_options();  // NOLINT(bugprone-reserved-identifier)
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 

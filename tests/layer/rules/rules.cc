@@ -1,4 +1,4 @@
-// The table of rules is whole: each has tests that exist, the faults are those of the sources, the page is printed.
+// The table of rules is complete: each has tests that exist, the faults are those of seeds.json, the page is current.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -101,7 +101,7 @@ TEST(Rules, FaultsAreThoseThatAreSeeded) {
   for (const auto& [fault, count] : places) EXPECT_TRUE(Table().at("faults").contains(fault)) << fault;
 }
 
-// What ships is what is read.
+// The sources that are read are those that ship.
 TEST(Faults, TheSourcesOfTheLayerHaveNone) {
   for (const auto& entry : fs::recursive_directory_iterator(OMNI_SOURCE_DIR "/layer/src")) {
     if (!entry.is_regular_file()) continue;
@@ -117,10 +117,10 @@ TEST(Rules, PageIsTheCommittedOne) {
       << "run " OMNI_BINARY_DIR "/bin/layer_rules_page > docs/howto/openxr-rules.md";
 }
 
-// The library that ships has neither the names of the faults nor what reads them.
+// The library that ships has neither the names of the faults nor the code that reads them.
 TEST(Faults, TheShippedLayerHasNone) {
   const std::string library = Content(OMNI_BINARY_DIR "/lib/libXrApiLayer_omni.so");
-  ASSERT_NE(library.find("connected to omnid"), std::string::npos) << "texts of the layer can be found";
+  ASSERT_NE(library.find("connected to omnid"), std::string::npos) << "the layer's strings can be found";
   EXPECT_EQ(library.find("OMNI_LAYER_FAULT"), std::string::npos);
   for (const auto& [fault, what] : Table().at("faults").items())
     EXPECT_EQ(library.find(fault), std::string::npos) << fault;

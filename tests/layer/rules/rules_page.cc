@@ -1,4 +1,4 @@
-// Prints docs/howto/openxr-rules.md from tests/layer/rules/rules.json; Rules.PageIsTheCommittedOne compares.
+// Generates docs/howto/openxr-rules.md from tests/layer/rules/rules.json; Rules.PageIsTheCommittedOne compares.
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -30,21 +30,21 @@ int main() {
   std::size_t rules = 0;
   for (const nlohmann::json& group : root.at("groups")) rules += group.at("rules").size();
   std::printf(
-      "# The rules that the OpenXR layer keeps, and what proves each\n"
+      "# Rules that the OpenXR layer follows, and the tests that verify them\n"
       "\n"
-      "Printed from tests/layer/rules/rules.json by `layer_rules_page`; a test compares, and fails where a rule has no "
-      "test "
-      "or\n"
-      "names one that does not exist. %zu rules, %zu seeded faults.\n"
+      "Generated from tests/layer/rules/rules.json by `layer_rules_page`; a test compares the two, and fails if a rule "
+      "names "
+      "no\n"
+      "test or one that does not exist. %zu rules, %zu seeded faults.\n"
       "\n"
       "A *seeded fault* is a place in layer/src where a second build of the layer (tests/layer/faults) can be made to "
       "break\n"
-      "a rule. ctest's `layer.faults` runs the tests of its rules with each fault and fails if they all pass. Names of "
-      "the\n"
-      "specification are its anchors, functions and structures.\n",
+      "a rule. ctest's `layer.faults` runs the tests of its rules with each fault and fails if they all pass. The "
+      "column\n"
+      "*specification* names the anchor, function, structure or document that the rule comes from.\n",
       rules, root.at("faults").size());
   for (const nlohmann::json& group : root.at("groups")) PrintGroup(group);
-  std::printf("\n## Seeded faults\n\n| fault | what the layer then does |\n|---|---|\n");
+  std::printf("\n## Seeded faults\n\n| fault | effect |\n|---|---|\n");
   for (const auto& [name, what] : root.at("faults").items())
     std::printf("| `%s` | %s |\n", name.c_str(), what.get<std::string>().c_str());
   return 0;

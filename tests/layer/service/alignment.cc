@@ -1,4 +1,4 @@
-// A measured placement over the whole way: an OpenXR application, the loader, the layer, omnid, the twin. It holds when
+// A measured placement end to end: an OpenXR application, the loader, the layer, omnid, the twin. It holds when
 // the user recentres the headset, when omnid is restarted, and for the application that comes next.
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ class Viewer {
         local_(app_.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL)),
         pen_(app_.ActionSpace(app_.pose, app_.right)) {}
 
-  // Frame after frame; false: it never was.
+  // Frame after frame; false: timed out.
   template <class Done>
   bool Until(Done done) {
     return Eventually([&] {

@@ -23,8 +23,8 @@ class StackService : public ServiceProcess {
   }
 };
 
-// Runs `body` with an Application in a process of its own, which tells the time of what it did, 0 if it did not get so
-// far; then `afterwards`.
+// Runs `body` with an Application in a process of its own, which reports the time of its last step, 0 if it did not get
+// that far; then `afterwards`.
 template <class Application>
 class ForkedApp : public Forked {
  public:

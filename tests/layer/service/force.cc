@@ -1,5 +1,5 @@
-// The whole way of a force: an OpenXR application, the loader, the layer, omnid, the twin. What the coils did is read
-// from the twin's own recording.
+// A force end to end: an OpenXR application, the loader, the layer, omnid, the twin. The coils' currents are read from
+// the twin's own recording.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -105,7 +105,7 @@ void LiveOn(ForceApp& app) {
   app.Until([] { return false; }, 600);
 }
 
-// What `app` told of must have set the coils to zero within 50 ms.
+// The event that `app` reported must have set the coils to zero within 50 ms.
 void ExpectZeroSoonAfter(ServiceProcess& service, ForkedForceApp& app, const char* what) {
   SleepMs(500);
   app.Kill();
@@ -115,7 +115,7 @@ void ExpectZeroSoonAfter(ServiceProcess& service, ForkedForceApp& app, const cha
   EXPECT_LE(ms, 50);
 }
 
-// The very first question of an application that has just been started, while omnid has its device.
+// The very first query of an application that has just started, while omnid has its device.
 TEST(ForceStack, FirstQueryKnowsTheDevice) {
   StillService service;
   {

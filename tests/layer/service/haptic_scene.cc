@@ -1,5 +1,5 @@
-// The whole way of a scene that an application gives: an OpenXR application, the loader, the layer, omnid, the twin. It
-// is placed, felt, moved and read back; it ends with its application, and the coils with it.
+// An application's scene end to end: an OpenXR application, the loader, the layer, omnid, the twin. It is placed,
+// touched, moved and read back; it ends with its application, and so does the force.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace omni::test {
 namespace test_service_haptic_scene {
 
-// Pressed 8 mm into what has its top at 50 mm, for good.
+// Pressed 8 mm into a block with its top at 50 mm, and held there.
 constexpr const char* kPressed = R"({"name": "pressed", "repeat": false, "waypoints": [
   {"s": 0.5, "tip_m": [0, 0, 0.070], "axis": [0, 0, -1]}, {"s": 0.5, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]},
   {"s": 600, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]}]})";
@@ -29,7 +29,7 @@ class SceneApp {
  public:
   SceneApp() : app(Options()), f(app.instance), local(app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL)) {}
 
-  // Frame after frame until `done` says so; false: it never did.
+  // Frame after frame until `done`; false: timed out.
   bool Until(const std::function<bool()>& done) {
     const std::int64_t end_ns = Now_ns() + 2 * Patience_ns();
     while (Now_ns() < end_ns) {
@@ -48,7 +48,7 @@ class SceneApp {
     return false;
   }
 
-  // The document's frame stands `up_m` above the base's centre, turned by a quarter about the vertical; told in
+  // The document's frame stands `up_m` above the base's centre, turned by a quarter about the vertical; placed in
   // `space`, whose axes are LOCAL's.
   bool Give(const std::string& document, double up_m, XrSpace space, float scale = 1) {
     XrHapticSceneCreateInfoOMNIX1 create{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1};
@@ -114,7 +114,7 @@ class SceneApp {
     Until([end_ns] { return Now_ns() > end_ns; });
   }
 
-  // Where nobody has aligned it.
+  // Before it is aligned.
   static XrVector3f BaseInLocal() { return layer::ToXr(layer::DefaultBasePose().p); }
 
   App app;
@@ -155,7 +155,8 @@ struct ReadMesh {
   }
 };
 
-// Clay with its top at 30 mm, whose face goes in by one step of 4 mm, and a lid beside it: as they are felt at `scale`.
+// Clay with its top at 30 mm, whose face goes in by one step of 4 mm, and a lid beside it: sizes as rendered at
+// `scale`.
 std::string ClayAndLid(double scale = 1) {
   return Document(
       {{"clay",
@@ -187,7 +188,7 @@ TEST(HapticSceneStack, IsPlacedTouchedFormedMovedAndReadBack) {
   EXPECT_NEAR(touched[0].point.x, base.x, 3e-3f);
   EXPECT_NEAR(touched[0].normal.y, 1, 0.05f);
 
-  // Formed: the document's vertices say so.
+  // Deformed: the document's vertices show it.
   ReadMesh clay;
   constexpr float kStep_m = 0.004f;
   ASSERT_TRUE(app.Until([&] { return clay.Read(app, nodes[0].node) && clay.mesh.maxDisplacement > 0.999f * kStep_m; }))
@@ -199,7 +200,7 @@ TEST(HapticSceneStack, IsPlacedTouchedFormedMovedAndReadBack) {
   std::printf("[ figure   ] top of the clay in the application: %.2f mm of 30\n",
               1e3 * static_cast<double>(clay.Top_m()));
 
-  // Not enabled it is not felt and has no shape to read; then it has again, the one it had.
+  // Disabled, it is not rendered and has no shape to read; enabled again, it has its former shape.
   EXPECT_EQ(app.f.enable(app.scene, XR_FALSE), XR_SUCCESS);
   EXPECT_TRUE(app.Until([&] { return !app.State().isFelt && app.Contacts().empty(); }));
   EXPECT_FALSE(clay.Read(app, nodes[0].node));
@@ -207,7 +208,7 @@ TEST(HapticSceneStack, IsPlacedTouchedFormedMovedAndReadBack) {
   EXPECT_TRUE(app.Until([&] { return clay.Read(app, nodes[0].node) && app.Touches(nodes[0].node); }));
   EXPECT_NEAR(clay.mesh.maxDisplacement, kStep_m, 1e-5f) << "as it was left";
 
-  // The lid comes from the side to under the pen, told frame by frame.
+  // The lid moves from the side to under the pen, updated frame by frame.
   XrHapticNodePoseOMNIX1 pose{
       nodes[1].node, XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1, nodes[1].restPose, {0, 0, 0}, {0, 0, 0}};
   const XrTime start = app.time;
@@ -224,8 +225,8 @@ TEST(HapticSceneStack, IsPlacedTouchedFormedMovedAndReadBack) {
   EXPECT_EQ(app.f.destroy(app.scene), XR_SUCCESS);
 }
 
-// A space that trembles, as a tracked one does: the placement is told anew in every frame, and the press goes on. The
-// document is half as large as what is felt.
+// A space that trembles, as a tracked one does: the placement is sent again in every frame, and the press goes on. The
+// document is half as large as rendered.
 TEST(HapticSceneStack, IsFormedWhereItsSpaceTrembles) {
   StackService service("none.glb", kPressThenDeeper);
   ASSERT_EQ(omni_test_reset(), 0);
@@ -251,7 +252,7 @@ TEST(HapticSceneStack, IsFormedWhereItsSpaceTrembles) {
   EXPECT_EQ(omni_test_reset(), 0);
 }
 
-// Documents of applications that omnid holds: their memory among its descriptors.
+// The number of application documents that omnid holds: memory objects among its descriptors.
 int DocumentsHeldBy(pid_t omnid) {
   int held = 0;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(omnid) + "/fd")) {
@@ -276,7 +277,7 @@ TEST(HapticSceneStack, ADeadApplicationsSceneIsGoneAndThereIsRoomForAnother) {
   ForkedApp<SceneApp> second([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },
                              [](SceneApp&) {});
   second.Kill();
-  EXPECT_NE(second.told(), 0) << "the next application feels a scene of its own";
+  EXPECT_NE(second.told(), 0) << "the next application touches a scene of its own";
   const double ms = StopAndTellTimeToZero_ms(service, "kill -9 of a scene's application", killed_ns,
                                              1e-6 * static_cast<double>(next_ns - killed_ns));
   EXPECT_GE(ms, 0);
@@ -301,7 +302,7 @@ TEST(HapticSceneStack, LosingFocusEndsItsForce) {
   EXPECT_LE(ms, 50);
 }
 
-// It is silent, not gone: the force fades (0.25 s to 0.35 s after the last sign of life, and what the clock adds).
+// It is stopped, not dead: the force fades (0.25 s to 0.35 s after the last heartbeat, plus clock error).
 TEST(HapticSceneStack, AStoppedApplicationsForceFades) {
   StackService service("none.glb", kPressed);
   ForkedApp<SceneApp> child([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },

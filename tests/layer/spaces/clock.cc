@@ -30,7 +30,7 @@ struct Frames {
   }
 };
 
-// The fall-back follows a clock that drifts, whatever single frames say: late returns, frames planned further ahead.
+// The fall-back follows a clock that drifts, despite outliers: late returns, frames planned further ahead.
 TEST(FallbackClock, FollowsADriftingClockThroughOutliers) {
   for (const double drift : {-200e-6, 0.0, 200e-6}) {
     Frames frames;
@@ -60,7 +60,7 @@ TEST(FallbackClock, FollowsAJump) {
   EXPECT_EQ(offset, frames.offset_ns);
 }
 
-// CLOCK_MONOTONIC itself: no guess about the display's delay may shift the pen.
+// CLOCK_MONOTONIC itself: an assumed display delay must not shift the pen.
 TEST(FallbackClock, SameClockIsExact) {
   Frames frames;
   frames.offset_ns = 0;
@@ -70,7 +70,7 @@ TEST(FallbackClock, SameClockIsExact) {
       ASSERT_EQ(clock.Add(frames.At(n * frames.period_ns, later), n * frames.period_ns + 100'000), 0) << later;
 }
 
-// Whatever a runtime says, no time overflows.
+// Whatever times a runtime reports, nothing overflows.
 TEST(FallbackClock, ExtremeTimesAreHarmless) {
   layer::RuntimeClock clock(XR_NULL_HANDLE, nullptr);
   XrFrameState state{XR_TYPE_FRAME_STATE};
@@ -83,7 +83,8 @@ TEST(FallbackClock, ExtremeTimesAreHarmless) {
   }
 }
 
-// Over the runtime, whose clock is 1000 s from ours: without its conversion function the pen is found all the same.
+// Over the runtime, whose clock is 1000 s from ours: the pen is located although the application did not enable the
+// conversion.
 TEST_F(SpacesTest, TimespecExtensionIsUsedButNotShown) {
   AppOptions options;
   options.timespec_extension = false;
@@ -95,7 +96,7 @@ TEST_F(SpacesTest, TimespecExtensionIsUsedButNotShown) {
   EXPECT_EQ(Locate(pen, local, Now_ns() - 10 * kMs_ns).location.locationFlags, kSeen);
 }
 
-// A runtime that cannot convert times: its frames tell, to within a period.
+// A runtime that cannot convert times: its frames give the clock, to within a period.
 TEST_F(SpacesTest, FramesTellTheTimeWhereNothingElseDoes) {
   ASSERT_EQ(omni_test_offer_timespec(0), 0);
   AppOptions options;

@@ -1,4 +1,4 @@
-// What the tests of spaces share: a pen on a known path, and what xrLocateSpace says of it.
+// Shared by the tests of spaces: a pen on a known path, and what xrLocateSpace returns for it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using PenPath = std::function<layer::Motion(double t_s)>;
 
 // A Lissajous figure of 2 cm, turning about a tilted axis.
 layer::Motion Lissajous(double t_s);
-// Another one for every seed: frequencies up to 2 Hz, 1 to 3 cm, turning with up to 3 rad/s.
+// A different one for each seed: frequencies up to 2 Hz, 1 to 3 cm, turning with up to 3 rad/s.
 PenPath RandomPath(std::uint32_t seed);
 // Fills samples for FakeService.
 FakeService::Trajectory Along(PenPath path);
@@ -38,8 +38,8 @@ inline XrTime ToXrTime(std::int64_t monotonic_ns) { return monotonic_ns + kRunti
 double Angle(const glm::dquat& a, const glm::dquat& b);
 layer::Motion MotionOf(const layer::Pose& pose);
 
-// In LOCAL, the base where it stands when nobody aligned it: 0.45 m ahead, 0.35 m down, base z up, base y away from the
-// user.
+// In LOCAL, with the base where it stands before it is aligned: 0.45 m ahead, 0.35 m down, base z up, base y away from
+// the user.
 layer::Motion InLocal(const layer::Motion& in_base);
 layer::Motion WithOffset(const glm::dvec3& offset, const layer::Motion& tool);
 

@@ -56,7 +56,7 @@ class SpacesFrame : public SpacesTest {
     return result;
   }
 
-  // Where a pose in the pen's space is in the space that the runtime was told.
+  // Where a pose in the pen's space is in the space that was passed to the runtime.
   void ExpectMoved(const float recorded[7], const XrPosef& pose, std::uint64_t space) {
     const Pose truth = layer::Compose(InLocal(Lissajous(1e-9 * static_cast<double>(shown_ns))).X, layer::FromXr(pose));
     const Seen anchor = Locate(reinterpret_cast<XrSpace>(space), local, shown_ns);
@@ -137,7 +137,7 @@ TEST_F(SpacesFrame, UnlocatableLayerIsDropped) {
   EXPECT_EQ(frame.layer_count, 1u) << "the pen is not seen any more";
 }
 
-// Passthrough: where no space is ours, the very structures of the application arrive, in any blend mode.
+// Pass-through: if no layer is in a space of the pen, the application's own structures arrive, in any blend mode.
 TEST_F(SpacesFrame, WithoutThePenTheCallGoesDownAsItIs) {
   XrCompositionLayerQuad quad{XR_TYPE_COMPOSITION_LAYER_QUAD, nullptr, 0, local};
   quad.pose = SomePose(0.2f);
@@ -151,7 +151,7 @@ TEST_F(SpacesFrame, WithoutThePenTheCallGoesDownAsItIs) {
   EXPECT_EQ(frame.info, &info);
 }
 
-// Of a type that we do not know: as it came, for the runtime to judge.
+// A layer type that we do not know is passed unchanged, for the runtime to check.
 TEST_F(SpacesFrame, UnknownLayerIsLeftAlone) {
   XrCompositionLayerPassthroughFB unknown{XR_TYPE_COMPOSITION_LAYER_PASSTHROUGH_FB, nullptr, 0, pen, XR_NULL_HANDLE};
   XrCompositionLayerQuad quad{XR_TYPE_COMPOSITION_LAYER_QUAD, nullptr, 0, pen};
@@ -165,7 +165,7 @@ TEST_F(SpacesFrame, UnknownLayerIsLeftAlone) {
 // Errors are the runtime's, also in a layer of ours.
 TEST_F(SpacesFrame, ErrorsAreTheRuntimes) {
   XrCompositionLayerQuad quad{XR_TYPE_COMPOSITION_LAYER_QUAD, nullptr, 0, pen};
-  EXPECT_EQ(Show({Header(&quad)}), XR_ERROR_POSE_INVALID) << "no orientation at all";
+  EXPECT_EQ(Show({Header(&quad)}), XR_ERROR_POSE_INVALID) << "no orientation";
   quad.pose = SomePose(0);
   EXPECT_EQ(Show({Header(&quad), nullptr}), XR_ERROR_LAYER_INVALID);
   XrCompositionLayerQuad lost{XR_TYPE_COMPOSITION_LAYER_QUAD, nullptr, 0, XR_NULL_HANDLE};

@@ -31,7 +31,7 @@ class SpacesLever : public SpacesTest, public testing::WithParamInterface<int> {
               app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW),
               app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW, Offset()),
               app.ActionSpace(app.pose, app.left, Offset())};
-    // The head's motion began just now: ask about times after that.
+    // The head's motion began just now: query times after that.
     const std::int64_t began = Now_ns();
     while (Now_ns() < began + 80'000'000) {
       service.Fill();  // a sample each millisecond and one each time: too often, and the history gets short
@@ -73,7 +73,7 @@ glm::dvec3 TurnRate(const glm::dquat& before, const glm::dquat& after) {
 TEST_P(SpacesLever, VelocityIsTheDerivativeOfThePose) {
   for (std::size_t s = 0; s < spaces.size(); ++s) {
     for (std::size_t b = 0; b < spaces.size(); ++b) {
-      if (s >= 2 && b >= 2) continue;  // the runtime's own matter
+      if (s >= 2 && b >= 2) continue;  // left to the runtime
       const Seen at = Locate(spaces[s], spaces[b], now);
       ASSERT_EQ(at.result, XR_SUCCESS);
       ASSERT_EQ(at.location.locationFlags, kSeen);
@@ -88,7 +88,7 @@ TEST_P(SpacesLever, VelocityIsTheDerivativeOfThePose) {
       if (s < 2 && b < 2) {
         EXPECT_EQ(glm::length(at.v()) + glm::length(at.w()), 0) << "one rigid body";
       } else {
-        EXPECT_GT(glm::length(v), 0.01) << "a motion worth its test";
+        EXPECT_GT(glm::length(v), 0.01) << "enough motion to be a test";
       }
     }
   }
@@ -96,8 +96,7 @@ TEST_P(SpacesLever, VelocityIsTheDerivativeOfThePose) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, SpacesLever, testing::Range(1, 7));
 
-// A runtime that knows no velocities: what does not move against the anchor has none all the same; the head's is
-// unknown.
+// A runtime that knows no velocities: what is at rest in the anchor has a zero one all the same; the head's is unknown.
 TEST_F(SpacesTest, UnknownVelocitiesBelowAreNotMadeUp) {
   App app;
   Start(app);

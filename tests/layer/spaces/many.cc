@@ -1,4 +1,4 @@
-// xrLocateSpacesKHR: each space as xrLocateSpace says, in one call down. (xrLocateSpaces of 1.1: spaces_1_1.cc.)
+// xrLocateSpacesKHR: each space as by xrLocateSpace, with one runtime call. (xrLocateSpaces of 1.1: spaces_1_1.cc.)
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>

@@ -1,4 +1,4 @@
-// What is made of the service's history: past, future, lost, unsure, gone. Without OpenXR.
+// Poses from the service's history: past, future, lost, uncertain, gone. Without OpenXR.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -79,8 +79,7 @@ TEST(Predict, RestingHandIsNotShaken) {
   EXPECT_GT(constant_m, 3e-4);
 }
 
-// A slow hand that trembles, with the noise that a tracker's velocity has: nearer to the truth than what it lies
-// between.
+// A slow hand that trembles, with the noise that a tracker's velocity has: closer to the truth than either extreme.
 TEST(Predict, BetterThanHoldingAndThanConstantVelocity) {
   std::mt19937 random(9);
   std::normal_distribution<> noise_m_s(0, 0.006);
@@ -114,7 +113,7 @@ TEST(Predict, BetterThanHoldingAndThanConstantVelocity) {
   }
 }
 
-// Never farther than the velocity itself leads, and in its direction; the velocity is that of the pose.
+// Never further than constant velocity leads, and in its direction; the velocity is that of the pose.
 TEST(Predict, StaysWithinTheVelocity) {
   for (std::uint32_t seed = 1; seed <= 200; ++seed) {
     const PenPath path = RandomPath(seed);
@@ -132,7 +131,7 @@ TEST(Predict, StaysWithinTheVelocity) {
   }
 }
 
-// An earlier sample that tells nothing: the newest velocity stands for the mean.
+// Without a usable earlier sample the newest velocity replaces the mean.
 TEST(Predict, WithoutATrendTheVelocityIsItsOwnWitness) {
   const PenPath path = Straight({0.1, 0, 0});
   const ToolSample newest = SampleAt(path, kNow_ns);
@@ -181,7 +180,7 @@ TEST_F(History, TwoHundredFiftyMillisecondsAreExact) {
   }
 }
 
-// Before what is kept: the oldest pose, and nobody claims to have seen it.
+// Before the history: the oldest pose, not TRACKED.
 TEST_F(History, BeforeTheHistoryIsValidButNotTracked) {
   Fill(RandomPath(12), 600);
   const layer::ToolMotion oldest = At(510 * kTick_ns);
@@ -206,7 +205,7 @@ TEST_F(History, LostAndNeverSeen) {
   }
 }
 
-// What was seen stays TRACKED for its own time, also after the pen was lost.
+// A measured pose stays TRACKED at its time, also after the pen was lost.
 TEST_F(History, PastBeforeTheLossIsTracked) {
   for (int i = 200; i > 20; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns));
   for (int i = 20; i >= 0; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns, protocol::kToolPoseValid));
@@ -215,7 +214,7 @@ TEST_F(History, PastBeforeTheLossIsTracked) {
   EXPECT_TRUE(At(10 * kTick_ns).valid);
 }
 
-// The tracker is not sure: VALID, not TRACKED.
+// An uncertain position: VALID, not TRACKED.
 TEST_F(History, TrackedNeedsASurePosition) {
   const auto tracked = [&](double sigma_m) {
     ToolSample sample = SampleAt(Lissajous, kNow_ns);
@@ -229,7 +228,7 @@ TEST_F(History, TrackedNeedsASurePosition) {
   EXPECT_TRUE(tracked(0));
 }
 
-// A hole in the history: between its edges nothing was seen.
+// A hole in the history: between its edges nothing was measured.
 TEST_F(History, GapIsNotTracked) {
   for (int i = 300; i >= 220; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns));
   for (int i = 20; i >= 0; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns));

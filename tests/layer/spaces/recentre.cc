@@ -62,7 +62,7 @@ TEST_F(SpacesRecentre, SecondChangeFollowsTheFirst) {
   EXPECT_LT(glm::length(InStage(Now_ns()).p() - before.p()), 1e-4);
 }
 
-// A change holds from changeTime on: until then, and for questions about before, the origin is where it was.
+// A change holds from changeTime on: until then, and for queries of earlier times, the origin is where it was.
 TEST_F(SpacesRecentre, BothOriginsAreKeptUntilTheChange) {
   App app;
   Begin(app);
@@ -87,7 +87,7 @@ TEST_F(SpacesRecentre, ChangeOfAnotherSpaceIsNone) {
   EXPECT_LT(glm::length(Locate(pen, local, Now_ns()).p() - in_local), 1e-5);
 }
 
-// poseValid false: nobody knows where the base is now. VALID stays, TRACKED goes, and the log says it once.
+// poseValid false: the base's placement is unknown. VALID stays, TRACKED is cleared, and it is logged once.
 TEST_F(SpacesRecentre, UnknownChangeClearsTracked) {
   const std::string log = std::string(std::getenv("OMNI_SOCKET")) + ".log";
   std::filesystem::remove(log);
@@ -97,7 +97,7 @@ TEST_F(SpacesRecentre, UnknownChangeClearsTracked) {
     unsetenv("OMNI_LAYER_LOG");
     Begin(app);
     ASSERT_EQ(omni_test_move_space("local", kMoved, 0, 0), 0);
-    EXPECT_EQ(InStage(Now_ns()).location.locationFlags, kSeen) << "not told yet";
+    EXPECT_EQ(InStage(Now_ns()).location.locationFlags, kSeen) << "not polled yet";
     app.Poll();
     const Seen after = InStage(Now_ns());
     EXPECT_EQ(after.location.locationFlags, layer::kValid);
@@ -142,7 +142,7 @@ TEST(BasePoseHistoryTest, BaseStaysInTheWorld) {
   }
 }
 
-// A placement measured now holds for the origin as it is now; a change that is announced still comes.
+// A placement measured now applies to the present origin; a pending change still comes.
 TEST(BasePoseHistoryTest, NewPlacementKeepsWhatIsPending) {
   std::mt19937 random(6);
   BasePoseHistory history;
@@ -165,7 +165,7 @@ TEST(BasePoseHistoryTest, UnknownMoveIsCuredByANewPlacement) {
   EXPECT_FALSE(history.At(10).tracked);
   EXPECT_TRUE(history.At(10).valid);
   EXPECT_TRUE(history.OnChange(Change(XR_REFERENCE_SPACE_TYPE_LOCAL, 20, {})));
-  EXPECT_FALSE(history.At(20).tracked) << "a known move does not bring back what is lost";
+  EXPECT_FALSE(history.At(20).tracked) << "a known move does not restore tracking";
   history.Set({}, 30);
   EXPECT_TRUE(history.At(30).tracked);
 }

@@ -1,4 +1,4 @@
-// xrLocateSpace of the pen: one call down, and no system call of ours.
+// xrLocateSpace of the pen: one runtime call, and no system call of ours.
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>

@@ -1,4 +1,4 @@
-// How sure a velocity is: a tracker's noise must not come through larger than the tracker's own filter leaves it.
+// Accuracy of velocities: a tracker's noise must not become larger than the tracker's own filter leaves it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace test_spaces_velocity {
 using layer::Motion;
 using SpacesVelocity = SpacesTest;
 
-// What a tracker makes of a path: noise of every sample's own, in poses and in velocities.
+// A path as a tracker reports it: independent noise in each sample, in poses and in velocities.
 FakeService::Trajectory Noisy(const PenPath& path) {
   struct Noise {
     std::mt19937 random{21};

@@ -159,7 +159,7 @@ TEST_F(SpacesHands, JointsInThePen) {
   }
 }
 
-// [XR_FB_hand_tracking_aim, _capsules] poses in the same answer. This runtime fills none: what stands there is as if it
+// [XR_FB_hand_tracking_aim, _capsules] poses in the same answer. This runtime fills none: the test fills them as if it
 // had, in the anchor (LOCAL).
 TEST_F(SpacesHands, AimAndCapsulesMoveWithTheJoints) {
   const auto ask = [&](XrHandTrackingAimStateFB& aim, XrHandTrackingCapsulesStateFB& capsules) {
@@ -185,8 +185,7 @@ TEST_F(SpacesHands, AimAndCapsulesMoveWithTheJoints) {
             1e-5);
   ASSERT_EQ(app->SyncSets({{app->set, app->left}}), XR_SUCCESS);
   ask(aim, capsules);
-  EXPECT_EQ(aim.status, XrHandTrackingAimFlagsFB{XR_HAND_TRACKING_AIM_COMPUTED_BIT_FB})
-      << "the base is not to be located";
+  EXPECT_EQ(aim.status, XrHandTrackingAimFlagsFB{XR_HAND_TRACKING_AIM_COMPUTED_BIT_FB}) << "the base cannot be located";
 }
 
 TEST_F(SpacesHands, ErrorsAndUnlocatableBase) {

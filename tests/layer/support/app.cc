@@ -66,7 +66,7 @@ void App::MakeInstance(const AppOptions& options) {
   XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
   std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "%s", options.name);
   info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 20);
-  // OMNI_TEST_APP_LAYERS=none: XR_ENABLE_API_LAYERS alone says which layers there are, and in which order.
+  // OMNI_TEST_APP_LAYERS=none: XR_ENABLE_API_LAYERS alone selects the layers and their order.
   const char* layers = std::getenv("OMNI_TEST_APP_LAYERS");
   const bool name_layer = options.layer && !(layers && std::strcmp(layers, "none") == 0);
   info.enabledApiLayerCount = name_layer ? 1 : 0;

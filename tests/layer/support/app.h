@@ -1,4 +1,4 @@
-// An ordinary OpenXR application, reduced to what the layer's tests ask of it.
+// An ordinary OpenXR application, reduced to what the layer's tests need.
 #pragma once
 
 #include <functional>
@@ -52,10 +52,10 @@ class App {
   XrResult Sync() const;
   XrResult SyncSets(const std::vector<XrActiveActionSet>& sets) const;
 
-  // Polls until the queue is empty; what came is added to `events`.
+  // Polls until the queue is empty and appends to `events`.
   void Poll();
   void PollUntilFocused();
-  // Keeps the pen alive and syncs until `done`, at most a few seconds. False: it never was.
+  // Keeps the pen alive and syncs until `done`, at most a few seconds. False: timed out.
   bool SyncUntil(FakeService& service, const std::function<bool()>& done);
   // ... until the right hand has this profile (nullptr: until it has none).
   bool WaitProfile(FakeService& service, const char* profile);
@@ -106,7 +106,7 @@ std::string Name(XrResult result);
 void Pause_ms(long ms);
 // How long a test waits for what another thread does: $OMNI_TEST_PATIENCE_S, else 20 s.
 std::int64_t Patience_ns();
-// Waits for it that long; false: it never came.
+// Waits for it that long; false: timed out.
 bool Eventually(const std::function<bool()>& done);
 
 }  // namespace omni::test

@@ -62,26 +62,26 @@ class FakeService : private ipc::ServerHandler {
   // A component moves now.
   void Set(protocol::InputIndex index, float value);
 
-  // What it says of forces from now on, to whoever is connected.
+  // The force properties that it reports from now on, to every client.
   void SetForce(bool available, protocol::ForceStanding standing);
 
   // Publishes samples up to now.
   void Fill();
-  // A pen that is seen no more, or not seen.
+  // Flags of the pen: lost, or never seen.
   void SetFlags(std::uint32_t flags) { flags_ = flags; }
 
-  // Tells the layer of the service's wishes: now, and to who connects later.
+  // Sends the service's settings to the layer: now, and to clients that connect later.
   void Wish(const protocol::AppSettings& settings);
-  // What it says of each document that it is given from now on, as whole messages; at first nothing.
+  // Its replies to each document that it receives from now on, as whole messages; at first none.
   using SceneAnswer = std::function<std::vector<std::string>(const protocol::HapticSceneLoad&)>;
   void AnswerScenes(SceneAnswer answer);
   // A whole message to the newest client, within a period.
   void Say(const std::string& message);
   // What is touched, from now on.
   void SetContacts(const protocol::ContactSnapshot& contacts) { contacts_ = contacts; }
-  // What who asks for surfaces gets, and has got so far.
+  // The surfaces that clients get, now and on request.
   void SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfaces);
-  // What it answers when it is asked where the base stands, and tells who has asked before. At first: known, in front
+  // Its answer to placement requests, also sent to clients that asked before. At first: known, in front
   // of the origin of LOCAL, where the layer also guesses it.
   void SetBasePose(const protocol::BasePose& placement);
 
@@ -117,7 +117,7 @@ class FakeService : private ipc::ServerHandler {
   protocol::AppSettings settings_;
   bool settings_due_ = false;
   ipc::ClientId client_ = 0;
-  std::optional<protocol::ForceProperties> properties_;  // to be told; none: told
+  std::optional<protocol::ForceProperties> properties_;  // to be sent; none: sent
   std::optional<protocol::ForceOwner> owner_;
   protocol::BasePose placement_;
   bool placement_changed_ = false;

@@ -1,4 +1,4 @@
-// The functions of XR_OMNIX1_haptic_scene; null where the application has not enabled what they need.
+// The functions of XR_OMNIX1_haptic_scene; null where the application has not enabled both extensions.
 #pragma once
 
 #include <type_traits>

@@ -1,4 +1,4 @@
-// What a service says about a scene that an application gave it, as whole messages.
+// A service's whole messages about an application's scene.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ struct SceneTable {
 // Two nodes: 0 is soft and stays where it is, 1 can be moved and is 0.1 m to the right and 0.3 m up in the document.
 // One material.
 SceneTable TwoNodes();
-// So many nodes that can be moved, and materials.
+// That many movable nodes and materials.
 SceneTable ManyNodes(std::size_t nodes, std::size_t materials);
 
 std::string SceneTableMessage(std::uint32_t number, const SceneTable& table);

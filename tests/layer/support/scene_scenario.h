@@ -1,4 +1,4 @@
-// An application with a haptic scene, and a service that answers for it as the test says.
+// An application with a haptic scene, and a service that answers as the test says.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ class SceneScenario {
     return text;
   }
 
-  // Until `done`; the service answers within its period of 10 ms. False: it never was.
+  // Until `done`; the service answers within its period of 10 ms. False: timed out.
   template <class Done>
   bool Until(Done done) {
     return Eventually([&] {
@@ -65,7 +65,7 @@ class SceneScenario {
                 const std::string& text, double scale = 1) {
     service->Say(SceneStateMessage(number, status, generation, text, scale));
   }
-  // The number by which the service knows the newest scene; waits for it. 0: it never came.
+  // The number by which the service knows the newest scene; waits for it. 0: timed out.
   std::uint32_t Number(std::size_t loads = 1) {
     if (!Until([&] { return service->heard().scene_loads.size() >= loads; })) return 0;
     return service->heard().scene_loads.back().number;

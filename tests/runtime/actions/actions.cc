@@ -118,7 +118,7 @@ XrResult CreateAction(XrActionSet set, const XrActionCreateInfo* info, XrAction*
   return XR_SUCCESS;
 }
 
-// An attached action goes on living in its session, and its spaces go on locating.
+// An attached action lives on in its session, and its spaces stay locatable.
 XrResult DestroyAction(XrAction action) {
   State& state = TheState();
   const std::unique_lock lock(state.mutex);

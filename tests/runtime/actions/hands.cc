@@ -1,5 +1,4 @@
-// XR_EXT_hand_tracking: a stiff hand. Its joints are fixed to the palm, so that what a test expects of one it can
-// compute.
+// XR_EXT_hand_tracking: a stiff hand. Its joints are fixed to the palm, so that a test can compute them.
 
 #include <cmath>
 #include <mutex>
@@ -14,7 +13,7 @@ namespace {
 
 constexpr float kJointRadius_m = 0.008f;
 
-// Each joint farther along -Z, and turned a little more about +Y: no two are alike.
+// Each joint further along -Z, and turned a little more about +Y: no two are alike.
 XrPosef JointInPalm(uint32_t joint) {
   const float n = static_cast<float>(joint);
   return {{0, std::sin(0.02f * n), 0, std::cos(0.02f * n)}, {0.002f * n, 0.001f * n, -0.005f * n}};

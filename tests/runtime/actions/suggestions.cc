@@ -80,7 +80,7 @@ void AddStates(Session& session, const ActionSet& set) {
 
 }  // namespace
 
-// All bindings are checked before any is taken; a second suggestion for a profile replaces the first.
+// All bindings are checked before any is recorded; a second suggestion for a profile replaces the first.
 XrResult SuggestInteractionProfileBindings(XrInstance instance, const XrInteractionProfileSuggestedBinding* info) {
   State& state = TheState();
   const std::unique_lock lock(state.mutex);

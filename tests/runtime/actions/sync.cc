@@ -75,7 +75,7 @@ void Bind(const World& world, Session& session, ActionState& entry) {
   }
 }
 
-// A device shows its own profile if that was suggested, else none. One event tells of all hands.
+// A device shows its own profile if that was suggested, else none. One event covers all hands.
 void UpdateProfiles(const World& world, Session& session) {
   bool changed = false;
   bool rebind = false;

@@ -65,7 +65,7 @@ TEST_F(ActionTest, ActionNamesAndSubactionPathsAreChecked) {
   EXPECT_EQ(xrDestroyAction(action), XR_ERROR_HANDLE_INVALID);
   EXPECT_EQ(TryAction(set_, "a", kBoolean, {left}, &action), XR_SUCCESS);
   ASSERT_EQ(xrDestroyActionSet(set_), XR_SUCCESS);
-  EXPECT_EQ(xrDestroyAction(action), XR_ERROR_HANDLE_INVALID) << "actions die with their set";
+  EXPECT_EQ(xrDestroyAction(action), XR_ERROR_HANDLE_INVALID) << "actions are destroyed with their set";
 }
 
 TEST_F(ActionTest, SuggestionsAreValidated) {
@@ -122,7 +122,7 @@ TEST_F(ActionTest, AttachChecksItsArguments) {
   const XrActionSet gone = AddSet("gone");
   ASSERT_EQ(xrDestroyActionSet(gone), XR_SUCCESS);
   EXPECT_EQ(Attach({gone}), XR_ERROR_HANDLE_INVALID);
-  EXPECT_EQ(Attach({set_}), XR_SUCCESS) << "a refused call attached nothing";
+  EXPECT_EQ(Attach({set_}), XR_SUCCESS) << "a failed call attaches nothing";
 }
 
 TEST_F(ActionTest, ProfileIsCurrentOnlyAfterASync) {

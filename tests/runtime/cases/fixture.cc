@@ -26,7 +26,7 @@ void RuntimeTest::SetUp() {
 
 void RuntimeTest::TearDown() {
   DestroyInstance();
-  EXPECT_EQ(omni_test_live_handles(), 0U) << "handles outlive their instance";
+  EXPECT_EQ(omni_test_live_handles(), 0U) << "handles outlived their instance";
 }
 
 XrResult RuntimeTest::CreateInstance(const std::vector<const char*>& extensions, XrVersion api_version) {

@@ -24,7 +24,7 @@ T Make(XrStructureType type) {
   return structure;
 }
 
-// What a caller wants to know of a located space.
+// The result of locating a space.
 struct Where {
   XrResult result;
   XrSpaceLocation location;

@@ -168,7 +168,7 @@ TEST_F(InstanceTest, SystemIsOneStereoDisplay) {
   EXPECT_GT(views[1].recommendedImageRectWidth, 0U);
 }
 
-// 200 lives of an instance leave nothing behind (TearDown counts the handles of the last).
+// 200 instances in a row leak no handles (TearDown counts those of the last).
 TEST_F(InstanceTest, ManyLives) {
   for (int i = 0; i < 200; ++i) {
     Start();

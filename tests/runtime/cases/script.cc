@@ -125,7 +125,7 @@ TEST_F(ScriptTest, TouchSaysWhatWasMissing) {
   EXPECT_EQ(RunProbe("--seconds"), 2);
 }
 
-// It leaves when the runtime says so, not when its 60 s are over.
+// It exits when the runtime requires it, not when its 60 s are over.
 TEST_F(ScriptTest, TouchLeavesOnLossAndExit) {
   constexpr long kOneSecond = 90;
   Script("0.2 lose_session\n");

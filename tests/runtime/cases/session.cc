@@ -88,7 +88,7 @@ TEST_F(SessionTest, ChildrenDieWithTheSession) {
   const XrSpace space = ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   ASSERT_EQ(xrDestroySession(session_), XR_SUCCESS);
   EXPECT_EQ(xrDestroySpace(space), XR_ERROR_HANDLE_INVALID);
-  // A handle is never given out again, even though its slot is.
+  // A handle is never reused, even though its slot is.
   ASSERT_EQ(CreateSession(), XR_SUCCESS);
   EXPECT_NE(ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), space);
 }

@@ -1,4 +1,4 @@
-// xrLocateSpaces of XR_KHR_locate_spaces, and what else takes a space: hands, layers, origins that move.
+// xrLocateSpaces of XR_KHR_locate_spaces, and other calls that take a space: hands, layers, moving origins.
 
 #include <array>
 #include <cmath>
@@ -35,7 +35,7 @@ class ManySpacesTest : public RuntimeTest {
   PFN_xrLocateSpacesKHR locate_ = nullptr;
 };
 
-// A question about two spaces, with velocities.
+// A query for two spaces, with velocities.
 struct Question {
   explicit Question(XrSpace base, const std::array<XrSpace, 2>& of, XrTime time) : spaces(of) {
     info = {XR_TYPE_SPACES_LOCATE_INFO, nullptr, base, time, 2, spaces.data()};

@@ -112,7 +112,7 @@ TEST_F(StateTest, ParentPathsAndConversions) {
   EXPECT_EQ(Vector2(stick).currentState.y, -0.25f);
   EXPECT_EQ(Float(half).currentState, -0.25f);
   EXPECT_EQ(Boolean(stick_click).currentState, XR_TRUE);
-  EXPECT_EQ(Vector2(wrong).isActive, XR_FALSE) << "what cannot be converted is not bound";
+  EXPECT_EQ(Vector2(wrong).isActive, XR_FALSE) << "a path that cannot be converted is not bound";
 }
 
 TEST_F(StateTest, SubactionPathsSeparateHands) {
@@ -178,7 +178,7 @@ TEST_F(StateTest, SyncIsValidated) {
   AddAction("click", kBoolean, {"left"});
   EXPECT_EQ(Sync(), XR_ERROR_ACTIONSET_NOT_ATTACHED);
   Focus();
-  EXPECT_EQ(Sync({}), XR_SUCCESS) << "nothing attached, nothing asked";
+  EXPECT_EQ(Sync({}), XR_SUCCESS) << "nothing attached, nothing synced";
   ASSERT_EQ(Attach({set_}), XR_SUCCESS);
   EXPECT_EQ(Sync({{AddSet("other"), XR_NULL_PATH}}), XR_ERROR_ACTIONSET_NOT_ATTACHED);
   EXPECT_EQ(Sync({{set_, Path("/user/hand/right")}}), XR_ERROR_PATH_UNSUPPORTED);
@@ -222,7 +222,7 @@ TEST_F(StateTest, PoseStaysWithItsFirstDevice) {
   EXPECT_NEAR(Locate(space, stage).location.pose.position.x, 0.2f, 1e-6f);
   omni_test_set_device("left", 1, nullptr);
   ASSERT_EQ(Sync(), XR_SUCCESS);
-  EXPECT_NEAR(Locate(space, stage).location.pose.position.x, 0.2f, 1e-6f) << "the right hand had it first";
+  EXPECT_NEAR(Locate(space, stage).location.pose.position.x, 0.2f, 1e-6f) << "the right hand was first";
   omni_test_set_device("right", 0, nullptr);
   ASSERT_EQ(Sync(), XR_SUCCESS);
   EXPECT_NEAR(Locate(space, stage).location.pose.position.x, -0.2f, 1e-6f);

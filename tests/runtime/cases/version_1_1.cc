@@ -1,4 +1,4 @@
-// An instance of OpenXR 1.1. Debian's loader is of 1.0 and makes none, so this speaks to the runtime itself.
+// An instance of OpenXR 1.1. Debian's loader is of 1.0 and creates none, so this calls the runtime directly.
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-// The frame loop: paced, checked, and shown to nobody. Swapchains cannot exist without a graphics device.
+// The frame loop: paced and checked, without a display. Swapchains cannot exist without a graphics device.
 
 #include <algorithm>
 #include <mutex>

@@ -1,12 +1,12 @@
 #pragma once
-// What an application gives to xrEndFrame to be seen: checked, and remembered for the tests.
+// The layers that an application passes to xrEndFrame: checked, and recorded for the tests.
 
 #include "tests/runtime/hooks.h"
 #include "tests/runtime/state.h"
 
 namespace omni::runtime {
 
-// Spaces of this session, types that are enabled, unit orientations. Images are not looked at: without a display there
+// Spaces of this session, types that are enabled, unit orientations. Images are not checked: without a display there
 // are no swapchains.
 XrResult CheckFrameLayers(const Session& session, const XrFrameEndInfo& info);
 

@@ -1,6 +1,6 @@
 #pragma once
 // XR_KHR_vulkan_enable2, as far as an application needs it to get a session: instance and device are made with the
-// application's own loader, and nothing is ever drawn. Built without Vulkan's headers, it is not offered.
+// application's own loader, and nothing is ever drawn. Built without Vulkan's headers, it is not available.
 
 #include <openxr/openxr.h>
 

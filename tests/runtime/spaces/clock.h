@@ -1,5 +1,5 @@
 #pragma once
-// XrTime of this runtime = CLOCK_MONOTONIC + a fixed offset, so that code which takes one for the other fails at once.
+// XrTime of this runtime = CLOCK_MONOTONIC + a fixed offset, so that code that confuses the two fails at once.
 
 #include <openxr/openxr.h>
 

@@ -65,7 +65,7 @@ XrResult CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInf
   return XR_SUCCESS;
 }
 
-// Legal before the action's set is attached; such a space is just not locatable yet.
+// Valid before the action's set is attached; such a space is just not locatable yet.
 XrResult CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
   State& state = TheState();
   const std::unique_lock lock(state.mutex);
