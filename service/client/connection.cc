@@ -65,7 +65,7 @@ struct Connection::Impl {
   void Advance(std::int64_t now_ns);
   void Attempt(std::int64_t now_ns);
   void Read(std::int64_t now_ns);
-  // A packet from the service, with the descriptors that came along.
+  // A packet from the service, with its descriptors.
   struct Incoming {
     std::int64_t now_ns = 0;
     UniqueFd* files = nullptr;
@@ -88,7 +88,7 @@ struct Connection::Impl {
   void Handle(const Incoming&, const protocol::BasePose& there) { placement = there; }
   void Handle(const Incoming&, const protocol::BasePoseReply& reply);
   void KeepHapticScene(HapticSceneUpdate update);
-  // A packet that must not come now, or not at all.
+  // A packet that is invalid, or not expected now.
   void RefuseNonsense(std::int64_t now_ns, const std::string& what);
   void Disconnect(std::int64_t now_ns) noexcept;
   void Fail(std::int64_t now_ns, const std::string& problem);
@@ -152,8 +152,9 @@ void Connection::Impl::Advance(std::int64_t now_ns) {
 
 void Connection::Impl::Attempt(std::int64_t now_ns) {
   if (path.empty()) {
-    return Fail(now_ns,
-                "this process has more rights than its user (set-uid, set-gid or capabilities): no omnid is used");
+    return Fail(
+        now_ns,
+        "a privileged process (set-uid, set-gid or capabilities) needs an explicit socket path to connect to omnid");
   }
   base::Result<UniqueFd> dialled = Dial(path);
   if (!dialled.ok()) return Fail(now_ns, dialled.error());
@@ -177,7 +178,7 @@ void Connection::Impl::Read(std::int64_t now_ns) {
         protocol::ReceivePacket(socket.get(), buffer.data(), buffer.size(), fds, protocol::kMaxPassedFds);
     if (received.result == ReceiveResult::kNothing) return;
     if (received.result == ReceiveResult::kEnd) {
-      return Fail(now_ns, "omnid at " + path + " has closed the connection; if it does not come back, start omnid");
+      return Fail(now_ns, "omnid at " + path + " closed the connection; start omnid if it does not restart");
     }
     if (received.result == ReceiveResult::kTooLong) {
       return Fail(now_ns, "omnid at " + path + " sent a packet that is too long; restart omnid");
@@ -195,7 +196,7 @@ void Connection::Impl::Receive(const Incoming& packet, const M& message) {
   } else if constexpr (std::is_same_v<M, protocol::Reject>) {
     Handle(packet, message);
   } else if ((phase == Phase::kGreeting) != std::is_same_v<M, protocol::Welcome>) {
-    RefuseNonsense(packet.now_ns, "a message that has no place there");
+    RefuseNonsense(packet.now_ns, "an unexpected message");
   } else {
     Handle(packet, message);
   }
@@ -263,7 +264,7 @@ void Connection::Impl::Handle(const Incoming& packet, const protocol::Surfaces& 
     return Fail(now_ns, "omnid at " + path + ": its Surfaces carries " + std::to_string(fd_count) +
                             " descriptors, must be " + std::to_string(expected));
   }
-  if (!surfaces_wanted || surfaces_pending) return;  // of a request that was taken back
+  if (!surfaces_wanted || surfaces_pending) return;  // of a cancelled request
   surfaces_answered = true;
   surface_reader.reset();
   if (surfaces.total_bytes == 0) return;
@@ -298,7 +299,7 @@ void Connection::Impl::KeepHapticScene(HapticSceneUpdate update) {
 }
 
 void Connection::Impl::RefuseNonsense(std::int64_t now_ns, const std::string& what) {
-  Fail(now_ns, "omnid at " + path + " sent nonsense (" + what + "); install the same Omni version for both");
+  Fail(now_ns, "omnid at " + path + " sent an invalid message (" + what + "); install the same Omni version for both");
 }
 
 void Connection::Impl::Disconnect(std::int64_t now_ns) noexcept {
@@ -388,7 +389,7 @@ bool Connection::SendWaveform(const protocol::Waveform& waveform, std::span<cons
 
 bool Connection::SendBytes(std::string_view message, int file) noexcept { return impl_->SendBytes(message, file); }
 
-// What omnid would drop this client for is not sent: a number that is none shows here, too.
+// Messages for which omnid would drop this client are not sent; this also finds NaN.
 bool Connection::Impl::SendBytes(std::string_view message, int file) noexcept {
   protocol::MessageHeader header;
   if (phase != Phase::kConnected || message.size() < sizeof(header)) return false;

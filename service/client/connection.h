@@ -29,8 +29,7 @@ struct ConnectionInfo {
   std::uint32_t api_version_minor = 0;
   std::string socket_path;                       // empty: DefaultSocketPath()
   std::int64_t retry_interval_ns = 500'000'000;  // between attempts to connect
-  // Without a socket_path a privileged process connects to nothing: it finds no service but by its caller's
-  // environment.
+  // A privileged process connects only to an explicit socket_path: the default one depends on its caller's environment.
   bool privileged = protocol::IsPrivileged();
 };
 
@@ -71,9 +70,9 @@ class Connection {
   // Sign of life: one relaxed add into our own page. Any thread.
   void Beat() noexcept;
 
-  // One of OMNI_LINK_MESSAGES or OMNI_REQUESTS (protocol/message_table.h). `file` < 0: no descriptor goes along; it
-  // stays the caller's. False: not sent, for this client is not connected, its role does not send it, it is out of
-  // range (the service would end the connection), or the socket is full.
+  // One of OMNI_LINK_MESSAGES or OMNI_REQUESTS (protocol/message_table.h). `file`: descriptor to pass along, still
+  // owned by the caller; < 0: none. False: not sent, because this client is not connected, its role may not send it, it
+  // is out of range (the service would end the connection), or the socket is full.
   template <class M>
   bool Send(const M& message, int file = -1) noexcept {
     return SendBytes({reinterpret_cast<const char*>(&message), sizeof(message)}, file);
@@ -83,44 +82,44 @@ class Connection {
   bool SendSession(protocol::SessionState state) noexcept;
   bool SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept;
   // `waveform`: all but header and count, which follow from the samples, 1 to protocol::kMaxWaveformSamples of them.
-  // Samples are clamped to their range. False also: one is not a number, or a field is out of range.
+  // Samples are clamped to their range. False also if a sample is NaN or a field is out of range.
   bool SendWaveform(const protocol::Waveform& waveform, std::span<const float> samples) noexcept;
 
   // Claims the pen for forces, or gives it up; claimed again on reconnection.
   bool ClaimForce(bool wanted) noexcept;
-  // Newest word of the service; while not connected: free, and nothing is available.
+  // As last reported by the service; while not connected: free, and nothing is available.
   protocol::ForceStanding force_standing() const noexcept;
   const protocol::ForceProperties& force_properties() const noexcept;
-  // The service was reached, and has not said yet what its device can do. False where there is no service.
+  // The service was reached, but has not reported what its device can do. False if there is no service.
   bool awaits_force_properties() const noexcept;
 
-  // Asks for the surfaces that change shape or place, or no longer; asked again on reconnection. Nothing is computed
-  // while nobody asks.
+  // Requests the surfaces that change shape or place, or cancels the request; repeated on reconnection. Without a
+  // request nothing is computed.
   bool RequestSurfaces(bool wanted) noexcept;
-  // The newest memory announced; another one after a change of scene, or when a sculpted surface has outgrown it. Null:
-  // not asked, not answered yet, or nothing changes. Lives as long as the caller holds it.
+  // The newest memory announced; replaced after a change of scene, or when a sculpted surface outgrows it. Null: not
+  // requested, not answered yet, or nothing changes. Lives as long as the caller holds it.
   std::shared_ptr<const SurfaceReader> surfaces() const noexcept;
   // The newest request was answered, if only with "nothing".
   bool surfaces_answered() const noexcept;
 
-  // Number of the command, which its answer bears; 0: not sent. `object` longer than the field is cut.
+  // Number of the command, repeated in its answer; 0: not sent. An `object` longer than the field is truncated.
   std::uint32_t SendSceneCommand(protocol::SceneAction action, std::uint64_t client_id, const std::string& object);
   // Newest answer to a scene command; taking it clears it.
   std::optional<SceneAnswer> PopSceneAnswer();
 
-  // Counts the connections made so far: of the scene that this application gives nothing is sent again, so who keeps
-  // the document looks at it.
+  // Number of connections made so far. This application's own scene is not sent again on reconnection: whoever keeps
+  // the document checks this number and sends it.
   std::uint64_t welcomes() const noexcept;
-  // What came since the last call, oldest first; at most kMaxHapticSceneUpdates wait, older ones are dropped.
+  // Updates received since the last call, oldest first; at most kMaxHapticSceneUpdates are queued, older ones are
+  // dropped.
   static constexpr std::size_t kMaxHapticSceneUpdates = 16;
   std::vector<HapticSceneUpdate> PopHapticSceneUpdates();
-  // Asks where the base stands in one of these spaces; asked again on reconnection. The answer, and every later change,
-  // comes by PopBasePose. False: not connected yet, it is asked then.
+  // Requests the base's placement in one of these spaces; repeated on reconnection. The answer and every later change
+  // arrive through PopBasePose. False: not connected yet, the request is sent on connection.
   bool RequestBasePose(const protocol::BasePoseRequest& request) noexcept;
   // The newest since the last call.
   std::optional<protocol::BasePose> PopBasePose() noexcept;
-  // Number of the command, which its answer bears; 0: not sent, or this client is no tool. `command.number` is set
-  // here.
+  // Number of the command, repeated in its answer; 0: not sent, or this client is not a tool. Sets `command.number`.
   std::uint32_t SendBasePoseCommand(protocol::BasePoseCommand command) noexcept;
   std::optional<BasePoseAnswer> PopBasePoseAnswer();
 
@@ -128,7 +127,7 @@ class Connection {
   std::string PopStatus();
   // Notices received since the last call.
   std::vector<protocol::Notice> PopNotices();
-  // What the service last wished; all defaults while it never did. Kept over a lost connection.
+  // Settings last sent by the service, else the defaults. Kept when the connection is lost.
   const protocol::AppSettings& settings() const noexcept;
   // Why the last attempt failed: names the path and what to do. Empty when connected.
   const std::string& last_error() const noexcept;

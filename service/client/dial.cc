@@ -18,7 +18,8 @@ std::string ConnectProblem(const ServerWords& server, const std::string& path, i
     case ENOENT:
       return "no " + server.name + " at " + path + ": " + server.remedy;
     case ECONNREFUSED:
-      return "no " + server.name + " behind " + path + " (left over from one that died): " + server.remedy;
+      return "no " + server.name + " behind " + path +
+             " (its socket was left behind by a dead process): " + server.remedy;
     case EAGAIN:
       return server.name + " at " + path + " is too busy to accept a connection";
     default:

@@ -1,4 +1,5 @@
-// One attempt to reach a server of ours (omnid, or the twin's hand), after checking that nobody else stands in for it.
+// One attempt to connect to one of our servers (omnid, or the twin's hand), after checking that no other user
+// impersonates it.
 #pragma once
 
 #include <string>
@@ -8,7 +9,7 @@
 
 namespace omni::client {
 
-// How problems call the server, and how it is started.
+// How messages name the server, and how it is started.
 struct ServerWords {
   std::string name = "omnid";
   std::string remedy = "start omnid";

@@ -1,4 +1,4 @@
-// The leading end of the channel on which the digital twin's hand is led (protocol/hand_aim.h). Never blocks.
+// Client end of the channel that moves the digital twin's hand (protocol/hand_aim.h). Never blocks.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ class HandLink {
 
   // Connects if it is not connected. False: problem() says why and what to do.
   bool Connect();
-  // An aim that the twin has no room for is dropped: the next one counts anyway. False: nobody is there any more.
+  // If the socket is full the aim is dropped: the next one replaces it anyway. False: the twin has gone.
   bool Send(const protocol::HandAim& aim) noexcept;
 
   bool connected() const noexcept { return static_cast<bool>(socket_); }

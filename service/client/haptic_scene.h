@@ -1,4 +1,4 @@
-// What omnid says about the scene that an application gave it (protocol/haptic_scene.h).
+// What omnid reports about an application's own scene (protocol/haptic_scene.h).
 #pragma once
 
 #include <cstdint>

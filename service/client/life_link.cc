@@ -40,7 +40,7 @@ std::string LifeLink::Attach(int fd) {
 void LifeLink::Detach() noexcept {
   if (page_ == &fallback_) return;
   void* page = MapPrivate();
-  if (page != MAP_FAILED) Move(page, page_);  // else beats go on to a page that nobody reads any more
+  if (page != MAP_FAILED) Move(page, page_);  // else beats go on to a page that no process reads
 }
 
 }  // namespace omni::client

@@ -24,7 +24,7 @@ class LifeLink {
 
  private:
   protocol::LifePage* page_;
-  protocol::LifePage fallback_;  // when not even a page of memory could be had
+  protocol::LifePage fallback_;  // if no page of memory can be mapped
 };
 
 }  // namespace omni::client

@@ -27,7 +27,8 @@ std::string HeaderProblem(const StateHeader& header) {
   const bool same_layout = header.total_bytes == sizeof(StateMemory) && header.ring_capacity == mine.ring_capacity &&
                            header.slot_bytes == mine.slot_bytes && header.input_bytes == mine.input_bytes &&
                            header.contact_bytes == mine.contact_bytes && header.vehicle_bytes == mine.vehicle_bytes;
-  return same_layout ? std::string() : "has another layout than this client was built for";
+  return same_layout ? std::string()
+                     : "has a different layout than this client was built for; install the same Omni version for both";
 }
 
 // 0: nothing yet, or a number that no writer reaches (its sequences would wrap around).
@@ -116,8 +117,8 @@ bool StateReader::Around(std::int64_t t_ns, ToolSample& before, ToolSample& afte
   return false;
 }
 
-// Times do not decrease with the index. Most questions are about the last few milliseconds, so the search gallops
-// back from the newest (by 1, 2, 4, ... slots), then bisects: at most 2 log2(kRingCapacity) looks at a time stamp.
+// Times do not decrease with the index. Most reads are about the last few milliseconds, so the search gallops
+// back from the newest (by 1, 2, 4, ... slots), then bisects: at most 2 log2(kRingCapacity) reads of a time stamp.
 bool StateReader::TryAround(std::int64_t t_ns, ToolSample& before, ToolSample& after) const noexcept {
   const std::uint64_t published = PublishedCount(*memory_);
   if (published == 0) return false;

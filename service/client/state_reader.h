@@ -41,7 +41,7 @@ class StateReader {
   // What the tip touches now. False as for Newest.
   bool Contacts(protocol::ContactSnapshot& contacts) const noexcept;
 
-  // The car of the scene that is felt now; `vehicle.on` says whether it has one. False as for Newest.
+  // The car of the active scene; `vehicle.on` says whether it has one. False as for Newest.
   bool Vehicle(protocol::VehicleSnapshot& vehicle) const noexcept;
 
  private:

@@ -1,7 +1,7 @@
-// Read-only view of a surface memory (protocol/surface_memory.h): what an application draws of surfaces that give way,
-// are sculpted, extruded or moved. No system call after construction; any number of threads may read, each into a copy
-// of its own. Whatever the memory holds, a read ends after a bounded number of steps, stays within the mapping and
-// yields only what is in range (protocol/surface_range.h).
+// Read-only view of a surface memory (protocol/surface_memory.h): surfaces that deform, are sculpted, extruded or
+// moved, for drawing. No system call after construction; any number of threads may read, each into a copy of its own.
+// Whatever the memory holds, a read ends after a bounded number of steps, stays within the mapping and yields only what
+// is in range (protocol/surface_range.h).
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ struct SurfaceCopy {
   protocol::SurfaceFrame frame;
   std::vector<protocol::SurfacePoint> vertices_base_m;  // frame.vertex_count of them, without the frame's pose
   std::vector<protocol::SurfaceTriangle> triangles;
-  std::uint64_t reader = 0;  // that filled it: another one knows nothing of what is in here
-  // The reader's room to work in: what is torn never shows.
+  std::uint64_t reader = 0;  // that filled it; another one refills it from scratch
+  // Work buffers of the reader: a torn read never shows.
   std::vector<protocol::SurfacePoint> next_vertices_base_m;
   std::vector<protocol::SurfaceTriangle> next_triangles;
 };
@@ -32,7 +32,7 @@ enum class SurfaceRead {
   kUnchanged,
   kPose,       // pose or time, not the vertices
   kVertices,   // vertices, perhaps also the pose
-  kTriangles,  // both: draw anew
+  kTriangles,  // vertices and triangles
   kNothing     // nothing published yet, torn kMaxTornReads times, or not in range; the copy is as it was
 };
 
@@ -56,20 +56,20 @@ class SurfaceReader {
   // std::bad_alloc; later ones do not. Precondition: `object` < object_count().
   SurfaceRead Read(std::size_t object, SurfaceCopy& copy) const;
 
-  // False: the writer has not looked yet, or torn kMaxTornReads times.
+  // False: the writer has not polled yet, or torn kMaxTornReads times.
   bool Pulse(protocol::SurfacePulse& pulse) const noexcept;
 
  private:
   SurfaceReader(base::Mapping mapping, std::uint64_t bytes);
   const protocol::SurfaceEntry& Entry(std::size_t object) const noexcept;
   SurfaceRead TryRead(std::size_t object, SurfaceCopy& copy) const noexcept;
-  // Into the room to work in. False: torn or out of range.
+  // Into the work buffers. False: torn or out of range.
   bool ReadVertices(std::size_t object, const protocol::SurfaceFrame& frame, SurfaceCopy& copy) const noexcept;
   bool ReadTriangles(std::size_t object, const protocol::SurfaceFrame& frame, SurfaceCopy& copy) const noexcept;
 
   base::Mapping mapping_;
   const std::byte* memory_;
-  protocol::SurfaceLayout layout_;  // checked copy: the memory's own words are not asked again
+  protocol::SurfaceLayout layout_;  // checked copy: the memory's own words are not read again
   const std::uint64_t id_;          // of this reader, unique in the process
 };
 

@@ -1,4 +1,4 @@
-// What stays of an OpenXR runtime's name when the runtime is updated.
+// The part of an OpenXR runtime's name that updates of the runtime do not change.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 namespace omni::config {
 
 // XrInstanceProperties::runtimeName without what changes from build to build: an alignment belongs to the runtime, not
-// to one build of it. Monado, and what is made from it, put `git describe` into the name, in quotation marks.
+// to one build of it. Monado, and its derivatives, put `git describe` into the name, in quotation marks.
 //
 //   1. From the first quotation mark (' or ") at the start of a word everything goes.
 //   2. From " by " on everything goes: the vendor.

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExtensions[] = {".glb", ".gltf"};
 
-// Anything but a folder: what is no regular file, its reader says better.
+// Anything but a folder: its reader reports other files that are not regular.
 bool IsThere(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -59,7 +59,7 @@ base::Result<std::string> FindScene(const std::string& name, const std::string& 
     for (const std::string& scene : ScenesIn(folder)) known.push_back((parent / scene).string());
   }
   const std::string other = path.is_absolute() ? "" : " and in " + scenes_folder;
-  return base::Error{"there is no scene '" + name + "', with .glb or .gltf behind it or without; looked in " +
+  return base::Error{"there is no scene '" + name + "', with or without .glb or .gltf appended; looked in " +
                      (parent.empty() ? "this folder" : parent.string()) + other + base::DidYouMean(name, known)};
 }
 

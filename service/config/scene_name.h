@@ -1,4 +1,4 @@
-// The file that a scene's name means, wherever one is named: commands, application files, scene_render.
+// Finds the file of a scene by its name, for commands, application files and scene_render.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace omni::config {
 
-// The first that is there of `name` itself, with ".glb" and with ".gltf" behind it; as a path, then in
-// `scenes_folder` (config::ScenesFolder()). "dragon" and "dragon.glb" are both the shipped dragon. The error says where
-// it was looked for, and the nearest name there.
+// The first existing file of `name`, `name`.glb and `name`.gltf, as a path, then in `scenes_folder`
+// (config::ScenesFolder()). "dragon" and "dragon.glb" are both the shipped dragon. The error names the folders that
+// were searched, and the nearest name in them.
 base::Result<std::string> FindScene(const std::string& name, const std::string& scenes_folder);
 
 }  // namespace omni::config

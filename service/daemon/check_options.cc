@@ -30,7 +30,7 @@ std::string TwinProblem(const std::string& name_or_file) { return ErrorOf(config
 std::string AlignmentsProblem(const std::string& path) { return ErrorOf(config::LoadAlignmentFile(path)); }
 std::string DeviceFileProblem(const std::string& path) { return ErrorOf(config::LoadDeviceFile(path)); }
 
-// A recording replaces what is there.
+// A recording replaces an existing file.
 std::string WriteProblem(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return path + ": is a folder; give a file's name";

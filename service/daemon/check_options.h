@@ -1,4 +1,4 @@
-// What can be known of omnid's options before anything starts.
+// Checks of omnid's options before anything starts.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 namespace omni::daemon {
 
 // "--OPTION: FILE: what is wrong, what to do" for a file that is missing, malformed or cannot be written, and for
-// options of the twin without the twin. Empty: nothing. Makes no file and opens no device.
+// options of the twin without the twin. Empty: no problem. Makes no file and opens no device.
 std::string OptionsProblem(const RunOptions& options);
 
-// Of that alone: how the twin is, for a device that is none.
+// Only the check that --twin and --ideal come with --device twin.
 std::string TwinChoiceProblem(const RunOptions& options);
 
 }  // namespace omni::daemon

@@ -58,7 +58,7 @@ void EndWatch::SetZero(std::function<void()> zero) {
 }
 
 void EndWatch::Run() {
-  std::int64_t deadline_ns = 0;  // 0: nobody has asked
+  std::int64_t deadline_ns = 0;  // 0: not requested
   for (;;) {
     std::array<pollfd, 2> waits = {{{signals_.get(), POLLIN, 0}, {stop_.get(), POLLIN, 0}}};
     const std::int64_t left_ns = std::max<std::int64_t>(0, deadline_ns - base::MonotonicNow_ns());
@@ -66,12 +66,12 @@ void EndWatch::Run() {
     if (waits[1].revents != 0) return;
     signalfd_siginfo signal;
     const bool signalled = read(signals_.get(), &signal, sizeof signal) == sizeof signal;
-    if (signalled && deadline_ns != 0) EndAtOnce("at the second signal");
+    if (signalled && deadline_ns != 0) EndAtOnce("on a second signal");
     if (signalled) {
       deadline_ns = base::MonotonicNow_ns() + kPatience_ns;
       Raise(asked_.get());
     }
-    if (deadline_ns != 0 && base::MonotonicNow_ns() >= deadline_ns) EndAtOnce("although not everything has ended");
+    if (deadline_ns != 0 && base::MonotonicNow_ns() >= deadline_ns) EndAtOnce("before everything has shut down");
   }
 }
 
@@ -81,7 +81,7 @@ void EndWatch::EndAtOnce(const char* why) {
     if (zero_) zero_();
   }
   const bool recording = recording_.load();
-  spdlog::warn("the service ends now, {}{}", why, recording ? "; a recording lacks its end" : "");
+  spdlog::warn("the service exits now, {}{}", why, recording ? "; a recording is incomplete" : "");
   LogQueue::Flush(kLogWait_ms);
   _exit(recording ? 1 : 0);
 }

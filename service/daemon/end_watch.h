@@ -1,7 +1,7 @@
 // Waits for SIGINT and SIGTERM on a thread of its own, so that they end omnid in time whatever main and the other
 // threads are doing. The first one asks main to end. When main has not ended kPatience_ns later, or a second one comes,
-// the coils are taken to zero and the process ends at once: a scene that was being built, a disk or a base that does
-// not answer are left behind.
+// the coils are taken to zero and the process exits at once: a scene that was being built, or a disk or base that does
+// not respond, is abandoned.
 #pragma once
 
 #include <atomic>
@@ -29,10 +29,10 @@ class EndWatch {
   // Waits at most `most_ms`. True: the service is to end.
   bool Wait(int most_ms) const;
 
-  // Whether a recording lacks its end as long as main has not closed it. Then ending at once has status 1, else 0.
+  // Whether a recording is incomplete until main closes it. Then an immediate exit has status 1, else 0.
   void SetRecording(bool recording) { recording_.store(recording); }
 
-  // While it lives, `zero` is what takes the coils to zero; it must return soon, from any thread.
+  // While it lives, `zero` is called to take the coils to zero; it must return soon, on any thread.
   class CoilsToZero {
    public:
     CoilsToZero(EndWatch& watch, std::function<void()> zero) : watch_(watch) { watch_.SetZero(std::move(zero)); }

@@ -60,7 +60,7 @@ FileWriter::~FileWriter() {
   shared_->ending = true;
   shared_->wake.notify_all();
   const bool done = !shared_->started || shared_->wake.wait_for(lock, kPatience, [this] { return shared_->ended; });
-  if (!done) spdlog::error("a disk does not answer: what was to be written last is not kept");
+  if (!done) spdlog::error("the disk does not respond: the last changes are not saved");
   for (const Written& one : shared_->written) {
     if (!one.status.ok()) spdlog::error("{}", one.status.error());
   }

@@ -1,5 +1,5 @@
-// Writes the user's files on a thread of its own: a file that is synced waits for a disk, and the control thread must
-// not. Of several texts for one file that wait, only the newest is written.
+// Writes the user's files on a thread of its own: syncing a file waits for a disk, and the control thread must not. Of
+// several queued texts for one file, only the newest is written.
 #pragma once
 
 #include <chrono>
@@ -15,16 +15,16 @@ namespace omni::daemon {
 
 class FileWriter {
  public:
-  // How long the end of the service waits for a disk; after that what is not written is given up, the old file whole.
+  // How long the end of the service waits for a disk; then unwritten texts are dropped, and the old files stay intact.
   static constexpr std::chrono::milliseconds kPatience{500};
   using Write = std::function<base::Status(const std::string& path, const std::string& text)>;
 
   explicit FileWriter(Write write);
-  ~FileWriter();  // writes what waits, within kPatience
+  ~FileWriter();  // writes queued texts, within kPatience
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
 
-  // One thread, the control thread; neither waits for a disk. Numbers count from 1.
+  // Control thread only; neither waits for a disk. Numbers count from 1.
   std::uint64_t Request(const std::string& path, std::string text);
   struct Written {
     std::uint64_t number = 0;  // and of every earlier one for that file
@@ -34,7 +34,7 @@ class FileWriter {
   std::optional<Written> PopWritten();
 
  private:
-  struct Shared;  // with the thread, which outlives this when a disk hangs
+  struct Shared;  // shared with the thread, which outlives this when a disk hangs
   const std::shared_ptr<Shared> shared_;
 };
 

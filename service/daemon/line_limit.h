@@ -1,6 +1,6 @@
-// Keeps a message that repeats from filling the disk: of each kind a burst is written, after that one line every few
-// seconds, which says how many more there were. Two lines are of one kind if they differ in nothing but digits and what
-// stands in quotation marks.
+// Keeps a repeating message from filling the disk: of each kind a burst is written, after that one line every few
+// seconds, with the number of lines left out. Two lines are of one kind if they differ only in digits and in text in
+// quotation marks.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class LineLimit {
   void Add(std::string_view line, std::int64_t now_ns, std::string& out);
   // Appends what was held back and may be written now: the newest line of each kind, and how many more there were.
   void Report(std::int64_t now_ns, std::string& out);
-  // The same whether it may be written or not: the log ends.
+  // The same for everything held back, due or not: the log ends.
   void ReportAll(std::int64_t now_ns, std::string& out);
   bool holds_back() const;
 
@@ -41,7 +41,7 @@ class LineLimit {
   static void Fill(Kind& kind, std::int64_t now_ns);
   static void ReportOne(Kind& kind, std::int64_t now_ns, std::string& out);
 
-  std::vector<Kind> kinds_;  // the first one is of all that find no place
+  std::vector<Kind> kinds_;  // the first one is shared by kinds beyond kMaxKinds
 };
 
 }  // namespace omni::daemon

@@ -33,19 +33,19 @@
 
 namespace omni::daemon {
 
-// Outlives a writer that had to be left behind because nobody reads the log.
+// Outlives a writer that was abandoned because no process reads the log.
 struct LogQueue::State {
   base::UniqueFd out;   // standard error as it was
   base::UniqueFd pipe;  // its reading end
   base::UniqueFd stop;  // readable: write what is queued and end
   std::atomic<bool> writing{false};
   std::atomic<bool> ended{false};
-  std::atomic<std::uint64_t> lost{0};  // lines, since it was said last
+  std::atomic<std::uint64_t> lost{0};  // lines, since the last report
 };
 
 namespace {
 
-constexpr int kReport_ms = 1000;         // between looks at what is held back
+constexpr int kReport_ms = 1000;         // between checks of lines that are held back
 constexpr std::size_t kLineMax = 4096;   // a longer one is cut
 constexpr std::size_t kReadMax = 65536;  // bytes of a pipe [pipe(7)]
 static_assert(kLineMax <= PIPE_BUF, "a line goes into the pipe whole or not at all");
@@ -148,7 +148,7 @@ class Writer {
       const ssize_t size = write(state_.out.get(), text.data(), text.size());
       if (size >= 0) {
         text.remove_prefix(static_cast<std::size_t>(size));
-      } else if (errno == EAGAIN) {  // somebody who shares it made it so
+      } else if (errno == EAGAIN) {  // another process that shares it made it non-blocking
         pollfd wait{state_.out.get(), POLLOUT, 0};
         poll(&wait, 1, -1);
       } else if (errno != EINTR) {
@@ -165,7 +165,7 @@ class Writer {
   std::string text_;  // to be written
 };
 
-// What the C and C++ libraries and sanitizers say before they end the process would stay in the pipe.
+// What the C and C++ libraries and sanitizers write before they end the process would stay in the pipe.
 void FlushBeforeAbort(int signal) {
   LogQueue::Flush(LogQueue::kEndWait_ms);
   std::signal(signal, SIG_DFL);
@@ -199,7 +199,7 @@ LogQueue::LogQueue(const std::string& level) : state_(std::make_shared<State>())
 #else
   static_cast<void>(FlushBeforeDeath);
 #endif
-  // Signals are for others: a new thread inherits the mask of its maker.
+  // Other threads handle signals: a new thread inherits the mask of its creator.
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);

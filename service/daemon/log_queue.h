@@ -1,7 +1,6 @@
 // omnid's log. Whatever this process, its libraries and its children write to standard output or standard error goes
 // into a pipe and from there, on a thread, to the standard error that omnid was started with, limited by LineLimit.
-// Nothing that writes waits for whoever reads the log: what finds the pipe full is lost, and the loss is counted and
-// said.
+// Writers never wait for the reader of the log: lines that find the pipe full are lost, counted and reported.
 #pragma once
 
 #include <memory>

@@ -18,15 +18,15 @@ int ParseAndRun(int argc, char** argv) {
   app.Add("--device", options.device, omni::daemon::DeviceHelp())
       .Check("DEVICE", omni::daemon::DeviceProblem)
       .ShowDefault();
-  app.Add("--replay-fast", options.replay_fast, "replay:FILE as fast as possible, with the stamps of then");
+  app.Add("--replay-fast", options.replay_fast, "replay:FILE as fast as possible, with the recorded time stamps");
   app.Add("--device-file", options.device_file, "geometry and limits (default: the built-in omni.toml)");
   app.Add("--calibration", options.calibration_path,
           "file of omni calibrate (default: $XDG_CONFIG_HOME/omni/calibration.toml, if it is there)");
   app.Add("--alignments", options.alignment_path,
           "file of omni align (default: $XDG_CONFIG_HOME/omni/alignments.toml)");
   app.Add("--socket", options.socket_path, "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
-  app.Add("--record", options.record_path, "CSV file with one line a tick");
-  app.Add("--record-device", options.record_device_path, "file of all scans and commands, to replay");
+  app.Add("--record", options.record_path, "CSV file with one line per tick");
+  app.Add("--record-device", options.record_device_path, "file of all scans and commands, for --device replay:FILE");
   const omni::console::Option twin = app.Add("--twin", options.twin, omni::config::kTwinHelp);
   app.AddShort("--ideal", options.twin, omni::config::kIdeal, omni::config::kIdealHelp).Excludes(twin);
   app.Add("--twin-script", options.twin_script, "hand script (.json) of the twin");
@@ -37,10 +37,10 @@ int ParseAndRun(int argc, char** argv) {
   app.Add("--hand", options.hand, "hand that holds the pen: left, right, or auto (the layer's default: right)")
       .OneOf({"auto", "left", "right"})
       .ShowDefault();
-  app.Add("--log-level", options.log_level, "the least that is logged")
+  app.Add("--log-level", options.log_level, "lowest level that is logged")
       .OneOf({"trace", "debug", "info", "warn", "error", "off"})
       .ShowDefault();
-  app.Add("!--no-realtime", options.realtime, "do not ask for SCHED_FIFO and mlockall");
+  app.Add("!--no-realtime", options.realtime, "do not request SCHED_FIFO and mlockall");
   if (const auto ended = app.Parse(argc, argv)) return *ended;
   if (options.replay_fast && !omni::daemon::IsReplay(options.device)) {
     return omni::console::Refuse("omnid", "--replay-fast: needs --device replay:FILE");

@@ -7,7 +7,7 @@
 namespace omni::daemon {
 
 struct RunOptions {
-  std::string device = "usb";  // DeviceProblem (open_device.h) says which there are; a simulation only when asked for
+  std::string device = "usb";  // as DeviceProblem (open_device.h) allows; a simulation only on request
   std::string device_file;
   std::string calibration_path;  // empty: the user's own, if it is there
   std::string alignment_path;    // empty: the user's own
@@ -20,7 +20,7 @@ struct RunOptions {
   std::string twin_hand;  // socket on which the twin's hand is led; empty: the script is played
   std::string twin_record;
   std::uint64_t twin_seed = 1;
-  std::string hand = "auto";  // "left", "right": the hand that holds the pen, unless an application's file says
+  std::string hand = "auto";  // "left", "right": the hand that holds the pen, unless an application's file names one
   std::string log_level = "info";
   bool realtime = true;
 };

@@ -128,7 +128,7 @@ struct Service::RequestHandler {
   void Commit(bool changed = true) const {
     if (changed) service.WriteCommands(base::MonotonicNow_ns());
   }
-  bool IsOwner() const { return id == service.owners_.owner(); }  // only the owner is felt
+  bool IsOwner() const { return id == service.owners_.owner(); }  // only the owner may push
 
   void operator()(const protocol::Session& session) const { service.SetSession(id, session.state); }
   void operator()(const protocol::Haptic& haptic) const {
@@ -212,7 +212,7 @@ void Service::SendBasePoses() {
   if (options_.on_aligned) options_.on_aligned(Aligned());
 }
 
-// Of the owner; without one, of whoever is there.
+// Of the owner; without one, of any client.
 bool Service::Aligned() const {
   if (owners_.owner() != 0) return placements_.Aligned(owners_.owner());
   return std::any_of(clients_.begin(), clients_.end(),
@@ -242,13 +242,13 @@ void Service::HandleBuiltScenes() {
     if (found == clients_.end()) continue;
     for (const std::string& warning : built->warnings) spdlog::warn("{}", warning);
     if (built->scene == nullptr) {
-      Problem(built->client, 2, built->error);  // the client's previous scene, if any, lives on
+      Problem(built->client, 2, built->error);  // the client's previous scene, if any, stays
       continue;
     }
     if (built->load.skipped) {
       Problem(built->client, 0,
               built->file +
-                  ": nothing to touch: the file has no haptic tag; tag what is to be felt (docs/scenes.md), or "
+                  ": nothing to touch: the file has no haptic tag; tag the objects to touch (docs/scenes.md), or "
                   "write touch = \"all\" in the application's file");
     } else {
       spdlog::info("client {}: scene {} ({} triangles, {} in {:.1f} ms)", built->client, built->file,
@@ -260,7 +260,7 @@ void Service::HandleBuiltScenes() {
   }
 }
 
-// What went wrong with it is told to its client by its state, and to people here.
+// Errors are reported to its client by its state, and logged here.
 void Service::TakeAppScene(BuiltScene built) {
   const ipc::ClientId id = AppScenes::ClientOf(built.client);
   const std::string error = built.error;
@@ -346,7 +346,7 @@ void Service::WriteCommands(std::int64_t now_ns) {
   loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(),
                          .generation = generation_,
                          .build = scene == nullptr ? 0 : scene->build});
-  if (vibration_.PopFresh()) loop_->vibration().Write(vibration_.samples());  // before what names them
+  if (vibration_.PopFresh()) loop_->vibration().Write(vibration_.samples());  // before the command that names them
   loop_->commands().Write(commands);
 }
 
@@ -368,7 +368,7 @@ void Service::UpdateSurfaces() {
 }
 
 // Frees retired scenes once the tick is known to hold the newest hand-over. Until then it may hold, or be about to
-// take, any earlier one. A hand-over's number never comes again, so an old acknowledgement cannot be taken for a new
+// take, any earlier one. A hand-over's number is never reused, so an old acknowledgement cannot be taken for a new
 // one.
 void Service::ReleaseScenes() {
   const std::lock_guard lock(loop_mutex_);

@@ -1,5 +1,5 @@
-// The service: joins clients (ipc), scenes (builder) and the loop. All its state belongs to the control thread, except
-// the loop, which the main thread attaches and detaches under a mutex when a device comes and goes.
+// The service: connects clients (ipc), scenes (builder) and the loop. All its state belongs to the control thread,
+// except the loop, which the main thread attaches and detaches under a mutex when a device comes and goes.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ struct ServiceOptions {
   config::CalibrationChoice calibration;  // until SetCalibration
   std::uint32_t soft_tets = SceneBuilder::kSoftTets;
   std::string hand = "auto";               // "left", "right": of applications whose file names none
-  std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is kept
+  std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is stored
   std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
 };
 
@@ -51,19 +51,19 @@ class Service : public ipc::ServerHandler {
 
   void SetServer(ipc::Server* server) { server_ = server; }  // before the server starts
 
-  // Any thread. Both outlive the attachment. Detach stops the loop and returns when nobody here uses the two any more.
+  // Any thread. Both outlive the attachment. Detach stops the loop and returns when the service no longer uses either.
   void Attach(loop::TickThread& loop, const device::Transport& transport);
   void Detach(const std::string& why);
-  // Any thread: takes the coils to zero while the process ends. Waits for the loop, but not for long.
+  // Any thread: takes the coils to zero while the process ends. Waits briefly for the loop.
   void CoilsToZero() noexcept;
-  // Any thread: what the device that is being opened works with.
+  // Any thread: the calibration of the device that is being opened.
   void SetCalibration(config::CalibrationChoice choice);
-  // Any thread: that a magnet is near, but no pose explains the sensors' readings, for people; empty: it is not so.
+  // Any thread: message that a magnet is near, but no pose explains the sensors' readings; empty: this is not the case.
   // Until the next SetCalibration.
   void SetMisfit(std::string misfit);
   // Any thread: what is wrong with sensors or the room. Until the next SetCalibration.
   void SetRoom(std::vector<RoomFinding> findings);
-  // Any thread: what the device that is attached, or about to be, can push. Detach takes it back.
+  // Any thread: what forces the device that is attached, or about to be, can make. Detach resets it.
   void SetForceProperties(const protocol::ForceProperties& properties);
   // Any thread: keys have changed.
   void SetKeys(const base::KeyStates& keys);
@@ -89,7 +89,7 @@ class Service : public ipc::ServerHandler {
   }
   void HandleBuiltScenes();
   void TakeAppScene(BuiltScene built);
-  std::shared_ptr<const BuiltScene> SceneOf(ipc::ClientId id) const;  // that is felt while this client owns the force
+  std::shared_ptr<const BuiltScene> SceneOf(ipc::ClientId id) const;  // that is active while this client owns the force
   void HandleSoftBodies();
   void HandleSculptResults();
   void ReleaseScenes();
@@ -131,7 +131,7 @@ class Service : public ipc::ServerHandler {
   std::string device_absent_why_ = "not opened yet";
   base::KeyStates key_states_;
   std::unique_ptr<KeyThread> keys_;  // null: no device is to be read. Its thread uses the loop
-  SurfaceClients surfaces_;          // the last: its thread uses the loop
+  SurfaceClients surfaces_;          // last member: its thread uses the loop
 };
 
 }  // namespace omni::daemon

@@ -1,5 +1,5 @@
-// The whole loop in virtual time over a transport: what `omni twin run`, the benchmarks and the stories of the tests
-// call.
+// The whole loop in virtual time over a transport: called by `omni twin run`, the benchmarks and the scenarios of the
+// tests.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +20,12 @@ struct VirtualRunSummary {
   std::uint64_t hash = 0;  // over the bits of every tick's scan, state, wrench and currents
 };
 
-// Called before each tick: what clients would say. Default: the gate is open, always.
+// Called before each tick: the clients' commands. Default: the gate is open, always.
 using CommandScript = std::function<loop::Commands(const base::HallScan&)>;
 using TickObserver = std::function<void(const base::HallScan&, const loop::TickOutput&)>;
 
-// Runs until the transport says kEnd or kGone. `scene` becomes generation 1; what can be sculpted in it is edited every
-// 2 ms of virtual time and stays as it is left.
+// Runs until the transport returns kEnd or kGone. `scene` becomes generation 1; sculptable objects are edited every 2
+// ms of virtual time and stay as they are left.
 VirtualRunSummary RunVirtual(const loop::TickConfig& config, device::Transport& transport, const haptics::Scene& scene,
                              const CommandScript& script = {}, const TickObserver& observer = {});
 

@@ -55,14 +55,13 @@ base::Status CheckOptions(const ServerOptions& options) {
   return base::Ok{};
 }
 
-// Why what came along with a message is not what it needs; empty: it is.
+// What is wrong with the descriptor of a message; empty: nothing.
 template <class M>
 std::string ProblemOfFile(const M& message, const UniqueFd& file) {
-  if (protocol::Traits<M>::kDescriptors == 0)
-    return file ? "a packet with descriptors that its message does not have" : "";
+  if (protocol::Traits<M>::kDescriptors == 0) return file ? "comes with descriptors, must have none" : "";
   if (!file) return "comes without its descriptor";
   if constexpr (std::is_same_v<M, protocol::HapticSceneLoad>) {
-    // A document that stays as it is.
+    // A document that cannot change.
     const auto checked = base::CheckSealed(file.get(), F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW, message.bytes);
     if (!checked.ok()) return "its memory " + checked.error();
   }
@@ -186,7 +185,7 @@ void ControlLoop::Admit(UniqueFd socket) {
     return log_.Write("pid " + std::to_string(credentials.pid) + " was refused: " + reason, now_ns);
   }
   if (peers_.size() - CountGreeted() >= kMaxSilent) {
-    return SendReject(socket.get(), "too many connections that have not said Hello; try again");
+    return SendReject(socket.get(), "too many connections that have not sent Hello; try again");
   }
   ProcessWatch process = WatchProcess(socket.get(), credentials.pid);
   if (process.already_dead) return;
@@ -237,7 +236,7 @@ void ControlLoop::HandleAs(Peer& peer, const M& message, UniqueFd file) {
   }
   if (!kIsHello && (Row::kRoles & protocol::RoleBit(peer.info().role)) == 0) {
     const std::string who = NamesOfRoles(Row::kRoles), is = NamesOfRoles(protocol::RoleBit(peer.info().role));
-    return Refuse(peer, std::string(Row::kName) + ": only " + who + " sends it, not " + is + "; say Hello as " + who);
+    return Refuse(peer, std::string(Row::kName) + ": only " + who + " may send it, not " + is + "; connect as " + who);
   }
   if (const std::string problem = ProblemOfFile(message, file); !problem.empty()) {
     return Refuse(peer, std::string(Row::kName) + ": " + problem);

@@ -1,4 +1,4 @@
-// The epoll loop of the control thread: accepts, reads, keeps time, and tells the handler.
+// The epoll loop of the control thread: accepts, reads, keeps time, and calls the handler.
 #pragma once
 
 #include <atomic>
@@ -42,7 +42,7 @@ class ControlLoop {
   void RefuseOneWithoutDescriptors();
   void Admit(base::UniqueFd socket);
   void ReadFrom(Peer& peer);
-  // One message; `file`: what came along with it. True: this peer may be read on in this round.
+  // One message; `file`: the descriptor that came with it. True: this peer may be read again in this round.
   bool Handle(Peer& peer, const protocol::ClientMessage& message, base::UniqueFd file);
   template <class M>
   void HandleAs(Peer& peer, const M& message, base::UniqueFd file);

@@ -25,14 +25,14 @@ std::string FolderProblem(const std::string& path) {
   if (!protocol::PathProblem(path).empty()) return "give the absolute path of a file, at most 107 bytes";
   const std::string folder = protocol::FolderOf(path);
   if (protocol::CheckFolder(folder).state == protocol::FolderState::kGood) return {};
-  return folder + " must be a folder of your own that nobody else can enter: mkdir -p -m 700 " + folder;
+  return folder + " must be a folder of your own that no other user can enter: mkdir -p -m 700 " + folder;
 }
 
 // Only a socket without a process behind it is removed.
 std::string MakeRoom(const std::string& path) {
   struct stat info {};
   if (::lstat(path.c_str(), &info) != 0) return errno == ENOENT ? "" : std::strerror(errno);
-  if (!S_ISSOCK(info.st_mode)) return "is there already and no socket; remove it or give another path";
+  if (!S_ISSOCK(info.st_mode)) return "exists and is not a socket; remove it or give another path";
   const base::UniqueFd probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const protocol::SocketAddress at = protocol::AddressOf(path);
   if (probe && ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes) == 0) {

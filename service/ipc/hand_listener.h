@@ -1,5 +1,5 @@
-// The twin's end of the channel on which its hand is led (protocol/hand_aim.h): a seqpacket socket in a folder that
-// only its user can enter. One process leads at a time; another that connects waits until it has gone.
+// The twin's end of the channel that moves its hand (protocol/hand_aim.h): a seqpacket socket in a folder that only its
+// user can enter. One process leads at a time; another that connects waits until the first one disconnects.
 #pragma once
 
 #include <memory>
@@ -14,15 +14,14 @@ namespace omni::ipc {
 
 class HandListener {
  public:
-  // The folder must be there, this user's own and closed to all others (0700). A socket that nobody listens on any more
-  // is replaced.
+  // The folder must exist, be this user's own and closed to all others (0700). A socket without a listener is replaced.
   static base::Result<std::unique_ptr<HandListener>> Open(const std::string& path);
   ~HandListener();  // removes the socket
   HandListener(const HandListener&) = delete;
   HandListener& operator=(const HandListener&) = delete;
 
-  // The newest aim that has come since the last call. Never waits, reads at most kAimsPerPoll packets. Who runs as
-  // another user, or sends anything but an aim, is cut off.
+  // The newest aim received since the last call. Never waits, reads at most kAimsPerPoll packets. A peer of another
+  // user, or one that sends anything but an aim, is disconnected.
   static constexpr int kAimsPerPoll = 16;
   std::optional<protocol::HandAim> Poll() noexcept;
 

@@ -60,7 +60,7 @@ Result<UniqueFd> TakeLock(const std::string& lock_path, const std::string& socke
   return lock;
 }
 
-// Precondition: the lock is held, so what lies there belongs to no living omnid.
+// Precondition: the lock is held, so the socket belongs to no living omnid.
 base::Status RemoveStaleSocket(const std::string& path) {
   struct stat info {};
   if (::lstat(path.c_str(), &info) != 0) {
@@ -68,7 +68,7 @@ base::Status RemoveStaleSocket(const std::string& path) {
     return Failed("cannot examine", path);
   }
   if (!S_ISSOCK(info.st_mode)) {
-    return Error{path + " exists and is no socket; remove it or set OMNI_SOCKET to another path"};
+    return Error{path + " exists and is not a socket; remove it or set OMNI_SOCKET to another path"};
   }
   if (::unlink(path.c_str()) != 0) return Failed("cannot remove the old socket", path);
   return base::Ok{};

@@ -1,4 +1,4 @@
-// Log lines that a misbehaving client cannot turn into a flood: a line that was just written is not written again.
+// Log lines with a limit, against floods by a misbehaving client: a line that was just written is not written again.
 #pragma once
 
 #include <cstdint>

@@ -22,7 +22,7 @@ Credentials CredentialsOf(int socket) noexcept;
 
 // A descriptor that becomes readable when the process ends.
 struct ProcessWatch {
-  base::UniqueFd fd;  // may be absent where the kernel offers none: then only the socket tells
+  base::UniqueFd fd;  // may be absent where the kernel offers none: then only the socket shows the end
   bool already_dead = false;
 };
 ProcessWatch WatchProcess(int socket, pid_t pid) noexcept;
@@ -44,14 +44,14 @@ class Peer {
   // Makes the life page and sends Welcome. From here on the peer is a client.
   base::Status Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd, std::int64_t now_ns);
 
-  // Non-blocking. False: the peer does not read now, or it is gone (and doomed). What is to be delivered once is then
-  // lost, and counted. `file` < 0: no descriptor goes along; it stays the caller's.
+  // Non-blocking. False: the peer's socket is full, or it is gone (and doomed). A message of Delivery::kOnce is then
+  // lost, and counted. `file`: descriptor to pass along, still owned by the caller; < 0: none.
   bool Send(std::string_view message, int file, protocol::Delivery delivery) noexcept;
 
-  // Looks at the life page once.
+  // Reads the life page once.
   void ReadBeat(std::int64_t now_ns) noexcept;
 
-  // To be removed at the end of this round. With a reason: it is told so first.
+  // Marks it for removal at the end of this round. A reason is sent to it first.
   void Doom(const std::string& reason) noexcept;
 
  private:

@@ -31,7 +31,7 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() { Stop(); }
 
 void Server::Start() {
-  // Signals are the main thread's business: a new thread inherits the mask of its maker.
+  // The main thread handles signals: a new thread inherits the mask of its creator.
   sigset_t all;
   sigset_t previous;
   sigfillset(&all);

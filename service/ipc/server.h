@@ -25,17 +25,17 @@ struct ClientInfo {
   std::string engine;
 };
 
-// Called on the control thread only. Calls must be short. A call that throws costs the client that caused it its
-// connection, and nothing else. Stop() makes no OnGone calls.
+// Called on the control thread only. Calls must be short. A call that throws ends the connection of the client that
+// caused it, and nothing else. Stop() makes no OnGone calls.
 class ServerHandler {
  public:
   virtual ~ServerHandler() = default;
   virtual void OnClient(const ClientInfo& client) = 0;
   virtual void OnGone(ClientId id) = 0;  // socket end, process death (pidfd), or protocol error
-  // A client's message that its role may send. Views in it are valid during the call. `file`: what came along with a
-  // message that has a descriptor, checked: a HapticSceneLoad's is sealed memory of load.bytes bytes.
+  // A client's message that its role may send. Views in it are valid during the call. `file`: the descriptor of a
+  // message that has one, checked: a HapticSceneLoad's is sealed memory of load.bytes bytes.
   virtual void OnRequest(ClientId id, const protocol::Request& request, base::UniqueFd file) = 0;
-  // Every period (about 10 ms). last_beat_ns(id) tells when each client's life page last changed.
+  // Every period (about 10 ms). LastBeat_ns(id) is when a client's life page last changed.
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
 };
@@ -61,13 +61,13 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   void Start();  // once
-  void Stop();   // for good
+  void Stop();   // cannot be started again
 
   // Control thread only (from within handler calls).
-  std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; read anew every period
-  // One of OMNI_SERVER_MESSAGES, with what follows it: `tail`, cut to what a message holds. `file` < 0: no descriptor
-  // goes along; it stays the caller's. False: the client does not read now and the message was not sent, or it is gone.
-  // What is Delivery::kOnce is then lost, and counted.
+  std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; updated every period
+  // One of OMNI_SERVER_MESSAGES, followed by `tail`, truncated to what a message holds. `file`: descriptor to pass
+  // along, still owned by the caller; < 0: none. False: not sent, because the client's socket is full or it is gone. A
+  // message of Delivery::kOnce is then lost, and counted.
   template <class M>
   bool Send(ClientId id, const M& message, std::string_view tail = {}, int file = -1) {
     static_assert(offsetof(M, header) == 0);

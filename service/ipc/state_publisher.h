@@ -20,14 +20,15 @@ class StatePublisher {
   StatePublisher& operator=(const StatePublisher&) = delete;
 
   // Tick thread only. Times must not decrease from one call to the next: an older sample is published with the time of
-  // the one before. What is not a sane sample is published as "no pose" (protocol/sample_range.h).
+  // the one before. An invalid sample is published as "no pose" (protocol/sample_range.h).
   void Publish(const protocol::ToolSample& sample, const protocol::InputSnapshot& inputs) noexcept;
 
-  // Tick thread only, before Publish of the same scan. Writes only where something changes: contacts, their end, or the
-  // scene. Contacts that are out of range are left out.
+  // Tick thread only, before Publish of the same scan. Writes only when something changes: contacts, their end, or the
+  // scene. Contacts that are out of range are omitted.
   void PublishContacts(const protocol::ContactSnapshot& contacts) noexcept;
 
-  // Likewise, while the scene has a car, and once when it has none any more. One that is out of range is no car.
+  // Likewise, while the scene has a car, and once when it no longer has one. One that is out of range is published as
+  // none.
   void PublishVehicle(const protocol::VehicleSnapshot& vehicle) noexcept;
 
   int fd() const { return memory_file_.fd.get(); }                 // to be passed to clients; stays ours

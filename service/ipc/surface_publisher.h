@@ -20,7 +20,7 @@ struct SurfaceMemoryId {
   std::uint64_t scene_generation = 0;
 };
 
-// What is new about an object. What is not given stays as it was.
+// Changes of an object. Omitted vertices and triangles stay as they are.
 struct SurfaceUpdate {
   std::int64_t t_ns = 0;  // of the Hall sample that it follows from
   std::optional<std::span<const protocol::SurfacePoint>> vertices_base_m;
@@ -38,8 +38,8 @@ enum class SurfacePublish {
 
 class SurfacePublisher {
  public:
-  // Makes the memfd, maps it for writing, then seals it FUTURE_WRITE | SHRINK | GROW | SEAL. Fails with the limit that
-  // the plans exceed, or with what the system refuses.
+  // Makes the memfd, maps it for writing, then seals it FUTURE_WRITE | SHRINK | GROW | SEAL. The error names the limit
+  // that the plans exceed, or the failed system call.
   static base::Result<std::unique_ptr<SurfacePublisher>> Create(const SurfaceMemoryId& id,
                                                                 std::span<const protocol::SurfacePlan> plans);
   SurfacePublisher(const SurfacePublisher&) = delete;
@@ -48,7 +48,7 @@ class SurfacePublisher {
   // `index`: of the plan. Readers see all of it or nothing; kTooLarge and kRefused change nothing.
   SurfacePublish Publish(std::size_t index, const SurfaceUpdate& update) noexcept;
 
-  // After each look at the scene, whether something was new or not.
+  // Call after each poll of the scene, whether something has changed or not.
   void Pulse(std::int64_t t_ns) noexcept;
 
   int fd() const noexcept { return memory_file_.fd.get(); }  // to be passed to clients; stays ours

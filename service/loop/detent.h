@@ -1,5 +1,6 @@
-// What is felt of a detent click: when the force passes its threshold the surface gives way for a moment, and it comes
-// back when the force has fallen. Half a sine along the contact's normal, added to the contact force under its limits.
+// The pulse that renders a detent click: when the force passes its threshold the surface yields for a moment, and it
+// returns when the force has fallen. Half a sine along the contact's normal, added to the contact force under its
+// limits.
 #pragma once
 
 #include <type_traits>
@@ -21,7 +22,7 @@ struct DetentState {
 };
 static_assert(std::is_trivially_copyable_v<DetentState>);
 
-// Force of this tick. Nothing while no component hears the detent.
+// Force of this tick. Zero while no component is mapped to the detent.
 base::Vec3 DetentForce_N(const base::InputMapping& mapping, const InputTracker& tracker, const haptics::Output& haptics,
                          double dt_s, DetentState& state) noexcept;
 

@@ -20,7 +20,7 @@ double PoseTrust(const ForceLimiterConfig& config, double error_m) noexcept {
   return (1 - share) * config.pose_trust[i] + share * config.pose_trust[i + 1];
 }
 
-// A longer tick counts as one period: what the scans that were lost would have allowed does not come at once.
+// A longer tick counts as one period: the rise that lost scans would have allowed is not made up for.
 void NarrowLimit(const ForceLimiterConfig& config, double force_trust, double growth_s,
                  base::ForceLimit& limit) noexcept {
   const double trust = force_trust >= 0 ? std::min(force_trust, 1.0) : 0.0;
@@ -30,8 +30,8 @@ void NarrowLimit(const ForceLimiterConfig& config, double force_trust, double gr
 }
 
 // F = P + min(1, rise / |W - P|) (W - P), P the point of the segment from zero to the last force that is nearest to W:
-// what lies on that segment is reached by falling alone. The pose may have moved to where less can be done, so the
-// device has the last word.
+// what lies on that segment is reached by falling alone. The pose may have moved to where less force is possible, so
+// the device's limit comes last.
 base::Vec3 LimitForce(const base::ForceLimit& limit, const base::Vec3& wanted_N, ForceLimiterState& state) noexcept {
   const Vector3d wanted = base::ToEigen(wanted_N), last = base::ToEigen(state.last_N);
   const double along = last.dot(wanted);
@@ -40,7 +40,7 @@ base::Vec3 LimitForce(const base::ForceLimit& limit, const base::Vec3& wanted_N,
   const double size_N = growth.norm();
   const bool grows_slowly = size_N <= limit.force_rise_N;
   const Vector3d limited = grows_slowly ? wanted : Vector3d(nearest + (limit.force_rise_N / size_N) * growth);
-  const double scale = base::FeasibleScale(limit, base::FromEigen(limited));  // 0 for what is no number
+  const double scale = base::FeasibleScale(limit, base::FromEigen(limited));  // 0 if it is not finite
   state.last_N = scale > 0 ? base::FromEigen(Vector3d(scale * limited)) : base::Vec3{};
   return state.last_N;
 }

@@ -14,7 +14,7 @@ using base::InputThresholds;
 using base::SourceMask;
 using base::Vec3;
 
-constexpr double kLongestStep_s = 0.1;       // a longer gap between ticks ends what was going on
+constexpr double kLongestStep_s = 0.1;       // a longer gap between ticks ends all gestures
 constexpr double kVelocityWindow_s = 0.010;  // speeds are mean speeds over this: tracker noise of 30 um makes 4 mm/s
 constexpr double kTouchFilter_s = 0.003;
 constexpr double kTouch_N = 0.06;  // a touch begins; tracker noise times stiffness stays below ...
@@ -62,7 +62,7 @@ SourceMask Clicking(std::int64_t t_ns, const GestureState& state) noexcept {
   return on;
 }
 
-// What is left of a displacement in the surface's plane.
+// The part of a displacement in the surface's plane.
 double Sideways(const Vec3& displacement, const Vec3& normal) noexcept {
   return Norm(displacement - Dot(displacement, normal) * normal);
 }
@@ -160,7 +160,7 @@ void FollowFlick(const InputThresholds& thresholds, const GestureInput& input, c
   flick = {.phase = FlickPhase::kRest, .t_ns = input.t_ns};
 }
 
-// Nobody holds a pen that is not seen, is far, or lies as still as no hand can.
+// A pen that is not tracked, is far away, or lies stiller than a hand can hold it, is not held.
 SourceMask FollowAway(const InputThresholds& thresholds, const GestureInput& input, bool touching,
                       AwayState& away) noexcept {
   if (!away.started) {
@@ -179,7 +179,7 @@ SourceMask FollowAway(const InputThresholds& thresholds, const GestureInput& inp
   return away.on ? Bit(InputSource::kAway) : 0;
 }
 
-// Everything of the pen in the hand starts anew; away and the clock go on.
+// Resets everything of the pen in the hand; away and the clock go on.
 void Forget(std::int64_t t_ns, GestureState& state) noexcept {
   const AwayState away = state.away;
   state = GestureState{};

@@ -1,5 +1,5 @@
 // Gestures of a passive pen, found in the tick from force, motion of the tip, contact and time.
-// Each is a source of inputs.h; nothing here knows what an application makes of it.
+// Each is a source of inputs.h; what an application uses it for is not known here.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct GestureInput {
   bool live = false;          // and forces may be rendered
   base::Vec3 tip_base_m;      // device point
   base::Vec3 axis_base;       // unit, out of the tip
-  double force_N = 0;         // normal force on the tip as asked for, finite
+  double force_N = 0;         // requested normal force on the tip, finite
   double steady_force_N = 0;  // the same, smoothed: what presses
   base::Vec3 normal_base;     // of the deepest contact, unit, out of the object; zero: none
 };
@@ -36,7 +36,7 @@ struct TouchState {
   bool touching = false;
   double force_N = 0;  // lightly smoothed
   double peak_N = 0;
-  double travel_m = 0;  // farthest along the surface from where it began
+  double travel_m = 0;  // largest, along the surface from where it began
   bool may_be_tap = false;
   std::int64_t t_begin_ns = 0, t_end_ns = 0;
   base::Vec3 begin_base_m, normal_base;
@@ -86,7 +86,7 @@ struct GestureState {
 static_assert(std::is_trivially_copyable_v<GestureState>);
 
 // Advances all gestures by one tick. Returns the bits of those that are on. Not live: none but kAway. noexcept, no
-// allocation; stamps that stand still or go back change nothing.
+// allocation; stamps that are repeated or go back change nothing.
 base::SourceMask UpdateGestures(const base::InputThresholds& thresholds, const GestureInput& input,
                                 GestureState& state) noexcept;
 

@@ -1,4 +1,4 @@
-// Inputs of the passive pen. Sources (tip force, gestures, keys, the scene's joystick) are found out here and in
+// Inputs of the passive pen. Sources (tip force, gestures, keys, the scene's joystick) are detected here and in
 // gestures.h; a base::InputMapping says which of them feed which component. Edges are counted, times are physical.
 #pragma once
 
@@ -50,8 +50,8 @@ struct InputTracker {
 };
 static_assert(std::is_trivially_copyable_v<InputTracker>);
 
-// `keys` null: there are none. A key that was down before an application owned the force is not pressed. At most one
-// edge of a key a tick: none is lost, the next tick takes the next.
+// `keys` null: there are none. A key that was down before an application owned the force does not count as pressed. At
+// most one edge per key and tick: further ones follow in the next ticks, none is lost.
 void UpdateInputs(const InputConfig& config, const base::InputMapping& mapping, const InputSample& sample,
                   const haptics::Output& haptics, const base::KeyStates* keys, InputTracker& tracker) noexcept;
 

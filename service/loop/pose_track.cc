@@ -115,7 +115,7 @@ bool Follow(const PoseSample& sample, std::int64_t t_ns, PoseTrack& track) noexc
   const TrackedPose now = PoseAt(track, t_ns);
   track.number = sample.number;
   track.begin_ns = t_ns;
-  // A time that is over is made up for by going on from it; one far ahead counts as sooner.
+  // A sample of the past is extrapolated to now; one far ahead counts as sooner.
   const std::int64_t ahead_ns =
       std::clamp(base::StampDifference_ns(sample.t_ns, t_ns), -kExtrapolate_ns, kLongestTrack_ns);
   std::int64_t length_ns = std::max(ahead_ns, kShortestTrack_ns);

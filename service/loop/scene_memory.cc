@@ -5,7 +5,7 @@
 namespace omni::loop {
 namespace {
 
-// Nobody holds it any more: it goes to the step that is next, as one that was let go.
+// It is no longer held: it settles to the next step, like one that was released.
 haptics::RegionState LetGo(const haptics::RegionState& region) noexcept {
   const bool rests = region.phase == haptics::ExtrudePhase::kFree;
   return {.phase = rests ? haptics::ExtrudePhase::kFree : haptics::ExtrudePhase::kSettling,

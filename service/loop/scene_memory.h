@@ -1,6 +1,6 @@
-// What the user has made of a scene outlives its absence: a menu takes the focus away, nothing or another scene is
-// felt, and the scene comes back as it was left. Extruded faces, the car and its laps; sculpted surfaces live in
-// workshops of their own. The tick's thread only.
+// Keeps what the user has made of a scene while it is not active: a menu takes the focus away, no scene or another one
+// is active, and the scene comes back as it was left. Extruded faces, the car and its laps; sculpted surfaces live in
+// sculpt sessions of their own. The tick's thread only.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace omni::loop {
 
-inline constexpr int kRememberedScenes = 4;  // a further one takes the place of the one that was left first
+inline constexpr int kRememberedScenes = 4;  // a further one replaces the one that was left first
 
 class SceneMemory {
  public:
-  // `build`: of the scene that `state` is of; 0: none that comes again.
+  // `build`: of the scene of `state`; 0: one that never comes back.
   void Keep(std::uint64_t build, const haptics::State& state) noexcept;
   // After haptics::Enter. A scene that is not remembered stays as it was built.
   void Recall(std::uint64_t build, haptics::State& state) const noexcept;

@@ -13,7 +13,7 @@ base::Vec3 MiddleOf(const float (&lower)[3], const float (&upper)[3]) noexcept {
           0.5 * (double{lower[2]} + upper[2])};
 }
 
-// The same motion told of another point of the body: p' = p + R c, v' = v + w x R c.
+// The same motion, of another point of the body: p' = p + R c, v' = v + w x R c.
 PoseSample AboutPivot(const PoseSample& sample, const base::Vec3& pivot_m, bool leaps) noexcept {
   const base::Vec3 arm_m = Rotated(sample.rotation, pivot_m);
   PoseSample about = sample;
@@ -45,7 +45,7 @@ void FollowBasePose(const SceneControl& control, const haptics::Scene& scene, st
   const bool first = state.placement.number == 0;
   if (first) state.placement = AtRest(pivot_m);
   now.leaps = Follow(AboutPivot(control.placement, pivot_m, first), t_ns, state.placement);
-  if (state.placement.number == 0) return;  // it was no pose
+  if (state.placement.number == 0) return;  // it was not a valid pose
   const TrackedPose pose = PoseAt(state.placement, t_ns);
   now.placement = {pose.rotation, TranslationOf(pose, pivot_m)};
 }

@@ -1,5 +1,5 @@
-// What an application says about the scene it gave: where it stands, where its nodes are, how materials feel. Handed
-// over with the commands, followed tick by tick. docs/theory/haptics.md, section 15.
+// What an application sets in its own scene: where it stands, poses of nodes, materials. Handed over with the commands,
+// followed tick by tick. docs/theory/haptics.md, section 15.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace omni::loop {
 
-// Of an object's pose x = R x_rest + t; positions and velocities of the point that the scene has at the origin. The
+// Of an object's pose x = R x_rest + t; position and velocity are those of the body's point at the scene's origin. The
 // tick follows the object's own middle.
 struct ObjectSample {
   std::uint32_t object = haptics::kNoIndex;
@@ -20,7 +20,7 @@ struct ObjectSample {
 };
 
 struct SceneControl {
-  std::uint64_t generation = 0;  // of the scene that this is about: ignored while another one is felt
+  std::uint64_t generation = 0;  // of the scene that this is about: ignored while another one is active
   PoseSample placement;          // of the scene's frame in the base frame; number 0: at the origin
   std::uint32_t object_count = 0;
   std::uint32_t material_count = 0;
@@ -33,11 +33,11 @@ struct SceneMotionState {
   PoseTrack placement;
   std::array<PoseTrack, haptics::kMaxMoved> tracks;        // of objects[i] of the control
   std::array<std::uint32_t, haptics::kMaxMoved> object{};  // of each track, plus one; 0: none yet
-  bool begun = false;  // what was said before the scene was felt is no motion: it starts there
+  bool begun = false;  // poses that were set before the scene was active are no motion: it starts there
 };
 static_assert(std::is_trivially_copyable_v<SceneMotionState>);
 
-// As the renderer takes it, of one tick.
+// The renderer's input for one tick.
 struct SceneNow {
   haptics::Placement placement;
   bool leaps = false;

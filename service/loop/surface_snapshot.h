@@ -1,5 +1,5 @@
-// What of the tick's state deforms and moves surfaces, handed to whoever draws them (base::Latest). Written on the
-// tick's thread, seldom, and only while somebody reads: a copy of fixed size, no allocation, no lock.
+// The part of the tick's state that deforms and moves surfaces, for drawing (base::Latest). Written on the tick's
+// thread, seldom, and only while a client reads: a copy of fixed size, no allocation, no lock.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline bool SnapshotIsDue(std::int64_t t_ns, std::int64_t last_ns) noexcept {
   return !(age_ns >= 0 && age_ns < kSurfacePeriod_ns);
 }
 
-// Of the soft bodies only those that are touched are copied: a free slot keeps what it had but says that it is free.
+// Of the soft bodies only those that are touched are copied: a free slot keeps its old body, but is marked as free.
 inline void FillSurfaceSnapshot(const LoopState& state, SurfaceSnapshot& snapshot) noexcept {
   snapshot.scene_generation = state.scene_generation;
   snapshot.t_ns = state.t_ns;

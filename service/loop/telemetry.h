@@ -1,4 +1,4 @@
-// What the tick thread tells others: the record of each tick (ring), and running statistics.
+// What the tick thread reports: the record of each tick (ring), and running statistics.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ using TelemetryRing = base::SpscRing<TickRecord, 2048>;
 // A tick is late when its currents were sent more than one period after the Hall sample they answer.
 inline constexpr std::int64_t kLate_ns = base::kTickPeriod_ns;
 
-// The newest tick's car. Each value is whole; two of them may be of ticks next to each other.
+// The newest tick's car. Each value is consistent; two of them may be of adjacent ticks.
 struct VehicleStatistics {
   std::atomic<bool> on{false}, sliding{false};
   std::atomic<std::uint32_t> hits{0}, laps{0};
@@ -44,7 +44,7 @@ struct VehicleStatistics {
   }
 };
 
-// The newest tick's sources of inputs, and how often each went on.
+// The newest tick's sources of inputs, and how often each was switched on.
 struct SourceStatistics {
   std::atomic<base::SourceMask> on{0};
   std::array<std::atomic<std::uint32_t>, base::kSourceCount> times{};
@@ -71,7 +71,7 @@ struct FitStatistics {
   }
 };
 
-// One scan and what became of it, for those who watch the room: now and then, as often without a client as with one.
+// One scan and its result, for the room watch: now and then, as often without a client as with one.
 struct RoomSample {
   static constexpr std::int64_t kEvery_ns = 15'500'000;  // every sixteenth scan, on the base's clock
   base::HallScan scan;
@@ -85,7 +85,7 @@ struct TickStatistics {
   std::atomic<std::uint64_t> late{0};
   std::atomic<std::uint64_t> timeouts{0};  // the source had no telemetry in time
   std::atomic<std::uint64_t> dropped_records{0};
-  std::atomic<std::int64_t> response_ns{0};  // of the newest scan: how late its base acts on answers; 0: not known
+  std::atomic<std::int64_t> response_ns{0};  // of the newest scan: how late its base applies commands; 0: not known
   std::atomic<std::uint64_t> scene_generation{0};  // acknowledged: the scene that ticks use now
   VehicleStatistics vehicle;
   SourceStatistics sources;

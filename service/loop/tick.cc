@@ -12,7 +12,7 @@
 namespace omni::loop {
 namespace {
 
-constexpr double kSigmas = 3;        // of a pose: its error is hardly ever larger
+constexpr double kSigmas = 3;        // of a pose: its error is almost never larger
 constexpr double kMaxStep_s = 5e-3;  // a longer gap counts as this much: nothing integrates over a hole
 
 bool IsFinite(const base::Vec3& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -93,7 +93,7 @@ base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptic
   return output.applied.force_base_N;
 }
 
-// The scene's part of a tick: what the application says of it, if it is the one that is felt, and the renderer.
+// The scene's part of a tick: the application's control of it, if it is the active one, and the renderer.
 void RenderScene(const TickConfig& config, const SceneControl& control, const haptics::Scene& scene,
                  haptics::Input input, LoopState& state, TickOutput& output) noexcept {
   output.scene_generation = state.scene_generation;
@@ -139,7 +139,7 @@ base::Vec3 Mix(const base::Vec3& rest_N, const base::Vec3& vibration_N, const ba
   return force_N;
 }
 
-// Less than this share of what a cold device offers: warm.
+// Below this share of a cold device's currents: warm.
 constexpr double kWarmBelow = 0.9;
 
 void TellLimits(const TickConfig& config, const base::ForceLimit& limit, TickOutput& output) noexcept {
@@ -150,7 +150,7 @@ void TellLimits(const TickConfig& config, const base::ForceLimit& limit, TickOut
   }
 }
 
-// Inputs of this tick, and what is felt of them.
+// Inputs of this tick, and their pulses.
 base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, const base::KeyStates* keys,
                         const base::ToolState& tool, double dt_s, LoopState& state, TickOutput& output) noexcept {
   const bool tracked = tool.status == base::TrackingStatus::kTracking;
@@ -191,7 +191,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const base::ToolState tool = Bridged(config, output.tool, state);
   actuation::UpdateHeat(config.actuation, scan, state.actuation);
   base::ForceLimit limit = actuation::ComputeDeratedLimit(config.actuation, tool, state.actuation.heat);
-  // A pose that is only held leads the force down, not up.
+  // On a pose that is only held the force may fall, but not rise.
   const bool held = output.tool.status != base::TrackingStatus::kTracking;
   NarrowLimit(config.limiter, PoseTrust(config.limiter, PoseError_m(tool)), held ? 0.0 : dt_s, limit);
   TellLimits(config, limit, output);

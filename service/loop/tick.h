@@ -1,4 +1,4 @@
-// Tick: the one function that owns the millisecond.
+// Tick: one pass of the loop, every millisecond.
 //
 //   HallScan -> tracker -> ToolState -> haptics -> Wrench -> actuation -> CoilCurrents
 //
@@ -39,8 +39,8 @@ struct TickConfig {
   double silent_ramp_s = 0.100;  // fade after an owner gave no sign of life for 250 ms
   std::int64_t command_timeout_ns = 100'000'000;          // commands older than this: the control thread is stuck, fade
   std::int64_t applied_timeout_ns = 35'000'000;           // the same for an application's own forces and constraints
-  std::array<double, base::kCoilCount> cold_current_A{};  // what a cold device offers; prepared by MakeTickConfig
-  int bridge_scans = 10;  // so many scans in a row without a fit do not end a contact: the pose is held
+  std::array<double, base::kCoilCount> cold_current_A{};  // of a cold device; prepared by MakeTickConfig
+  int bridge_scans = 10;  // scans in a row without a fit that do not end a contact: the pose is held
   VibrationConfig vibration;
   ForceLimiterConfig limiter;
 };
@@ -56,7 +56,7 @@ struct Commands {
   std::int64_t t_ns = 0;  // when the control thread wrote it (CLOCK_MONOTONIC)
   ForceGate gate = ForceGate::kClosed;
   bool idle = true;                    // no client at all: once coils are at zero the thread tracks at a low rate
-  std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and asks for it
+  std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and requests it
   double force_scale = 1;              // [0, 1], from apps.d
   HapticWaveform haptic;               // of the owner
   base::InputMapping inputs = base::DefaultMapping();  // of the owner
@@ -65,7 +65,7 @@ struct Commands {
 };
 static_assert(std::is_trivially_copyable_v<Commands>);
 
-// What other threads hand over beside the commands; valid for one tick.
+// Inputs from other threads beside the commands; valid for one tick.
 struct TickFeeds {
   const VibrationSamples* samples = nullptr;  // of a waveform that has some
   const base::KeyStates* keys = nullptr;      // null: no keyboard and no pedal is read
@@ -98,8 +98,8 @@ struct TickOutput {
   base::Quat orientation_base_tool;  // frame T: -z out of the tip
   haptics::Output haptics;
   haptics::AppliedOutput applied;
-  base::Wrench wrench;          // after gate and last limiter; the torque is what the currents do besides
-  base::CoilCurrents currents;  // the last word, finite, within limits
+  base::Wrench wrench;          // after gate and last limiter; the torque is a side effect of the currents
+  base::CoilCurrents currents;  // as sent: finite, within limits
   base::InputState inputs;
   base::SourceMask sources = 0;        // inputs' sources that are on
   std::uint64_t scene_generation = 0;  // that the contacts are of
@@ -110,7 +110,7 @@ struct TickOutput {
   bool near_singular = false;  // pen nearly perpendicular to the radius: one direction of force is faded out
   bool out_of_reach = false;   // no force can be made at this pose, or there is none
   bool saturated = false;      // the device's limit cut the force
-  bool warm = false;           // coils offer less than cold ones
+  bool warm = false;           // coils may carry less current than cold ones
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
 

@@ -10,9 +10,9 @@
 
 namespace omni::loop {
 
-// A pose that counts as tracked, to 3 mm (3 sigma), is trusted like any other.
+// A pose that counts as tracked, to 3 mm (3 sigma), is fully trusted.
 inline constexpr double kTrackedError_m = 3e-3;
-// At the largest error that is trusted the force has faded out: where it ended at once, a pen that leans on it swung.
+// At the largest error that is trusted the force has faded out: when it ended abruptly, a pen leaning on it oscillated.
 inline constexpr double kPoseErrorMax_m = 12e-3, kPoseErrorFade_m = 2e-3;
 static_assert(kPoseErrorMax_m == kPoseError_step_m * (std::tuple_size_v<decltype(ForceLimiterConfig::pose_trust)> - 1));
 
@@ -40,7 +40,7 @@ inline TickConfig MakeTickConfig(const base::DeviceGeometry& device, const track
   return config;
 }
 
-// As drawn.
+// Nominal geometry.
 inline TickConfig MakeTickConfig(const base::DeviceGeometry& device) {
   const actuation::Config actuation = actuation::MakeConfig(device);
   return MakeTickConfig(device, tracker::MakeConfig(device), actuation, actuation::ForceTrust(actuation.map, device));

@@ -18,12 +18,12 @@
 
 namespace omni::loop {
 
-// The scene that goes with Commands::scene_generation, a number that never comes again. The control thread owns every
+// The scene that goes with Commands::scene_generation, a number that is never reused. The control thread owns every
 // scene it handed over until TickStatistics::scene_generation names the newest one.
 struct SceneRef {
   const haptics::Scene* scene = nullptr;  // null: empty
   std::uint64_t generation = 0;
-  std::uint64_t build = 0;  // the same each time this very scene comes: it is found as it was left; 0: as built
+  std::uint64_t build = 0;  // the same each time this scene is handed over: it comes back as it was left; 0: as built
 };
 
 class TickThread {
@@ -31,7 +31,7 @@ class TickThread {
   struct Options {
     bool realtime = true;
     int priority = 80;
-    bool telemetry = false;  // fill the ring (somebody drains it)
+    bool telemetry = false;  // fill the ring (another thread drains it)
     int idle_divider = 16;   // with no client every n-th scan is ticked (62 Hz; within the device's 20 ms watchdog)
   };
 
@@ -40,10 +40,10 @@ class TickThread {
   TickThread(const TickThread&) = delete;
   TickThread& operator=(const TickThread&) = delete;
 
-  // Returns when the thread runs and real-time has been asked for.
+  // Returns when the thread runs and real-time scheduling has been requested.
   void Start();
   void Stop();
-  // Any thread: the coils go to zero and finished() becomes true as soon as the tick is through.
+  // Any thread: the coils go to zero and finished() becomes true after the current tick.
   void RequestStop() noexcept { stop_.store(true, std::memory_order_release); }
 
   // True when the source is gone or at its end: the thread has left its loop.
@@ -60,7 +60,7 @@ class TickThread {
   base::Latest<RoomSample>& room() noexcept { return room_; }
   const RealtimeStatus& realtime() const noexcept { return realtime_; }  // after Start
 
-  // Whether somebody draws surfaces: only then are snapshots written. Any thread.
+  // Whether a client draws surfaces: only then are snapshots written. Any thread.
   void WantSurfaces(bool wanted) noexcept { surfaces_wanted_.store(wanted, std::memory_order_relaxed); }
   base::Latest<SurfaceSnapshot>& surfaces() noexcept { return *surfaces_; }
 

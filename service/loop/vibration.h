@@ -1,5 +1,5 @@
-// Vibrations that an application asks for, as a force along the pen's axis: a tone, a tone under an envelope, or PCM.
-// The coils are told a force once a tick, so 1 kHz is their sample rate; docs/theory/haptics.md says what passes.
+// Vibrations that an application requests, as a force along the pen's axis: a tone, a tone under an envelope, or PCM.
+// The coils receive one force per tick, so 1 kHz is their sample rate; bandwidth: docs/theory/haptics.md.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@ struct VibrationConfig {
 enum class VibrationKind : std::uint8_t {
   kTone = 0,
   kEnvelope = 1,  // samples 0..1, spread evenly over duration_s
-  kPcm = 2        // samples -1..1, one a millisecond; more may come while it plays
+  kPcm = 2        // samples -1..1, one per millisecond; more may be appended while it plays
 };
 
-// What the owner asks for. A new id starts it; the same id goes on; active = false stops it.
+// What the owner requests. A new id starts it; the same id continues it; active = false stops it.
 struct HapticWaveform {
   std::uint64_t id = 0;
   bool active = false;
@@ -32,12 +32,12 @@ struct HapticWaveform {
 };
 
 inline constexpr double kVibrationRate_Hz = 1000;
-inline constexpr std::uint32_t kMaxVibrationSamples = 4608;  // who hands them over sees to it that they fit
+inline constexpr std::uint32_t kMaxVibrationSamples = 4608;  // the caller ensures that samples fit
 
 // Samples of the waveform with this id.
 struct VibrationSamples {
   std::uint64_t id = 0;
-  std::uint64_t first = 0;  // kPcm: how many came before values[0] and are done with
+  std::uint64_t first = 0;  // kPcm: how many came before values[0] and were played
   std::uint32_t count = 0;
   std::array<float, kMaxVibrationSamples> values{};
 };
@@ -51,8 +51,8 @@ struct VibrationState {
 };
 static_assert(std::is_trivially_copyable_v<VibrationState>);
 
-// Mean of a staircase, sample i over [i, i + 1), between two places of it; outside it is 0. What is not in -1..1 counts
-// as 0, also what is not a number.
+// Mean of a staircase, sample i over [i, i + 1), between two places of it; outside it is 0. Samples beyond -1..1, or
+// NaN, count as 0.
 double MeanBetween(std::span<const float> samples, double from, double to) noexcept;
 
 // Force of this tick along the pen's axis, within +-force_N. `samples` may be null or those of another waveform: then a

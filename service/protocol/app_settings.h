@@ -1,4 +1,4 @@
-// What the service wishes of an application's OpenXR layer: sent after Welcome, and again when it changes.
+// Settings from the service for an application's OpenXR layer: sent after Welcome, and again when they change.
 #pragma once
 
 #include <type_traits>
@@ -14,7 +14,7 @@ inline constexpr float kLongestRest_s = 86400;
 struct AppSettings {
   MessageHeader header{.type = MessageType::kAppSettings, .size = sizeof(AppSettings)};
   HandSetting hand = HandSetting::kUnset;  // the hand that holds the pen
-  float rest_after_s = 0;                  // still for so long: put down; 0: the layer's default, < 0: never
+  float rest_after_s = 0;                  // put down after lying still for so long; 0: the layer's default, < 0: never
   char profile[128] = {};                  // interaction profile path to prefer, terminated; empty: the layer's order
 };
 static_assert(std::is_trivially_copyable_v<AppSettings> && sizeof(AppSettings) == 152);

@@ -12,15 +12,15 @@ namespace omni::protocol {
 
 inline constexpr std::uint32_t kMaxSpaceTypes = 8;
 inline constexpr double kFarthestBase_m = 100;  // from a reference space's origin
-// What recentring can do to a base, against where it was measured: its place within a room, and no tilt to speak of,
-// since all these spaces have gravity along -y.
+// Limits of recentring, relative to the measured pose: within a room, and almost no tilt, since all these spaces have
+// gravity along -y.
 inline constexpr double kFarthestRecentring_m = 10;
 inline constexpr double kMostRecentringTilt_rad = 0.175;
-// Sightings of one and the same change of a reference space, by several applications, differ by less; a person does not
+// Reports of one and the same change of a reference space, by several applications, differ by less; a person does not
 // recentre twice within it.
 inline constexpr std::int64_t kSameChange_ns = 150'000'000;
 
-// XrReferenceSpaceType. In the order in which a placement is preferred: what a person's recentring moves least, first.
+// XrReferenceSpaceType, in order of preference: those that recentring moves least come first.
 inline constexpr std::int32_t kSpaceStage = 3;
 inline constexpr std::int32_t kSpaceLocalFloor = 1000426000;
 inline constexpr std::int32_t kSpaceLocal = 2;
@@ -37,8 +37,8 @@ struct WirePose {
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
 };
 
-// application -> omnid, once a session: which placement do you have for one of these spaces? The first one known, in
-// the order given, is the answer; so is every later change of it.
+// application -> omnid, once per session: requests the placement in one of these spaces. The answer is the first known
+// one, in the order given; every later change of it is sent as well.
 struct BasePoseRequest {
   MessageHeader header{.type = MessageType::kBasePoseRequest, .size = sizeof(BasePoseRequest)};
   std::uint32_t space_count = 0;
@@ -57,10 +57,10 @@ enum class Uncalibrated : std::uint32_t {
 // omnid -> application.
 struct BasePose {
   MessageHeader header{.type = MessageType::kBasePose, .size = sizeof(BasePose)};
-  std::uint32_t known = 0;  // 1: measured; 0: the rest but `uncalibrated` says nothing
+  std::uint32_t known = 0;  // 1: measured; 0: only `uncalibrated` is meaningful
   Uncalibrated uncalibrated = Uncalibrated::kFrontOfUser;
   std::int32_t space = kSpaceLocal;
-  std::uint32_t doubtful = 0;   // 1: the space was moved since, and it is not known, or not plausible, where to
+  std::uint32_t doubtful = 0;   // 1: the space has moved since, to an unknown or implausible pose
   WirePose base_space;          // X_LB
   double expected_error_m = 0;  // 1 sigma where the pen is used; 0: not stated
   double rotation_sigma_rad = 0;
@@ -69,8 +69,8 @@ struct BasePose {
   std::uint64_t revision = 0;         // counts changes of this record since omnid's start
 };
 
-// application -> omnid: XrEventDataReferenceSpaceChangePending, for a space that it named in its BasePoseRequest. Not
-// believed before its session has begun for the first time.
+// application -> omnid: XrEventDataReferenceSpaceChangePending, for a space that it named in its BasePoseRequest.
+// Ignored before its session has begun for the first time.
 struct SpaceChange {
   MessageHeader header{.type = MessageType::kSpaceChange, .size = sizeof(SpaceChange)};
   std::int32_t space = kSpaceLocal;

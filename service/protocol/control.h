@@ -15,7 +15,7 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
-// 2: scene commands, surfaces; 3: see docs/protocol/ipc.md. Another one when a message changes its size or meaning.
+// 2: scene commands, surfaces; 3: see docs/protocol/ipc.md. Incremented when a message changes its size or meaning.
 inline constexpr std::uint16_t kProtocolVersion = 3;
 inline constexpr std::size_t kMaterialBytes = 88;  // of base::MaterialParameters in this version
 inline constexpr std::size_t kMaxMessageBytes = 65536;
@@ -111,7 +111,7 @@ struct Notice {
 
 enum class SceneAction : std::uint32_t { kEdits = 1, kUndo = 2, kRedo = 3, kSave = 4 };
 
-// Asks for something to be done with a sculpted scene; answered by one SceneReply. Any client may ask.
+// A request to do something with a sculpted scene; answered by one SceneReply. Any client may send it.
 struct SceneCommand {
   MessageHeader header{.type = MessageType::kSceneCommand, .size = sizeof(SceneCommand)};
   SceneAction action = SceneAction::kEdits;

@@ -1,7 +1,7 @@
-// Variables of the environment, for the layer and for clients, which run inside of other people's programs.
+// Environment variables, for the layer and for clients, which run inside of other people's programs.
 //
-// A privileged process (set-uid, set-gid, file capabilities: AT_SECURE, getauxval(3)) has more rights than whoever
-// started it, and whoever started it has chosen its environment. There no variable counts.
+// A privileged process (set-uid, set-gid, file capabilities: AT_SECURE, getauxval(3)) has more rights than the user who
+// started it and chose its environment. It ignores all of these variables.
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
 // Forces and constraints of an application, over the control socket: types 20 to 29. Base frame, SI.
-// A client first claims the pen (ForceClaim); omnid tells every application whose it is (ForceOwner) and what the
-// device can do (ForceProperties), at the start and at each change. Force, constraints and stop count only while the
-// client is the focused owner; what comes otherwise is dropped. docs/protocol/ipc.md, "Force feedback".
+// A client first claims the pen (ForceClaim); omnid notifies every application of its owner (ForceOwner) and of what
+// the device can do (ForceProperties), at the start and at each change. Force, constraints and stop count only while
+// the client is the focused owner, else they are dropped. docs/protocol/ipc.md, "Force feedback".
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace omni::protocol {
 inline constexpr std::int64_t kLongestForce_ns = 100'000'000;  // duration and ramp of a force
 inline constexpr std::uint32_t kMaxForceConstraints = 8;
 inline constexpr std::uint32_t kMaxForceReach = 16;
-// Of what a message may say; a device makes much less.
+// Limits of messages; what a device can make is much less.
 inline constexpr double kLargestForce_N = 1e4;
 inline constexpr double kLargestStiffness_N_m = 1e6;
 inline constexpr double kLargestDamping_Ns_m = 1e5;
@@ -28,7 +28,7 @@ struct ForceClaim {
   std::uint32_t reserved = 0;
 };
 
-// Takes the place of the force before. Late messages lose the time that they are late.
+// Replaces the force before. A late message is shortened by its delay.
 struct ForceApply {
   MessageHeader header{.type = MessageType::kForceApply, .size = sizeof(ForceApply)};
   std::int64_t t_ns = 0;         // CLOCK_MONOTONIC of the call
@@ -46,7 +46,7 @@ struct ForceConstraint {
   double stiffness_N_m = 0;
   double damping_Ns_m = 0;
   double max_force_N = 0;
-  double radius_m = 0;  // sphere: > 0; line: free so far from it
+  double radius_m = 0;  // sphere: > 0; line: free within this distance
   std::array<double, 3> point_base_m{};
   std::array<double, 3> direction_base{0, 0, 1};  // unit: along the line, the plane's normal
   // Of the frame in which the shape stands still: of the point, and its rotation.
@@ -54,7 +54,7 @@ struct ForceConstraint {
   std::array<double, 3> angular_velocity_base_rad_s{};
 };
 
-// All constraints from now on.
+// Replaces all constraints.
 struct ForceConstraints {
   MessageHeader header{.type = MessageType::kForceConstraints, .size = sizeof(ForceConstraints)};
   std::int64_t t_ns = 0;  // CLOCK_MONOTONIC at which they stand there
@@ -69,9 +69,9 @@ struct ForceStop {
 };
 
 enum class ForceStanding : std::uint32_t {
-  kFree = 0,   // nobody who may be felt has claimed it
-  kYours = 1,  // this client has, and is felt
-  kTaken = 2   // another application has, and is felt
+  kFree = 0,   // no client that may push has claimed it
+  kYours = 1,  // this client has, and may push
+  kTaken = 2   // another application has, and may push
 };
 
 struct ForceOwner {
@@ -100,7 +100,7 @@ struct ForceProperties {
   std::array<ForceReach, kMaxForceReach> reach{};  // by rising distance
 };
 
-// What a client may ask for.
+// What a client may request.
 using ForceRequest = std::variant<ForceClaim, ForceApply, ForceConstraints, ForceStop>;
 
 // What is wrong with the fields of a message; null: nothing.

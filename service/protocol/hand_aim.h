@@ -1,5 +1,5 @@
-// Where a person, or a program in a person's place, wants the pen of the digital twin: one packet to the twin's
-// process, on a socket of its own beside omnid's. The newest counts; there is no answer. docs/protocol/ipc.md.
+// Target of the digital twin's pen, from a person or a program: one packet to the twin's process, on a socket of its
+// own beside omnid's. The newest counts; there is no answer. docs/protocol/ipc.md.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@ inline constexpr double kHandReach_m = 1;  // |x| of the tip at most
 struct HandAim {
   std::uint32_t magic = kHandMagic;
   std::uint32_t version = kHandVersion;
-  std::uint32_t present = 1;  // 0: the pen is taken away, 1
+  std::uint32_t present = 1;  // 0: the pen is taken away; 1: it is there
   std::uint32_t reserved = 0;
   std::array<double, 3> tip_base_m{};         // device point
   std::array<double, 3> axis_base{0, 0, -1};  // out of the tip; a unit vector, |u|^2 within kUnitTolerance of 1
 };
 static_assert(std::is_trivially_copyable_v<HandAim> && sizeof(HandAim) == 64);
 
-// The gate for what arrives: wrong size, magic or version, a number out of range or none: false, `aim` is as it was.
+// Checks received bytes. False: wrong size, magic or version, or a number out of range or NaN; `aim` is unchanged.
 bool ReadHandAim(const void* bytes, std::size_t size, HandAim& aim) noexcept;
 
 }  // namespace omni::protocol

@@ -1,6 +1,6 @@
-// Messages about the scene that an application gives itself (XR_OMNIX1_haptic_scene), types 30 to 39. Version rule and
-// header: control.h. A client has at most one such scene; `number` counts those that it has made, and messages about
-// another number than the present one are ignored: they have crossed its end.
+// Messages about an application's own scene (XR_OMNIX1_haptic_scene), types 30 to 39. Version rule and header:
+// control.h. A client has at most one such scene; `number` counts those that it has made, and messages about any other
+// number than the present one are ignored: that scene has ended already.
 //
 // Frames: the scene's own frame is z up, as a scene from apps.d stands at the base: (x, y, z) = (x, -z, y) of the glTF
 // document. Lengths in it are metres after the scale. SI; quaternions w, x, y, z, within 2 % of unit.
@@ -29,8 +29,8 @@ enum HapticSceneFlag : std::uint32_t {
   kSceneAllKinematic = 1u << 1    // every node may be moved
 };
 
-// A new scene in place of the last one. One descriptor comes along: memory of `bytes` bytes with a glTF document,
-// sealed WRITE | SHRINK | GROW, so that nobody changes it any more.
+// Replaces the last scene. One descriptor comes along: memory of `bytes` bytes with a glTF document, sealed WRITE |
+// SHRINK | GROW, so that it cannot change any more.
 struct HapticSceneLoad {
   MessageHeader header{.type = MessageType::kHapticSceneLoad, .size = sizeof(HapticSceneLoad)};
   std::uint32_t number = 0;  // not 0
@@ -53,9 +53,9 @@ struct ScenePose {
   std::array<double, 3> angular_velocity_rad_s{};
 };
 
-enum ScenePoseFlag : std::uint32_t { kPoseLeaps = 1u << 0 };  // put there, not moved there
+enum ScenePoseFlag : std::uint32_t { kPoseLeaps = 1u << 0 };  // jumps there instead of moving
 
-// Where the scene's frame stands in the base frame. Another scale loads it anew.
+// Where the scene's frame stands in the base frame. Another scale reloads it.
 struct HapticScenePlace {
   MessageHeader header{.type = MessageType::kHapticScenePlace, .size = sizeof(HapticScenePlace)};
   std::uint32_t number = 0;
@@ -81,7 +81,7 @@ struct HapticNodePose {
 struct HapticNodes {
   MessageHeader header{.type = MessageType::kHapticNodes, .size = sizeof(HapticNodes)};
   std::uint32_t number = 0;
-  std::uint32_t count = 0;  // 1 to kMaxHapticNodesMoved; what is behind is not looked at
+  std::uint32_t count = 0;  // 1 to kMaxHapticNodesMoved; the rest is ignored
   std::int64_t t_ns = 0;    // as above
   std::array<HapticNodePose, kMaxHapticNodesMoved> nodes;
 };
@@ -101,8 +101,8 @@ struct HapticSceneState {
   MessageHeader header{.type = MessageType::kHapticSceneState, .size = sizeof(HapticSceneState)};
   std::uint32_t number = 0;
   HapticSceneStatus status = HapticSceneStatus::kLoading;
-  std::uint64_t generation = 0;  // of the scene in the state memory's contacts and in surfaces; 0: it is not felt
-  double scale = 1;              // of what is felt: the one that was asked for once it is ready
+  std::uint64_t generation = 0;  // of the scene in the state memory's contacts and in surfaces; 0: it is not active
+  double scale = 1;              // of the active scene: the requested one once it is ready
   std::int64_t load_ns = 0;      // from the document's arrival to ready or failed
   std::uint32_t triangle_count = 0;
   std::uint32_t material_count = 0;  // of the scene; the table names the first kMaxHapticMaterials
@@ -127,7 +127,7 @@ struct HapticNodeRow {
   char name[48] = {};                                    // UTF-8, terminated
 };
 
-// Server to client, before the first state "ready" and again after a scene was loaded anew. Row i of the nodes is
+// Server to client, before the first state "ready" and again after a scene was reloaded. Row i of the nodes is
 // object i. Followed by node_count HapticNodeRow, then material_count base::MaterialParameters.
 struct HapticSceneTable {
   MessageHeader header{.type = MessageType::kHapticSceneTable, .size = sizeof(HapticSceneTable)};

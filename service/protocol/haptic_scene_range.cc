@@ -35,7 +35,7 @@ const char* ProblemOf(const ScenePose& pose) noexcept {
   return slow ? nullptr : "a velocity is not within 1000";
 }
 
-// Of each live field: what is said of one that is out of range.
+// For each live field: the problem if it is out of range.
 using ProblemText = std::array<char, 80>;
 std::array<ProblemText, base::kLiveMaterialFields> MakeParameterProblems() noexcept {
   std::array<ProblemText, base::kLiveMaterialFields> texts{};

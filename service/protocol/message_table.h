@@ -1,6 +1,6 @@
-// The table of every message on the control socket, one row each. From it follow their numbers, names, the variants
-// that a receiver takes (messages.h), who may send which, and how it is sent. A message is added here, beside its
-// structure and what may be wrong with it, and where it is handled: the compiler names each place that is missing.
+// The table of every message on the control socket, one row each. It defines their numbers, names, the variants that a
+// receiver gets (messages.h), who may send which, and how it is sent. To add a message, add its row here, its
+// structure, the function that checks it, and its handler: the compiler names each missing place.
 //
 //   name         the structure on the wire is protocol::name, its number MessageType::kname
 //   number       never changes, never used again
@@ -18,7 +18,7 @@ enum Roles : std::uint32_t { kApplications = 1u << 0, kMonitors = 1u << 1, kTool
 // kAnswered: handled once per round, so that a client that floods does not starve the others.
 enum class Pace : std::uint8_t { kStream, kAnswered };
 
-// What becomes of a message to a client that does not read: kOnce: it is lost, and counted. kRepeated: its sender tries
+// What becomes of a message if the client's socket is full: kOnce: it is lost, and counted. kRepeated: its sender tries
 // again.
 enum class Delivery : std::uint8_t { kOnce, kRepeated };
 
@@ -29,7 +29,7 @@ enum class Delivery : std::uint8_t { kOnce, kRepeated };
   ROW(Hello, 1, Hello, kAllRoles, Pace::kStream, 0) \
   ROW(StatusRequest, 7, StatusRequest, kAllRoles, Pace::kAnswered, 0)
 
-// Client to server, for who serves it: each is an alternative of protocol::Request.       roles, pace, descriptors
+// Client to server, for the service: each is an alternative of protocol::Request.       roles, pace, descriptors
 #define OMNI_REQUESTS(ROW)                                                       \
   ROW(Session, 4, Session, kApplications, Pace::kStream, 0)                      \
   ROW(Haptic, 5, Haptic, kApplications, Pace::kStream, 0)                        \

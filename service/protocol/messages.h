@@ -1,4 +1,4 @@
-// Messages as a receiver has them: one variant per direction, made from message_table.h, and the traits of each.
+// Messages as a receiver gets them: one variant per direction, made from message_table.h, and the traits of each.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,9 @@
 
 namespace omni::protocol {
 
-// What is no message, and why.
+// An invalid message, and why.
 struct Invalid {
-  bool other_version = false;  // a sound header of another version: the sender is not hostile, just not ours
+  bool other_version = false;  // a valid header of another version: the sender is not hostile, but incompatible
   std::uint16_t version = 0;
   char reason[200] = {};
 };
@@ -91,7 +91,7 @@ using ClientMessage = std::variant<Invalid OMNI_LINK_MESSAGES(OMNI_ALTERNATIVE) 
 using ServerMessage = std::variant<Invalid OMNI_SERVER_MESSAGES(OMNI_ALTERNATIVE)>;
 using Message = std::variant<Invalid OMNI_LINK_MESSAGES(OMNI_ALTERNATIVE) OMNI_REQUESTS(OMNI_ALTERNATIVE)
                                  OMNI_SERVER_MESSAGES(OMNI_ALTERNATIVE)>;
-// What who serves a client handles.
+// The messages that a ServerHandler handles.
 using Request = MessageList<void OMNI_REQUESTS(OMNI_ALTERNATIVE)>::Variant;
 #undef OMNI_ALTERNATIVE
 

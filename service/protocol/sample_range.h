@@ -1,5 +1,5 @@
-// What a sane sample is. The writer publishes nothing else, and readers accept nothing else: whatever the shared memory
-// holds, no NaN and no absurd number reaches an application.
+// The valid range of a sample. The writer publishes nothing else, and readers accept nothing else: whatever the shared
+// memory holds, no NaN and no absurd number reaches an application.
 #pragma once
 
 #include "service/protocol/state_memory.h"
@@ -23,7 +23,7 @@ bool InRange(const VehicleSnapshot& vehicle) noexcept;
 ToolSample Clamped(const ToolSample& sample) noexcept;
 // Values are clamped to [-1, 1] (NaN to 0), times to [0, kLatestTime_ns].
 InputSnapshot Clamped(const InputSnapshot& inputs) noexcept;
-// Contacts that are out of range are left out.
+// Contacts that are out of range are omitted.
 ContactSnapshot Clamped(const ContactSnapshot& contacts) noexcept;
 // Out of range: there is no car.
 VehicleSnapshot Clamped(const VehicleSnapshot& vehicle) noexcept;

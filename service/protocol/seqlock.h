@@ -1,7 +1,7 @@
-// The seqlock of state_memory.h, both sides. One writer, any number of readers; nobody ever waits.
+// The seqlock of state_memory.h, both sides. One writer, any number of readers; neither side ever waits.
 //
 // No fences: every shared word is stored with release and loaded with acquire order. A reader that saw a word of a
-// newer value has thereby also seen the odd sequence stored before it, so its second look at the sequence differs.
+// newer value has thereby also seen the odd sequence stored before it, so its second read of the sequence differs.
 // This work is based on H.-J. Boehm, "Can seqlocks get along with programming language memory models?" (2012).
 #pragma once
 

@@ -1,5 +1,5 @@
 // Where the control socket lies, and what its folder must be like: checked by the server before it binds and by the
-// client before it connects, so that no other user can stand in for either.
+// client before it connects, so that no other user can impersonate either.
 #pragma once
 
 #include <sys/socket.h>
@@ -24,7 +24,7 @@ struct FolderCheck {
   std::string problem;  // with the remedy; empty if good
 };
 
-// Good: a real folder (no symlink), owned by this user, open to nobody else (0700).
+// Good: a real folder (no symlink), owned by this user, closed to all others (0700).
 FolderCheck CheckFolder(const std::string& folder);
 
 // Precondition: PathProblem is empty.

@@ -23,14 +23,14 @@ enum ToolFlag : std::uint32_t {
   kToolPoseValid = 1u << 0,         // there is a pose (maybe the last known one)
   kToolTracked = 1u << 1,           // this sample was measured
   kToolContact = 1u << 2,           // force is being rendered
-  kToolJoystick = 1u << 3,          // the scene in force says joystick: thumbstick components are live
+  kToolJoystick = 1u << 3,          // the active scene says joystick: thumbstick components are live
   kToolAligned = 1u << 4,           // base pose in the headset's space is known (else the default placement holds)
   kToolPushed = 1u << 5,            // a force or a constraint of the application acts
   kToolSaturated = 1u << 6,         // the device's limit cut the force
-  kToolWarm = 1u << 7,              // coils offer less than cold ones
+  kToolWarm = 1u << 7,              // coils may carry less current than cold ones
   kToolOutOfReach = 1u << 8,        // no force can be made at this pose
   kToolDeviceFault = 1u << 9,       // the device reports a fault: no force
-  kToolStiffnessLimited = 1u << 10  // constraints are softer or less damped than asked for
+  kToolStiffnessLimited = 1u << 10  // constraints are softer or less damped than requested
 };
 
 // Frame T of the tool: origin at the device point (tip), -Z out of the tip along the pen's axis; roll about the axis
@@ -84,7 +84,7 @@ struct ContactSample {
   std::uint32_t material = 0;
   std::array<double, 3> point_base_m{};   // on the surface
   std::array<double, 3> normal_base{};    // unit, towards the side the tip came from
-  std::array<double, 3> force_base_N{};   // that the contact asks for on the tip, before the device's limits
+  std::array<double, 3> force_base_N{};   // requested by the contact, on the tip, before the device's limits
   std::array<double, 3> slip_base_m_s{};  // of the tip along the surface, relative to it
   double normal_force_N = 0, tangential_force_N = 0;
   double penetration_m = 0;
@@ -98,11 +98,11 @@ struct ContactSnapshot {
 };
 static_assert(std::is_trivially_copyable_v<ContactSnapshot> && sizeof(ContactSnapshot) % 8 == 0);
 
-// The car of the scene that is felt, in the frame B: for drawing it, and how the race stands.
+// The car of the active scene, in the frame B: for drawing it, and the state of the race.
 struct VehicleSnapshot {
   std::int64_t t_ns = 0;                    // CLOCK_MONOTONIC of the Hall sample
   std::uint64_t scene_generation = 0;       // of the scene
-  std::uint32_t on = 0;                     // 1: the scene has a car; 0: the rest says nothing
+  std::uint32_t on = 0;                     // 1: the scene has a car; 0: the rest is meaningless
   std::uint32_t sliding = 0;                // 1: an axle is at the limit of its grip
   std::uint32_t laps = 0, hits = 0;         // finished so far
   std::array<double, 3> position_base_m{};  // centre of mass

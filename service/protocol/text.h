@@ -22,8 +22,8 @@ bool IsTerminated(const char (&field)[N]) noexcept {
   return IsTerminated(field, N);
 }
 
-// The text with every control character and every byte that is no valid UTF-8 replaced by '?': what a client says
-// about itself ends up in logs, terminals and JSON.
+// The text with every control character and every byte that is not valid UTF-8 replaced by '?': texts of clients end up
+// in logs, terminals and JSON.
 std::string Printable(std::string_view text);
 
 }  // namespace omni::protocol

@@ -141,7 +141,7 @@ const char* Problem(const Waveform& waveform) noexcept {
   }
   if (waveform.duration_ns != 0) return "PCM with a duration_ns";
   const bool rate_ok = waveform.sample_rate_Hz > 0 && waveform.sample_rate_Hz <= kHighestSampleRate_Hz;
-  return rate_ok ? nullptr : "sample_rate_Hz is not in 0..1e5, without 0";
+  return rate_ok ? nullptr : "sample_rate_Hz is not above 0 and at most 1e5";
 }
 
 // A message of fixed size. False: `why` says what is wrong.
@@ -155,7 +155,7 @@ bool Decode(const void* bytes, std::size_t size, T& message, Invalid& why) noexc
   return problem == nullptr;
 }
 
-// The structure that begins a message which something follows.
+// The structure at the start of a message that has a tail.
 template <class Head>
 bool DecodeHead(const char* name, const void* bytes, std::size_t size, Head& head, Invalid& why) noexcept {
   if (size < sizeof(head))
@@ -242,7 +242,7 @@ const TypeRow* FindType(MessageType type) noexcept {
   return nullptr;
 }
 
-// What is wrong before the message itself is looked at. True: nothing.
+// Checks the header, before the message itself. True: it is valid.
 bool CheckHeader(const void* bytes, std::size_t size, MessageHeader& header, Invalid& why) noexcept {
   if (size < sizeof(header)) return why = Because("a packet of %zu bytes is shorter than a header", size), false;
   if (size > kMaxMessageBytes) {

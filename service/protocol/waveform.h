@@ -15,14 +15,14 @@ namespace omni::protocol {
 // XR_MAX_HAPTIC_PCM_BUFFER_SIZE_FB and XR_MAX_HAPTIC_AMPLITUDE_ENVELOPE_SAMPLES_FB.
 inline constexpr std::uint32_t kMaxWaveformSamples = 4000;
 inline constexpr float kHighestSampleRate_Hz = 1e5f;
-// Samples a second that the coils are given: one a tick. PCM at this rate is played as it is.
+// Samples per second for the coils: one per tick. PCM at this rate is played as it is.
 inline constexpr float kDeviceSampleRate_Hz = 1000;
-// What omnid keeps of PCM that has not been played: further samples are dropped, so a client does not send them.
+// How much unplayed PCM omnid keeps: further samples are dropped, so a client does not send them.
 inline constexpr double kWaveformBuffer_s = 4.0;
 
 enum class WaveformKind : std::uint32_t {
   kEnvelope = 1,  // amplitudes 0..1 of the device's best frequency, spread evenly over duration_ns
-  kPcm = 2        // -1..1 of the largest vibration force, sample_rate_Hz of them a second
+  kPcm = 2        // -1..1 of the largest vibration force, sample_rate_Hz of them per second
 };
 
 // Replaces what vibrates, except kPcm with append.

@@ -1,4 +1,4 @@
-// alignments.toml and marks.toml: what is kept, and what each mistake is told.
+// alignments.toml and marks.toml: round trips, and the error of each mistake.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -60,7 +60,7 @@ TEST(ConfigAlignments, ComeBackToTheLastBit) {
   }
 }
 
-// Files from before the measured pose was kept: what they hold is the best that is known of it.
+// Files from before the measured pose was stored: the present one is the best that is known of it.
 TEST(ConfigAlignments, WithoutAMeasuredPoseThePresentOneStandsForIt) {
   std::string text = WriteAlignments(Example());
   for (std::size_t at = text.find("\nmeasured_"); at != std::string::npos; at = text.find("\nmeasured_")) {
@@ -90,7 +90,7 @@ TEST(ConfigAlignments, AnEmptyFileIsNone) {
   EXPECT_TRUE(LoadAlignmentFile("/no/such/folder/alignments.toml").ok());
 }
 
-// Whatever stands in the file: refused with its name, or every number is finite and in range.
+// Any file is rejected with its name in the error, or every number is finite and in range.
 TEST(ConfigAlignments, MutationsAreRefusedOrSound) {
   std::mt19937 random(3);
   const std::string good = WriteAlignments(Example());
@@ -132,7 +132,7 @@ TEST(ConfigAlignments, MutationsAreRefusedOrSound) {
 TEST(ConfigMarks, TheBuiltInOnesAreFiveAndUneven) {
   const auto& marks = DefaultMarks();
   ASSERT_EQ(marks.size(), 5U);
-  // On the ring, and no turn of the ring takes marks to marks: a wrong start is noticed.
+  // On the ring, and no rotation of the ring maps marks to marks: a wrong first mark is noticed.
   std::vector<double> angles;
   for (std::size_t i = 0; i < 4; ++i) {
     const base::Vec3& p = marks[i].position_base_m;

@@ -1,4 +1,4 @@
-// Application files: globs, precedence, and broken files that harm nobody else.
+// Application files: globs, precedence, and broken files that do not affect others.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -91,7 +91,7 @@ TEST(ConfigApps, WishesOfTheLayer) {
 
 TEST(ConfigApps, MistypedWordsNameTheNearest) {
   ExpectMentions(ErrorOf(Entry("a", "b", "profile = \"oculus/tuoch_controller\"\n")),
-                 {"none that the pen can be", "valve/index_controller", "did you mean 'oculus/touch_controller'?"});
+                 {"not a profile of the pen", "valve/index_controller", "did you mean 'oculus/touch_controller'?"});
   ExpectMentions(ErrorOf(Entry("a", "b", "hand = \"rihgt\"\n")), {"did you mean 'right'?"});
   ExpectMentions(ErrorOf(Entry("a", "b", "placment = \"fit\"\n")), {"did you mean 'placement'?"});
   ExpectMentions(ErrorOf("application = \"a\"\n[inputs]\nselect = [\"pres\"]\n"), {"did you mean 'press'?"});
@@ -128,7 +128,7 @@ TEST(ConfigApps, ABrokenFileIsSkippedAndNamedTheOthersLive) {
   EXPECT_EQ(table.entries.size(), 2u);
   EXPECT_NE(FindApp(table, "good"), nullptr);
   EXPECT_NE(FindApp(table, "also"), nullptr);
-  EXPECT_EQ(FindApp(table, "wrong"), nullptr) << "half a file is no file";
+  EXPECT_EQ(FindApp(table, "wrong"), nullptr) << "no part of an invalid file is used";
   ASSERT_EQ(table.problems.size(), 2u);
   ExpectMentions(table.problems[0], {"20-broken.toml:1"});
   ExpectMentions(table.problems[1], {"30-wrong.toml:", "scale", "-1"});

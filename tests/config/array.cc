@@ -1,4 +1,4 @@
-// Array files: what is read, and what each mistake is told.
+// Array files: what is read, and the error of each mistake.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -131,7 +131,7 @@ TEST(ConfigArray, MistakesAreNamed) {
       Changed("[0.62, -0.18, 0.68]\norientation_base_sensor = [0.7071067811865476, 0.0, 0.0, 0.7071067811865476]"
               "\ngain = 1.1",
               "[0.6, -0.18, 0.68]"),
-      {"sensors[0]", "sensors[1]", "same place"});
+      {"sensors[0]", "sensors[1]", "same position"});
   ExpectError(std::string(kFour) + "[core]\ncore_radius_m = 0.96\n", {"sensors[0]", "core"});
   ExpectError(std::string(kFour) + "[volume]\nmin_base_m = [0.0, 0.0, 0.0]\nmax_base_m = [0.1, -0.1, 0.1]\n",
               {"volume.min_base_m"});

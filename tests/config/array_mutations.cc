@@ -1,4 +1,4 @@
-// Whatever an array file holds: it is refused with a message, or every number of the result is finite and in range.
+// Any array file is rejected with a message, or every number of the result is finite and in range.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Calibration files: what is kept, and what each mistake is told.
+// Calibration files: round trips, and the error of each mistake.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -109,7 +109,7 @@ TEST(ConfigCalibration, ATipIsChecked) {
   ExpectMentions(error_of("-0.001", false), {"test.toml:", "magnet.tip_offset_m", "-0.001", "[0, 0.2]"});
   ExpectMentions(error_of("nan", false), {"magnet.tip_offset_m"});
   ExpectMentions(error_of("0.0151", false), {"test.toml:", "magnet.tip_offset_m", "+10.1 mm from the drawing",
-                                             "allowed are 10 mm", "delete this line", "omni calibrate --tip"});
+                                             "the limit is 10 mm", "delete this line", "omni calibrate --tip"});
   const test::TempFolder folder;
   EXPECT_FALSE(SaveCalibrationFile(folder.Path("c.toml"), WithTip(0.02), NominalBase(), false).ok());
 }
@@ -155,7 +155,7 @@ TEST(ConfigCalibration, RefusesWhatIsNoNumberOrOutOfRange) {
   ExpectMentions(ErrorOf(""), {"format is missing"});
 }
 
-// With all gains negated a pen is tracked all the same, and the force makes it five times as fast.
+// With all gains negated a pen is still tracked, and the force makes it five times as fast.
 TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
   using Change = std::function<void(base::Calibration&)>;
   const auto of_sensor = [](std::size_t i, const std::function<void(base::SensorCalibration&)>& change) {
@@ -179,7 +179,7 @@ TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
                    scale_row(s.gain_sensor_base, 0, -1);
                    scale_row(s.gain_sensor_base, 1, -1);
                  }),
-       {"sensors[3].gain_sensor_base", "axis x", "degrees away from the drawing, allowed are 20"}},
+       {"sensors[3].gain_sensor_base", "axis x", "degrees away from the drawing, the limit is 20"}},
       {of_sensor(7,
                  [](auto& s) {
                    auto& g = s.gain_sensor_base;  // its axes are read in another order
@@ -190,17 +190,17 @@ TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
        {"sensors[1].gain_sensor_base", "axis z", "[0.7, 1.3]"}},
       {of_sensor(1, [&](auto& s) { scale_row(s.gain_sensor_base, 1, 0.68); }), {"axis y", "[0.7, 1.3]"}},
       {of_sensor(2, [](auto& s) { s.position_base_m.z += 0.0101; }),
-       {"sensors[2].position_base_m", "mm from the drawing, allowed are 10"}},
+       {"sensors[2].position_base_m", "mm from the drawing, the limit is 10"}},
       {of_sensor(4, [&](auto& s) { scale_column(s.current_map_T_A, 0, -1); }),
        {"sensors[4].current_map_T_A", "coil x at -1.01", "[0.7, 1.4]"}},
       {of_sensor(4, [&](auto& s) { scale_column(s.current_map_T_A, 2, 1.5); }), {"coil z", "[0.7, 1.4]"}},
       {of_sensor(4, [](auto& s) { s.current_map_T_A.fill(0); }), {"coil x at 0 of the drawing"}},
       {of_sensor(5, [](auto& s) { s.background_sensor_T.y = 3.1e-4; }),
-       {"sensors[5].background_sensor_T", "allowed are 300", "a magnet was near"}},
+       {"sensors[5].background_sensor_T", "the limit is 300", "a magnet was near"}},
       {[](base::Calibration& c) { c.moment_Am2 *= 1.3; }, {"magnet.moment_Am2", "[0.7, 1.3]"}},
       {[](base::Calibration& c) { c.moment_Am2 *= 0.68; }, {"magnet.moment_Am2", "[0.7, 1.3]"}},
-      {[](base::Calibration& c) { c.core_kappa = 0.8; }, {"magnet.core_kappa", "allowed are 0.1"}},
-      {[](base::Calibration& c) { c.hull_radius_m = 0.0415; }, {"base.hull_radius_m", "4.0 mm", "allowed are 3 mm"}},
+      {[](base::Calibration& c) { c.core_kappa = 0.8; }, {"magnet.core_kappa", "the limit is 0.1"}},
+      {[](base::Calibration& c) { c.hull_radius_m = 0.0415; }, {"base.hull_radius_m", "4.0 mm", "the limit is 3 mm"}},
       {[](base::Calibration& c) { c.core_centre_base_m.y = -0.01; }, {"base.core_centre_base_m", "10.0 mm"}}};
   for (const auto& [change, words] : cases) {
     CalibrationFile file = ExampleCalibration();
@@ -210,7 +210,7 @@ TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
     for (const char* word : words) EXPECT_NE(error.find(word), std::string::npos) << word << " not in: " << error;
     const test::TempFolder folder;
     EXPECT_FALSE(SaveCalibrationFile(folder.Path("c.toml"), file, NominalBase(), false).ok());
-    EXPECT_FALSE(std::filesystem::exists(folder.Path("c.toml"))) << "what would be refused is not written";
+    EXPECT_FALSE(std::filesystem::exists(folder.Path("c.toml"))) << "a file that would be rejected is not written";
   }
 }
 
@@ -308,7 +308,7 @@ TEST(ConfigCalibration, ProgramsTakeTheFileThatFitsAndSayWhyNot) {
 
   const CalibrationChoice refused = ChooseCalibration(path, NominalBase("twin-9"));
   EXPECT_FALSE(refused.file.has_value());
-  ExpectMentions(refused.problem, {"calibration.toml", "twin-9", "as drawn"});
+  ExpectMentions(refused.problem, {"calibration.toml", "twin-9", "nominal geometry"});
 
   const CalibrationChoice missing = ChooseCalibration(folder.Path("none.toml"), NominalBase());
   EXPECT_FALSE(missing.file.has_value());
@@ -332,11 +332,11 @@ TEST(ConfigCalibration, TheOneBeforeIsKeptAndComesBack) {
     };
     return std::pair(date(path), date(previous));
   };
-  ASSERT_TRUE(save("first", true).ok()) << "nothing is there that could be kept";
+  ASSERT_TRUE(save("first", true).ok()) << "there is no file to keep";
   EXPECT_EQ(dates(), std::pair(std::string("first"), std::string("none")));
   EXPECT_FALSE(save("unasked", false).ok());
   EXPECT_EQ(dates().first, "first");
-  EXPECT_FALSE(RestoreCalibrationFile(path, NominalBase()).ok()) << "there is no way back yet";
+  EXPECT_FALSE(RestoreCalibrationFile(path, NominalBase()).ok()) << "there is no previous file yet";
   ASSERT_TRUE(save("second", true).ok());
   EXPECT_EQ(dates(), std::pair(std::string("second"), std::string("first")));
   ASSERT_TRUE(RestoreCalibrationFile(path, NominalBase()).ok());

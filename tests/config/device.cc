@@ -1,4 +1,4 @@
-// Device files: what is read, and what each mistake is told.
+// Device files: what is read, and the error of each mistake.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

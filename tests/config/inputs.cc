@@ -71,7 +71,7 @@ TEST(ConfigInputs, AxesHaveTwoSigns) {
   ASSERT_TRUE(entry.ok()) << entry.error();
   EXPECT_EQ(entry->inputs->mapping.at(InputComponent::kThumbstickX).plus, base::KeyBit(0));
   EXPECT_EQ(entry->inputs->mapping.at(InputComponent::kThumbstickX).minus, base::KeyBit(1));
-  ExpectWords(InputErrorOf("select = [\"-press\"]\n"), {"inputs.select", "-press", "is no source"});
+  ExpectWords(InputErrorOf("select = [\"-press\"]\n"), {"inputs.select", "-press", "is not a source"});
 }
 
 TEST(ConfigInputs, EachMistakeIsNamed) {
@@ -80,7 +80,7 @@ TEST(ConfigInputs, EachMistakeIsNamed) {
   ExpectWords(InputErrorOf("menu = [\"key:KEY_BANANA\"]\n"), {"test.toml:4", "KEY_BANANA", "input-event-codes.h"});
   ExpectWords(InputErrorOf("menu = [\"key:0\"]\n"), {"key:0", "1 to 767"});
   ExpectWords(InputErrorOf("menu = [\"key:768\"]\n"), {"key:768"});
-  ExpectWords(InputErrorOf("menu = [\"key:\"]\n"), {"is no key"});
+  ExpectWords(InputErrorOf("menu = [\"key:\"]\n"), {"is not a key"});
   ExpectWords(InputErrorOf("menu = [\"\"]\n"), {"inputs.menu[0]", "1 to 64 bytes"});
   ExpectWords(InputErrorOf("menu = [1]\n"), {"inputs.menu[0]", "integer"});
   ExpectWords(InputErrorOf("menu = \"flick\"\n"), {"inputs.menu", "string", "array"});

@@ -1,5 +1,5 @@
-// Whatever a settings file holds: it is refused with a message, or every number of the result is finite and in range.
-// scripts/fuzz asks for more than a test run has time for, by OMNI_FUZZ.
+// Any settings file is rejected with a message, or every number of the result is finite and in range.
+// scripts/fuzz runs more of them than a test run has time for, by OMNI_FUZZ.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -117,7 +117,7 @@ TEST(ConfigMutations, DeviceFilesAreSaneOrRefused) {
       EXPECT_EQ(device.error().find_first_of("\n\033"), std::string::npos) << device.error();
     }
   }
-  // Both must happen often, or this test has looked at one side only.
+  // Both must happen often, or this test covers one side only.
   RecordProperty("files", static_cast<int>(files));
   RecordProperty("refused", static_cast<int>(refused));
   EXPECT_GT(accepted, files / 10);
@@ -151,7 +151,7 @@ TEST(ConfigMutations, AppFilesAreSaneOrRefused) {
   EXPECT_GT(refused, 150);
 }
 
-// A damaged calibration would push the pen the wrong way: whatever is damaged, it is refused or says what it said.
+// A damaged calibration would push the pen the wrong way: it is rejected, or equal to the original.
 TEST(ConfigMutations, CalibrationFilesAreTheOriginalOrRefused) {
   const config::ExpectedBase of = support::NominalBase();
   const std::string file = WriteCalibration(support::ExampleCalibration(), of.device);

@@ -1,4 +1,4 @@
-// Names that runtimes give themselves, and what of them an update does not change.
+// Names of runtimes, and the part of them that an update does not change.
 #include "service/config/runtime_identity.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Scenes by the names that people give them.
+// Scenes are found by name.
 #include <gtest/gtest.h>
 
 #include <filesystem>

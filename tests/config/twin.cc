@@ -1,4 +1,4 @@
-// The twin's file: what is read, that every key counts, and what each mistake is told.
+// The twin's file: what is read, that every key counts, and the error of each mistake.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,7 +56,7 @@ TEST(ConfigTwin, IdealAndRoomAreFoundByName) {
   EXPECT_NEAR(std::hypot(room->effects.earth_field_base_T.x, room->effects.earth_field_base_T.z), 5e-5, 1e-7);
   EXPECT_EQ(room->effects.room.steel.size(), 4U);
   EXPECT_DOUBLE_EQ(room->imperfections.sensor_position_m, 1e-3);
-  EXPECT_DOUBLE_EQ(room->imperfections.coil_strength, IdealTwin().imperfections.coil_strength) << "not said: as ideal";
+  EXPECT_DOUBLE_EQ(room->imperfections.coil_strength, IdealTwin().imperfections.coil_strength) << "omitted: as ideal";
   EXPECT_DOUBLE_EQ(room->thermal.copper_J_K, IdealTwin().thermal.copper_J_K);
   const auto file = LoadTwinFile(OMNI_SOURCE_DIR "/manifests/device/room.toml");
   ASSERT_TRUE(file.ok()) << file.error();
@@ -64,7 +64,7 @@ TEST(ConfigTwin, IdealAndRoomAreFoundByName) {
   EXPECT_NE(FindTwin("/nowhere/x.toml").error().find("/nowhere/x.toml"), std::string::npos);
 }
 
-// Whoever asks for nothing stands in a room.
+// Without a choice the twin stands in the room.
 TEST(ConfigTwin, TheDefaultIsTheRoom) {
   EXPECT_FALSE(DefaultTwin().effects.background_known);
   EXPECT_FALSE(FindTwin("")->effects.background_known);

@@ -1,4 +1,4 @@
-// The file of placements: named when it is not ours to lose, written before an answer says so.
+// The file of placements: an invalid one is reported and kept, a reply comes once it is written.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -19,7 +19,7 @@ std::string Read(const std::string& path) {
   return text.str();
 }
 
-// Garbage is named, by file and key, and never written over.
+// Garbage is reported, by file and key, and never overwritten.
 TEST(DaemonBasePoseFile, AFileThatCannotBeReadIsLeftAlone) {
   const TempFolder temp;
   const std::string good = [&] {
@@ -64,7 +64,7 @@ TEST(DaemonBasePoseFile, WhatCannotBeWrittenIsNotPretended) {
   EXPECT_NE(homeless.Execute(Store(kSpaceLocal), kDate_s).text.find("XDG_CONFIG_HOME"), std::string::npos);
 }
 
-// An answer says what has become of the file; only a refusal comes at once.
+// A reply reports whether the file was written; only a refusal comes at once.
 TEST(DaemonBasePoseFile, AnAnswerComesWhenTheFileIsWritten) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");

@@ -1,4 +1,4 @@
-// BasePoses as the service has them: whose headset counts, and whom it believes.
+// BasePoses in the service: whose headset counts, and whose space changes are accepted.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@ protocol::Session SessionOf(protocol::SessionState state) {
   return session;
 }
 
-// The flag of every sample and the status are about the headset of whoever owns the force.
+// The flag of every sample and the status are about the headset of the owner of the force.
 TEST(DaemonBasePoseService, TheServiceSaysWhetherTheOwnerIsAligned) {
   const TempFolder temp;
   bool aligned = false;
@@ -49,10 +49,10 @@ TEST(DaemonBasePoseService, TheServiceSaysWhetherTheOwnerIsAligned) {
   EXPECT_TRUE(aligned);
   service.OnGone(1);
   service.OnPeriod(2);
-  EXPECT_FALSE(aligned) << "nobody is there whose headset could be";
+  EXPECT_FALSE(aligned) << "there is no client";
 }
 
-// A change of a space is believed of an application whose session has begun, and of its own spaces only.
+// A change of a space is accepted only from an application whose session has begun, and for its own spaces.
 TEST(DaemonBasePoseService, TheServiceBelievesOnlyASessionThatHasBegun) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
@@ -71,7 +71,7 @@ TEST(DaemonBasePoseService, TheServiceBelievesOnlyASessionThatHasBegun) {
   EXPECT_EQ(recentred(), 1);
   service.OnRequest(1, SessionOf(protocol::SessionState::kNone), {});
   service.OnRequest(1, Moved(0.5, now_ns() + 2'000'000'000), {});
-  EXPECT_EQ(recentred(), 2) << "the headset was taken off: the runtime still tells this application";
+  EXPECT_EQ(recentred(), 2) << "the headset was taken off: the runtime still notifies this application";
   service.OnClient({.id = 2, .role = protocol::ClientRole::kApplication, .pid = 1, .application = "b", .engine = ""});
   service.OnRequest(2, SessionOf(protocol::SessionState::kFocused), {});
   service.OnRequest(2, Request({kSpaceStage}), {});

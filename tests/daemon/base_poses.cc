@@ -1,4 +1,4 @@
-// The service's record of where bases stand: kept, told, one for each headset.
+// The service's record of where bases stand: stored, sent to clients, one per headset.
 #include <gtest/gtest.h>
 
 #include <tuple>
@@ -23,7 +23,7 @@ TEST(DaemonBasePoses, WhatIsStoredIsToldAtOnceAndAfterARestart) {
     ASSERT_TRUE(done.ok) << done.text;
     listener.Listen(placements);
     listener.Listen(placements);
-    ASSERT_EQ(listener.told[1].size(), 2U) << "told once";
+    ASSERT_EQ(listener.told[1].size(), 2U) << "sent once";
     EXPECT_TRUE(placements.Aligned(1));
   }
   BasePoses again(path);
@@ -62,7 +62,7 @@ TEST(DaemonBasePoses, TheFirstKnownSpaceOfTheHeadsetIsTheAnswer) {
   EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.3);
 }
 
-// An update of the runtime is no other runtime: Monado puts its git tag into its name.
+// An updated runtime is not another runtime: Monado puts its git tag into its name.
 TEST(DaemonBasePoses, AnAlignmentSurvivesAnUpdateOfTheRuntime) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
@@ -93,7 +93,7 @@ TEST(DaemonBasePoses, AnAlignmentSurvivesAnUpdateOfTheRuntime) {
   EXPECT_EQ(placements.file().entries.size(), 1U) << "measured again with the new build: it takes the old one's place";
 }
 
-// An older file, with an entry for every build that was ever aligned: the newest is the one that holds.
+// An older file, with an entry for every build that was ever aligned: the newest one is used.
 TEST(DaemonBasePoses, OfSeveralBuildsOfARuntimeTheNewestAlignmentHolds) {
   const TempFolder temp;
   config::AlignmentFile file;

@@ -1,4 +1,4 @@
-// Scenes first, their soft bodies after: delivered, kept, cancelled, and never in another scene's way.
+// Scenes first, their soft bodies after: delivered, cached, cancelled, and never delaying another scene.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -111,7 +111,7 @@ TEST_F(BuilderTest, ASceneThatIsWaitedForGoesFirst) {
   SceneBuilder builder(0.0375, folder_.Path("cache"), kForever);
   builder.Request(1, Soft("slow", 1));
   ASSERT_EQ(Result(builder).client, 1U);
-  ASSERT_TRUE(Soon([&] { return builder.Progress(1).done > 0; })) << "at work";
+  ASSERT_TRUE(Soon([&] { return builder.Progress(1).done > 0; })) << "it has started";
   for (std::uint64_t client = 2; client < 5; ++client) {
     builder.Request(client, Rigid("rigid"));
     EXPECT_EQ(Result(builder).client, client);
@@ -135,11 +135,11 @@ TEST_F(BuilderTest, CancelStopsItAndLeavesNothing) {
   EXPECT_FALSE(scene.expired()) << "the builder holds it while it works";
   builder.Cancel(1);
   EXPECT_EQ(builder.Progress(1).objects, 0U);
-  EXPECT_TRUE(Soon([&] { return scene.expired(); })) << "given up";
+  EXPECT_TRUE(Soon([&] { return scene.expired(); })) << "it is cancelled";
   EXPECT_EQ(Kept(), 0U);
   EXPECT_FALSE(builder.PopSoftOutcome());
   builder.Request(1, Rigid("rigid"));
-  EXPECT_NE(Result(builder).scene, nullptr) << "and goes on with what comes";
+  EXPECT_NE(Result(builder).scene, nullptr) << "and it builds later requests";
 }
 
 TEST_F(BuilderTest, ANewRequestOfTheClientStopsTheOldOne) {

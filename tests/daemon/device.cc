@@ -1,4 +1,4 @@
-// omnid --device: which words it knows; and what it tells people about a base's faults.
+// omnid --device: which words it accepts; and the log of a base's faults.
 #include <gtest/gtest.h>
 
 #include "firmware/wire/names.h"
@@ -17,14 +17,14 @@ TEST(DeviceWords, KnownOnes) {
 TEST(DeviceWords, OthersAreRefusedWithTheList) {
   for (const char* device : {"", "usb:", "twin:7", "auto", "serial", ":A17"}) {
     const std::string problem = DeviceProblem(device);
-    for (const char* part : {"is no device", "twin", "usb[:SERIAL]"}) {
+    for (const char* part : {"is not a device", "twin", "usb[:SERIAL]"}) {
       EXPECT_NE(problem.find(part), std::string::npos) << device << ": " << problem;
     }
   }
 }
 
 TEST(DeviceWords, HelpSaysWhatEachIs) {
-  for (const char* part : {"twin: ", "usb[:SERIAL]: ", "waited for", "simulation"}) {
+  for (const char* part : {"twin: ", "usb[:SERIAL]: ", "waits until", "simulation"}) {
     EXPECT_NE(DeviceHelp().find(part), std::string::npos) << part;
   }
 }
@@ -44,7 +44,7 @@ TEST(DeviceWords, OpeningAnUnknownOneIsAnError) {
 
 TEST(FaultLog, EachFaultOnceWithAdvice) {
   FaultLog log;
-  EXPECT_TRUE(log.News({.faults = wire::kFaultNotArmed | wire::kFaultHostSilent}).empty()) << "mended by arming";
+  EXPECT_TRUE(log.News({.faults = wire::kFaultNotArmed | wire::kFaultHostSilent}).empty()) << "cleared by arming";
   const device::TransportState hot{.waits_for_person = true, .faults = wire::kFaultOverTemperature | wire::kFaultFan};
   const std::vector<FaultLine> news = log.News(hot);
   ASSERT_EQ(news.size(), 3U);
@@ -124,9 +124,9 @@ TEST(FaultLog, MessagesOfTheBaseArePrintable) {
   log.Hear(LogNote(wire::LogLevel::kInfo, "idle -> armed"), 2);
   const std::vector<FaultLine> news = log.News({});
   ASSERT_EQ(news.size(), 2U);
-  EXPECT_EQ(news[0].text, "says: armed -> fault?[31m?");
+  EXPECT_EQ(news[0].text, "message: armed -> fault?[31m?");
   EXPECT_TRUE(news[0].is_problem);
-  EXPECT_EQ(news[1].text, "says: idle -> armed");
+  EXPECT_EQ(news[1].text, "message: idle -> armed");
   EXPECT_FALSE(news[1].is_problem);
 }
 
@@ -153,8 +153,8 @@ TEST(FaultLog, NobodyIsFlooded) {
   log.Hear(late, 700 * kPoll_ns);
   const std::vector<FaultLine> news = log.News({});
   ASSERT_EQ(news.size(), 2U);
-  EXPECT_NE(news[0].text.find(" messages of the base left out"), std::string::npos) << news[0].text;
-  EXPECT_EQ(news[1].text, "says: at last");
+  EXPECT_NE(news[0].text.find(" messages of the base were left out"), std::string::npos) << news[0].text;
+  EXPECT_EQ(news[1].text, "message: at last");
 }
 
 }  // namespace test_daemon_device

@@ -1,4 +1,4 @@
-// Files are written beside the control thread: it never waits, the newest text counts, the end waits a little.
+// Files are written off the control thread: it never waits, the newest text counts, the destructor waits briefly.
 #include "service/daemon/file_writer.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace omni::daemon {
 namespace test_daemon_file_writer {
 
-// A disk that a test holds up. Shared with the writer's thread, which may outlive the writer.
+// A disk that a test can block. Shared with the writer's thread, which may outlive the writer.
 struct Disk {
   std::mutex mutex;
   std::condition_variable changed;
@@ -68,7 +68,7 @@ TEST(DaemonFileWriter, OfTextsThatWaitOnlyTheNewestIsWritten) {
   disk->WaitUntilBegun(1);
   for (int i = 2; i <= 50; ++i) EXPECT_EQ(writer.Request("a", std::to_string(i)), static_cast<std::uint64_t>(i));
   EXPECT_EQ(writer.Request("b", "other"), 51U);
-  EXPECT_FALSE(writer.PopWritten()) << "the disk has not answered, and nobody has waited for it";
+  EXPECT_FALSE(writer.PopWritten()) << "the disk has not responded, and no call has waited for it";
   disk->Set(true);
   EXPECT_EQ(Next(writer).number, 1U);
   EXPECT_EQ(Next(writer).number, 50U) << "and with it all before";
@@ -107,7 +107,7 @@ TEST(DaemonFileWriter, ADiskThatHangsDoesNotKeepTheServiceFromEnding) {
     writer.Request("a", "1");
     disk->WaitUntilBegun(1);
   }
-  EXPECT_EQ(disk->left, 0) << "given up";
+  EXPECT_EQ(disk->left, 0) << "abandoned";
   disk->Set(true);
   disk->WaitUntilLeft(1);
 }

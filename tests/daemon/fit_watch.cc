@@ -1,4 +1,4 @@
-// When a calibration is said not to fit: magnet near, no explanation, for some seconds.
+// When a calibration is reported as a misfit: magnet near, but no pose that fits, for some seconds.
 #include "service/daemon/devices/fit_watch.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(DaemonFitWatch, NoExplanationForSomeSecondsIsAMisfitUntilThereIsOneAgain) {
   EXPECT_TRUE(scenario.watch.misfit());
   EXPECT_EQ(scenario.watch.share(), 1);
   scenario.Run(60, 0, 0);
-  EXPECT_TRUE(scenario.watch.misfit()) << "a pen that is away says nothing";
+  EXPECT_TRUE(scenario.watch.misfit()) << "a pen that is away does not count";
   scenario.Run(7, 100, 0);
   EXPECT_FALSE(scenario.watch.misfit());
   EXPECT_EQ(scenario.changes, 2) << "each reported once";

@@ -1,4 +1,4 @@
-// Who pushes the pen: claims, owners, signs of life; and what a device says it can do.
+// Forces of clients: claims, owners, signs of life; and the reported force properties of a device.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,8 +72,8 @@ TEST_F(ForceClientsTest, OnlyTheFocusedOneThatClaimedItIsFelt) {
   table_.SetOwner(1);
   EXPECT_TRUE(table_.Take(1, Push(), kNow_ns));
   Claim(2);
-  EXPECT_FALSE(table_.Take(2, Push(), kNow_ns)) << "somebody else is focused";
-  EXPECT_FALSE(table_.Take(99, Push(), kNow_ns)) << "nobody knows it";
+  EXPECT_FALSE(table_.Take(2, Push(), kNow_ns)) << "another client is focused";
+  EXPECT_FALSE(table_.Take(99, Push(), kNow_ns)) << "unknown client";
   EXPECT_TRUE(table_.Command(kNow_ns, kNow_ns).open);
 }
 
@@ -128,7 +128,8 @@ TEST_F(ForceClientsTest, AMessageLosesTheTimeThatItIsLate) {
   table_.Take(1, Push(kNow_ns - 30 * kMs_ns, 40 * kMs_ns), kNow_ns);
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).force_end_ns, kNow_ns + 10 * kMs_ns);
   table_.Take(1, Push(kNow_ns + 1'000'000 * kMs_ns, 40 * kMs_ns), kNow_ns);
-  EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).force_end_ns, kNow_ns + 40 * kMs_ns) << "the future is now";
+  EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).force_end_ns, kNow_ns + 40 * kMs_ns)
+      << "a time in the future counts as now";
   table_.Take(1, Push(std::numeric_limits<std::int64_t>::min(), 40 * kMs_ns), kNow_ns);
   EXPECT_LT(table_.Command(kNow_ns, kNow_ns).force_end_ns, kNow_ns);
   table_.Take(1, Push(), kNow_ns);
@@ -166,7 +167,7 @@ TEST(ForceProperties, OfTheDeviceAsDrawn) {
   EXPECT_EQ(protocol::Problem(can), nullptr);
   EXPECT_EQ(can.available, 1U);
   EXPECT_DOUBLE_EQ(can.max_force_N, config.actuation.force_max_N);
-  EXPECT_LT(can.max_force_N, device.force_max_N) << "nobody has calibrated it";
+  EXPECT_LT(can.max_force_N, device.force_max_N) << "it is not calibrated";
   EXPECT_DOUBLE_EQ(can.update_rate_Hz, 1000);
   EXPECT_GE(can.inner_radius_m, device.hull_radius_m);
   EXPECT_GT(can.outer_radius_m, can.inner_radius_m);
@@ -188,7 +189,7 @@ TEST(ForceProperties, ReachFollowsTheTipThatWasMeasured) {
   EXPECT_NEAR(outer_m(), drawn_m - 1e-3, 1e-12) << "a longer pen's tip is nearer for the same magnet";
 }
 
-// At the continuous force, with the heat model run for an hour, no copper passes its aim.
+// At the continuous force, with the heat model run for an hour, no copper exceeds its target temperature.
 TEST(ForceProperties, TheContinuousForceCanBeHeld) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const loop::TickConfig config = loop::MakeTickConfig(device);

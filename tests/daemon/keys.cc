@@ -104,7 +104,7 @@ TEST(KeyDecoder, DroppedEventsAreSkippedAndTold) {
   EXPECT_FALSE(decoder.PopDropped());
 }
 
-// Random bytes: keys in range, sane times, counts that fit, whatever comes.
+// Random bytes: keys in range, sane times, consistent counts.
 TEST(KeyBook, GarbageLeavesCountsThatFit) {
   std::mt19937 random(4);
   KeyBook book({KEY_A, KEY_B, 0, KEY_MAX});
@@ -114,10 +114,10 @@ TEST(KeyBook, GarbageLeavesCountsThatFit) {
   for (int i = 0; i < 20'000; ++i) {
     now += random() % 2'000'000;
     const int device = static_cast<int>(random() % 3);
-    // Odd devices also send parts of events, after which all that they say is garbage.
+    // Odd devices also send parts of events, after which all of their data is garbage.
     std::vector<unsigned char> bytes(device % 2 == 1 ? random() % 100 : sizeof(input_event) * (random() % 4));
     for (unsigned char& byte : bytes) byte = static_cast<unsigned char>(random());
-    if (random() % 2 == 0) {  // sound events among it
+    if (random() % 2 == 0) {  // mixed with valid events
       const std::uint16_t codes[] = {KEY_A, KEY_B, KEY_MAX, 0, 0xFFFF, KEY_C};
       const auto event = Event(EV_KEY, codes[random() % 6], static_cast<std::int32_t>(random() % 4) - 1, now);
       const auto sound = Bytes({event, Event(EV_SYN, SYN_REPORT, 0, now)});
@@ -135,7 +135,7 @@ TEST(KeyBook, GarbageLeavesCountsThatFit) {
       ASSERT_LE(key.press_count - key.release_count, 1u);
     }
   }
-  EXPECT_GT(changes, 50u) << "or this test tests nothing";
+  EXPECT_GT(changes, 50u) << "else this test tests nothing";
 }
 
 TEST(KeyBook, AKeyOfTwoDevicesIsDownWhileOneHoldsIt) {
@@ -150,7 +150,7 @@ TEST(KeyBook, AKeyOfTwoDevicesIsDownWhileOneHoldsIt) {
   EXPECT_EQ(key.release_count, 1u);
   EXPECT_EQ(key.t_press_ns, 10);
   EXPECT_EQ(key.t_release_ns, 40);
-  EXPECT_FALSE(book.Set(0, KEY_B, true, 50)) << "nobody's key";
+  EXPECT_FALSE(book.Set(0, KEY_B, true, 50)) << "a key that is not mapped";
 }
 
 // Devices that are pipes; the test holds their other ends.
@@ -158,7 +158,7 @@ class PipePorts : public KeyPorts {
  public:
   struct State {
     std::mutex mutex;
-    std::map<std::string, int> writers;  // by path; what is not here is not there
+    std::map<std::string, int> writers;  // by path; other devices are absent
     std::map<std::string, bool> grabbed;
     std::string refusal;
     std::vector<bool> down;  // of all codes, after dropped events
@@ -261,7 +261,7 @@ TEST_F(KeyThreadTest, KeysArriveWithTheirTimes) {
   SendKey("/pedal", KEY_B, false);
   EXPECT_TRUE(Until([&] { return Key(1).release_count == 1; }));
   EXPECT_EQ(Key(0).press_count, 0u);
-  EXPECT_FALSE(pipes_.grabbed["/pedal"]) << "never unless asked";
+  EXPECT_FALSE(pipes_.grabbed["/pedal"]) << "only on request";
 }
 
 TEST_F(KeyThreadTest, UnpluggedReleasesAndComesBack) {
@@ -321,12 +321,12 @@ TEST_F(KeyThreadTest, ARefusalIsTold) {
   EXPECT_TRUE(Until([&] { return thread_->Status()[0].problem.empty() && thread_->Status()[0].paths == "/pedal"; }));
 }
 
-// The real thing, as far as it can be had without a device: what is no input device is refused with a remedy.
+// The real ports, as far as they can be tested without a device: other files are rejected with a remedy.
 TEST(EvdevPorts, WhatIsNoInputDeviceIsRefused) {
   const auto ports = MakeEvdevPorts();
   const auto null = ports->Open("/dev/null", false);
   ASSERT_FALSE(null.ok());
-  EXPECT_NE(null.error().find("/dev/null: is no input device"), std::string::npos) << null.error();
+  EXPECT_NE(null.error().find("/dev/null: is not an input device"), std::string::npos) << null.error();
   EXPECT_NE(ports->Open("/no/such/device", false).error().find("inputs.toml"), std::string::npos);
   EXPECT_TRUE(ports->Find({.path = "/no/such/device", .name_glob = {}, .grab = false}).empty());
   EXPECT_TRUE(ports->Find({.path = {}, .name_glob = "no device has this name", .grab = false}).empty());

@@ -1,4 +1,4 @@
-// How often a message is written that comes again and again.
+// How often a repeated message is written.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// omnid's options are looked at before anything starts.
+// omnid's options are checked before anything starts.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -18,7 +18,7 @@ TEST(DaemonOptions, TheDefaultsAndGoodFilesAreFine) {
   options.alignment_path = folder.Path("not/yet/alignments.toml");
   options.record_path = options.record_device_path = options.twin_record = folder.Path("fresh.csv");
   EXPECT_EQ(OptionsProblem(options), "");
-  EXPECT_FALSE(std::filesystem::exists(options.record_path)) << "only looked at";
+  EXPECT_FALSE(std::filesystem::exists(options.record_path)) << "only checked";
   options.record_path = "/dev/full";
   EXPECT_EQ(OptionsProblem(options), "");
 }

@@ -25,7 +25,7 @@ TEST(Owner, LastToBecomeFocusedOwns) {
   table.SetSession(1, SessionState::kFocused);
   table.SetSession(2, SessionState::kFocused);
   EXPECT_EQ(table.owner(), 2U);
-  table.SetSession(1, SessionState::kFocused);  // said again: it did not *become* focused
+  table.SetSession(1, SessionState::kFocused);  // repeated: it did not *become* focused
   EXPECT_EQ(table.owner(), 2U);
   table.SetSession(1, SessionState::kBegun);
   table.SetSession(1, SessionState::kFocused);

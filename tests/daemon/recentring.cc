@@ -1,4 +1,4 @@
-// BasePoses follow a space that is recentred, and believe only what recentring can be.
+// BasePoses follow a space that is recentred, and reject changes that recentring cannot cause.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ alignment::Rigid PoseOf(const protocol::WirePose& pose) {
   return {.orientation = {q[0], q[1], q[2], q[3]}, .position_m = {p[0], p[1], p[2]}};
 }
 
-// An alignment in LOCAL is stored, and client 1 has asked for it.
+// An alignment in LOCAL is stored, and client 1 has requested it.
 struct AlignedInLocal {
   AlignedInLocal() {
     EXPECT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
@@ -48,10 +48,10 @@ TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
     change.new_in_previous = {.position_m = {any(random), any(random), any(random)},
                               .orientation_wxyz = {std::cos(half_yaw), 0, std::sin(half_yaw), 0}};
     placements.Change(1, change, kNow_ns);
-    change.changes_at_ns += 3'000'000;  // another application's idea of the same time
+    change.changes_at_ns += 3'000'000;  // another application's estimate of the same time
     placements.Change(2, change, kNow_ns);
     listener.Listen(placements);
-    EXPECT_EQ(listener.told[1].size(), 1U) << "they know";
+    EXPECT_EQ(listener.told[1].size(), 1U) << "they moved the base themselves";
     BasePoses again(path);
     again.Ask(3, Request({kSpaceLocal}));
     listener.Listen(again);
@@ -66,7 +66,7 @@ TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
   }
 }
 
-// Nobody recentres a headset by 20 m: what an application says of that costs TRACKED, and moves nothing.
+// No person recentres a headset by 20 m: such a change clears TRACKED, and moves nothing.
 TEST(DaemonRecentring, WhatNoRecentringDoesMovesNothing) {
   AlignedInLocal aligned;
   Listener listener;
@@ -80,12 +80,12 @@ TEST(DaemonRecentring, WhatNoRecentringDoesMovesNothing) {
   EXPECT_EQ(moved_m, 0);
   EXPECT_FALSE(aligned.placements.Aligned(1));
   listener.Listen(aligned.placements);
-  EXPECT_EQ(listener.told[1].back().doubtful, 1U) << "who is connected hears of it";
+  EXPECT_EQ(listener.told[1].back().doubtful, 1U) << "connected clients are notified";
   aligned.placements.Change(1, Moved(1, kNow_ns + 5'000'000'000), kNow_ns + 5'000'000'000);
   EXPECT_EQ(aligned.placements.file().entries[0].recentred, 1) << "it hides no real recentring at the same time";
 }
 
-// The bound holds against the pose as measured: many steps lead no further than one.
+// The bound is relative to the measured pose: many steps lead no further than one.
 TEST(DaemonRecentring, ManyStepsLeadNoFurtherThanOne) {
   AlignedInLocal aligned;
   std::int64_t now_ns = kNow_ns;
@@ -98,7 +98,7 @@ TEST(DaemonRecentring, ManyStepsLeadNoFurtherThanOne) {
   EXPECT_TRUE(entry.doubtful);
 }
 
-// A space that tips over is none that OpenXR has.
+// Spaces of OpenXR do not tip over.
 TEST(DaemonRecentring, ATiltIsNoRecentring) {
   const auto doubtful_after = [](double angle_rad) {
     AlignedInLocal aligned;
@@ -134,7 +134,7 @@ TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
   ASSERT_TRUE(placements.Do(restore, kDate_s).ok);
   EXPECT_TRUE(placements.Aligned(1));
   listener.Listen(placements);
-  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.1) << "who is connected hears of it";
+  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.1) << "connected clients are notified";
   const config::AlignmentEntry entry = BasePoses(path).file().entries[0];
   EXPECT_EQ(entry.position_space_m.x, 0.1);
   EXPECT_EQ(entry.recentred, 0);
@@ -154,7 +154,7 @@ TEST(DaemonRecentring, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
   EXPECT_EQ(listener.told[2].back().known, 1U);
   EXPECT_EQ(listener.told[2].back().doubtful, 1U);
   ASSERT_TRUE(again.Do(Store(kSpaceLocal), kDate_s).ok);
-  EXPECT_TRUE(again.Aligned(2)) << "measured anew";
+  EXPECT_TRUE(again.Aligned(2)) << "measured again";
 }
 
 TEST(DaemonRecentring, OfOtherSpacesAndStrangersNothingFollows) {
@@ -167,7 +167,7 @@ TEST(DaemonRecentring, OfOtherSpacesAndStrangersNothingFollows) {
   change.changes_at_ns = 1;
   change.new_in_previous.position_m = {1, 2, 3};
   placements.Change(1, change, kNow_ns);   // LOCAL
-  placements.Change(99, change, kNow_ns);  // never asked
+  placements.Change(99, change, kNow_ns);  // sent no request
   EXPECT_EQ(placements.file().entries[0].recentred, 0);
   EXPECT_EQ(placements.file().entries[0].position_space_m.x, 0.1);
 }

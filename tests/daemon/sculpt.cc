@@ -1,5 +1,5 @@
-// The editor's thread: there only while it is needed, takes strokes, does what people ask for, and never pulls pages
-// from under a tick.
+// The sculpt thread: runs only while it is needed, applies strokes, executes requests, and never frees pages that a
+// tick reads.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 
@@ -52,7 +52,7 @@ std::shared_ptr<const haptics::Scene> Stone() {
   return std::make_shared<const haptics::Scene>(haptics::Built(haptics::SceneOf(haptics::Sphere(5, 0.02))));
 }
 
-// What the tick would send: the n-th lump pulled out at its top.
+// The messages of a tick that pulls the n-th lump out at its top.
 class Pull {
  public:
   Pull(const haptics::Scene& scene, std::uint32_t n, std::uint32_t stroke)
@@ -142,7 +142,7 @@ TEST_F(SculptThreadTest, IsThereOnlyWhileSomethingIsSculpted) {
     if (round % 4 == 0) {
       EXPECT_TRUE(InTime([&] { return !thread_.running(); }));
     }
-    EXPECT_EQ(scene.use_count(), 1) << "let go";
+    EXPECT_EQ(scene.use_count(), 1) << "it is released";
   }
 }
 
@@ -176,9 +176,9 @@ TEST_F(SculptThreadTest, WhileAStrokeIsOpenNothingIsTakenBackOrSaved) {
   }
   thread_.Leave(*scene);  // its end will not come
   EXPECT_EQ(Edits("stroke_open"), false);
-  EXPECT_EQ(Edits("strokes"), 1) << "what was done stays";
+  EXPECT_EQ(Edits("strokes"), 1) << "finished edits stay";
   EXPECT_GT(Top(*scene), kRadius_m + 0.0015);
-  EXPECT_TRUE(Request(SculptAction::kUndo).ok) << "also while nobody touches it";
+  EXPECT_TRUE(Request(SculptAction::kUndo).ok) << "also while the tick does not use it";
   EXPECT_LT(Top(*scene), kRadius_m + 1e-6);
 }
 
@@ -250,7 +250,7 @@ TEST_F(SculptThreadTest, ARefusedStrokeIsToldOnce) {
   ASSERT_TRUE(InTime([&] { return (problem = thread_.PopProblem()).has_value(); }));
   EXPECT_EQ(problem->client, 1U);
   EXPECT_NE(problem->text.find("lumps.glb: lump 0: sculpting: no surface"), std::string::npos) << problem->text;
-  Stroke(*scene, 0, 0.002);  // all before it were looked at
+  Stroke(*scene, 0, 0.002);  // all before it were handled
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(thread_.PopProblem());
 }
 
@@ -270,7 +270,7 @@ TEST_F(SculptThreadTest, MoreThanItCanHoldIsRefusedAtOnce) {
   EXPECT_LT(refused, 500U);
 }
 
-// Sanitizers watch. A tick that walks the surface all the time, while strokes come, are taken back, and the scene
+// Sanitizers watch. A tick that walks the surface all the time, while strokes are made and undone, and the scene
 // comes and goes.
 TEST_F(SculptThreadTest, TheTicksSurfaceIsWholeWhateverIsEdited) {
   const auto scene = Lumps(1);
@@ -308,7 +308,7 @@ TEST_F(SculptThreadTest, TheTicksSurfaceIsWholeWhateverIsEdited) {
       if (k % 3 == 0) Request(random.Uniform(0, 1) < 0.5 ? SculptAction::kUndo : SculptAction::kRedo);
     }
     EXPECT_TRUE(InTime([&] { return walks.load() > 3; }));
-    stop.store(true, std::memory_order_release);  // the tick has given the scene up ...
+    stop.store(true, std::memory_order_release);  // the tick no longer uses the scene ...
     tick.join();
     thread_.Leave(*scene);  // ... and only then this
     if (round % 3 == 0) Request(SculptAction::kUndo);

@@ -89,7 +89,7 @@ class ServiceTest : public testing::Test {
     service_.OnRequest(id, SessionOf(SessionState::kFocused), {});
   }
   nlohmann::json Status() { return nlohmann::json::parse(service_.StatusJson()); }
-  // Name of the scene's file that the tick has taken, "" for the empty one, "?" while it has not taken what is wanted.
+  // Name of the scene's file that the tick has taken, "" for the empty one, "?" while it still has another one.
   std::string InTheTick() {
     const nlohmann::json scene = Status()["scene"];
     if (scene["generation"] != loop_->statistics().scene_generation.load()) return "?";
@@ -124,7 +124,7 @@ TEST_F(ServiceTest, SceneIsBuiltSwappedInAndDroppedWithTheSession) {
   EXPECT_EQ(Status()["scene"]["triangles"], 0);
 }
 
-// The owner's mapping is in force, and the keys of whoever reads them reach the tick.
+// The owner's mapping is active, and keys reach the tick.
 TEST_F(ServiceTest, InputsAreThoseOfTheOwner) {
   EXPECT_EQ(Status()["inputs"]["mapping"]["menu"], nlohmann::json({"flick"}));
   Connect(1, "keys 1");
@@ -179,7 +179,7 @@ TEST_F(ServiceTest, VibrationsOfTheOwnerAreHandedToTheTick) {
   EXPECT_EQ(loop_->vibration().Read().id, id);
   shaped.waveform.append = 1;
   service_.OnRequest(1, shaped, {});
-  EXPECT_EQ(haptic().id, id) << "what is appended is no vibration of its own";
+  EXPECT_EQ(haptic().id, id) << "appended samples are not a new vibration";
   EXPECT_EQ(loop_->vibration().Read().count, 400U);
   service_.OnRequest(1, protocol::Haptic{.duration_ns = 500'000'000, .amplitude = 1}, {});
   EXPECT_EQ(haptic().kind, loop::VibrationKind::kTone);
@@ -244,7 +244,7 @@ TEST_F(ServiceTest, StatusSaysWhatIsThere) {
   }
   EXPECT_EQ(status["aligned"], false);
   EXPECT_EQ(status["device"]["name"], "quiet");
-  EXPECT_EQ(status["device"]["state"], "boot") << "it has said nothing of itself";
+  EXPECT_EQ(status["device"]["state"], "boot") << "it has not reported its state";
   service_.Detach("unplugged");
   EXPECT_EQ(Status()["device"]["absent"], "unplugged");
   EXPECT_TRUE(loop_->finished());

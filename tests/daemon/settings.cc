@@ -1,4 +1,4 @@
-// What an application's file in apps.d, and omnid's own options, tell the layer of that application.
+// The settings that a layer receives from its application's file in apps.d and from omnid's own options.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -44,7 +44,7 @@ class Omnid {
     info.socket_path = socket_path();
     client::Connection connection(info);
     const std::int64_t end_ns = base::MonotonicNow_ns() + 10'000'000'000;
-    // Nothing comes behind the settings: once they or a few periods have passed, all is known.
+    // The settings are the last message: after them, or a few periods, the result is known.
     for (int rounds = 0; rounds < 50 && base::MonotonicNow_ns() < end_ns; rounds += connection.connected()) {
       connection.Poll(base::MonotonicNow_ns());
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

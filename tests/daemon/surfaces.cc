@@ -1,4 +1,4 @@
-// Surfaces to draw: from what the tick says to what a client copies, and all of it over the socket.
+// Surfaces to draw: from the snapshot of the tick to the copy of a client, and all of it over the socket.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -80,7 +80,7 @@ class Drawing {
   SurfaceCopy copy;
 };
 
-// Readers take a surface without a time for one that is still to come: it gets one even if it never changes.
+// For readers a surface without a time is not there yet: it gets one even if it never changes.
 TEST(SurfacePoller, ASurfaceAtRestGetsItsTimeOnceTheTickIsThere) {
   for (const bool sculpted : {false, true}) {
     Scene scene = haptics::Built(ExtrudableInput());
@@ -195,7 +195,7 @@ TEST(SurfacePoller, ASculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
   EXPECT_GE(drawing.reader->object(0).triangle_capacity, drawing.copy.triangles.size());
 }
 
-// Who asks, who is told what, and when the thread lives.
+// Requests, notifications, and when the thread runs.
 class Notified {
  public:
   Notified()
@@ -232,7 +232,7 @@ TEST(SurfaceClients, NobodyAsksNothingRuns) {
   EXPECT_TRUE(told.messages.empty());
 }
 
-// The thread of the one before may not have ended: what that published would never be renewed.
+// The thread of the one before may not have ended: its memory would never be updated.
 TEST(SurfaceClients, ClientThatAsksAsTheLastOneLeavesGetsAMemoryOfItsOwn) {
   Notified told;
   told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
@@ -264,7 +264,7 @@ TEST(SurfaceClients, EachIsToldOnceAndAgainWhenTheMemoryIsAnother) {
   ASSERT_TRUE(told.Until(3));
   EXPECT_EQ(told.messages.back(), std::make_pair(ipc::ClientId{2}, std::uint64_t{1}));
   told.generation = 3;  // another scene
-  told.deaf = true;     // whose message does not go out at first
+  told.deaf = true;     // whose message cannot be sent at first
   for (int i = 0; i < 100; ++i) {
     told.clients.Update(told.scene, told.generation);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -353,7 +353,7 @@ class SurfacesOverTheSocket : public testing::Test {
 
 TEST_F(SurfacesOverTheSocket, AreAskedForShownChangedAndTakenBack) {
   const auto monitor = Connect("drawing", protocol::ClientRole::kMonitor);
-  monitor->RequestSurfaces(true);  // before there is a connection: asked when there is
+  monitor->RequestSurfaces(true);  // before there is a connection: sent once there is one
   ASSERT_TRUE(Until({monitor.get()}, [&] { return monitor->surfaces_answered(); })) << monitor->last_error();
   EXPECT_EQ(monitor->surfaces(), nullptr) << "no scene, nothing to draw";
 
@@ -372,7 +372,7 @@ TEST_F(SurfacesOverTheSocket, AreAskedForShownChangedAndTakenBack) {
   ASSERT_TRUE(
       Until({monitor.get(), clay.get()}, [&] { return first->Pulse(later) && later.looks >= early.looks + 10; }));
 
-  // The same memory again for who asks again.
+  // A repeated request gets the same memory.
   monitor->RequestSurfaces(true);
   ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] { return monitor->surfaces() != nullptr; }));
   EXPECT_EQ(monitor->surfaces()->memory_generation(), first->memory_generation());
@@ -389,7 +389,7 @@ TEST_F(SurfacesOverTheSocket, AreAskedForShownChangedAndTakenBack) {
   EXPECT_GT(monitor->surfaces()->memory_generation(), first->memory_generation());
   EXPECT_NE(first->Read(0, copy), SurfaceRead::kNothing);
 
-  // Nobody asks: the writer ends.
+  // No request: the writer ends.
   const auto last = monitor->surfaces();
   monitor->RequestSurfaces(false);
   EXPECT_EQ(monitor->surfaces(), nullptr);

@@ -1,4 +1,4 @@
-// What clients ask to vibrate, as it reaches the tick: replaced, appended, resampled, bounded.
+// Requested vibrations on their way to the tick: replaced, appended, resampled, bounded.
 #include "service/daemon/clients/vibration.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(DaemonVibration, ALaterEventReplacesTheEarlier) {
   vibration.Stop();
   EXPECT_FALSE(vibration.waveform().active);
   vibration.Shape(Pcm({0.5F}, 1000, true).haptic(), 1);
-  EXPECT_EQ(vibration.waveform().id, 4u) << "what was stopped does not go on";
+  EXPECT_EQ(vibration.waveform().id, 4u) << "a stopped vibration is not continued";
 }
 
 TEST(DaemonVibration, AppendedPcmGoesOnAtAnyRate) {

@@ -28,7 +28,7 @@ TEST(VirtualRun, AnotherSeedAFlippedCoilOrAnotherSceneChangesTheHash) {
   EXPECT_NE(hash, RunSeed(7, false, kTableTop_m + 1e-4).hash);
 }
 
-// What each field is worth: a change of its last bit alone is seen.
+// A change of the last bit of each field changes the hash.
 TEST(TickHash, SeesOneBitOfEveryPart) {
   const auto hash_of = [](const base::HallScan& scan, const loop::TickOutput& output) {
     daemon::TickHash hash;

@@ -1,4 +1,4 @@
-// What an ELF file's own headers say of the protection that its process gets. Nothing of it runs.
+// The protection that a process gets, according to the headers of its ELF file. The file is not run.
 #pragma once
 
 #include <set>

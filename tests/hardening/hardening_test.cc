@@ -1,5 +1,4 @@
-// Each program and library that we build for people has the protection that compiler and linker offer, read from the
-// files themselves.
+// Each program and library that we ship has the protections of compiler and linker, read from the files themselves.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +48,7 @@ TEST(Hardening, EveryFileChecksItsStackAndItsCopies) {
     const bool checks = std::any_of(file->imports.begin(), file->imports.end(), [](const std::string& name) {
       return name.starts_with("__") && name.ends_with("_chk");
     });
-    // printf and its kin have one for every call: plain ones are those of a library that is linked in.
+    // printf and its relatives have one for every call: plain ones belong to a library that is linked in.
     const bool prints = std::any_of(std::begin(kPrints), std::end(kPrints),
                                     [&](const char* name) { return file->imports.count(name) != 0; });
     EXPECT_TRUE(checks || !prints) << path;
@@ -58,7 +57,7 @@ TEST(Hardening, EveryFileChecksItsStackAndItsCopies) {
 }
 
 // Large frames step over a guard page unless each page is touched: seen in the code of the two programs that have such
-// frames, and asked of the compiler for every file.
+// frames, and checked in the compiler flags of every file.
 TEST(Hardening, EveryLargeFrameIsProbed) {
   for (const std::string& path : OurFiles()) {
     if (!path.ends_with("/bin/omnid") && !path.ends_with("/bin/omni")) continue;

@@ -18,7 +18,7 @@ namespace test_ipc_connection {
 
 using namespace test;
 
-// Listens like omnid, but says only what the test says.
+// Listens like omnid, but sends only what the test sends.
 class FakeServer {
  public:
   explicit FakeServer(const std::string& path) : listener_(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)) {
@@ -30,7 +30,7 @@ class FakeServer {
     pollfd wait{listener_.get(), POLLIN, 0};
     return ::poll(&wait, 1, 0) == 1;
   }
-  // Takes the connection that is waiting.
+  // Accepts the waiting connection.
   void Accept() {
     peer_.Reset(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
     EXPECT_TRUE(peer_);
@@ -69,7 +69,7 @@ int OpenDescriptors() {
   return static_cast<int>(std::distance(begin(entries), end(entries)));
 }
 
-// What the connection says after the server has answered its Hello with `answer`.
+// The last error of the connection after the server has answered its Hello with `answer`.
 std::string ErrorAfter(const std::function<void(FakeServer&)>& answer) {
   const TempFolder temp;
   FakeServer server(temp.Path("omnid.sock"));
@@ -196,7 +196,7 @@ TEST(Connection, NonsenseEndsTheConnectionOnly) {
   const std::string noise = ErrorAfter([](FakeServer& server) { server.Send(std::array<char, 20>{}); });
   EXPECT_NE(noise.find("magic"), std::string::npos) << noise;
   const std::string early = ErrorAfter([](FakeServer& server) { server.Send(protocol::Notice{}); });
-  EXPECT_NE(early.find("no place"), std::string::npos) << early;
+  EXPECT_NE(early.find("an unexpected message"), std::string::npos) << early;
   const std::string closed = ErrorAfter([](FakeServer& server) { server.Close(); });
   EXPECT_NE(closed.find("closed the connection"), std::string::npos) << closed;
 }
@@ -243,7 +243,7 @@ TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
   EXPECT_TRUE(connection.connected());
 }
 
-// Who may wait for a service's word on its device, and until when.
+// When and how long a client waits for the properties of the device.
 TEST(Connection, ForcePropertiesAreAwaitedOnlyFromAServiceThatWasReached) {
   const TempFolder temp;
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
@@ -259,10 +259,10 @@ TEST(Connection, ForcePropertiesAreAwaitedOnlyFromAServiceThatWasReached) {
   server.Send(WelcomeOf(1), {publisher->fd(), life.get()});
   connection.Poll(5'000'001);
   ASSERT_TRUE(connection.connected()) << connection.last_error();
-  EXPECT_TRUE(connection.awaits_force_properties()) << "welcomed, nothing said of a device";
+  EXPECT_TRUE(connection.awaits_force_properties()) << "welcomed, no properties yet";
   server.Send(protocol::ForceProperties{});
   connection.Poll(5'000'002);
-  EXPECT_FALSE(connection.awaits_force_properties()) << "it has no device, and has said so";
+  EXPECT_FALSE(connection.awaits_force_properties()) << "it has reported that there is no device";
   server.Close();
   connection.Poll(5'000'003);
   EXPECT_FALSE(connection.awaits_force_properties());
@@ -289,7 +289,7 @@ TEST(Connection, APrivilegedProcessTakesNoPathFromTheEnvironment) {
   EXPECT_FALSE(service.handler.ClientCount() > 2);
 }
 
-// A connection that has asked for surfaces, and what it makes of an answer.
+// A connection that has requested surfaces, and its reaction to an answer.
 struct RequestingSurfaces {
   RequestingSurfaces() : server(temp.Path("omnid.sock")), connection(InfoFor(temp.Path("omnid.sock"), "touch")) {
     connection.RequestSurfaces(true);
@@ -331,7 +331,7 @@ TEST(Connection, TakesSurfacesAndTheirSuccessors) {
   asking.Answer(second->bytes(), 2, {second->fd()});
   ASSERT_NE(asking.connection.surfaces(), nullptr);
   EXPECT_EQ(asking.connection.surfaces()->memory_generation(), 2u);
-  EXPECT_EQ(kept->memory_generation(), 1u) << "what was taken before stays";
+  EXPECT_EQ(kept->memory_generation(), 1u) << "the earlier memory stays";
   asking.connection.RequestSurfaces(false);
   asking.Answer(second->bytes(), 2, {second->fd()});
   EXPECT_EQ(asking.connection.surfaces(), nullptr) << "an answer that comes too late";

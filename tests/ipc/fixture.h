@@ -1,4 +1,4 @@
-// A control server with a handler that remembers, and clients of every kind to talk to it.
+// A control server with a handler that records calls, and clients of every kind.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -199,7 +199,7 @@ inline bool PollUntilConnected(client::Connection& connection) {
   });
 }
 
-// A client that speaks bytes: for everything that Connection would never say.
+// A client that sends raw bytes: for everything that Connection would never send.
 class RawClient {
  public:
   explicit RawClient(const std::string& path)

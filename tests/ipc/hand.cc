@@ -1,4 +1,4 @@
-// The socket on which the twin's hand is led: who may lead, what is taken, what happens to the rest.
+// The socket that moves the twin's hand: who may lead, what is accepted, what happens to the rest.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -48,12 +48,12 @@ TEST(HandListener, TheNewestAimCounts) {
   EXPECT_FALSE(listener->Poll());
   HandLink link(folder.Path("hand.sock"));
   ASSERT_TRUE(link.Connect()) << link.problem();
-  EXPECT_FALSE(listener->Poll()) << "nothing was said yet";
+  EXPECT_FALSE(listener->Poll()) << "no aim was sent yet";
   for (const double x_m : {0.01, 0.02, 0.03}) EXPECT_TRUE(link.Send(AimAt(x_m)));
   const auto aim = listener->Poll();
   ASSERT_TRUE(aim);
   EXPECT_EQ(aim->tip_base_m[0], 0.03);
-  EXPECT_FALSE(listener->Poll()) << "an aim is told once";
+  EXPECT_FALSE(listener->Poll()) << "an aim is returned once";
 }
 
 TEST(HandListener, ReadsABoundedNumberAtATime) {
@@ -109,7 +109,7 @@ TEST(HandListener, ReplacesADeadSocketButNoLivingOneAndNoFile) {
   EXPECT_TRUE(link.Send(AimAt(0.02)));
   EXPECT_TRUE(listener->Poll()) << "the attempt did not take the lead";
   std::ofstream(folder.Path("precious")) << "text";
-  EXPECT_NE(ErrorOf(folder.Path("precious")).find("no socket"), std::string::npos);
+  EXPECT_NE(ErrorOf(folder.Path("precious")).find("not a socket"), std::string::npos);
   EXPECT_EQ(std::filesystem::file_size(folder.Path("precious")), 4U);
 }
 
@@ -146,7 +146,7 @@ TEST(HandListener, CutsOffWhoSendsAnythingElse) {
   HandLink link(folder.Path("hand.sock"));
   ASSERT_TRUE(link.Connect());
   ASSERT_TRUE(link.Send(AimAt(0.01)));
-  EXPECT_TRUE(listener->Poll()) << "others are not harmed";
+  EXPECT_TRUE(listener->Poll()) << "others are not affected";
 }
 
 TEST(HandLink, NoticesThatTheTwinHasGone) {
@@ -164,7 +164,7 @@ TEST(HandLink, NoticesThatTheTwinHasGone) {
   EXPECT_NE(link.problem().find("--twin-hand"), std::string::npos) << link.problem();
 }
 
-// A twin that does not read: aims are lost, nobody waits.
+// A twin that does not read: aims are lost, the sender does not wait.
 TEST(HandLink, NeverWaits) {
   const TempFolder folder;
   const auto listener = Opened(folder.Path("hand.sock"));

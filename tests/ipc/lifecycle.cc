@@ -52,7 +52,7 @@ TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
   const TempFolder temp;
   auto service = std::make_unique<Service>(temp.Path("omnid.sock"), 1);
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
-  connection.SendSession(SessionState::kFocused);  // said while nobody listens
+  connection.SendSession(SessionState::kFocused);  // before there is a service
   ASSERT_TRUE(PollUntilConnected(connection));
   ASSERT_TRUE(Eventually([&] { return service->handler.Sessions().size() == 1; }));
   const auto old_state = connection.state();
@@ -69,7 +69,7 @@ TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
   EXPECT_FALSE(connection.Send(protocol::HapticStop{}));
   connection.Beat();
   protocol::ToolSample seen;
-  EXPECT_TRUE(old_state->Newest(seen)) << "a reader that somebody holds stays readable";
+  EXPECT_TRUE(old_state->Newest(seen)) << "a reader that is still held stays readable";
   EXPECT_NE(connection.last_error(), "");
 
   service = std::make_unique<Service>(temp.Path("omnid.sock"), 2);

@@ -72,7 +72,7 @@ TEST(Listener, ADeadOmnidsSocketIsReplaced) {
 TEST(Listener, NeverRemovesWhatIsNoSocket) {
   const TempFolder temp;
   std::ofstream(temp.Path("omnid.sock")) << "precious";
-  EXPECT_NE(ErrorOf(temp.Path("omnid.sock")).find("is no socket"), std::string::npos);
+  EXPECT_NE(ErrorOf(temp.Path("omnid.sock")).find("is not a socket"), std::string::npos);
   EXPECT_EQ(std::filesystem::file_size(temp.Path("omnid.sock")), 8u);
 }
 

@@ -45,7 +45,7 @@ TEST(Server, HandsOnSessionAndHaptics) {
   EXPECT_FALSE(connection.SendHaptic(1, 1, 1));
   ASSERT_TRUE(PollUntilConnected(connection));
   EXPECT_TRUE(connection.SendSession(SessionState::kFocused));
-  EXPECT_TRUE(connection.SendHaptic(-500, 7.0f, -3.0f));  // an app's wild values are brought into range
+  EXPECT_TRUE(connection.SendHaptic(-500, 7.0f, -3.0f));  // values out of range are clamped
   EXPECT_FALSE(connection.SendHaptic(1, std::numeric_limits<float>::quiet_NaN(), 0));
   EXPECT_TRUE(connection.Send(protocol::HapticStop{}));
   ASSERT_TRUE(Eventually([&] { return service.handler.Stops() == 1; }));
@@ -133,18 +133,18 @@ TEST(Server, AMessageOfAnotherRoleIsRefused) {
   };
   protocol::SpaceChange change;
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, protocol::Session{}),
-            "Session: only an application sends it, not a monitor; say Hello as an application");
+            "Session: only an application may send it, not a monitor; connect as an application");
   EXPECT_EQ(reason_of(protocol::ClientRole::kTool, protocol::ForceStop{}),
-            "ForceStop: only an application sends it, not a tool; say Hello as an application");
+            "ForceStop: only an application may send it, not a tool; connect as an application");
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, change),
-            "SpaceChange: only an application sends it, not a monitor; say Hello as an application");
+            "SpaceChange: only an application may send it, not a monitor; connect as an application");
   protocol::BasePoseCommand command;
   EXPECT_EQ(reason_of(protocol::ClientRole::kApplication, command),
-            "BasePoseCommand: only a tool sends it, not an application; say Hello as a tool");
+            "BasePoseCommand: only a tool may send it, not an application; connect as a tool");
   protocol::HapticSceneEnd end;
   end.number = 1;
   EXPECT_EQ(reason_of(protocol::ClientRole::kMonitor, end),
-            "HapticSceneEnd: only an application sends it, not a monitor; say Hello as an application");
+            "HapticSceneEnd: only an application may send it, not a monitor; connect as an application");
 }
 
 // A descriptor that no row of the table has, and one that is missing.
@@ -156,7 +156,7 @@ TEST(Server, DescriptorsAreThoseOfTheTable) {
   const protocol::Session session;
   const int fd = with.fd();
   ASSERT_EQ(protocol::SendPacket(with.fd(), &session, sizeof(session), &fd, 1), protocol::SendResult::kSent);
-  EXPECT_EQ(with.RejectReason(), "Session: a packet with descriptors that its message does not have");
+  EXPECT_EQ(with.RejectReason(), "Session: comes with descriptors, must have none");
   protocol::HapticSceneLoad load;
   load.number = 1;
   load.bytes = 10;
@@ -246,7 +246,7 @@ TEST(Server, ManySilentConnectionsDoNotPileUp) {
   silent.reserve(32);
   for (int i = 0; i < 32; ++i) silent.push_back(std::make_unique<RawClient>(temp.Path("omnid.sock")));
   RawClient next(temp.Path("omnid.sock"));
-  EXPECT_NE(next.RejectReason().find("have not said Hello"), std::string::npos);
+  EXPECT_NE(next.RejectReason().find("have not sent Hello"), std::string::npos);
 }
 
 TEST(Server, AClientThatDoesNotReadLosesMessagesOnly) {
@@ -318,7 +318,7 @@ TEST(Server, ChecksItsOptions) {
   EXPECT_EQ(error_of(), "opened");
 }
 
-// Needs root, who alone can become somebody else and open the way for him.
+// Needs root, to become another user and to open the folder to that user.
 TEST(Server, AnotherUserIsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root to become another user";
   const TempFolder temp;

@@ -142,7 +142,7 @@ struct HostileMemory {
   std::shared_ptr<const StateReader> reader;
 };
 
-// Whatever is there: reads end, and what they yield is in range.
+// Whatever the memory holds: reads end, and yield only values in range.
 void ReadAll(const StateReader& reader, std::mt19937_64& random) {
   ToolSample a;
   ToolSample b;

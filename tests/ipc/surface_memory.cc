@@ -152,7 +152,7 @@ TEST(SurfacePublisher, RefusesWhatReadersWould) {
   EXPECT_EQ(reader->Read(1, copy), SurfaceRead::kNothing);
 }
 
-// What one memory said is nothing to another one: changes count from 1 in each.
+// Changes of one memory mean nothing in another: they count from 1 in each.
 TEST(SurfaceReader, AnotherMemoryStartsAnew) {
   const auto first = PublisherOf({kSoftPlan});
   const auto second = PublisherOf({kSoftPlan}, {.service_instance = 42, .memory_generation = 2});

@@ -81,7 +81,7 @@ TEST(SurfaceReaderProperty, NoMixtureUnderAWriterAtFullSpeed) {
   writer.join();
   EXPECT_EQ(refused, 0);
   EXPECT_GT(whole, 0);
-  // And with the writer at rest the newest is there.
+  // And once the writer rests, the newest one is read.
   reader->Read(0, copy);
   EXPECT_EQ(reader->Read(0, copy), SurfaceRead::kUnchanged);
   ExpectOneGeneration(copy);
@@ -125,7 +125,7 @@ void ExpectDrawable(const SurfaceReader& reader, std::size_t object, SurfaceCopy
   ASSERT_TRUE(protocol::InRange(copy.triangles, static_cast<std::uint32_t>(copy.vertices_base_m.size())));
 }
 
-// The writer has come round to the buffer that was copied: three publications later, not two.
+// The writer has reused the buffer that was copied: three publications later, not two.
 TEST(SurfaceReaderProperty, OvertakenReadsAreGivenUp) {
   const HostileSurfaces hostile;
   ASSERT_NE(hostile.reader, nullptr);

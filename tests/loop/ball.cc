@@ -26,7 +26,7 @@ haptics::Scene CubeForABall() {
   return std::move(haptics::BuildScene(input, report).value());
 }
 
-// From over the cube down, and around its four upper edges; the pen is wanted this far inside of its sides and its top.
+// From over the cube down, and around its four upper edges; the pen aims this far inside of its sides and its top.
 sim::HandScript AroundTheUpperEdges(double inset_m, double down_m) {
   sim::HandScript script;
   script.name = "around the upper edges";
@@ -62,7 +62,7 @@ base::Vec3 CentreOf(const haptics::State& state) {
   return contact.active ? contact.held_m : state.last_device_point_base_m;
 }
 
-// On the rim itself the ball has to roll most; far inside, the tip comes near to other faces than that it came through.
+// On the rim itself the ball has to roll most; far inside, the tip comes near to faces that it did not come through.
 TEST(LoopBall, LedAroundEdgesTheTipIsNeverPushedDeeper) {
   const haptics::Scene cube = CubeForABall();
   for (const auto& [inset_m, down_m] : {std::pair{0.0, 0.001}, {0.001, 0.005}}) {

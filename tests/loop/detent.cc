@@ -1,4 +1,4 @@
-// What is felt of a detent click.
+// The rendered pulse of a detent click.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -123,7 +123,7 @@ TEST(LoopForce, DeviceFaultEndsIt) {
   EXPECT_FALSE(push.story.output.applied.acts);
 }
 
-// The twin's hand holds the pen by a spring: a constraint draws it towards its point, and it stays calm there.
+// The twin's hand holds the pen by a spring: a constraint pulls it towards its point, and it does not oscillate there.
 TEST(LoopForce, AConstraintDrawsTheHandAndStaysCalm) {
   PushScenario push(4.0);
   push.Run(800);
@@ -140,9 +140,9 @@ TEST(LoopForce, AConstraintDrawsTheHandAndStaysCalm) {
     highest = std::max(highest, push.story.output.tool.device_point_base_m.z);
     lowest = std::min(lowest, push.story.output.tool.device_point_base_m.z);
   }
-  EXPECT_GT(0.5 * (highest + lowest), rest.z + 0.0003) << "it was drawn upwards";
-  EXPECT_LT(highest - lowest, 0.001) << "and does not swing";
-  EXPECT_TRUE(push.story.output.applied.stiffness_limited) << "5000 N/m are not to be had";
+  EXPECT_GT(0.5 * (highest + lowest), rest.z + 0.0003) << "it was pulled upwards";
+  EXPECT_LT(highest - lowest, 0.001) << "and does not oscillate";
+  EXPECT_TRUE(push.story.output.applied.stiffness_limited) << "5000 N/m are not possible";
   EXPECT_EQ(push.story.output.applied.energy_gain, 1);
 }
 

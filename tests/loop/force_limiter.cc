@@ -42,7 +42,7 @@ TEST(ForceLimiter, WhatIsWithinReachIsNotTouched) {
   EXPECT_EQ(LimitForce(Limit(), wanted, state), wanted) << "bit by bit";
 }
 
-// The size alone would not tell: a force that turns leaves the way to zero sideways.
+// A limit on the magnitude alone would miss this: a turning force leaves the segment to zero sideways.
 TEST(ForceLimiter, AForceThatTurnsIsLimitedToo) {
   ForceLimiterState state{{1.5, 0, 0}};
   base::Vec3 f = LimitForce(Limit(), {0, 1.5, 0}, state);
@@ -91,7 +91,7 @@ TEST(ForceLimiter, AHoleAllowsNoMoreThanATick) {
   }
 }
 
-// Whatever is asked in whatever order: within the limit, and no further than the rise from the way to zero.
+// Any requests in any order: within the limit, and no further than the rise from the segment to zero.
 TEST(ForceLimiter, HoldsOverRandomRequests) {
   sim::Random random(5);
   ForceLimiterState state;

@@ -156,7 +156,7 @@ TEST(Gestures, HoveringAtASurfaceIsNoTap) {
   }
   std::printf("hovering -0.3 to 0.6 mm over a surface: %d taps in %.0f s (%d presses)\n", taps, seconds, touches);
   EXPECT_EQ(taps, 0);
-  EXPECT_GT(touches, 100) << "or this test tests nothing";
+  EXPECT_GT(touches, 100) << "else this test tests nothing";
 }
 
 TEST(Gestures, TracingIsNoTap) {
@@ -257,7 +257,7 @@ TEST(Gestures, DetentNeedsTheForceAndItsHysteresis) {
   }
 }
 
-// The pen put down, taken up, and taken away.
+// The pen is put down, picked up, and taken away.
 TEST(Gestures, AwayIsStillOrUnseenOrFar) {
   InputTracker tracker;
   const base::InputMapping mapping = base::DefaultMapping();
@@ -278,7 +278,7 @@ TEST(Gestures, AwayIsStillOrUnseenOrFar) {
   EXPECT_FALSE(run(60, true, {0, 0, 0.05}, 0.004)) << "a hand moves";
   EXPECT_FALSE(run(15, true, {0.02, 0, 0.05}, 0));
   EXPECT_TRUE(run(10, true, {0.02, 0, 0.05}, 0)) << "lies still";
-  EXPECT_FALSE(run(0.1, true, {0.03, 0, 0.05}, 0.004)) << "taken up";
+  EXPECT_FALSE(run(0.1, true, {0.03, 0, 0.05}, 0.004)) << "picked up";
   EXPECT_FALSE(run(1.5, false, {0.03, 0, 0.05}, 0));
   EXPECT_TRUE(run(1, false, {0.03, 0, 0.05}, 0)) << "not seen";
   EXPECT_FALSE(run(0.1, true, {0.03, 0, 0.05}, 0.004)) << "back";

@@ -114,7 +114,7 @@ TEST(GestureScenario, PressingHardClicksOnceAndIsFelt) {
     }
   }
   EXPECT_EQ(clicks, 1);
-  EXPECT_GT(felt_N, 0.08) << "the surface gives way, in what the coils are told";
+  EXPECT_GT(felt_N, 0.08) << "the surface yields, in the commanded force";
   const base::InputValue& squeeze =
       story.output.inputs.components[static_cast<std::size_t>(base::InputComponent::kSqueeze)];
   EXPECT_EQ(squeeze.press_count, 1U);

@@ -101,7 +101,7 @@ TEST(Inputs, NotFiniteReadsAsRest) {
   EXPECT_EQ(Get(tracker, InputComponent::kSelect).value, 0);
 }
 
-// A mapping that hears one key only.
+// A mapping of one key only.
 base::InputMapping KeyMapping(int slot, InputComponent component) {
   base::InputMapping mapping;
   mapping.at(component).plus = base::KeyBit(slot);
@@ -167,7 +167,7 @@ TEST_F(Keys, EveryPressBetweenTicksCounts) {
 TEST_F(Keys, WhatIsTypedForOthersIsNotHeard) {
   const base::InputMapping mapping = KeyMapping(0, InputComponent::kSecondary);
   Press(10);
-  EXPECT_EQ(Tick(mapping, 1'000'000, false).value, 0) << "nobody owns the force";
+  EXPECT_EQ(Tick(mapping, 1'000'000, false).value, 0) << "no application owns the force";
   EXPECT_EQ(Tick(mapping, 2'000'000).value, 0) << "held since before: not a press for the new owner";
   Release(20);
   Press(30);

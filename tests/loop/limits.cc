@@ -1,4 +1,4 @@
-// Whatever comes: the force that the currents really make, by the twin's fields, stays within what the device may,
+// For any input: the force that the currents really make, by the twin's fields, stays within the device's limit,
 // rises no faster than the tick allows, and is zero on any doubt.
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ constexpr double kRise_N_s = 850;
 constexpr double kModelTolerance = 0.01;  // of the tick's fields against the twin's
 constexpr int kBridgeTicks = 12;          // a pose may be held for ten scans
 
-// How far `force` is from the way that `from` has to zero: what is left of it by falling alone.
+// Distance of `force` from the segment between `from` and zero, which falling alone can reach.
 double Growth_N(const base::Vec3& force, const base::Vec3& from) {
   const double size2 = Dot(from, from);
   const double share = size2 > 0 ? std::clamp(Dot(force, from) / size2, 0.0, 1.0) : 0.0;

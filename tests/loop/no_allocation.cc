@@ -1,4 +1,4 @@
-// The tick is quiet: no heap call in idle, contact, friction, scene swap, tracking loss and cold start.
+// The tick never allocates: no heap call in idle, contact, friction, scene swap, tracking loss and cold start.
 #include <gtest/gtest.h>
 
 #include <memory>

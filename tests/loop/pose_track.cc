@@ -1,4 +1,4 @@
-// Poses that an application gives now and then, followed tick by tick: continuous, bounded in speed, at rest when
+// Poses that an application sends now and then, followed tick by tick: continuous, bounded in speed, at rest when
 // stale.
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TEST(PoseTrack, FollowsAMotionThatIsToldNinetyTimesASecond) {
               1e3 * error_rad);
 }
 
-// Whatever is said and whenever: no step of position in a tick but a leap, and none faster than the bound allows.
+// Any samples at any time: no step of position in a tick but a leap, and none faster than the bound allows.
 TEST(PoseTrack, RandomSamplesGiveAContinuousBoundedPath) {
   std::mt19937_64 random(77);
   const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
@@ -114,7 +114,7 @@ TEST(PoseTrack, FarOrFlaggedIsAnotherPlace) {
   sample.position_m = {0.2, 0, 0};
   EXPECT_TRUE(Follow(sample, 0, track));
   EXPECT_EQ(PoseAt(track, 0).position_m, sample.position_m);
-  EXPECT_FALSE(Follow(sample, kMs, track)) << "it is known";
+  EXPECT_FALSE(Follow(sample, kMs, track)) << "it is not new";
   sample.number = 2;
   sample.position_m.x = 0.201;
   EXPECT_FALSE(Follow(sample, 20 * kMs, track));

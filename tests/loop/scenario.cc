@@ -39,7 +39,7 @@ TEST(LoopScenario, ThePenIsFoundTouchesAndIsPushedBack) {
   EXPECT_EQ(select.press_count, select.release_count);
 }
 
-// A hand holds the pen still, first above the table and then on it. Only in the air may it be taken for one at rest.
+// A hand holds the pen still, first above the table and then on it. Only in the air may it be classified as at rest.
 TEST(LoopScenario, APenThatIsPushedIsNotTakenForOneAtRest) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario story(PressAndSlide(), 2.3);
@@ -159,7 +159,7 @@ TEST(LoopScenario, SceneSwapRampsThroughZero) {
   }
   EXPECT_TRUE(asked);
   EXPECT_TRUE(through_zero);
-  EXPECT_GT(story.force_N(), 0.05);  // the second table is felt
+  EXPECT_GT(story.force_N(), 0.05);  // the second table is rendered
 }
 
 TEST(LoopScenario, PenTakenAwayMeansZeroAndItComesBack) {

@@ -61,7 +61,7 @@ TEST(SceneMemory, TheCarWaitsWithItsLap) {
   EXPECT_EQ(car.heading_rad, 1);
   EXPECT_EQ(car.velocity_base_m_s.x, 0);
   EXPECT_EQ(car.yaw_rate_rad_s, 0);
-  EXPECT_LT(car.pulses[0].time_s, 0) << "no hit goes on";
+  EXPECT_LT(car.pulses[0].time_s, 0) << "no pulse of a hit continues";
   EXPECT_TRUE(car.lap.running);
   EXPECT_EQ(car.lap.next, 2U);
   EXPECT_EQ(car.lap.laps, 3U);
@@ -73,7 +73,7 @@ TEST(SceneMemory, TheOneThatWasLeftFirstIsForgotten) {
   for (std::uint64_t build = 1; build <= kRememberedScenes; ++build) {
     memory->Keep(build, *Formed(1e-3 * static_cast<double>(build), haptics::ExtrudePhase::kFree));
   }
-  memory->Keep(1, *Formed(0.009, haptics::ExtrudePhase::kFree));  // seen again: now it is the youngest
+  memory->Keep(1, *Formed(0.009, haptics::ExtrudePhase::kFree));  // kept again: now it is the newest
   memory->Keep(50, *Formed(0.005, haptics::ExtrudePhase::kFree));
   EXPECT_EQ(Recalled(*memory, 1)->regions[3].offset_m, 0.009);
   EXPECT_EQ(Recalled(*memory, 2)->regions[3].offset_m, 0);

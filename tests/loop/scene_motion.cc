@@ -1,4 +1,4 @@
-// What an application says of its scene, as the tick takes it.
+// Poses that an application sets in its scene, as the tick follows them.
 #include <gtest/gtest.h>
 
 #include "service/haptics/contact/frame.h"
@@ -31,7 +31,7 @@ PoseSample Sample(haptics::Random& random, std::int64_t t_ns, std::uint64_t numb
   return sample;
 }
 
-// Told of the scene's origin, followed about the body's middle: at the sample's time every point is where it was said.
+// Given for the scene's origin, followed about the body's middle: at the sample's time every point is in its place.
 TEST(SceneMotion, ArrivesWhereItWasSaid) {
   const haptics::Scene scene = TwoBlocks();
   haptics::Random random(91);
@@ -41,7 +41,7 @@ TEST(SceneMotion, ArrivesWhereItWasSaid) {
     SceneNow now;
     control.object_count = 2;
     FollowScene(control, scene, 0, state, now);
-    ASSERT_EQ(now.object_count, 0U) << "nothing was said of them yet";
+    ASSERT_EQ(now.object_count, 0U) << "they have no samples yet";
     control.placement = Sample(random, 60 * kMs, 1);
     for (std::uint32_t i = 0; i < 2; ++i) {
       control.objects[i] = {.object = 1 - i, .pose = Sample(random, 60 * kMs, 2 + i)};
@@ -65,7 +65,7 @@ TEST(SceneMotion, ArrivesWhereItWasSaid) {
   }
 }
 
-// What was said before the scene is felt is where it starts.
+// Poses that are set before the scene is active are where it starts.
 TEST(SceneMotion, ASceneThatIsEnteredStartsWhereItIs) {
   const haptics::Scene scene = TwoBlocks();
   haptics::Random random(92);

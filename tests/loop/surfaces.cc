@@ -1,4 +1,4 @@
-// Snapshots for drawing: quiet, seldom, and only while somebody reads.
+// Snapshots for drawing: without allocations, seldom, and only while a client reads.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -82,7 +82,7 @@ TEST(SurfaceSnapshots, AreWrittenOnlyWhileSomebodyReads) {
     while (loop.statistics().timeouts.load() < waits + 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   run_to(50);
-  EXPECT_EQ(loop.surfaces().Read().t_ns, 0) << "nobody asked";
+  EXPECT_EQ(loop.surfaces().Read().t_ns, 0) << "no request";
   loop.WantSurfaces(true);
   std::int64_t last_ns = 0;
   int written = 0;

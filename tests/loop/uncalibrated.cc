@@ -1,5 +1,5 @@
-// A base that nobody has calibrated: sensors, windings, magnet, core and hull as a workshop leaves them, while the tick
-// takes it for the one that was drawn. However hard it is asked to push, the pen feels no more than the device may do.
+// An uncalibrated base: sensors, windings, magnet, core and hull have manufacturing tolerances, while the tick assumes
+// the nominal geometry. Whatever force is requested, the true force on the pen stays within the device's limit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace test_loop_uncalibrated {
 
 constexpr double kForceMax_N = 2;
 constexpr int kPoses = 8, kTicks = 210, kFoundTicks = 30, kPushTicks = 60;
-constexpr double kBeyondHull_m = 0.012;  // farther out the coils cannot make 2 N
+constexpr double kBeyondHull_m = 0.012;  // further out the coils cannot make 2 N
 
 // What sensors do not see at once. Standard deviations: service/calibration/fit/options.h, which measures such bases.
 base::DeviceGeometry TolerancedDevice(sim::Random& random) {
@@ -29,8 +29,8 @@ base::DeviceGeometry TolerancedDevice(sim::Random& random) {
   return device;
 }
 
-// 1 mm, 1.5 % and 1.15 deg of the sensors times `share`. A base that has all of them is hardly ever tracked, and what
-// is not tracked is not pushed: those that are close enough to be tracked are the dangerous ones.
+// 1 mm, 1.5 % and 1.15 deg of the sensors times `share`. A base that has all of them is almost never tracked, and
+// without tracking there is no force: those that are close enough to be tracked are the dangerous ones.
 sim::ImperfectionSizes SculptSessionSizes(double share) {
   sim::ImperfectionSizes sizes = sim::UncalibratedImperfections();
   sizes.sensor_position_m *= share;
@@ -45,7 +45,7 @@ struct Pushed {
   double commanded_N = 0, true_N = 0;
 };
 
-// Asks for 30 N in one direction after another; the pen is held still, the gate is open.
+// Requests 30 N in one direction after another; the pen is held still, the gate is open.
 void PushAt(const loop::TickConfig& config, sim::Rig& rig, const sim::MagnetPose& pose, sim::Random& random,
             Pushed& pushed) {
   const haptics::Scene nothing;
@@ -93,8 +93,9 @@ TEST(LoopUncalibrated, TheTrueForceStaysWithinWhatTheDeviceMayDo) {
   int driven = 0;
   for (const double share : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0}) {
     const Pushed pushed = PushTolerancedBases(share, 50);
-    std::printf("%3.0f %% of a workshop's tolerances: driven in %2.0f %% of %d ticks, commanded %.3f N, true %.3f N\n",
-                100 * share, 100.0 * pushed.driven / pushed.ticks, pushed.ticks, pushed.commanded_N, pushed.true_N);
+    std::printf(
+        "%3.0f %% of the manufacturing tolerances: driven in %2.0f %% of %d ticks, commanded %.3f N, true %.3f N\n",
+        100 * share, 100.0 * pushed.driven / pushed.ticks, pushed.ticks, pushed.commanded_N, pushed.true_N);
     EXPECT_LE(pushed.true_N, kForceMax_N) << share;
     driven += pushed.driven;
   }

@@ -1,4 +1,4 @@
-// Vibrations in the tick: the commanded force is what was asked for, sample by sample, and never over its limit.
+// Vibrations in the tick: the commanded force is the requested one, sample by sample, and never over its limit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -76,7 +76,7 @@ TEST(Vibration, PcmGoesOnWithWhatIsAppendedAndWaitsForIt) {
   EXPECT_EQ(VibrationForce_N(config, Pcm(), samples.get(), kTick_s, state), 0.5);
   EXPECT_EQ(VibrationForce_N(config, Pcm(), samples.get(), kTick_s, state), 0.25);
   EXPECT_EQ(VibrationForce_N(config, Pcm(), samples.get(), kTick_s, state), 0);
-  samples->first = 1;  // the first is done with; one more has come
+  samples->first = 1;  // the first was played; one more was appended
   samples->values[0] = 0.25F;
   samples->values[1] = -0.75F;
   EXPECT_EQ(VibrationForce_N(config, Pcm(), samples.get(), kTick_s, state), -0.75);
@@ -129,7 +129,7 @@ TEST(Vibration, ShortestEnvelopeAndNoneAtAll) {
   EXPECT_EQ(VibrationForce_N(config, Envelope(0), samples.get(), kTick_s, other), 0);
 }
 
-// Whatever stands in the samples and the request: a force within +- force_N.
+// For any samples and requests: a force within +- force_N.
 TEST(Vibration, NeverOverItsForce) {
   const VibrationConfig config;
   std::mt19937_64 random(9);
@@ -153,7 +153,8 @@ TEST(Vibration, NeverOverItsForce) {
   }
 }
 
-// What passes: the response of "one force a millisecond, held" with the coils' lag, by the theory of the sampled hold.
+// The bandwidth: the response of "one force per millisecond, held" with the coils' lag, by the theory of the sampled
+// hold.
 TEST(Vibration, BandwidthAsDocumented) {
   const auto response = [](double f_Hz) {
     const double x = std::numbers::pi * f_Hz * 1e-3;
@@ -168,7 +169,7 @@ TEST(Vibration, BandwidthAsDocumented) {
   EXPECT_NEAR(edge_Hz, 300, 30);
 }
 
-// The whole loop: contact and PCM together stay within what the coils can do, and PCM alone is what was asked.
+// The whole loop: contact and PCM together stay within what the coils can do, and PCM alone is what was requested.
 TEST(VibrationScenario, PcmIsAddedToContactUnderTheSameLimits) {
   const haptics::Scene table = test::TableScene(test::kTableTop_m);
   test::Scenario story(test::PressAndSlide(), 4.0);

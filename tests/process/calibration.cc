@@ -208,7 +208,7 @@ TEST_F(ProcessCalibration, ARefusedOneLeavesTheBaseAsDrawnAndIsNamed) {
   ASSERT_TRUE(WaitFor(20, IsTracked)) << LogText();
   const nlohmann::json status = Status();
   EXPECT_TRUE(status["calibration"].is_null());
-  ExpectMentions(status["calibration_refused"], {"calibration.toml:", "checksum", "as drawn"});
+  ExpectMentions(status["calibration_refused"], {"calibration.toml:", "checksum", "nominal geometry"});
   ExpectMentions(RunOmni({"status", "--socket", Socket()}).out, {"calibrated no: the file was rejected"});
   ExpectMentions(Row("calibration"), {"\"warn\"", "checksum", "--restore"});
   ExpectMentions(LogText(), {"checksum"});

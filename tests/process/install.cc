@@ -156,7 +156,7 @@ TEST_F(Installed, ServiceWithoutABaseSaysSoAndWaits) {
   EXPECT_EQ(end.status, 0);
   EXPECT_LT(end.ms, kEndsWithin_ms);
   const std::string log = TextOf(service.Path("log"));
-  EXPECT_NE(log.find("waits for it"), std::string::npos) << log;
+  EXPECT_NE(log.find("omnid tries again every second"), std::string::npos) << log;
 }
 
 }  // namespace test_process_install

@@ -1,4 +1,4 @@
-// Messages about forces: what the gate lets through and what it says about the rest, with a seeded fuzz.
+// Messages about forces: what is accepted, and the errors of the rest, with a seeded fuzz.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ TEST(ForceMessages, RefusedWithTheField) {
   EXPECT_NE(ReasonOf(One(c)).find("velocity"), std::string::npos);
 }
 
-// What comes through keeps to the ranges, whatever the bytes are.
+// Accepted messages are in range, whatever the bytes are.
 TEST(ForceMessages, FuzzedBytes) {
   std::mt19937_64 random(31);
   const auto seeded = [](const auto& message) {

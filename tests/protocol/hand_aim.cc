@@ -1,4 +1,4 @@
-// What leads the twin's hand: only whole, sane aims pass the gate.
+// Aims of the twin's hand: only complete ones in range are accepted.
 #include "service/protocol/hand_aim.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Messages about an application's own scene: what passes the gate, and what does not.
+// Messages about an application's own scene: what is accepted, and what is not.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -85,7 +85,7 @@ TEST(HapticSceneMessages, EachFieldHasItsRange) {
   nodes.nodes[1].pose.position_m[0] = nan;
   EXPECT_NE(ReasonOf(nodes).find("position"), std::string::npos);
   nodes.count = 1;
-  EXPECT_EQ(ReasonOf(nodes), "") << "what is behind the count is not looked at";
+  EXPECT_EQ(ReasonOf(nodes), "") << "nodes behind the count are ignored";
   HapticMaterial material = Numbered<HapticMaterial>();
   material.parameters = {};
   material.parameters.stiffness_N_m = 2001;

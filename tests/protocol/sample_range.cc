@@ -1,4 +1,4 @@
-// What may stand in the state memory.
+// What the state memory may contain.
 #include "service/protocol/sample_range.h"
 
 #include <gtest/gtest.h>

@@ -64,7 +64,7 @@ TEST(Seqlock, NoReaderEverSeesAMixture) {
     readers.emplace_back([&, r] {
       std::uint64_t newest = 0;
       for (bool last = false; !last;) {
-        last = stop.load(std::memory_order_acquire);  // one look more at the cell at rest
+        last = stop.load(std::memory_order_acquire);  // one more read of the cell at rest
         ToolSample sample;
         const std::uint64_t sequence = LoadCell(*slot, sample);
         if (sequence == 0) continue;

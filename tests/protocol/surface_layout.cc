@@ -1,4 +1,4 @@
-// The layout of a surface memory: what the plans ask for fits and does not overlap; garbage is refused.
+// The layout of a surface memory: planned buffers fit and do not overlap; garbage is rejected.
 #include "service/protocol/surfaces/surface_layout.h"
 
 #include <gtest/gtest.h>

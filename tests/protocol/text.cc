@@ -1,4 +1,4 @@
-// Text in fixed fields and its way into logs.
+// Text in fixed fields and in logs.
 #include "service/protocol/text.h"
 
 #include <gtest/gtest.h>

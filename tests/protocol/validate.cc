@@ -1,4 +1,4 @@
-// The gate of the control socket: what it lets through and what it says about the rest.
+// Checks of the control socket: what is accepted, and the errors of the rest.
 #include "service/protocol/validate.h"
 
 #include <gtest/gtest.h>

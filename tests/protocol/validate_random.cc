@@ -1,5 +1,5 @@
-// Seeded fuzz of the gate: random and mutated packets, each in memory of exactly its size so that a sanitizer sees any
-// read beyond it. What comes through satisfies the contract.
+// Seeded fuzz of the checks: random and mutated packets, each in memory of exactly its size so that a sanitizer sees
+// any read beyond it. Accepted messages satisfy the contract.
 #include "service/protocol/validate.h"
 
 #include <gtest/gtest.h>
@@ -227,7 +227,7 @@ TEST(ValidateFuzz, HundredThousandPackets) {
     accepted += message.index() != 0;
     if (HasFailure()) FAIL() << "packet " << i;
   }
-  // Both outcomes must have had their share, or this test tests nothing.
+  // Both outcomes must be frequent, or this test tests nothing.
   EXPECT_GT(accepted, 10'000u);
   EXPECT_LT(accepted, 90'000u);
 }

@@ -1,4 +1,4 @@
-// COBS: the vectors of the paper, and a stream that finds its packets again.
+// COBS: the vectors of the paper, and resynchronisation of a stream.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -76,7 +76,7 @@ TEST(Cobs, KnownVectors) {
   }
 }
 
-// Other encoders write the empty block that the end of the data would allow to leave out.
+// Other encoders write an empty block at the end of the data, which may be omitted.
 TEST(Cobs, AcceptsTheEmptyBlockBehindAFullOne) {
   const Bytes all = Counting(1, 254);
   CobsReceiver receiver;
@@ -126,8 +126,8 @@ Bytes TelemetryFrame(std::uint16_t seq) {
   return frame;
 }
 
-// Whatever one byte of the middle frame turns into, no wrong frame is accepted, and the frames around it survive; only
-// a damaged end costs two.
+// Whatever value one byte of the middle frame changes to, no wrong frame is accepted, and the frames around it survive;
+// only a damaged end costs two.
 TEST(Cobs, EveryByteCorruptedCostsOnlyWhatItTouches) {
   const Bytes frames[3] = {TelemetryFrame(1), TelemetryFrame(2), TelemetryFrame(3)};
   const Bytes first = Joined({Encoded(frames[0]), {kCobsEnd}});

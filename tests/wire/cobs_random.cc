@@ -1,4 +1,4 @@
-// COBS over random data: what goes in comes out, however the stream is cut, and noise never outlives the next edge.
+// COBS over random data: round trips, however the stream is cut, and recovery from noise at the next delimiter.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Frames of firmware/wire: golden bytes, round trips, and a name for everything that can be wrong.
+// Frames of firmware/wire: golden bytes, round trips, and a status for every error.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,7 +77,7 @@ Bytes EncodedTelemetry() {
   return frame;
 }
 
-// Writes a valid CRC over whatever stands in the frame.
+// Writes a valid CRC for the bytes in the frame.
 void Reseal(Bytes& frame) {
   const std::size_t body = frame.size() - kTrailerSize;
   const std::uint32_t crc = Crc32c(frame.data(), body);

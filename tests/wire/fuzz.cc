@@ -99,7 +99,7 @@ TEST(WireFuzz, RandomBytesAreNeverAccepted) {
   for (int i = 0; i < 50000; ++i) {
     Bytes frame(random() % 600);
     for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random());
-    if (frame.size() > 8 && i % 2 == 0) {  // half of them get past the cheap checks
+    if (frame.size() > 8 && i % 2 == 0) {  // half of them pass the cheap checks
       frame[0] = 'O';
       frame[1] = 'M';
       frame[2] = kVersion;
@@ -158,7 +158,7 @@ int DecodeAsAll(const Bytes& frame) {
   return static_cast<int>(std::count(std::begin(statuses), std::end(statuses), Status::kOk));
 }
 
-// A million payloads of noise (scripts/fuzz asks for more, by OMNI_FUZZ), each behind a valid envelope of a random
+// A million payloads of noise (scripts/fuzz runs more, by OMNI_FUZZ), each behind a valid envelope of a random
 // type: at most the one decoder of that type takes it. Half of them begin as a valid message does, so that the checks
 // behind the first are reached.
 TEST(WireFuzz, AMillionRandomPayloadsOfEveryType) {

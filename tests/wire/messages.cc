@@ -1,5 +1,5 @@
-// HELLO, CONFIG, ARM, ESTOP, FAULT and LOG: golden bytes, round trips, and what decoding refuses. Golden bytes were
-// made by an independent program (Python struct and a bitwise CRC). COMMAND and TELEMETRY: wire_frames.cc.
+// HELLO, CONFIG, ARM, ESTOP, FAULT and LOG: golden bytes, round trips, and what decoding rejects. Golden bytes were
+// made by an independent program (Python struct and a bitwise CRC). COMMAND and TELEMETRY: frames.cc.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -151,7 +151,7 @@ TEST(WireRoundTrip, FaultAndLog) {
   EXPECT_EQ(std::string(log.text, log.size), "fan: 0 turns/min?");
 }
 
-// What decoding says of a message with one value changed, its CRC right.
+// The status of decoding a message with one value changed and a valid CRC.
 template <class Message, class Change>
 Status DecodedWith(Message message, Change change) {
   change(message);
@@ -195,7 +195,7 @@ void PutCrc(Bytes& frame) {
   for (std::size_t i = 0; i < kTrailerSize; ++i) frame[body + i] = static_cast<std::uint8_t>(crc >> (8 * i));
 }
 
-// The frame with a payload of another length, its CRC right.
+// The frame with a payload of another length and a valid CRC.
 Bytes Resized(Bytes frame, int by) {
   frame.resize(frame.size() + static_cast<std::size_t>(by), 0xEE);
   const std::size_t payload = frame.size() - kHeaderSize - kTrailerSize;

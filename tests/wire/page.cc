@@ -1,4 +1,4 @@
-// docs/protocol/wire.md is what wire_page prints, and every value of the wire has its words.
+// docs/protocol/wire.md is the output of wire_page, and every value on the wire has a name.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,5 +1,5 @@
 // alignments.toml: where the base stands in the reference spaces of headsets, one entry per runtime, system and space.
-// Written by omnid only (`omni align` asks it to). Errors name file, line, key, value and remedy.
+// Written by omnid only, on request of `omni align`. Errors name file, line, key, value and remedy.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct AlignmentEntry {
   double rms_mm = 0;
   double expected_error_mm = 0;  // 1 sigma where the pen is used; 0: not stated
   double rotation_deg = 0;       // 1 sigma
-  int recentred = 0;             // changes of the space that were followed since it was measured
+  int recentred = 0;             // changes of the space that were applied since it was measured
   bool doubtful = false;         // the space was moved, and it is not known where to
 };
 
@@ -42,7 +42,7 @@ struct AlignmentFile {
 // "front-of-user", "calibrated", "off"
 const char* PolicyName(UncalibratedPolicy policy);
 
-// A file that is not there is an empty one.
+// A missing file reads as an empty one.
 base::Result<AlignmentFile> LoadAlignmentFile(const std::string& path);
 // `name` stands for the file in messages.
 base::Result<AlignmentFile> ParseAlignments(const std::string& text, const std::string& name);

@@ -59,13 +59,13 @@ std::string ReadProfile(TableReader& reader, FileProblem& problem) {
   const auto names = ProfileNames();
   if (!is_path) {
     problem.Report(reader.table().get("profile"), "profile = \"" + profile +
-                                                      "\" is no interaction profile; must be like "
+                                                      "\" is not an interaction profile; must be like "
                                                       "\"oculus/touch_controller\"");
   } else if (std::find(names.begin(), names.end(), name) == names.end()) {
     std::string known;
     for (const std::string_view one : names) known += (known.empty() ? "" : ", ") + std::string(one);
     problem.Report(reader.table().get("profile"), "profile = \"" + std::string(name) +
-                                                      "\" is none that the pen can be; there are " + known +
+                                                      "\" is not a profile of the pen; known are " + known +
                                                       base::DidYouMean(name, names));
   }
   return profile;
@@ -89,7 +89,7 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   }
   entry.placement =
       reader.Choice("placement", kPlacements, "as_authored") == "fit" ? Placement::kFit : Placement::kAsAuthored;
-  // Who asks for a model to be brought into reach means to feel it.
+  // A model that is fitted into reach is meant to be touched.
   const bool fit = entry.placement == Placement::kFit;
   entry.touch = reader.Choice("touch", kTouches, fit ? "all" : "tagged") == "all" ? Touch::kAll : Touch::kTagged;
   entry.offset_base_m = reader.Vector("offset_base_m", kOffset_m, base::Vec3{});

@@ -18,7 +18,7 @@ inline constexpr std::size_t kMaxAppFiles = 256;  // of one folder; further ones
 
 enum class Placement { kAsAuthored, kFit };  // kFit: scaled and moved into reach of the device
 
-// Of a file without any haptic tag: nothing, or all of it with the default material.
+// What can be touched in a file without any haptic tag: nothing, or all of it with the default material.
 enum class Touch { kTagged, kAll };
 
 struct AppEntry {
@@ -31,10 +31,10 @@ struct AppEntry {
   base::Vec3 offset_base_m;
   double scale = 1;
   double force_scale = 1;  // [0, 1]
-  // Wishes that go to the application's OpenXR layer.
+  // Settings for the application's OpenXR layer.
   std::string profile;               // interaction profile path; empty: the layer's order
   std::string hand = "auto";         // "left", "right"; "auto": omnid's, else the layer's default
-  double rest_after_s = 0;           // the pen lies still for so long: put down; 0: the layer's default, -1: never
+  double rest_after_s = 0;           // put down after lying still for so long; 0: the layer's default, -1: never
   std::optional<InputTable> inputs;  // empty: the user's own, or the default mapping
 };
 

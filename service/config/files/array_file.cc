@@ -18,7 +18,7 @@ constexpr std::string_view kFormats[] = {"omni-array 1"};
 constexpr std::string_view kShapes[] = {"cylinder", "sphere"};
 constexpr std::size_t kMaxNameBytes = 64;
 
-// Wide enough for capsules in the gut and for magnets that need two hands, too narrow for a slip of the unit.
+// Wide enough for capsules in the gut and for magnets that need two hands, too narrow for a mistake in the unit.
 constexpr Range kMagnetSize_m{1e-4, 0.2};
 constexpr Range kRemanence_T{0.01, 2};
 constexpr Range kMoment_Am2{1e-6, 1e4};
@@ -44,7 +44,7 @@ void ReadMagnet(FileProblem& problem, TableReader& root, Calibration& into) {
   magnet.half_height_m =
       magnet.shape == MagnetShape::kSphere ? magnet.radius_m : reader.Number("half_height_m", kMagnetSize_m);
   if (table->contains("remanence_T") == table->contains("moment_Am2")) {
-    problem.Report(table, "magnet has to have either moment_Am2 or remanence_T; give one of them");
+    problem.Report(table, "magnet must have either moment_Am2 or remanence_T; give exactly one of them");
   }
   if (table->contains("moment_Am2")) {
     into.moment_Am2 = reader.Number("moment_Am2", kMoment_Am2);
@@ -158,7 +158,7 @@ std::string Contradiction(const ArrayFile& file) {
       if (array.sensors[k].position_base_m == p &&
           array.sensors[k].gain_sensor_base == array.sensors[i].gain_sensor_base) {
         return "sensors[" + std::to_string(k) + "] and " + name +
-               " stand at the same place in the same way; correct position_base_m";
+               " have the same position and orientation; correct position_base_m";
       }
     }
   }

@@ -11,8 +11,8 @@
 
 namespace omni::config {
 
-// What the file says. What follows from it by a formula is left to magnetics (array.h): the moment where the file gives
-// a remanence (then calibration.moment_Am2 is 0), the current maps where it gives windings (`coils` holds three).
+// The content of a file. What follows from it by a formula is left to magnetics (array.h): the moment if the file has a
+// remanence (then calibration.moment_Am2 is 0), the current maps if it has windings (`coils` holds three).
 struct ArrayFile {
   base::Calibration calibration;
   std::vector<base::CoilGeometry> coils;  // none or kCoilCount; turns, layers, radii, band and axis only
@@ -24,7 +24,7 @@ bool IsArrayText(const std::string& text);
 // `name` stands for the file in messages.
 base::Result<ArrayFile> ParseArray(const std::string& text, const std::string& name);
 
-// What ParseArray reads back to the same numbers. Coils are not written: current maps are.
+// Text that ParseArray reads back as the same numbers. Writes current maps, not coils.
 std::string WriteArray(const base::Calibration& calibration);
 
 }  // namespace omni::config

@@ -15,7 +15,7 @@ extern const char* const kBuiltInTwinText;
 extern const char* const kBuiltInRoomText;
 extern const char* const kBuiltInMarksText;
 
-// What `parse` makes of one of them. A text that it refuses ends the program: a build that its own tests refuse.
+// Parses one of them. An error aborts the program: the tests of such a build fail.
 template <class T>
 T ParsedBuiltIn(base::Result<T> (*parse)(const std::string& text, const std::string& name), const char* text,
                 const char* file) {

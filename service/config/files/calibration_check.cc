@@ -15,7 +15,7 @@ using Matrix = std::array<double, 9>;  // row-major
 
 constexpr const char* kAxes = "xyz";
 constexpr const char* kMeasureTip =
-    "if this is another pen, delete this line and the checksum's, then: omni calibrate --tip";
+    "if this is another pen, delete this line and the checksum line, then: omni calibrate --tip";
 
 template <class... Arguments>
 std::string Format(const char* format, Arguments... arguments) {
@@ -44,7 +44,7 @@ std::string GainProblem(const Matrix& drawn, const Matrix& found) {
     }
     const double turned_deg = std::acos(std::fmin(1, Dot(was, is) / (Norm(was) * Norm(is)))) * 180 / std::numbers::pi;
     if (!(turned_deg <= kTurnedMax_deg)) {
-      return Format("has axis %c %.1f degrees away from the drawing, allowed are %g", kAxes[i], turned_deg,
+      return Format("has axis %c %.1f degrees away from the drawing, the limit is %g", kAxes[i], turned_deg,
                     kTurnedMax_deg);
     }
   }
@@ -65,7 +65,7 @@ std::string MapProblem(const Matrix& drawn, const Matrix& found, double steel_st
     }
     const double across = Norm(is - along * was) / size;
     if (!(across <= across_max)) {
-      return Format("has %.3g of coil %c across the drawing's field, allowed are %g", across, kAxes[k], across_max);
+      return Format("has %.3g of coil %c across the drawing's field, the limit is %g", across, kAxes[k], across_max);
     }
   }
   return {};
@@ -74,12 +74,12 @@ std::string MapProblem(const Matrix& drawn, const Matrix& found, double steel_st
 std::string PlaceProblem(const Vec3& drawn, const Vec3& found) {
   const double moved_m = Distance(found, drawn);
   if (moved_m <= kMovedMax_m) return {};
-  return Format("is %.1f mm from the drawing, allowed are %g mm", 1e3 * moved_m, 1e3 * kMovedMax_m);
+  return Format("is %.1f mm from the drawing, the limit is %g mm", 1e3 * moved_m, 1e3 * kMovedMax_m);
 }
 
 std::string BackgroundProblem(const Vec3& found) {
   if (const double size_T = Norm(found); !(size_T <= kBackgroundMax_T)) {
-    return Format("is %.0f uT strong, allowed are %.0f: a magnet was near", 1e6 * size_T, 1e6 * kBackgroundMax_T);
+    return Format("is %.0f uT strong, the limit is %.0f: a magnet was near", 1e6 * size_T, 1e6 * kBackgroundMax_T);
   }
   return {};
 }
@@ -109,21 +109,21 @@ std::optional<ImplausibleValue> FindImplausible(const base::Calibration& drawing
   if (const double off = std::abs(found.core_kappa - drawing.core_kappa); !(off <= kKappaMax)) {
     return ImplausibleValue{
         -1, "magnet", "core_kappa",
-        Format("is %.3g from the drawing's %.3g, allowed are %g", off, drawing.core_kappa, kKappaMax)};
+        Format("is %.3g from the drawing's %.3g, the limit is %g", off, drawing.core_kappa, kKappaMax)};
   }
   const double tip_m = found.magnet.tip_offset_m - drawing.magnet.tip_offset_m;
   if (!(std::abs(tip_m) <= kTipMax_m)) {
     return ImplausibleValue{-1, "magnet", "tip_offset_m",
-                            Format("is %+.1f mm from the drawing's, allowed are %g mm", 1e3 * tip_m, 1e3 * kTipMax_m),
+                            Format("is %+.1f mm from the drawing's, the limit is %g mm", 1e3 * tip_m, 1e3 * kTipMax_m),
                             kMeasureTip};
   }
   if (const double off_m = std::abs(found.hull_radius_m - drawing.hull_radius_m); !(off_m <= kSizeMax_m)) {
     return ImplausibleValue{-1, "base", "hull_radius_m",
-                            Format("is %.1f mm from the drawing's, allowed are %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
+                            Format("is %.1f mm from the drawing's, the limit is %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
   }
   if (const double off_m = Norm(found.core_centre_base_m); !(off_m <= kSizeMax_m)) {
     return ImplausibleValue{-1, "base", "core_centre_base_m",
-                            Format("is %.1f mm from the hull's, allowed are %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
+                            Format("is %.1f mm from the hull's, the limit is %g mm", 1e3 * off_m, 1e3 * kSizeMax_m)};
   }
   for (std::size_t i = 0; i < found.sensors.size(); ++i) {
     auto value = FindInSensor(static_cast<int>(i), drawing.sensors[i], found.sensors[i], found.steel.strength);

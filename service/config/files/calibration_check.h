@@ -1,8 +1,8 @@
-// Whether a calibration can be one of this device: its numbers are compared with the drawing. Ranges of single numbers
-// cannot tell: with every gain negated a pen is tracked as well, and pushed the wrong way.
+// Whether a calibration is plausible for this device: its numbers are compared with the drawing. Ranges of single
+// numbers cannot tell: with every gain negated a pen is tracked as well, but pushed the wrong way.
 //
-// Every limit is about twice what `omni calibrate` itself lets through, which stops at five workshop tolerances a
-// parameter (service/calibration/fit/options.h: 1 mm, 1.15 degrees, 1.5 % of a sensor, 15 % of a magnet).
+// Every limit is about twice what `omni calibrate` itself accepts, which is five manufacturing tolerances per parameter
+// (service/calibration/fit/options.h: 1 mm, 1.15 degrees, 1.5 % of a sensor, 15 % of a magnet).
 #pragma once
 
 #include <optional>
@@ -26,14 +26,14 @@ inline constexpr double kTipMax_m = 0.01;      // of the pen's tip: ten toleranc
 inline constexpr double kBackgroundMax_T = 3e-4;  // four times the earth's field: a magnet was near
 
 struct ImplausibleValue {
-  int sensor = -1;                // index; -1: of no sensor, but of ...
-  const char* table = "sensors";  // ... this table of the file
+  int sensor = -1;                // index; -1: the value belongs to `table`
+  const char* table = "sensors";  // of the file
   const char* key = "";
-  std::string what;  // "axis y points 41.0 degrees away from the drawing, allowed are 20"
-  const char* remedy = "no base of this drawing is like that; measure this base: omni calibrate --replace";
+  std::string what;  // "axis y points 41.0 degrees away from the drawing, the limit is 20"
+  const char* remedy = "no base of this design can be like that; measure this base: omni calibrate --replace";
 };
 
-// The first one; none: fine. Precondition: as many sensors as the drawing.
+// The first one found; none: plausible. Precondition: as many sensors as the drawing.
 std::optional<ImplausibleValue> FindImplausible(const base::Calibration& drawing, const base::Calibration& found);
 
 }  // namespace omni::config

@@ -78,11 +78,11 @@ void CheckHeader(FileProblem& problem, TableReader& root, const ExpectedBase& ex
   if (hash != expected_hash || file.calibration.device != expected.device.name) {
     problem.Report(root.table().get("device_hash"),
                    "device = \"" + file.calibration.device + "\" with device_hash = " + hash +
-                       " belongs to another geometry than that of device \"" + expected.device.name + "\" (" +
+                       " was made for another geometry than that of device \"" + expected.device.name + "\" (" +
                        expected_hash + ")" + kMeasureAgain);
   } else if (!expected.serial.empty() && file.serial != expected.serial) {
-    problem.Report(root.table().get("serial"),
-                   "serial = \"" + file.serial + "\" is another base than \"" + expected.serial + "\"" + kMeasureAgain);
+    problem.Report(root.table().get("serial"), "serial = \"" + file.serial + "\" belongs to another base than \"" +
+                                                   expected.serial + "\"" + kMeasureAgain);
   }
 }
 
@@ -100,7 +100,7 @@ void ReadQuality(FileProblem& problem, TableReader& root, CalibrationQuality& qu
   reader.Finish();
 }
 
-// A pen whose tip nobody has measured has the drawing's, and its file says nothing of it.
+// A pen whose tip was not measured has the drawing's, and its file does not contain one.
 void ReadMagnet(FileProblem& problem, TableReader& root, CalibrationFile& file) {
   const toml::table* table = root.Table("magnet");
   if (table == nullptr) return;
@@ -124,7 +124,7 @@ void ReadBase(FileProblem& problem, TableReader& root, Calibration& calibration)
   reader.Finish();
 }
 
-// A base without steel under it says nothing of it.
+// Only in files of bases with steel under them.
 void ReadSteel(FileProblem& problem, TableReader& root, Calibration& calibration) {
   if (!root.table().contains("steel")) return;
   const toml::table* table = root.Table("steel");
@@ -159,7 +159,7 @@ std::string List(const std::array<double, N>& values) {
 
 std::string List(const Vec3& v) { return List(std::array<double, 3>{v.x, v.y, v.z}); }
 
-// What a file says, apart from its layout and its checksum.
+// The content of a file, apart from its layout and its checksum.
 std::string Content(const CalibrationFile& file, const DeviceGeometry& device) {
   const CalibrationQuality& quality = file.quality;
   std::string text = "format = " + std::to_string(kCalibrationFormat) + "\n";
@@ -208,8 +208,8 @@ void CheckChecksum(FileProblem& problem, TableReader& root, const DeviceGeometry
   problem.Report(
       root.table().get("checksum"),
       "checksum = " + said +
-          " is not that of what the file says: it was damaged, or edited; if it was edited on purpose, "
-          "delete this line; else take the one before (omni calibrate --restore), or measure this base again "
+          " does not match the file's content: the file was damaged or edited; if it was edited on purpose, "
+          "delete this line; else restore the previous file (omni calibrate --restore), or measure this base again "
           "(omni calibrate --replace)");
 }
 
@@ -260,7 +260,7 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   CalibrationFile file;
   file.calibration.magnet = expected.device.magnet;
   CheckHeader(problem, root, expected, file);
-  if (!problem.ok()) return base::Error{problem.message()};  // of another device or version the rest says nothing
+  if (!problem.ok()) return base::Error{problem.message()};  // for another device or version the rest is meaningless
   ReadQuality(problem, root, file.quality);
   ReadMagnet(problem, root, file);
   ReadBase(problem, root, file.calibration);
@@ -286,8 +286,7 @@ base::Result<CalibrationFile> LoadCalibrationFile(const std::string& path, const
 std::string WriteCalibration(const CalibrationFile& file, const DeviceGeometry& device) {
   const std::string content = Content(file, device);
   return "# Self-calibration of one base, written by omni calibrate. SI units, frame B.\nchecksum = \"" +
-         ChecksumOf(content) + "\"  # of what follows; to use a file that you have edited, delete this line\n" +
-         content;
+         ChecksumOf(content) + "\"  # of the lines below; after editing them, delete this line\n" + content;
 }
 
 std::string PreviousCalibration(const std::string& path) {
@@ -331,10 +330,10 @@ CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase&
   }
   base::Result<CalibrationFile> loaded = LoadCalibrationFile(choice.path, expected);
   if (loaded.ok()) {
-    if (!loaded->has_checksum) choice.note = "without a checksum: of an older version, or edited by hand";
+    if (!loaded->has_checksum) choice.note = "without a checksum: written by an older version, or edited by hand";
     choice.file = std::move(*loaded);
   } else {
-    choice.problem = loaded.error() + " (not used: the base works as drawn, less precisely)";
+    choice.problem = loaded.error() + " (not used: the base uses its nominal geometry, less precisely)";
   }
   return choice;
 }

@@ -1,9 +1,9 @@
-// calibration.toml: what self-calibration found of one particular base. Errors name file, key, value and remedy.
+// calibration.toml: the result of self-calibration of one particular base. Errors name file, key, value and remedy.
 // Sizes that calibration does not measure (magnet, core, noise) come from the device's geometry, as does the pen's tip
 // until `omni calibrate --tip` has measured it.
 //
-// A file carries a checksum of what it says (not of its layout and comments). With a wrong one it is refused; without
-// one, as older versions wrote it or as a person leaves it who has edited it on purpose, it is used and that is said.
+// A file carries a checksum of its content (not of its layout and comments). A file with a wrong one is rejected; one
+// without a checksum (an older version, a deliberate edit) is used, with a note.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace omni::config {
 
 inline constexpr int kCalibrationFormat = 2;
 
-// What the adjustment said of itself.
+// What the adjustment reports about its result.
 struct CalibrationQuality {
   double expected_error_mm = 0;   // rms position error that it leaves, noise apart
   double frame_rotation_deg = 0;  // how well the frame's rotation about the core is known
@@ -38,7 +38,7 @@ struct CalibrationFile {
   bool has_checksum = false;  // as read
 };
 
-// The base that a calibration must be of.
+// The base that a calibration must belong to.
 struct ExpectedBase {
   base::DeviceGeometry device;
   base::Calibration drawing;  // of `device` (magnetics::NominalCalibration): a file that is far from it is refused
@@ -55,21 +55,21 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
 
 std::string WriteCalibration(const CalibrationFile& file, const base::DeviceGeometry& device);
 
-// Where the file lies that `path` replaced: "calibration.toml" -> "calibration.previous.toml".
+// Path of the file that `path` replaced: "calibration.toml" -> "calibration.previous.toml".
 std::string PreviousCalibration(const std::string& path);
-// Writes no file that LoadCalibrationFile would refuse. With `replace` the file that is there becomes the previous one;
-// without, it is left and this fails. Makes the folder.
+// Writes no file that LoadCalibrationFile would reject. With `replace` an existing file becomes the previous one;
+// without it, this fails. Makes the folder.
 base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const ExpectedBase& expected,
                                  bool replace);
-// The previous file takes the place of `path`, which becomes the previous one: once more is the way back again.
+// Exchanges `path` and the previous file: a second call undoes the first.
 base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected);
 
-// Which calibration a program works with: `path` if given, else the user's own file if there is one.
+// Which calibration a program uses: `path` if given, else the user's own file if there is one.
 struct CalibrationChoice {
-  std::optional<CalibrationFile> file;  // none: the drawing
-  std::string path;                     // of the file, or of what was refused; empty: there is none
-  std::string problem;                  // why a file that is there is not used
-  std::string note;                     // what a person should know of a file that is used; mostly empty
+  std::optional<CalibrationFile> file;  // none: the drawing is used
+  std::string path;                     // of the file, or of the rejected one; empty: there is none
+  std::string problem;                  // why an existing file is not used
+  std::string note;                     // a remark about the file in use; mostly empty
 };
 CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected);
 

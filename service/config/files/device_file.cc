@@ -15,7 +15,7 @@ using base::DeviceGeometry;
 using base::MagnetGeometry;
 
 // One number of a table: its key is the field's name. Ranges are those of desktop devices of this kind: a value outside
-// is a slip of the pen (mm for m, gauss for tesla), not a bolder design.
+// is a mistake (mm for m, gauss for tesla), not an unusual design.
 template <class T>
 struct NumberKey {
   const char* key;

@@ -285,7 +285,7 @@ base::Result<base::TruthParameters> FindTwin(const std::string& name_or_file) {
   return LoadTwinFile(name_or_file);
 }
 
-// The room says only what is different, and a file may.
+// The room has only what is different, and a file may, too.
 base::Result<std::string> TextOfTwin(const std::string& name_or_file) {
   const std::string room = std::string(kBuiltInTwinText) + kBuiltInRoomText;
   if (name_or_file == kNames[0]) return std::string(kBuiltInTwinText);

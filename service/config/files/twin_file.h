@@ -17,18 +17,18 @@ base::Result<base::TruthParameters> ParseTwin(const std::string& text, const std
 // "ideal", "room", or a file; empty: the default. A name wins over a file of that name: write ./room for that one.
 base::Result<base::TruthParameters> FindTwin(const std::string& name_or_file);
 inline constexpr const char* kTwinHelp =
-    "how the simulated base and its room are: room (the default), ideal, or a file as of share/omni/device";
+    "simulated base and room: room (the default), ideal, or a file like those in share/omni/device";
 inline constexpr const char* kIdeal = "ideal";
-inline constexpr const char* kIdealHelp = "short for --twin ideal: a well calibrated base with nothing near";
+inline constexpr const char* kIdealHelp = "short for --twin ideal: a well calibrated base with nothing nearby";
 
-// All that FindTwin's answer depends on, for whoever keeps what was made from it.
+// All the text that FindTwin's result depends on, as a key for what is computed from it and stored.
 base::Result<std::string> TextOfTwin(const std::string& name_or_file);
 
 // Built into the binary, the numbers of manifests/device/twin.toml: a well calibrated base with nothing near.
 const base::TruthParameters& IdealTwin();
-// manifests/device/room.toml: a base as a workshop makes it, in an ordinary room. It wants a calibration.
+// manifests/device/room.toml: a base with manufacturing tolerances, in an ordinary room. It needs a calibration.
 const base::TruthParameters& RoomTwin();
-// What a user gets who asks for none: a tracker that works in an ideal room only works on nobody's desk.
+// The default is the room: a tracker that only works in an ideal room is of no use on a desk.
 inline const base::TruthParameters& DefaultTwin() { return RoomTwin(); }
 
 }  // namespace omni::config

@@ -16,7 +16,7 @@ KeyDeviceRule ReadDevice(TableReader& reader, FileProblem& problem) {
   KeyDeviceRule rule;
   const bool by_path = reader.table().contains("path");
   if (by_path == reader.table().contains("name")) {
-    problem.Report(&reader.table(), reader.NameOf("path") + " and name: must be exactly one of the two; " +
+    problem.Report(&reader.table(), reader.NameOf("path") + " and name: exactly one of the two is needed; " +
                                         "/proc/bus/input/devices lists the names");
   }
   if (by_path) {

@@ -18,7 +18,7 @@ inline constexpr std::size_t kMaxKeyDevices = 8;  // rules in the file
 struct KeyDeviceRule {
   std::string path;       // absolute; empty: by name
   std::string name_glob;  // fnmatch pattern on the device's own name
-  bool grab = false;      // true: its keys reach nobody else while omnid reads it
+  bool grab = false;      // true: no other program gets its keys while omnid reads it
 };
 
 struct InputSettings {
@@ -28,7 +28,7 @@ struct InputSettings {
 
 base::Result<InputSettings> ParseInputSettings(const std::string& text, const std::string& file);
 
-// All that omnid knows of inputs.
+// All input settings of omnid.
 struct InputPlan {
   std::vector<KeyDeviceRule> devices;
   InputTable fallback;               // of applications without their own; keys as below
@@ -36,9 +36,9 @@ struct InputPlan {
   std::string file;                  // the user's, if it is there
 };
 
-// Reads `file` (empty or not there: nothing, no problem) and gives the keys of all of `apps` their common slots. What
-// is wrong goes to apps.problems: a file that cannot be used counts as not there, an application whose keys do not fit
-// keeps the fallback's mapping.
+// Reads `file` (empty or missing: no devices, no problem) and assigns common slots to the keys of all of `apps`. Errors
+// go to apps.problems: an invalid file counts as missing, an application whose keys do not fit uses the fallback's
+// mapping.
 InputPlan PlanInputs(const std::string& file, AppTable& apps);
 
 }  // namespace omni::config

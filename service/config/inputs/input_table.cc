@@ -104,12 +104,12 @@ std::optional<InputSource> FindSource(std::string_view name, std::vector<std::ui
     if (row.name == name) return row.source;
   }
   if (name.substr(0, kKeyPrefix.size()) != kKeyPrefix) {
-    problem = "is no source; known are " + Known() + base::DidYouMean(name, SourceNames());
+    problem = "is not a source; known are " + Known() + base::DidYouMean(name, SourceNames());
     return std::nullopt;
   }
   const auto code = KeyCode(name.substr(kKeyPrefix.size()));
   if (!code) {
-    problem = "is no key; write its name in linux/input-event-codes.h (evtest shows it) or its number, 1 to " +
+    problem = "is not a key; write its name in linux/input-event-codes.h (evtest shows it) or its number, 1 to " +
               std::to_string(kHighestKey);
     return std::nullopt;
   }

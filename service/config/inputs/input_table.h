@@ -20,11 +20,11 @@ struct InputTable {
   std::vector<std::uint16_t> keys;  // evdev code of key source i; at most base::kMaxKeys
 };
 
-// `reader`: of the table itself. What is not named keeps its default. Problems go to `problem`.
+// `reader`: of the table itself. Omitted keys keep their defaults. Problems go to `problem`.
 InputTable ReadInputs(TableReader& reader, FileProblem& problem);
 
-// Gives the keys of `table` the slots that `slots` has for them, adding what is missing. False: they do not fit into
-// base::kMaxKeys, nothing was changed.
+// Assigns the keys of `table` their slots in `slots`, adding missing ones. False: they do not fit into base::kMaxKeys,
+// nothing was changed.
 bool ShareKeys(std::vector<std::uint16_t>& slots, InputTable& table);
 
 // "double_tap", "key:KEY_B"; `slots`: what the key sources mean.

@@ -1,4 +1,4 @@
-// Interaction profiles that the pen can be: those of the layer (layer/profiles), as "oculus/touch_controller".
+// Interaction profiles that the pen supports: those of the layer (layer/profiles), as "oculus/touch_controller".
 #pragma once
 
 #include <span>

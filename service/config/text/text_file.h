@@ -13,7 +13,7 @@ inline constexpr std::size_t kMaxSettingsBytes = 1 << 20;  // a longer file is r
 // A regular file of sane size; never blocks.
 base::Result<std::string> ReadTextFile(const std::string& path);
 
-// In place of the old file or not at all; makes the folders that `path` lacks. The error names the path.
+// Replaces the old file as a whole or not at all; makes missing folders. The error names the path.
 base::Status WriteTextFile(const std::string& path, const std::string& text);
 
 }  // namespace omni::config

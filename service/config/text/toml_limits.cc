@@ -32,7 +32,7 @@ class Scan {
  public:
   Scan(std::string_view text, const TomlLimits& limits) : text_(text), limits_(limits) {}
 
-  // Empty, or what is beyond a limit.
+  // The exceeded limit; empty: none.
   std::string Run() {
     for (std::size_t i = 0; i < text_.size() && problem_.empty();) i = Step(i);
     return problem_;
@@ -40,7 +40,7 @@ class Scan {
   std::size_t line() const { return line_; }
 
  private:
-  // Reads what begins at i; where it ends.
+  // Reads the token at i; returns its end.
   std::size_t Step(std::size_t i) {
     const char c = text_[i];
     if (c == '#') return std::min(text_.find('\n', i), text_.size());
@@ -68,8 +68,8 @@ class Scan {
   }
 
   void Refuse(const char* what, std::size_t limit, const char* of) {
-    problem_ = "there is " + std::string(what) + std::to_string(limit) + of +
-               ", which no settings file needs; check that this is the file you mean";
+    problem_ = "has " + std::string(what) + std::to_string(limit) + of +
+               ", which no settings file needs; check that this is the right file";
   }
 
   const std::string_view text_;
@@ -83,7 +83,7 @@ class Scan {
 base::Status CheckToml(std::string_view text, const std::string& file, const TomlLimits& limits) {
   if (text.size() > limits.bytes) {
     return base::Error{file + ": is longer than " + std::to_string(limits.bytes) +
-                       " bytes, which no settings file needs; check that this is the file you mean"};
+                       " bytes, which no settings file needs; check that this is the right file"};
   }
   Scan scan(text, limits);
   const std::string problem = scan.Run();

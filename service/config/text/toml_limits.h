@@ -1,5 +1,5 @@
-// toml++ recurses as deep as a file nests its keys, and a file of 80 kB can nest them deeper than the stack is. So the
-// text is looked through first: one pass without recursion, memory or toml++.
+// toml++ recurses as deep as a file nests its keys, and a file of 80 kB can nest them deeper than the stack allows. So
+// the text is scanned first: one pass without recursion, memory or toml++.
 #pragma once
 
 #include <cstddef>

@@ -25,7 +25,7 @@ std::string KindOf(const toml::node& node) {
   return text.str();
 }
 
-// What stands in a file ends up in terminals and logs: no control characters, and not a whole file of it.
+// Contents of files end up in terminals and logs: no control characters, and a limited length.
 std::string Printable(std::string text) {
   constexpr std::size_t kMost = 500;
   if (text.size() > kMost) text = text.substr(0, kMost) + "...";
@@ -235,7 +235,8 @@ std::vector<const toml::table*> TableReader::Tables(const char* key, std::size_t
       array != nullptr && std::all_of(array->begin(), array->end(), [](const toml::node& n) { return n.is_table(); });
   if (!all_tables || !(array->size() >= least && array->size() <= most)) {
     problem_.Report(
-        node, NameOf(key) + (all_tables ? " has " + std::to_string(array->size()) + " tables" : " is something else") +
+        node, NameOf(key) +
+                  (all_tables ? " has " + std::to_string(array->size()) + " tables" : " is not an array of tables") +
                   "; must be " + expected);
     return {};
   }

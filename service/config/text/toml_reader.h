@@ -1,6 +1,6 @@
 // Reads one TOML table key by key, with ranges. The first problem of a file is kept, with file, line, key, value and
 // range; after it everything reads as its lowest allowed value, so that callers check once, at the end.
-// Private to this folder: toml++ shows here.
+// Private to this folder, because it exposes toml++.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,10 @@
 
 namespace omni::config {
 
-// Within the limits of toml_limits.h. Every reader of TOML comes through here.
+// Within the limits of toml_limits.h. Used by every reader of TOML.
 base::Result<toml::table> ParseToml(const std::string& text, const std::string& file);
 
-// The way back: read again, it is the same number, and a float even where it is whole.
+// Text that reads back as the same number, and as a float even if it is whole.
 std::string TomlFloat(double value);
 // A basic string, quoted. Precondition: no control characters.
 std::string TomlText(const std::string& text);
@@ -68,9 +68,9 @@ class TableReader {
   // [[key]] tables; empty, and a problem, unless there are between `least` and `most`.
   std::vector<const toml::table*> Tables(const char* key, std::size_t least, std::size_t most);
 
-  // Keys that may be absent and were not asked for.
+  // Optional keys that this reader does not read.
   void Allow(std::initializer_list<const char*> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
-  // Complains about keys that nobody asked for: a misspelt optional key must not be ignored.
+  // Reports keys that were not read: a misspelt optional key must not be ignored.
   void Finish();
 
   std::string NameOf(const char* key) const { return path_.empty() ? key : path_ + "." + key; }

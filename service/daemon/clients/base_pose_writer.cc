@@ -31,7 +31,7 @@ void BasePoseWriter::HandleWritten(BasePoses& placements) {
     std::erase_if(late_, [&](const LateReply& late) {
       if (late.written > written->number) return false;
       reply_(late.id, late.number, status.ok(),
-             status.ok() ? late.text : status.error() + " (in use until omnid ends)");
+             status.ok() ? late.text : status.error() + " (used until omnid ends, then lost)");
       return true;
     });
   }

@@ -1,4 +1,5 @@
-// Keeps alignments on disk without waiting for it, and answers who asked for one once it is kept. Control thread only.
+// Writes alignments to disk without waiting for it, and replies to the requesting client once its change is written.
+// Control thread only.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +18,14 @@ class BasePoseWriter {
   explicit BasePoseWriter(Reply reply);
 
   BasePoses::Write write();
-  // After BasePoses::Do: at once, or when what it has changed is written.
+  // After BasePoses::Do: replies at once, or when its change is written.
   void Answer(ipc::ClientId id, std::uint32_t number, const BasePoses::Done& done);
-  // Each period: what has been written since.
+  // Once per period: handles completed writes.
   void HandleWritten(BasePoses& placements);
 
  private:
   struct LateReply {
-    std::uint64_t written = 0;  // number of the writer's
+    std::uint64_t written = 0;  // number of the write
     ipc::ClientId id = 0;
     std::uint32_t number = 0;
     std::string text;

@@ -88,7 +88,7 @@ BasePoses::BasePoses(std::string path, Write write) : path_(std::move(path)), wr
     file_ = std::move(*loaded);
   } else {
     readable_ = false;
-    problem_ = loaded.error() + " (not used, and not written over)";
+    problem_ = loaded.error() + " (not used and not overwritten)";
   }
   KeepNewestOfEach();
   live_.resize(file_.entries.size());
@@ -149,7 +149,7 @@ void BasePoses::Change(ipc::ClientId id, const protocol::SpaceChange& change, st
   const int found = FindToMove(id, change.space);
   if (found < 0) return;
   const auto index = static_cast<std::size_t>(found);
-  // A time in the far future is a broken clock's; believed, it would hide all changes until then.
+  // A time in the far future comes from a broken clock; accepted, it would hide all changes until then.
   const std::int64_t changes_at_ns = std::min(change.changes_at_ns, now_ns + kFarthestChange_ns);
   if (changes_at_ns <= live_[index].changes_until_ns + protocol::kSameChange_ns && live_[index].changes_until_ns != 0) {
     return;
@@ -165,10 +165,10 @@ void BasePoses::Change(ipc::ClientId id, const protocol::SpaceChange& change, st
   }
   ++entry.recentred;
   live_[index].revision = ++revisions_;
-  (void)Save();  // connected applications have heard of the change themselves; a failure is in problem()
+  (void)Save();  // connected applications received the change themselves; a failure is in problem()
 }
 
-// Connected applications have moved the base by what their runtime says: they are told to take that back.
+// Connected applications have moved the base as their runtime reported: they are notified to revert that.
 void BasePoses::Doubt(std::size_t index) {
   if (file_.entries[index].doubtful) return;
   file_.entries[index].doubtful = true;
@@ -191,7 +191,7 @@ BasePoses::Done BasePoses::Store(const protocol::BasePoseCommand& command, std::
   if (found < 0) {
     if (file_.entries.size() >= config::kMaxAlignments) {
       return {false, path_ + ": has " + std::to_string(config::kMaxAlignments) +
-                         " alignments, the limit; forget some: omni align --forget"};
+                         " alignments, the limit; remove some: omni align --forget"};
     }
     found = static_cast<int>(file_.entries.size());
     file_.entries.emplace_back();
@@ -255,7 +255,7 @@ BasePoses::Done BasePoses::Restore(const protocol::BasePoseCommand& command) {
     entry = before;
     return {false, saved.error()};
   }
-  return {true, "as it was measured on " + entry.date};
+  return {true, "restored as measured on " + entry.date};
 }
 
 BasePoses::Done BasePoses::Execute(const protocol::BasePoseCommand& command, std::int64_t now_unix_s) {

@@ -1,5 +1,6 @@
-// Where the base stands in the spaces of connected applications: the file, who asked, who must hear of a change.
-// Builds of one runtime share an alignment (config/runtime_identity.h). Control thread only.
+// Where the base stands in the spaces of connected applications: the file, the clients that requested a placement, and
+// the notification of changes. Builds of one runtime share an alignment (config/runtime_identity.h). Control thread
+// only.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +18,15 @@ namespace omni::daemon {
 
 class BasePoses {
  public:
-  // How the file is written. Ok: it is, or will be; then Written says how that went.
+  // Writes the file. Ok: it is written, or queued; then Written reports the result.
   using Write = std::function<base::Status(const std::string& path, const std::string& text)>;
-  // Reads the file; an empty path: nothing is kept. A file that cannot be read is never written over.
+  // Reads the file; an empty path: nothing is stored. A file that cannot be read is never overwritten.
   explicit BasePoses(std::string path, Write write = config::WriteTextFile);
 
   void Request(ipc::ClientId id, const protocol::BasePoseRequest& request);
   void Remove(ipc::ClientId id) { clients_.erase(id); }
-  // Of a space that this client has asked about. The same change told by several applications counts once. What no
-  // recentring does leaves the alignment where it is, and doubtful. `now_ns`: CLOCK_MONOTONIC.
+  // A change of a space that this client has requested. The same change reported by several applications counts once.
+  // An implausible one leaves the alignment where it is, but doubtful. `now_ns`: CLOCK_MONOTONIC.
   void Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns);
 
   struct Done {
@@ -34,15 +35,15 @@ class BasePoses {
   };
   Done Execute(const protocol::BasePoseCommand& command, std::int64_t now_unix_s);
 
-  // A write that was put off is done, or failed: what it was to keep is then used until omnid ends.
+  // Result of a queued write. If it failed, the change is used until omnid ends.
   void Written(const base::Status& status) { problem_ = status.ok() ? std::string() : status.error(); }
 
-  // Tells every client what it has not heard yet. `send` false: later.
+  // Notifies every client of changes. If `send` returns false, the next call tries again.
   void Notify(const std::function<bool(ipc::ClientId, const protocol::BasePose&)>& send);
 
   // This client's spaces have a measured, undoubted placement.
   bool Aligned(ipc::ClientId id) const;
-  // What this client has asked for; null: nothing yet.
+  // The request of this client; null: none yet.
   const protocol::BasePoseRequest* RequestOf(ipc::ClientId id) const;
   const config::AlignmentFile& file() const { return file_; }
   const std::string& path() const { return path_; }

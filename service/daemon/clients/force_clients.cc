@@ -13,7 +13,7 @@ static_assert(protocol::kMaxForceConstraints == haptics::kMaxConstraints);
 
 base::Vec3 VecOf(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-// A message from the future is of now; an old one has lost its time.
+// A message from the future counts as sent now; an old one has lost its remaining time.
 std::int64_t SentAt_ns(std::int64_t t_ns, std::int64_t now_ns) {
   return std::clamp(t_ns, now_ns - protocol::kLongestForce_ns, now_ns);
 }
@@ -92,7 +92,7 @@ bool ForceClients::Take(ipc::ClientId id, const protocol::ForceRequest& request,
 haptics::AppliedCommand ForceClients::Command(std::int64_t now_ns, std::int64_t last_beat_ns) const {
   haptics::AppliedCommand command = command_;
   command.open = claimed_owner() != 0 && now_ns - last_beat_ns <= kSilent_ns;
-  // The tick looks at the device's stamps; where those stand still, this clock ends the force.
+  // The tick uses the device's stamps; if those stand still, this clock ends the force.
   if (now_ns >= command.force_end_ns) command.force_end_ns = std::numeric_limits<std::int64_t>::min();
   return command;
 }

@@ -1,5 +1,6 @@
-// Who pushes the pen by itself, and with what. Only the focused owner that has claimed it is felt; when the owner
-// changes, falls silent or gives it up, everything that it asked for ends. Control thread only.
+// Applications that push the pen by themselves, and their forces. Only the focused owner that has claimed the pen is
+// active; when the owner changes, falls silent or gives the pen up, everything that it requested ends. Control thread
+// only.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace omni::daemon {
 
 class ForceClients {
  public:
-  static constexpr std::int64_t kSilent_ns = 50'000'000;  // no sign of life for this long: its forces rest
+  static constexpr std::int64_t kSilent_ns = 50'000'000;  // no sign of life for this long: its forces are suspended
 
   struct Send {
     std::function<bool(ipc::ClientId, const protocol::ForceOwner&)> owner;
@@ -25,26 +26,26 @@ class ForceClients {
   void Add(ipc::ClientId id);  // an application
   void Remove(ipc::ClientId id);
 
-  // The focused application, 0: none. Another one than before starts with nothing.
+  // The focused application, 0: none. A new owner starts without forces and constraints.
   void SetOwner(ipc::ClientId owner);
 
-  // False: it is not felt now, and nothing has changed.
+  // False: the client is not active now, and nothing has changed.
   bool Take(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns);
 
   // For the tick. `last_beat_ns`: of the owner.
   haptics::AppliedCommand Command(std::int64_t now_ns, std::int64_t last_beat_ns) const;
 
-  // Tells every application what it does not know yet. What does not go out is tried again with the next call.
+  // Notifies every application of changes. Messages that could not be sent are retried by the next call.
   void Notify(const protocol::ForceProperties& properties);
 
-  // Whoever is felt when it asks for something; 0: nobody.
+  // The client whose requests take effect; 0: none.
   ipc::ClientId claimed_owner() const;
 
  private:
   struct Client {
     bool claimed = false;
     std::optional<protocol::ForceStanding> standing_told;
-    std::uint64_t properties_told = 0;  // number of the last ones that went out
+    std::uint64_t properties_told = 0;  // number of the last ones that were sent
   };
   void EndAll();
 

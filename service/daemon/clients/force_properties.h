@@ -1,4 +1,4 @@
-// What a device can push, for applications that want to know beforehand.
+// What forces a device can make, as reported to applications.
 #pragma once
 
 #include "service/base/device_geometry.h"

@@ -1,4 +1,4 @@
-// TickOutput -> state memory: the tick thread's only way out to clients.
+// TickOutput -> state memory: the tick thread's only path to clients.
 #pragma once
 
 #include <atomic>

@@ -59,7 +59,7 @@ json Device(const StatusInput& input) {
 
 json TextOrNull(const std::string& text) { return text.empty() ? json() : json(text); }
 
-// Null: the base works as drawn.
+// Null: the base uses its nominal geometry.
 json Calibration(const config::CalibrationChoice& choice) {
   if (!choice.file) return nullptr;
   return {{"file", choice.path},
@@ -120,7 +120,7 @@ json SourceNames(base::SourceMask mask, const std::string& sign, const std::vect
   return names;
 }
 
-// Which sources feed each component now; of the sources that one of them hears, and of gestures, what they do.
+// Which sources feed each component now; and the state of these sources and of gestures.
 json Inputs(const StatusInput& input) {
   json mapping = json::object();
   json sources = json::array();

@@ -28,7 +28,7 @@ struct StatusInput {
     SoftProgress soft;
     std::uint32_t sculpted = 0;  // objects
     bool aligned = false;
-    std::string runtime, system;  // its headset; empty: not told
+    std::string runtime, system;  // its headset; empty: not reported
   };
   std::string version;
   std::uint64_t instance = 0;

@@ -9,7 +9,7 @@ namespace {
 static_assert(loop::kVibrationRate_Hz == static_cast<double>(protocol::kDeviceSampleRate_Hz));
 
 constexpr auto kBuffer = static_cast<std::uint64_t>(protocol::kWaveformBuffer_s * loop::kVibrationRate_Hz);
-// A client books its samples a little earlier than they come here, and the tick starts them a little later.
+// A client schedules its samples a little before they arrive here, and the tick starts them a little later.
 constexpr std::uint64_t kLate = 500;
 constexpr std::uint64_t kStillPlaying = 100;
 static_assert(kBuffer + kLate + kStillPlaying <= loop::kMaxVibrationSamples);

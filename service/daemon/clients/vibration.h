@@ -1,4 +1,4 @@
-// What the owner of the force has asked to vibrate, as the tick wants it. Control thread only.
+// The vibration that the owner of the force has requested, in the form that the tick uses. Control thread only.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace omni::daemon {
 
 class Vibration {
  public:
-  // Each but appended PCM replaces what came before.
+  // Each, except appended PCM, replaces the one before.
   void Tone(const protocol::Haptic& haptic);
   void Shape(const protocol::ShapedHaptic& haptic, std::int64_t now_ns);
   void Stop() { waveform_.active = false; }

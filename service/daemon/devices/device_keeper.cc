@@ -21,19 +21,19 @@ namespace {
 
 constexpr int kReopenPolls = 10;  // one second between attempts to open a device
 
-// `path`: of the calibration in use; empty: the drawing. `share`: of the time, without an explanation.
+// `path`: of the calibration in use; empty: nominal geometry. `share`: of the time, without an explanation.
 std::string MisfitText(const std::string& path, double share) {
-  const std::string what = path.empty() ? "the drawing" : path;
+  const std::string what = path.empty() ? "the nominal geometry" : path;
   const std::string again = path.empty() ? "measure this base: omni calibrate"
-                                         : "measure this base again: omni calibrate --replace, or take the file before "
-                                           "back: omni calibrate --restore";
+                                         : "measure this base again: omni calibrate --replace, or restore the previous "
+                                           "file: omni calibrate --restore";
   return what + " does not fit this base: a magnet is near, and " + std::to_string(std::lround(100 * share)) +
-         " % of the time no pose explains what the sensors read, and then there is no force; take other magnets and "
-         "steel away, and if it stays, " +
+         " % of the time no pose explains the sensors' readings, so there is no force; take other magnets and steel "
+         "away; if that does not help, " +
          again;
 }
 
-// Of `findings`, what `others` do not have.
+// Logs those `findings` that are not among `others`.
 void LogNew(const std::vector<RoomFinding>& findings, const std::vector<RoomFinding>& others,
             spdlog::level::level_enum level, const char* before) {
   for (const RoomFinding& finding : findings) {
@@ -66,7 +66,7 @@ struct DeviceKeeper::Session {
   FaultLog faults;
   FitWatch fit;
   bool misfit_told = false;
-  bool recording_failed = false;  // and told
+  bool recording_failed = false;  // and logged
 };
 
 DeviceKeeper::DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
@@ -79,7 +79,7 @@ bool DeviceKeeper::Open() {
   auto opened = OpenDevice(options_);
   if (!opened.ok()) {
     service_.Detach(opened.error());
-    const char* next = IsReplay(options_.device) ? "" : "; omnid waits for it and looks every second";
+    const char* next = IsReplay(options_.device) ? "" : "; omnid tries again every second";
     if (opened.error() != told_) spdlog::error("device: {}{}", opened.error(), next);
     told_ = opened.error();
     return false;
@@ -109,7 +109,7 @@ bool DeviceKeeper::Open() {
   return true;
 }
 
-// A calibration that cannot be used leaves the base as drawn: less precise, and everybody is told.
+// Without a usable calibration the base uses its nominal geometry: less precise, and this is reported.
 loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
   const config::CalibrationChoice choice = config::ChooseCalibration(
       options_.calibration_path,
@@ -117,7 +117,7 @@ loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
   if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
   if (!choice.note.empty()) spdlog::warn("calibration: {}: {}", choice.path, choice.note);
   if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
-  if (choice.path.empty()) spdlog::info("calibration: none; omni calibrate makes one");
+  if (choice.path.empty()) spdlog::info("calibration: none; measure this base: omni calibrate");
   service_.SetCalibration(choice);
   calibration_path_ = choice.file ? choice.path : std::string();
   calibration_ = choice.file ? std::optional(choice.file->calibration) : std::nullopt;
@@ -144,11 +144,11 @@ void DeviceKeeper::WatchFit() {
   if (misfit) {
     spdlog::error("calibration: {}", text);
   } else if (!session_->fit.misfit()) {
-    spdlog::info("calibration: what the sensors read is explained again");
+    spdlog::info("calibration: fits again, poses explain the sensors' readings");
   }
 }
 
-// The state first: a fault that it shows has said before where it came.
+// The state first: the base sends the part of a fault before a state that shows it.
 void DeviceKeeper::LogFaults() {
   device::Transport& transport = *session_->opened.transport;
   const device::TransportState state = transport.state();
@@ -189,7 +189,7 @@ bool DeviceKeeper::Watch() {
       Close("the recording is over");
       return false;
     }
-    spdlog::error("device: lost; omnid waits for it and looks every second");
+    spdlog::error("device: lost; omnid tries to open it again every second");
     Close("lost");
     polls_ = 0;
   }
@@ -199,7 +199,7 @@ bool DeviceKeeper::Watch() {
 
 void DeviceKeeper::Close(const std::string& why) {
   if (session_ == nullptr) return;
-  service_.Detach(why);  // the loop has ended: nobody reads or writes any more
+  service_.Detach(why);  // the loop has ended: no thread reads or writes any more
   if (session_->opened.replay != nullptr) {
     const device::ReplayComparison commands = session_->opened.replay->comparison();
     spdlog::info("replay: {} scans; commands: {} as recorded, {} others (by at most {:.3g} A), {} extra, {} missing",

@@ -25,9 +25,9 @@ class DeviceKeeper {
   DeviceKeeper(const DeviceKeeper&) = delete;
   DeviceKeeper& operator=(const DeviceKeeper&) = delete;
 
-  // False: it cannot be opened now. A lost device may come back; a replay that is refused never will.
+  // False: it cannot be opened now. A lost device may come back; a rejected replay never will.
   bool Open();
-  // Ten times a second; opens a lost device again. False: a replay is over.
+  // Ten times a second; opens a lost device again. False: a replay has ended.
   bool Watch();
 
  private:
@@ -46,9 +46,9 @@ class DeviceKeeper {
   Service& service_;
   EndWatch& end_;
   std::unique_ptr<Session> session_;
-  std::string calibration_path_;                  // in use; empty: the drawing
+  std::string calibration_path_;                  // in use; empty: nominal geometry
   std::optional<base::Calibration> calibration_;  // in use
-  std::string told_;                              // the last error, which is not told again every second
+  std::string told_;                              // the last error logged, not repeated every second
   int opened_ = 0;
   int polls_ = 0;  // since it was lost
 };

@@ -30,7 +30,7 @@ void FaultLog::Say(bool is_problem, std::string text, std::int64_t now_ns) {
     ++left_out_;
     return;
   }
-  if (left_out_ != 0) lines_.push_back({false, std::to_string(left_out_) + " messages of the base left out"});
+  if (left_out_ != 0) lines_.push_back({false, std::to_string(left_out_) + " messages of the base were left out"});
   left_out_ = 0;
   lines_.push_back({is_problem, std::move(text)});
 }
@@ -42,16 +42,16 @@ void FaultLog::Hear(const device::BaseNote& note, std::int64_t now_ns) {
     return;
   }
   Say(note.log.level >= wire::LogLevel::kWarning,
-      "says: " + device::PrintableText(note.log.text, std::min<std::size_t>(note.log.size, sizeof note.log.text)),
+      "message: " + device::PrintableText(note.log.text, std::min<std::size_t>(note.log.size, sizeof note.log.text)),
       now_ns);
 }
 
 void FaultLog::HearFault(const wire::FaultEvent& event, std::int64_t now_ns) {
-  if (event.fault == 0) return;  // "none", the answer to somebody's question
+  if (event.fault == 0) return;  // "none", the answer to a query
   if (event.after_reset != 0) {
     Say(false, "kept from before its last reset: " + device::FaultEventText(event), now_ns);
   } else if ((event.fault & wire::kFaultsOfTheHost) != 0) {
-    Say(false, device::FaultEventText(event) + "; it is armed again by itself", now_ns);
+    Say(false, device::FaultEventText(event) + "; it is armed again automatically", now_ns);
   } else if (heard_.size() < kHeardMax) {
     TakePlace(event.fault);  // the newer one counts
     heard_.push_back({event, now_ns});
@@ -71,7 +71,7 @@ std::string FaultLog::TakePlace(std::uint32_t fault) {
 
 std::vector<FaultLine> FaultLog::News(const device::TransportState& state) {
   std::vector<FaultLine> news = std::exchange(lines_, {});
-  // Those of the host come and go with every start and are mended by arming.
+  // Those of the host come and go with every start and are cleared by arming.
   const std::uint32_t now = state.faults & ~wire::kFaultsOfTheHost;
   const std::uint32_t before = last_.faults & ~wire::kFaultsOfTheHost;
   for (const wire::FaultText& fault : wire::Faults()) {
@@ -86,7 +86,7 @@ std::vector<FaultLine> FaultLog::News(const device::TransportState& state) {
   heard_.erase(std::remove_if(heard_.begin(), heard_.end(), [](const Heard& heard) { return !heard.waits; }),
                heard_.end());
   for (Heard& heard : heard_) heard.waits = false;
-  if (now == 0 && before != 0) news.push_back({false, "no fault any more"});
+  if (now == 0 && before != 0) news.push_back({false, "all faults are cleared"});
   if (state.waits_for_person && !last_.waits_for_person) {
     news.push_back({true, device::kWaitsForPersonText});
   }

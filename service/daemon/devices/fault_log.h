@@ -1,5 +1,5 @@
-// Tells people about a base's faults and what it says of itself: each fault once when it comes, with where, what was
-// measured and what to do, and when they are over; its own messages, but not more than people can read.
+// Log lines about a base's faults and messages: each fault once when it appears, with part, measured value and remedy,
+// and when all are cleared; the base's own messages at a limited rate.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct FaultLine {
   std::string text;
 };
 
-// So many lines at once, and so many a second after that.
+// A burst of kBurst lines, after that one per kPeriod_ns.
 class LineRate {
  public:
   static constexpr int kBurst = 10;
@@ -30,23 +30,23 @@ class LineRate {
 
 class FaultLog {
  public:
-  // What the base said, in its order; before News.
+  // Messages of the base, in their order; call before News.
   void Hear(const device::BaseNote& note, std::int64_t now_ns);
-  // What is new since the last call.
+  // New lines since the last call.
   std::vector<FaultLine> News(const device::TransportState& state);
 
  private:
   struct Heard {
     wire::FaultEvent event;
     std::int64_t t_ns = 0;
-    bool waits = true;  // for telemetry that shows it, one call long
+    bool waits = true;  // for one call, for telemetry that shows it
   };
   void HearFault(const wire::FaultEvent& event, std::int64_t now_ns);
   void Say(bool is_problem, std::string text, std::int64_t now_ns);
-  // Where and what of a fault, once.
+  // Part and measured value of a fault; forgets it.
   std::string TakePlace(std::uint32_t fault);
 
-  static constexpr std::size_t kHeardMax = 32;  // one a bit; a base that invents more says nothing more
+  static constexpr std::size_t kHeardMax = 32;  // one per bit; further ones are only counted
 
   device::TransportState last_;
   std::vector<Heard> heard_;

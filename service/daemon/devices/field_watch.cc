@@ -37,26 +37,27 @@ RoomFinding SteelNear() {
   return {.kind = "steel-near",
           .sensors = {},
           .what =
-              "steel is near that was not when the base was calibrated (a desk that was raised, a laptop), or a "
-              "magnet that moves",
-          .fix = "take it away; if it is to stay: omni calibrate --replace"};
+              "steel is near that was not there when the base was calibrated (a desk that was raised, a laptop), or a "
+              "moving magnet",
+          .fix = "take it away; if it must stay: omni calibrate --replace"};
 }
 
 RoomFinding FieldChanged(double field_T) {
   return {.kind = "field-changed",
           .sensors = {},
-          .what = "the field about the base is another than when it was calibrated, by " + Microtesla(field_T) +
+          .what = "the field around the base has changed since its calibration by " + Microtesla(field_T) +
                   ": it was carried or turned, or much iron was moved",
           .fix = "take the pen away, then: omni calibrate --zero"};
 }
 
 RoomFinding UnevenChanged() {
-  return {.kind = "field-uneven",
-          .sensors = {},
-          .what =
-              "the field about the base is another than when it was calibrated, and not the same at all sensors: a "
-              "magnet, a laptop or steel came near, or its sensors drifted",
-          .fix = "take it away; if it is to stay, take the pen away, then: omni calibrate --zero"};
+  return {
+      .kind = "field-uneven",
+      .sensors = {},
+      .what =
+          "the field around the base has changed since its calibration, and not equally at all sensors: a magnet, a "
+          "laptop or steel came near, or its sensors drifted",
+      .fix = "take it away; if it must stay, take the pen away, then: omni calibrate --zero"};
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ void FieldWatch::Add(const loop::RoomSample& sample) {
 
 void FieldWatch::EndSecond(std::uint32_t useless, bool contradicted) {
   if (contradicted) {
-    if (has_fitted_) is_magnet_.Add(true);  // a calibration that fitted still does: something came
+    if (has_fitted_) is_magnet_.Add(true);  // a calibration that fitted still fits: something new is near
   } else if (IsMostly(second_.tracked, second_.samples)) {
     has_fitted_ = true;
     JudgeTracked();
@@ -95,7 +96,7 @@ void FieldWatch::EndSecond(std::uint32_t useless, bool contradicted) {
   second_ = {};
 }
 
-// What is uneven may be the field of a magnet, which stays, or what steel answers to the pen, which moves with it.
+// An uneven field may be a magnet's, which stays, or the response of steel to the pen, which moves with it.
 void FieldWatch::JudgeTracked() {
   const double n = second_.tracked;
   const Vector3d ambient_T = second_.ambient_sum_T / n;

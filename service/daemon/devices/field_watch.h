@@ -1,5 +1,5 @@
-// Whether the field about the base is the one that it was calibrated in: from samples of the loop, second by second,
-// with a pen (what the tracker has learnt) and without (the readings themselves).
+// Whether the field around the base is still the one of its calibration: from samples of the loop, second by second,
+// with a pen (from what the tracker has learnt) and without (from the readings themselves).
 #pragma once
 
 #include <array>
@@ -19,16 +19,16 @@ namespace omni::daemon {
 class FieldWatch {
  public:
   static constexpr double kUniform_T = 15e-6;  // more than a field drifts in an hour; a base that is turned sees more
-  static constexpr double kSteady_T = 10e-6;   // back below it: as it was
+  static constexpr double kSteady_T = 10e-6;   // below it again: unchanged
   static constexpr double kUneven_T = 3e-6;    // more than what the zeros of sensors drift
-  static constexpr double kEven = 0.15;        // of the uniform part: a field from far away has no more that is uneven
-  static constexpr double kWanders_T = 1e-6;   // rms of a second: no magnet that lies there answers a pen
+  static constexpr double kEven = 0.15;        // of the uniform part: a distant source adds no more unevenness
+  static constexpr double kWanders_T = 1e-6;   // rms of a second: a magnet at rest does not respond to a pen
 
   explicit FieldWatch(const base::Calibration& calibration);
 
   void Add(const loop::RoomSample& sample);
-  // useless: bit i: not sensor i. contradicted: a magnet is near, and neither a pose nor what is known of the sensors
-  // explains the readings.
+  // useless: bit i: ignore sensor i. contradicted: a magnet is near, and neither a pose nor what is known of the
+  // sensors explains the readings.
   void EndSecond(std::uint32_t useless, bool contradicted);
   void Report(std::vector<RoomFinding>& findings) const;
   bool magnet_near() const noexcept { return is_magnet_.holds(); }
@@ -50,8 +50,8 @@ class FieldWatch {
   std::optional<tracker::StaticSolver> solver_;
   Second second_;
   bool has_fitted_ = false;  // poses have explained the readings of a whole second
-  double uniform_T_ = 0;     // of the last second that said so
-  Verdict is_magnet_{3}, wanders_{5}, is_uniform_{3}, is_uneven_{3};  // a magnet that comes wanders too
+  double uniform_T_ = 0;     // of the last second in which it was found
+  Verdict is_magnet_{3}, wanders_{5}, is_uniform_{3}, is_uneven_{3};  // an approaching magnet wanders too
 };
 
 }  // namespace omni::daemon

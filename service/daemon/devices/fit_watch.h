@@ -1,22 +1,22 @@
-// Whether the poses that the tracker finds explain what the sensors read while a magnet is near. A calibration of
-// another base, or of a base that was changed since, does not track; nor does any with a second magnet beside the pen.
+// Whether the tracker's poses explain the sensors' readings while a magnet is near. They do not with a calibration of
+// another base, or of a base that was changed since, or with a second magnet beside the pen.
 #pragma once
 
 #include <cstdint>
 
 namespace omni::daemon {
 
-// Counts of loop::FitStatistics in, a verdict out, second by second. Seconds without a pen say nothing: the verdict
-// stays.
+// Turns counts of loop::FitStatistics into a verdict, second by second. Seconds without a pen leave the verdict as it
+// is.
 class FitWatch {
  public:
   static constexpr std::int64_t kSpan_ns = 1'000'000'000;
   static constexpr std::uint64_t kTicksMin = 20;  // in a span; without a client there are about 62
   static constexpr int kSpans = 3;                // of one kind in a row, for a verdict
-  static constexpr double kMisfitAbove = 0.1;  // share of a span's ticks without an explanation; one that fits has ...
-  static constexpr double kFitsBelow = 0.02;   // ... none, and this is near enough
+  static constexpr double kMisfitAbove = 0.1;     // share of a span's ticks without an explanation
+  static constexpr double kFitsBelow = 0.02;      // a calibration that fits has almost none
 
-  // Now and then. True: the verdict has changed.
+  // Call now and then. True: the verdict has changed.
   bool Update(std::uint64_t explained, std::uint64_t contradicted, std::int64_t now_ns) noexcept {
     if (begin_ns_ == 0) Begin(explained, contradicted, now_ns);
     if (now_ns - begin_ns_ < kSpan_ns) return false;
@@ -32,7 +32,7 @@ class FitWatch {
     return true;
   }
   bool misfit() const noexcept { return misfit_; }
-  double share() const noexcept { return share_; }  // without an explanation, of the last span that said something
+  double share() const noexcept { return share_; }  // without an explanation, of the last span that counted
 
  private:
   void Begin(std::uint64_t explained, std::uint64_t contradicted, std::int64_t now_ns) noexcept {

@@ -57,7 +57,7 @@ struct DeviceEntry {
 };
 
 constexpr DeviceEntry kDevices[] = {
-    {"usb", "SERIAL", false, "a base on USB, waited for until it is there; SERIAL when there are several", OpenUsb},
+    {"usb", "SERIAL", false, "a base on USB (waits until it is connected); SERIAL if there are several", OpenUsb},
     {"twin", "", false, "the digital twin (a simulation)", OpenTwin},
     {kReplay, "FILE", true, "a recording of --record-device", OpenRecording},
 };
@@ -105,7 +105,7 @@ std::string DeviceProblem(const std::string& device) {
   for (const DeviceEntry& entry : kDevices) {
     if (meant == entry.name && entry.needs_argument) meant = Words(entry);
   }
-  return "\"" + device + "\" is no device; there is " + known +
+  return "\"" + device + "\" is not a device; known are " + known +
          (meant.empty() ? std::string() : "; did you mean '" + meant + "'?");
 }
 

@@ -1,4 +1,4 @@
-// What omnid --device means: one row a kind of device.
+// The devices of omnid --device: one row per kind of device.
 #pragma once
 
 #include <memory>
@@ -14,15 +14,15 @@ namespace omni::daemon {
 
 struct OpenedDevice {
   std::unique_ptr<device::Transport> transport;
-  std::string serial;                               // what a calibration must have been made of
+  std::string serial;                               // that a calibration must have
   const device::ReplayTransport* replay = nullptr;  // within `transport`, if it is one
   device::RecordingTransport* recording = nullptr;  // within `transport`, if it is recorded
 };
 
-// For --help: every kind with what it is.
+// For --help: every kind with its description.
 std::string DeviceHelp();
 
-// Why `device` is no word for one; empty: it is.
+// Why `device` is not a known device; empty: it is.
 std::string DeviceProblem(const std::string& device);
 
 // Precondition: DeviceProblem(options.device) is empty.
@@ -31,12 +31,12 @@ base::Result<OpenedDevice> OpenDevice(const RunOptions& options);
 bool IsTwin(const std::string& device);
 bool IsReplay(const std::string& device);
 
-// What log and status say first while a simulation runs.
+// Shown first in log and status while a simulation runs.
 inline constexpr const char* kSimulationText = "there is no real base; pen, forces and all figures are simulated";
 
-// Has `opened` written to options.record_device_path, from its next scan on. The n-th device that omnid opens (after
-// the one before was lost) gets ".n" behind the path, so that no recording is overwritten by the next one. Empty, or
-// why not: then nothing is recorded.
+// Records `opened` to options.record_device_path, from its next scan on. The n-th device that omnid opens (after the
+// one before was lost) gets ".n" appended to the path, so that no recording overwrites another. Returns the problem, if
+// any: then nothing is recorded.
 std::string RecordDevice(const RunOptions& options, double current_max_A, int n, OpenedDevice& opened);
 
 }  // namespace omni::daemon

@@ -79,14 +79,14 @@ void Recorder::Drain() {
     if (failed()) continue;  // keep the ring empty
     if (WriteLine(file_, record) < 0) {
       failed_.store(true, std::memory_order_relaxed);
-      spdlog::error("recording {}: {}; nothing more is written, the service goes on", path_, std::strerror(errno));
+      spdlog::error("recording {}: {}; the recording ends here, the service continues", path_, std::strerror(errno));
       continue;
     }
     lines_.fetch_add(1, std::memory_order_relaxed);
   }
   if (!failed() && std::fflush(file_) != 0) {
     failed_.store(true, std::memory_order_relaxed);
-    spdlog::error("recording {}: {}; nothing more is written, the service goes on", path_, std::strerror(errno));
+    spdlog::error("recording {}: {}; the recording ends here, the service continues", path_, std::strerror(errno));
   }
 }
 

@@ -1,4 +1,4 @@
-// Drains the telemetry ring into a CSV file, on a thread of its own: one line a tick, SI units, header names the
+// Drains the telemetry ring into a CSV file, on a thread of its own: one line per tick, SI units, header names the
 // columns.
 #pragma once
 

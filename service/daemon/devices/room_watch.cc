@@ -12,7 +12,7 @@ RoomFinding Swapped(const std::pair<int, int>& pair) {
   return {.kind = "sensors-swapped",
           .sensors = {pair.first, pair.second},
           .what = "sensors " + std::to_string(pair.first) + " and " + std::to_string(pair.second) +
-                  " are swapped (cables or addresses): exchanged, their readings fit a pose, as they are none does",
+                  " are swapped (cables or addresses): a pose explains their readings only when they are exchanged",
           .fix = "exchange their cables or addresses"};
 }
 

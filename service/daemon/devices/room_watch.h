@@ -19,15 +19,15 @@ namespace omni::daemon {
 class RoomWatch {
  public:
   static constexpr std::int64_t kSecond_ns = 1'000'000'000;
-  static constexpr int kSamplesMin = 4;  // of a second that says something
+  static constexpr int kSamplesMin = 4;  // of a second that counts
 
-  // calibration: in use; null: the base works as drawn, whose room is not known.
+  // calibration: in use; null: uncalibrated, the room is not known.
   explicit RoomWatch(const base::Calibration* calibration);
 
-  // About ten times a second, the newest sample; one that was seen before is none. True: the findings have changed.
+  // The newest sample, about ten times a second; a repeated one is ignored. True: the findings have changed.
   bool Add(const loop::RoomSample& sample);
   const std::vector<RoomFinding>& findings() const noexcept { return findings_; }
-  // They say why no pose explains the readings; the calibration is not to blame.
+  // The findings say why no pose explains the readings; the calibration is not to blame.
   bool explains_misfit() const noexcept;
 
  private:

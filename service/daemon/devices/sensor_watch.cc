@@ -19,7 +19,7 @@ std::string SensorsText(const std::vector<int>& sensors) {
   return text;
 }
 
-constexpr const char* kLookAtCable = "look at its cable and address, then: omni device selftest";
+constexpr const char* kLookAtCable = "check its cable and address, then: omni device selftest";
 
 RoomFinding Silent(std::vector<int> sensors, bool too_few) {
   std::string what = SensorsText(sensors) + (sensors.size() == 1 ? " gives" : " give") + " nothing";
@@ -39,12 +39,12 @@ RoomFinding Wrong(int sensor, bool everywhere) {
     return {.kind = "sensor-wrong",
             .sensors = {sensor},
             .what = name + " reads wrong and is left out, wherever the pen is",
-            .fix = "look at its cable and its place, then measure the base again: omni calibrate --replace"};
+            .fix = "check its cable and its place, then measure the base again: omni calibrate --replace"};
   }
   return {.kind = "sensor-doubtful",
           .sensors = {sensor},
           .what = name + ", or a magnet near it: it contradicts the others and is left out",
-          .fix = "take magnets and steel away from that side of the base; with the pen moved about, it shows which"};
+          .fix = "take magnets and steel away from that side of the base; move the pen about to find out which it is"};
 }
 
 RoomFinding Frozen() {

@@ -1,4 +1,4 @@
-// Which sensors give nothing, repeat themselves or are wrong: from samples of the loop, second by second.
+// Finds sensors that are silent, repeat themselves or read wrong: from samples of the loop, second by second.
 #pragma once
 
 #include <array>
@@ -16,15 +16,15 @@ namespace omni::daemon {
 
 class SensorWatch {
  public:
-  // A sensor is blamed when it was wrong while the pen was in so many places so far apart: a magnet beside it is not
-  // everywhere.
+  // A sensor is blamed when it was wrong while the pen was in kPlaces places, kPlace_m apart: a magnet beside it does
+  // not explain all of them.
   static constexpr std::size_t kPlaces = 3;
   static constexpr double kPlace_m = 0.02;
   static constexpr int kSensorsMin = 4;  // fewer leave too few readings for a pose
 
   void Add(const loop::RoomSample& sample);
   void EndSecond();
-  // magnet_near: is told of; a sensor that may only be near it is not named too.
+  // magnet_near: already reported; a sensor that may only be near the magnet is not reported as well.
   void Report(bool magnet_near, std::vector<RoomFinding>& findings) const;
 
   // Bit i: sensor i cannot be used.

@@ -1,5 +1,5 @@
-// When no pose explains what the sensors read: would one, were two of them exchanged? Off the tick, a few of the 28
-// pairs at a time.
+// When no pose explains the readings: finds out whether one would if two sensors were exchanged. Off the tick, a few of
+// the 28 pairs at a time.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@ class SwapSearch {
   static constexpr std::size_t kScans = 6;                // that are tried
   static constexpr std::int64_t kApart_ns = 250'000'000;  // from one to the next
   static constexpr int kPairsAtOnce = 4;
-  static constexpr int kFits = 5;    // of the scans, by the pair that is exchanged ...
-  static constexpr int kOthers = 2;  // ... and at most by any other, or by none
+  static constexpr int kFits = 5;    // scans that the exchanged pair fits at least
+  static constexpr int kOthers = 2;  // scans that any other, or no exchange, fits at most
 
   explicit SwapSearch(const base::Calibration& calibration);
 
-  // A scan with a magnet near that no pose explains; kept while some are wanted.
+  // A scan with a magnet near that no pose explains; kept until there are kScans.
   void Keep(const base::HallScan& scan);
-  // Now and then: works on. True: it is through, and begins anew with other scans; `found` is what came out.
+  // Call now and then: continues. True: finished, `found` is the result, and the search restarts with other scans.
   bool Step();
   const std::optional<std::pair<int, int>>& found() const noexcept { return found_; }
   void Forget();

@@ -8,7 +8,7 @@ namespace omni::daemon {
 
 class TransportTickSource : public loop::TickSource {
  public:
-  // `transport` outlives this. patience_ns: how long Wait sits before it says kTimeout.
+  // `transport` outlives this. patience_ns: how long Wait blocks before it returns kTimeout.
   explicit TransportTickSource(device::Transport& transport, std::int64_t patience_ns = 20'000'000)
       : transport_(transport), patience_ns_(patience_ns) {}
 

@@ -1,4 +1,4 @@
-// A verdict about what may come and go: so many seconds of one kind in a row change it.
+// A verdict with hysteresis: it changes after `seconds` contrary seconds in a row.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@ class Verdict {
  public:
   explicit Verdict(int seconds) : seconds_(seconds) {}
 
-  // Of one second; nothing: it says nothing, and the verdict stays.
+  // Result of one second; empty: undecided, the verdict stays.
   void Add(std::optional<bool> so) noexcept {
     if (!so) return;
     against_ = *so != holds_ ? against_ + 1 : 0;
@@ -25,7 +25,7 @@ class Verdict {
   bool holds_ = false;
 };
 
-// Of the samples of a second.
+// At least 80 % of a second's samples.
 inline bool IsMostly(int some, int all) noexcept { return some > 0 && some >= 0.8 * all; }
 
 }  // namespace omni::daemon

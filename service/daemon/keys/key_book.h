@@ -1,5 +1,4 @@
-// Keys of several keyboards and pedals as the tick wants them, and what a device's bytes say. No device is touched
-// here.
+// Key states of several keyboards and pedals for the tick, and the decoder of a device's bytes. Accesses no device.
 #pragma once
 
 #include <linux/input.h>
@@ -19,12 +18,12 @@ inline constexpr int kMaxKeyDevicesOpen = 16;  // further ones are not opened
 // Counts presses and releases. A key that several devices have is down while one of them holds it.
 class KeyBook {
  public:
-  // codes[i]: evdev code of slot i; other codes are nobody's business and leave no trace.
+  // codes[i]: evdev code of slot i; other codes are ignored and leave no trace.
   explicit KeyBook(std::vector<std::uint16_t> codes) : codes_(std::move(codes)) {}
 
   // `device`: 0 to kMaxKeyDevicesOpen - 1. True: a slot has changed.
   bool Set(int device, std::uint16_t code, bool down, std::int64_t t_ns);
-  // The device is gone: what it held is released.
+  // The device is gone: releases the keys that it held.
   bool ReleaseAll(int device, std::int64_t t_ns);
 
   bool IsDown(int device, std::size_t slot) const { return (holders_[slot] >> device & 1) != 0; }
@@ -39,7 +38,7 @@ class KeyBook {
   base::KeyStates states_;
 };
 
-// One device's stream of input_event. Whatever the bytes are, it says only keys up and down, with sane times.
+// One device's stream of input_event. Whatever the bytes are, it emits only presses and releases, with sane times.
 class KeyDecoder {
  public:
   using Emit = std::function<void(std::uint16_t code, bool down, std::int64_t t_ns)>;
@@ -48,7 +47,7 @@ class KeyDecoder {
   // another clock and count as now.
   void Feed(const unsigned char* bytes, std::size_t count, std::int64_t now_ns, const Emit& emit);
 
-  // The kernel has dropped events since the last call: what is down must be asked anew.
+  // The kernel has dropped events since the last call: the keys' states must be queried again.
   bool PopDropped();
 
  private:

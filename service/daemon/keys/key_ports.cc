@@ -78,12 +78,12 @@ class EvdevPorts : public KeyPorts {
   // Empty: done.
   static std::string Prepare(int fd, bool grab) {
     int version = 0;
-    if (::ioctl(fd, EVIOCGVERSION, &version) < 0) return "is no input device; name one of /dev/input/";
+    if (::ioctl(fd, EVIOCGVERSION, &version) < 0) return "is not an input device; name one of /dev/input/";
     int clock = CLOCK_MONOTONIC;
     if (::ioctl(fd, EVIOCSCLOCKID, &clock) < 0)
-      return "cannot be stamped by the monotonic clock (" + Reason(errno) + ")";
+      return "cannot use the monotonic clock for its time stamps (" + Reason(errno) + ")";
     if (grab && ::ioctl(fd, EVIOCGRAB, 1) < 0) {
-      return "cannot be grabbed (" + Reason(errno) + "); another program has it, or write grab = false";
+      return "cannot be grabbed (" + Reason(errno) + "); end the program that has grabbed it, or write grab = false";
     }
     return {};
   }

@@ -36,7 +36,7 @@ KeyThread::KeyThread(KeyThreadOptions options, std::unique_ptr<KeyPorts> ports, 
 
 KeyThread::~KeyThread() {
   const std::uint64_t one = 1;
-  if (::write(wake_, &one, sizeof(one)) < 0) spdlog::error("keys: the thread cannot be woken");
+  if (::write(wake_, &one, sizeof(one)) < 0) spdlog::error("keys: cannot wake the thread");
   thread_.join();
   for (const Port& port : open_) {
     if (port.fd >= 0) ::close(port.fd);
@@ -69,7 +69,7 @@ void KeyThread::Run() {
   }
 }
 
-// Opens what a rule means and is not open yet.
+// Opens the devices of a rule that are not open yet.
 void KeyThread::Search() {
   for (std::size_t rule = 0; rule < options_.devices.size(); ++rule) {
     for (const std::string& path : ports_->Find(options_.devices[rule])) {
@@ -84,13 +84,13 @@ void KeyThread::Search() {
 void KeyThread::OpenPort(std::size_t rule, const std::string& path) {
   const auto free = std::find_if(open_.begin(), open_.end(), [](const Port& port) { return port.fd < 0; });
   if (free == open_.end()) {
-    return Tell(rule, path + ": is not read, " + std::to_string(kMaxKeyDevicesOpen) + " devices are the limit");
+    return Tell(rule, path + ": is not read, the limit is " + std::to_string(kMaxKeyDevicesOpen) + " devices");
   }
   const base::Result<int> fd = ports_->Open(path, options_.devices[rule].grab);
   if (!fd.ok()) return Tell(rule, fd.error());
   *free = {.fd = *fd, .rule = rule, .path = path, .decoder = {}};
   problems_[rule].clear();
-  spdlog::info("keys: {} is read{}", path, options_.devices[rule].grab ? ", and grabbed" : "");
+  spdlog::info("keys: reading {}{}", path, options_.devices[rule].grab ? " (grabbed)" : "");
 }
 
 void KeyThread::ReadPort(int index) {
@@ -117,11 +117,11 @@ void KeyThread::RequestAllKeys(int index, std::int64_t now_ns, bool& changed) {
   }
 }
 
-// Unplugged, or at its end. What it held is released; the search finds it when it is back.
+// Unplugged, or at its end. Releases the keys that it held; the search finds it when it is back.
 void KeyThread::ClosePort(int index) {
   Port& port = open_[index];
   ::close(port.fd);
-  spdlog::warn("keys: {} is gone; it is read again when it is back", port.path);
+  spdlog::warn("keys: {} was unplugged; it is read again once it is back", port.path);
   port = Port{};
   if (book_.ReleaseAll(index, base::MonotonicNow_ns())) changed_(book_.states());
   UpdateStatus();

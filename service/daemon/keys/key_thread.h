@@ -1,5 +1,5 @@
 // Reads keyboards and foot pedals that the user has named (config::InputSettings): one thread, waiting for events,
-// which looks once a second for devices that are not there yet or have come back. Only the keys of mappings leave it.
+// which searches once a second for devices that are missing or have come back. Only mapped keys are passed on.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class KeyThread {
   struct DeviceStatus {
     std::string rule;     // path or name as written
     std::string paths;    // of what is being read, separated by spaces; empty: nothing
-    std::string problem;  // why not, for people; empty: simply not there
+    std::string problem;  // why not; empty: the device is not there
   };
   std::vector<DeviceStatus> Status() const;  // any thread
 
@@ -59,7 +59,7 @@ class KeyThread {
   const Changed changed_;
   KeyBook book_;
   std::array<Port, kMaxKeyDevicesOpen> open_;
-  std::vector<std::string> problems_;  // one a rule, of the thread
+  std::vector<std::string> problems_;  // one per rule, of the thread
   int wake_ = -1;                      // eventfd: the end
   mutable std::mutex status_mutex_;
   std::vector<DeviceStatus> status_;

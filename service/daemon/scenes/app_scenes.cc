@@ -27,7 +27,7 @@ loop::PoseSample SampleOf(const protocol::ScenePose& pose, std::int64_t t_ns, st
           .angular_velocity_rad_s = Scaled(pose.angular_velocity_rad_s, 1)};
 }
 
-// A fixed-size list in which something has a place once it was named; full: null.
+// The entry of a fixed-size list for which `is` holds, else a new one; full: null.
 template <class List, class Is>
 auto* SlotIn(List& list, std::uint32_t& count, Is is) {
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -45,7 +45,7 @@ std::string WarningsOf(const BuiltScene& built) {
   std::string text;
   if (built.load.skipped) {
     text =
-        "nothing to touch: the document has no haptic tag; tag what is to be felt (docs/scenes.md), or create the "
+        "nothing to touch: the document has no haptic tag; tag the objects to touch (docs/scenes.md), or create the "
         "scene "
         "with XR_HAPTIC_SCENE_CREATE_TOUCH_UNTAGGED_BIT_OMNIX1\n";
   }
@@ -112,7 +112,7 @@ bool AppScenes::Place(ipc::ClientId id, const protocol::HapticScenePlace& place)
   if (place.scale == scene->scale) return true;
   scene->scale = place.scale;
   scene->asked_ns = base::MonotonicNow_ns();
-  if (!scene->loading) Request(id, *scene);  // else when the present build is done: it must come to an end
+  if (!scene->loading) Request(id, *scene);  // else when the present build is finished
   return true;
 }
 
@@ -183,7 +183,7 @@ bool AppScenes::Holds(const std::shared_ptr<const BuiltScene>& scene) const {
   return std::any_of(scenes_.begin(), scenes_.end(), [&](const auto& entry) { return entry.second.built == scene; });
 }
 
-// Poses of nodes are told at the wanted scale; until the scene is built anew they are felt at the one it has.
+// Poses of nodes arrive at the requested scale; until the scene is rebuilt they are rendered at its present one.
 void AppScenes::FillControl(ipc::ClientId id, std::uint64_t generation, loop::SceneControl& control) const {
   const AppScene& scene = scenes_.at(id);
   control = scene.control;

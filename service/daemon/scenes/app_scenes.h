@@ -1,5 +1,5 @@
-// Scenes that applications give themselves (XR_OMNIX1_haptic_scene): at most one a client, built by the builder, felt
-// in place of the client's scene from apps.d. All on the control thread.
+// Scenes that applications provide themselves (XR_OMNIX1_haptic_scene): at most one per client, built by the builder,
+// active in place of the client's scene from apps.d. All on the control thread.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +21,20 @@ namespace omni::daemon {
 class AppScenes {
  public:
   using Retired = std::vector<std::shared_ptr<const BuiltScene>>;
-  // A whole message to a client; false: it does not read now, and gets it at the next period.
+  // Sends a whole message to a client; false: its socket is full, and it is sent in the next period.
   using Send = std::function<bool(ipc::ClientId id, const std::string& message)>;
 
   // What stops being a client's scene goes to `retired`. Both outlive this.
   AppScenes(SceneBuilder& builder, double hull_radius_m, Retired& retired, Send send)
       : builder_(builder), hull_radius_m_(hull_radius_m), retired_(retired), send_(std::move(send)) {}
 
-  // The builder knows these jobs by another number than the client's own scene from apps.d.
+  // Job numbers of these scenes, apart from those of the clients' scenes from apps.d.
   static constexpr std::uint64_t kJobBit = std::uint64_t{1} << 63;
   static bool IsJob(std::uint64_t job) noexcept { return (job & kJobBit) != 0; }
   static ipc::ClientId ClientOf(std::uint64_t job) noexcept { return job & ~kJobBit; }
   static std::uint64_t JobOf(ipc::ClientId id) noexcept { return id | kJobBit; }
 
-  // Messages of a client. False: about a scene that is gone, nothing has changed.
+  // Messages of a client. False: about a scene that no longer exists, nothing has changed.
   void Load(ipc::ClientId id, const std::string& application, const protocol::HapticSceneLoad& load,
             base::UniqueFd document);
   bool End(ipc::ClientId id, std::uint32_t number);
@@ -44,19 +44,19 @@ class AppScenes {
   bool SetMaterial(ipc::ClientId id, const protocol::HapticMaterial& material);
   void Remove(ipc::ClientId id);
 
-  // A result of the builder, of a job of these. The scene that is to be felt from now on, for the log and for
+  // Handles a result of the builder for one of these jobs. The scene that is active from now on, for the log and for
   // sculpting; null: there is none, see built.error.
   std::shared_ptr<const BuiltScene> Take(BuiltScene built);
 
-  // From the first time that it was ready: what apps.d says is not felt.
+  // It has been ready once: from then on the client's scene from apps.d is not used.
   bool Stands(ipc::ClientId id) const;
-  // Null: nothing, for it is not enabled.
+  // Null: none, because it is not enabled.
   std::shared_ptr<const BuiltScene> Active(ipc::ClientId id) const;
   bool Holds(const std::shared_ptr<const BuiltScene>& scene) const;
-  // What the tick is to know. Precondition: Stands(id).
+  // Fills in what the tick needs. Precondition: Stands(id).
   void FillControl(ipc::ClientId id, std::uint64_t generation, loop::SceneControl& control) const;
 
-  // Tells every client what it does not know yet. `felt`: whose scene is felt, and its number there.
+  // Notifies every client of changes. `felt`: the client whose scene is active; `generation`: of that scene.
   void Tell(ipc::ClientId felt, std::uint64_t generation);
 
  private:
@@ -86,10 +86,10 @@ class AppScenes {
   Retired& retired_;
   const Send send_;
   std::map<ipc::ClientId, AppScene> scenes_;
-  std::uint64_t samples_ = 0;  // poses taken so far
+  std::uint64_t samples_ = 0;  // poses received so far
 };
 
-// The rows that tell a client what its scene has: a whole message.
+// A whole message with the rows that describe a scene to its client.
 std::string HapticTableMessage(std::uint32_t number, const BuiltScene& built);
 
 }  // namespace omni::daemon

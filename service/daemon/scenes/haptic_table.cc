@@ -1,4 +1,4 @@
-// What an application's own scene has, as rows for its client.
+// Describes an application's own scene, as rows for its client.
 #include <algorithm>
 
 #include "service/base/material.h"

@@ -12,7 +12,7 @@
 namespace omni::daemon {
 namespace {
 
-// Looked for now, not when the application's file was read: a scene may be put there later. A document has a name only.
+// Searched now, not when the application's file was read: a scene may be added later. A document only has a name.
 base::Result<std::string> FileOf(const SceneJob& job) {
   return job.document != nullptr ? job.file : config::FindScene(job.file, config::ScenesFolder());
 }
@@ -113,7 +113,7 @@ void SceneBuilder::RunJob(std::unique_lock<std::mutex>& lock) {
   std::deque<std::uint32_t> soft_objects;
   BuiltScene built = Build(job, soft_objects);
   lock.lock();
-  if (running_client_ != job.client) return;  // cancelled or asked for again
+  if (running_client_ != job.client) return;  // cancelled or requested again
   running_client_ = 0;
   built.build = ++builds_;
   if (!soft_objects.empty()) {

@@ -1,5 +1,5 @@
 // The builder thread: loads and builds one scene at a time, off the tick and off the control thread. A scene with soft
-// bodies is delivered without them; they are computed afterwards, one by one, while no scene is waited for.
+// bodies is delivered without them; they are computed afterwards, one by one, while no scene is requested.
 #pragma once
 
 #include <condition_variable>
@@ -24,9 +24,9 @@ namespace omni::daemon {
 
 struct BuiltScene {
   std::uint64_t client = 0;
-  std::uint64_t build = 0;  // a number that never comes again
+  std::uint64_t build = 0;  // a number that is never reused
   std::string file;
-  // Null: failed, see error. Carries its live parts, if it has any: workshops at once, soft bodies as they get ready.
+  // Null: failed, see error. Includes its live parts, if any: sculpt sessions at once, soft bodies as they get ready.
   std::shared_ptr<const haptics::Scene> scene;
   std::string error;
   std::vector<std::string> warnings;
@@ -41,18 +41,18 @@ struct SoftProgress {
   double done = 0;  // of all objects, 0 ... 1
 };
 
-// One soft body came out, or did not.
+// A soft body was finished, or has failed.
 struct SoftOutcome {
   std::uint64_t client = 0;
   std::string file, object;
-  std::string error;  // empty: the tick has it
+  std::string error;  // empty: the soft body is in use
   scene::SoftLoadReport report;
 };
 
-// What an application file asks of its scene.
+// Options from an application's file for its scene.
 scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m);
 
-// What is to be built, and for whom.
+// A scene to be built, and for which client.
 struct SceneJob {
   std::uint64_t client = 0;
   std::string file;                                // path, or the document's name
@@ -64,14 +64,14 @@ class SceneBuilder {
  public:
   static constexpr std::uint32_t kSoftTets = 2000;
 
-  // `cache_folder`: built scenes are kept there (scene/cache_store.h); empty: nowhere. `soft_tets`: of a soft body, at
-  // most [100, 400000]; finer takes longer to compute.
+  // `cache_folder`: stores built scenes (scene/cache_store.h); empty: no cache. `soft_tets`: of a soft body, at most
+  // [100, 400000]; more take longer to compute.
   explicit SceneBuilder(double hull_radius_m, std::string cache_folder = {}, std::uint32_t soft_tets = kSoftTets);
   ~SceneBuilder();
   SceneBuilder(const SceneBuilder&) = delete;
   SceneBuilder& operator=(const SceneBuilder&) = delete;
 
-  // Queues a job; a job of the same client that has not begun is replaced, and its soft bodies are given up.
+  // Queues a job; replaces a job of the same client that has not begun, and cancels its soft bodies.
   void Request(std::uint64_t client, const config::AppEntry& app);
   void Request(SceneJob job);
   // Forgets the client's waiting jobs; the result of a running one is dropped.
@@ -91,12 +91,12 @@ class SceneBuilder {
     std::deque<std::uint32_t> objects;
   };
   void Run();
-  // Both with the lock held, which they give up while they work.
+  // Both need the lock held, and release it while they work.
   void RunJob(std::unique_lock<std::mutex>& lock);
   void RunSoftJob(std::unique_lock<std::mutex>& lock);
   std::unique_ptr<const haptics::SoftBody> MakeSoftBody(const haptics::Scene& scene, std::uint32_t index,
                                                         SoftOutcome& outcome);
-  // From within the precompute: whether to go on. Builds the scenes that are waited for meanwhile.
+  // Called by the precompute: whether to continue. Builds requested scenes meanwhile.
   bool GoOn(std::uint64_t client, double done);
   void DropSoft(std::uint64_t client);  // with the lock held
   BuiltScene Build(const SceneJob& job, std::deque<std::uint32_t>& soft_objects);
@@ -111,8 +111,8 @@ class SceneBuilder {
   std::deque<SceneJob> jobs_;
   std::deque<BuiltScene> results_;
   std::uint64_t builds_ = 0;
-  std::uint64_t running_client_ = 0;  // 0: none, or its result is not wanted any more
-  std::deque<SoftJob> soft_jobs_;     // the first one is worked on
+  std::uint64_t running_client_ = 0;  // 0: none, or its result is no longer wanted
+  std::deque<SoftJob> soft_jobs_;     // the first one is in progress
   std::uint64_t soft_client_ = 0;     // as running_client_
   std::deque<SoftOutcome> outcomes_;
   std::map<std::uint64_t, SoftProgress> progress_;

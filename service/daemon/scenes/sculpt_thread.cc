@@ -87,7 +87,7 @@ void SculptThread::Leave(const haptics::Scene& scene) {
   const std::lock_guard lock(mutex_);
   Sculpted* sculpted = Find(scene);
   if (sculpted == nullptr || !sculpted->read) return;
-  Poll(*sculpted);  // what the tick still sent
+  Poll(*sculpted);  // the last messages of the tick
   for (std::size_t n = 0; n < sculpted->benches.size(); ++n) {
     haptics::sculpt::SculptSession& sculpt_session = sculpted->sculpt_session(n);
     if (sculpted->broken) {
@@ -116,7 +116,7 @@ void SculptThread::Request(const SculptRequest& request, std::uint64_t owner) {
     std::string why;
     const Sculpted* sculpted = Choose(request.client, owner, why);
     if (sculpted != nullptr && work_.size() >= kMaxWaiting) {
-      why = std::to_string(kMaxWaiting) + " requests wait already; try again";
+      why = std::to_string(kMaxWaiting) + " requests are already waiting; try again";
       sculpted = nullptr;
     }
     if (sculpted == nullptr) {
@@ -129,7 +129,7 @@ void SculptThread::Request(const SculptRequest& request, std::uint64_t owner) {
   wake_.notify_one();
 }
 
-// An edit may take some milliseconds: the control thread looks again a period later.
+// An edit may take some milliseconds: the control thread polls again a period later.
 std::optional<SculptAnswer> SculptThread::PopAnswer() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
@@ -184,7 +184,8 @@ void SculptThread::Poll(Sculpted& sculpted) {
       const haptics::sculpt::ServeReport served = sculpted.sculpt_session(n).Poll();
       if (served.ended > 0) sculpted.benches[n].edited = ++edits_;
       if (!served.problem.empty()) Tell(sculpted, n, served.problem);
-    } catch (const std::exception& caught) {  // out of memory: what the tick has stays, what was being made may be torn
+    } catch (
+        const std::exception& caught) {  // out of memory: the tick's surface stays, the one in progress may be torn
       sculpted.broken = true;
       Tell(sculpted, n, std::string("cannot be sculpted any more (") + caught.what() + "); restart the application");
     }

@@ -1,5 +1,5 @@
-// The thread that edits sculpted surfaces: takes what the tick sent, every 2 ms, and does what people ask for (undo,
-// redo, save). It exists while a scene with a workshop is here, and polls only while the tick may look at one.
+// The thread that edits sculpted surfaces: handles the tick's messages every 2 ms, and requests of users (undo, redo,
+// save). It exists while there is a scene with a sculpt session, and polls only while the tick may read one.
 #pragma once
 
 #include <chrono>
@@ -26,19 +26,19 @@ struct SculptRequest {
   std::uint32_t number = 0;  // comes back in it
   std::uint64_t client = 0;  // whose scene; 0: the owner's if it is sculpted, else the only one that is
   SculptAction action = SculptAction::kEdits;
-  std::string object;  // name, or index in the scene; empty: undo and redo take the one that was edited last
+  std::string object;  // name, or index in the scene; empty: undo and redo apply to the one that was edited last
 };
 
 struct SculptAnswer {
   std::uint64_t asker = 0;
   std::uint32_t number = 0;
   bool ok = false;
-  std::string text;              // kEdits: JSON; else a line for people, the reason of a refusal included
+  std::string text;              // kEdits: JSON; else a line for people, including the reason of a refusal
   base::UniqueFd file;           // kSave: sealed memory that holds a .glb
   std::uint64_t file_bytes = 0;  // its size
 };
 
-// A stroke that was refused, for people.
+// A rejected stroke, for people.
 struct SculptProblem {
   std::uint64_t client = 0;
   std::string text;
@@ -48,38 +48,39 @@ class SculptThread {
  public:
   static constexpr std::chrono::milliseconds kPeriod{2};
   static constexpr std::size_t kMaxWaiting = 16;                // requests; further ones are refused at once
-  static constexpr std::chrono::seconds kSameProblemAfter{10};  // the same refusal is not told again before
+  static constexpr std::chrono::seconds kSameProblemAfter{10};  // the same problem is not reported again before
 
   SculptThread() = default;
   ~SculptThread();
   SculptThread(const SculptThread&) = delete;
   SculptThread& operator=(const SculptThread&) = delete;
 
-  // All below: one thread, the control thread. A scene without workshop is left out by all of them.
+  // All below: control thread only. A scene without a sculpt session is ignored by all of them.
 
-  // A client has this scene, of this file. Held until Remove.
+  // Adds a client's scene, loaded from `file`. Held until Remove.
   void Add(std::uint64_t client, const std::string& file, const std::shared_ptr<const haptics::Scene>& scene);
-  // Before the scene is handed to the tick, each time: nothing that the tick may read is used again from here on.
+  // Call each time before the scene is handed to the tick: from here on nothing that the tick may read is reused.
   void Enter(const haptics::Scene& scene);
-  // The tick has given the scene up: it has acknowledged a newer hand-over, or its thread has ended. Ends open strokes.
+  // The tick no longer uses the scene: it has acknowledged a newer hand-over, or its thread has ended. Ends open
+  // strokes.
   void Leave(const haptics::Scene& scene);
-  // Nobody has it any more. Precondition: never entered, or left since.
+  // The scene is no longer used. Precondition: never entered, or left since.
   void Remove(const haptics::Scene& scene);
 
-  // The answer comes by PopAnswer, also when it is a refusal. `owner`: client that owns the force; 0: none.
+  // The answer comes by PopAnswer, also if it is a refusal. `owner`: client that owns the force; 0: none.
   void Request(const SculptRequest& request, std::uint64_t owner);
-  // Neither of the two waits for an edit: none now may be one a moment later.
+  // Neither of the two waits for an edit that is in progress: a later call returns its result.
   std::optional<SculptAnswer> PopAnswer();
   std::optional<SculptProblem> PopProblem();
-  // Whether the thread is there, for tests and status.
+  // Whether the thread exists, for tests and status.
   bool running() const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  // One workshop.
+  // One sculpt session.
   struct Bench {
     std::uint64_t edited = 0;  // when it was edited last, counted; 0: never
-    std::string problem;       // the newest that was told ...
+    std::string problem;       // the newest one reported ...
     Clock::time_point told;    // ... and when
   };
   struct Sculpted {
@@ -107,7 +108,7 @@ class SculptThread {
   void Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer);
   void Step(Sculpted& sculpted, const SculptRequest& request, SculptAnswer& answer);
   static std::string Edits(const Sculpted& sculpted);
-  // The workshop a request means; none: `why`.
+  // The sculpt session that a request refers to; none: see `why`.
   static std::optional<std::size_t> Named(const Sculpted& sculpted, const std::string& object, std::string& why);
   Sculpted* Find(const haptics::Scene& scene);
   Sculpted* Choose(std::uint64_t client, std::uint64_t owner, std::string& why);

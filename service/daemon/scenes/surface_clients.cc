@@ -31,9 +31,9 @@ std::string SurfaceClients::Update(const std::shared_ptr<const haptics::Scene>& 
   return problem != std::exchange(problem_, problem) ? problem : std::string();
 }
 
-// A thread that is asked to end is waited for only once it has: this one must not wait for a look at a large surface.
-// Whoever asks meanwhile gets a new one after it.
-// One that ended with a problem is kept, so that it is not tried again for the same scene.
+// A thread that was asked to end is joined only once it has ended: this one must not wait for a poll of a large
+// surface. Clients that request surfaces meanwhile get a new thread after it. One that ended with a problem is kept, so
+// that the same scene is not tried again.
 void SurfaceClients::KeepThread(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t scene_generation,
                                 bool needed) {
   if (thread_ != nullptr && (!needed || thread_generation_ != scene_generation)) {
@@ -51,7 +51,7 @@ void SurfaceClients::KeepThread(const std::shared_ptr<const haptics::Scene>& sce
                                                           .memory_generation = &memory_generation_});
 }
 
-// Whoever does not know yet. A message that does not go out is tried again at the next period.
+// Notifies clients of a change. A message that cannot be sent is tried again in the next period.
 void SurfaceClients::Announce(const ipc::SurfacePublisher* memory) {
   protocol::Surfaces message;
   if (memory != nullptr) {

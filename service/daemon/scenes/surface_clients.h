@@ -1,5 +1,5 @@
-// Who draws surfaces, and what they were told. Starts the surface thread when it is needed and ends it when it is not.
-// Control thread only.
+// The clients that draw surfaces, and what was sent to them. Starts the surface thread when it is needed and ends it
+// when it is not. Control thread only.
 #pragma once
 
 #include <atomic>
@@ -25,11 +25,11 @@ class SurfaceClients {
 
   SurfaceClients(std::uint64_t service_instance, Snapshot snapshot, Send send);
 
-  // A request counts even if it is the same as before: it is answered again.
+  // A repeated request counts, too: it is answered again.
   void Request(ipc::ClientId id, bool wanted);
   void Remove(ipc::ClientId id);
 
-  // Every period: the scene that the tick should have, null: none. Returns a new problem for people, or nothing.
+  // Once per period: the scene that the tick should have, null: none. Returns a new problem for people, or nothing.
   std::string Update(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t scene_generation);
 
   // There is a thread that reads snapshots.
@@ -42,12 +42,12 @@ class SurfaceClients {
   const std::uint64_t service_instance_;
   const Snapshot snapshot_;
   const Send send_;
-  std::map<ipc::ClientId, std::optional<std::uint64_t>> told_;  // memory generation, 0: that there is none
+  std::map<ipc::ClientId, std::optional<std::uint64_t>> told_;  // memory generation sent, 0: that there is none
   std::atomic<std::uint64_t> memory_generation_{0};
-  std::string problem_;                  // newest, told
+  std::string problem_;                  // newest, already reported
   std::uint64_t thread_generation_ = 0;  // of its scene
   std::unique_ptr<SurfaceThread> thread_;
-  bool is_ending_ = false;  // the thread was asked to end: what it has published is not renewed any more
+  bool is_ending_ = false;  // the thread was asked to end: its memory is no longer updated
 };
 
 }  // namespace omni::daemon

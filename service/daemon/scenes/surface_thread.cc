@@ -131,7 +131,7 @@ bool SurfacePoller::MakeMemory() {
   return true;
 }
 
-// What the publisher refuses (a number that is none) is looked at again; clients keep what they have.
+// An update that the publisher refuses (NaN) is tried again; clients keep what they have.
 void SurfacePoller::Publish(std::size_t index) {
   Shown& shown = shown_[index];
   if (!shown.new_vertices && !shown.new_triangles && !shown.new_pose) return;
@@ -190,7 +190,7 @@ void SurfaceThread::Run() {
     memory_ = goes_on ? looker_.memory() : nullptr;
     problem_ = problem;
     if (!goes_on) break;
-    // A look that took too long is not made up for.
+    // Polls that were missed are not made up for.
     next = std::max(next + std::chrono::nanoseconds(kSurfaceLook_ns), std::chrono::steady_clock::now());
     wake_.wait_until(lock, next, [this] { return stop_; });
   }

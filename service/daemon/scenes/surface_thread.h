@@ -1,6 +1,6 @@
-// The surface thread: looks 90 times a second at what the tick and the editors have done to the surfaces of one scene,
-// and publishes what is new. Exists only while a client draws and the scene has something that changes. It never makes
-// the tick or an editor wait: a snapshot comes through base::Latest, a sculpted generation is pinned (SculptPublisher).
+// The surface thread: polls the surfaces of one scene 90 times a second for changes by the tick and the editors, and
+// publishes them. Exists only while a client draws and the scene has something that changes. It never makes the tick or
+// an editor wait: a snapshot comes through base::Latest, a sculpted generation is pinned (SculptPublisher).
 #pragma once
 
 #include <atomic>
@@ -31,15 +31,15 @@ struct SurfaceSource {
   std::atomic<std::uint64_t>* memory_generation = nullptr;  // counts the memories of this service; outlives the thread
 };
 
-// What the thread does, one look after the other.
+// The work of the thread, one poll at a time.
 class SurfacePoller {
  public:
   explicit SurfacePoller(SurfaceSource source);
 
-  // False: the surfaces cannot be published, problem() says why; further looks do nothing.
+  // False: the surfaces cannot be published, problem() says why; further polls do nothing.
   bool Look(std::int64_t now_ns);
-  // What is written now; another one after Look when it was outgrown or when more objects change. Null before the first
-  // look, and after a problem.
+  // The memory being written; replaced by Look when it was outgrown or when more objects change. Null before the first
+  // poll, and after a problem.
   const std::shared_ptr<ipc::SurfacePublisher>& memory() const noexcept { return memory_; }
   const std::string& problem() const noexcept { return problem_; }
 
@@ -53,8 +53,8 @@ class SurfacePoller {
     haptics::MovedObject pose;
     double displacement_m = 0;
     bool new_vertices = true, new_triangles = true, new_pose = true;
-    bool timed = false;                                   // what is published says of which scan it is
-    bool touched = false;                                 // its soft body gives way
+    bool timed = false;                                   // the published frame has the time of a scan
+    bool touched = false;                                 // its soft body is deformed
     std::array<double, haptics::kMaxRegions> offset_m{};  // of all regions
     std::uint64_t sculpt_generation = 0;
     std::size_t vertex_capacity = 0, triangle_capacity = 0;  // in the memory
@@ -79,7 +79,7 @@ class SurfacePoller {
 class SurfaceThread {
  public:
   explicit SurfaceThread(SurfaceSource source);
-  ~SurfaceThread();  // waits for the look that is under way
+  ~SurfaceThread();  // waits for the poll in progress
   SurfaceThread(const SurfaceThread&) = delete;
   SurfaceThread& operator=(const SurfaceThread&) = delete;
 

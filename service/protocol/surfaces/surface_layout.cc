@@ -16,7 +16,7 @@ std::string CountProblem(std::uint64_t count) {
   return std::to_string(count) + " objects, the limit is " + std::to_string(kMaxSurfaceObjects);
 }
 
-// What both sides hold against the numbers of one object.
+// Checks that both sides apply to the numbers of one object.
 std::string CapacityProblem(std::uint32_t flags, std::uint32_t vertices, std::uint32_t triangles) {
   if (flags == 0 || (flags & ~kAllSurfaceFlags) != 0) return "flags " + std::to_string(flags) + " are not known";
   if (vertices > kMaxSurfaceVertices) {

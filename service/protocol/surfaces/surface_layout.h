@@ -1,4 +1,4 @@
-// Where the parts of a surface memory lie, and whether bytes that claim to be one can be trusted with a reader.
+// Where the parts of a surface memory lie, and whether received bytes are a valid one.
 #pragma once
 
 #include <cstddef>
@@ -48,11 +48,11 @@ constexpr std::uint64_t SurfaceBufferBytes(std::uint32_t count) noexcept {
 }
 static_assert(sizeof(SurfacePoint) == sizeof(SurfaceTriangle));
 
-// A problem names what is over which limit.
+// A problem names the exceeded limit.
 SurfaceLayout LayOutSurfaces(std::span<const SurfacePlan> plans);
 
 // Reads header and entries of `bytes` bytes at `memory` once, into a copy, and checks every number of it against
-// `bytes`. What the memory says later is no part of the result.
+// `bytes`. Later changes of the memory do not affect the result.
 SurfaceLayout CheckSurfaceLayout(const std::byte* memory, std::uint64_t bytes);
 
 // The entries, behind the header.

@@ -1,5 +1,5 @@
 // The surface memory: a memfd with the surfaces of one scene as they are now, for drawing. Written by omnid's surface
-// thread at 90 Hz, mapped read-only by clients that asked for it (control.h, SurfaceRequest).
+// thread at 90 Hz, mapped read-only by clients that requested it (control.h, SurfaceRequest).
 //
 //   [SurfaceHeader][SurfaceEntry x object_count][buffers of object 0][buffers of object 1] ...
 //
@@ -8,9 +8,9 @@
 // Publication n of vertices lies in buffer n % kSurfaceBuffers, and the entry's frame, a seqlock (seqlock.h), says
 // which publications are the newest and how much of each buffer counts.
 //
-// Nobody waits. The writer stores n in `vertices_begun` before the first word of publication n. A reader copies the
-// words of publication n, then looks at `vertices_begun`: from n + kSurfaceBuffers on, the writer has come round to
-// this buffer, and the reader takes the newer frame instead. It has two whole periods (22 ms) to copy. Triangles alike.
+// Neither side waits. The writer stores n in `vertices_begun` before the first word of publication n. A reader copies
+// the words of publication n, then checks `vertices_begun`: from n + kSurfaceBuffers on, the writer has reused this
+// buffer, and the reader takes the newer frame instead. It has two whole periods (22 ms) to copy. Triangles alike.
 // Every word is stored with release and loaded with acquire order, as in seqlock.h.
 //
 // Header and entries are written once, before the memory is shared. What outgrows its capacity, and another scene, gets
@@ -41,7 +41,7 @@ using SurfaceTriangle = std::array<std::uint32_t, 3>;  // counter-clockwise from
 
 // What about an object changes; an object may have several.
 enum SurfaceFlag : std::uint32_t {
-  kSurfaceSoft = 1u << 0,      // gives way under the pen: vertices
+  kSurfaceSoft = 1u << 0,      // yields under the pen: vertices
   kSurfaceSculpted = 1u << 1,  // vertices and triangles
   kSurfaceExtruded = 1u << 2,  // faces are pulled out and pushed in: vertices
   kSurfaceMoved = 1u << 3  // moved by its application: the frame's pose; vertices, if any, are where the scene has it
@@ -61,9 +61,9 @@ struct SurfaceFrame {
 };
 static_assert(std::is_trivially_copyable_v<SurfaceFrame> && sizeof(SurfaceFrame) % 8 == 0);
 
-// That the writer lives, and how often it looks.
+// Shows that the writer is alive, and how often it polls.
 struct SurfacePulse {
-  std::int64_t t_ns = 0;    // CLOCK_MONOTONIC of the newest look
+  std::int64_t t_ns = 0;    // CLOCK_MONOTONIC of the newest poll
   std::uint64_t looks = 0;  // since the memory was made
 };
 static_assert(std::is_trivially_copyable_v<SurfacePulse> && sizeof(SurfacePulse) % 8 == 0);

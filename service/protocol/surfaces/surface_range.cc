@@ -10,7 +10,7 @@ constexpr std::uint64_t kMaxChange = std::uint64_t{1} << 62;
 
 }  // namespace
 
-// Without early exits, so that compilers make lanes of it.
+// Without early exits, so that compilers vectorise it.
 bool InRange(std::span<const SurfacePoint> vertices_base_m) noexcept {
   bool good = true;
   for (const SurfacePoint& p : vertices_base_m) {
