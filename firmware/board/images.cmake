@@ -1,5 +1,5 @@
-# Builds the images for micro-controllers as a part of the host's build, when a cross compiler is there. Sets
-# OMNI_IMAGE_DIR to where they come; empty: none are built.
+# Builds the images for micro-controllers as a part of the host's build, if there is a cross compiler. Sets
+# OMNI_IMAGE_DIR to their folder; empty: none are built.
 set(OMNI_FIRMWARE AUTO CACHE STRING "Build firmware images: AUTO (where the tools are), ON (or fail) or OFF")
 set_property(CACHE OMNI_FIRMWARE PROPERTY STRINGS AUTO ON OFF)
 set(OMNI_IMAGE_DIR "" CACHE INTERNAL "Where the firmware images come; empty: none are built")
@@ -7,7 +7,7 @@ if(OMNI_FIRMWARE STREQUAL OFF)
   return()
 endif()
 
-# The compiler names a file it knows by its path, another one by what it was asked for.
+# The compiler returns the path of a file that it has, and the bare name of one that it lacks.
 function(omni_find_cross_tools problem)
   find_program(ARM_CXX arm-none-eabi-g++)
   if(NOT ARM_CXX)
@@ -42,5 +42,5 @@ ExternalProject_Add(omni_images
   PREFIX ${CMAKE_BINARY_DIR}/cross-steps
   CMAKE_ARGS -DCMAKE_TOOLCHAIN_FILE=${CMAKE_SOURCE_DIR}/firmware/board/toolchain-arm.cmake
              -DOMNI_IMAGE_DIR=${OMNI_IMAGE_DIR} -DOMNI_WERROR=${OMNI_WERROR}
-  BUILD_ALWAYS ON  # it knows itself what is up to date
+  BUILD_ALWAYS ON  # the inner build tracks what is up to date
   INSTALL_COMMAND "")

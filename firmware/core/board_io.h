@@ -1,6 +1,6 @@
-// What the control core sees of a board and does to it, once per control step: raw words as the chips give them. The
-// same two structs are filled by drivers (firmware/board/teensy40), by an emulated board (mps2_an500), by the twin's
-// plant and by tests. All fields have a fixed width and stand at the same offsets on every target.
+// Inputs and outputs of the control core, once per control step: raw words as the chips deliver them. The same two
+// structs are used by drivers (firmware/board/teensy40), by an emulated board (mps2_an500), by the twin's plant and by
+// tests. All fields have a fixed width and the same offsets on every target.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace omni::firmware {
 
-constexpr std::uint32_t kStepPeriod_us = 250;       // control step, 4 kHz: what three current sensors on I2C can follow
+constexpr std::uint32_t kStepPeriod_us = 250;  // control step, 4 kHz: as fast as three current sensors on I2C allow
 constexpr int kStepsPerTick = wire::kStepsPerTick;  // telemetry, 1 kHz
 
 struct Inputs {
@@ -30,7 +30,8 @@ struct Inputs {
   std::uint8_t reserved[9] = {};
 };
 static_assert(std::is_trivially_copyable<Inputs>::value && sizeof(Inputs) == 104, "same layout everywhere");
-static_assert(std::has_unique_object_representations<Inputs>::value, "no hidden padding: it goes over links as it is");
+static_assert(std::has_unique_object_representations<Inputs>::value,
+              "no hidden padding: it is sent over links as it is");
 
 struct Outputs {
   std::int16_t duty[wire::kCoils] = {};  // of wire::kDutyFull: mean voltage duty * supply; 0: brake

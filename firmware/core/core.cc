@@ -7,8 +7,8 @@
 namespace omni::firmware {
 namespace {
 
-constexpr int kBootMin_steps = 20 * kStepsPerMs;   // sensors have ended their own start
-constexpr int kBootMax_steps = 250 * kStepsPerMs;  // who has not answered by now will not
+constexpr int kBootMin_steps = 20 * kStepsPerMs;   // sensors have finished their own start-up
+constexpr int kBootMax_steps = 250 * kStepsPerMs;  // a chip that has not answered by now is missing
 constexpr int kInStateMax = 1'000'000'000;
 constexpr std::uint8_t kAllCoils = (1U << wire::kCoils) - 1;
 constexpr std::uint64_t kTick_us = std::uint64_t{kStepPeriod_us} * kStepsPerTick;
@@ -28,9 +28,9 @@ Core::Core(const Settings& settings, ResetCause cause, std::uint32_t nonce_seed,
       latch_(record),
       arming_(nonce_seed),
       heat_(settings_) {
-  // Known before anything was tried: the self-test comes all the same, and ends in kFault.
+  // Known before any test: the self-test runs anyway, and ends in kFault.
   if (cause == ResetCause::kWatchdog) Note(wire::kFaultWatchdog, kWholeBase, 0);
-  // Memory is noise after power has come; after any other reset the record should have lived.
+  // Memory is random after power-on; after any other reset the record should be intact.
   const bool lost_record = latch_.record_was_broken() && cause != ResetCause::kPower;
   if (!settings_are_valid_ || lost_record) Note(wire::kFaultInternal, kWholeBase, 0);
 }
@@ -85,13 +85,13 @@ void Core::Observe(const Inputs& inputs, Observation& seen) noexcept {
   seen.clock_advances = clock_advances_;
   seen.drives_test = state_ == wire::State::kSelfTest && self_test_.drives_coils();
   heat_.Step(settings_, samples_);
-  // While coils are driven, the watchdog wants signs of life as well.
+  // While coils are driven, the watchdog also requires fresh measurements.
   const bool is_armed = state_ == wire::State::kArmed;
   proof_.sensors = !is_armed || seen.hall.silent != 0xFF;
   proof_.currents = !is_armed || seen.measured_mask != 0;
 }
 
-// A bridge that sleeps leaves no voltage that the model knows; its coil has no current for long.
+// A sleeping bridge applies no voltage known to the model; its coil soon carries no current.
 float Core::EndCurrent(const Observation& seen, int coil) const noexcept {
   const float mean_A = seen.current_A[coil];
   if (((seen.measured_mask >> coil) & 1U) == 0 || drive_.is_asleep()) return mean_A;
@@ -165,7 +165,7 @@ void Core::DriveCoils(const Observation& seen, Outputs& outputs) noexcept {
   proof_.control = true;
 }
 
-// Nothing goes out that came from a number that is none, or that was never armed.
+// No output that was computed from a non-finite number or that was never armed.
 void Core::CheckOutputs(Outputs& outputs) noexcept {
   const bool is_allowed = output_check_.Allows(outputs);
   bool is_finite = drive_.is_finite() && IsFinite(heat_.body_C());
@@ -174,7 +174,7 @@ void Core::CheckOutputs(Outputs& outputs) noexcept {
   if (!is_allowed)
     Say(LogLine(wire::LogLevel::kError).Text("a bridge was driven while ").Text(wire::StateName(state_)));
   Raise(wire::kFaultInternal, kWholeBase, 0);
-  Enter(wire::State::kFault);  // whatever the state was said to be
+  Enter(wire::State::kFault);  // whatever the stored state
   drive_.Panic();
   if (!is_finite) heat_ = CoilHeat(settings_);
   for (std::int16_t& duty : outputs.duty) duty = 0;
@@ -201,7 +201,7 @@ void Core::FinishTick(const Inputs& inputs) noexcept {
   telemetry.faults = faults();
   telemetry.ack_seq = gate_.seq();
   telemetry.ack_host_us = gate_.host_us();
-  // It came after the step before it was heard of and before the next one.
+  // It arrived between the previous step and the next one.
   telemetry.ack_rx_device_us = static_cast<std::uint32_t>(gate_.heard_us() + kStepPeriod_us / 2);
   telemetry.rejected = rejected_;
   telemetry.missed_ticks = missed_ticks_;

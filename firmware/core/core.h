@@ -4,9 +4,9 @@
 //
 //   boot -> self-test -> idle <-> armed, any -> fault
 //
-// Coils are driven in kArmed only, and by the self-test with about an ampere. Whatever is wrong: currents ramp to zero
-// within 5 ms, or the bridges brake at once where there is nothing left to control with; 10 ms later they sleep (brake
-// before sleep, so that the bus does not pump up). docs/theory/firmware.md, docs/protocol/faults.md
+// Coils are driven in kArmed only, and by the self-test with about an ampere. On any fault currents ramp to zero within
+// 5 ms, or the bridges brake at once where control is no longer possible; 10 ms later they sleep (brake before sleep,
+// so that the supply is not pumped up). docs/theory/firmware.md, docs/protocol/faults.md
 #pragma once
 
 #include <cstddef>
@@ -29,10 +29,10 @@ namespace omni::firmware {
 
 class Core {
  public:
-  // `record` is that of before the reset, or noise. `nonce_seed` need not be random, only another one at every reset.
+  // `record`: from before the reset, or random memory. `nonce_seed` need not be random, but must differ at every reset.
   Core(const Settings& settings, ResetCause cause, std::uint32_t nonce_seed, FaultRecord& record) noexcept;
 
-  // One whole frame that came since the step before. What is not valid is counted and does nothing.
+  // One whole frame received since the previous step. An invalid frame is counted and has no effect.
   void Receive(const std::uint8_t* frame, std::size_t size) noexcept;
 
   // Every kStepPeriod_us.
@@ -43,17 +43,17 @@ class Core {
   std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept;
 
   wire::State state() const noexcept { return state_; }
-  // Latched ones, and kFaultNotArmed in every state but kArmed.
+  // Latched faults, and kFaultNotArmed in every state but kArmed.
   std::uint32_t faults() const noexcept;
 
-  // The settings in force; for tests and for what a board shows.
+  // The settings in force; for tests and boards.
   const Settings& settings() const noexcept { return settings_; }
   const CoilHeat& heat() const noexcept { return heat_; }
 
  private:
-  friend struct CoreTamper;  // tests: spoils what is kept here
+  friend struct CoreTamper;  // tests: corrupts the members below
 
-  // What the watchdog is fed for.
+  // Signs of life: the watchdog is fed only when all are set.
   struct Proof {
     bool sensors = false, currents = false, control = false;
   };

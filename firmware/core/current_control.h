@@ -1,5 +1,5 @@
-// One coil's current: a reference that the supply can always follow, the voltage that follows it according to the
-// model, and a PI controller for what the model does not know. docs/theory/firmware.md (5) to (9)
+// One coil's current: a reference that the supply can always follow, the voltage that produces it according to the
+// model, and a PI controller for the model's errors. docs/theory/firmware.md (5) to (9)
 #pragma once
 
 #include "firmware/core/coil_model.h"
@@ -11,7 +11,7 @@ struct CurrentRequest {
   float slew_A = 0;          // largest change of the reference in a step
   float approach = 1;        // share of the way to the target per step, 0 < approach <= 1
   float voltage_max_V = 0;   // of the mean over the next step
-  float against = 1;         // share of it that may work against the current and so feed the supply, 0 to 1
+  float against = 1;         // share of it that may oppose the current and thus feed the supply, 0 to 1
   float measured_A = 0;      // mean over the step before
   bool is_measured = false;  // false: no measurement, only the model acts
 };
@@ -21,7 +21,7 @@ class CurrentControl {
   // Mean voltage for the next step, |V| <= voltage_max_V.
   float Step(const CoilModel& model, const CurrentRequest& request) noexcept;
 
-  // The bridge brakes or sleeps: no reference, no memory.
+  // When the bridge brakes or sleeps: clears reference and integral.
   void Reset() noexcept { *this = CurrentControl{}; }
 
   float reference_A() const noexcept { return reference_A_; }  // at the end of the step that begins now

@@ -1,5 +1,5 @@
-// The same story for every build of the core: a base of integers, a host that commands, arms and misbehaves, faults
-// that come and go. All that comes out goes into one number, so a host and a micro-controller can compare theirs.
+// The same scenario for every build of the core: a base of integers, a host that commands, arms and misbehaves, faults
+// that come and go. One checksum covers all outputs, so a host and a micro-controller can compare theirs.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace omni::firmware {
 // CRC-32C chained over all outputs and frames of `steps` control steps. Only integers and + - * / sqrt of floats.
 std::uint32_t Drill(std::uint32_t steps) noexcept;
 
-// What the story has reached, so that equal numbers of empty stories do not count.
+// What the scenario has reached, to rule out equal checksums of empty scenarios.
 struct DrillTally {
   std::uint32_t crc = 0;
   std::uint32_t armed_steps = 0;

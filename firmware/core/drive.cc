@@ -12,10 +12,10 @@ namespace {
 constexpr int kBrake_steps = 10 * kStepsPerMs;
 // Of the supply: the rest is for bridges, cables, and a supply that sags within the step.
 constexpr float kVoltageUse = 0.97F;
-// Share of the way to a set-point per step: rounds the corner off, which is what a wrong inductance would overshoot.
+// Share of the distance to a set-point per step: rounds the corner at which a wrong inductance would overshoot.
 constexpr float kApproach = 0.7F;
-// Coils that reverse feed the supply's capacitors. Below its upper limit by this much that begins to be held back, and
-// by this much it has ended: currents then fall as fast as a brake lets them.
+// Coils that reverse feed the supply's capacitors. Limiting begins this far below the supply's upper limit and is
+// complete this far below it: currents then fall as fast as braking allows.
 constexpr float kFeedFrom_V = 3;
 constexpr float kFeedTo_V = 1;
 constexpr float kSupplyUsable_V = 1;  // below: no duty

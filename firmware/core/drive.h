@@ -12,13 +12,13 @@ class Drive {
  public:
   enum class Phase : std::uint8_t { kAsleep, kWake, kControl, kTest, kRamp, kBrake };
 
-  // Zero current first; set-points act after kWake_steps.
+  // At zero current first; set-points take effect after kWake_steps.
   void Wake() noexcept;
-  // Ends in kAsleep. A brake overrules a ramp, never the other way round.
+  // Ends in kAsleep. A brake overrides a ramp, never the reverse.
   void Stop(Reaction reaction) noexcept;
   // Precondition: the coils have braked to zero.
   void Sleep() noexcept { Enter(Phase::kAsleep); }
-  // Everything forgotten, bridges braking: after a number that was none.
+  // Resets everything, with the bridges braking: after a non-finite number.
   void Panic() noexcept;
 
   struct Demand {
@@ -35,10 +35,10 @@ class Drive {
   Phase phase() const noexcept { return phase_; }
   bool is_asleep() const noexcept { return phase_ == Phase::kAsleep; }
   int asleep_steps() const noexcept { return is_asleep() ? in_phase_ : 0; }
-  // Did the step before follow a reference? Then its mean current should have been expected_A.
+  // True: the previous step followed a reference, so its mean current should have been expected_A.
   bool follows() const noexcept { return phase_ == Phase::kControl || phase_ == Phase::kRamp; }
   float expected_A(int coil) const noexcept { return controls_[coil].expected_A(); }
-  // Sign of the voltage of the step before.
+  // Sign of the previous step's voltage.
   float direction(int coil) const noexcept { return duty_[coil] < 0 ? -1.0F : 1.0F; }
   bool is_finite() const noexcept;
 

@@ -1,4 +1,4 @@
-// One control step of a core that runs somewhere else: what travels over two FIFOs to an emulated board and back.
+// One control step of a core in another process: the data sent over two FIFOs to an emulated board and back.
 // Fixed size, little endian on both sides; a length of 0 means no frame.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace omni::firmware {
 
-constexpr int kLockstepFrames = 2;  // in each direction and step; the rest waits for the next one
+constexpr int kLockstepFrames = 2;  // in each direction per step; the rest waits for the next one
 
 struct LockstepFrame {
   std::uint16_t size = 0;
@@ -35,6 +35,6 @@ struct LockstepAnswer {
 static_assert(sizeof(LockstepAnswer) == 16 + 2 * 520, "same layout everywhere");
 static_assert(std::has_unique_object_representations<LockstepRequest>::value &&
                   std::has_unique_object_representations<LockstepAnswer>::value,
-              "no hidden padding: every byte that travels has a name");
+              "no hidden padding: every byte sent belongs to a field");
 
 }  // namespace omni::firmware

@@ -1,4 +1,4 @@
-// What a board in lockstep does with one request. The emulated board runs this, and so does the host beside it: equal
+// Executes one request of a board in lockstep. The emulated board runs this, and so does the host beside it: equal
 // requests must give equal answers, byte by byte.
 #pragma once
 
@@ -12,12 +12,12 @@ namespace omni::firmware {
 
 class LockstepBoard {
  public:
-  // `record` lies in memory that a reset keeps. `start`: counts the resets, so that every start has nonces of its own.
+  // `record` is in memory that a reset keeps. `start`: counts the resets, so that every start has its own nonces.
   LockstepBoard(const Settings& settings, ResetCause cause, std::uint32_t start, FaultRecord& record) noexcept;
 
   // kStep: frames in, one control step, frames out. kReset: a new core with the record of the old one; no outputs, no
   // frames. Anything else, an unknown cause of a reset among them, is refused and counted: the core does not run, and
-  // the answer's outputs brake and sleep. A frame that says it is longer than a frame can be reaches the core empty,
+  // the answer's outputs brake and sleep. A frame with an impossible length is passed to the core as an empty one,
   // which refuses and counts it.
   void Answer(const LockstepRequest& request, LockstepAnswer& answer) noexcept;
 

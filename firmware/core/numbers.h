@@ -1,4 +1,4 @@
-// The little arithmetic that the control core needs, without a maths library.
+// Basic arithmetic for the control core, without a maths library.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ constexpr float Abs(float value) noexcept { return value < 0 ? -value : value; }
 constexpr float Min(float a, float b) noexcept { return a < b ? a : b; }
 constexpr float Max(float a, float b) noexcept { return a > b ? a : b; }
 
-// A value that is not a number comes out as `low`.
+// Returns `low` for NaN.
 constexpr float Clamp(float value, float low, float high) noexcept {
   return value > low ? (value < high ? value : high) : low;
 }

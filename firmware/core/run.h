@@ -1,4 +1,4 @@
-// The control core on a board, in this order so that nothing waits for the link: read, step, write, then frames.
+// Runs the control core on a board, in this order so that control never waits for the link: read, step, write, frames.
 #pragma once
 
 #include "firmware/core/core.h"
@@ -6,7 +6,7 @@
 namespace omni::firmware {
 
 // Hardware:
-//   void Read(Inputs&)                                            what the chips say now
+//   void Read(Inputs&)                                            the chips' present values
 //   void Write(const Outputs&)
 //   std::size_t Receive(std::uint8_t* frame, std::size_t capacity)  0: none waits
 //   bool Send(const std::uint8_t* frame, std::size_t size)          false: no room now; the frame is lost
@@ -27,7 +27,7 @@ class Runner {
       const std::size_t size = core_.NextFrame(frame, sizeof frame);
       if (size == 0 || !hardware_.Send(frame, size)) break;
     }
-    // More than that wait for the next step: a flood of frames does not take the control's time.
+    // Further frames wait for the next step: a flood of frames does not delay the control.
     for (int i = 0; i < kFramesPerStep; ++i) {
       const std::size_t size = hardware_.Receive(frame, sizeof frame);
       if (size == 0) break;

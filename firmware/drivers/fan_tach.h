@@ -1,7 +1,7 @@
-// Speed of a fan from the edges of its tachometer output (open collector, commonly two pulses a turn).
+// Speed of a fan from the edges of its tachometer output (open collector, commonly two pulses per turn).
 //
 // Capture policy:
-//   bool NextEdge(std::uint32_t& t_us) noexcept;   the oldest captured falling edge that was not handed out yet
+//   bool NextEdge(std::uint32_t& t_us) noexcept;   the oldest captured falling edge not yet returned
 //   std::uint32_t Now_us() noexcept;               the capture's clock; wraps
 #pragma once
 
@@ -10,8 +10,8 @@
 namespace omni::drivers {
 
 struct FanTachSettings {
-  std::uint32_t rpm_max = 12000;     // an edge that says more is a disturbance
-  std::uint32_t stand_us = 500'000;  // no edge for so long: it stands
+  std::uint32_t rpm_max = 12000;     // an edge that implies more is a disturbance
+  std::uint32_t stand_us = 500'000;  // no edge for so long: the fan is standing
 };
 
 template <class Capture, int kPulsesPerTurn = 2>
@@ -20,20 +20,20 @@ class FanTach {
   explicit FanTach(Capture& capture, const FanTachSettings& settings = FanTachSettings()) noexcept
       : capture_(capture), settings_(settings), last_us_(capture.Now_us()) {}
 
-  // At least once per stand_us, otherwise as often as wished; takes at most kEdgesPerUpdate edges.
+  // At least once per stand_us, otherwise as often as desired; reads at most kEdgesPerUpdate edges.
   void Update() noexcept {
     std::uint32_t t_us = 0;
     for (int i = 0; i < kEdgesPerUpdate && capture_.NextEdge(t_us); ++i) Take(t_us);
     since_us_ = capture_.Now_us() - last_us_;
-    // Later the clock wraps and `since_us_` starts anew, so standing lasts until edges come.
+    // Later the clock wraps and `since_us_` with it, so standing is kept until edges come.
     if (since_us_ > settings_.stand_us) {
       edges_ = 0;
       standing_ = true;
     }
   }
 
-  // Mean over the last turn, 0 until there was one. When edges stay away it sinks with the time since the last one, so
-  // that a fan that stops never looks faster than it can be.
+  // Mean over the last turn, 0 until there was one. Without edges it falls with the time since the last one, so that a
+  // stopping fan is never reported faster than it can be.
   std::uint32_t rpm() const noexcept {
     if (edges_ <= kPulsesPerTurn) return 0;
     const std::uint32_t turn_us = last_us_ - times_us_[(edges_at_ + 1) % (kPulsesPerTurn + 1)];

@@ -3,7 +3,7 @@
 //   PWM low brakes (both ends of the coil to ground), PWM high drives A to B (DIR low) or B to A (DIR high), SLP low
 //   lets both ends float: the coil's energy then goes into the supply. FLT is open drain, low: a fault.
 //
-// So the order is: brake before a change of direction, brake before sleep, and brake when nobody calls any more.
+// So the order is: brake before a change of direction, brake before sleep, and brake when the calls stop.
 // Time is counted in PWM periods (20 kHz: 50 us), by the same counter that makes the PWM.
 //
 // Pins policy:
@@ -20,13 +20,13 @@ namespace omni::drivers {
 
 struct G2Settings {
   std::uint32_t brake_before_sleep_periods = 200;  // 10 ms at 20 kHz: more than six time constants of a coil
-  std::uint32_t wake_periods = 20;                 // 1 ms after SLP rises FLT means nothing yet
+  std::uint32_t wake_periods = 20;                 // FLT is not valid until 1 ms after SLP rises
   std::uint32_t dead_periods = 40;                 // 2 ms without Apply: brake
 };
 
 struct G2Counters {
   std::uint32_t rejected = 0;  // duties outside +-32767
-  std::uint32_t dead = 0;      // times that nobody called
+  std::uint32_t dead = 0;      // times that the calls stopped
   std::uint32_t faults = 0;    // edges of FLT while awake
 };
 
@@ -59,8 +59,8 @@ class G2Driver {
     Advance();
   }
 
-  // As often as wished; from another interrupt than Apply's if that one's death is to be noticed (the two must not
-  // interrupt each other).
+  // As often as desired; from another interrupt than Apply's if a failure of that one is to be detected (the two must
+  // not interrupt each other).
   void Advance() noexcept {
     const std::uint32_t now = pins_.PwmPeriods();
     NoticeDeath(now);
@@ -83,7 +83,7 @@ class G2Driver {
 
   bool awake() const noexcept { return state_ != State::kAsleep; }
   bool driving() const noexcept { return state_ == State::kDriving; }
-  // FLT is low and means something. While it is, the bridge brakes.
+  // FLT is low and valid. Meanwhile the bridge brakes.
   bool fault() const noexcept { return fault_; }
   const G2Counters& counters() const noexcept { return counters_; }
 
@@ -96,7 +96,7 @@ class G2Driver {
   void NoticeDeath(std::uint32_t now) noexcept {
     if (dead_ || now - last_apply_ <= settings_.dead_periods) return;
     dead_ = true;
-    // Asleep it is no death but rest.
+    // While asleep, missing calls are not a failure.
     if (state_ != State::kAsleep) ++counters_.dead;
   }
 

@@ -1,11 +1,11 @@
-// Current and voltage of one coil: INA260 on I2C. Its 2 milliohm are inside and trimmed, so a count is 1.25 mA or
-// 1.25 mV for every chip. Stands 15 A without end.
+// Current and voltage of one coil: INA260 on I2C. Its 2 milliohm shunt is internal and trimmed, so a count is
+// 1.25 mA or 1.25 mV for every chip. Rated for 15 A continuously.
 //
 // Bus policy:
 //   BusStatus Transfer(std::uint8_t address, const std::uint8_t* out, std::size_t out_size, std::uint8_t* in,
 //                      std::size_t in_size) noexcept;
 //     Start, writes `out_size` bytes if any, (repeated) start, reads `in_size` bytes if any, stop. `address` is the
-//     seven-bit one. Must be bounded in time, also when a line is held low. kNack: the chip did not acknowledge.
+//     seven-bit one. Must return in bounded time, even if a line is held low. kNack: the chip did not acknowledge.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@
 
 namespace omni::drivers {
 
-// The chip compares with sign and has one limit: a coil whose current may have either sign needs the side that it is
-// driven to.
+// The chip's comparison is signed and has one limit: for a coil whose current may have either sign, select the side to
+// which it is driven.
 enum class AlertSide : std::uint8_t { kPositive = 0, kNegative = 1 };
 
 template <class Bus>
@@ -43,8 +43,7 @@ class Ina260 {
     return Count(status);
   }
 
-  // Signed, 1.25 mA. The chip keeps its register pointer: read again and again, this costs three bytes on the bus, not
-  // five.
+  // Signed, 1.25 mA. The chip keeps its register pointer: repeated reads cost three bytes, not five.
   ChipStatus ReadCurrent(std::int16_t& counts) noexcept {
     std::uint16_t value = 0;
     const ChipStatus status = ReadMeasured(ina260::kCurrent, value);
@@ -55,8 +54,8 @@ class Ina260 {
   // 1.25 mV, at the chip's voltage pin.
   ChipStatus ReadVoltage(std::uint16_t& counts) noexcept { return ReadMeasured(ina260::kVoltage, counts); }
 
-  // Has the alert struck? Reading ends the latch, so ask when the bridge is off. Also finds a chip that has lost its
-  // alert (kNotTaken): then Verify puts it right.
+  // True if the alert has triggered. Reading ends the latch, so call it while the bridge is off. Also detects a chip
+  // that has lost its alert (kNotTaken): Verify then restores it.
   ChipStatus ReadAlert(bool& struck) noexcept {
     if (!started_) return ChipStatus::kNotStarted;
     std::uint16_t mask = 0;
@@ -73,12 +72,12 @@ class Ina260 {
     if (side == side_) return ChipStatus::kOk;
     side_ = side;
     const ChipStatus status = WriteAlert();
-    started_ = status == ChipStatus::kOk;  // a half-set alert is none: start again
+    started_ = status == ChipStatus::kOk;  // a half-set alert is invalid: start again
     return Count(status);
   }
 
-  // Is the configuration still there? After a brown-out it is not: the chip is configured again (kChanged). Does not
-  // touch a latched alert otherwise.
+  // Checks the configuration. If a brown-out has cleared it, the chip is configured again (kChanged). Otherwise a
+  // latched alert is not touched.
   ChipStatus Verify() noexcept {
     if (!started_) return ChipStatus::kNotStarted;
     std::uint16_t config = 0;
@@ -129,7 +128,7 @@ class Ina260 {
     return status;
   }
 
-  // The alert is off while its limit changes sides; otherwise the old side would strike at the new limit.
+  // The alert is off while its limit changes sides; otherwise the old side would trigger at the new limit.
   ChipStatus WriteAlert() noexcept {
     ChipStatus status = WriteRegister(ina260::kMaskEnable, ina260::kAlertLatch);
     if (status == ChipStatus::kOk) status = WriteRegister(ina260::kAlertLimit, WantedLimit());

@@ -31,7 +31,7 @@ enum class Mode : std::uint16_t {
 constexpr std::uint16_t kAlertOverCurrent = 0x8000;   // OCL: current above the limit
 constexpr std::uint16_t kAlertUnderCurrent = 0x4000;  // UCL: current below the limit
 constexpr std::uint16_t kAlertSelect = 0xFC00;
-constexpr std::uint16_t kAlertFlag = 0x0010;      // AFF: the alert has struck
+constexpr std::uint16_t kAlertFlag = 0x0010;      // AFF: the alert has triggered
 constexpr std::uint16_t kAlertInverted = 0x0002;  // APOL; 0: the open-drain pin goes low
 constexpr std::uint16_t kAlertLatch = 0x0001;     // LEN: stays until mask/enable is read
 
@@ -45,8 +45,8 @@ constexpr std::int16_t CurrentCounts(float current_A) noexcept {
   return static_cast<std::int16_t>(counts < 0 ? counts - 0.5F : counts + 0.5F);
 }
 
-// Above 400 kHz the chip wants its filters switched first: start, this byte (not acknowledged) at up to 400 kHz, then
-// repeated starts at up to 2.94 MHz until a stop [8.5.3.3.1]. That is the bus policy's business.
+// Above 400 kHz the chip requires its filters to be switched first: start, this byte (not acknowledged) at up to 400
+// kHz, then repeated starts at up to 2.94 MHz until a stop [8.5.3.3.1]. That is the bus policy's task.
 constexpr std::uint8_t kHighSpeedMasterCode = 0x08;
 
 }  // namespace omni::drivers::ina260

@@ -1,8 +1,8 @@
-// Magnetometer LIS3MDL on SPI: 1000 samples a second, +-16 gauss, free-running (its clock is its own).
+// Magnetometer LIS3MDL on SPI: 1000 samples a second, +-16 gauss, free-running on its own clock.
 //
 // Bus policy, one object per chip select:
 //   BusStatus Transfer(const std::uint8_t* out, std::uint8_t* in, std::size_t size) noexcept;
-//     The chip is selected for exactly these bytes; in[i] is what came while out[i] went. SPI mode 3, at most 10 MHz.
+//     The chip is selected for exactly these bytes; in[i] is received while out[i] is sent. SPI mode 3, at most 10 MHz.
 //     kTimeout: the controller did not finish within its bound.
 #pragma once
 
@@ -37,13 +37,13 @@ class Lis3mdl {
     return Count(status);
   }
 
-  // The newest sample. kNoNewSample fills it too, with the sample of before if there was one. Ten bytes on the bus.
+  // The newest sample. kNoNewSample fills it too, with the previous sample if there was one. Ten bytes on the bus.
   ChipStatus Read(Lis3mdlSample& sample) noexcept {
     if (!started_) return ChipStatus::kNotStarted;
     std::uint8_t bytes[9] = {};  // STATUS, OUT_X..OUT_Z, TEMP_OUT
     ChipStatus status = ReadRegisters(lis3mdl::kStatus, bytes, sizeof bytes);
     if (status == ChipStatus::kOk && AllEqual(bytes, sizeof bytes)) {
-      // Only zeros are also what the chip holds before its first sample.
+      // The chip also reads as zeros before its first sample.
       if (bytes[0] == 0x00 && !sampled_) return ChipStatus::kNoNewSample;
       status = ChipStatus::kNoAnswer;
     }
@@ -57,7 +57,7 @@ class Lis3mdl {
     return fresh ? ChipStatus::kOk : ChipStatus::kNoNewSample;
   }
 
-  // Are the control registers as configured? If not the chip had a brown-out: it is configured again (kChanged). Once a
+  // Checks the control registers. If a brown-out has cleared them, the chip is configured again (kChanged). Once a
   // second or so is enough; a chip that was reset is powered down, so its samples stop at once.
   ChipStatus Verify() noexcept {
     if (!started_) return ChipStatus::kNotStarted;
@@ -71,7 +71,7 @@ class Lis3mdl {
     return Count(started_ ? ChipStatus::kChanged : status);
   }
 
-  // The chip adds a known field of its own; see lis3mdl::kSelfTest for the answer that is right.
+  // The chip adds a known field of its own; see lis3mdl::kSelfTest for the expected answer.
   ChipStatus SetSelfTest(bool on) noexcept {
     if (!started_) return ChipStatus::kNotStarted;
     if (on == self_test_) return ChipStatus::kOk;
@@ -160,8 +160,8 @@ class Lis3mdl {
     return ToChipStatus(bus_.Transfer(out, in, count + 1));
   }
 
-  // A line that nobody drives reads as only ones or only zeros. A chip that has just been reset answers only zeros too,
-  // and that is no sample either.
+  // An undriven line reads as only ones or only zeros. A chip that has just been reset answers only zeros too, which is
+  // not a sample either.
   static bool AllEqual(const std::uint8_t* bytes, std::size_t count) noexcept {
     for (std::size_t i = 0; i < count; ++i) {
       if (bytes[i] != bytes[0]) return false;

@@ -1,5 +1,5 @@
 // Requests to endpoint 0 and their answers, without any hardware: a SETUP packet and the device's state in, an answer
-// out [USB 2.0, 9.4]. What is not in the table stalls.
+// out [USB 2.0, 9.4]. Requests that are not in the table stall.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,7 @@ struct ControlState {
   bool out_halted = false, in_halted = false;
 };
 
-// What the controller has to do; everything but kStall and kData ends with an empty status packet.
+// The controller's action; all but kStall and kData end with an empty status packet.
 enum class ControlAction : std::uint8_t {
   kStall,
   kData,
@@ -40,10 +40,10 @@ enum class ControlAction : std::uint8_t {
   kSetAddress,        // argument: the address
   kSetConfiguration,  // argument: 0 or kConfigurationValue
   kHalt,              // argument: the endpoint's address
-  kUnhalt,            // argument: the endpoint's address; the data toggle starts anew
-  kRestart,           // SET_INTERFACE: toggles of both endpoints start anew
+  kUnhalt,            // argument: the endpoint's address; resets the data toggle
+  kRestart,           // SET_INTERFACE: resets the toggles of both endpoints
   kEstop,
-  kHello,  // data: asked of the handler
+  kHello,  // data: from the handler
 };
 
 struct ControlAnswer {

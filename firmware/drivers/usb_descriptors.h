@@ -1,5 +1,5 @@
-// What the base says of itself on USB, as bytes. One vendor interface (FF/00/00) with one bulk endpoint each way; MS OS
-// 2.0 descriptors make Windows load WinUSB without an .inf file, the WebUSB capability lets a browser ask for it.
+// The base's USB descriptors, as bytes. One vendor interface (FF/00/00) with one bulk endpoint each way; MS OS
+// 2.0 descriptors make Windows load WinUSB without an .inf file, the WebUSB capability lets a browser request it.
 //
 // [USB 2.0] 9.6; [USB 3.2] 9.6.2 (BOS); [MS OS 2.0 Descriptors Specification]; [WebUSB] "WebUSB Platform Capability
 // Descriptor".
@@ -24,7 +24,7 @@ constexpr std::uint8_t kConfigurationValue = 1;
 constexpr std::uint8_t kRequestEstop = 1;      // 40h, no data
 constexpr std::uint8_t kRequestHello = 2;      // C0h: a HELLO frame
 constexpr std::uint8_t kRequestMsOs = 0x20;    // C0h, wIndex 7
-constexpr std::uint8_t kRequestWebUsb = 0x21;  // C0h; there is no landing page, so every one is refused
+constexpr std::uint8_t kRequestWebUsb = 0x21;  // C0h; no landing page, so every request is refused
 constexpr std::uint16_t kMsOsDescriptorIndex = 7;
 
 enum DescriptorType : std::uint8_t {
@@ -82,7 +82,7 @@ constexpr std::array<std::uint8_t, 18> kDevice = {18,
                                                   0x02,  // bLength, type, bcdUSB
                                                   0x00,
                                                   0x00,
-                                                  0x00,  // class, subclass, protocol: the interface says
+                                                  0x00,  // class, subclass, protocol: defined by the interface
                                                   static_cast<std::uint8_t>(kControlPacket),
                                                   Low(kVendorId),
                                                   High(kVendorId),

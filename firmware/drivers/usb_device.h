@@ -1,20 +1,20 @@
 // The USB device: a ChipIdea controller (i.MX RT1062, USB1) with endpoint 0 and one bulk endpoint each way. One frame
 // is one transfer; at high speed one packet [NXP IMXRT1060RM, USB: "Device Operational Model"].
 //
-// Each endpoint has at most one dTD at the controller, what else waits stands in UsbMemory. So no dTD is ever added to
-// a list that the controller is walking, and the hazard of that (ATDTW) does not arise. A finished dTD is known by its
-// token, not by ENDPTCOMPLETE: an interrupt too many or one that told less does no harm.
+// Each endpoint has at most one dTD at the controller; further frames wait in UsbMemory. So no dTD is ever added to a
+// list that the controller is walking, and the hazard of that (ATDTW) does not arise. A finished dTD is recognised by
+// its token, not by ENDPTCOMPLETE: spurious or merged interrupts are harmless.
 //
-// Not re-entrant: Interrupt and all others run at one priority, or with the interrupt masked. Nothing waits without a
-// bound; a bound that is reached is counted (timeouts).
+// Not re-entrant: Interrupt and all others run at one priority, or with the interrupt masked. All waits are bounded; a
+// wait that times out is counted (timeouts).
 //
 // Bus policy (the two cache calls are also barriers, for the compiler and for the memory: DSB; ranges are whole lines
 // of 32 bytes):
 //   std::uint32_t Read(std::uint32_t offset) noexcept;     usb_registers.h
 //   void Write(std::uint32_t offset, std::uint32_t value) noexcept;
 //   std::uint32_t Address(const volatile void* memory) noexcept;                        as the controller sees it
-//   void CleanCache(const volatile void* memory, std::size_t size) noexcept;            what we wrote reaches memory
-//   void InvalidateCache(const volatile void* memory, std::size_t size) noexcept;       we see what is in memory
+//   void CleanCache(const volatile void* memory, std::size_t size) noexcept;            writes reach memory
+//   void InvalidateCache(const volatile void* memory, std::size_t size) noexcept;       reads come from memory
 // Handler policy:
 //   void EmergencyStop() noexcept;                                                     any number of times
 //   std::size_t Hello(std::uint8_t* frame, std::size_t capacity) noexcept;             0: refused
@@ -39,20 +39,20 @@ enum class DeviceState : std::uint8_t { kOff, kDetached, kDefault, kAddress, kCo
 struct UsbCounters {
   std::uint32_t setups = 0, stalls = 0;
   std::uint32_t received = 0, sent = 0;  // whole transfers
-  std::uint32_t receive_errors = 0;      // transfers that the controller marked bad, thrown away
+  std::uint32_t receive_errors = 0;      // transfers that the controller marked bad, discarded
   std::uint32_t send_errors = 0;         // as above
   std::uint32_t send_overwritten = 0;    // frames that the host did not fetch in time
-  std::uint32_t send_refused = 0;        // no host, or a size that is no frame
+  std::uint32_t send_refused = 0;        // no host, or not the size of a frame
   std::uint32_t lost_in_reset = 0;       // transfers that waited when the bus was reset or unplugged
   std::uint32_t resets = 0, suspends = 0, unplugs = 0, bus_errors = 0;
   std::uint32_t late_resets = 0;  // handled after the host had ended them
-  std::uint32_t timeouts = 0;     // a register did not change in time
+  std::uint32_t timeouts = 0;     // waits for a register that timed out
 };
 
 template <class Bus, class Handler>
 class UsbDevice {
  public:
-  // `serial`: ASCII, at most 16 characters. All of `memory` is ours from now on.
+  // `serial`: ASCII, at most 16 characters. The driver owns all of `memory` from now on.
   UsbDevice(Bus& bus, Handler& handler, UsbMemory& memory, const char* serial) noexcept
       : bus_(bus), handler_(handler), memory_(memory) {
     for (std::size_t i = 0; i < kSerialMax && serial[i] != 0; ++i) control_.serial[i] = serial[i];
@@ -64,7 +64,7 @@ class UsbDevice {
     bus_.Write(kUsbCmd, kUsbCmdReset);
     if (!WaitClear(kUsbCmd, kUsbCmdReset)) return false;
     bus_.Write(kUsbMode, kUsbModeDevice | kUsbModeSetupTripwire);
-    // Lines left dirty by start-up code must not fall on the controller's data later.
+    // Cache lines left dirty by start-up code must not overwrite the controller's data later.
     bus_.CleanCache(&memory_, sizeof memory_);
     ForgetHost();
     SetUpControlQueues();
@@ -85,7 +85,7 @@ class UsbDevice {
     state_ = DeviceState::kOff;
   }
 
-  // From the controller's interrupt; calling it without need does no harm.
+  // From the controller's interrupt; spurious calls are harmless.
   void Interrupt() noexcept {
     if (state_ == DeviceState::kOff) return;
     const std::uint32_t status = bus_.Read(kUsbSts) & kUsbStsHandled;
@@ -99,8 +99,8 @@ class UsbDevice {
     HandleSession();
   }
 
-  // Queues a frame of 1 to 512 bytes for the host. When the host does not fetch them, the oldest that waits gives way.
-  // False: nobody to send to, or no such size.
+  // Queues a frame of 1 to 512 bytes for the host. If the host does not fetch them, the oldest waiting frame is
+  // dropped. False: no host, or an invalid size.
   bool Send(const std::uint8_t* frame, std::size_t size) noexcept {
     if (!configured() || suspended_ || size == 0 || size > kBufferSize) {
       ++counters_.send_refused;
@@ -118,7 +118,7 @@ class UsbDevice {
     return true;
   }
 
-  // The oldest transfer that has come; 0: none. One longer than `capacity` is thrown away and 0 is returned.
+  // The oldest received transfer; 0: none. One longer than `capacity` is discarded and 0 is returned.
   std::size_t Receive(std::uint8_t* frame, std::size_t capacity) noexcept {
     if (receive_.count() == 0) return 0;
     const int slot = receive_.front();
@@ -136,7 +136,7 @@ class UsbDevice {
   const UsbCounters& counters() const noexcept { return counters_; }
 
  private:
-  static constexpr int kSpinMax = 20'000;  // register reads, about 2 ms; what is waited for takes microseconds
+  static constexpr int kSpinMax = 20'000;  // register reads, about 2 ms; the waits normally take microseconds
   static constexpr int kTripwireTries = 16;
   static constexpr int kSetupsPerInterrupt = 16;
   static constexpr std::uint32_t kAllEndpoints = 0xFFFFFFFF;
@@ -151,7 +151,7 @@ class UsbDevice {
     return false;
   }
 
-  // A packet that is on the wire while flushing keeps its endpoint primed: look, and flush again ["Flushing
+  // A packet that is on the wire while flushing keeps its endpoint primed: check, and flush again ["Flushing
   // Endpoints"].
   void Flush(std::uint32_t endpoints) noexcept {
     for (int i = 0; i < 4; ++i) {
@@ -206,7 +206,7 @@ class UsbDevice {
 
   // ---- endpoint 0
 
-  // When another SETUP has come meanwhile, the one at hand has been abandoned by the host: only the newest is answered.
+  // If another SETUP has arrived meanwhile, the host has abandoned the current one: only the newest is answered.
   void HandleSetups() noexcept {
     for (int i = 0; i < kSetupsPerInterrupt; ++i) {
       if ((bus_.Read(kEndpointSetupStat) & 1U) == 0) return;
@@ -219,7 +219,7 @@ class UsbDevice {
     }
   }
 
-  // ["Setup Phase", with the tripwire]: a SETUP that comes while the eight bytes are copied clears SUTW.
+  // ["Setup Phase", with the tripwire]: a SETUP that arrives while the eight bytes are copied clears SUTW.
   Setup PopSetup() noexcept {
     Setup setup;
     bus_.Write(kEndpointSetupStat, 1);
@@ -281,8 +281,8 @@ class UsbDevice {
   }
 
   // The data stage, cut to what the host asked for, and the status stage; `length` 0: an empty packet to the host is
-  // the status stage. Data that are shorter than asked for and fill their last packet need an empty one behind them
-  // [USB 2.0, 5.5.3]. Both stages are primed at once, for the host may end the first early.
+  // the status stage. Data that are shorter than requested and fill their last packet need an empty one after them
+  // [USB 2.0, 5.5.3]. Both stages are primed at once, because the host may end the first early.
   void SendControl(std::size_t size, std::size_t length) noexcept {
     const std::size_t count = size < length ? size : length;
     const bool say_end = count != 0 && count < length && count % kControlPacket == 0;
@@ -340,18 +340,18 @@ class UsbDevice {
     if (!halt) Restart(in);
   }
 
-  // The toggle starts anew, so does a transfer that was under way: no half of one is glued to the next.
+  // Resets the toggle and restarts a transfer in progress, so that no partial transfer is joined to the next.
   void Restart(bool in) noexcept {
     if (!(in ? sending_ : receiving_)) return;
     Flush(EndpointBit(in ? kBulkIn : kBulkOut));
-    if ((Token(in ? memory_.bulk_in : memory_.bulk_out) & kTokenActive) == 0) return;  // it had ended
+    if ((Token(in ? memory_.bulk_in : memory_.bulk_out) & kTokenActive) == 0) return;  // already ended
     in ? ArmSend() : ArmReceive();
   }
 
   void ArmReceive() noexcept {
     if (!configured() || receive_.full()) return;
     std::uint8_t* buffer = memory_.receive[receive_.next()];
-    // No dirty line of ours may be written back over what the controller puts there.
+    // No dirty cache line may be written back over the controller's data.
     bus_.InvalidateCache(buffer, kBufferSize);
     Fill(memory_.bulk_out, buffer, kBufferSize, kTerminate, true);
     receiving_ = true;
@@ -378,7 +378,7 @@ class UsbDevice {
     const std::size_t left = (token >> kTokenBytesShift) & kTokenBytesMask;
     if ((token & kTokenErrors) != 0 || left > kBufferSize) {
       ++counters_.receive_errors;
-    } else if (left < kBufferSize) {  // an empty transfer is none
+    } else if (left < kBufferSize) {  // empty transfers are ignored
       bus_.InvalidateCache(memory_.receive[receive_.next()], kBufferSize);
       receive_.Push(kBufferSize - left);
       ++counters_.received;
@@ -397,7 +397,7 @@ class UsbDevice {
 
   // ---- the bus
 
-  // What belongs to a host that is gone or starts anew. Waiting transfers are not acted upon any more.
+  // Discards the state of a host that is gone or restarts. Waiting transfers are dropped.
   void ForgetHost() noexcept {
     CloseBulk();
     suspended_ = false;
@@ -410,8 +410,8 @@ class UsbDevice {
     bus_.Write(kEndpointComplete, bus_.Read(kEndpointComplete));
     WaitClear(kEndpointPrime, kAllEndpoints);
     Flush(kAllEndpoints);
-    // All is cleaned up either way; the manual wants the controller reset if a host were so quick, which would make it
-    // enumerate all over again.
+    // All is cleaned up either way; for a host this fast the manual requires a controller reset, which would force it
+    // to enumerate again.
     if ((bus_.Read(kPortSc1) & kPortSc1Reset) == 0) ++counters_.late_resets;
     bus_.Write(kDeviceAddr, 0);
     ForgetHost();
@@ -430,7 +430,7 @@ class UsbDevice {
     suspended_ = (bus_.Read(kPortSc1) & kPortSc1Suspended) != 0;
   }
 
-  // The cable's voltage comes and goes; without it no pull-up may be shown [USB 2.0, 7.1.5].
+  // The cable's voltage may appear and vanish; without it the pull-up must be off [USB 2.0, 7.1.5].
   void HandleSession() noexcept {
     const std::uint32_t otg = bus_.Read(kOtgSc);
     if ((otg & kOtgScSessionChanged) == 0) return;

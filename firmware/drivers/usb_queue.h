@@ -1,4 +1,4 @@
-// What the USB controller reads and writes in memory: queue heads (dQH), transfer descriptors (dTD) and packet buffers
+// Memory shared with the USB controller: queue heads (dQH), transfer descriptors (dTD) and packet buffers
 // [NXP IMXRT1060RM, USB: "Device Data Structures"]. All of it is one block, so that one MPU region and one address map
 // are enough. It may lie in cached memory: structures fill whole lines of 32 bytes.
 #pragma once
@@ -18,17 +18,17 @@ constexpr std::uint32_t kTokenBufferError = 1U << 5;
 constexpr std::uint32_t kTokenTransactionError = 1U << 3;
 constexpr std::uint32_t kTokenErrors = kTokenHalted | kTokenBufferError | kTokenTransactionError;
 constexpr std::uint32_t kTokenInterrupt = 1U << 15;  // IOC
-constexpr int kTokenBytesShift = 16;                 // total bytes, 15 bits: counts down what is left
+constexpr int kTokenBytesShift = 16;                 // total bytes, 15 bits: counts down
 constexpr std::uint32_t kTokenBytesMask = 0x7FFF;
 
-// No initial values: this may lie in memory that start-up leaves alone; the driver writes what it uses.
+// No initial values: this may be in memory that start-up does not touch; the driver initialises what it uses.
 struct alignas(32) TransferDescriptor {
   volatile std::uint32_t next;
   volatile std::uint32_t token;
   volatile std::uint32_t page[5];
   std::uint32_t reserved;
 };
-static_assert(sizeof(TransferDescriptor) == kCacheLine, "fills its line");
+static_assert(sizeof(TransferDescriptor) == kCacheLine, "fills its cache line");
 
 // Capabilities of a dQH.
 constexpr int kPacketSizeShift = 16;
@@ -56,12 +56,12 @@ constexpr int kControlOut = 0, kControlIn = 1, kBulkOut = 2, kBulkIn = 3;
 constexpr int kQueueHeads = 4;
 
 constexpr std::size_t kBufferSize = 512;
-constexpr int kReceiveDepth = 4;  // whole transfers kept until somebody asks; full: the host has to wait (NAK)
-constexpr int kSendDepth = 4;     // frames that wait for the host; full: Send refuses
+constexpr int kReceiveDepth = 4;  // whole transfers kept until they are read; full: the host has to wait (NAK)
+constexpr int kSendDepth = 4;     // frames that wait for the host; full: Send drops the oldest
 
 struct alignas(2048) UsbMemory {
   QueueHead queues[kQueueHeads];
-  TransferDescriptor control_in[2];  // data and, if it must be said, its end
+  TransferDescriptor control_in[2];  // data and, if needed, the empty packet that ends them
   TransferDescriptor control_out;
   TransferDescriptor bulk_out;
   TransferDescriptor bulk_in;
@@ -69,6 +69,6 @@ struct alignas(2048) UsbMemory {
   std::uint8_t receive[kReceiveDepth][kBufferSize];
   std::uint8_t send[kSendDepth][kBufferSize];
 };
-static_assert(sizeof(UsbMemory) % kCacheLine == 0, "nobody else in its lines");
+static_assert(sizeof(UsbMemory) % kCacheLine == 0, "nothing else in its cache lines");
 
 }  // namespace omni::drivers::usb

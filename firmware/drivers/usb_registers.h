@@ -7,7 +7,7 @@
 namespace omni::drivers::usb {
 
 constexpr std::uint32_t kUsbCmd = 0x140;
-constexpr std::uint32_t kUsbCmdRun = 1U << 0;             // RS: the pull-up, the host sees us
+constexpr std::uint32_t kUsbCmdRun = 1U << 0;             // RS: the pull-up, the host sees the device
 constexpr std::uint32_t kUsbCmdReset = 1U << 1;           // RST: clears itself
 constexpr std::uint32_t kUsbCmdSetupTripwire = 1U << 13;  // SUTW: the controller clears it when a SETUP arrives
 // ITC (bits 23:16) is 8 after reset, a millisecond between interrupts; 0 is at once.
@@ -30,7 +30,7 @@ constexpr std::uint32_t kEndpointListAddr = 0x158;  // of the queue heads, a mul
 
 constexpr std::uint32_t kPortSc1 = 0x184;
 constexpr std::uint32_t kPortSc1Suspended = 1U << 7;  // SUSP
-constexpr std::uint32_t kPortSc1Reset = 1U << 8;      // PR: the host is resetting us
+constexpr std::uint32_t kPortSc1Reset = 1U << 8;      // PR: the host is resetting the device
 constexpr std::uint32_t kPortSc1HighSpeed = 1U << 9;  // HSP
 
 constexpr std::uint32_t kOtgSc = 0x1A4;

@@ -1,4 +1,4 @@
-// Packet buffers waiting in line: `order` names the slots, the first `count` of them hold transfers (oldest first), the
+// A queue of packet buffers: `order` lists the slots, the first `count` of them hold transfers (oldest first), the
 // one after is filled next.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Little-endian fields, one after another. A cursor never runs past its end: it turns `ok` false and reads zeros.
+// Little-endian fields in sequence. A cursor never runs past its end: it sets `ok` to false and reads zeros.
 #pragma once
 
 #include <cstddef>

@@ -41,7 +41,7 @@ std::size_t CobsEncode(const std::uint8_t* data, std::size_t size, std::uint8_t*
   CobsWriter out(packet, capacity);
   out.OpenBlock();
   for (std::size_t i = 0; i < size; ++i) {
-    if (out.block_full()) out.OpenBlock();  // only now: behind the last data it would be a wasted byte
+    if (out.block_full()) out.OpenBlock();  // only now: after the last data it would waste a byte
     if (data[i] == 0) {
       out.OpenBlock();
     } else {

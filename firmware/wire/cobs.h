@@ -1,9 +1,9 @@
-// Consistent Overhead Byte Stuffing [Cheshire, Baker: IEEE/ACM Trans. Networking 7(2), 1999]: frames over links that
-// keep no packet edges (UART, pty). A packet holds no zero byte; one zero ends it. After noise, or when a receiver
-// joins in the middle, at most the packets that the noise touched are lost: the next zero is an edge again.
+// Consistent Overhead Byte Stuffing [Cheshire, Baker: IEEE/ACM Trans. Networking 7(2), 1999]: frames over links without
+// packet boundaries (UART, pty). A packet contains no zero byte; one zero ends it. After noise, or when a receiver
+// joins in the middle, at most the packets that the noise touched are lost: the next zero is a boundary again.
 //
-//   packet = blocks, block = u8 code | code - 1 bytes that are not zero; between blocks stands a zero of the data,
-//   unless the code of the first of them is 255. The zero behind the last block is not part of the data.
+//   packet = blocks, block = u8 code | code - 1 bytes that are not zero; between blocks there is a zero of the data,
+//   unless the code of the first of them is 255. The zero after the last block is not part of the data.
 #pragma once
 
 #include <cstddef>
@@ -22,15 +22,15 @@ constexpr std::size_t CobsSizeMax(std::size_t size) noexcept {
 }
 constexpr std::size_t kCobsFrameSizeMax = CobsSizeMax(kFrameSizeMax);
 
-// The packet without its end; returns its size, 0 when it does not fit `capacity`. A sender writes kCobsEnd behind each
-// packet, and one ahead of the first, so that whatever the line held before ends there.
+// The packet without its end; returns its size, 0 when it does not fit `capacity`. A sender writes kCobsEnd after each
+// packet, and one before the first, which ends whatever was on the line before.
 std::size_t CobsEncode(const std::uint8_t* data, std::size_t size, std::uint8_t* packet, std::size_t capacity) noexcept;
 
-// Bytes in, packets out. What is no packet, or longer than a frame, is counted and dropped. A packet that noise made
-// out of two halves comes out: its CRC tells.
+// Bytes in, packets out. Anything that is not a packet, or is longer than a frame, is counted and dropped. A packet
+// that noise joined from two halves is returned: the CRC detects it.
 class CobsReceiver {
  public:
-  // True: `byte` ended a packet, whose data stand in data() until the next call.
+  // True: `byte` ended a packet, whose data are in data() until the next call.
   bool Push(std::uint8_t byte) noexcept;
 
   const std::uint8_t* data() const noexcept { return data_; }
@@ -47,11 +47,11 @@ class CobsReceiver {
   std::size_t size_ = 0;
   std::uint32_t cut_short_ = 0;
   std::uint32_t too_long_ = 0;
-  std::uint8_t left_ = 0;      // of the present block
+  std::uint8_t left_ = 0;      // of the current block
   bool zero_follows_ = false;  // the next block, if there is one, begins with a zero of the data
-  bool begun_ = false;         // a byte of the present packet has come
+  bool begun_ = false;         // a byte of the current packet was received
   bool overflow_ = false;
-  bool ended_ = false;  // data_ was handed out: the next byte begins anew
+  bool ended_ = false;  // data_ was returned: the next byte begins a new packet
 };
 
 }  // namespace omni::wire

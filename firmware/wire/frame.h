@@ -1,11 +1,11 @@
-// The envelope of every packet between host and base, little endian. One frame is one USB transfer or one seqpacket
+// The envelope of every frame between host and base, little endian. One frame is one USB transfer or one seqpacket
 // datagram, always < 512 bytes, so no further framing is needed:
 //
 //   u16 magic | u8 version | u8 type | u16 seq | u16 payload_len | u64 t_device_us | payload | u32 CRC-32C of all
-//   before
+//   bytes before it
 //
 // Unknown trailing bytes of a payload are ignored (a newer minor version may append fields); another version is
-// refused, but for HELLO, whose layout never changes: both sides can say which of them is older.
+// refused, except in HELLO, whose layout never changes: both sides can tell which of them is older.
 #pragma once
 
 #include <cstddef>
@@ -39,8 +39,8 @@ enum class Status : std::uint8_t {
   kBadVersion,
   kBadLength,  // payload_len disagrees with the size of the transfer
   kBadCrc,
-  kUnknownType,   // a valid frame of a type this build does not know: ignore it
-  kWrongType,     // a known type, but not the one asked for
+  kUnknownType,   // a valid frame of a type unknown to this build: ignore it
+  kWrongType,     // a known type, but not the expected one
   kShortPayload,  // payload smaller than the message's fields
   kNotFinite,     // NaN or infinity in a set-point
   kOutOfRange,    // a field outside its stated range
@@ -61,7 +61,7 @@ struct FrameView {
   std::size_t payload_size = 0;
 };
 
-// Checks everything of the envelope. `view` points into `data`; it is filled only on kOk.
+// Checks the whole envelope. `view` points into `data`; it is filled only on kOk.
 Status OpenFrame(const std::uint8_t* data, std::size_t size, FrameView& view) noexcept;
 
 struct Encoded {

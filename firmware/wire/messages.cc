@@ -87,7 +87,7 @@ bool IsWithin(Enum value, Enum first, Enum last) noexcept {
   return value >= first && value <= last;
 }
 
-// What a message's numbers may be, beyond finite.
+// Range checks of a message's numbers, beyond being finite.
 bool IsValid(const Hello& hello) noexcept {
   return IsPositive(hello.field_lsb_T) && IsPositive(hello.current_max_A) && hello.version_min <= hello.version_max &&
          hello.field_full_scale > 0;

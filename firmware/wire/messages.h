@@ -1,5 +1,5 @@
-// What travels. Values are wire units here; scaling.h says what one unit is. Every message names its fields once, in
-// the order of the wire (Visit): encoding, decoding, sizes and docs/protocol/wire.md all come from that.
+// The messages, with values in wire units (scaling.h defines the units). Every message lists its fields once, in wire
+// order (Visit): encoding, decoding, sizes and docs/protocol/wire.md are all derived from that.
 #pragma once
 
 #include <cstddef>
@@ -24,35 +24,35 @@ constexpr std::uint32_t kSimulation = 1U << 1;                  // no hardware b
 constexpr std::uint32_t kCurrentSensors = 1U << 2;              // coil currents are measured, one sensor per coil
 constexpr std::uint32_t kArming = 1U << 3;                      // coils stay at zero until ARM
 
-// Fault bits of TELEMETRY. Any bit: the base holds its coils at zero. A bit stays until ARM finds its cause gone; the
-// first two are no failures, the host arms again by itself.
+// Fault bits of TELEMETRY. While any is set, the base holds its coils at zero. A bit stays set until ARM finds its
+// cause gone; the first two are not failures: the host arms again automatically.
 enum Fault : std::uint32_t {
-  kFaultNotArmed = 1U << 0,         // nothing is wrong, nobody has armed
+  kFaultNotArmed = 1U << 0,         // no error: the base has not been armed
   kFaultHostSilent = 1U << 1,       // no valid COMMAND within its time to live
-  kFaultOverTemperature = 1U << 2,  // of a coil, by its resistance or by the heat put in
+  kFaultOverTemperature = 1U << 2,  // of a coil, by its resistance or by the heat model; or of the board
   kFaultOverCurrent = 1U << 3,      // of a coil, or the sensor's own alert
   kFaultDriver = 1U << 4,           // an H bridge reports a fault
   kFaultSupplyLow = 1U << 5,
   kFaultSupplyHigh = 1U << 6,
   kFaultPower = 1U << 7,           // all coils together
   kFaultCoilOpen = 1U << 8,        // voltage but no current
-  kFaultCoilShort = 1U << 9,       // current beyond what the voltage gives
+  kFaultCoilShort = 1U << 9,       // more current than the voltage explains
   kFaultModel = 1U << 10,          // current does not follow its set-point
-  kFaultCurrentSensor = 1U << 11,  // does not answer, or answers nonsense
+  kFaultCurrentSensor = 1U << 11,  // does not answer, or reports impossible values
   kFaultHallSensor = 1U << 12,     // does not answer, has the wrong identity or no fresh sample
-  kFaultHallStuck = 1U << 13,      // the same sample again and again
-  kFaultHallJump = 1U << 14,       // a change that no magnet makes
-  kFaultFan = 1U << 15,            // stands although it should turn
+  kFaultHallStuck = 1U << 13,      // repeats the same sample
+  kFaultHallJump = 1U << 14,       // changed faster than a moving magnet can cause
+  kFaultFan = 1U << 15,            // does not turn although it should
   kFaultEmergencyStop = 1U << 16,  // the switch, ESTOP, or the vendor request of endpoint 0
-  kFaultSelfTest = 1U << 17,       // refused at boot
-  kFaultWatchdog = 1U << 18,       // the last reset was the watchdog's
-  kFaultInternal = 1U << 19,       // a number that is not finite, a broken record, a bridge driven while not armed
+  kFaultSelfTest = 1U << 17,       // failed at boot
+  kFaultWatchdog = 1U << 18,       // it caused the last reset
+  kFaultInternal = 1U << 19,       // a number that is not finite, a corrupt record, a bridge driven while not armed
 };
 constexpr std::uint32_t kFaultsOfTheHost = kFaultNotArmed | kFaultHostSilent;
 
 enum class State : std::uint8_t { kBoot = 0, kSelfTest = 1, kIdle = 2, kArmed = 3, kFault = 4 };
 enum class Mode : std::uint8_t { kOff = 0, kCurrent = 1 };
-// Two steps, so that no single frame, however it came about, can arm.
+// Two steps, so that no single frame, however it was produced, can arm.
 enum class ArmStep : std::uint8_t { kRequest = 1, kChallenge = 2, kConfirm = 3, kArmed = 4, kRefused = 5 };
 enum class ConfigOp : std::uint8_t { kGet = 1, kSet = 2, kValue = 3, kRefused = 4 };
 enum class LogLevel : std::uint8_t { kDebug = 0, kInfo = 1, kWarning = 2, kError = 3 };
@@ -67,7 +67,7 @@ enum class ConfigId : std::uint16_t {
   kInductance_H = 0x20,      // + coil
 };
 
-// Who the base is; asked for by an empty HELLO. Its layout is that of all versions.
+// The base's identity; requested by an empty HELLO. The same layout in all versions.
 struct Hello {
   static constexpr MessageType kType = MessageType::kHello;
   std::uint8_t version_min = kVersion;
@@ -180,11 +180,11 @@ struct Config {
     visit("op", self.op, "", "of ConfigOp; the base answers kValue or kRefused");
     visit("reserved", self.reserved, "", "0");
     visit("id", self.id, "", "of ConfigId, plus the coil where it is per coil");
-    visit("value", self.value, "", "in the unit that the id names; the one in force");
+    visit("value", self.value, "", "in the unit that the id names; always the value in force");
   }
 };
 
-// Host: request, confirm with the nonce of the challenge. Base: challenge, armed or refused with what is in the way.
+// Host: request, confirm with the nonce of the challenge. Base: challenge, armed or refused with the reasons.
 struct Arm {
   static constexpr MessageType kType = MessageType::kArm;
   ArmStep step = ArmStep::kRequest;
@@ -199,11 +199,11 @@ struct Arm {
     visit("version", self.version, "", "protocol version that the sender speaks; another one is refused");
     visit("reserved", self.reserved, "", "0");
     visit("nonce", self.nonce, "", "of the challenge, good for one confirmation within 100 ms");
-    visit("faults", self.faults, "bits", "of Fault: what refuses");
+    visit("faults", self.faults, "bits", "of Fault: why it is refused");
   }
 };
 
-// Emergency stop: brake now, latched until ARM. Any number of times.
+// Emergency stop: brake now, latched until ARM. May be sent any number of times.
 struct Estop {
   static constexpr MessageType kType = MessageType::kEstop;
   std::uint8_t reason = 0;
@@ -214,7 +214,7 @@ struct Estop {
   }
 };
 
-// A fault that has just come, and on request (empty FAULT from the host) the one kept across the last reset.
+// A new fault, and on request (empty FAULT from the host) the one recorded before the last reset.
 struct FaultEvent {
   static constexpr MessageType kType = MessageType::kFault;
   std::uint32_t fault = 0;
@@ -228,11 +228,11 @@ struct FaultEvent {
 
   template <class Self, class Visitor>
   static constexpr void Visit(Self& self, Visitor&& visit) {
-    visit("fault", self.fault, "bit", "of Fault, that came; 0: none recorded");
+    visit("fault", self.fault, "bit", "of Fault, the new one; 0: none recorded");
     visit("faults", self.faults, "bits", "all, with it");
     visit("state", self.state, "", "in which it came");
     visit("part", self.part, "", "coil or sensor; 255: the whole base");
-    visit("after_reset", self.after_reset, "", "1: of before the last reset");
+    visit("after_reset", self.after_reset, "", "1: from before the last reset");
     visit("reserved", self.reserved, "", "0");
     visit("value", self.value, "", "what was measured, in SI");
     visit("t_us", self.t_us, "us", "device time");
@@ -278,7 +278,7 @@ constexpr std::size_t FrameSize() {
 }
 static_assert(FrameSize<Telemetry>() <= 160 && FrameSize<Command>() <= 64, "budget of the 1 kHz stream");
 
-// For the eight messages above. The values of floats must be finite; Decode refuses others.
+// For the eight messages above. Floats must be finite; Decode refuses others.
 template <class Message>
 Encoded Encode(const Message& message, std::uint16_t seq, std::uint64_t t_device_us, std::uint8_t* frame,
                std::size_t capacity) noexcept;
@@ -288,7 +288,7 @@ template <class Message>
 Status Decode(const FrameView& view, Message& message) noexcept;
 
 // Mode known, time to live 1..20 ms, every set-point finite and |I| <= current_max_A. Encoding refuses what decoding
-// would refuse, so that a bad value never leaves the host.
+// would refuse, so that an invalid value is never sent.
 Status CheckCommand(const Command& command, float current_max_A) noexcept;
 Encoded EncodeCommand(const Command& command, float current_max_A, std::uint16_t seq, std::uint8_t* frame,
                       std::size_t capacity) noexcept;

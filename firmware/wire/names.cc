@@ -9,14 +9,14 @@ constexpr std::uint32_t Value(Enum value) {
 }
 
 constexpr Name kMessageTypes[] = {
-    {Value(MessageType::kHello), "HELLO", "host: empty, asks; base: who it is"},
-    {Value(MessageType::kTelemetry), "TELEMETRY", "base, every millisecond: what it measures"},
-    {Value(MessageType::kCommand), "COMMAND", "host: currents, and how long they hold"},
+    {Value(MessageType::kHello), "HELLO", "host: empty request; base: its identity"},
+    {Value(MessageType::kTelemetry), "TELEMETRY", "base, every millisecond: its measurements"},
+    {Value(MessageType::kCommand), "COMMAND", "host: currents, and their time to live"},
     {Value(MessageType::kConfig), "CONFIG", "host: get or set one setting; base: the answer"},
-    {Value(MessageType::kArm), "ARM", "both: the two steps that let currents flow"},
+    {Value(MessageType::kArm), "ARM", "both: the two steps that enable currents"},
     {Value(MessageType::kEstop), "ESTOP", "host: brake now"},
-    {Value(MessageType::kFault), "FAULT", "base: a fault that has just come; host: empty, asks for the kept one"},
-    {Value(MessageType::kLog), "LOG", "base: a line for people"},
+    {Value(MessageType::kFault), "FAULT", "base: a new fault; host: empty request for the recorded one"},
+    {Value(MessageType::kLog), "LOG", "base: a line of text for the user"},
 };
 
 constexpr Name kCapabilities[] = {
@@ -28,7 +28,7 @@ constexpr Name kCapabilities[] = {
 
 constexpr Name kStates[] = {
     {Value(State::kBoot), "boot", "starting, coils off"},
-    {Value(State::kSelfTest), "self-test", "sensors and coils are being tried"},
+    {Value(State::kSelfTest), "self-test", "sensors and coils are being tested"},
     {Value(State::kIdle), "idle", "ready, coils at zero"},
     {Value(State::kArmed), "armed", "coils follow COMMAND"},
     {Value(State::kFault), "fault", "coils at zero until ARM finds the cause gone"},
@@ -41,15 +41,15 @@ constexpr Name kModes[] = {
 
 constexpr Name kArmSteps[] = {
     {Value(ArmStep::kRequest), "request", "host: asks"},
-    {Value(ArmStep::kChallenge), "challenge", "base: here is a nonce"},
-    {Value(ArmStep::kConfirm), "confirm", "host: the nonce, back"},
+    {Value(ArmStep::kChallenge), "challenge", "base: sends a nonce"},
+    {Value(ArmStep::kConfirm), "confirm", "host: returns the nonce"},
     {Value(ArmStep::kArmed), "armed", "base: done"},
-    {Value(ArmStep::kRefused), "refused", "base: no; `faults` says what is in the way"},
+    {Value(ArmStep::kRefused), "refused", "base: not armed; `faults` says why"},
 };
 
 constexpr Name kConfigOps[] = {
-    {Value(ConfigOp::kGet), "get", "host: which value is in force"},
-    {Value(ConfigOp::kSet), "set", "host: take this value; idle only"},
+    {Value(ConfigOp::kGet), "get", "host: requests the value in force"},
+    {Value(ConfigOp::kSet), "set", "host: sets this value; idle only"},
     {Value(ConfigOp::kValue), "value", "base: the value in force"},
     {Value(ConfigOp::kRefused), "refused", "base: not set; the value still in force"},
 };
@@ -65,23 +65,23 @@ constexpr Name kConfigIds[] = {
 };
 
 constexpr Name kLogLevels[] = {
-    {Value(LogLevel::kDebug), "debug", "for who writes firmware"},
-    {Value(LogLevel::kInfo), "info", "good to know"},
+    {Value(LogLevel::kDebug), "debug", "for firmware developers"},
+    {Value(LogLevel::kInfo), "info", "for information"},
     {Value(LogLevel::kWarning), "warning", "works, but not as it should"},
     {Value(LogLevel::kError), "error", "does not work"},
 };
 
 constexpr FaultText kFaults[] = {
-    {kFaultNotArmed, "not armed", "nothing is wrong, nobody has armed", "Start the service: it arms by itself.", "",
-     ""},
+    {kFaultNotArmed, "not armed", "no error: the base has not been armed", "Start the service: it arms automatically.",
+     "", ""},
     {kFaultHostSilent, "host silent", "no valid COMMAND within its time to live",
-     "Check that omnid runs and that the cable sits; the service arms again by itself.", "", "s"},
-    {kFaultOverTemperature, "over temperature", "a coil is too hot, by its resistance or by the heat put in",
-     "Let the base cool for some minutes, and check that its fan turns and its vents are free.", "coil", "C"},
-    {kFaultOverCurrent, "over current", "a coil's current passed its limit, or the sensor raised its alert",
+     "Check that omnid is running and the cable is plugged in; the service arms again automatically.", "", "s"},
+    {kFaultOverTemperature, "over temperature", "a coil is too hot, by its resistance or by the heat model",
+     "Let the base cool for a few minutes, and check that its fan turns and its vents are clear.", "coil", "C"},
+    {kFaultOverCurrent, "over current", "a coil's current exceeded its limit, or the sensor raised its alert",
      "Switch the base off, check the coil's wiring and bridge, then arm again.", "coil", "A"},
     {kFaultDriver, "driver fault", "an H bridge reports a fault",
-     "Switch the base off and on; if it stays, check that bridge for heat and shorts.", "coil", "A"},
+     "Switch the base off and on; if the fault persists, check that bridge for heat and shorts.", "coil", "A"},
     {kFaultSupplyLow, "supply low", "the supply's voltage is below its range",
      "Check the power supply and its plug: it must hold its voltage under load.", "", "V"},
     {kFaultSupplyHigh, "supply high", "the supply's voltage is above its range",
@@ -90,29 +90,28 @@ constexpr FaultText kFaults[] = {
      "Arm again; if it comes back, lower power_max_W or use a stronger supply.", "", "W"},
     {kFaultCoilOpen, "coil open", "voltage on a coil but no current",
      "Switch the base off and check that coil's connector and wire for a break.", "coil", "A"},
-    {kFaultCoilShort, "coil short", "more current in a coil than its voltage gives",
-     "Switch the base off and measure that coil: turns touch, or its wire touches something.", "coil", "A"},
+    {kFaultCoilShort, "coil short", "more current in a coil than its voltage explains",
+     "Switch the base off and measure that coil: its turns or its wire are shorted.", "coil", "A"},
     {kFaultModel, "current off its model", "a current does not follow its set-point",
      "Arm again; if it comes back, run the self-test and check the coil's resistance and inductance settings.", "coil",
      "A or ohm"},
-    {kFaultCurrentSensor, "current sensor", "a current sensor does not answer, or answers nonsense",
-     "Switch the base off and on; if it stays, check that sensor's bus and address.", "coil", "A"},
+    {kFaultCurrentSensor, "current sensor", "a current sensor does not answer, or reports impossible values",
+     "Switch the base off and on; if the fault persists, check that sensor's bus and address.", "coil", "A"},
     {kFaultHallSensor, "Hall sensor", "a Hall sensor does not answer, is another chip or has no fresh sample",
-     "Switch the base off and on; if it stays, check that sensor's connector.", "sensor", ""},
-    {kFaultHallStuck, "Hall sensor stuck", "a Hall sensor gives the same sample again and again",
-     "Switch the base off and on; if it stays, replace that sensor.", "sensor", ""},
-    {kFaultHallJump, "Hall sensor jump", "a Hall sensor's field changed as no magnet can",
+     "Switch the base off and on; if the fault persists, check that sensor's connector.", "sensor", ""},
+    {kFaultHallStuck, "Hall sensor stuck", "a Hall sensor repeats the same sample",
+     "Switch the base off and on; if the fault persists, replace that sensor.", "sensor", ""},
+    {kFaultHallJump, "Hall sensor jump", "a Hall sensor's field changed faster than a moving magnet can cause",
      "Keep other magnets and loose cables away, then arm again.", "sensor", ""},
-    {kFaultFan, "fan stands", "the fan stands although it should turn", "Free the fan, check its plug, then arm again.",
-     "", "1/min"},
-    {kFaultEmergencyStop, "emergency stop", "the switch, ESTOP, or the request of endpoint 0",
+    {kFaultFan, "fan stands", "the fan does not turn although it should",
+     "Free the fan, check its plug, then arm again.", "", "1/min"},
+    {kFaultEmergencyStop, "emergency stop", "the switch, ESTOP, or the endpoint 0 request",
      "Release the emergency stop when it is safe, then arm again.", "", ""},
-    {kFaultSelfTest, "self-test", "the self-test at boot was not passed",
+    {kFaultSelfTest, "self-test", "the self-test at boot failed",
      "Run omni device selftest: it names the part that failed.", "part", "T or ohm"},
-    {kFaultWatchdog, "watchdog", "the last reset was the watchdog's",
+    {kFaultWatchdog, "watchdog", "the watchdog caused the last reset",
      "Arm again; if it comes back, report it with the output of omni device info.", "", ""},
-    {kFaultInternal, "internal",
-     "a number that is not finite, a broken record, or a bridge that is driven while not armed",
+    {kFaultInternal, "internal", "a number that is not finite, a corrupt record, or a bridge driven while not armed",
      "Switch the base off and on; if it comes back, report it with the output of omni device info.", "", ""},
 };
 
@@ -172,7 +171,8 @@ const char* FaultName(std::uint32_t fault) noexcept {
 
 const char* FaultAdvice(std::uint32_t fault) noexcept {
   const FaultText* row = FindFault(fault);
-  return row != nullptr ? row->advice : "Update this program: the base's firmware knows faults that it does not.";
+  return row != nullptr ? row->advice
+                        : "Update this program: the base's firmware reports a fault that it does not know.";
 }
 
 }  // namespace omni::wire

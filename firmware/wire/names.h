@@ -1,4 +1,4 @@
-// Words for what the wire says in numbers: one table each, for messages to people, logs and docs/protocol/wire.md.
+// Names for the numeric values of the wire: one table each, for user messages, logs and docs/protocol/wire.md.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,13 @@ struct Name {
 struct FaultText {
   Fault fault;
   const char* name;     // two or three words
-  const char* meaning;  // what the base saw
-  const char* advice;   // one sentence: what a person does about it
-  const char* part;     // what FaultEvent::part counts, unless it is the whole base; empty: it always is
-  const char* unit;     // of FaultEvent::value; empty: the value says nothing
+  const char* meaning;  // the condition that the base detected
+  const char* advice;   // one sentence: how to fix it
+  const char* part;     // what FaultEvent::part counts, unless it is the whole base; empty: always the whole base
+  const char* unit;     // of FaultEvent::value; empty: the value is meaningless
 };
 
-// A table that ends.
+// A table and its length.
 template <class Row>
 struct Rows {
   const Row* first;
@@ -43,7 +43,7 @@ Rows<Name> ConfigIds() noexcept;
 Rows<Name> LogLevels() noexcept;
 Rows<FaultText> Faults() noexcept;
 
-// "unknown" for a value that this build does not know.
+// "unknown" for a value unknown to this build.
 const char* MessageTypeName(MessageType type) noexcept;
 const char* StateName(State state) noexcept;
 const char* ModeName(Mode mode) noexcept;
@@ -52,7 +52,7 @@ const char* ConfigOpName(ConfigOp op) noexcept;
 const char* ConfigIdName(std::uint16_t id) noexcept;  // per coil: the name without its coil
 const char* LogLevelName(LogLevel level) noexcept;
 
-// `fault` is one bit of Fault. Null for one that this build does not know.
+// `fault` is one bit of Fault. Null for one unknown to this build.
 const FaultText* FindFault(std::uint32_t fault) noexcept;
 const char* FaultName(std::uint32_t fault) noexcept;
 const char* FaultAdvice(std::uint32_t fault) noexcept;

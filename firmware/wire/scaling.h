@@ -1,4 +1,4 @@
-// What one wire unit is, and rounding to it without a maths library.
+// The wire's units, and rounding to them without a maths library.
 #pragma once
 
 #include <cstdint>

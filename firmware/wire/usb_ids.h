@@ -1,5 +1,5 @@
-// Names of the base on the bus, the same for firmware, host and udev. Endpoint addresses are not among them: the host
-// takes those of the interface's bulk endpoints from the descriptors.
+// The base's USB identifiers, the same for firmware, host and udev. Endpoint addresses are not included: the host reads
+// those of the interface's bulk endpoints from the descriptors.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ constexpr std::uint8_t kUsbInterfaceClass = 0xFF;
 constexpr std::uint8_t kUsbInterfaceSubclass = 0x00;
 constexpr std::uint8_t kUsbInterfaceProtocol = 0x00;
 
-// Vendor requests of endpoint 0, recipient device [USB 2.0, 9.3]: they need no claim of the interface, so they work
-// while another program holds the base.
+// Vendor requests of endpoint 0, recipient device [USB 2.0, 9.3]: they do not require claiming the interface, so they
+// work while another program holds the base.
 constexpr std::uint8_t kUsbRequestTypeOut = 0x40;  // bmRequestType: host to device, vendor, device
 constexpr std::uint8_t kUsbRequestTypeIn = 0xC0;   // device to host, vendor, device
 enum class UsbRequest : std::uint8_t {

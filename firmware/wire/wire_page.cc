@@ -13,7 +13,7 @@ void PrintIntroduction() {
   std::printf(
       "# The wire between host and base\n"
       "\n"
-      "Generated from firmware/wire by `wire_page`; a test compares. The same code runs in the base, in the twin and "
+      "Generated from firmware/wire by `wire_page`; a test checks it. The same code runs in the base, in the twin and "
       "in\n"
       "omnid. All numbers are little-endian; floats are IEEE 754 single precision.\n"
       "\n"

@@ -14,8 +14,8 @@ constexpr double kRoundTripMax_ns = 100'000'000;
 constexpr double kLeap_ns = 1'000'000;
 constexpr double kWindow_s = 30;
 constexpr double kNoise_ns = 10'000;           // of a sample with the least round trip, and
-constexpr double kHiddenShare = 0.05;          // of that: even the least one of a busy link has waited
-constexpr double kDriftUsual_ns_per_s = 50e3;  // crystals; what the slope is held to until samples say more
+constexpr double kHiddenShare = 0.05;          // of that: even the least one of a busy link includes queueing
+constexpr double kDriftUsual_ns_per_s = 50e3;  // crystals; prior of the slope until samples determine it
 constexpr double kDriftMax_ns_per_s = 200e3;
 
 std::int64_t Nanoseconds(std::uint64_t device_us) noexcept { return static_cast<std::int64_t>(device_us) * 1000; }
@@ -67,7 +67,7 @@ void ClockMap::Begin(const ClockReading& reading) noexcept {
   line_ = {};
 }
 
-// The least of (arrival - stamp), which may rise as fast as a clock can drift, so that it never stays behind.
+// The least of (arrival - stamp), allowed to rise as fast as a clock can drift so that it follows the drift.
 void ClockMap::TakeArrival(const ClockReading& reading) noexcept {
   if (has_best_) return;
   const double t_s = Elapsed_s(reading.t_device_us);
@@ -77,7 +77,7 @@ void ClockMap::TakeArrival(const ClockReading& reading) noexcept {
   line_ = {.centre_s = t_s, .offset_ns = std::min(arrival_ns, risen_ns)};
 }
 
-// False: the sample and the map exclude each other.
+// False: the sample contradicts the map.
 bool ClockMap::TakeAcknowledgement(const ClockReading& reading) noexcept {
   Sample sample;
   if (!FromAcknowledgement(reading, sample)) return true;
@@ -86,7 +86,7 @@ bool ClockMap::TakeAcknowledgement(const ClockReading& reading) noexcept {
   return true;
 }
 
-// An acknowledgement comes again with every telemetry until the next command: old ones are left out, not counted.
+// Every telemetry repeats the acknowledgement until the next command: repeats are skipped, not counted.
 bool ClockMap::FromAcknowledgement(const ClockReading& reading, Sample& sample) noexcept {
   if (reading.ack_host_us == 0) return false;
   const auto since_us = static_cast<std::int64_t>(static_cast<std::int32_t>(
@@ -135,7 +135,7 @@ void ClockMap::VisitWindow(Visit&& visit) const noexcept {
 }
 
 // Weighted least squares of offset = o + s (t - c) about the weighted centre c, where o and s separate:
-// s = Sxy / (Sxx + 1 / sigma_s^2); the last term is what is known of crystals.
+// s = Sxy / (Sxx + 1 / sigma_s^2); the last term is the prior for crystals.
 void ClockMap::Fit() noexcept {
   const double least_ns = round_trip_us() * 1e3;
   const double noise_ns = kNoise_ns + kHiddenShare * least_ns;

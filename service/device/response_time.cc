@@ -3,8 +3,8 @@
 namespace omni::device {
 namespace {
 
-constexpr double kMax_us = 50'000;  // longer: the base had let go long before
-// Of the way to an answer that is later, or earlier: where both balance, about 1 % are later.
+constexpr double kMax_us = 50'000;  // longer: the command's life had ended long before
+// Share of the distance to a later or an earlier answer: in balance about 1 % of the answers are later.
 constexpr double kRise = 0.05, kFall = 0.0005;
 
 }  // namespace

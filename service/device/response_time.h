@@ -1,6 +1,5 @@
-// How long a base waits for the answer to a scan: from the scan's stamp to the control step from which on its
-// set-points act. Both instants are the base's own (TELEMETRY's t_device_us and ack_rx_device_us), so no clock is
-// mapped.
+// How long a base waits for the answer to a scan: from the scan's stamp to the control step in which its set-points
+// take effect. Both instants are on the base's clock (TELEMETRY's t_device_us and ack_rx_device_us): nothing is mapped.
 #pragma once
 
 #include <array>
@@ -12,13 +11,13 @@ namespace omni::device {
 
 class ResponseTime {
  public:
-  // A COMMAND with this number leaves; it was computed from the scan with that stamp.
+  // A COMMAND with this number is sent; it was computed from the scan with that stamp.
   void OnSent(std::uint16_t seq, std::uint64_t t_device_us) noexcept;
 
   void OnTelemetry(const wire::Telemetry& telemetry) noexcept;
 
-  // What about one answer in a hundred is later than, ns: it rises within tens of answers and falls within seconds. 0:
-  // nothing was answered yet.
+  // About one answer in a hundred is later than this, ns: it rises within tens of answers and falls within seconds.
+  // 0: no answer yet.
   std::int64_t late_ns() const noexcept { return static_cast<std::int64_t>(1e3 * late_us_); }
 
  private:

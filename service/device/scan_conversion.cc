@@ -12,7 +12,7 @@ static_assert(wire::kSensors == base::kSensorCount && wire::kCoils == base::kCoi
 
 namespace {
 
-// Far wider than any Hall sensor and coil driver, far narrower than what a corrupt or lying HELLO can say.
+// Far wider than any Hall sensor and coil driver, far narrower than what a corrupt HELLO can contain.
 constexpr float kFieldLsbMin_T = 1e-10F;
 constexpr float kFieldLsbMax_T = 1e-5F;
 constexpr float kCurrentMax_A = 100;
@@ -30,14 +30,15 @@ base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello, Clocks clocks) 
   info.clock_is_host = (hello.capabilities & wire::kDeviceClockIsHostMonotonic) != 0;
   if (clocks == Clocks::kHostOnly && !info.clock_is_host) {
     return base::Error{"device " + info.serial +
-                       ": keeps a clock of its own, but this transport needs stamps of the host's CLOCK_MONOTONIC: "
+                       ": uses a clock of its own, but this transport needs stamps of the host's CLOCK_MONOTONIC: "
                        "connect it through a transport that maps clocks"};
   }
   if (!(hello.field_lsb_T >= kFieldLsbMin_T && hello.field_lsb_T <= kFieldLsbMax_T && hello.current_max_A > 0 &&
         hello.current_max_A <= kCurrentMax_A)) {
-    return base::Error{"device " + info.serial + ": says a field count is " + std::to_string(hello.field_lsb_T * 1e9F) +
-                       " nT and its largest current " + std::to_string(hello.current_max_A) +
-                       " A, which no base has: put the right firmware on it (omni device flash-help)"};
+    return base::Error{"device " + info.serial + ": HELLO reports a field count of " +
+                       std::to_string(hello.field_lsb_T * 1e9F) + " nT and a largest current of " +
+                       std::to_string(hello.current_max_A) +
+                       " A, which is not plausible: flash the right firmware (omni device flash-help)"};
   }
   info.firmware_version = hello.firmware_version;
   info.arming = (hello.capabilities & wire::kArming) != 0;

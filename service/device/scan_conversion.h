@@ -10,27 +10,27 @@
 
 namespace omni::device {
 
-// What a base says of itself.
+// A base as its HELLO describes it.
 struct DeviceInfo {
   std::string serial;
   std::uint16_t firmware_version = 0;
   bool simulation = false;
   bool clock_is_host = false;  // its stamps are CLOCK_MONOTONIC
-  bool arming = false;         // its coils stay at zero until it is armed
+  bool arming = false;         // its coils carry no current until it is armed
   double field_lsb_T = 0;
   double current_max_A = 0;
   std::uint64_t calibration_hash = 0;
 };
 
-// Whose stamps a transport can work with.
+// Which clock's stamps a transport accepts.
 enum class Clocks : std::uint8_t { kHostOnly, kAny };
 
-// Refuses a base whose protocol or clock the transport cannot work with, and one whose scales are none that a base has;
-// the message says which and what to do.
+// Refuses a base whose protocol or clock the transport does not support, or whose scales are not plausible; the message
+// says which and what to do.
 base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello, Clocks clocks = Clocks::kHostOnly);
 
 // `t_device_us` is the instant of the newest Hall sample on CLOCK_MONOTONIC. A sensor whose age is 255 units ("that or
-// older") and an unknown one are reported with that age and no fresh bit; the caller decides what it is worth.
+// older") and an unknown one are reported with that age and no fresh bit; the caller decides how to use it.
 base::HallScan ScanFromTelemetry(const DeviceInfo& info, const wire::Telemetry& telemetry, std::uint64_t t_device_us,
                                  std::uint64_t sequence) noexcept;
 

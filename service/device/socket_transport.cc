@@ -21,7 +21,7 @@
 namespace omni::device {
 namespace {
 
-constexpr int kDrainMax = 256;  // frames taken in one Read; a peer that floods cannot hold the caller longer
+constexpr int kDrainMax = 256;  // frames read in one Read, so that a flooding peer cannot block the caller
 
 enum class Receive : std::uint8_t { kFrame, kEmpty, kGone };
 
@@ -48,7 +48,7 @@ bool WaitReadable(int fd, std::int64_t deadline_ns) noexcept {
   if (left_ns <= 0) return false;
   const timespec timeout{left_ns / 1'000'000'000, left_ns % 1'000'000'000};
   pollfd poll{fd, POLLIN, 0};
-  return ppoll(&poll, 1, &timeout, nullptr) != 0;  // an interruption (-1) is looked at again by the caller
+  return ppoll(&poll, 1, &timeout, nullptr) != 0;  // after an interruption (-1) the caller checks again
 }
 
 wire::Status OpenReceived(const Buffer& buffer, std::size_t size, wire::FrameView& view) noexcept {
@@ -106,7 +106,7 @@ class SocketTransport final : public Transport {
     bool gone = false;
   };
 
-  // Takes all that is queued; the newest telemetry ends in `scan`.
+  // Reads all queued frames; the newest telemetry ends up in `scan`.
   Drained Drain(base::HallScan& scan) noexcept {
     Drained drained;
     for (int i = 0; i < kDrainMax; ++i) {
@@ -148,7 +148,7 @@ class SocketTransport final : public Transport {
     return true;
   }
 
-  // An answer that nobody asked for is a bad frame.
+  // An unsolicited answer is a bad frame.
   void TakeArm(const wire::FrameView& view) noexcept {
     wire::Arm arm;
     if (wire::Decode(view, arm) != wire::Status::kOk || !arming_.OnArm(arm, base::MonotonicNow_ns())) {
@@ -182,7 +182,7 @@ class SocketTransport final : public Transport {
   BaseNotes notes_;
 };
 
-// Why there is no connection; `seen` is what the last frame was.
+// Why there is no connection; `seen` describes the last frame.
 enum class NoHello : std::uint8_t { kClosed, kSilent, kOtherFrames };
 
 base::Error Explain(NoHello why, const std::string& name, const std::string& seen) {

@@ -11,7 +11,7 @@
 
 namespace omni::device {
 
-// Waits up to `hello_timeout_ns` for the base's HELLO. `name` is for people and stands in TransportInfo.
+// Waits up to `hello_timeout_ns` for the base's HELLO. `name` is shown to users (TransportInfo).
 //
 // Read: the newest telemetry wins. Older frames still queued are superseded (counted), gaps of the device's sequence
 // are missed (counted), frames that fail a check are dropped (counted).

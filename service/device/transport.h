@@ -1,5 +1,5 @@
-// Transport: what carries scans from a base and currents to it. Two calls; the twin, a real device and a recording
-// all stand behind it, and one contract test suite runs over every implementation.
+// Transport: carries scans from a base and currents to it. Two calls; the twin, a real device and a recording implement
+// it, and one contract test suite covers every implementation.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@ enum class ReadStatus : std::uint8_t {
 };
 
 struct TransportInfo {
-  std::string name;  // for people: "twin", "usb 1209:0001", "replay FILE"
+  std::string name;  // shown to users: "twin", "usb 1209:0001", "replay FILE"
   std::string serial;
-  bool simulation = false;    // every figure made with it is named as simulated
+  bool simulation = false;    // every figure measured with it is marked as simulated
   bool virtual_time = false;  // Read never waits: time comes from the scans
 };
 
@@ -31,16 +31,16 @@ struct TransportCounters {
   std::uint64_t missed = 0;      // gaps in the device's sequence
   std::uint64_t superseded = 0;  // received, but a newer scan was already waiting
   std::uint64_t bad_frames = 0;  // CRC, size, magic, version, order or content
-  std::uint64_t bad_crc = 0;     // those of them that CRC refused
+  std::uint64_t bad_crc = 0;     // those of them that failed the CRC
   std::uint64_t sent = 0;
   std::uint64_t send_failed = 0;
-  std::uint64_t interrupted = 0;  // system calls and transfers that were begun again
+  std::uint64_t interrupted = 0;  // system calls and transfers that were restarted
 };
 
-// What the base said last of itself.
+// The base's state, by its last telemetry.
 struct TransportState {
   std::uint8_t state = 0;         // wire::State
-  bool waits_for_person = false;  // not armed again by itself: a fault came up that is not the host's
+  bool waits_for_person = false;  // not rearmed automatically: a fault occurred that is not the host's
   std::uint32_t faults = 0;       // wire::Fault
 };
 
@@ -56,7 +56,7 @@ class Transport {
   virtual TransportCounters counters() const noexcept = 0;
   // Any thread. All zero where a transport does not know.
   virtual TransportState state() const noexcept { return {}; }
-  // What the base has said since; false: nothing more. One thread, another one than Read's if need be.
+  // The next FAULT or LOG of the base; false: none. One thread, which may be another one than Read's.
   virtual bool TakeNote(BaseNote& /*note*/) noexcept { return false; }
 };
 

@@ -1,4 +1,4 @@
-// The Teensy's board code on a model of its chip: what reaches the pins and what the control core is told.
+// The Teensy's board code on a model of its chip: what reaches the pins and what is reported to the control core.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -164,7 +164,7 @@ TEST_F(TeensyBoard, FaultLineBrakesAllInHardwareAndIsTold) {
   Steps(30, Driving(16384));
   chip_.coil_line_low[1] = true;
   for (int k = 0; k < kBridges; ++k) EXPECT_EQ(chip_.HighTicks(k), 0) << "no step has run: " << k;
-  // A short one is told too, and holds until nothing is driven.
+  // A short pulse is reported too, and holds until nothing is driven.
   chip_.Wait(0);
   chip_.coil_line_low[1] = false;
   EXPECT_EQ(chip_.HighTicks(0), 0);
@@ -172,7 +172,7 @@ TEST_F(TeensyBoard, FaultLineBrakesAllInHardwareAndIsTold) {
   EXPECT_EQ(inputs_.driver_fault, 2);
   EXPECT_EQ(chip_.HighTicks(0), 0);
   Steps(2, {});
-  EXPECT_EQ(Step({}).driver_fault, 0) << "well again once the core has stopped";
+  EXPECT_EQ(Step({}).driver_fault, 0) << "cleared once the core has stopped driving";
 }
 
 TEST_F(TeensyBoard, EmergencyStopBrakesInHardwareAndIsTold) {
@@ -285,7 +285,7 @@ TEST_F(TeensyBoard, TimeDoesNotJumpWhenItsCounterWraps) {
     before = now;
   }
   EXPECT_GT(before, 4294967296U);
-  EXPECT_EQ(chip_.HighTicks(0), PwmHighTicks(8000)) << "and the bridges have not noticed";
+  EXPECT_EQ(chip_.HighTicks(0), PwmHighTicks(8000)) << "and the bridges are unaffected";
 }
 
 TEST_F(TeensyBoard, WatchdogIsFedOnlyWhenTheCoreSaysSo) {
@@ -339,7 +339,7 @@ TEST_F(TeensyBoard, CorePassesItsSelfTestOnIt) {
   for (int k = 0; k < kBridges; ++k) EXPECT_EQ(chip_.HighTicks(k), 0);
 }
 
-// Without supply nothing is driven, but the core runs, says so and feeds the watchdog: no reset without end.
+// Without supply nothing is driven, but the core runs, reports faults and feeds the watchdog: no endless resets.
 TEST_F(TeensyBoard, BareBoardRunsAndSaysWhatIsMissing) {
   for (bool& there : chip_.hall_there) there = false;
   for (bool& there : chip_.current_there) there = false;

@@ -41,12 +41,12 @@ TEST(Arming, ConfirmsWithTheNonceOnce) {
   arming.OnTelemetry(Idle(), 0);
   ASSERT_TRUE(arming.Next(0, sent));
   ASSERT_TRUE(arming.OnArm(Answer(wire::ArmStep::kChallenge, 99), 1));
-  EXPECT_FALSE(arming.OnArm(Answer(wire::ArmStep::kChallenge, 98), 1)) << "a second one was not asked for";
+  EXPECT_FALSE(arming.OnArm(Answer(wire::ArmStep::kChallenge, 98), 1)) << "a second one is unsolicited";
   ASSERT_TRUE(arming.Next(2, sent));
   EXPECT_EQ(sent.step, wire::ArmStep::kConfirm);
   EXPECT_EQ(sent.nonce, 99U);
   EXPECT_TRUE(arming.OnArm(Answer(wire::ArmStep::kArmed), 3));
-  EXPECT_FALSE(arming.armed()) << "only telemetry says that";
+  EXPECT_FALSE(arming.armed()) << "only telemetry confirms that";
   wire::Telemetry armed = Idle();
   armed.state = wire::State::kArmed;
   armed.faults = 0;
@@ -86,7 +86,7 @@ TEST(Arming, ASelfTestThatRunsRefusesOnlyForNow) {
   wire::Telemetry failed = Idle();
   failed.faults = wire::kFaultSelfTest;
   arming.OnTelemetry(failed, 1);
-  EXPECT_TRUE(arming.held()) << "telemetry says that it failed";
+  EXPECT_TRUE(arming.held()) << "telemetry reports that it failed";
 }
 
 TEST(Arming, TriesAgainAfterThePause) {

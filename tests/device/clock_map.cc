@@ -116,7 +116,7 @@ class Link {
   bool answers_ = true;
 };
 
-// Largest |error - half the asymmetry of the fastest ways| from `from_s` to `to_s` on.
+// Largest |error - half the asymmetry of the fastest paths| from `from_s` to `to_s`.
 double WorstError_us(Link& link, ClockMap& map, double from_s, double to_s) {
   double worst_us = 0;
   for (Step step; step.seconds < to_s;) {
@@ -128,7 +128,7 @@ double WorstError_us(Link& link, ClockMap& map, double from_s, double to_s) {
 
 class ClockMapDrift : public testing::TestWithParam<double> {};
 
-// Jitter of 0.3 ms there and 1 ms back (means), every command acknowledged: what the header says.
+// Jitter of 0.3 ms there and 1 ms back (means), every command acknowledged: the figures of clock_map.h.
 TEST_P(ClockMapDrift, AsymmetricJitterLeavesTensOfMicroseconds) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Link link({.drift_ppm = GetParam(), .seed = seed});
@@ -184,7 +184,7 @@ TEST_P(ClockMapDrift, WithoutAcknowledgementsItIsTheFastestArrival) {
   EXPECT_FALSE(map.acknowledged());
 }
 
-// Ten minutes without a command: the line goes on.
+// Ten minutes without a command: the line is extrapolated.
 TEST_P(ClockMapDrift, SilenceIsBridgedByTheSlope) {
   Link link({.drift_ppm = GetParam()});
   ClockMap map;
@@ -198,7 +198,7 @@ TEST_P(ClockMapDrift, SilenceIsBridgedByTheSlope) {
 }
 
 TEST_P(ClockMapDrift, ResetStartsAnewAndTimeDoesNotGoBack) {
-  Link link({.drift_ppm = GetParam(), .device_start_us = 4'000'000'000});  // the low 32 bits wrap on the way
+  Link link({.drift_ppm = GetParam(), .device_start_us = 4'000'000'000});  // the low 32 bits wrap during the test
   ClockMap map;
   EXPECT_LT(WorstError_us(link, map, 10, 320), 25);
   link.ResetDevice();
@@ -225,7 +225,7 @@ TEST_P(ClockMapDrift, LeapsAreNoticedInEitherDirection) {
 
 INSTANTIATE_TEST_SUITE_P(Crystals, ClockMapDrift, testing::Values(-100.0, -50.0, 0.0, 50.0, 100.0));
 
-// The host's process stood still: frames come late, the device's clock has done nothing.
+// The host's process was stopped: frames arrive late, the device's clock is unaffected.
 TEST(ClockMap, LateHostIsNoReset) {
   Link link({.drift_ppm = 40});
   ClockMap map;
@@ -243,7 +243,7 @@ TEST(ClockMap, FirstReadingIsItsArrival) {
   EXPECT_EQ(map.Add({.t_device_us = 7'000, .received_ns = 123'456'789}), 123'456'789);
   EXPECT_EQ(map.HostTime_ns(8'000), 124'456'789);
   EXPECT_EQ(map.Add({.t_device_us = 7'000, .received_ns = 123'456'999}), 123'456'789) << "the same stamp";
-  EXPECT_EQ(map.HostTime_ns(~std::uint64_t{0}), 0) << "no clock shows that";
+  EXPECT_EQ(map.HostTime_ns(~std::uint64_t{0}), 0) << "an impossible instant";
 }
 
 TEST(ClockMap, ExactMidpointOfOneAcknowledgement) {
@@ -278,7 +278,7 @@ TEST(ClockMap, AcknowledgementsThatCannotBeAreCountedAndChangeNothing) {
   EXPECT_EQ(map.HostTime_ns(50'000), before_ns);
 }
 
-// Nonsense behind a good CRC: whatever the device says, time given out goes on and stays near the host's.
+// Random contents with a valid CRC: whatever the device sends, mapped times increase and stay near the host's.
 TEST(ClockMap, LyingDeviceCannotTurnTimeBack) {
   std::mt19937_64 random(3);
   ClockMap map;

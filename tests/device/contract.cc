@@ -53,7 +53,7 @@ std::string ThisProgram() {
   return size > 0 ? std::string(path.data(), static_cast<std::size_t>(size)) : "";
 }
 
-// Whatever must live as long as the transport; `link` goes first.
+// Objects that must outlive the transport; `link` is destroyed first.
 struct Opened {
   std::shared_ptr<void> keeper;
   std::unique_ptr<Transport> link;
@@ -83,7 +83,7 @@ Opened OpenSpawned() {
   return {nullptr, link.ok() ? std::move(link.value()) : nullptr};
 }
 
-// The real transport on a bus that this program plays.
+// The real transport on a fake bus.
 Opened OpenUsb() {
   auto bus = std::make_shared<test::FakeUsbBus>(true);
   test::FakeBase& base = bus->Add("A17").base;
@@ -108,7 +108,7 @@ Opened OpenRecorded() {
   return {std::move(folder), std::move(link)};
 }
 
-// Recorded from a host that does what the contract's hosts do: says nothing, then wants currents.
+// Recorded from a host that behaves as those of the contract: silent at first, then commands currents.
 Opened OpenReplayed(ReplayPace pace) {
   auto folder = std::make_shared<test::TempFolder>();
   const std::string path = folder->Path("device.rec");
@@ -130,7 +130,7 @@ Opened OpenReplayedInTime() { return OpenReplayed(ReplayPace::kRecorded); }
 struct Row {
   const char* name;
   Opened (*open)();
-  bool has_watchdog = true;  // it is a base, not a recording of one, nor a played one
+  bool has_watchdog = true;  // a simulated base, not a recording or a fake
 };
 
 constexpr Row kTransports[] = {{"virtual_twin", OpenVirtual},
@@ -236,7 +236,7 @@ TEST_P(TransportContract, AnyThreadReadsTheCounters) {
   EXPECT_GE(opened_.link->counters().sent, 50U);
 }
 
-// Silence is a fault that ends when the host comes back, without anybody's help.
+// Silence is a fault that ends by itself when the host returns.
 TEST_P(TransportContract, SilentHostIsAFaultUntilItComesBack) {
   if (!GetParam().has_watchdog) return;
   base::HallScan scan;
@@ -265,7 +265,7 @@ TEST(SpawnedTwin, CannotBeStarted) {
   EXPECT_NE(mute.error().find("closed the connection before its HELLO"), std::string::npos) << mute.error();
 }
 
-// The host drops the link without a word while the coils carry current: the twin goes on recording, and records zero.
+// The host closes the link without notice while the coils carry current: the twin keeps recording, and records zero.
 TEST(SpawnedTwin, OutlivesItsHostAndRecordsZeroCurrents) {
   const test::TempFolder folder;
   const std::string path = folder.Path("truth.csv");
@@ -299,7 +299,7 @@ TEST(ServedTwin, RefusesWhatIsNotASeqpacketSocket) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("is not a seqpacket socket"), std::string::npos);
 }
 
-// What is not a valid command never feeds the watchdog.
+// Only a valid command feeds the watchdog.
 TEST(ServedTwin, GarbageDoesNotKeepTheCoilsAlive) {
   int ends[2] = {-1, -1};
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);

@@ -36,7 +36,7 @@ TEST(DeviceInfo, FullLengthAndHostileSerials) {
   EXPECT_EQ(InfoFromHello(hello)->serial, "0123456789abcdef");
   hello.serial[3] = '\n';
   hello.serial[4] = '\x1b';
-  EXPECT_EQ(InfoFromHello(hello)->serial, "012??56789abcdef") << "never control characters to a terminal";
+  EXPECT_EQ(InfoFromHello(hello)->serial, "012??56789abcdef") << "control characters never reach a terminal";
 }
 
 TEST(DeviceInfo, OtherProtocolAndOwnClockAreRefusedWithARemedy) {

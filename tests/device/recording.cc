@@ -40,7 +40,7 @@ void PutU32(FileBytes& bytes, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (8 * i));
 }
 
-// A right CRC over whatever stands in the header.
+// A valid CRC over the header's contents.
 void SealHeader(FileBytes& bytes) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   PutU32(bytes, kRecordingHeaderSize - 4, wire::Crc32c(data, kRecordingHeaderSize - 4));
@@ -133,7 +133,7 @@ TEST(DeviceRecording, GapsAndStampsThatGoBackAreCounted) {
   EXPECT_NEAR(summary->faults[15].first_s, 5e-3, 1e-9);
 }
 
-// Cut anywhere: what stands before the cut is read, and the message says where it ends.
+// Cut anywhere: the records before the cut are read, and the message names the byte at which the file ends.
 TEST(DeviceRecording, FilesThatWereCutOffAreGoodUpToThere) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
@@ -158,7 +158,7 @@ TEST(DeviceRecording, FilesThatWereCutOffAreGoodUpToThere) {
   EXPECT_EQ(scans_before, 3U);
 }
 
-// No damaged byte goes by unseen; the message names the record that holds it.
+// Every damaged byte is detected; the message names the record that contains it.
 TEST(DeviceRecording, EveryDamagedByteIsFound) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
@@ -188,7 +188,7 @@ TEST(DeviceRecording, OtherFilesAndFormatsAreRefusedWithARemedy) {
   EXPECT_NE(Refusal(folder.Path("nothing")).find("No such file"), std::string::npos);
   EXPECT_NE(Refusal(folder.Path()).find("cannot be read"), std::string::npos) << "a folder";
   EXPECT_NE(Refusal(folder.Write("empty", "")).find("not a device recording"), std::string::npos);
-  EXPECT_NE(Refusal(folder.Write("text", std::string(500, 'x'))).find("--record-device FILE makes one"),
+  EXPECT_NE(Refusal(folder.Write("text", std::string(500, 'x'))).find("--record-device FILE creates one"),
             std::string::npos);
   const std::string path = folder.Path("device.rec");
   support::RecordTwin(path, 3);
@@ -236,7 +236,7 @@ TEST(DeviceRecorder, CannotBeOpened) {
   EXPECT_NE(full.error().find("No space left"), std::string::npos) << full.error();
 }
 
-// Faster than any writer: nothing waits, nothing is lost uncounted.
+// Faster than any writer: Add never waits, and every lost record is counted.
 TEST(DeviceRecorder, WhatFindsTheRingFullIsCounted) {
   constexpr std::uint64_t kRecords = 200'000;
   const test::TempFolder folder;
@@ -257,7 +257,7 @@ TEST(DeviceRecorder, WhatFindsTheRingFullIsCounted) {
   EXPECT_EQ(summary->lost, (*recorder)->lost());
 }
 
-// A full disk, played by a limit on the size of files.
+// A full disk, simulated by a limit on the size of files.
 TEST(DeviceRecorder, FullDiskEndsTheRecordingAndSaysSo) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");

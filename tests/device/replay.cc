@@ -52,25 +52,25 @@ TEST(Replay, CommandsAreComparedAndCounted) {
   base::HallScan scan;
   replay->Read(scan, 0);
   EXPECT_TRUE(replay->Write(Commanded(0)));
-  EXPECT_TRUE(replay->Write(Commanded(0))) << "one more than then";
+  EXPECT_TRUE(replay->Write(Commanded(0))) << "one more than recorded";
   replay->Read(scan, 0);
   EXPECT_TRUE(replay->Write({{0.25, -0.5, 1.002}}));
   replay->Read(scan, 0);
   replay->Read(scan, 0);  // nothing written between the two
   EXPECT_FALSE(replay->Write({{NAN, 0, 0}}));
-  EXPECT_FALSE(replay->Write({{15.1, 0, 0}})) << "the recorded base took at most 15 A";
+  EXPECT_FALSE(replay->Write({{15.1, 0, 0}})) << "the recorded base accepted at most 15 A";
   EXPECT_EQ(replay->Read(scan, 0), ReadStatus::kEnd);
   const ReplayComparison comparison = replay->comparison();
   EXPECT_EQ(comparison.same, 1U);
   EXPECT_EQ(comparison.extra, 1U);
   EXPECT_EQ(comparison.different, 1U);
-  EXPECT_EQ(comparison.missing, 1U) << "behind the last scan it may still come";
+  EXPECT_EQ(comparison.missing, 1U) << "after the last scan it may still come";
   EXPECT_NEAR(comparison.largest_difference_A, 1, 1e-9);
   EXPECT_EQ(replay->counters().sent, 3U);
   EXPECT_EQ(replay->counters().send_failed, 2U);
 }
 
-// Scans at 0, 5, 5 and 205 ms, read then with a delay of 2 ms.
+// Scans at 0, 5, 5 and 205 ms, recorded with a delay of 2 ms.
 std::string RecordedAtIntervals(const test::TempFolder& folder) {
   const std::string path = folder.Path("paced.rec");
   auto recorder = DeviceRecorder::Open(path, {.name = "hand made", .current_max_A = 15});
@@ -93,7 +93,7 @@ TEST(Replay, InTimeKeepsIntervalsAndDelays) {
   base::HallScan first;
   ASSERT_EQ(replay->Read(first, 0), ReadStatus::kScan);
   const std::int64_t begin_ns = base::MonotonicNow_ns();
-  EXPECT_GE(begin_ns - first.t_ns, 2 * kMillisecond_ns) << "stamped 2 ms before it came, as then";
+  EXPECT_GE(begin_ns - first.t_ns, 2 * kMillisecond_ns) << "stamped 2 ms before it came, as recorded";
   EXPECT_LT(begin_ns - first.t_ns, 1'000 * kMillisecond_ns);
   base::HallScan scan;
   ASSERT_EQ(replay->Read(scan, 1'000 * kMillisecond_ns), ReadStatus::kScan);

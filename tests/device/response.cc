@@ -43,7 +43,7 @@ TEST(ResponseTime, CountsEachAnswerOnceAndNothingElse) {
   response.OnTelemetry(Acknowledges(7, 2250));
   EXPECT_EQ(response.late_ns(), 1'250'000);
   for (int i = 0; i < 100; ++i) response.OnTelemetry(Acknowledges(7, 9000));
-  EXPECT_EQ(response.late_ns(), 1'250'000) << "said again";
+  EXPECT_EQ(response.late_ns(), 1'250'000) << "repeated";
   response.OnSent(8, 3000);
   response.OnTelemetry(Acknowledges(8, 2000));
   EXPECT_EQ(response.late_ns(), 1'250'000) << "before the scan: no answer";

@@ -148,7 +148,7 @@ TEST(SocketTransport, WriteSendsACommandThatTheDeviceAccepts) {
   const Frame zero = peer.Receive();
   ASSERT_EQ(wire::OpenFrame(zero.data(), zero.size(), view), wire::Status::kOk);
   ASSERT_EQ(wire::DecodeCommand(view, 15, command), wire::Status::kOk);
-  EXPECT_EQ(command.time_to_live_ms, wire::kTimeToLiveMax_ms) << "nothing to take away: a resting tick keeps it awake";
+  EXPECT_EQ(command.time_to_live_ms, wire::kTimeToLiveMax_ms) << "zero current: a resting tick keeps the base armed";
 }
 
 TEST(SocketTransport, ArmsABaseThatAsksForIt) {

@@ -1,4 +1,4 @@
-// Which base is meant, who holds it, and what people are told.
+// Selecting a base, finding the processes that hold it, and the error messages.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -50,7 +50,7 @@ TEST(UsbPermission, NamesTheRuleAndUdevadm) {
   EXPECT_TRUE(std::filesystem::exists(OMNI_SOURCE_DIR "/manifests/udev/70-omni.rules"));
 }
 
-// A folder like /proc with processes and what they have open.
+// A folder like /proc, with processes and their open files.
 class Proc {
  public:
   void Add(const std::string& pid, const std::string& name, const std::string& open) const {

@@ -1,5 +1,5 @@
-// A base that says anything: whatever frames come, nothing crashes, scans are finite, and what leaves the host is
-// either harmless or a valid set-point for a base that says it is armed. scripts/fuzz asks for more, by OMNI_FUZZ.
+// A base that sends arbitrary frames: nothing crashes, scans are finite, and the host sends only harmless frames or
+// valid set-points to a base that reports itself armed. scripts/fuzz runs more frames, through OMNI_FUZZ.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -59,7 +59,7 @@ class Liar {
     }
   }
 
-  // Of a new base, which says HELLO first.
+  // The first frame of a new base, its HELLO.
   UsbFrame Restart() {
     base_ = {};
     return base_.Frame(base_.hello);
@@ -78,7 +78,7 @@ class Liar {
   std::size_t Below(std::size_t n) { return random_() % n; }
 
  private:
-  // Any bytes that its encoder takes.
+  // Any contents that its decoder accepts.
   template <class Message>
   Message Note() {
     for (;;) {
@@ -129,7 +129,7 @@ void ExpectSane(const base::HallScan& scan) {
   ASSERT_EQ(scan.saturated_mask >> (3 * base::kSensorCount), 0U);
 }
 
-// As omnid tells people: one line of printable characters.
+// As omnid logs them: one line of printable characters.
 std::size_t PopNotes(UsbSession& session) {
   std::size_t count = 0;
   for (BaseNote note; session.TakeNote(note); ++count) {
@@ -141,11 +141,11 @@ std::size_t PopNotes(UsbSession& session) {
   return count;
 }
 
-// Takes everything the session wants to send; true: there was a set-point among it.
+// Fetches everything the session wants to send; true: it included a set-point.
 bool CheckSent(UsbSession& session) {
   bool drives = false;
   for (int i = 0;; ++i) {
-    EXPECT_LT(i, 8) << "the session talks without end";
+    EXPECT_LT(i, 8) << "the session never stops sending";
     UsbFrame frame(wire::kFrameSizeMax);
     frame.resize(session.NextFrame(base::MonotonicNow_ns(), frame.data(), frame.size()));
     if (frame.empty() || i >= 8) return drives;
@@ -196,7 +196,7 @@ TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
     session = Open(liar);
     ++reopened;
   }
-  // The liar must have got through to everything, else this shows nothing.
+  // The random frames must have reached everything, otherwise the test proves nothing.
   EXPECT_GT(scans, frames / 20);
   EXPECT_GT(drives, frames / 1000);
   EXPECT_GT(refused, frames / 20);
@@ -211,7 +211,7 @@ TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
   }
 }
 
-// The same before HELLO: only a HELLO that decodes is taken, and nothing but questions leaves.
+// The same before HELLO: only a valid HELLO is accepted, and only requests are sent.
 TEST(UsbSessionFuzz, AnythingBeforeHello) {
   Liar liar(7);
   for (int run = 0; run < 200; ++run) {

@@ -1,4 +1,4 @@
-// Looking at a base for people: by its interface, and by endpoint 0 while another program holds that.
+// Probing a base: through its interface, and through endpoint 0 while another program holds the interface.
 #include <gtest/gtest.h>
 
 #include "service/device/usb/usb_probe.h"
@@ -9,7 +9,8 @@ namespace test_device_usb_probe {
 
 using test::FakeUsbBus;
 
-constexpr std::int64_t kListen_ns = 300'000'000;  // on a busy machine that may be few milliseconds of the base
+constexpr std::int64_t kListen_ns =
+    300'000'000;  // on a busy machine the base may run only a few milliseconds in that time
 
 TEST(UsbProbe, SaysWhoItIsAndWhatItMeasures) {
   FakeUsbBus bus(true);
@@ -26,7 +27,7 @@ TEST(UsbProbe, SaysWhoItIsAndWhatItMeasures) {
   ASSERT_TRUE(probe->kept_fault.has_value());
   EXPECT_EQ(probe->kept_fault->fault, wire::kFaultOverTemperature);
   EXPECT_FALSE(probe->armed);
-  EXPECT_TRUE(entry.base.arms.empty()) << "looking does not arm";
+  EXPECT_TRUE(entry.base.arms.empty()) << "probing does not arm";
   EXPECT_TRUE(entry.base.commands.empty());
 }
 
@@ -34,7 +35,7 @@ TEST(UsbProbe, ArmsWhenAskedToAndSendsNoCurrent) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.base.state = wire::State::kFault;
-  entry.base.faults = wire::kFaultEmergencyStop;  // latched: a person is asking now
+  entry.base.faults = wire::kFaultEmergencyStop;  // latched: allowed here, because the user requests it
   const auto probe = ProbeUsbBase(bus, entry.listed, {.listen_ns = kListen_ns, .arm = true});
   ASSERT_TRUE(probe.ok()) << probe.error();
   EXPECT_TRUE(probe->armed);

@@ -1,4 +1,4 @@
-// manifests/udev/70-omni.rules against the numbers that firmware and host use.
+// manifests/udev/70-omni.rules against the USB IDs of firmware and host.
 #include <gtest/gtest.h>
 
 #include <cctype>

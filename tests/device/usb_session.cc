@@ -1,4 +1,4 @@
-// UsbSession against a base that the test plays frame by frame: HELLO, arming, newest wins, bad input, unplugging.
+// UsbSession against a fake base, frame by frame: HELLO, arming, newest wins, bad input, unplugging.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -34,7 +34,7 @@ class UsbSessionTest : public testing::Test {
     ASSERT_TRUE(info.ok()) << info.error();
     session_.Begin(*info);
   }
-  // `n` milliseconds as the tick lives them: a scan comes, currents go.
+  // `n` milliseconds of the tick: a scan is read, currents are written.
   void Live(int n, const base::CoilCurrents& currents = {{1, 2, 3}}) {
     for (int i = 0; i < n; ++i) {
       link_.Step();
@@ -44,7 +44,7 @@ class UsbSessionTest : public testing::Test {
       link_.Pump();
     }
   }
-  // A telemetry frame of the base with one thing changed in its bytes.
+  // A telemetry frame of the base with altered bytes.
   UsbFrame Bent(const std::function<void(UsbFrame&)>& bend) {
     UsbFrame frame = base_.Tick();
     bend(frame);
@@ -90,7 +90,7 @@ TEST_F(UsbSessionTest, ArmsInTwoStepsAndSendsSetPointsOnlyThen) {
   EXPECT_EQ(base_.arms[1].step, wire::ArmStep::kConfirm);
   EXPECT_EQ(base_.arms[1].nonce, base_.nonce);
   ASSERT_GE(base_.commands.size(), 8U);
-  EXPECT_EQ(base_.commands.front().mode, wire::Mode::kOff) << "the base hears its host before it is armed";
+  EXPECT_EQ(base_.commands.front().mode, wire::Mode::kOff) << "the base receives commands before it is armed";
   EXPECT_EQ(base_.commands.front().set_point_A[2], 0);
   EXPECT_EQ(base_.commands.back().mode, wire::Mode::kCurrent);
   EXPECT_EQ(base_.commands.back().set_point_A[2], 3);
@@ -143,7 +143,7 @@ TEST_F(UsbSessionTest, NeverArmsByItselfAfterAnyOtherFault) {
     EXPECT_TRUE(session.state().waits_for_person);
     EXPECT_EQ(session.state().faults, bit);
     EXPECT_EQ(base.commands.back().mode, wire::Mode::kOff) << bit;
-    base.state = wire::State::kIdle;  // the cause goes, by whatever means
+    base.state = wire::State::kIdle;  // the cause disappears
     base.faults = wire::kFaultNotArmed;
     live(300);
     EXPECT_EQ(base.arms.size(), arms) << "bit " << bit;
@@ -229,7 +229,7 @@ TEST_F(UsbSessionTest, ACommandThatTheBusHeldUpIsNotSentLate) {
   EXPECT_EQ(session_.counters().send_failed, 1U);
 }
 
-// A tick that rests writes every 16 ms only; without more the base would take every hiccup for a host that is gone.
+// A resting tick writes only every 16 ms; without repeats the base would take every delay for a silent host.
 TEST_F(UsbSessionTest, OnlyZeroIsSaidAgainAndNotForLong) {
   Begin();
   UsbFrame frame(wire::kFrameSizeMax);
@@ -250,10 +250,10 @@ TEST_F(UsbSessionTest, OnlyZeroIsSaidAgainAndNotForLong) {
   EXPECT_EQ(again(110), 0U) << "a tick that does not write for so long is stuck";
   Live(1, {{0, 0.001, 0}});
   written_ns = base::MonotonicNow_ns();
-  EXPECT_EQ(again(6), 0U) << "a current is never said twice";
+  EXPECT_EQ(again(6), 0U) << "a current is never repeated";
 }
 
-// Those of before Begin, too: a base says at its start what is wrong.
+// Including those before Begin: a base reports faults as soon as it starts.
 TEST_F(UsbSessionTest, FaultAndLogFramesWaitForWhoTellsPeople) {
   BaseNote note;
   EXPECT_FALSE(session_.TakeNote(note));
@@ -351,7 +351,7 @@ TEST_F(UsbSessionTest, UnknownTypesAndWhatNobodyAskedForAreIgnored) {
   EXPECT_EQ(session_.counters().bad_frames, 0U);
   link_.Give(base_.Frame(wire::Estop{}));
   link_.Give(base_.Frame(wire::Command{}));
-  EXPECT_EQ(session_.counters().bad_frames, 2U) << "only a host says that";
+  EXPECT_EQ(session_.counters().bad_frames, 2U) << "only a host sends these";
 }
 
 TEST_F(UsbSessionTest, RepeatedAndReorderedFramesAreRefused) {
@@ -369,7 +369,7 @@ TEST_F(UsbSessionTest, ScansAreNumberedAndStampedUpwardsAcrossTheWrap) {
   Begin();
   base::HallScan before;
   for (int i = 0; i < 40; ++i) {
-    if (i % 7 == 0) base_.Frame(wire::Log{});  // lost on the way
+    if (i % 7 == 0) base_.Frame(wire::Log{});  // lost in transit
     link_.Step();
     base::HallScan scan;
     ASSERT_EQ(session_.Read(scan, kNow), ReadStatus::kScan);
@@ -395,7 +395,7 @@ TEST_F(UsbSessionTest, CommandsSayWhichTelemetryTheyAnswer) {
   Begin();
   Live(3);
   const std::uint64_t answered_us = base_.t_us;
-  link_.Give(base_.Tick());  // comes, but is not read yet
+  link_.Give(base_.Tick());  // received, but not read yet
   ASSERT_TRUE(session_.Write({}));
   link_.Pump();
   EXPECT_EQ(base_.commands.back().echo_device_us, answered_us);

@@ -1,4 +1,4 @@
-// MakeUsbTransport on a bus that the test plays: which base, what is refused and why, losing it and opening it again.
+// MakeUsbTransport on a fake bus: selecting a base, refusals and their messages, losing a base and reopening it.
 #include <gtest/gtest.h>
 
 #include "service/device/usb/usb_transport.h"
@@ -91,14 +91,14 @@ TEST(UsbTransport, AHelloThatLiesAboutItsScalesIsRefused) {
   for (const float field_lsb_T : {1e-30F, 1.0F}) {
     FakeUsbBus bus;
     bus.Add("A17").base.hello.field_lsb_T = field_lsb_T;
-    ExpectRefused(bus, "", {"which no base has"});
+    ExpectRefused(bus, "", {"which is not plausible"});
   }
   FakeUsbBus bus;
   bus.Add("A17").base.hello.current_max_A = 1e6F;
-  ExpectRefused(bus, "", {"which no base has"});
+  ExpectRefused(bus, "", {"which is not plausible"});
 }
 
-// The link on its thread, the tick on this one: scans in order, nothing torn, no allocation in Read and Write.
+// The link on its thread, the tick on this one: scans in order and intact, no allocation in Read and Write.
 TEST(UsbTransport, TwoThreadsMeetAndNeverAllocate) {
   FakeUsbBus bus(true);
   test::FakeBase& base = bus.Add("A17").base;

@@ -22,7 +22,7 @@ struct Capture {
 };
 
 struct FanTest : testing::Test {
-  // Turns at `rpm` (0: stands) for `time_us`, looking every millisecond.
+  // Turns at `rpm` (0: stands) for `time_us`, with an update every millisecond.
   void Turn(double rpm, std::uint32_t time_us) {
     for (std::uint32_t t_us = 0; t_us < time_us; t_us += 1000) {
       capture.now_us += 1000;
@@ -80,7 +80,7 @@ TEST_F(FanTest, DisturbancesAreNoSpeed) {
   for (int i = 0; i < 5; ++i) capture.edges.push_back(capture.now_us + 20U * static_cast<std::uint32_t>(i));
   tach.Update();
   EXPECT_GE(tach.disturbances(), 4U);
-  EXPECT_LE(tach.rpm(), rpm * 2) << "one edge at most was taken";
+  EXPECT_LE(tach.rpm(), rpm * 2) << "at most one edge was accepted";
   for (int i = 0; i < 1000; ++i) capture.edges.push_back(capture.now_us);
   tach.Update();
   EXPECT_EQ(capture.edges.size(), 1000U - FanTach<Capture>::kEdgesPerUpdate) << "bounded work";

@@ -1,4 +1,4 @@
-// The H bridge's driver against its pins: the order of direction, brake and sleep under any sequence of orders.
+// The H bridge's driver against its pins: the order of direction, brake and sleep under any sequence of calls.
 #include "firmware/drivers/g2_driver.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace omni::drivers {
 namespace test_drivers_g2 {
 
-// What the pins do and what must never happen to them.
+// The pins, with checks of what must never happen to them.
 struct Pins {
   void SetDuty(std::uint16_t new_duty) noexcept {
     EXPECT_LE(new_duty, 32767);
@@ -60,7 +60,7 @@ TEST_F(G2Test, WakesThenDrivesEitherWay) {
   EXPECT_FALSE(pins.awake);
   Run(1, 1000, true);
   EXPECT_TRUE(pins.awake);
-  EXPECT_EQ(pins.duty, 0) << "first awake, with the brake on";
+  EXPECT_EQ(pins.duty, 0) << "first awake, braking";
   Run(1, 1000, true);
   EXPECT_EQ(pins.signed_duty(), 1000);
   Run(1, 32767, true);
@@ -109,7 +109,7 @@ TEST_F(G2Test, BrakesWhenNobodyCalls) {
   driver.Advance();
   EXPECT_EQ(driver.counters().dead, 1U);
   Run(2, 20000, true);
-  EXPECT_EQ(pins.signed_duty(), 20000) << "alive again";
+  EXPECT_EQ(pins.signed_duty(), 20000) << "drives again";
 }
 
 TEST_F(G2Test, RefusesADutyBeyondFull) {
@@ -124,7 +124,7 @@ TEST_F(G2Test, AFaultBrakes) {
   driver.Start();
   pins.fault = true;
   Run(2, 100, true);
-  EXPECT_FALSE(driver.fault()) << "means nothing just after waking";
+  EXPECT_FALSE(driver.fault()) << "not valid just after waking";
   pins.fault = false;
   Run(10, 100, true);
   ASSERT_EQ(pins.signed_duty(), 100);
@@ -140,10 +140,10 @@ TEST_F(G2Test, AFaultBrakes) {
   Run(60, 0, false);
   pins.fault = true;
   Run(3, 0, false);
-  EXPECT_FALSE(driver.fault()) << "asleep it means nothing";
+  EXPECT_FALSE(driver.fault()) << "not valid while asleep";
 }
 
-// The rules stand in Pins; here are the orders.
+// Pins checks the rules; this makes random calls.
 TEST_F(G2Test, NoSequenceOfOrdersBreaksTheRules) {
   std::mt19937 random(11);
   driver.Start();

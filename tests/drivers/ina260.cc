@@ -63,7 +63,7 @@ TEST_F(Ina260Test, TheRegisterPointerSavesTwoBytes) {
   EXPECT_EQ(cost(read_current), 3);
   EXPECT_EQ(cost(read_voltage), 5);
   EXPECT_EQ(cost(read_current), 5);
-  // After an error nobody knows where the pointer is.
+  // After an error the pointer is unknown.
   bus.fault = FaultyI2c::Fault::kNack;
   EXPECT_EQ(driver.ReadCurrent(current), ChipStatus::kNack);
   bus.fault = FaultyI2c::Fault::kNone;
@@ -82,7 +82,7 @@ TEST_F(Ina260Test, OverCurrentPullsThePinAndStaysUntilRead) {
   bus.Wait(3000);
   EXPECT_TRUE(chip.alert_is_low()) << "latched";
   EXPECT_EQ(driver.Verify(), ChipStatus::kOk);
-  EXPECT_TRUE(chip.alert_is_low()) << "verifying does not end it";
+  EXPECT_TRUE(chip.alert_is_low()) << "verifying does not release it";
   ASSERT_EQ(driver.ReadAlert(struck), ChipStatus::kOk);
   EXPECT_TRUE(struck);
   EXPECT_FALSE(chip.alert_is_low());
@@ -90,7 +90,7 @@ TEST_F(Ina260Test, OverCurrentPullsThePinAndStaysUntilRead) {
   EXPECT_FALSE(struck);
 }
 
-// The chip compares with sign: set for positive currents it does not see -40 A.
+// The chip's comparison is signed: set for positive currents it does not detect -40 A.
 TEST_F(Ina260Test, TheAlertFollowsTheSideThatIsDriven) {
   ASSERT_EQ(Start(), ChipStatus::kOk);
   chip.set_current_A(-40);
@@ -159,7 +159,7 @@ TEST_F(Ina260Test, NamesWhatIsWrongWithTheBusAndRecovers) {
   EXPECT_EQ(driver.ReadVoltage(voltage), ChipStatus::kTimeout);
   EXPECT_EQ(driver.Verify(), ChipStatus::kTimeout);
   EXPECT_EQ(driver.ReadAlert(struck), ChipStatus::kTimeout);
-  EXPECT_EQ(current, 77) << "not touched by what is no measurement";
+  EXPECT_EQ(current, 77) << "unchanged without a measurement";
   EXPECT_EQ(driver.counters().bus_errors, 5U);
   bus.fault = FaultyI2c::Fault::kWrongBytes;
   EXPECT_EQ(Start(), ChipStatus::kWrongIdentity);

@@ -53,7 +53,7 @@ TEST_F(Lis3mdlTest, TellsAnOldSampleFromANewOneAndALostOne) {
   chip.Wait(1000);
   ASSERT_EQ(driver.Read(sample), ChipStatus::kOk);
   EXPECT_EQ(driver.Read(sample), ChipStatus::kNoNewSample);
-  EXPECT_EQ(sample.field[0], 1711) << "the sample of before";
+  EXPECT_EQ(sample.field[0], 1711) << "the previous sample";
   chip.Wait(2500);
   ASSERT_EQ(driver.Read(sample), ChipStatus::kOk);
   EXPECT_TRUE(sample.overrun);
@@ -75,13 +75,13 @@ TEST_F(Lis3mdlTest, ItsClockIsItsOwn) {
       overruns += status == ChipStatus::kOk && sample.overrun;
     }
     EXPECT_NEAR(fresh, rate < 1 ? 980 : 1000, 2);
-    // One that comes while the one before is read may count as not read.
+    // A sample that arrives while the previous one is read may count as an overrun.
     EXPECT_GE(overruns, rate < 1 ? 0 : 18);
     EXPECT_LE(overruns, rate < 1 ? 0 : 42);
   }
 }
 
-// High and low bytes belong to one sample although it changes while they are read.
+// High and low bytes belong to one sample even if it changes while they are read.
 TEST_F(Lis3mdlTest, ASampleIsNeverTorn) {
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
   bool high = false;
@@ -125,7 +125,7 @@ TEST_F(Lis3mdlTest, NamesWhatIsWrongWithTheBusAndRecovers) {
     bus.fault = wrong.fault;
     sample.field[0] = 77;
     EXPECT_EQ(driver.Read(sample), wrong.at_read);
-    EXPECT_EQ(sample.field[0], 77) << "not touched by what is no sample";
+    EXPECT_EQ(sample.field[0], 77) << "unchanged without a sample";
     EXPECT_NE(driver.Verify(), ChipStatus::kOk);
     bus.fault = FaultySpi::Fault::kNone;
     ASSERT_EQ(driver.Start(), ChipStatus::kOk);

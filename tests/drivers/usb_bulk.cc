@@ -1,5 +1,4 @@
-// Frames both ways: sizes around the packet size, full queues on either side, errors on the wire, caches with a will of
-// their own.
+// Frames both ways: sizes around the packet size, full queues on either side, errors on the wire, non-coherent caches.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -33,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Speeds, UsbBulk, testing::Values(true, false), SpeedNam
 TEST_P(UsbBulk, FramesOfEverySizeComeWhole) {
   for (std::size_t size = 1; size <= 512; ++size) {
     const Bytes frame = UsbBench::Frame(size, static_cast<int>(size));
-    // 512 bytes are a whole buffer and need no end; at full speed a frame of n times 64 does.
+    // 512 bytes are a whole buffer and need no empty packet; at full speed a frame of n times 64 does.
     ASSERT_EQ(host.BulkOut(frame, size < 512), Status::kOk) << size;
     ASSERT_EQ(Receive(), frame) << size;
     ASSERT_TRUE(Send(frame));
@@ -65,7 +64,7 @@ TEST_P(UsbBulk, AFullQueueMakesTheHostWait) {
 TEST_P(UsbBulk, AHostThatDoesNotReadGetsTheNewest) {
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(Send(UsbBench::Frame(60, i)));
   EXPECT_EQ(device.counters().send_overwritten, 96U);
-  EXPECT_EQ(host.BulkIn().data, UsbBench::Frame(60, 0)) << "was on its way";
+  EXPECT_EQ(host.BulkIn().data, UsbBench::Frame(60, 0)) << "was in transit";
   EXPECT_EQ(host.BulkIn().data, UsbBench::Frame(60, 97));
   EXPECT_EQ(host.BulkIn().data, UsbBench::Frame(60, 98));
   EXPECT_EQ(host.BulkIn().data, UsbBench::Frame(60, 99));
@@ -79,7 +78,7 @@ TEST_P(UsbBulk, RefusesSizesThatAreNoFrame) {
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(60, 1)), Status::kOk);
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(20, 2)), Status::kOk);
   std::uint8_t small[32] = {};
-  EXPECT_EQ(device.Receive(small, sizeof small), 0U) << "does not fit, gone";
+  EXPECT_EQ(device.Receive(small, sizeof small), 0U) << "does not fit, discarded";
   EXPECT_EQ(device.Receive(small, sizeof small), 20U);
 }
 
@@ -96,7 +95,7 @@ TEST_P(UsbBulk, DamagedTransfersAreThrownAwayAndCounted) {
   EXPECT_GE(device.counters().bus_errors, 2U);
 }
 
-// The host repeats a packet whose acknowledgement it missed: the controller throws the copy away.
+// The host repeats a packet whose acknowledgement it missed: the controller discards the copy.
 TEST_P(UsbBulk, ARepeatedPacketIsNoSecondFrame) {
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(30, 1)), Status::kOk);
   host.out_toggle = 1 - host.out_toggle;

@@ -1,5 +1,4 @@
-// What a bus does to a device: resets in the middle of everything, suspend, the cable pulled, SETUPs at the worst
-// moment, a controller that hangs.
+// Bus events: resets in the middle of transfers, suspend, unplugging, SETUPs at the worst moment, a hanging controller.
 #include <gtest/gtest.h>
 
 #include "tests/support/chips/usb_bench.h"
@@ -36,7 +35,7 @@ TEST_F(UsbBus, AResetForgetsWhatWaitedAndEverythingWorksAgain) {
   EXPECT_FALSE(Send(UsbBench::Frame(160, 3)));
   EXPECT_EQ(device.counters().lost_in_reset, 3U);
   ASSERT_TRUE(host.Enumerate());
-  EXPECT_EQ(host.BulkIn().status, Status::kTimeout) << "nothing of before";
+  EXPECT_EQ(host.BulkIn().status, Status::kTimeout) << "nothing from before the reset";
   ExpectWorks(4);
 }
 
@@ -149,7 +148,7 @@ TEST_F(UsbBus, ASetupThatArrivesWhileTheOneBeforeIsCopied) {
   controller.while_copying = [&] { controller.Setup(host.address, {0x80, 6, 0, 1, 0, 0, 18, 0}); };
   controller.Setup(host.address, {0x40, 1, 0, 0, 0, 0, 0, 0});
   host.Service();
-  EXPECT_EQ(handler.stops, 0) << "taken back by the host";
+  EXPECT_EQ(handler.stops, 0) << "abandoned by the host";
   EXPECT_EQ(device.counters().setups, 3U) << "address, configuration, and one";
   EXPECT_EQ(controller.In(host.address, 0).data.size(), 18U);
   ExpectWorks(10);

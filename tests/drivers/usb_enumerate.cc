@@ -80,7 +80,7 @@ TEST_F(UsbEnumerate, ConfigurationsOfEitherSpeedNameTheOther) {
   EXPECT_EQ(packet(Get(7)), 512);
 }
 
-// Walks the configuration as a host does: lengths chain up to the total, endpoints are the ones that work.
+// Walks the configuration as a host does: lengths add up to the total, endpoints are the ones in use.
 TEST_F(UsbEnumerate, TheConfigurationChainsUp) {
   const Bytes bytes = Get(2);
   int interfaces = 0;
@@ -100,7 +100,7 @@ TEST_F(UsbEnumerate, TheConfigurationChainsUp) {
   EXPECT_EQ(endpoints, (Bytes{0x01, 0x81}));
 }
 
-// As Windows: the capability names length and vendor code of the set, the set chains up, WINUSB and one GUID are in it.
+// As Windows: the capability gives length and vendor code of the set, its lengths add up, it has WINUSB and one GUID.
 TEST_F(UsbEnumerate, WindowsFindsWinUsb) {
   const Bytes bos = Get(15);
   const std::size_t at = 5;
@@ -149,10 +149,10 @@ TEST_F(UsbEnumerate, AnswersAreCutToWhatWasAskedFor) {
     ASSERT_EQ(result.status, Status::kOk) << length;
     EXPECT_EQ(result.data.size(), length < 162 ? length : 162U);
   }
-  EXPECT_EQ(host.GetDescriptor(1, 0, 0).status, Status::kOk) << "nothing asked for, nothing sent";
+  EXPECT_EQ(host.GetDescriptor(1, 0, 0).status, Status::kOk) << "nothing requested, nothing sent";
 }
 
-// An answer of exactly 64 or 128 bytes where more was asked for: an empty packet says that this is all.
+// An answer of exactly 64 or 128 bytes where more was requested: an empty packet marks its end.
 TEST_F(UsbEnumerate, FullLastPacketsAreFollowedByAnEmptyOne) {
   for (const std::size_t size : {64U, 128U, 512U}) {
     handler.hello_size = size;

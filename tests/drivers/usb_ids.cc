@@ -1,5 +1,5 @@
-// The descriptors say what host and udev rule look for: the drivers include nothing of ours, so the numbers stand
-// twice.
+// The descriptors contain the IDs that host and udev rule use: the drivers include no other code of ours, so the
+// numbers exist twice.
 #include <gtest/gtest.h>
 
 #include "firmware/drivers/usb_control.h"
@@ -28,7 +28,7 @@ TEST(UsbIds, AreThoseOfTheWire) {
   EXPECT_EQ(kRequestWebUsb, static_cast<std::uint8_t>(wire::UsbRequest::kWebUsb));
 }
 
-// An emergency stop may say why in wValue; whatever it says, it stops.
+// An emergency stop may give a reason in wValue; it stops for any value.
 TEST(UsbIds, AnEmergencyStopOfAnyReasonIsOne) {
   std::uint8_t data[512];
   for (int reason = 0; reason <= 0xFFFF; ++reason) {

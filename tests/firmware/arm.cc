@@ -1,4 +1,4 @@
-// While what raised a fault is still there, ARM is refused and says so: for every detector, at every moment.
+// While a fault's cause persists, ARM is refused and names it: for every detector, at every moment.
 #include <gtest/gtest.h>
 
 #include "firmware/wire/names.h"
@@ -14,7 +14,7 @@ struct StandingFault {
   const char* name;
   wire::Fault fault;
   void (*begin)(FirmwareBench&);
-  // Where it cannot be seen at rest: what flows when it comes. ARM is refused by the self-test that it asks for.
+  // For faults that cannot be detected at rest: the current at the time. ARM is refused by the self-test it requires.
   float current_A = 0;
 };
 
@@ -41,8 +41,7 @@ const StandingFault kStanding[] = {
     {"clockStands", wire::kFaultInternal, [](FirmwareBench& b) { b.plant.faults.clock_stands = true; }},
 };
 
-// Without a condition that could stand: "not armed" is no failure, a self-test is run again, a watchdog's reset is
-// over.
+// Faults whose cause cannot persist: "not armed" is not a failure, a self-test runs again, a watchdog reset is over.
 constexpr std::uint32_t kNothingStands = wire::kFaultNotArmed | wire::kFaultSelfTest | wire::kFaultWatchdog;
 
 TEST(FirmwareArm, EveryDetectorIsInTheTable) {
@@ -67,7 +66,7 @@ TEST_P(FirmwareArm, IsRefusedWhileTheFaultStands) {
   }
   standing.begin(bench);
   for (int ms = 0; ms < 4000 && (bench.core.faults() & standing.fault) == 0; ++ms) bench.RunMs(1);
-  ASSERT_NE(bench.core.faults() & standing.fault, 0U) << "it was never found";
+  ASSERT_NE(bench.core.faults() & standing.fault, 0U) << "it was never detected";
   int armed = 0, named = 0, asked = 0;
   for (int i = 0; i < 200; ++i) {
     bench.RunMs(50);

@@ -1,4 +1,4 @@
-// From power to armed, and what stands in the way.
+// From power-on to armed, and what prevents it.
 #include <gtest/gtest.h>
 
 #include "tests/support/chips/firmware_bench.h"
@@ -142,7 +142,7 @@ TEST(FirmwareArming, ANonceIsGoodOnceAndFor100ms) {
   ASSERT_EQ(challenge.step, ArmStep::kChallenge);
 
   confirm.nonce = challenge.nonce ^ 1;
-  bench.Send(confirm);  // wrong, and the right one is used up with it
+  bench.Send(confirm);  // wrong, which also invalidates the right one
   confirm.nonce = challenge.nonce;
   bench.Send(confirm);
   EXPECT_EQ(bench.core.state(), State::kIdle);

@@ -1,4 +1,4 @@
-// Currents where they cannot do what is asked, and as the host streams them.
+// Currents at their limits, and as the host streams them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ TEST(FirmwareCurrent, WhereTheVoltageDoesNotSufficeItGivesWhatThereIs) {
   EXPECT_LT(possible_A, 14);
   EXPECT_GT(bench.plant.current_A(2), 0.95 * possible_A);
   EXPECT_EQ(bench.core.faults(), 0U);
-  // And back without a trace of what could not be reached.
+  // And back without wind-up.
   bench.set_point_A[2] = 5;
   double lowest_A = 15;
   bench.each_step = [&] { lowest_A = std::min(lowest_A, bench.plant.current_A(2)); };
@@ -53,7 +53,7 @@ TEST(FirmwareCurrent, WhereTheVoltageDoesNotSufficeItGivesWhatThereIs) {
   EXPECT_NEAR(bench.plant.current_A(2), 5, 0.03);
 }
 
-// Near its upper limit the supply takes nothing back: coils that reverse brake first, and still get there.
+// Near its upper limit no energy may return to the supply: coils that reverse brake first, and still reach the target.
 TEST(FirmwareCurrent, DoesNotFeedASupplyThatIsHighAlready) {
   for (const double supply_V : {18.0, 25.2}) {
     FirmwarePlant::Options options;
@@ -134,8 +134,8 @@ TEST(FirmwareCurrent, FollowsWhatTheHostStreams) {
   EXPECT_EQ(bench.core.faults(), 0U);
 }
 
-// Means are measured; ends of steps are what the model makes of them. While currents change by amperes in a step the
-// means are wrong by half of that.
+// Means are measured; the ends of steps are computed from them by the model. While currents change by amperes in a step
+// the means are wrong by half of that.
 TEST(FirmwareCurrent, TelemetrySaysTheCurrentAtTheEndOfEachControlStep) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());

@@ -1,4 +1,4 @@
-// The drill reaches what it is there for, and gives the same number every time; other targets compare with it.
+// The drill reaches the states it is meant to cover, and its checksum is reproducible; other targets compare with it.
 #include "firmware/core/drill.h"
 
 #include <gtest/gtest.h>

@@ -28,11 +28,11 @@ const std::vector<SilenceRow>& Silence() {
 
 constexpr double kZeroAfter_ms = 20;
 
-// What heats, turns or is tested has no reaction time of milliseconds.
+// Heating, the fan and the self-test have no reaction time of milliseconds.
 bool TakesTime(const MatrixRow& row) {
   return row.fault == wire::kFaultFan || row.fault == wire::kFaultSelfTest || row.fault == wire::kFaultOverTemperature;
 }
-// Nobody has armed: no fault for a self-test.
+// Not armed: no fault for a self-test.
 bool GoesOn(const MatrixRow& row, const MatrixCell& cell) {
   return row.fault == wire::kFaultNotArmed && cell.situation.state == State::kSelfTest;
 }
@@ -69,7 +69,7 @@ TEST(FirmwareFaultMatrix, ASilentHostLeavesNoCurrentWithin20Ms) {
   for (const SilenceRow& row : rows) {
     for (const double zero_ms : row.zero_ms) {
       EXPECT_LT(zero_ms, kZeroAfter_ms) << row.current_A << " A";
-      EXPECT_GE(zero_ms, device::kCommandTimeToLive_ms) << row.current_A << " A: there was nothing to take away";
+      EXPECT_GE(zero_ms, device::kCommandTimeToLive_ms) << row.current_A << " A: there was no current to remove";
     }
     EXPECT_LT(row.left_A, 0.001);
   }
@@ -106,7 +106,7 @@ TEST(FirmwareFaults, HostSilenceRampsBrakesAndDisarmsWithoutAFailure) {
   EXPECT_EQ(bench.core.faults(), 0U);
 }
 
-// A host that is late: eleven milliseconds go by unseen, thirteen do not; and so it is with a lost command each time.
+// A late host: a gap of eleven milliseconds has no effect, one of thirteen disarms; repeatedly.
 TEST(FirmwareFaults, ALateTickDoesNotDisarm) {
   for (const int late_ms : {11, 13}) {
     FirmwareBench bench;

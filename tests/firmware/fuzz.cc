@@ -1,5 +1,5 @@
-// Whatever comes in, by frame or by sensor: no crash (ASan watches), duty in range, and none unless armed or testing.
-// scripts/fuzz asks for more than a test run has time for, by OMNI_FUZZ.
+// Arbitrary input, by frame or by sensor: no crash (ASan checks), duty in range, and none unless armed or testing.
+// scripts/fuzz runs more than a test run has time for, through OMNI_FUZZ.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -119,7 +119,7 @@ class RandomFrames {
   std::uint64_t host_us_ = 0;
 };
 
-// No such frame ever arms, so no coil ever moves.
+// No such frame ever arms, so no coil ever carries current.
 TEST(FirmwareFuzz, RandomFramesNeverArm) {
   FirmwareBench bench;
   bench.host_speaks = false;
@@ -170,7 +170,7 @@ TEST(FirmwareFuzz, ArmedNoiseStaysWithinLimits) {
     if (bench.core.state() == State::kArmed) {
       ++armed;
     } else if (i % 40 == 0) {
-      SayHello(bench);  // noise has said HELLO in other versions
+      SayHello(bench);  // the noise has sent HELLO with other versions
       bench.Arm();
     }
   }
@@ -182,7 +182,7 @@ TEST(FirmwareFuzz, ArmedNoiseStaysWithinLimits) {
       {{"frames", count}, {"steps_armed", armed}, {"unsafe", unsafe}, {"largest_mA", std::llround(1000 * largest_A)}});
 }
 
-// Sensors that say anything: faults, no crash, no duty out of range, numbers stay numbers.
+// Arbitrary sensor values: faults, no crash, no duty out of range, numbers stay finite.
 TEST(FirmwareFuzz, RandomInputsAreHeldOff) {
   std::mt19937_64 random(3);
   for (int life = 0; life < 20; ++life) {

@@ -1,4 +1,4 @@
-// Hall samples on their way to the host: ages, freshness, saturation, and what is no sample of a magnet.
+// Hall samples as sent to the host: ages, freshness, saturation, and samples that no magnet can cause.
 #include <gtest/gtest.h>
 
 #include "tests/support/chips/firmware_bench.h"

@@ -1,4 +1,4 @@
-// Temperatures told twice.
+// The two estimates of the coils' temperatures.
 #include <gtest/gtest.h>
 
 #include "firmware/core/safety/coil_heat.h"
@@ -7,7 +7,7 @@
 namespace omni::firmware {
 namespace test_firmware_heat {
 
-// The paper's run of coil y: 25 s of 15 A from 24 C. What its thermometer showed 40 s later was 39 C: the body.
+// The paper's run of coil y: 25 s of 15 A from 24 C. Its thermometer showed 39 C 40 s later: the body.
 TEST(FirmwareHeat, TheTwoNodesMeetThePaper) {
   const Settings settings;
   CoilHeat heat(settings);
@@ -19,13 +19,13 @@ TEST(FirmwareHeat, TheTwoNodesMeetThePaper) {
   EXPECT_NEAR(heat.body_C(), 39, 1.5);
 }
 
-// A coil whose resistance cannot be seen (no current, or the sensor's other half is wrong) is still believed hot.
+// A coil whose resistance is not measured (no current, or a wrong voltage) still counts as hot.
 TEST(FirmwareHeat, TheHotterOneCounts) {
   const Settings settings;
   CoilHeat heat(settings);
   CoilSample samples[wire::kCoils];
   for (int step = 0; step < 20 * 4000; ++step) {
-    samples[0] = {10, 10 * settings.coils[0].resistance_20C_ohm, true};  // says 20 C all the time
+    samples[0] = {10, 10 * settings.coils[0].resistance_20C_ohm, true};  // corresponds to 20 C all the time
     heat.Step(settings, samples);
   }
   EXPECT_NEAR(heat.by_resistance_C(0), 20, 2);

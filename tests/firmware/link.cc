@@ -1,4 +1,4 @@
-// What comes over the link and is not right: counted, answered where there is an answer, never acted upon.
+// Invalid input over the link: counted, answered where there is an answer, without any effect.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -36,7 +36,7 @@ class FirmwareLink : public testing::Test {
     return command;
   }
 
-  // Nothing of it acted, all of it was counted, and the base is as it was.
+  // No frame had an effect, all were counted, and the base is unchanged.
   void ExpectRefused(int frames) {
     bench_.RunMs(10);
     EXPECT_EQ(static_cast<std::uint16_t>(bench_.telemetry.rejected - rejected_), frames);
@@ -192,7 +192,7 @@ TEST(FirmwareHello, SaysWhoItIs) {
   EXPECT_EQ(hello.capabilities & wire::kArming, wire::kArming);
 }
 
-// Crossing the wire only costs the 8 answers that wait, and none of the telemetry.
+// A flood of requests is answered at most 8 times, and costs no telemetry.
 TEST(FirmwareHello, AnswersAreBounded) {
   FirmwareBench bench;
   Bytes ask(wire::kFrameSizeMax);

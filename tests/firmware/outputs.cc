@@ -1,4 +1,4 @@
-// The last look at the duties: what has gone wrong inside the core does not reach the bridges.
+// The last check of the duties: errors inside the core do not reach the bridges.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -91,10 +91,10 @@ TEST(FirmwareOutputs, ArmingAgainNeedsTheSelfTest) {
   EXPECT_EQ(bench.Arm().step, wire::ArmStep::kArmed);
   bench.SetAll(2);
   bench.RunMs(50);
-  EXPECT_NEAR(bench.plant.current_A(0), 2, 0.02) << "what may be driven is";
+  EXPECT_NEAR(bench.plant.current_A(0), 2, 0.02) << "allowed outputs still pass";
 }
 
-// Every single bit of what Drive keeps, in a base that is idle.
+// Every single bit of Drive's state, in an idle base.
 TEST(FirmwareOutputs, NoFlippedBitOfTheDriveDrivesAnIdleBase) {
   static_assert(std::is_trivially_copyable<Drive>::value, "its bits are all there is");
   FirmwareBench idle;

@@ -1,4 +1,4 @@
-// The loop that boards run, on a board of plain memory.
+// The loop that boards run, on a board in plain memory.
 #include "firmware/core/run.h"
 
 #include <gtest/gtest.h>

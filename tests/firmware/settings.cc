@@ -1,4 +1,4 @@
-// The core's defaults are those of the device file, which a micro-controller cannot read.
+// The core's defaults equal the device file, which a micro-controller cannot read.
 #include <gtest/gtest.h>
 
 #include <limits>

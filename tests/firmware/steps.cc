@@ -1,4 +1,4 @@
-// Answers to steps and to minutes of heating, and the page that says so.
+// Responses to steps and to minutes of heating, and the page that reports them.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,5 +1,4 @@
-// omni calibrate on a base on USB: the unmodified program on the emulated plug, a scripted hand doing what a person
-// would.
+// omni calibrate on a base on USB: the unmodified program on the emulated plug, with a scripted hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +25,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 7;
 
-// omni_hil with `omni calibrate --device usb` on its base, and a hand that does what is asked.
+// omni_hil with `omni calibrate --device usb` on its base, and a hand that follows the instructions.
 class HilCalibrate : public testing::Test {
  protected:
   int Run(const sim::HandScript& hand, const std::string& twin, const std::vector<std::string>& more) {

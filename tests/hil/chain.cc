@@ -8,7 +8,7 @@
 namespace omni::hil {
 namespace {
 
-// An empty HELLO asks for one.
+// An empty HELLO requests one.
 Frame RequestHello() {
   Frame frame(wire::kHeaderSize + wire::kTrailerSize);
   wire::SealFrame({.type = wire::MessageType::kHello}, 0, frame.data(), frame.size());
@@ -25,7 +25,7 @@ Frame EstopFrame(std::uint8_t reason) {
 
 }  // namespace
 
-// The firmware knows its own HELLO for the vendor request; here the core is asked for it.
+// For the vendor request: the firmware has its own HELLO; here it is requested from the core.
 Chain::Chain(sim::Plant& plant, HilBoard& board) : plant_(plant), board_(board) {
   telemetry_.state = wire::State::kBoot;
   Push(RequestHello());

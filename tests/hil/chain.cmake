@@ -25,7 +25,7 @@ set_target_properties(omni_virtual_time PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CM
 omni_hil_test(time/virtual_clock DEPS omni_hil_time)
 add_dependencies(test_hil_virtual_clock hil_clock_probe omni_virtual_time)
 
-# Not under a sanitizer, which wants to be the first library of a program, as umockdev does.
+# Not under a sanitizer, which must be the first library of a program, as umockdev must.
 if(UMOCKDEV_FOUND AND LIBUSB_FOUND AND NOT OMNI_SANITIZE)
   add_library(omni_hil_usb STATIC usb/usb_descriptors.cc usb/usb_node.cc usb/usb_emulator.cc)
   target_link_libraries(omni_hil_usb PUBLIC omni_hil_chain omni_device omni_wire PRIVATE PkgConfig::UMOCKDEV)

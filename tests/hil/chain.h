@@ -1,5 +1,5 @@
-// Plant <-> control core <-> USB function: everything of a base but the plug. The caller steps it; frames come and go
-// on the emulator's threads.
+// Plant <-> control core <-> USB function: a whole base without the plug. The caller steps it; frames are exchanged on
+// the emulator's threads.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace omni::hil {
 struct ChainCounts {
   std::uint64_t steps = 0;
   std::uint64_t telemetry = 0;
-  std::uint64_t commands = 0;      // that reached the core and are well formed
-  std::uint64_t lost_to_host = 0;  // nobody fetched them
-  std::uint64_t lost_to_core = 0;  // came faster than the core takes them
+  std::uint64_t commands = 0;      // valid ones that reached the core
+  std::uint64_t lost_to_host = 0;  // not fetched in time
+  std::uint64_t lost_to_core = 0;  // arrived faster than the core reads them
 };
 
 class Chain final : public UsbFunction {
@@ -28,10 +28,10 @@ class Chain final : public UsbFunction {
   // Both outlive the chain.
   Chain(sim::Plant& plant, HilBoard& board);
 
-  // One control step: what came from the host, the plant's inputs, the core's outputs, the world.
+  // One control step: frames of the host, the plant's inputs, the core's outputs, the plant.
   base::Status Step();
 
-  // The controller starts anew; waiting frames are lost.
+  // Restarts the controller; waiting frames are lost.
   base::Status Reset(firmware::ResetCause cause);
 
   // Of the last telemetry that left the core, and of the last command that reached it. The stepping thread's.
@@ -53,7 +53,7 @@ class Chain final : public UsbFunction {
   void CheckAnswer(const firmware::LockstepFrame& frame);
 
   static constexpr std::size_t kFromHostMax = 64;  // full: the newest is lost
-  static constexpr std::size_t kToHostMax = 8;     // full: the oldest is lost, the host wants the newest
+  static constexpr std::size_t kToHostMax = 8;     // full: the oldest is lost, because the host needs the newest
 
   sim::Plant& plant_;
   HilBoard& board_;

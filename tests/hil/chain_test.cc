@@ -109,13 +109,13 @@ TEST(HilChain, HostSilenceEndsInZero) {
   RecordProperty("zero_ms", std::to_string(zero_ms));
   EXPECT_LE(zero_ms, 20) << "time to live, then a ramp of at most 5 ms";
   EXPECT_NE(story.chain->telemetry().faults & wire::kFaultHostSilent, 0U);
-  EXPECT_TRUE(story.host->Arm()) << "the host's own faults do not wait for a person";
+  EXPECT_TRUE(story.host->Arm()) << "the host's own faults do not require a check by the user";
 }
 
 struct FaultCase {
   const char* name;
   wire::Fault fault;
-  double zero_within_ms;  // from the cause; what takes time to be noticed has more
+  double zero_within_ms;  // from the cause; longer for faults that take time to detect
   void (*apply)(sim::PlantFaults&);
 };
 
@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"supply_high", wire::kFaultSupplyHigh, 40, [](sim::PlantFaults& faults) { faults.supply_V = 27; }}),
     [](const auto& fault) { return std::string(fault.param.name); });
 
-// Current shrinks from 60 C on; below 1 A the resistance cannot be told any more, nor does that current heat anything.
+// Current shrinks from 60 C on; below 1 A the resistance cannot be measured any more, but that current heats nothing.
 TEST(HilChain, HeatFromOutsideIsSeenInTheResistance) {
   constexpr std::array<float, 3> kMuch_A{0, 0, 8};
   Scenario story;

@@ -1,4 +1,4 @@
-// A host that talks to a chain directly, without USB: asks, arms in two steps, commands; for tests of the chain itself.
+// A host connected to a chain directly, without USB: requests, arms in two steps, commands; for tests of the chain.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class FakeHost {
     return chain_.telemetry().state == state;
   }
 
-  // In two steps, asking again until the bridges rest and a self-test that was due is through; at most two seconds.
+  // In two steps, repeated until the bridges rest and a pending self-test has ended; at most two seconds.
   bool Arm() {
     for (int attempt = 0; attempt < 200 && chain_.telemetry().state != wire::State::kArmed; ++attempt) {
       nonce_.reset();

@@ -12,7 +12,7 @@ namespace omni::hil {
 
 using Frame = std::vector<std::uint8_t>;
 
-// Probabilities in [0, 1]; at most one fault a frame, tried in this order.
+// Probabilities in [0, 1]; at most one fault per frame, tried in this order.
 struct LinkFaults {
   double drop = 0;
   double corrupt = 0;    // one bit
@@ -37,7 +37,7 @@ class FaultyLink {
 
   void SetFaults(const LinkFaults& faults) { faults_ = faults; }
 
-  // Hands on what comes out of the cable when `frame` goes in: none, one or two frames.
+  // Passes `frame` through the cable and outputs none, one or two frames.
   void Pass(Frame frame, const std::function<void(Frame)>& out);
 
   const LinkCounts& counts() const { return counts_; }

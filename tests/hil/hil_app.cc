@@ -1,5 +1,5 @@
 // hil_app NAME: an application that is focused and alive until it is ended (omni_hil [options] -- omnid ... -- hil_app
-// NAME). It finds the service as every application does.
+// NAME). It finds the service like any other application.
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   }
   omni::client::Connection connection(
       {.application = argv[1], .engine = "", .socket_path = "", .retry_interval_ns = kRetry_ns});
-  bool focused = false;  // a new connection is told by itself
+  bool focused = false;  // a new connection is notified automatically
   for (;;) {
     connection.Poll(omni::base::MonotonicNow_ns());
     connection.Beat();

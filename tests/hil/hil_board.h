@@ -1,4 +1,4 @@
-// The control core behind one interface, wherever it runs: in this process or in an emulated Cortex-M7.
+// One interface to the control core, in this process or in an emulated Cortex-M7.
 #pragma once
 
 #include <memory>
@@ -12,9 +12,9 @@ namespace omni::hil {
 class HilBoard {
  public:
   virtual ~HilBoard() = default;
-  // One control step. An error: the board is lost for good.
+  // One control step. After an error the board is unusable.
   virtual base::Status Step(const firmware::LockstepRequest& request, firmware::LockstepAnswer& answer) = 0;
-  // A new start with the fault record of before.
+  // Restarts with the previous fault record.
   virtual base::Status Reset(firmware::ResetCause cause) = 0;
 };
 

@@ -1,5 +1,5 @@
 // omni_hil [options] -- PROGRAM ARGUMENTS [-- APPLICATION ARGUMENTS]...: a base without hardware. The plant, the
-// control core and USB are emulated; PROGRAM (omnid --device usb) is what people run, and time is the device's.
+// control core and USB are emulated; PROGRAM (omnid --device usb) is unmodified, and time is the device's.
 // Example:
 //   omni_hil --script scenes/extrusion.hand.json --record truth.csv -- omnid --device usb
 #include <cstdio>
@@ -33,9 +33,10 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
       "omni_hil", "omni_hil: a simulated base with its firmware behind an emulated USB plug, and programs on it");
   app.Add("--board", options.board, "where the control core runs").OneOf({"host", "qemu"}).ShowDefault();
   app.Add("--script", script, "hand script (.json); default: no pen");
-  app.Add("--hand", options.hand_path,
-          "socket on which a program leads the hand (omni twin hand); of the script only the first waypoint and "
-          "the hand itself count then");
+  app.Add(
+      "--hand", options.hand_path,
+      "socket on which a program leads the hand (omni twin hand); the script then provides only the first waypoint and "
+      "the hand itself");
   app.Add("--seed", options.plant.seed, "of noise and imperfections").ShowDefault();
   const auto which = app.Add("--twin", twin, omni::config::kTwinHelp);
   app.AddShort("--ideal", twin, omni::config::kIdeal, omni::config::kIdealHelp).Excludes(which);
@@ -43,7 +44,7 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
   app.Add("--summary", options.summary_path, "JSON file (default: standard output)");
   std::vector<std::string> scenarios;
   for (const omni::hil::Scenario& scenario : omni::hil::AllScenarios()) scenarios.emplace_back(scenario.name);
-  app.Add("--scenario", options.scenario, "what goes wrong").OneOf(scenarios);
+  app.Add("--scenario", options.scenario, "what goes wrong in this run").OneOf(scenarios);
   app.Add("--contact-timeout", options.contact_timeout_s, "seconds a scenario waits for the pen's contact")
       .ShowDefault();
   app.Add("--seconds", options.seconds, "of device time (default: until the program ends)");
@@ -53,7 +54,7 @@ int ParseAndRun(const std::vector<std::string>& own, std::vector<std::vector<std
           "LD_PRELOAD=libomni_hil_clock.so join in");
   if (const auto ended = app.Parse(own)) return *ended;
   if (options.programs.empty()) {
-    Fail("no program to start: give one behind --, as in omni_hil -- omnid --device usb");
+    Fail("no program to start: give one after --, as in omni_hil -- omnid --device usb");
     return omni::console::kExitUsage;
   }
   options.paced = !fast;

@@ -30,9 +30,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two looks are short
+constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two checks are short
 // Of real time.
-constexpr std::int64_t kPatience_us = 20'000'000;  // for a program that is at work all the time; a machine may swap
+constexpr std::int64_t kPatience_us = 20'000'000;  // for a program that is permanently busy; a machine may swap
 constexpr std::uint64_t kUnsettledMax = 2;         // ticks
 constexpr std::int64_t kEndPatience_ns = 5'000'000'000;
 constexpr int kStartPatience_ms = 10'000;
@@ -45,7 +45,7 @@ int Fail(const std::string& message) {
   return 1;
 }
 
-// Takes a variable out of the environment for as long as it lives: an emulator started meanwhile is not preloaded.
+// Removes a variable from the environment during its lifetime: an emulator started meanwhile is not preloaded.
 class Without {
  public:
   explicit Without(const char* name) : name_(name) {
@@ -141,10 +141,10 @@ class Run {
   bool OutOfTime() const {
     return options_.seconds > 0 && static_cast<double>(rig_.plant.now_ns()) * 1e-9 >= options_.seconds;
   }
-  // A scenario may go on without its host.
+  // A scenario may continue without its host.
   bool HostEnded() { return options_.scenario.empty() && rig_.host.Ended().has_value(); }
 
-  // The programs get what a control step has for them at its end, and their answer is there at the next one's begin.
+  // The programs receive a control step's frames at its end; their answer is available when the next one starts.
   base::Status Tick(sim::Recording* recording) {
     if (options_.paced) pacer_.Wait(base::kTickPeriod_ns);
     sim::HandAim aim;
@@ -161,8 +161,9 @@ class Run {
       Settle();
       settled = true;
     }
-    if (!settled) Settle();  // a program may be at work on its own
-    if (unsettled_ > kUnsettledMax) return base::Error{unsettled_by_ + " never rests: virtual time stands still"};
+    if (!settled) Settle();  // a program may be busy by itself
+    if (unsettled_ > kUnsettledMax)
+      return base::Error{unsettled_by_ + " never becomes idle: virtual time cannot advance"};
     ++ticks_;
     if (recording != nullptr) recording->Add(rig_.plant.Truth(rig_.chain.host_view(), clock_.zero_ns()));
     return base::Ok{};
@@ -174,7 +175,7 @@ class Run {
     unsettled_by_ = quiet_.busy();
   }
 
-  // Programs need time to end, too.
+  // Programs also need time to exit.
   base::Status End(sim::Recording* recording) {
     for (HostProcess& program : programs_) program.Ask();
     base::Status went = base::Ok{};
@@ -215,7 +216,7 @@ base::Result<std::vector<HostProcess>> StartPrograms(const HilOptions& options, 
     if (!started) return base::Error{started.error()};
     programs.push_back(std::move(*started));
     if (clock.WaitForProcess(programs.back().pid(), kStartPatience_ms)) continue;
-    return base::Error{program.front() + " is not there, has ended at once, or is linked statically"};
+    return base::Error{program.front() + " does not exist, ended at once, or is statically linked"};
   }
   return programs;
 }

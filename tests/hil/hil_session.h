@@ -1,5 +1,5 @@
 // The whole chain as real processes: omni_hil with an unmodified omnid on its emulated base, and an application that
-// wants force, while a scenario runs.
+// uses force, while a scenario runs.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -70,19 +70,19 @@ const std::vector<Scenario>& AllScenarios() {
        "damaged frames: some, then all commands, then none",
        {{{0.3, "some frames damaged", &DamageSome},
          {1.3, "every command damaged", &DamageAll},
-         {1.6, "cable sound", &DamageNothing, false}}},
+         {1.6, "frames undamaged", &DamageNothing, false}}},
        3.0},
       {"silence",
-       "the service stands still and goes on",
-       {{{0.3, "service stopped", &SignalHost<SIGSTOP>}, {0.8, "service goes on", &SignalHost<SIGCONT>, false}}},
+       "the service is stopped and continues",
+       {{{0.3, "service stopped", &SignalHost<SIGSTOP>}, {0.8, "service continued", &SignalHost<SIGCONT>, false}}},
        3.0},
       {"kill", "the service is killed", {{{0.3, "service killed", &SignalHost<SIGKILL>}}}, 0.8},
-      {"heat", "the coils get hot from outside", {{{0.3, "heating", &HeatCoils}}}, 7.0},
+      {"heat", "an external source heats the coils", {{{0.3, "heating", &HeatCoils}}}, 7.0},
       {"estop",
        "the emergency switch opens and closes",
        {{{0.3, "switch opened", &OpenSwitch}, {0.8, "switch closed", &CloseSwitch, false}}},
        1.8},
-      {"stuck", "a Hall sensor repeats itself", {{{0.3, "sensor stuck", &StickSensor}}}, 1.3},
+      {"stuck", "a Hall sensor repeats its sample", {{{0.3, "sensor stuck", &StickSensor}}}, 1.3},
       {"bridge", "an H bridge fails", {{{0.3, "bridge failed", &FailBridge}}}, 0.8},
   };
   return kScenarios;
@@ -121,12 +121,12 @@ void ScenarioRun::Watch(Rig& rig, double t_s) {
   reaction.state = static_cast<std::uint8_t>(telemetry.state);
   if (!reaction.fault_ms && (telemetry.faults & ~faults_before_) != 0) reaction.fault_ms = reaction.window_ms;
   if (at_zero_ && !reaction.back_ms && now_A > kContact_A) reaction.back_ms = reaction.window_ms;
-  // The answer to this event: once the coils are back on purpose, they are no longer on their way to zero.
+  // The reaction to this event: currents after the base is active again do not count as decaying.
   if (now_A > kZero_A && !reaction.back_ms) reaction.zero_ms = reaction.window_ms;
   at_zero_ = now_A <= kZero_A || (at_zero_ && now_A <= kContact_A);
 }
 
-// It is the mean square that heats.
+// Heating follows the mean square.
 void ScenarioRun::WatchHeat(const sim::Plant& plant, Reaction& reaction) {
   reaction.hot_A = 0;
   for (std::size_t k = 0; k < hot_s_.size(); ++k) {
@@ -156,7 +156,7 @@ base::Status ScenarioRun::Advance(Rig& rig, double t_s) {
       *start_s_ += kStep_s;
       waited_s_ += kStep_s;
       if (waited_s_ < kContactLost_s) return base::Ok{};
-      return base::Error{std::string(event.what) + ": waits for a current, and there is none"};
+      return base::Error{std::string(event.what) + ": no coil carries the current that this event waits for"};
     }
     ++next_;
     faults_before_ = rig.chain.telemetry().faults;

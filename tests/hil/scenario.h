@@ -1,4 +1,4 @@
-// What happens to a base while a hand presses against a surface: faults at their times, and how fast the coils answer.
+// Events while a hand presses against a surface: faults at given times, and how fast the coils react.
 // All times are device times.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace omni::hil {
 
-// Everything an event may touch.
+// Everything an event may change.
 struct Rig {
   sim::Plant& plant;
   UsbEmulator& usb;
@@ -37,7 +37,7 @@ constexpr std::size_t kEventsMax = 4;
 struct Scenario {
   const char* name;
   const char* about;
-  std::array<Event, kEventsMax> events;  // in order; without an act: no more
+  std::array<Event, kEventsMax> events;  // in order; one without an act ends the list
   double end_s;
 };
 
@@ -45,7 +45,7 @@ struct Scenario {
 const Scenario* FindScenario(const std::string& name);
 const std::vector<Scenario>& AllScenarios();
 
-// What followed an event, until the next one or the end. Milliseconds of device time after it.
+// The reaction to an event, until the next one or the end. Milliseconds of device time after it.
 struct Reaction {
   std::string what;
   double t_s = 0;                  // device time
@@ -63,7 +63,7 @@ struct Reaction {
 
 class ScenarioRun {
  public:
-  static constexpr double kContact_A = 0.3;  // somebody presses
+  static constexpr double kContact_A = 0.3;  // the pen is pressing
   static constexpr double kContactHeld_s = 0.3;
   static constexpr double kZero_A = 0.02;
   static constexpr double kHot_C = 75;

@@ -1,5 +1,5 @@
-// What can happen to a base at work, through the whole chain: plant, control core, emulated USB, the unmodified omnid
-// and an application that presses against a block. All in device time.
+// Faults of a working base, through the whole chain: plant, control core, emulated USB, the unmodified omnid and an
+// application that presses against a block. All in device time.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -16,12 +16,12 @@ namespace {
 using nlohmann::json;
 
 constexpr double kFaultZero_ms = 20;  // from the cause; a silent host is one
-// The coils' resistance tells nothing below 1 A, so a hot coil may get that much, and for some milliseconds more until
-// it has told: root mean square. 15 A would be full current, here is a hundredth of its heat.
+// The coils' resistance cannot be measured below 1 A, so a hot coil may get that much, and for some milliseconds more
+// until it is measured: root mean square. 15 A would be full current; this is a hundredth of its heat.
 constexpr double kHotMax_A = 1.5;
-constexpr double kBack_ms = 2000;  // a service that looks for its base every second
+constexpr double kBack_ms = 2000;  // the service searches for its base every second
 
-// What the scenario's summary must say. Reactions by the order of the scenario's events.
+// Checks of the scenario's summary. Reactions are in the order of the scenario's events.
 struct Expected {
   const char* scenario;
   void (*check)(const json& summary);
@@ -29,13 +29,13 @@ struct Expected {
 
 std::uint32_t Faults(const json& reaction) { return reaction["faults"].get<std::uint32_t>(); }
 
-// Every run's: what the programs did, they did at their instant.
+// For every run: the programs' actions happened at their virtual instants.
 void ExpectVirtual(const json& summary) {
   EXPECT_EQ(summary["unsettled"], 0) << summary["unsettled_by"];
   EXPECT_EQ(summary["lost_to_core"], 0);
 }
 void ExpectZero(const json& reaction, double within_ms) {
-  EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << "there was nothing to take away";
+  EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << "there was no current to remove";
   EXPECT_LE(reaction["zero_ms"].get<double>(), within_ms) << reaction["what"];
 }
 void ExpectBack(const json& reaction) {
@@ -43,7 +43,7 @@ void ExpectBack(const json& reaction) {
   EXPECT_LE(reaction["back_ms"].get<double>(), kBack_ms);
   EXPECT_EQ(Faults(reaction), 0U);
 }
-// Damage alone takes no force away.
+// Damaged frames alone do not remove the force.
 void ExpectServed(const json& reaction) {
   EXPECT_EQ(reaction["faults_seen"], 0U) << reaction["what"];
   EXPECT_GT(reaction["peak_A"].get<double>(), 0.3) << reaction["what"];
@@ -93,7 +93,7 @@ const Expected kExpected[] = {
     {"estop",
      [](const json& summary) {
        ExpectZero(summary["reactions"][0], kFaultZero_ms);
-       EXPECT_NE(Faults(summary["reactions"][1]) & wire::kFaultEmergencyStop, 0U) << "latched until somebody looks";
+       EXPECT_NE(Faults(summary["reactions"][1]) & wire::kFaultEmergencyStop, 0U) << "latched until the user checks it";
        EXPECT_EQ(summary["reactions"][1]["zero_ms"], 0.0);
      }},
     {"stuck",

@@ -1,8 +1,8 @@
 // Runs the registered tests on the emulated board. The exit status is the number of tests that failed.
 //   tests               all
-//   tests self          what this harness must notice: tests that fail, and one that does not
+//   tests self          tests of this harness: some that fail, and one that does not
 //   tests exception     executes an undefined instruction; start-up ends with a status that names the exception
-//   tests overflow      calls itself until the stack is full: no data is overwritten, it is an exception too
+//   tests overflow      recurses until the stack is full: also an exception; no data are overwritten
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,8 +50,8 @@ bool Passes(const Registered& registered) {
   return Test::failures_of_this_test == 0;
 }
 
-// Minutes of device time, which take longer here, or a file to compare with. What they show of the core is the same on
-// every target: tests/hil/board/lockstep_test.cc.
+// These need minutes of device time, which take longer here, or a file to compare with. The core behaves the same on
+// every target: tests/hil/lockstep_test.cc.
 const std::set<std::string> kLeftOut = {
     "FirmwareCurrent.StaysWithinHalfAPercentOver15MinutesOfHeating",
     "FirmwareCurrent.ShrinksBetweenDerateAndMaxAndTripsOnlyThere", "FirmwareFaultMatrix.EveryFaultIsSeenAndEndsAtRest",
@@ -81,7 +81,7 @@ int RunTests(bool self) {
   return std::min(failed, kExitFailuresMax);
 }
 
-// Deeper than any stack. The result depends on the frames, so that they are made.
+// Deeper than any stack. The result depends on the frames, so that they are not optimised away.
 int Deeper(volatile int* outer, int level) {
   volatile int here[64] = {};
   here[0] = *outer + level;

@@ -1,4 +1,4 @@
-// What newlib asks of a machine: a heap and an end. Only tests use them; firmware has no heap. There are no files.
+// The system functions that newlib requires: a heap and an exit. Only tests use them; firmware has no heap. No files.
 #include <errno.h>
 #include <sys/stat.h>
 

@@ -1,4 +1,4 @@
-// Prints the checksum of the core's drill: "drill STEPS CHECKSUM". The host computes the same.
+// Prints the checksum of the core's drill: "drill STEPS CHECKSUM". The host compares it with its own.
 //   drill STEPS
 #include "firmware/board/mps2_an500/exit_codes.h"
 #include "firmware/board/mps2_an500/semihosting.h"
@@ -11,7 +11,7 @@ namespace omni::firmware::board {
 int Main(const char* command_line) {
   std::uint32_t steps = 0;
   if (!ParseNumber(command_line, steps)) {
-    Print("drill: says how many steps, e.g. drill 100000\n");
+    Print("drill: give the number of steps, e.g. drill 100000\n");
     return kExitUsage;
   }
   Text text;

@@ -16,7 +16,7 @@ class InstructionCounter {
   // Since Begin. At most 2^24 ticks, at shift=10 650,000 instructions: more comes out smaller.
   std::uint32_t End() const noexcept;
 
-  // Ticks of 1024 instructions; 0: nothing was measured.
+  // Ticks of 1024 instructions; 0: not measured.
   std::uint32_t rate() const noexcept { return ticks_of_1024_; }
 
  private:

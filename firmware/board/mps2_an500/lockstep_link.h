@@ -1,5 +1,5 @@
-// Names that the emulated board and its host must agree on; both stand in the emulator's working directory. Requests
-// and answers are those of firmware/core/lockstep.h.
+// Names shared by the emulated board and its host; the files are in the emulator's working directory. Requests and
+// answers are those of firmware/core/lockstep.h.
 #pragma once
 
 namespace omni::firmware::board {

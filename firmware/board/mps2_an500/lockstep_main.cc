@@ -1,7 +1,7 @@
-// The control core in lockstep with the host: a request comes by one FIFO, its answer goes by the other. kReset resets
-// the whole machine: start-up, constructors and core begin anew, and only the retained memory tells them apart.
-//   lockstep          as fast as the host asks
-//   lockstep count    the same, and the instructions of every step go into the report
+// The control core in lockstep with the host: requests arrive through one FIFO, answers leave through the other. kReset
+// resets the whole machine: start-up, constructors and core run again, and only the retained memory is kept.
+//   lockstep          as fast as the host sends requests
+//   lockstep count    the same, and counts the instructions of every step into the report
 #include <cstring>
 #include <new>
 #include <optional>
@@ -18,10 +18,10 @@
 namespace omni::firmware::board {
 namespace {
 
-// What a reset keeps. Without the mark it is what the memory happened to hold at power-on.
+// Kept across a reset. Without the mark it is random memory from power-on.
 struct Retained {
   std::uint64_t mark;
-  std::int32_t to_board, from_board;  // the host does not notice a reset: handles stay open
+  std::int32_t to_board, from_board;  // a reset is invisible to the host: handles stay open
   std::uint32_t starts;
   std::uint32_t cause;
   FaultRecord record;
@@ -50,7 +50,7 @@ void WriteReport(const LockstepBoard& board, const StepCounts& counts, const Ins
   CloseFile(file);
 }
 
-// Until kExit. Large, and always there: static.
+// Used until kExit. Static because it is large.
 int Serve(LockstepBoard& board, bool count_instructions) noexcept {
   static LockstepRequest request;
   static LockstepAnswer answer;
@@ -64,7 +64,7 @@ int Serve(LockstepBoard& board, bool count_instructions) noexcept {
     }
     if (request.op == LockstepOp::kReset && IsResetCause(request.argument)) {
       retained.cause = request.argument;
-      ResetMachine();  // start-up answers
+      ResetMachine();  // start-up sends the answer
     }
     const wire::State state = board.core().state();
     counter.Begin();

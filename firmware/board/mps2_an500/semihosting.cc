@@ -78,7 +78,7 @@ void CommandLine(char* text, std::size_t capacity) noexcept {
 void Exit(int status) noexcept {
   const std::uint32_t block[] = {kApplicationExit, static_cast<std::uint32_t>(status)};
   Call(Operation::kExitExtended, block);
-  for (;;) {  // an emulator that refuses leaves us here
+  for (;;) {  // in case the emulator refuses
   }
 }
 

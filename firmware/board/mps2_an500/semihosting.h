@@ -1,5 +1,5 @@
-// Files, console and exit status of the machine that emulates us [Arm, "Semihosting for AArch32 and AArch64", 2.0].
-// The caller stands still until the host has answered. Without an emulator or debugger the first call is a fault.
+// Files, console and exit status of the host that runs the emulator [Arm, "Semihosting for AArch32 and AArch64", 2.0].
+// The caller stops until the host has answered. Without an emulator or debugger the first call is a fault.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@ namespace omni::firmware::board {
 
 enum class FileMode : std::uint32_t { kRead = 1, kWrite = 5 };  // "rb", "wb" [section 6.13]
 
-// Handle of a file of the emulator's working directory; < 0: it cannot be opened. A FIFO waits for its other end.
+// Handle of a file in the emulator's working directory; < 0: cannot be opened. Opening a FIFO waits for its other end.
 int OpenFile(const char* name, FileMode mode) noexcept;
 void CloseFile(int file) noexcept;
 
-// All of it, however many calls that takes. False: the file has ended, or its reader is gone.
+// All bytes, in as many calls as needed. False: the file has ended, or its reader is gone.
 bool ReadAll(int file, void* data, std::size_t size) noexcept;
 bool WriteAll(int file, const void* data, std::size_t size) noexcept;
 

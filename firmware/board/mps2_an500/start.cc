@@ -1,4 +1,4 @@
-// From reset to Main: FPU, memory, constructors. An exception ends the emulator with a status that names it.
+// From reset to Main: FPU, memory, constructors. An exception ends the emulator with a status that contains its number.
 #include "firmware/board/mps2_an500/start.h"
 
 #include <cstddef>
@@ -40,7 +40,8 @@ constexpr std::uintptr_t kMpuBase = 0xE000ED9C;
 constexpr std::uintptr_t kMpuSize = 0xE000EDA0;
 constexpr std::uint32_t kResetRequest = 0x05FA0000U | (1U << 2);
 constexpr std::uint32_t kDivideByZeroTraps = 1U << 4;
-constexpr std::uint32_t kMemoryBusUsageFaults = 7U << 16;  // each with its own number, instead of a hard fault
+constexpr std::uint32_t kMemoryBusUsageFaults = 7U
+                                                << 16;  // reported with their own numbers, instead of as a hard fault
 
 using Handler = void (*)();
 struct VectorTable {  // [ARMv7-M, B1.5.3]
@@ -89,7 +90,7 @@ void PrepareMemory() noexcept {
   for (volatile std::uint32_t* word = _bss_begin; word < _bss_end; ++word) *word = 0;
 }
 
-// Nobody may touch the 16 MB below RAM, where a stack that is too small goes on; this board itself would ignore it.
+// No access to the 16 MB below RAM, where an overflowing stack continues; the board itself would ignore it.
 void GuardStack() noexcept {
   constexpr std::uint32_t kNoAccessNoExecute = 1U << 28;
   constexpr std::uint32_t kSize16MB = 23U << 1;
@@ -136,7 +137,7 @@ extern "C" void Start() {
   Exit(Main(WithoutName(command_line)));
 }
 
-// Another stack before anything is pushed: the old one may be what is wrong.
+// A different stack before anything is pushed: the old one may be the cause.
 extern "C" __attribute__((naked)) void Exception_Handler() {
   __asm__ volatile(
       "mrs r0, ipsr\n"

@@ -1,4 +1,4 @@
-// What start-up gives a program, and what the program gives it.
+// The interface between start-up code and the program.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Instructions of control steps, sorted by what the core was doing: a step without and with a frame to send.
+// Instructions of control steps by the core's state, for steps without and with a frame to send.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class StepCounts {
     if (instructions > count.most) count.most = instructions;
   }
 
-  // Lines "armed_telemetry_steps 100", "..._mean 2000", "..._most 2500" of what has been seen.
+  // Lines "armed_telemetry_steps 100", "..._mean 2000", "..._most 2500" for the states that occurred.
   void Write(Text& report) const noexcept {
     static constexpr const char* kNames[kStates][2] = {{"boot_", "boot_telemetry_"},
                                                        {"self_test_", "self_test_telemetry_"},

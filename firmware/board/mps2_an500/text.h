@@ -1,4 +1,4 @@
-// A line or a small report, put together without a library. What does not fit is cut off.
+// Builds a line or a small report without a library. Text that does not fit is cut off.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +40,7 @@ class Text {
   std::size_t size_ = 0;
 };
 
-// The decimal number at the begin of `text`; false: there is none, or it is followed by anything but the end or a
+// The decimal number at the start of `text`; false: there is none, or it is followed by anything but the end or a
 // space.
 inline bool ParseNumber(const char* text, std::uint32_t& number) noexcept {
   std::uint64_t value = 0;

@@ -6,8 +6,8 @@ namespace omni::board {
 namespace {
 
 constexpr std::uint32_t kSlowSteps = 400;     // thermometer: 100 ms
-constexpr std::uint32_t kMaintainSteps = 64;  // a magnetometer is looked at every 16 ms, each one every 128 ms
-constexpr std::uint32_t kBlinkSteps = 2000;   // the lamp: half a second on, half a second off; lit without end: armed
+constexpr std::uint32_t kMaintainSteps = 64;  // a magnetometer is checked every 16 ms, each one every 128 ms
+constexpr std::uint32_t kBlinkSteps = 2000;   // the lamp: half a second on, half a second off; lit continuously: armed
 
 }  // namespace
 
@@ -18,7 +18,7 @@ void Board::Start() noexcept {
   bridges_.Start();
   for (Bridge& driver : drivers_) driver.Start();
   fan_.Start();
-  fan_.Set(255);  // until the core says otherwise
+  fan_.Set(255);  // until the core commands another speed
   thermometer_.Start();
   halls_.Start();
   currents_.Start();
@@ -39,7 +39,7 @@ void Board::ReadFaults(firmware::Inputs& inputs) noexcept {
     if (drivers_[i].fault()) inputs.driver_fault = static_cast<std::uint8_t>(inputs.driver_fault | 1U << i);
   }
   inputs.emergency_stop = bridges_.EmergencyStop() || usb_.EmergencyStop() ? 1 : 0;
-  // Only after they have been told, so that no short one is lost.
+  // Only after they have been reported, so that no short one is lost.
   if (bridges_.nothing_driven()) bridges_.ClearFaults();
 }
 

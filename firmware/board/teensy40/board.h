@@ -1,5 +1,5 @@
 // The base on a Teensy 4.0: fills the core's inputs, applies its outputs, carries its frames. One control interrupt at
-// 4 kHz does all of it; the main loop only looks after chips that have lost their configuration.
+// 4 kHz does all of it; the main loop only reconfigures chips that have lost their configuration.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class Board {
   void UsbInterrupt() noexcept { usb_.Interrupt(); }
   void CurrentBusInterrupt() noexcept { currents_.Interrupt(); }
 
-  // Main loop, after every interrupt.
+  // Called by the main loop, after every interrupt.
   void Maintain() noexcept;
 
  private:

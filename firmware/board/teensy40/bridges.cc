@@ -59,7 +59,7 @@ void Bridges::Start() noexcept {
     SetUpSubmodule(pwm.SM[i], kPwmTicks);
     pwm.SM[i].DISMAP0 = kAllFaultsStopA;
   }
-  // Until they are routed, the coils' lines read low: outputs start out held.
+  // Until they are routed, the coils' lines read low: outputs start out held low.
   pwm.FCTRL = kFaultLevels;
   pwm.FFILT = kFilter;
   for (const Route& route : kFaultRoutes) Connect(route);
@@ -82,7 +82,7 @@ void Bridges::SetDuty(int index, std::uint16_t duty) noexcept {
   FlexPwm& pwm = flexpwm2();
   const auto mask = static_cast<std::uint16_t>(1U << index);
   driven_ = static_cast<std::uint8_t>(duty != 0 ? driven_ | mask : driven_ & ~mask);
-  pwm.MCTRL |= kClearLoad(mask);  // no half-written set is ever taken over
+  pwm.MCTRL |= kClearLoad(mask);  // a half-written set is never loaded
   pwm.SM[index].VAL3 = PwmHighTicks(duty);
   pwm.MCTRL |= kLoad(mask);
 }

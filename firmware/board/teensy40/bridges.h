@@ -1,5 +1,5 @@
 // Three H bridges on FlexPWM2: 20 kHz, edge-aligned, low when nothing is written. Its four fault inputs (a line per
-// coil, and the emergency stop) force all three outputs low in hardware, and stay in force until the lines are well and
+// coil, and the emergency stop) force all three outputs low in hardware, and hold them until the lines are good and
 // nothing is driven [RM FlexPWM, fault protection; RM XBAR].
 #pragma once
 
@@ -28,19 +28,19 @@ class Bridges {
   // All outputs low, faults routed and armed, then the timer runs.
   void Start() noexcept;
 
-  // Bit k: coil k's line is low now, or was since the faults were last cleared.
+  // Bit k: coil k's line is low, or was since the faults were last cleared.
   std::uint8_t CoilFaults() const noexcept;
-  // The switch is open now, or was since then.
+  // The switch is open, or was since then.
   bool EmergencyStop() const noexcept;
-  // Bit k: coil k's line is low now.
+  // Bit k: coil k's line is low at present.
   std::uint8_t CoilFaultLines() const noexcept;
 
-  // Ends the hold of faults whose lines are well. Call only while nothing is driven: outputs follow the next period.
+  // Ends the hold of faults whose lines are good. Call only while nothing is driven: outputs follow the next period.
   void ClearFaults() noexcept;
 
   bool nothing_driven() const noexcept { return driven_ == 0; }
 
-  // PWM and time run from one crystal: periods are counted from it. 64 bits, so that nothing jumps when a timer wraps.
+  // PWM and time run from one crystal: periods are counted from it. 64 bits: time is continuous when a timer wraps.
   void SetTime(std::uint64_t now_us) noexcept { periods_ = static_cast<std::uint32_t>(now_us / kPwmPeriod_us); }
 
   // firmware/drivers/g2_driver.h

@@ -27,7 +27,7 @@ class FrameRing {
     return true;
   }
 
-  // 0: nothing there, or the frame is longer than `capacity` and lost.
+  // 0: empty, or the frame is longer than `capacity` and lost.
   std::size_t Pop(std::uint8_t* frame, std::size_t capacity) noexcept {
     const std::uint32_t at = popped_.load(std::memory_order_relaxed);
     if (at == pushed_.load(std::memory_order_acquire)) return 0;

@@ -55,7 +55,7 @@ bool Timebase::AcknowledgeStep() noexcept {
   PitChannel& channel = pit().channel[0];
   if ((channel.TFLG & kPitFlag) == 0) return false;
   channel.TFLG = kPitFlag;
-  DataBarrier();  // else the interrupt is entered twice: the write arrives after the return
+  DataBarrier();  // otherwise the interrupt is entered twice, because the write arrives after the return
   return true;
 }
 

@@ -1,5 +1,5 @@
-// Time and the control step's beat. GPT2 counts microseconds of the crystal (+-50 ppm) and captures the fan's edges;
-// PIT channel 0 interrupts every control step. Both run from the same 24 MHz, so they never drift against each other.
+// Time and the control step's interrupt. GPT2 counts microseconds of the crystal (+-50 ppm) and captures the fan's
+// edges; PIT channel 0 interrupts every control step. Both run from the same 24 MHz, so they never drift apart.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@ class Timebase {
   // interrupt level only (the control step does).
   std::uint64_t Now() noexcept;
 
-  // The low 32 bits, from anywhere.
+  // The low 32 bits, from any context.
   static std::uint32_t Low() noexcept;
 
-  // The control interrupt begins with it. False: the interrupt was not this timer's.
+  // Call first in the control interrupt. False: the interrupt was not this timer's.
   static bool AcknowledgeStep() noexcept;
 
   // firmware/drivers/fan_tach.h: falling edges. Only the newest is kept by the hardware; at 4 kHz none is missed below

@@ -9,7 +9,7 @@ constexpr std::uint32_t kControllerReset = 1U << 1, kModeMask = 3U;
 constexpr std::uint32_t kBursts = 0x0404;
 constexpr std::uint32_t kLeave_us = 25'000;
 
-// Where the controller and the processor see the same bytes: not in cached memory. Start-up code clears it.
+// Shared by the controller and the processor, hence not in cached memory. Start-up code clears it.
 #ifdef TEENSYDUINO  // its on-chip RAM is cached, its ordinary variables are not
 drivers::usb::UsbMemory g_usb_memory;
 #else

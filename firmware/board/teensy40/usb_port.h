@@ -1,5 +1,5 @@
 // USB1: PHY, controller, and frames between the control step and the host. The driver runs in the USB interrupt alone;
-// the control step, which may interrupt it, only fills and empties rings and asks for that interrupt.
+// the control step, which may interrupt it, only fills and empties rings and triggers that interrupt.
 #pragma once
 
 #include <cstddef>
@@ -27,14 +27,14 @@ class UsbPort {
     nvic::Pend(Irq::kUsb1);
     return taken;
   }
-  // The host has asked for an emergency stop through endpoint 0: true for kEmergencyStopHold calls, one a control step,
-  // longer than the core needs to believe it.
+  // The host has requested an emergency stop through endpoint 0: true for kEmergencyStopHold calls, one per control
+  // step, longer than the core's hold time.
   bool EmergencyStop() noexcept;
 
  private:
   static constexpr int kEmergencyStopHold = 40;  // 10 ms
 
-  // firmware/drivers/usb_device.h. On-chip RAM is not cached here; what must not be reordered is kept in order.
+  // firmware/drivers/usb_device.h. On-chip RAM is not cached here; barriers keep the order of accesses.
   struct Bus {
     std::uint32_t Read(std::uint32_t offset) noexcept { return Word(kUsb1Base + offset); }
     void Write(std::uint32_t offset, std::uint32_t value) noexcept {

@@ -14,7 +14,7 @@ constexpr std::uint32_t kTimeoutTicks =
     static_cast<std::uint32_t>(std::uint64_t{kWatchdogTimeout_us} * kLowPowerClock_Hz / 1'000'000);
 static_assert(kTimeoutTicks > 100 && kTimeoutTicks < 0x10000, "16 bits");
 
-// New settings are taken only within 128 bus clocks of the unlocking, so nothing may come between.
+// New settings are accepted only within 128 bus clocks of the unlocking, so nothing may come between.
 void Configure(std::uint32_t control, std::uint32_t ticks) noexcept {
   const Critical critical;
   RtWatchdog& dog = wdog3();

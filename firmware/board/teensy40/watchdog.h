@@ -8,7 +8,7 @@ namespace omni::board {
 
 constexpr std::uint32_t kWatchdogTimeout_us = 8000;
 
-// The chip comes up with whatever the ROM left; until the control step runs nothing may reset it.
+// The ROM may leave it in any state; until the control step runs nothing may reset the chip.
 void StopWatchdogOfRom() noexcept;
 void StartWatchdog() noexcept;
 void FeedWatchdog() noexcept;

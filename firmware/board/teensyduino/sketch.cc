@@ -1,9 +1,9 @@
 // The same firmware for people who build with PlatformIO or Teensyduino: that core starts the chip and owns the vector
-// table, everything else is firmware/board/teensy40. Its USB is off (USB_DISABLED), ours takes the port, so the host
+// table, everything else is firmware/board/teensy40. Its USB is off (USB_DISABLED) and ours uses the port, so the host
 // sees the same base. To load another sketch afterwards, press the button.
 //
-// Two things are less than in the register-level image: the fault record does not outlive a reset, and a processor
-// fault is answered by the watchdog after 8 ms, not by a brake at once.
+// Two differences from the register-level image: the fault record is not kept across a reset, and a processor fault
+// leads to a watchdog reset after 8 ms, not to immediate braking.
 #include "firmware/board/teensy40/board.h"
 #include "firmware/board/teensy40/boot/retained.h"
 #include "firmware/board/teensy40/chip/chip.h"
@@ -11,7 +11,7 @@
 #include "firmware/board/teensy40/watchdog.h"
 #include "firmware/core/run.h"
 
-// Behind ours: it is generous with macros.
+// After ours, because it defines many macros.
 #include <Arduino.h>
 
 namespace {

@@ -5,15 +5,15 @@
 namespace omni::firmware {
 namespace {
 
-constexpr float kDerateSpan_K = 2;            // at least, between shrinking and tripping
-constexpr float kTemperatureMin_C = 30;       // a limit below would never let a base arm in summer
+constexpr float kDerateSpan_K = 2;            // at least, between derating and tripping
+constexpr float kTemperatureMin_C = 30;       // with a lower limit a base would never arm in summer
 constexpr float kResistanceTolerance = 0.3F;  // wire length and gauge
 constexpr float kInductanceTolerance = 0.5F;
 
 struct Entry {
   wire::ConfigId id;
   float Settings::*field;
-  float share_min;  // of the value that the base was built with
+  float share_min;  // of the base's built-in value
   float share_max;
 };
 
@@ -42,7 +42,7 @@ struct Place {
   float high = 0;
 };
 
-// Where an id lives in `settings`, and its range by `built`.
+// The field of `settings` for an id, and its range by `built`.
 Place Find(const Settings& built, std::uint16_t id, Settings& settings) noexcept {
   for (const Entry& entry : kEntries) {
     if (id != static_cast<std::uint16_t>(entry.id)) continue;

@@ -1,4 +1,5 @@
-// Frames from the host. What is not valid, not in order or not allowed now is counted and does nothing.
+// Frames from the host. A frame that is invalid, out of order or not allowed now is counted and has no effect.
+#include "firmware/core/config_table.h"
 #include "firmware/core/core.h"
 #include "firmware/core/link/config_table.h"
 
@@ -27,13 +28,13 @@ void Core::Receive(const std::uint8_t* frame, std::size_t size) noexcept {
       return OnFaultRequest(view);
     case wire::MessageType::kTelemetry:
     case wire::MessageType::kLog:
-      return Reject();  // the base says those, nobody else
+      return Reject();  // only the base sends these
   }
   Reject();
 }
 
-// Empty: who are you. With a payload the host says which versions it speaks. A new host begins with it, so any order of
-// commands may follow; but not in the middle of a session that drives coils, where a replay could use that.
+// Empty: a request for the base's identity. With a payload the host reports its protocol versions. A new host begins
+// with it, so any sequence of commands may follow; but not while coils are driven, where a replay could exploit that.
 void Core::OnHello(const wire::FrameView& view, std::uint8_t version) noexcept {
   std::uint8_t oldest = version, newest = version;
   if (view.payload_size >= 2) {
@@ -64,7 +65,7 @@ wire::Hello Core::Identity() const noexcept {
   return hello;
 }
 
-// Not armed, a command only shows that the host is there.
+// While not armed, a command only shows that the host is present.
 void Core::OnCommand(const wire::FrameView& view) noexcept {
   wire::Command command;
   if (wire::DecodeCommand(view, settings_.current_max_A, command) != wire::Status::kOk) return Reject();
@@ -133,8 +134,8 @@ wire::Arm Core::AnswerArm(const wire::Arm& asked) noexcept {
   return answer;
 }
 
-// What is in the way: causes of latched faults that are still there, bridges that have not come to rest, a self-test
-// that is not through. A fault that leaves the self-test void starts it; ask again when it has ended.
+// Reasons for refusal: causes of latched faults that are still present, bridges that are not yet at rest, a self-test
+// that has not ended. A fault that invalidates the self-test starts it; request again when it has ended.
 std::uint32_t Core::ArmObstacles() noexcept {
   std::uint32_t obstacles = monitor_.causes() & latch_.latched();
   if (!settings_are_valid_) obstacles |= wire::kFaultInternal;

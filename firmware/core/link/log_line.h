@@ -1,4 +1,4 @@
-// A line of LOG, put together without printf.
+// A line of LOG, formatted without printf.
 #pragma once
 
 #include "firmware/wire/messages.h"
@@ -27,14 +27,14 @@ class LogLine {
   const wire::Log& log() const noexcept { return log_; }
 
  private:
-  void Put(char character) noexcept {  // what is too long ends early
+  void Put(char character) noexcept {  // truncates a long line
     if (log_.size < wire::kLogTextMax) log_.text[log_.size++] = character;
   }
 
   wire::Log log_;
 };
 
-// So many lines at once, and so many a second after that: what a loose contact must not do to the link.
+// A limited burst of lines, then a limited rate per second: a loose contact must not flood the link.
 class LogRate {
  public:
   bool Allows(std::uint64_t now_us) noexcept {

@@ -12,7 +12,7 @@ bool Outbox::PushTelemetry(const wire::Telemetry& telemetry, std::uint64_t t_dev
   return was_fetched;
 }
 
-// Sequence numbers are given when a frame leaves, so that they are in the order of leaving.
+// Sequence numbers are assigned when a frame leaves, so that they are in sending order.
 std::size_t Outbox::Next(std::uint64_t now_us, std::uint8_t* frame, std::size_t capacity) noexcept {
   wire::Encoded encoded;
   if (count_ > 0) {

@@ -1,5 +1,5 @@
-// Frames that wait to be sent: answers in their order, then the newest telemetry. Full: the newest answer is lost and
-// counted, the host asks again.
+// Frames waiting to be sent: answers in order, then the newest telemetry. When full, the newest answer is lost and
+// counted; the host repeats its request.
 #pragma once
 
 #include "firmware/wire/messages.h"
@@ -17,7 +17,7 @@ class Outbox {
     Answer& answer = answers_[(first_ + count_) % kAnswersMax];
     std::uint8_t frame[kAnswerSizeMax];
     const wire::Encoded encoded = wire::Encode(message, 0, 0, frame, sizeof frame);
-    if (encoded.status != wire::Status::kOk) {  // a number that is not finite: nothing that should be said
+    if (encoded.status != wire::Status::kOk) {  // a number that is not finite: must not be sent
       ++lost_;
       return;
     }
@@ -27,7 +27,7 @@ class Outbox {
     ++count_;
   }
 
-  // False: the one before was not fetched and is replaced.
+  // False: the previous one was not fetched and is replaced.
   bool PushTelemetry(const wire::Telemetry& telemetry, std::uint64_t t_device_us) noexcept;
 
   // The next frame; 0: none. One that does not fit is lost.

@@ -19,10 +19,10 @@ struct Settings {
   float slew_max_A_s = 10000;    // of the reference; the supply's voltage usually limits before
   float power_max_W = 600;       // of all coils
   float supply_min_V = 10;
-  float supply_max_V = 26;          // the bridges stand 30 V
+  float supply_max_V = 26;          // the bridges withstand 30 V
   float temperature_derate_C = 60;  // currents shrink from here ...
   float temperature_max_C = 70;     // ... and trip here
-  float copper_J_K = 44.4F;         // heat model, second opinion beside the resistance
+  float copper_J_K = 44.4F;         // heat model, the second estimate beside the resistance
   float copper_to_body_W_K = 1.048F;
   float body_J_K = 94.2F;
   float body_to_air_W_K = 0.7903F;

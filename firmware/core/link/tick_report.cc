@@ -55,7 +55,7 @@ std::uint64_t TickReport::Fill(const Settings& settings, const Inputs& inputs, c
   return t_device_us_;
 }
 
-// Without any sample that is not stale, the tick's own time.
+// If all samples are stale, the tick's own time.
 void TickReport::TakeField(const Inputs& inputs, const HallWatch& hall, wire::Telemetry& telemetry) noexcept {
   std::uint64_t newest_us = 0;
   for (int i = 0; i < wire::kSensors; ++i) {

@@ -12,7 +12,7 @@ class TickReport {
   void Add(const Inputs& inputs, const float (&end_A)[wire::kCoils], const HallVerdict& hall,
            const Outputs& outputs) noexcept;
 
-  // Electrical means, samples with their ages, temperatures; begins the next tick. The core adds what it alone knows.
+  // Electrical means, samples with their ages, temperatures; begins the next tick. The core adds its own fields.
   // Returns the instant of the newest Hall sample; it never goes back.
   std::uint64_t Fill(const Settings& settings, const Inputs& inputs, const HallWatch& hall, const CoilHeat& heat,
                      wire::Telemetry& telemetry) noexcept;

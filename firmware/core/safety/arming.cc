@@ -5,8 +5,8 @@ namespace {
 
 constexpr std::uint64_t kNonceLife_us = 100'000;
 
-// A counter through MurmurHash3's final mix: neighbours share nothing. Not a secret; the bus is trusted, frames are
-// not.
+// A counter through MurmurHash3's final mix: neighbours have nothing in common. Not a secret; the bus is trusted,
+// frames are not.
 std::uint32_t Mix(std::uint32_t value) noexcept {
   value ^= value >> 16;
   value *= 0x85EBCA6BU;
@@ -21,7 +21,7 @@ std::uint32_t Arming::Challenge(std::uint64_t now_us) noexcept {
   do {
     state_ += 0x9E3779B9U;
     nonce_ = Mix(state_);
-  } while (nonce_ == 0);  // what an empty confirmation carries
+  } while (nonce_ == 0);  // 0 is the nonce of an empty confirmation
   asked_us_ = now_us;
   is_open_ = true;
   return nonce_;

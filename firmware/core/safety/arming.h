@@ -1,4 +1,4 @@
-// The two steps to armed: a request gets a nonce, the nonce arms. Good for one confirmation within 100 ms.
+// Arming in two steps: a request is answered with a nonce, and returning it within 100 ms arms, once.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@ namespace omni::firmware {
 
 class Arming {
  public:
-  // `seed`: another one at every reset, or nonces repeat.
+  // `seed`: must differ at every reset, or nonces repeat.
   explicit Arming(std::uint32_t seed) noexcept : state_(seed) {}
 
   std::uint32_t Challenge(std::uint64_t now_us) noexcept;

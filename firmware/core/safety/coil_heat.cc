@@ -5,13 +5,13 @@
 namespace omni::firmware {
 namespace {
 
-constexpr int kWindow_steps = 40;  // 10 ms: a sliding mean steadies both readings, heat is slower by far
+constexpr int kWindow_steps = 40;  // 10 ms: a sliding mean smooths both readings; heat is far slower
 constexpr double kWindow_s = 10e-3;
-static_assert(kWindow_steps == 10 * kStepsPerMs, "one says the other");
-constexpr float kMeasurable_A = 1;      // 1.25 mA and 2 mA of offset are then worth less than a kelvin
+static_assert(kWindow_steps == 10 * kStepsPerMs, "both describe the same window");
+constexpr float kMeasurable_A = 1;      // 1.25 mA and 2 mA of offset then amount to less than a kelvin
 constexpr float kInducedShare = 0.02F;  // of the voltage: the inductance is known to 15 %, so 0.3 % or 0.8 K
-// Share per window. Up at once, or the current that shrinks with the temperature is too small to measure before it
-// trips; down slowly: the two readings differ by what the inductance is wrong.
+// Share per window. Up at once, or the current, which shrinks with the temperature, is too small to measure before the
+// trip; down slowly, because the two readings differ by the inductance's error.
 constexpr double kFollowUp = kWindow_s / 0.05;
 constexpr double kFollowDown = kWindow_s / 0.5;
 constexpr double kReference_C = 20;  // of Settings' resistances
@@ -30,7 +30,7 @@ CoilHeat::CoilHeat(const Settings& settings) noexcept : body_C_(static_cast<doub
   }
 }
 
-// (14): after a start everything is as warm as the warmest coil says, at least as warm as the air.
+// (14): after a start everything is as warm as the warmest coil, and at least as warm as the air.
 void CoilHeat::Start(const Settings& settings, const float (&resistance_ohm)[wire::kCoils]) noexcept {
   double warmest_C = static_cast<double>(settings.air_C);
   for (int k = 0; k < wire::kCoils; ++k) {
@@ -62,8 +62,8 @@ void CoilHeat::Step(const Settings& settings, const CoilSample (&samples)[wire::
   Advance(settings);
 }
 
-// (12), (13): two nodes. What the resistance says moves along with them and is then corrected where there is a
-// measurement, so that it neither lags in a heating coil nor stays behind in a cooling one.
+// (12), (13): two nodes. The temperature by resistance follows their change and is corrected where there is a
+// measurement, so that it lags neither in a heating nor in a cooling coil.
 void CoilHeat::Advance(const Settings& settings) noexcept {
   const double to_body_W_K = static_cast<double>(settings.copper_to_body_W_K);
   double into_body_W = -static_cast<double>(settings.body_to_air_W_K) * (body_C_ - static_cast<double>(settings.air_C));

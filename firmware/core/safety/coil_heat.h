@@ -1,5 +1,6 @@
-// How hot the coils are, told twice: by their resistance, wherever a current flows that can be measured, and by the
-// heat put in (two nodes: each coil's copper, one body). The hotter one counts. docs/theory/firmware.md (10) to (14)
+// The coils' temperatures by two estimates: by their resistance, wherever the current is large enough to measure, and
+// by a heat model (two nodes: each coil's copper, one body). The hotter one counts. docs/theory/firmware.md (10) to
+// (14)
 #pragma once
 
 #include "firmware/core/link/settings.h"
@@ -20,7 +21,7 @@ class CoilHeat {
   // Every control step.
   void Step(const Settings& settings, const CoilSample (&samples)[wire::kCoils]) noexcept;
 
-  // The self-test has measured all coils: nodes that were only assumed so far are taken from there.
+  // The self-test has measured all coils: initialises nodes that were only assumed so far.
   void Start(const Settings& settings, const float (&resistance_ohm)[wire::kCoils]) noexcept;
 
   float resistance_ohm(int coil) const noexcept { return resistance_ohm_[coil]; }
@@ -43,7 +44,7 @@ class CoilHeat {
 
   Window windows_[wire::kCoils];
   int steps_ = 0;
-  // In double: a hundredth of a second changes them by parts of their last float digit.
+  // In double: 10 ms changes them by less than the last digit of a float.
   double by_resistance_C_[wire::kCoils] = {};
   double copper_C_[wire::kCoils] = {};
   double body_C_ = 0;

@@ -1,5 +1,5 @@
-// Which COMMAND may act: newer than all before it, and alive. Sequence numbers wrap after a minute, so the host's clock
-// in the command counts as well. docs/theory/firmware.md (26), (27)
+// Which COMMAND may act: newer than all before it, and within its time to live. Sequence numbers wrap after a minute,
+// so the command's host clock is checked as well. docs/theory/firmware.md (26), (27)
 #pragma once
 
 #include "firmware/wire/messages.h"
@@ -8,12 +8,12 @@ namespace omni::firmware {
 
 class CommandGate {
  public:
-  // False: a duplicate, a replay or late. `now_us`: of the step before, so that lives end early rather than late.
+  // False: a duplicate, a replay or late. `now_us`: of the previous step, so that lives end early rather than late.
   bool Accept(const wire::Command& command, std::uint16_t seq, std::uint64_t now_us) noexcept;
 
-  // A new host, or one that was away: any order may begin.
+  // For a new host, or one that was disconnected: any sequence may begin.
   void Forget() noexcept { has_order_ = false; }
-  // Arming: the first command may take as long as any.
+  // On arming: the first command may take a whole time to live.
   void StartWaiting(std::uint64_t now_us) noexcept;
 
   bool is_alive(std::uint64_t now_us) const noexcept { return has_life_ && now_us - heard_us_ <= live_us_; }

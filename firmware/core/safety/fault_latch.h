@@ -1,4 +1,4 @@
-// Which faults have come and wait for ARM, and the record of the newest that outlives a reset.
+// The latched faults that wait for ARM, and the record of the newest, which is kept across a reset.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@ namespace omni::firmware {
 
 class FaultLatch {
  public:
-  // `record`: of before the reset, or noise.
+  // `record`: from before the reset, or random memory.
   explicit FaultLatch(FaultRecord& record) noexcept;
 
-  // True if the fault is new. Faults of the host are latched, but not recorded: they are no failures.
+  // True if the fault is new. Faults of the host are latched, but not recorded: they are not failures.
   bool Raise(wire::Fault fault, std::uint8_t part, float value, wire::State state, std::uint64_t t_us) noexcept;
   void Clear(std::uint32_t faults) noexcept { latched_ &= ~faults; }
 
   std::uint32_t latched() const noexcept { return latched_; }
   bool record_was_broken() const noexcept { return record_was_broken_; }
 
-  // Of the fault that came last before the reset; fault 0: none.
+  // The last fault before the reset; fault 0: none.
   wire::FaultEvent BeforeReset() const noexcept;
 
  private:

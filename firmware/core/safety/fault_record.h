@@ -1,4 +1,4 @@
-// Kept across a reset in memory that start-up does not clear; `check` tells a record from noise.
+// Kept across a reset in memory that start-up does not clear; `check` distinguishes a record from random memory.
 #pragma once
 
 #include <cstdint>

@@ -33,7 +33,7 @@ HallVerdict HallWatch::Step(const Settings& settings, const Inputs& inputs) noex
   return verdict;
 }
 
-// A sensor in all of whose axes the word ends cannot show noise, so equal samples say nothing.
+// A sensor whose word is clipped in all axes shows no noise, so equal samples prove nothing.
 void HallWatch::Handle(const Settings& settings, const Inputs& inputs, int sensor, HallVerdict& verdict) noexcept {
   const auto& sample = inputs.field[sensor];
   const std::uint16_t full_scale = settings.field_full_scale;
@@ -55,7 +55,7 @@ void HallWatch::Handle(const Settings& settings, const Inputs& inputs, int senso
   verdict.fresh |= BitOf(sensor);
 }
 
-// (16): further than a magnet gets in a sample, and further than the coils' own change explains.
+// (16): more than a magnet can cause within a sample, and more than the coils' own change explains.
 bool HallWatch::Jumps(const Settings& settings, int sensor, const std::int16_t (&sample)[3]) const noexcept {
   const float full_scale = static_cast<float>(settings.field_full_scale);
   const float by_coils = kHallCoilDoubt * full_scale / settings.current_max_A * swing_A_;

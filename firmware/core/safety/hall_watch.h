@@ -1,5 +1,5 @@
-// The Hall sensors as they come, each with its own clock: which samples are new, how old, saturated, and whether a
-// sensor is dead, stuck or jumps. docs/theory/firmware.md (15), (16)
+// Monitors the Hall sensors, each with its own clock: which samples are new, how old, saturated, and whether a sensor
+// is dead, stuck or jumps. docs/theory/firmware.md (15), (16)
 #pragma once
 
 #include "firmware/core/board_io.h"
@@ -9,17 +9,17 @@ namespace omni::firmware {
 
 // Of one step; bit i: sensor i.
 struct HallVerdict {
-  std::uint8_t fresh = 0;   // a new sample was taken over
+  std::uint8_t fresh = 0;   // a new sample was accepted
   std::uint8_t silent = 0;  // does not answer, or has had no new sample for kHallStale_us
-  std::uint8_t stuck = 0;   // has given the same sample too often
-  std::uint8_t jumps = 0;   // several samples in a row were further away than a magnet gets
+  std::uint8_t stuck = 0;   // has repeated the same sample too often
+  std::uint8_t jumps = 0;   // several samples in a row changed more than a magnet can cause
 };
 
 class HallWatch {
  public:
   HallVerdict Step(const Settings& settings, const Inputs& inputs) noexcept;
 
-  // Newest sample that was taken over; a sample that jumps is not, until it is a fault.
+  // Newest accepted sample; a sample that jumps is not accepted until it is a fault.
   const std::int16_t (&field(int sensor) const noexcept)[3] { return field_[sensor]; }
   bool has_sample(int sensor) const noexcept { return has_sample_[sensor]; }
   std::uint64_t sample_us(int sensor) const noexcept { return sample_us_[sensor]; }
@@ -40,7 +40,7 @@ class HallWatch {
   bool has_sample_[wire::kSensors] = {};
   std::int16_t currents_[wire::kCoils][kCurrentMemory] = {};
   int at_ = 0;
-  float swing_A_ = 0;  // what the coils' currents have changed by within that memory, all together
+  float swing_A_ = 0;  // total change of the coils' currents within that memory
 };
 
 }  // namespace omni::firmware

@@ -1,5 +1,5 @@
-// A second look at what goes to the bridges, which asks neither Drive nor the core's state of the moment: a duty other
-// than zero only while armed, in the self-test, or in the ramp that ends an armed state. docs/theory/firmware.md (29)
+// A second check of the outputs to the bridges, independent of Drive and of the core's current state: a non-zero duty
+// only while armed, in the self-test, or in the ramp that ends an armed state. docs/theory/firmware.md (29)
 #pragma once
 
 #include "firmware/core/board_io.h"
@@ -8,10 +8,10 @@ namespace omni::firmware {
 
 class OutputCheck {
  public:
-  // A state was entered, in the order of the core.
+  // Notes each state that the core enters, in order.
   void Enter(wire::State state) noexcept { state_ = state; }
 
-  // Every step, after all else. False: a bridge would be driven that may not be.
+  // Every step, last. False: a bridge would be driven that must not be.
   bool Allows(const Outputs& outputs) noexcept;
 
  private:

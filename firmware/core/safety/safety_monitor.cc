@@ -70,7 +70,7 @@ void SafetyMonitor::CheckCoils(const Settings& settings, const Observation& seen
   Block(wire::kFaultPower, !(power_W_ <= settings.power_max_W));
 }
 
-// (23) to (25): what the voltage that was measured gives, against what was measured; and that against what was wanted.
+// (23) to (25): the current that the measured voltage produces against the measured one; and that against the expected.
 void SafetyMonitor::CheckModel(int coil, const Settings& settings, const Observation& seen, const CoilHeat& heat,
                                const Drive& drive) noexcept {
   const float resistance_ohm = heat.resistance_ohm(coil);
@@ -126,7 +126,7 @@ void SafetyMonitor::CheckHall(const Observation& seen) noexcept {
   const bool has_started = seen.state != wire::State::kBoot;
   for (int i = 0; i < wire::kSensors; ++i) {
     Check(wire::kFaultHallSensor, i, has_started && Bit(seen.hall.silent, i), 0);
-    // The watch has counted samples already.
+    // The hall watch has counted its samples already.
     if (Bit(seen.hall.stuck, i)) Report(wire::kFaultHallStuck, i, 0);
     if (Bit(seen.hall.jumps, i)) Report(wire::kFaultHallJump, i, 0);
   }

@@ -1,5 +1,5 @@
-// One detector for every fault that the base itself can see; thresholds in fault_rules.h and Settings. It says what it
-// finds and what is in the way of ARM; what happens then is the core's.
+// One detector for every fault that the base itself can see; thresholds in fault_rules.h and Settings. It reports its
+// findings and what refuses ARM; the reaction is the core's.
 #pragma once
 
 #include "firmware/core/drive.h"
@@ -7,7 +7,7 @@
 
 namespace omni::firmware {
 
-// A control step in SI, before anything acts on it.
+// A control step in SI units, before any processing.
 struct Observation {
   wire::State state = wire::State::kBoot;
   HallVerdict hall;
@@ -18,10 +18,10 @@ struct Observation {
   float supply_V = 0;
   float board_C = 0;
   float fan_rpm = 0;
-  std::uint8_t fan = 0;  // as commanded in the step before
+  std::uint8_t fan = 0;  // as commanded in the previous step
   bool emergency_stop = false;
   bool clock_advances = true;
-  bool drives_test = false;  // the self-test is at its coils
+  bool drives_test = false;  // the self-test is driving coils
 };
 
 struct Finding {
@@ -34,15 +34,15 @@ class SafetyMonitor {
  public:
   void Step(const Settings& settings, const Observation& seen, const CoilHeat& heat, const Drive& drive) noexcept;
 
-  // Of this step. A fault that lasts is found in every step.
+  // Of this step. A persistent fault is found in every step.
   int count() const noexcept { return count_; }
   const Finding& finding(int i) const noexcept { return findings_[i]; }
-  // Fault bits whose cause is there, or was until just now, by the stricter limits that ARM asks for.
+  // Fault bits whose cause is, or was until recently, present by ARM's stricter limits.
   std::uint32_t causes() const noexcept { return causes_ | causes_before_; }
 
  private:
   static constexpr int kParts = wire::kSensors + 1;  // the last: the whole base
-  static constexpr int kFindingsMax = 16;            // more: found again in the next step
+  static constexpr int kFindingsMax = 16;            // further ones are found again in the next step
 
   // Reports a condition once it has held for as long as the rule says.
   void Check(wire::Fault fault, int part, bool holds, float value) noexcept;
@@ -64,7 +64,7 @@ class SafetyMonitor {
   std::uint32_t causes_ = 0;
   std::uint32_t causes_before_ = 0;  // of the kCauseGone_steps before these
   int cause_steps_ = 0;
-  float model_A_[wire::kCoils] = {};  // what the measured voltage gives
+  float model_A_[wire::kCoils] = {};  // current that the measured voltage produces
   float power_W_ = 0;
 };
 

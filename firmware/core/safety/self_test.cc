@@ -7,8 +7,8 @@ namespace {
 
 constexpr int kSamples = 16;                             // of every sensor, before and in the test field
 constexpr int kSamplesTimeout_steps = 50 * kStepsPerMs;  // 16 samples at 1 kHz take 16 ms
-constexpr int kSettle_steps = 60 * kStepsPerMs;          // ST's procedure for its sensors waits that long
-constexpr int kAttempts = 4;                             // a pen that moves near the base spoils one
+constexpr int kSettle_steps = 60 * kStepsPerMs;          // as in ST's procedure for its sensors
+constexpr int kAttempts = 4;                             // a pen moving near the base disturbs one
 
 // LIS3MDL data sheet, sensor characteristics, self-test: +1 to +3 G on x and y, +0.1 to +1 G on z.
 struct Range_T {
@@ -18,7 +18,7 @@ constexpr Range_T kTestField[3] = {{1e-4F, 3e-4F}, {1e-4F, 3e-4F}, {1e-5F, 1e-4F
 
 constexpr float kCoil_A = 1;
 constexpr int kDrive_steps = 30 * kStepsPerMs;    // 20 time constants
-constexpr int kMeasure_steps = 10 * kStepsPerMs;  // of them the last
+constexpr int kMeasure_steps = 10 * kStepsPerMs;  // the last of them
 constexpr int kRest_steps = 10 * kStepsPerMs;
 constexpr float kMeasuredTolerance = 0.2F;
 
@@ -80,7 +80,7 @@ void SelfTest::HallPhases(const Settings& settings, const HallWatch& hall, const
   }
 }
 
-// True once all sensors have given enough, or have had the time to.
+// True once all sensors have delivered enough samples, or have had the time to.
 bool SelfTest::Collect(const Settings& settings, const HallWatch& hall, const HallVerdict& verdict,
                        Sums& sums) noexcept {
   bool is_complete = true;
@@ -95,8 +95,7 @@ bool SelfTest::Collect(const Settings& settings, const HallWatch& hall, const Ha
   return is_complete || in_phase_ >= kSamplesTimeout_steps;
 }
 
-// (17): before and after, so that what changes evenly drops out. An axis that the pen saturates shows nothing and is
-// not judged.
+// (17): before and after, so that a steady drift cancels. An axis that the pen saturates is not checked.
 void SelfTest::JudgeHall(const Settings& settings, Step& step) noexcept {
   const std::uint32_t saturated_mask = rest_.saturated_mask | field_.saturated_mask | again_.saturated_mask;
   for (int i = 0; i < wire::kSensors; ++i) {

@@ -1,5 +1,5 @@
-// Before any coil is driven: do the Hall sensors show their own test field with the right sign, and has every coil its
-// resistance, with the right sign of the current? docs/theory/firmware.md (17), (18)
+// Before any coil is driven: checks that the Hall sensors show their own test field with the right sign, and that every
+// coil has its resistance and the right sign of the current. docs/theory/firmware.md (17), (18)
 #pragma once
 
 #include "firmware/core/safety/coil_heat.h"
@@ -17,7 +17,7 @@ class SelfTest {
     bool awake = false;                  // bridges brake or drive
     float voltage_V[wire::kCoils] = {};  // open loop: a wrong sign must not run away
     std::uint32_t fault = 0;             // kRefused: beside kFaultSelfTest
-    std::uint8_t part = 0;               // of it
+    std::uint8_t part = 0;               // of the fault
     float value = 0;                     // T or ohm
   };
 
@@ -34,10 +34,10 @@ class SelfTest {
  private:
   enum class Phase : std::uint8_t {
     kHallRest,     // samples without the test field
-    kHallSettle,   // it comes on
+    kHallSettle,   // it is switched on
     kHallField,    // samples with it
-    kHallRelease,  // it goes
-    kHallAgain,    // samples without it: what has drifted meanwhile
+    kHallRelease,  // it is switched off
+    kHallAgain,    // samples without it: the drift meanwhile
     kCoilWake,     // bridges wake up, braking
     kCoilDrive,    // about an ampere
     kCoilRest,     // brake

@@ -15,7 +15,7 @@ namespace {
 constexpr std::chrono::milliseconds kNap{20};
 constexpr std::size_t kWriteSize = 1U << 18;  // bytes handed to the kernel at once
 
-// 0, or the errno of what went wrong.
+// 0, or the errno of the failure.
 int WriteAll(int fd, const std::uint8_t* bytes, std::size_t size) noexcept {
   for (std::size_t done = 0; done < size;) {
     const ssize_t written = write(fd, bytes + done, size - done);
@@ -106,7 +106,7 @@ void DeviceRecorder::Drain() {
   Write();
 }
 
-// After a failure the ring is emptied all the same.
+// After a failure the ring is still emptied.
 void DeviceRecorder::Write() {
   int error = error_.load(std::memory_order_relaxed);
   if (error == 0) {

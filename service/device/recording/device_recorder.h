@@ -1,5 +1,5 @@
-// Writes a device recording (recording_format.h) from a thread of its own. The caller hands over scans and commands
-// through a ring: it never waits, and what finds the ring full is lost and counted.
+// Writes a device recording (recording_format.h) from a thread of its own. The caller passes scans and commands
+// through a ring and never waits; records that find the ring full are lost and counted.
 #pragma once
 
 #include <atomic>
@@ -35,7 +35,7 @@ class DeviceRecorder {
   // Any thread.
   std::uint64_t lost() const noexcept { return lost_.value(); }        // found the ring full
   std::uint64_t written() const noexcept { return written_.value(); }  // scans and commands in the file
-  // Empty, or what kept a record from being written (disk full): then nothing more is written.
+  // Empty, or why a record could not be written (disk full); nothing is written after that.
   std::string problem() const;
   const std::string& path() const noexcept { return path_; }
 

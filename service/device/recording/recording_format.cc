@@ -85,7 +85,7 @@ void PutText(wire::ByteWriter& out, const std::string& text, std::size_t size) n
   for (std::size_t i = 0; i < size; ++i) out.U8(i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0);
 }
 
-// Up to the first zero; never control characters to a terminal.
+// Up to the first zero; control characters never reach a terminal.
 std::string GetText(wire::ByteReader& in, std::size_t size) {
   std::string text;
   bool ended = false;

@@ -2,10 +2,10 @@
 //
 //   header: "OMNIDEV\0" | u32 format | u16 sensors | u16 coils | u8 simulation | u8 virtual_time | u16 0
 //           | f64 current_max_A | i64 begun, seconds since 1970 | char serial[32] | char name[64] | u32 CRC-32C
-//   then records: u8 kind | u8 0 | u16 size | payload of `size` bytes | u32 CRC-32C of all before
+//   then records: u8 kind | u8 0 | u16 size | payload of `size` bytes | u32 CRC-32C of all bytes before it
 //
-// Units are those of base::HallScan. A reader skips whole records of a kind that it does not know; another format is
-// refused. A file without an end record was cut off: what stands in it is good.
+// Units are those of base::HallScan. A reader skips whole records of an unknown kind; another format is refused. A file
+// without an end record was cut off: the records in it are valid.
 #pragma once
 
 #include <cstddef>
@@ -28,21 +28,21 @@ struct RecordingInfo {
   std::string name;  // of the transport, cut to 64 bytes
   std::string serial;
   bool simulation = false;
-  bool virtual_time = false;  // stamps of scans have nothing to do with those of the host
-  double current_max_A = 0;   // largest set-point that the transport took
+  bool virtual_time = false;  // stamps of scans are unrelated to the host's clock
+  double current_max_A = 0;   // largest set-point that the transport accepted
   std::int64_t begun_unix_s = 0;
 };
 
 enum class RecordKind : std::uint8_t { kScan = 1, kCommand = 2, kLoss = 3, kEnd = 4 };
 
-// What Read gave.
+// A scan returned by Read.
 struct ScanRecord {
   static constexpr RecordKind kKind = RecordKind::kScan;
-  std::int64_t read_ns = 0;  // CLOCK_MONOTONIC when Read came back
+  std::int64_t read_ns = 0;  // CLOCK_MONOTONIC when Read returned
   base::HallScan scan;
 };
 
-// What Write was given, in the order of the calls.
+// Set-points passed to Write, in the order of the calls.
 struct CommandRecord {
   static constexpr RecordKind kKind = RecordKind::kCommand;
   std::int64_t written_ns = 0;
@@ -50,13 +50,13 @@ struct CommandRecord {
   std::uint32_t sent = 0;  // 0: the transport refused
 };
 
-// Records that found the recorder's ring full, since the begin.
+// Records lost to a full ring, since the start.
 struct LossRecord {
   static constexpr RecordKind kKind = RecordKind::kLoss;
   std::uint64_t lost = 0;
 };
 
-// The recording was closed; why Read's last answer was no scan.
+// The recording was closed; why Read returned no more scans.
 struct EndRecord {
   static constexpr RecordKind kKind = RecordKind::kEnd;
   std::uint64_t scans = 0;
@@ -80,7 +80,7 @@ struct HeaderResult {
 // `bytes`: kRecordingHeaderSize of them.
 HeaderResult DecodeHeader(const std::uint8_t* bytes, RecordingInfo& info);
 
-// One record's bytes as they stand in the file.
+// One record's bytes as stored in the file.
 struct RecordView {
   std::uint8_t kind = 0;
   const std::uint8_t* payload = nullptr;
@@ -90,12 +90,12 @@ struct RecordView {
 
 enum class ViewStatus : std::uint8_t {
   kOk = 0,
-  kMore,   // the record is longer than what is there
-  kBadCrc  // or a head that no record has
+  kMore,   // the record is longer than the bytes available
+  kBadCrc  // or an invalid record head
 };
 ViewStatus ViewRecord(const std::uint8_t* bytes, std::size_t size, RecordView& view) noexcept;
 
-// False: another kind, or a payload of the wrong size. Bytes behind the fields are ignored.
+// False: another kind, or a payload of the wrong size. Bytes after the fields are ignored.
 template <class Record>
 bool DecodeRecord(const RecordView& view, Record& record) noexcept;
 

@@ -21,12 +21,12 @@ std::string ExplainHeader(const std::string& path, const HeaderResult& header) {
     case HeaderStatus::kOtherArray:
       return path + ": recorded from a base with another number of sensors or coils: use a build for that base";
     case HeaderStatus::kBadCrc:
-      return path + ": at byte 0: the header is damaged: take another copy, or record again";
+      return path + ": at byte 0: the header is damaged: use another copy, or record again";
     case HeaderStatus::kNotARecording:
     case HeaderStatus::kOk:
       break;
   }
-  return path + ": at byte 0: not a device recording: omnid --record-device FILE makes one";
+  return path + ": at byte 0: not a device recording: omnid --record-device FILE creates one";
 }
 
 // Reads until `size` bytes are there or the file ends; -1: errno.
@@ -55,7 +55,7 @@ base::Result<std::unique_ptr<RecordingReader>> RecordingReader::Open(const std::
   const bool begins_well = header.status != HeaderStatus::kNotARecording;
   if (begins_well && size < static_cast<ssize_t>(kRecordingHeaderSize)) {
     return base::Error{path + ": at byte " + std::to_string(size) +
-                       ": the file ends within its header and holds nothing: record again"};
+                       ": the file ends within its header and contains no data: record again"};
   }
   if (header.status != HeaderStatus::kOk) return base::Error{ExplainHeader(path, header)};
   reader->offset_ = kRecordingHeaderSize;
@@ -68,7 +68,7 @@ void RecordingReader::Rewind() noexcept {
   offset_ = kRecordingHeaderSize;
 }
 
-// More bytes behind those that are left. False: there are none.
+// Reads more bytes after the unread ones. False: there are none.
 bool RecordingReader::Fill() noexcept {
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
@@ -107,9 +107,11 @@ std::string RecordingReader::Explain(RecordStatus status) const {
     case RecordStatus::kOver:
       return "";
     case RecordStatus::kTruncated:
-      return at + "the file ends within a record: its writer was killed, or the disk was full; all before is good";
+      return at +
+             "the file ends within a record: its writer was killed, or the disk was full; everything before it is "
+             "intact";
     case RecordStatus::kCorrupt:
-      return at + "a record is damaged: take another copy, or keep what stands before it: head -c " +
+      return at + "a record is damaged: use another copy, or keep the records before it: head -c " +
              std::to_string(offset_) + " " + path_ + " > NEW";
     case RecordStatus::kFailed:
       break;
@@ -189,7 +191,7 @@ base::Result<RecordingSummary> SummariseRecording(const std::string& path) {
   summary.cut = (*reader)->Explain(status);
   if (summary.cut.empty() && !summary.ended) {
     summary.cut = path + ": at byte " + std::to_string(summary.bytes) +
-                  ": no end record: its writer still runs or was killed; all before is good";
+                  ": no end record: its writer is still running or was killed; everything before it is intact";
   }
   return std::move(summary);
 }

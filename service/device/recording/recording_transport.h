@@ -1,4 +1,4 @@
-// A transport that passes everything through and has it written down.
+// A transport that passes everything through and records it.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ class RecordingTransport final : public Transport {
   TransportCounters counters() const noexcept override { return inner_->counters(); }
   TransportState state() const noexcept override { return inner_->state(); }
   bool TakeNote(BaseNote& note) noexcept override { return inner_->TakeNote(note); }
-  // Its Close() goes behind the last Read and Write.
+  // Call its Close() after the last Read and Write.
   DeviceRecorder& recorder() noexcept { return *recorder_; }
 
  private:
@@ -28,7 +28,7 @@ class RecordingTransport final : public Transport {
   std::unique_ptr<DeviceRecorder> recorder_;
 };
 
-// What the recording says of `transport`. current_max_A: largest set-point that it takes.
+// The recording's description of `transport`. current_max_A: largest set-point that it accepts.
 RecordingInfo DescribeForRecording(const TransportInfo& transport, double current_max_A);
 
 }  // namespace omni::device

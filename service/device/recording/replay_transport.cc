@@ -31,7 +31,7 @@ class FileReplay final : public ReplayTransport {
 
   ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {
     if (counters_.received.value() == summary_.scans) return ReadStatus::kEnd;  // last commands may still be written
-    while (next_ == Next::kCommand) {                                           // of then, without one of now
+    while (next_ == Next::kCommand) {                                           // recorded, but none written now
       ++missing_;
       Advance();
     }
@@ -88,7 +88,7 @@ class FileReplay final : public ReplayTransport {
     }
   }
 
-  // False: the scan is not due within the time. What came then with a delay comes so now.
+  // False: the scan is not due within the time. Recorded delays are reproduced.
   bool WaitForScan(std::int64_t timeout_ns) noexcept {
     const std::int64_t came_ns = summary_.info.virtual_time ? scan_.scan.t_ns : scan_.read_ns;
     const std::int64_t now_ns = base::MonotonicNow_ns();

@@ -33,10 +33,10 @@ bool Arming::OnArm(const wire::Arm& arm, std::int64_t t_ns) noexcept {
     phase_ = Phase::kConfirm;
     return true;
   }
-  if (arm.step == wire::ArmStep::kArmed && phase_ == Phase::kConfirmed) return true;  // telemetry says it, too
+  if (arm.step == wire::ArmStep::kArmed && phase_ == Phase::kConfirmed) return true;  // telemetry reports it, too
   const bool asked = phase_ == Phase::kAsked || phase_ == Phase::kConfirmed;
   if (arm.step == wire::ArmStep::kRefused && asked) {
-    // A self-test that is running refuses, too; one that failed stands in the telemetry.
+    // A running self-test refuses, too; a failed one shows in the telemetry.
     held_ = held_ || OfOthers(arm.faults & ~wire::kFaultSelfTest);
     Rest(t_ns + kPause_ns);
     return true;

@@ -1,5 +1,5 @@
-// Arms a base in two steps (wire::Arm) when it is open, and again when it fell asleep because of the host. What else
-// disarmed it a person has to look at: it is never armed by itself after such a fault, not even when the fault is gone.
+// Arms a base in two steps (wire::Arm) when it is opened, and again after it disarmed because of the host. After any
+// other fault it is never rearmed automatically, not even when the fault is gone: the user has to check the base.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ class Arming {
   static constexpr std::int64_t kPause_ns = 100'000'000;   // after a refusal
 
   void OnTelemetry(const wire::Telemetry& telemetry, std::int64_t t_ns) noexcept;
-  // False: an answer that nobody asked for; nothing changes.
+  // False: an unsolicited answer; nothing changes.
   bool OnArm(const wire::Arm& arm, std::int64_t t_ns) noexcept;
   // True: `arm` is to be sent now.
   bool Next(std::int64_t t_ns, wire::Arm& arm) noexcept;
 
-  // By the newest telemetry: set-points have an effect.
+  // By the newest telemetry: set-points take effect.
   bool armed() const noexcept { return armed_; }
-  // A fault that is not the host's came up since the start; a person has to look (omni device selftest).
+  // A fault that is not the host's occurred since the start; the user has to check it (omni device selftest).
   bool held() const noexcept { return held_; }
 
  private:

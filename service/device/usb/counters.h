@@ -1,4 +1,4 @@
-// Counts of a transport: written by the thread that reads and writes frames, read by any.
+// Counters of a transport: written by the thread that reads and writes frames, read by any.
 #pragma once
 
 #include <atomic>

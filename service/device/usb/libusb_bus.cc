@@ -73,7 +73,7 @@ const char* SpeedOf(libusb_device* device) {
   }
 }
 
-// What the kernel has read of it, for anyone to see.
+// The serial number that the kernel has read, in sysfs.
 std::string SerialInSysfs(const std::string& port) {
   std::ifstream file("/sys/bus/usb/devices/" + port + "/serial");
   std::string serial;
@@ -164,7 +164,7 @@ class LibusbBus final : public UsbBus {
     }
     if (got < 0) {
       return base::Error{
-          LibusbProblem(got, "ask (vendor request " + std::to_string(static_cast<int>(request)) + ")", base.node)};
+          LibusbProblem(got, "answer vendor request " + std::to_string(static_cast<int>(request)), base.node)};
     }
     answer.resize(static_cast<std::size_t>(got));
     return answer;
@@ -183,8 +183,8 @@ std::string LibusbProblem(int error, const std::string& what, const std::string&
     case LIBUSB_ERROR_BUSY: {
       const std::string holders = HoldersText(HoldersOf(node));
       return "another program holds " + node + ": " +
-             (holders.empty() ? "another user's, which `sudo fuser -v " + node + "` names" : holders) +
-             "; end it first";
+             (holders.empty() ? "a process of another user (find it with `sudo fuser -v " + node + "`)" : holders) +
+             "; stop it first";
     }
     case LIBUSB_ERROR_NO_DEVICE:
     case LIBUSB_ERROR_NOT_FOUND:
@@ -194,15 +194,15 @@ std::string LibusbProblem(int error, const std::string& what, const std::string&
     default:
       break;
   }
-  return node + ": cannot " + what + " (" + libusb_error_name(error) + "); plug it in again, best without a hub";
+  return node + ": cannot " + what + " (" + libusb_error_name(error) + "); reconnect it, preferably without a hub";
 }
 
 base::Result<std::unique_ptr<UsbBus>> MakeUsbBus(bool realtime) {
   libusb_context* raw = nullptr;
   const int made = libusb_init(&raw);
   if (made != LIBUSB_SUCCESS) {
-    return base::Error{std::string("USB cannot be used (libusb_init: ") + libusb_error_name(made) +
-                       "): is /dev/bus/usb there?"};
+    return base::Error{std::string("USB is not available (libusb_init: ") + libusb_error_name(made) +
+                       "): check that /dev/bus/usb exists"};
   }
   return std::unique_ptr<UsbBus>(
       std::make_unique<LibusbBus>(LibusbContext(raw, [](libusb_context* context) { libusb_exit(context); }), realtime));

@@ -1,4 +1,4 @@
-// Owners of what libusb hands out, and its errors in words. Only libusb_*.cc include this.
+// Owners of libusb's objects, and its errors as text. Only libusb_*.cc include this.
 #pragma once
 
 #include <libusb.h>
@@ -17,7 +17,7 @@ struct LibusbClose {
 };
 using LibusbHandle = std::unique_ptr<libusb_device_handle, LibusbClose>;
 
-// What went wrong while doing `what` with the node, and what to do about it.
+// What went wrong ("cannot `what`") with the node, and what to do about it.
 std::string LibusbProblem(int error, const std::string& what, const std::string& node);
 
 // Claims the vendor interface of an opened base and finds its endpoints; see libusb_link.cc.

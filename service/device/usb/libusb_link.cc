@@ -1,4 +1,4 @@
-// One opened base: its interface claimed, IN transfers always in flight, OUT transfers as there is something to send,
+// One opened base: its interface claimed, IN transfers always in flight, OUT transfers when there is something to send,
 // all on a thread of its own.
 //
 // The thread waits in its own poll(), not in libusb's, so that Wake() is one write to an eventfd;
@@ -27,9 +27,9 @@ constexpr std::size_t kOutTransfers = 2;  // one on the bus, one behind it; newe
 constexpr std::size_t kBufferSize = 512;  // a multiple of every packet size: no babble; a frame is shorter
 constexpr int kFailuresMax = 16;          // in a row
 constexpr int kPoll_ms = 50;
-constexpr std::int64_t kLastWords_ns = 20'000'000;  // for set-points that are on their way when the link closes
-constexpr std::int64_t kCancel_ns = 1'000'000'000;  // for the kernel to give transfers back
-constexpr int kPriority = 81;                       // above the tick: it brings what the tick waits for
+constexpr std::int64_t kLastWords_ns = 20'000'000;  // for set-points in flight when the link closes
+constexpr std::int64_t kCancel_ns = 1'000'000'000;  // for the kernel to return transfers
+constexpr int kPriority = 81;                       // above the tick, which waits for its scans
 
 struct Endpoints {
   int interface = -1;
@@ -41,7 +41,7 @@ bool IsBulk(const libusb_endpoint_descriptor& endpoint) {
   return (endpoint.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_BULK;
 }
 
-// The endpoints of one interface's descriptor; false: it is not ours.
+// The endpoints of one interface's descriptor; false: not an Omni interface.
 bool Match(const libusb_interface_descriptor& descriptor, Endpoints& found) {
   if (descriptor.bInterfaceClass != wire::kUsbInterfaceClass ||
       descriptor.bInterfaceSubClass != wire::kUsbInterfaceSubclass ||
@@ -75,7 +75,7 @@ base::Result<Endpoints> FindEndpoints(libusb_device* device, const std::string& 
   libusb_free_config_descriptor(config);
   if (matched) return found;
   return base::Error{node +
-                     " has Omni's USB number but not its interface (vendor specific, bulk in and out): another "
+                     " has Omni's USB ID but not its interface (vendor specific, bulk in and out): another "
                      "device, or the wrong firmware (omni device flash-help)"};
 }
 
@@ -108,7 +108,7 @@ class LibusbLink final : public UsbLink {
     wake_.Signal();
     if (thread_.joinable()) thread_.join();
     if (watching_) libusb_hotplug_deregister_callback(context_.get(), hotplug_);
-    // A kernel that does not give a transfer back may still write into it: better leaked than freed.
+    // A transfer that the kernel does not return may still be written to: better leaked than freed.
     if (AnyInFlight()) [[maybe_unused]]
       auto* const leaked = transfers_.release();
     libusb_release_interface(handle_.get(), endpoints_.interface);
@@ -116,7 +116,7 @@ class LibusbLink final : public UsbLink {
 
   base::Status Start(UsbHandler& handler) override {
     handler_ = &handler;
-    if (!wake_.valid()) return base::Error{"no descriptor left for an eventfd: raise the limit of open files"};
+    if (!wake_.valid()) return base::Error{"no file descriptor left for an eventfd: raise the limit of open files"};
     if (!Allocate()) return base::Error{"no memory for USB transfers"};
     WatchHotplug();
     if (const base::Status watched = CollectDescriptors(); !watched.ok()) return watched;
@@ -152,7 +152,7 @@ class LibusbLink final : public UsbLink {
 
   base::Status CollectDescriptors() {
     const libusb_pollfd** fds = libusb_get_pollfds(context_.get());
-    if (fds == nullptr) return base::Error{"libusb names no descriptors to wait for"};
+    if (fds == nullptr) return base::Error{"libusb provides no file descriptors to poll"};
     polled_ = {pollfd{wake_.fd(), POLLIN, 0}};
     for (const libusb_pollfd** fd = fds; *fd != nullptr; ++fd) polled_.push_back({(*fd)->fd, (*fd)->events, 0});
     libusb_free_pollfds(fds);
@@ -162,7 +162,7 @@ class LibusbLink final : public UsbLink {
   void Run() noexcept {
     pthread_setname_np(pthread_self(), "omni-usb");
     const sched_param parameters{kPriority};
-    if (realtime_) pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);  // the tick says what is refused
+    if (realtime_) pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);  // the tick reports a refusal
     while (!stop_.load(std::memory_order_acquire) && !gone_) {
       SubmitIn();
       SubmitOut();
@@ -197,7 +197,7 @@ class LibusbLink final : public UsbLink {
   }
 
   static void Cancel(Transfer& one) noexcept {
-    if (one.in_flight) libusb_cancel_transfer(one.transfer);  // one that is over already comes by itself
+    if (one.in_flight) libusb_cancel_transfer(one.transfer);  // a finished one returns anyway
   }
 
   template <class Array>
@@ -232,7 +232,7 @@ class LibusbLink final : public UsbLink {
       if (size == 0) return;
       libusb_fill_bulk_transfer(one.transfer, handle_.get(), endpoints_.out, one.buffer.data(), static_cast<int>(size),
                                 &LibusbLink::OnOut, &one, 0);
-      // A frame that fills its last packet does not end by itself; the base would wait for more.
+      // A frame that fills its last packet needs a zero-length packet, or the base would wait for more.
       const bool full = size % endpoints_.out_packet == 0;
       one.transfer->flags = full ? std::uint8_t{LIBUSB_TRANSFER_ADD_ZERO_PACKET} : std::uint8_t{0};
       if (!Submit(one)) handler_->OnSendFailed();
@@ -256,7 +256,7 @@ class LibusbLink final : public UsbLink {
     if (++failures_ >= kFailuresMax) gone_ = true;
   }
 
-  // What a transfer's end means for the link; true: it did what it should.
+  // Handles the end of a transfer; true: it succeeded.
   bool Completed(Transfer& one) noexcept {
     one.in_flight = false;
     switch (one.transfer->status) {
@@ -303,7 +303,7 @@ class LibusbLink final : public UsbLink {
     return 0;
   }
 
-  // In the order in which they are needed to the end.
+  // In reverse order of destruction.
   LibusbContext context_;
   LibusbHandle handle_;
   Endpoints endpoints_;
@@ -320,7 +320,7 @@ class LibusbLink final : public UsbLink {
   // The thread's.
   bool gone_ = false;
   bool halted_ = false;
-  bool finishing_ = false;  // the handler hears nothing any more
+  bool finishing_ = false;  // the handler is not called any more
   int failures_ = 0;        // in a row
 };
 
@@ -330,7 +330,7 @@ base::Result<std::unique_ptr<UsbLink>> MakeLibusbLink(LibusbContext context, Lib
                                                       const std::string& node, bool realtime) {
   base::Result<Endpoints> endpoints = FindEndpoints(libusb_get_device(handle.get()), node);
   if (!endpoints.ok()) return base::Error{endpoints.error()};
-  libusb_set_auto_detach_kernel_driver(handle.get(), 1);  // none binds to a vendor interface, but a test driver may
+  libusb_set_auto_detach_kernel_driver(handle.get(), 1);  // in case a test driver is bound to the vendor interface
   const int claimed = libusb_claim_interface(handle.get(), endpoints->interface);
   if (claimed != LIBUSB_SUCCESS) return base::Error{LibusbProblem(claimed, "claim its interface", node)};
   return std::unique_ptr<UsbLink>(

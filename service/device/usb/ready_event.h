@@ -1,5 +1,5 @@
-// One thread tells another that there is something to look at; the other waits for that at most so long. An eventfd:
-// neither side allocates, takes a lock or is held up by the other.
+// One thread notifies another, which waits with a deadline. An eventfd: neither side allocates, takes a lock or blocks
+// the other.
 #pragma once
 
 #include <poll.h>
@@ -23,9 +23,9 @@ class ReadyEvent {
   // Any thread.
   void Signal() const noexcept {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const ssize_t written = write(fd_.get(), &one, sizeof one);  // full: it is signalled anyway
+    [[maybe_unused]] const ssize_t written = write(fd_.get(), &one, sizeof one);  // full: already signalled
   }
-  // The waiting thread. Look for news after Clear, not before: what comes in between is signalled again.
+  // The waiting thread. Check for news after Clear, not before: anything in between is signalled again.
   void Clear() const noexcept {
     std::uint64_t count = 0;
     [[maybe_unused]] const ssize_t got = read(fd_.get(), &count, sizeof count);

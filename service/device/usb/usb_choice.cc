@@ -1,4 +1,4 @@
-// Which base is meant, and what to say when that is not clear.
+// Selects a base by serial, with an error message when the choice is not clear.
 #include <utility>
 
 #include "service/device/usb/usb_bus.h"
@@ -44,7 +44,7 @@ base::Result<UsbBase> ChooseUsbBase(const std::vector<UsbBase>& bases, const std
     return base::Error{std::to_string(bases.size()) + " Omni bases on USB: " + Listed(bases) +
                        "; choose one: omnid --device usb:SERIAL, omni device ... SERIAL"};
   }
-  return base::Error{std::to_string(matching.size()) + " Omni bases on USB call themselves " + serial +
+  return base::Error{std::to_string(matching.size()) + " Omni bases on USB have the serial " + serial +
                      "; disconnect all but one"};
 }
 

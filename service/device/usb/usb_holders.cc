@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The process of a folder of /proc; 0: it is none.
+// The process of a folder of /proc; 0: not a process.
 int PidOf(const std::string& name) {
   const bool digits = !name.empty() && name.size() < 10 &&
                       std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
@@ -20,7 +20,7 @@ int PidOf(const std::string& name) {
 }
 
 bool HasOpen(const fs::path& process, const std::string& node) {
-  std::error_code error;  // a process that ends meanwhile, or is not ours
+  std::error_code error;  // a process that ends meanwhile, or of another user
   for (fs::directory_iterator fd(process / "fd", error), end; !error && fd != end; fd.increment(error)) {
     std::error_code gone;
     if (fs::read_symlink(fd->path(), gone) == node && !gone) return true;

@@ -1,4 +1,4 @@
-// Which programs have a device node open, for messages.
+// Which processes have a device node open, for messages.
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@ struct Holder {
   std::string name;
 };
 
-// Without this process. Other users' programs are visible to root only. `proc`: where /proc is.
+// Except this process. Other users' processes are visible to root only. `proc`: where /proc is.
 std::vector<Holder> HoldersOf(const std::string& node, const std::string& proc = "/proc");
 
-// "omnid (pid 12), omni (pid 15)"; empty: nobody that we can see.
+// "omnid (pid 12), omni (pid 15)"; empty: none visible.
 std::string HoldersText(const std::vector<Holder>& holders);
 
 }  // namespace omni::device

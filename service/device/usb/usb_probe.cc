@@ -49,7 +49,7 @@ class Prober final : public UsbHandler {
     ready_.Signal();
   }
 
-  // Until `holds` (under the lock), the base is gone or `timeout_ns` is over; what `holds` says at the end.
+  // Until `holds` (under the lock), the base is gone or `timeout_ns` is over; returns `holds` at the end.
   template <class Holds>
   bool Wait(std::int64_t timeout_ns, const Holds& holds) {
     const std::int64_t deadline_ns = base::MonotonicNow_ns() + timeout_ns;
@@ -84,8 +84,8 @@ class Prober final : public UsbHandler {
     }
     Wait(kFaultTimeout_ns, [this] { return probe_.kept_fault.has_value(); });
   }
-  // A person asks for it, so faults that are latched do not keep us from trying. A base that tests itself first refuses
-  // until it has; it is asked again.
+  // The user requests it, so latched faults do not prevent the attempt. A base that runs its self-test first refuses
+  // until it has ended; the request is repeated.
   void Arm() {
     {
       const std::lock_guard lock(mutex_);
@@ -203,15 +203,14 @@ base::Result<UsbProbe> ProbeUsbBase(UsbBus& bus, const UsbBase& base, const UsbP
   const std::unique_ptr<UsbLink> held = std::move(*link);  // goes before the prober, whom it calls
   if (const base::Status started = held->Start(prober); !started.ok()) return Named(base, started.error());
   if (!prober.WaitForHello()) {
-    return Named(base, prober.gone()
-                           ? "unplugged while it was being looked at"
-                           : "no HELLO in time: unplug it and plug it in again, or put its firmware on it anew "
-                             "(omni device flash-help)");
+    return Named(base, prober.gone() ? "unplugged while it was being probed"
+                                     : "no HELLO in time: unplug it and plug it in again, or flash its firmware again "
+                                       "(omni device flash-help)");
   }
   prober.Listen(options.listen_ns);
   prober.RequestFault();
   if (options.arm) prober.Arm();
-  if (prober.gone()) return Named(base, "unplugged while it was being looked at");
+  if (prober.gone()) return Named(base, "unplugged while it was being probed");
   return prober.result();
 }
 
@@ -223,8 +222,8 @@ base::Result<wire::Hello> AskUsbHello(UsbBus& bus, const UsbBase& base) {
   wire::Status status = wire::OpenFrame(answer->data(), answer->size(), view);
   if (status == wire::Status::kOk) status = wire::Decode(view, hello);
   if (status == wire::Status::kOk) return hello;
-  return Named(base, std::string("answers HELLO with nonsense (") + wire::StatusName(status) +
-                         "): put the right firmware on it (omni device flash-help)");
+  return Named(base, std::string("sent an invalid HELLO (") + wire::StatusName(status) +
+                         "): flash the right firmware (omni device flash-help)");
 }
 
 base::Status StopUsbBase(UsbBus& bus, const UsbBase& base, std::uint8_t reason) {

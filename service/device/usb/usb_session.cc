@@ -11,11 +11,11 @@ namespace {
 
 constexpr std::int64_t kAskHelloAgain_ns = 100'000'000;
 constexpr std::int64_t kCommandTtl_ns = std::int64_t{kCommandTimeToLive_ms} * 1'000'000;
-constexpr std::int64_t kRepeat_ns = 5'000'000;  // a resting tick writes every 16 ms only, the base waits for 20
-constexpr std::int64_t kRest_ns = 100'000'000;  // a tick that writes nothing for so long does not rest, it is stuck
+constexpr std::int64_t kRepeat_ns = 5'000'000;  // a resting tick writes only every 16 ms, and the base waits for 20
+constexpr std::int64_t kRest_ns = 100'000'000;  // a tick that writes nothing for so long is not resting but stuck
 constexpr int kOutOfOrderMax = 20;  // frames in a row that are older than the last good one: the base has restarted
-// How far ahead of the newest command that the base knows, from an earlier program, ours begin: beyond the frames of
-// other types that came after it, and well within what serial-number arithmetic takes for newer.
+// How far after the newest command that the base has from an earlier program the sequence begins: beyond the frames of
+// other types that came after it, and well within the range that serial-number arithmetic considers newer.
 constexpr std::uint16_t kSeqMargin = 1000;
 
 constexpr std::uint64_t kDeviceTimeMax_us = std::numeric_limits<std::int64_t>::max() / 1000;
@@ -103,8 +103,8 @@ void UsbSession::Refuse(wire::Status status) noexcept {
   last_refused_.store(status, std::memory_order_relaxed);
 }
 
-// Every frame of the base has the next number, whatever its type: a gap is a frame that was lost. A base whose time or
-// numbers go back for long has restarted behind our back; it is opened anew, with a HELLO.
+// Frames of all types share one sequence: a gap is a lost frame. A base whose time or sequence numbers stay behind has
+// restarted unnoticed; it is reopened, with a HELLO.
 bool UsbSession::InOrder(const wire::Header& header) noexcept {
   const bool telemetry = header.type == wire::MessageType::kTelemetry;
   const bool back_in_time = telemetry && header.t_device_us < newest_device_us_;
@@ -143,16 +143,16 @@ void UsbSession::OnFrame(const std::uint8_t* data, std::size_t size, std::int64_
       KeepNote(view);
       break;
     case wire::MessageType::kConfig:
-      break;  // valid, and nothing that this end has asked for
+      break;  // valid, but unsolicited
     case wire::MessageType::kCommand:
     case wire::MessageType::kEstop:
-      Refuse(wire::Status::kWrongType);  // only a host says that
+      Refuse(wire::Status::kWrongType);  // only a host sends these
       break;
   }
 }
 
 void UsbSession::TakeHello(const wire::FrameView& view) noexcept {
-  if (phase_.load(std::memory_order_relaxed) != Phase::kRequestHello) return;  // answer to a question asked twice
+  if (phase_.load(std::memory_order_relaxed) != Phase::kRequestHello) return;  // a second answer to a repeated request
   const wire::Status status = wire::Decode(view, hello_);
   if (status != wire::Status::kOk) {
     Refuse(status);
@@ -246,8 +246,7 @@ std::size_t UsbSession::NextFrame(std::int64_t t_ns, std::uint8_t* frame, std::s
   return NextCommand(t_ns, frame, capacity);
 }
 
-// Zero, and only zero, is said again between the writes of a tick that rests: the base stays armed, and nothing can
-// come of it.
+// Only a zero set-point is repeated between the writes of a resting tick: it keeps the base armed and is harmless.
 bool UsbSession::Repeats(const CommandSlot& slot, std::int64_t t_ns) const noexcept {
   for (const float set_point_A : slot.set_point_A) {
     if (set_point_A != 0) return false;
@@ -255,13 +254,13 @@ bool UsbSession::Repeats(const CommandSlot& slot, std::int64_t t_ns) const noexc
   return slot.index != 0 && t_ns - slot.t_ns <= kRest_ns && t_ns - command_sent_ns_ >= kRepeat_ns;
 }
 
-// The newest set-points; none of them when nobody has armed, but the base is told that its host is alive.
+// The newest set-points; mode off while the base is not armed, which still shows it that its host is alive.
 std::size_t UsbSession::NextCommand(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {
   const CommandSlot& slot = commands_.Read();
   const bool fresh = slot.index != commands_taken_;
   if (!fresh && !Repeats(slot, t_ns)) return 0;
   commands_taken_ = slot.index;
-  if (fresh && t_ns - slot.t_ns > kCommandTtl_ns) {  // the bus was blocked: what was right then is not now
+  if (fresh && t_ns - slot.t_ns > kCommandTtl_ns) {  // the bus was blocked: the command is outdated
     ++counters_.send_failed;
     return 0;
   }

@@ -1,9 +1,9 @@
-// The talk with one opened base: HELLO, arming, telemetry in, commands out, counts. Knows no USB library: a UsbLink
-// carries its frames, so tests talk to it directly.
+// The session with one opened base: HELLO, arming, telemetry in, commands out, counters. Independent of the USB
+// library: a UsbLink carries its frames, so tests drive it directly.
 //
 // Two threads meet here and never wait for each other. The link's thread calls the UsbHandler functions; the caller's
-// (the tick) calls Read and Write. Between them the newest scan and the newest command stand in a base::Latest each.
-// What the base says in words waits in a ring for whoever tells people (TakeNote, one thread of its own).
+// (the tick) calls Read and Write. The newest scan and the newest command are passed through a base::Latest each.
+// FAULT and LOG frames wait in a ring for the thread that logs them (TakeNote).
 #pragma once
 
 #include <atomic>
@@ -32,13 +32,13 @@ class UsbSession final : public UsbHandler {
   // Before anything else; `link` outlives every call of Write.
   void Attach(UsbLink& link) noexcept { link_ = &link; }
 
-  // Waits for the base's HELLO; a frame that asks for it goes out every 100 ms.
+  // Waits for the base's HELLO; requests it every 100 ms.
   Hello WaitForHello(std::int64_t timeout_ns) noexcept;
   // Once it is kHere.
   const wire::Hello& hello() const noexcept { return hello_; }
-  // What the last frame that was refused had; kOk: none was.
+  // Why the last refused frame was refused; kOk: none was.
   wire::Status last_refused() const noexcept { return last_refused_.load(std::memory_order_relaxed); }
-  // From here on scans come and the base is armed. Before: nothing is acted upon.
+  // From here on scans are delivered and the base is armed. Before that, telemetry is ignored.
   void Begin(const DeviceInfo& device) noexcept;
 
   // As Transport's.
@@ -58,7 +58,7 @@ class UsbSession final : public UsbHandler {
   enum class Phase : std::uint8_t { kRequestHello, kHaveHello, kRunning };
   struct ScanSlot {
     base::HallScan scan;
-    std::uint64_t index = 0;  // counts the scans handed over; 0: none yet
+    std::uint64_t index = 0;  // counts the scans passed on; 0: none yet
     std::uint64_t t_device_us = 0;
   };
   struct CommandSlot {

@@ -24,17 +24,17 @@ class UsbTransport final : public Transport {
  private:
   TransportInfo info_;
   std::unique_ptr<UsbSession> session_;
-  std::unique_ptr<UsbLink> link_;  // calls the session: goes first
+  std::unique_ptr<UsbLink> link_;  // calls the session: destroyed first
 };
 
 base::Error NoHello(const std::string& name, wire::Status last_refused) {
   if (last_refused == wire::Status::kOk) {
     return {name +
-            ": no HELLO in time: unplug it, wait a second and plug it in again; if that does not help put the "
-            "firmware on it anew (omni device flash-help)"};
+            ": no HELLO in time: unplug it, wait a second and plug it in again; if that does not help, flash its "
+            "firmware again (omni device flash-help)"};
   }
   return {name + ": sends frames but no HELLO (last one: " + wire::StatusName(last_refused) +
-          "): put the firmware on it that belongs to this version (omni device flash-help)"};
+          "): flash the firmware of this version (omni device flash-help)"};
 }
 
 }  // namespace

@@ -86,9 +86,9 @@ const std::vector<StepCase>& PageSteps() {
 
 std::string StepPage(const HeatingRun& heating) {
   std::string page =
-      "# Answers to a step\n\nPrinted by the target `current_steps`: the control core of `firmware/core` on a "
+      "# Step responses\n\nPrinted by the target `current_steps`: the control core of `firmware/core` on a "
       "simulated base "
-      "in virtual time, whose\ncurrent sensors read 0.15 % and 2 mA too much. A test compares. True currents, the "
+      "in virtual time, whose\ncurrent sensors read 0.15 % and 2 mA too much. A test checks it. True currents, the "
       "worst of "
       "three coils. `coil`: how far\nits resistance is from the settings; its inductance is three times as far the "
       "other "

@@ -1,4 +1,4 @@
-// How the core's currents answer a step, and how they stay over minutes: measured on the simulated base.
+// The core's current response to steps and its stability over minutes, measured on the simulated base.
 #pragma once
 
 #include <string>

@@ -36,10 +36,10 @@ const Cause kCauses[] = {
      [](FirmwareBench& b) { b.plant.SetTemperature(85); }},
     {wire::kFaultOverCurrent, "a sensor reads 16 A", kAnywhere,
      [](FirmwareBench& b) { b.plant.faults.current_reading_A = 16; }},
-    {wire::kFaultDriver, "a bridge says so", kAnywhere, [](FirmwareBench& b) { b.plant.faults.driver = true; }},
+    {wire::kFaultDriver, "a bridge reports a fault", kAnywhere, [](FirmwareBench& b) { b.plant.faults.driver = true; }},
     {wire::kFaultSupplyLow, "8 V", kAnywhere & ~In(State::kBoot), [](FirmwareBench& b) { b.plant.SetSupply(8); }},
     {wire::kFaultSupplyHigh, "28 V", kAnywhere, [](FirmwareBench& b) { b.plant.SetSupply(28); }},
-    {wire::kFaultPower, "voltages read 1.6 times", In(State::kArmed),
+    {wire::kFaultPower, "voltages read 1.6 times too high", In(State::kArmed),
      [](FirmwareBench& b) { b.plant.faults.voltage_reading = 1.6; }},
     {wire::kFaultCoilOpen, "a coil's wire breaks", In(State::kSelfTest) | In(State::kArmed),
      [](FirmwareBench& b) { b.plant.faults.coil_open = true; }},
@@ -55,17 +55,17 @@ const Cause kCauses[] = {
      [](FirmwareBench& b) { b.plant.faults.hall_stuck = true; }},
     {wire::kFaultHallJump, "a sensor jumps by 12 G", kAnywhere,
      [](FirmwareBench& b) { b.plant.faults.hall_jump = true; }},
-    {wire::kFaultFan, "the fan stands", kAnywhere, [](FirmwareBench& b) { b.plant.faults.fan_stands = true; }},
+    {wire::kFaultFan, "the fan stops", kAnywhere, [](FirmwareBench& b) { b.plant.faults.fan_stands = true; }},
     {wire::kFaultEmergencyStop, "the switch opens", kAnywhere,
      [](FirmwareBench& b) { b.plant.faults.emergency_stop = true; }},
     {wire::kFaultEmergencyStop, "ESTOP", kAnywhere, [](FirmwareBench& b) { b.Send(wire::Estop{}); }},
     {wire::kFaultSelfTest, "a sensor shows no test field", In(State::kBoot),
      [](FirmwareBench& b) { b.plant.faults.test_field_dead = true; }},
-    {wire::kFaultSelfTest, "a coil's voltage reads 1.25 times", In(State::kBoot) | In(State::kSelfTest),
+    {wire::kFaultSelfTest, "a coil's voltage reads 1.25 times too high", In(State::kBoot) | In(State::kSelfTest),
      [](FirmwareBench& b) { b.plant.faults.voltage_reading = 1.25; }},
     {wire::kFaultWatchdog, "the firmware hangs", kAnywhere,
      [](FirmwareBench& b) { b.Reset(ResetCause::kWatchdog, kWatchdog_ms); }},
-    {wire::kFaultInternal, "the clock stands", kAnywhere, [](FirmwareBench& b) { b.plant.faults.clock_stands = true; }},
+    {wire::kFaultInternal, "the clock stops", kAnywhere, [](FirmwareBench& b) { b.plant.faults.clock_stands = true; }},
     {wire::kFaultInternal, "bridges are driven by mistake", In(State::kBoot) | In(State::kIdle) | In(State::kFault),
      [](FirmwareBench& b) { CoreTamper::DriveOf(b.core).Wake(); }},
     {wire::kFaultInternal, "a reset breaks the fault record", kAnywhere,
@@ -75,7 +75,7 @@ const Cause kCauses[] = {
      }},
 };
 
-// Brings a base into a state; the self-test at its coil 1, kFault by another fault than the one to come.
+// Brings a base into a state; the self-test at its coil 1, kFault by a fault other than `coming`.
 void Bring(FirmwareBench& bench, const Situation& situation, wire::Fault coming) {
   if (situation.state == State::kBoot) return bench.RunMs(2);
   if (situation.state == State::kSelfTest) {
@@ -83,7 +83,7 @@ void Bring(FirmwareBench& bench, const Situation& situation, wire::Fault coming)
     return bench.RunMs(10);
   }
   bench.RunUntil(State::kIdle, 1000);
-  bench.RunMs(500);  // the fan has come to speed
+  bench.RunMs(500);  // the fan has reached its speed
   if (situation.state == State::kIdle) return;
   bench.Arm();
   bench.SetAll(situation.current_A);
@@ -99,7 +99,7 @@ void Bring(FirmwareBench& bench, const Situation& situation, wire::Fault coming)
   bench.RunMs(100);
 }
 
-// So that coils at the situation's current are near the limit of all together.
+// So that the situation's currents are near the limit of total power.
 Settings SettingsFor(const Situation& situation) {
   Settings settings;
   float power_W = 0;

@@ -1,5 +1,5 @@
-// Every fault in every state: how long until the base says so, until the currents are gone, and what is left of them.
-// And a host that falls silent, at every current.
+// Every fault in every state: time until the base reports it, until the currents are gone, and the remaining current.
+// And a host that falls silent, at several currents.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace omni::firmware {
 
-// Where a fault may find a base.
+// The state of the base when a fault occurs.
 struct Situation {
   wire::State state;
   float current_A;  // in all coils, where it is armed
@@ -22,12 +22,12 @@ constexpr Situation kSituations[] = {
 
 struct MatrixCell {
   Situation situation;
-  bool happens = false;  // false: it cannot have this fault there
+  bool happens = false;  // false: the fault cannot occur in this state
   bool detected = false;
   double detected_ms = 0;  // from the cause to the fault bit
   double zero_ms = 0;      // from the cause until every coil stays below kZero_A
   double left_A = 0;       // largest current of a coil kAfter_ms after the bit
-  bool resting = false;    // by then the bridges sleep and no duty is given
+  bool resting = false;    // by then the bridges sleep and all duties are 0
 };
 
 struct MatrixRow {

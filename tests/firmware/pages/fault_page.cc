@@ -1,4 +1,4 @@
-// docs/protocol/faults.md: the rules as they stand in the code, and what the runs gave.
+// docs/protocol/faults.md: the rules of the code and the measurements.
 #include <algorithm>
 
 #include "firmware/core/safety/fault_rules.h"
@@ -97,15 +97,15 @@ std::string SilenceTable(const std::vector<SilenceRow>& rows) {
 std::string FaultPage(const std::vector<MatrixRow>& rows, const std::vector<SilenceRow>& silence) {
   return R"(# Faults
 
-Printed by the target `fault_matrix` from `firmware/core/safety/fault_rules.h`, `firmware/wire/names.h` and runs of the control
-core against a simulated base in virtual time. A test compares. What a person does about each fault: `wire.md`.
+Printed by the target `fault_matrix` from `firmware/core/fault_rules.h`, `firmware/wire/names.h` and runs of the control
+core against a simulated base in virtual time. A test checks it. How to fix each fault: `wire.md`.
 
 ## Rules
 
-`hold`: how long the condition must last. `coils`: what happens to their currents then. `ramp`: to zero within 5 ms, then
-brake; `brake`: at once, windings shorted; 10 ms of braking later the bridges sleep. `none`: there is nothing to do, for
-coils are not driven before ARM, or have been at rest since the reset. A fault stays until ARM finds what the last column
-says. A self-test is started by ARM, which is refused until it has passed.
+`hold`: how long the condition must last. `coils`: what then happens to their currents. `ramp`: to zero within 5 ms, then
+brake; `brake`: at once, windings shorted; after 10 ms of braking the bridges sleep. `none`: no reaction is needed, because
+coils are not driven before ARM, or have been at rest since the reset. A fault stays set until ARM finds the condition in
+the last column. ARM starts the self-test and is refused until it has passed.
 
 )" + RuleTable() +
          R"(
@@ -113,23 +113,24 @@ says. A self-test is started by ARM, which is refused until it has passed.
 
 Per state, in ms from the cause: until the fault bit / until every coil stays below )" +
          Fixed(1000 * kZero_A, 0) + R"( mA (0.00: none had more). Supply 18 V;
-armed: that current in all three coils; self-test: 1 A in the coil that is tried. `left`: the largest current of any coil
+armed: that current in all three coils; self-test: 1 A in the coil under test. `left`: the largest current of any coil
 in any of these runs )" +
-         Fixed(kAfter_ms, 0) + R"( ms after the bit; the bridges sleep by then. `-`: it cannot have this fault there.
+         Fixed(kAfter_ms, 0) +
+         R"( ms after the bit; the bridges sleep by then. `-`: the fault cannot occur in this state.
 
 )" + MatrixTable(rows) +
          R"(
-Notes. `not armed` is no failure but the state of a base that nobody has armed: the bit is always there, set-points do
-nothing, and a self-test that runs goes on to its end. A sensor that is dead at boot is waited for; a self-test that it
-fails comes later than its cause. `all copper at 85 C`: currents shrink with the measured temperature before the bit
-comes. `the fan stands` at boot and in the self-test: the ms until zero are the self-test's own, which goes on until the
-bit comes. `bridges are driven by mistake`: the first 2 ms they wake, braking. `the firmware hangs`: duties stay as they are
-until the watchdog of the Teensy's board bites; after a reset the bridges brake for at least 10 ms (firmware/README.md), and
-the self-test that follows ends in the state fault.
+Notes. `not armed` is not a failure but the state of a base before ARM: the bit is always set, set-points have no effect, and
+a running self-test continues to its end. The core waits for a sensor that is dead at boot, so the self-test that it fails
+comes later than its cause. `all copper at 85 C`: currents shrink with the measured temperature before the bit is set.
+`the fan stops` at boot and in the self-test: the ms until zero are those of the self-test, which continues until the bit is
+set. `bridges are driven by mistake`: for the first 2 ms they wake, braking. `the firmware hangs`: duties stay as they are
+until the watchdog of the Teensy's board resets it; after a reset the bridges brake for at least 10 ms (firmware/README.md),
+and the self-test that follows ends in the state fault.
 
 ## Silence
 
-A host gives every current )" +
+The host gives every current )" +
          std::to_string(device::kCommandTimeToLive_ms) +
          R"( ms to live (service/device/usb/command_ttl.h). In ms from its last COMMAND until every coil stays
 below )" +

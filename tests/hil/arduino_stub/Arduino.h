@@ -9,7 +9,7 @@ extern "C" void attachInterruptVector(IRQ_NUMBER_t irq, void (*function)(void));
 #define noInterrupts() __asm__ volatile("CPSID i" ::: "memory")
 #define interrupts() __asm__ volatile("CPSIE i" ::: "memory")
 
-// Its macros that have met names of others before.
+// Macros of Teensyduino that have collided with other names before.
 #define bit(b) (1UL << (b))
 #define word(...) Arduino_word(__VA_ARGS__)
 #define F(string_literal) ((const char*)(string_literal))

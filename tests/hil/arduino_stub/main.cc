@@ -1,4 +1,4 @@
-// What Teensyduino does around a sketch, so that the check links: a vector table in RAM, and main.
+// Teensyduino's part around a sketch, so that the check links: a vector table in RAM, and main.
 #include <Arduino.h>
 
 #include "firmware/board/teensy40/chip/cpu.h"

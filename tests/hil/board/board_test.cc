@@ -1,6 +1,6 @@
-// The emulated board as a device: it starts, answers, ends, and survives what makes no sense; its host learns why it is
-// gone and leaves no process behind.
-#include "tests/hil/board/qemu_board.h"
+// The emulated board as a device: it starts, answers, ends, and survives invalid requests; its host reports why it
+// ended and leaves no process behind.
+#include "tests/hil/qemu_board.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST(QemuBoard, SurvivesRandomRequests) {
   ASSERT_TRUE(board->Step(unknown).ok());
   const auto end = board->Exit(0);
   ASSERT_TRUE(end.ok()) << end.error();
-  EXPECT_EQ(end->report.at("refused"), 1U) << "a reset begins to count anew";
+  EXPECT_EQ(end->report.at("refused"), 1U) << "a reset clears the count";
   EXPECT_GE(refused, 1900U);
 }
 
@@ -150,7 +150,7 @@ TEST(QemuProcess, MissingImageIsAnError) {
   EXPECT_NE(run.error().find("no_such_image.elf is missing"), std::string::npos) << run.error();
 }
 
-// Gone, or dead and waiting for whoever collects it.
+// Gone, or a zombie.
 bool HasEnded(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string number, name, state;

@@ -10,13 +10,13 @@
 
 namespace omni::hil {
 
-// How much more than the reference is still accepted: room for a compiler, not for a feature.
+// Accepted ratio to the reference: allows for another compiler, not for a feature.
 constexpr double kBudgetHeadRoom = 1.25;
 
 // Name -> value, e.g. "armed_mean" -> instructions.
 using Budget = std::map<std::string, std::uint32_t>;
 
-// Runs the board through an idle and an armed session, counting. Equal everywhere for equal images.
+// Runs the board through an idle and an armed session, counting. Identical everywhere for identical images.
 base::Result<Budget> MeasureBudget();
 
 base::Result<Budget> ReadBudget(const std::string& path);

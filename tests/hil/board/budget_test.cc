@@ -25,13 +25,13 @@ TEST(Budget, ControlStepStaysWithinIt) {
     const double limit = kBudgetHeadRoom * reference->at(name);
     std::printf("%-24s %8u of %8.0f\n", name.c_str(), value, limit);
     EXPECT_LE(value, limit) << name;
-    // A reference of long ago would allow anything.
+    // An outdated reference would allow anything.
     EXPECT_GE(value, 0.5 * reference->at(name)) << name << " has shrunk: make " << kPath << " again";
   }
   EXPECT_EQ(measured->size(), reference->size());
 }
 
-// The board counts the same twice: it is no measurement of this machine.
+// The board counts the same twice: the result does not depend on this machine.
 TEST(Budget, IsTheSameEveryTime) {
   OMNI_NEEDS_BOARD();
   const auto once = MeasureBudget(), again = MeasureBudget();

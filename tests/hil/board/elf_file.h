@@ -1,4 +1,4 @@
-// A 32-bit little-endian ELF file, as far as the layout of a firmware image needs it [ELF-32, TIS 1.2].
+// A 32-bit little-endian ELF file, limited to what checks of a firmware image's layout need [ELF-32, TIS 1.2].
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct ElfFile {
   std::optional<std::uint32_t> Symbol(const std::string& name) const;
 };
 
-// Empty `error`: read. Otherwise the first thing that is wrong with it.
+// Empty `error`: success. Otherwise the first error found.
 ElfFile ReadElf(const std::vector<std::uint8_t>& bytes, std::string& error);
 
 }  // namespace omni::hil

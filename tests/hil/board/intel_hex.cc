@@ -14,7 +14,7 @@ int Digit(char c) {
   return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-// The bytes of ":LLAAAATT...CC"; none: it is no such line, or its checksum is wrong.
+// The bytes of ":LLAAAATT...CC"; none: not such a line, or a wrong checksum.
 std::vector<std::uint8_t> RecordOf(const std::string& line) {
   std::vector<std::uint8_t> bytes;
   std::uint8_t sum = 0;

@@ -1,4 +1,4 @@
-// Intel HEX, the form in which a boot loader takes an image [Intel, Hexadecimal Object File Format, 1988].
+// Intel HEX, the format in which a boot loader accepts an image [Intel, Hexadecimal Object File Format, 1988].
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The same core, once compiled for the host and once running on the emulated Cortex-M7, asked the same things: every
-// output and every byte of every frame must be the same.
+// The same core, compiled for the host and running on the emulated Cortex-M7, with the same requests: every output and
+// every byte of every frame must be the same.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -30,7 +30,7 @@ std::uint32_t Hash(std::uint32_t before, const LockstepAnswer& answer) {
 
 bool IsSame(const LockstepAnswer& a, const LockstepAnswer& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-// The host in the loop is rough, so that idle, armed and fault states, refusals and answers of all kinds come by.
+// The host in the loop is rough, to cover idle, armed and fault states, refusals and answers of all kinds.
 TEST(Lockstep, HostAndTargetAgreeInEveryBit) {
   OMNI_NEEDS_BOARD();
   const auto target = QemuBoard::Start({});
@@ -82,7 +82,7 @@ TEST(Lockstep, DrillHasTheSameChecksum) {
   EXPECT_NE(on_host, Drill(kSteps - 1)) << "every step counts";
 }
 
-// What the core answers to FAULT's question; fault = 0: nothing is recorded.
+// The core's answer to a FAULT request; fault = 0: nothing is recorded.
 base::Result<wire::FaultEvent> RequestRecord(QemuBoard& target, Session& session) {
   LockstepRequest request;
   request.frames[0] = Question(wire::MessageType::kFault, 1);

@@ -43,8 +43,8 @@ QemuBoard::~QemuBoard() {
   if (from_board_ >= 0) ::close(from_board_);
 }
 
-// Our ends are open before the board is there, so neither side waits for the other. Reading our own writing end too
-// keeps a dead board from being a SIGPIPE; its end shows where its answer should come.
+// Our ends are open before the board starts, so neither side waits for the other. Opening our writing end for reading
+// too avoids SIGPIPE from a dead board; its end is detected when its answer is read.
 Status QemuBoard::Open() {
   const std::string to = folder_.Path(board::kToBoard), from = folder_.Path(board::kFromBoard);
   if (::mkfifo(to.c_str(), 0600) != 0 || ::mkfifo(from.c_str(), 0600) != 0) {
@@ -111,7 +111,7 @@ Status QemuBoard::SendRaw(const void* data, std::size_t size) {
 Status QemuBoard::Receive(void* data, std::size_t size) {
   auto* at = static_cast<char*>(data);
   while (size > 0) {
-    // A board that ended before it opened its FIFO shows only as a process.
+    // A board that ended before it opened its FIFO is detected only by its process.
     pollfd answer_or_end[] = {{from_board_, POLLIN, 0}, {process_->pidfd(), POLLIN, 0}};
     const int ready = ::poll(answer_or_end, 2, options_.timeout_ms);
     if (ready < 0 && errno == EINTR) continue;

@@ -1,5 +1,5 @@
 // The control core in an emulated Cortex-M7, one control step at a time. Virtual time: the board stands still between
-// requests, so it does not matter how fast the host asks.
+// requests, so the host's speed does not matter.
 #pragma once
 
 #include <map>
@@ -20,14 +20,14 @@ class QemuBoard {
     bool count_instructions = false;  // of every step, into the report; slower
   };
 
-  // Of NoBoardReason: an error. Call it from a thread that outlives the board.
+  // Fails with NoBoardReason. Call it from a thread that outlives the board.
   static base::Result<std::unique_ptr<QemuBoard>> Start(const Options& options);
   QemuBoard(const QemuBoard&) = delete;
   QemuBoard& operator=(const QemuBoard&) = delete;
   ~QemuBoard();  // kills
 
   // One request, its answer. Not kExit, which has none: that is Exit. An error names what happened to the board (exit
-  // status, what it printed, a time-out); every later call gives an error too.
+  // status, what it printed, a time-out); every later call fails too.
   base::Result<firmware::LockstepAnswer> Step(const firmware::LockstepRequest& request);
 
   // Resets the whole machine; only its retained memory stays.
@@ -41,7 +41,7 @@ class QemuBoard {
   };
   base::Result<End> Exit(int status);
 
-  // For tests: what is written goes to the board as it is.
+  // For tests: bytes written go to the board unchanged.
   base::Status SendRaw(const void* data, std::size_t size);
   pid_t pid() const { return process_->pid(); }
 

@@ -44,7 +44,7 @@ std::vector<std::string> CommandLine(const std::string& qemu, const QemuProcess:
   return line;
 }
 
-// Ours, but for libraries that are preloaded to stand between a program and its devices: the board has none.
+// Our environment, without libraries preloaded to emulate a program's devices: the board has none.
 std::vector<std::string> EnvironmentWithoutPreload() {
   std::vector<std::string> kept;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -64,7 +64,7 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
 // In the child, between fork and exec: only calls that are safe there.
 [[noreturn]] void BecomeQemu(char** arguments, char** environment, const char* folder, int output, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(125);  // it died before it could be watched
+  if (::getppid() != parent) ::_exit(125);  // the parent died before we could be notified
   const int nothing = ::open("/dev/null", O_RDONLY);
   ::dup2(nothing, STDIN_FILENO);
   ::dup2(output, STDOUT_FILENO);
@@ -133,7 +133,7 @@ std::string QemuProcess::output() const {
   std::ifstream file(output_path_);
   std::string text, line;
   while (std::getline(file, line)) {
-    // The board's Ethernet chip is there whether it is wanted or not.
+    // The board always has its Ethernet chip.
     if (line.find("warning: nic lan9118.0 has no peer") == std::string::npos) text += line + "\n";
   }
   return text;

@@ -23,7 +23,7 @@ class QemuProcess {
   };
 
   // `folder`: working directory of the emulator, where the program finds its files.
-  // The child dies with the thread that started it, however that ends: no test leaves one behind.
+  // The child is killed when the thread that started it ends for any reason: no test leaves one behind.
   static base::Result<std::unique_ptr<QemuProcess>> Start(const Options& options, const std::string& folder);
   ~QemuProcess();  // kills
   QemuProcess(const QemuProcess&) = delete;
@@ -33,7 +33,7 @@ class QemuProcess {
   std::optional<int> Wait(int timeout_ms);
   void Kill();
 
-  // What program and emulator have printed so far.
+  // Output of program and emulator so far.
   std::string output() const;
   pid_t pid() const { return pid_; }
   int pidfd() const { return pidfd_; }  // readable: it has ended

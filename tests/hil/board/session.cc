@@ -135,18 +135,18 @@ void Session::Send(const Message& message) {
   frame.size = static_cast<std::uint16_t>(wire::Encode(message, ++seq_, 0, frame.bytes, sizeof frame.bytes).size);
 }
 
-// About one step in twenty is spoilt.
+// About one step in twenty is disturbed.
 void Session::SpeakRoughly() {
   const std::uint64_t dice = random_();
   LockstepFrame& frame = request_.frames[0];
   switch (dice % 160) {
-    case 0:  // a bit falls over
+    case 0:  // a bit flips
       if (frame.size > 0) frame.bytes[(dice >> 16) % frame.size] ^= static_cast<std::uint8_t>(1U << ((dice >> 8) % 8));
       break;
     case 1:
       frame.size = static_cast<std::uint16_t>(frame.size / 2);
       break;
-    case 2:  // says more than there is
+    case 2:  // claims more bytes than there are
       frame.size = static_cast<std::uint16_t>(dice >> 48);
       break;
     case 3:  // comes again, much later

@@ -1,6 +1,6 @@
-// A host and a nominal base around a core in lockstep: what a session of real use asks of a board, request by request.
-// It boots, arms in two steps, follows currents, and (kRough) meets everything that goes wrong on a wire. The loop is
-// closed: requests depend on the answers before. All of it follows from the seed.
+// A host and a nominal base around a core in lockstep: the requests of a realistic session. It boots, arms in two
+// steps, follows currents, and (kRough) includes everything that can go wrong on a wire. The loop is closed: requests
+// depend on the answers before. All of it follows from the seed.
 #pragma once
 
 #include <array>
@@ -32,13 +32,13 @@ class NominalBase {
   std::uint64_t step_ = 0;
 };
 
-// HELLO and FAULT without a payload are questions.
+// HELLO and FAULT without a payload are requests.
 firmware::LockstepFrame Question(wire::MessageType type, std::uint16_t seq);
 
 class Session {
  public:
   enum class Manner {
-    kIdle,   // nobody arms
+    kIdle,   // never arms
     kPlain,  // arms, drives
     kRough,  // and corrupts, repeats, reorders, withholds frames, falls silent, opens the emergency switch
   };

@@ -1,4 +1,4 @@
-// Programs that run to their end on the emulated Cortex-M7 and tell by their exit status.
+// Programs that run to their end on the emulated Cortex-M7 and report by their exit status.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace board;
 
-// An image that outgrows these is no error of the linker yet, but somebody should know why.
+// An image that exceeds these still links, but its growth needs a reason.
 constexpr std::uint32_t kImageBudget = 128 * 1024;
 constexpr std::uint32_t kDataBudget = 64 * 1024;  // .data and .bss
 
@@ -131,7 +131,7 @@ TEST_F(TeensyLayout, VectorTableIsCompleteAndLeadsToCode) {
     const bool used = number == kCoreVectors + static_cast<int>(Irq::kLpi2c1) ||
                       number == kCoreVectors + static_cast<int>(Irq::kUsb1) ||
                       number == kCoreVectors + static_cast<int>(Irq::kPit);
-    EXPECT_EQ(handler == fault, !used) << number << ": what nobody asked for brakes and resets";
+    EXPECT_EQ(handler == fault, !used) << number << ": unused interrupts brake and reset";
   }
   EXPECT_EQ(vector(kCoreVectors + static_cast<int>(Irq::kPit)), Symbol("OnControlStep"));
 }

@@ -1,5 +1,5 @@
-// The port for PlatformIO cannot be built here: what it would compile is compared with what the cross build has
-// compiled against a stub of Teensyduino.
+// The port for PlatformIO cannot be built here: its list of sources is compared with what the cross build compiles
+// against a stub of Teensyduino.
 #include <fnmatch.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What tests with an emulated board need beside this build, and what to say when it is missing.
+// External tools of tests with an emulated board, and the message when they are missing.
 #pragma once
 
 #include <string>

@@ -1,9 +1,9 @@
 // omni_deep [options] -- EMULATOR ARGUMENTS: a simulated base on a USB port of an emulated computer. The emulator is
 // started with two sockets: descriptor 3 is the port (QEMU: -chardev socket,fd=3 for its usb-redir), descriptor 4 a
-// serial line by which the guest orders, a word a line, what its own user would do with the cable: plug, unplug.
-// tests/hil/deep/run is who starts it.
+// serial line on which the guest sends, one word per line, what a user would do with the cable: plug, unplug. Started
+// by tests/hil/deep/run.
 //
-// The exit status is 0 when the guest passed its checks and the base, seen from here, went through the same.
+// The exit status is 0 if the guest passed its checks and the base's own counts agree.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -34,13 +34,13 @@ constexpr int kGuestPassed = 33;  // the guest wrote 16 to isa-debug-exit: 2 * 1
 constexpr std::uint64_t kPlugs = 2;
 
 // An emulated computer is many times slower than a real one. So is the base's clock, and it stands still while the
-// guest is behind: what is looked at is whether the guest's USB does the right things, not how fast.
+// guest is behind: the test checks that the guest's USB works, not how fast.
 constexpr std::int64_t kSlower = 4;
 
 struct DeepOptions {
   std::string board = "qemu";
   sim::PlantOptions plant;
-  double seconds = 180;  // more is a guest that hangs
+  double seconds = 180;  // longer means that the guest hangs
   std::vector<std::string> emulator;
 };
 
@@ -61,12 +61,12 @@ base::UniqueFd SocketTo(int emulator_fd) {
   return ours;
 }
 
-// What the guest wants done with the cable.
+// The guest's orders for the cable.
 class Orders {
  public:
   Orders(base::UniqueFd line, RedirPort& port) : line_(std::move(line)), port_(port) {}
 
-  // An error: nobody knows such an order.
+  // An error: an unknown order.
   base::Status Serve() {
     char text[256];
     const ssize_t size = recv(line_.get(), text, sizeof text, 0);
@@ -148,7 +148,7 @@ base::Result<bool> RunDeep(const DeepOptions& options) {
   Pacer pacer;
   const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(options.seconds * 1e9);
   while (!emulator->Ended()) {
-    if (base::MonotonicNow_ns() > end_ns) return base::Error{"the guest is not done in time"};
+    if (base::MonotonicNow_ns() > end_ns) return base::Error{"the guest did not finish in time"};
     pacer.Wait(kSlower * base::kTickPeriod_ns);
     port.Serve();
     if (base::Status obeyed = orders.Serve(); !obeyed) return base::Error{obeyed.error()};

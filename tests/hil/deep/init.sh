@@ -1,6 +1,6 @@
 #!/bin/busybox sh
-# The first and only program of the guest (tests/hil/deep/run makes it): Linux with its own USB stack, udev, and omni
-# and omnid as they were built. Each line it prints is a check; the last thing it does is end the machine with a verdict.
+# The only program of the guest (built by tests/hil/deep/run): Linux with its own USB stack, udev, and omni and omnid of
+# the build. Each line it prints is a check; at the end it stops the machine with a verdict.
 /bin/busybox mkdir -p /proc /sys /dev /run /tmp /sbin
 /bin/busybox --install -s /bin
 export PATH=/bin XDG_RUNTIME_DIR=/run/root HOME=/tmp
@@ -23,14 +23,14 @@ failed() {
   [ $# -eq 0 ] || cat "$@"
 }
 
-# check WHAT COMMAND...: the command succeeds. Its output is in /tmp/out, and shown when it does not.
+# check WHAT COMMAND...: the command succeeds. Its output is in /tmp/out, and printed on failure.
 check() {
   what=$1
   shift
   if "$@" >/tmp/out 2>&1; then passed "$what"; else failed "$what" /tmp/out; fi
 }
 
-# within WHAT COMMAND...: the command succeeds in time (a busy host is slow); else there is no use in going on.
+# within WHAT COMMAND...: the command succeeds in time (a busy host is slow); otherwise the run ends.
 patience_s=20
 within() {
   end=$(($(date +%s) + patience_s))
@@ -46,12 +46,12 @@ within() {
   passed "$what"
 }
 
-# The verdict is a byte to isa-debug-exit at port 0xf4: 16 is good.
+# The verdict is a byte to isa-debug-exit at port 0xf4: 16 means success.
 verdict() {
   printf "$(printf '\\%03o' "$1")" | dd of=/dev/port bs=1 seek=244 2>/dev/null
 }
 
-# shows PATTERN COMMAND...: the command's output has it, whatever its status.
+# shows PATTERN COMMAND...: the command's output contains the pattern, whatever its status.
 shows() {
   pattern=$1
   shift
@@ -73,12 +73,12 @@ has_tag() { shows 'TAGS=.*:uaccess:' udevadm info --query=property --path="$(bas
 is_refused() { shows 70-omni.rules su -s /bin/sh nobody -c 'omni device info'; }
 is_held() { shows 'another program holds.*omnid' omni device selftest --yes; }
 
-# device KEY: its value in what omnid says of its device; empty: there is none.
+# device KEY: its value in omnid's device status; empty: none.
 device() { sed -n '/"device": {/,/^  }/s/^ *"'"$1"'": "\?\([^",]*\)"\?,\?$/\1/p' /tmp/status; }
 look() { omni status --json >/tmp/status; }
 has_received() { look && [ "$(device received)" -ge "$1" ]; }
 has_none() { look && grep -q 'no Omni base on USB' /tmp/status; }
-# Set-points that grow too old on their way are not looked at: they tell how slow this computer is.
+# Set-points that become too old in transit are not checked: they depend on how slow this computer is.
 is_lossless() {
   look
   for count in bad_frames bad_crc interrupted missed; do
@@ -111,7 +111,7 @@ check 'with its configuration set' attribute bConfigurationValue 1
 check 'the rule for udev gives it to the seat' has_tag
 check 'omni device list' omni device list
 cat /tmp/out
-check 'another user is refused, and told of the rule' is_refused
+check 'another user is refused, and the error names the rule' is_refused
 check 'omni device info' omni device info
 check 'omni device selftest' omni device selftest --yes
 cat /tmp/out
@@ -133,5 +133,5 @@ check 'no frame was lost or refused' is_lossless
 check 'omni device estop' omni device estop
 within 'the base has stopped' is_stopped
 check 'omnid ends' ends_well
-check 'the kernel has nothing to complain of' is_content
+check 'the kernel reports no problem' is_content
 finish

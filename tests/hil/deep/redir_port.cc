@@ -31,7 +31,7 @@ constexpr std::size_t Slot(std::uint8_t endpoint) { return ((endpoint & 0x80U) >
 
 }  // namespace
 
-// Every call comes from inside usbredirparser_do_read.
+// All are called from usbredirparser_do_read.
 struct RedirPort::Callbacks {
   static RedirPort& Port(void* self) { return *static_cast<RedirPort*>(self); }
 
@@ -78,7 +78,7 @@ struct RedirPort::Callbacks {
   }
   static void Cancel(void* self, std::uint64_t id) { Port(self).Cancel(id); }
 
-  // What the parser refuses to be without, though this base has no such endpoints and the other side is told so.
+  // Required by the parser, although this base has no such endpoints and announces none.
   static void Ignore(void*) {}
   template <class Header>
   static void Refuse(void* self, std::uint64_t, Header*) {
@@ -200,7 +200,7 @@ void RedirPort::Reset() {
   waiting_.clear();
 }
 
-// What the firmware's driver does beside the answer; the bytes of the answer, < 0: stall.
+// The actions of the firmware's driver besides the answer; returns the bytes of the answer, < 0: stall.
 int RedirPort::Ask(const usb::Setup& setup, std::uint8_t* data) {
   const usb::ControlAnswer answer = usb::AnswerControl(setup, state_, data);
   switch (answer.action) {
@@ -237,7 +237,7 @@ void RedirPort::Control(std::uint64_t id, usb_redir_control_packet_header header
   usbredirparser_send_control_packet(parser_, id, &header, to_host ? data : nullptr, to_host ? header.length : 0);
 }
 
-// The protocol has messages of its own for two requests; the firmware judges them as the requests they are.
+// The protocol has separate messages for two requests; the firmware handles them as ordinary requests.
 void RedirPort::SetConfiguration(std::uint64_t id, std::uint8_t configuration) {
   ++counts_.requests;
   std::uint8_t data[kAnswerMax];
@@ -263,7 +263,7 @@ void RedirPort::SetInterface(std::uint64_t id, std::uint8_t interface, std::uint
 }
 
 void RedirPort::Bulk(std::uint64_t id, usb_redir_bulk_packet_header header, const std::uint8_t* data, int size) {
-  if (!plugged_) return;  // was on its way when the cable was pulled
+  if (!plugged_) return;  // in transit when the cable was pulled
   const bool in = header.endpoint == usb::kEndpointIn;
   const bool there = (in || header.endpoint == usb::kEndpointOut) && state_.configuration != 0;
   const bool halted = in ? state_.in_halted : state_.out_halted;
@@ -287,7 +287,7 @@ void RedirPort::Bulk(std::uint64_t id, usb_redir_bulk_packet_header header, cons
 void RedirPort::Cancel(std::uint64_t id) {
   const auto its =
       std::find_if(waiting_.begin(), waiting_.end(), [id](const Waiting& waiting) { return waiting.id == id; });
-  if (its == waiting_.end()) return;  // its answer is on the way
+  if (its == waiting_.end()) return;  // its answer is in transit
   const Waiting cancelled = *its;
   waiting_.erase(its);
   ++counts_.cancelled;
@@ -302,7 +302,7 @@ void RedirPort::Pump() {
     const Waiting waiting = waiting_.front();
     waiting_.pop_front();
     ++counts_.frames_in;
-    const bool fits = size <= waiting.length;  // else the base babbles
+    const bool fits = size <= waiting.length;  // otherwise a babble
     FinishIn(waiting, fits ? std::uint8_t{usb_redir_success} : std::uint8_t{usb_redir_babble}, frame, fits ? size : 0);
   }
 }

@@ -27,10 +27,10 @@ struct RedirCounts {
   std::uint64_t frames_out = 0;  // from the host
   std::uint64_t requests = 0;    // of endpoint 0
   std::uint64_t stalls = 0;
-  std::uint64_t cancelled = 0;  // IN transfers that the host took back
+  std::uint64_t cancelled = 0;  // IN transfers that the host cancelled
   std::uint64_t aborted = 0;    // IN transfers in flight when the cable was pulled
   std::uint64_t plugged = 0;
-  std::uint64_t refused = 0;  // what this base has no endpoint for
+  std::uint64_t refused = 0;  // messages for endpoints that this base does not have
 };
 
 class RedirPort {
@@ -46,10 +46,10 @@ class RedirPort {
   void Plug();
   void Unplug();
 
-  // Takes what the host sent, gives waiting frames to waiting IN transfers. Nothing once the other side is gone.
+  // Reads the host's messages, and gives waiting frames to waiting IN transfers. No-op once the other side is gone.
   void Serve();
 
-  // A host that was fetching frames a moment ago has no transfer left to put one into.
+  // True: a host that was fetching frames recently has no IN transfer waiting.
   bool HostIsBehind() const;
 
   const RedirCounts& counts() const { return counts_; }
@@ -80,8 +80,8 @@ class RedirPort {
   drivers::usb::ControlState state_;
   std::deque<Waiting> waiting_;  // IN transfers
   std::int64_t fetched_ns_ = 0;  // the newest of them came
-  bool wanted_ = false;          // the cable is in
-  bool plugged_ = false;         // and the other side knows
+  bool wanted_ = false;          // the cable is plugged in
+  bool plugged_ = false;         // and the other side has been notified
   bool greeted_ = false;
   bool closed_ = false;
   RedirCounts counts_;

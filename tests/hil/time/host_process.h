@@ -1,5 +1,4 @@
-// An unmodified program: the one that talks to the emulated base, or an application of it. It ends with us, whatever
-// happens to us.
+// An unmodified program: the host of the emulated base, or an application. It ends with this process in any case.
 #pragma once
 
 #include <sys/types.h>
@@ -14,8 +13,7 @@ namespace omni::hil {
 
 class HostProcess {
  public:
-  // Arguments as of main; the first is found along PATH. Its output is ours. `environment`: "NAME=value", added to
-  // ours.
+  // Arguments as of main; the first is found along PATH. It shares our output. `environment`: "NAME=value", additional.
   static base::Result<HostProcess> Start(const std::vector<std::string>& arguments,
                                          const std::vector<std::string>& environment);
   HostProcess(HostProcess&& other) noexcept;
@@ -28,7 +26,7 @@ class HostProcess {
   // Its exit status, or 128 + signal, once it has ended.
   std::optional<int> Ended();
 
-  // Asks it to end; it goes on if it was stopped.
+  // Requests it to end, and continues it if it was stopped.
   void Ask();
   // Ends it; its exit status as above.
   int Kill();

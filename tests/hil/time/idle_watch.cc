@@ -20,7 +20,7 @@ namespace {
 
 using base::UniqueFd;
 
-// Every look takes time from those who work: none much before the usual time, then ever fewer.
+// Every check takes time from the busy threads: none much before the usual time, then at growing intervals.
 constexpr double kFirstLook = 0.8, kForget = 0.1;
 constexpr double kNapMin_us = 30, kNapMax_us = 500, kNapGrowth = 1.3;
 constexpr std::size_t kStatMax = 512, kCountsMax = 96;
@@ -125,7 +125,7 @@ void IdleWatch::List(Process& process) {
   }
 }
 
-// One pass. Who was at work is looked at first the next time: he probably still is.
+// One pass. A thread that was busy is checked first in the next pass: it probably still is.
 bool IdleWatch::AllSleep() {
   for (Process& process : processes_) {
     for (auto thread = process.threads.begin(); thread != process.threads.end(); ++thread) {

@@ -1,9 +1,9 @@
-// Waits until a set of processes has nothing left to do: there is an instant at which every thread of them sleeps.
+// Waits until a set of processes is idle: there is an instant at which every thread of them sleeps.
 //
 // From /proc: a thread sleeps when its state says so (proc(5), stat), and has not run since when its times and its
 // count of time slices are the same (Documentation/scheduler/sched-stats.rst). Four passes over all threads: counts,
 // states, states, counts. A thread that sleeps in both passes and has not run in between has slept from the first to
-// the second, and between those passes there is an instant that all have in common. Nothing is guessed from time.
+// the second, and between those passes there is an instant that all have in common. No timing assumptions are made.
 //
 // A thread that is stopped or has ended sleeps. One that waits for a disk does not.
 #pragma once
@@ -21,17 +21,17 @@ namespace omni::hil {
 
 class IdleWatch {
  public:
-  // An error: this kernel does not tell.
+  // An error: this kernel does not provide the data.
   static base::Status Possible();
 
   IdleWatch();
   ~IdleWatch();
 
-  // These processes, and this one but for the calling thread; at most `patience_us` of real time. False: somebody was
-  // still at work.
+  // These processes, and this one except for the calling thread; at most `patience_us` of real time. False: a thread
+  // was still busy.
   bool Wait(const std::vector<pid_t>& processes, std::int64_t patience_us);
 
-  // A thread that was at work when Wait gave up: "process (thread)".
+  // A thread that was busy when Wait gave up: "process (thread)".
   const std::string& busy() const { return busy_; }
 
  private:
@@ -45,7 +45,7 @@ class IdleWatch {
 
   pid_t own_thread_;
   std::vector<Process> processes_;
-  double usual_us_ = 0;  // how long it took of late: no use in looking much earlier
+  double usual_us_ = 0;  // recent duration of a wait: no use in checking much earlier
   std::string busy_;
 };
 

@@ -1,5 +1,5 @@
-// Keeps virtual time from running ahead of the wall clock, for people and programs that are not under it. What was lost
-// is not caught up with.
+// Keeps virtual time from running ahead of the wall clock, for users and programs that are not under it. Lost time is
+// not made up.
 #pragma once
 
 #include <time.h>
@@ -12,7 +12,7 @@ namespace omni::hil {
 
 class Pacer {
  public:
-  // Until the wall clock has gone on by `period_ns` since the last call. Late: it had gone on by more.
+  // Waits until `period_ns` of the wall clock since the last call. Late: more had already passed.
   void Wait(std::int64_t period_ns) {
     due_ns_ += period_ns;
     const std::int64_t now_ns = base::MonotonicNow_ns();

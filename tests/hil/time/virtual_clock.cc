@@ -24,7 +24,7 @@ base::Error Problem(const std::string& path) {
   return base::Error{"virtual clock " + path + ": " + std::strerror(errno)};
 }
 
-// It has ended, or is only waited for.
+// It has ended, or is a zombie.
 bool IsGone(pid_t pid) {
   siginfo_t info{};
   if (waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOHANG | WNOWAIT) == 0) return info.si_pid == pid;

@@ -15,19 +15,19 @@ namespace omni::hil {
 
 class VirtualClock {
  public:
-  // `path`: a file, made anew, for programs that somebody else starts; empty: only our children find it.
+  // `path`: a file, recreated, for programs started elsewhere; empty: only our children find it.
   static base::Result<VirtualClock> Create(const std::string& path);
   VirtualClock(VirtualClock&& other) noexcept;
   VirtualClock& operator=(VirtualClock&&) = delete;
   ~VirtualClock();
 
-  // What a program needs to be under the clock: "NAME=value". Preloads ours behind what this process preloads.
+  // The variables that put a program under the clock: "NAME=value". Preloads our library after those preloaded here.
   std::vector<std::string> Environment() const;
 
   std::int64_t zero_ns() const { return zero_ns_; }  // at its start
   std::int64_t now_ns() const { return page_->now_ns.load(); }
 
-  // Never back. True: somebody's timer came due, and he is being woken.
+  // Never back. True: a process's timer became due, and it is being woken.
   bool AdvanceTo(std::int64_t t_ns);
   // To the first timer that is not due yet. False: there is none.
   bool AdvanceToNext();

@@ -1,5 +1,5 @@
-// Unmodified programs under a virtual clock: their waits end at its time, however long that is, and it does not go on
-// while they are at work.
+// Unmodified programs under a virtual clock: their waits end at its time, however long that is, and it does not advance
+// while they are busy.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -51,7 +51,7 @@ class VirtualClockTest : public testing::Test {
     return HostProcess::Start({kProbe, way, folder_.Path("out")}, environment);
   }
 
-  // One step of the clock, and what follows from it. False: somebody is still at work.
+  // One step of the clock and its consequences. False: a thread is still busy.
   bool Step() {
     clock_->AdvanceTo(clock_->now_ns() + kStep_ns);
     return quiet_.Wait(clock_->Processes(), kPatience_us);
@@ -84,7 +84,7 @@ TEST_P(VirtualWait, TakesTenSecondsOfTheClockAndNotOfOurs) {
   ASSERT_TRUE(quiet_.Wait(clock_->Processes(), kPatience_us)) << quiet_.busy();
   int steps = 0;
   while (!probe.Ended() && steps < 2000) {
-    ASSERT_TRUE(Step()) << quiet_.busy() << " is at work all the time";
+    ASSERT_TRUE(Step()) << quiet_.busy() << " is permanently busy";
     ++steps;
   }
   EXPECT_EQ(probe.Kill(), 0);
@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Every, VirtualWait,
                                          Way{"epoll", 0}, Way{"signal", -1}, Way{"timerfd", 9}),
                          [](const auto& way) { return std::string(way.param.name); });
 
-// Its pieces of real time may end after the instant: it is late then, never early.
+// Its short real waits may end after the instant: it may be late, never early.
 TEST_F(VirtualClockTest, AConditionVariableWaitsForItsTime) {
   HostProcess probe = Start("condition");
   while (!probe.Ended() && clock_->now_ns() - clock_->zero_ns() < 100'000'000'000) {
@@ -114,7 +114,7 @@ TEST_F(VirtualClockTest, AConditionVariableWaitsForItsTime) {
 
 TEST_F(VirtualClockTest, WorkTakesNoTimeAndIsWaitedFor) {
   HostProcess probe = Start("work");
-  EXPECT_FALSE(quiet_.Wait(clock_->Processes(), 20'000)) << "half a second of work, and nobody saw it";
+  EXPECT_FALSE(quiet_.Wait(clock_->Processes(), 20'000)) << "half a second of work was not detected";
   EXPECT_NE(quiet_.busy().find("hil_clock_probe"), std::string::npos) << quiet_.busy();
   ASSERT_TRUE(quiet_.Wait(clock_->Processes(), kPatience_us));
   EXPECT_EQ(Outcome().first, 0);
@@ -169,7 +169,7 @@ TEST_F(VirtualClockTest, AWrongPageIsRefused) {
   EXPECT_EQ(started->Ended(), 127);
 }
 
-// omni_virtual_time, which goes on to the first timer by itself.
+// omni_virtual_time, which advances to the first timer by itself.
 class VirtualTime : public VirtualClockTest {
  protected:
   static std::optional<int> Run(std::vector<std::string> arguments) {

@@ -1,7 +1,6 @@
-// omni_virtual_time PROGRAM ARGUMENTS...: the program, and all that it starts, in virtual time. Whenever everybody
-// sleeps (tests/hil/time/idle_watch.h), time goes on to the instant of the first timer: what a program computes takes
-// no time, however busy the machine is, and a wait for which there is nothing to do is over at once. Exit status: the
-// program's.
+// omni_virtual_time PROGRAM ARGUMENTS...: the program, and all that it starts, in virtual time. Whenever all
+// threads sleep (tests/hil/quiet.h), time advances to the first timer: computation takes no time, however busy the
+// machine is, and a wait during which nothing happens ends at once. Exit status: the program's.
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -24,7 +23,7 @@ using omni::hil::HostProcess;
 using omni::hil::IdleWatch;
 using omni::hil::VirtualClock;
 
-constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two looks are short
+constexpr unsigned long kTimerSlack_ns = 1000;  // the naps between two checks are short
 constexpr std::int64_t kPatience_us = 1'000'000;
 constexpr auto kNap = std::chrono::milliseconds(1);  // of real time, while there is no timer to wait for
 constexpr int kCannotRun = 127;                      // as shells say it

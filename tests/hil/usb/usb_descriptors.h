@@ -1,4 +1,4 @@
-// What the emulated base answers to GET_DESCRIPTOR [USB 2.0, 9.4.3]: the firmware's own descriptors, at high speed.
+// The emulated base's answers to GET_DESCRIPTOR [USB 2.0, 9.4.3]: the firmware's own descriptors, at high speed.
 #pragma once
 
 #include <cstdint>

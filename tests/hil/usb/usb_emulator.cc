@@ -47,7 +47,7 @@ std::string ThreeDigits(int number) {
   return std::string(3 - text.size(), '0') + text;
 }
 
-// What udev and sysfs say of the device. umockdev's own device nodes are plain files, so it is not asked for one (N:).
+// The device's entry in udev and sysfs. umockdev's own device nodes are plain files, so none is requested (N:).
 std::string Describe(int device_number, const std::string& node, const std::string& serial) {
   const std::string number = std::to_string(device_number);
   return std::string("P: ") + (kSysPath + 4) + "\n" +  // without /sys
@@ -113,7 +113,7 @@ UsbEmulator::~UsbEmulator() {
   if (testbed_ != nullptr) g_object_unref(testbed_);
 }
 
-// The node is there before the bus tells of it: the client opens it at once.
+// The node exists before the bus announces it, because the client opens it at once.
 base::Status UsbEmulator::Plug() {
   std::string node;
   int number = 0;
@@ -200,13 +200,13 @@ bool UsbEmulator::IsPresent(Client* client) const {
   return IsPresentLocked(client);
 }
 
-// A client of an unplugged device stays outside although the device is back: that has another node.
+// A client of an unplugged device stays disconnected when the device returns, which has another node.
 bool UsbEmulator::IsPresentLocked(Client* client) const {
   const gchar* const node = umockdev_ioctl_client_get_devnode(client);
   return plugged_ && node != nullptr && device_node_ == node;
 }
 
-// What libusb's Linux back end asks for.
+// The requests of libusb's Linux back end.
 bool UsbEmulator::Handle(Client* client) {
   const unsigned long request = umockdev_ioctl_client_get_request(client);
   Data* const argument = umockdev_ioctl_client_get_arg(client);

@@ -1,9 +1,9 @@
 // A base on an emulated USB bus: unmodified programs with libusb, started as our children, find, open and talk to it.
-// umockdev's preloaded library leads their system calls here; this class is usbfs and the bus [Linux,
+// umockdev's preloaded library redirects their system calls here; this class is usbfs and the bus [Linux,
 // Documentation/driver-api/usb/usb.rst: "usbfs"]. This process must run under umockdev-wrapper (EnterMockEnvironment).
 //
 // Requests of the client come on umockdev's own thread, everything else on the caller's; all state has one mutex, which
-// is never held while the client's memory is read: a stopped client would stop us too.
+// is never held while the client's memory is read: a stopped client would block us too.
 #pragma once
 
 #include <cstddef>
@@ -53,15 +53,15 @@ class UsbEmulator {
 
   // Appears on the bus, with a device number of its own every time (at most 127). No-op when it is there.
   base::Status Plug();
-  // The cable is pulled, whatever was in flight.
+  // Pulls the cable, with any transfers in flight.
   void Unplug();
   bool plugged() const;
 
-  // Gives waiting frames of the function to waiting IN transfers. To be called whenever it may have some. True: the
-  // host has got one.
+  // Completes waiting IN transfers with waiting frames of the function. Call whenever it may have some. True: the host
+  // received one.
   bool Pump();
 
-  // Damage on the way.
+  // Damage to frames in transit.
   void SetFaults(const LinkFaults& to_host, const LinkFaults& to_base);
 
   UsbCounts counts() const;

@@ -34,7 +34,7 @@ void UsbNode::SetReady(bool ready) {
   ready_ = ready;
   std::array<char, kFifoSize> page{};
   const ssize_t moved = ready ? read(fd_.get(), page.data(), page.size()) : write(fd_.get(), page.data(), page.size());
-  if (moved != kFifoSize) std::abort();  // the only other user of this FIFO is us
+  if (moved != kFifoSize) std::abort();  // this class is the only user of the FIFO
 }
 
 }  // namespace omni::hil

@@ -1,5 +1,5 @@
-// The device node of an emulated USB device. usbfs tells by POLLOUT that a transfer can be reaped; a plain file would
-// always say so, and libusb would spin. Hence a FIFO: full: not writable; drained: writable.
+// The device node of an emulated USB device. usbfs signals by POLLOUT that a transfer can be reaped; a plain file would
+// always do so, and libusb would spin. Hence a FIFO: full: not writable; drained: writable.
 #pragma once
 
 #include <string>

@@ -23,7 +23,7 @@ class Test {
   virtual void TestBody() = 0;
   static bool HasFatalFailure() { return fatal; }
   static bool HasFailure() { return failures_of_this_test > 0; }
-  static void RecordProperty(const std::string&, const std::string&) {}  // for a report that nobody writes here
+  static void RecordProperty(const std::string&, const std::string&) {}  // no report is written here
 
   static inline bool fatal = false;
   static inline int failures_of_this_test = 0;

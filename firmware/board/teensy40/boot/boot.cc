@@ -1,5 +1,5 @@
-// What the boot ROM reads before a single instruction of ours runs: how to talk to the flash (FCB), where the program
-// starts (IVT) and how long the image is [RM System Boot: FlexSPI serial NOR configuration block, program image].
+// Read by the boot ROM before the firmware runs: how to access the flash (FCB), where the program starts (IVT) and how
+// long the image is [RM System Boot: FlexSPI serial NOR configuration block, program image].
 #include <cstddef>
 #include <cstdint>
 
@@ -35,7 +35,7 @@ constexpr std::uint32_t Address24(Pads pads) { return Instruction(Op::kAddress, 
 struct Sequence {
   std::uint32_t words[4];
 };
-static_assert(sizeof(Sequence) == 16, "as the ROM reads it");
+static_assert(sizeof(Sequence) == 16, "layout of the ROM");
 
 struct FlashConfig {
   std::uint32_t tag;
@@ -62,8 +62,8 @@ static_assert(offsetof(FlashConfig, device_type) == 0x44 && offsetof(FlashConfig
                   offsetof(FlashConfig, block_size) == 0x1D0 && sizeof(FlashConfig) == 0x200,
               "RM System Boot, FlexSPI NOR configuration block");
 
-// W25Q16JV (Winbond). Read without "continuous mode" (mode byte 0): the flash takes a command at once after any reset
-// of ours, and speed is of no use, for nothing runs from flash but start-up.
+// W25Q16JV (Winbond). Read without "continuous mode" (mode byte 0): the flash accepts a command right after any reset
+// of the processor, and speed does not matter, because only start-up runs from flash.
 __attribute__((section(".boot.flash_config"), used)) const FlashConfig kFlashConfig = {
     0x42464346,  // "FCFB"
     0x56010000,

@@ -1,4 +1,4 @@
-// The firmware of a base on a Teensy 4.0: what to call when.
+// The firmware of a base on a Teensy 4.0: start-up order and interrupt handlers.
 #include "firmware/board/teensy40/board.h"
 #include "firmware/board/teensy40/boot/retained.h"
 #include "firmware/board/teensy40/chip/chip.h"

@@ -6,7 +6,7 @@ namespace omni::board {
 namespace {
 
 static_assert(sizeof(Retained) <= kRetainedSize, "its place at the end of the on-chip RAM");
-// Bytes, not a Retained: no constructor may run over what is kept.
+// Bytes, not a Retained: no constructor may overwrite the kept data.
 __attribute__((section(".retained"), used)) alignas(Retained) unsigned char g_retained[sizeof(Retained)];
 
 }  // namespace

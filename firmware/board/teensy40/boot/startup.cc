@@ -1,4 +1,4 @@
-// From the boot ROM's jump to main: shares out FlexRAM, copies code and data, clears, protects memory, and takes
+// From the boot ROM's jump to main: assigns FlexRAM, copies code and data, clears and protects memory, and handles
 // faults. Nothing here may call code outside of .startup before the copy.
 #include <cstdint>
 #include <initializer_list>
@@ -30,8 +30,8 @@ int main();
 
 #define OMNI_STARTUP __attribute__((section(".startup"), noinline))
 
-// GPR17: who gets which bank; GPR16: both memories on, banks by GPR17; GPR14: both up to 512 KB [RM IOMUXC_GPR]. The
-// stack is in what these make, so no stack before them. Interrupts stay off until main turns them on.
+// GPR17: assignment of the banks; GPR16: both memories on, banks by GPR17; GPR14: both up to 512 KB [RM IOMUXC_GPR].
+// The stack is in what these make, so no stack before them. Interrupts stay off until main turns them on.
 __attribute__((naked, section(".startup.reset"))) void ResetHandler() {
   asm volatile(
       "cpsid i\n"
@@ -70,7 +70,7 @@ constexpr std::uint32_t kNoAccess = 0, kReadWrite = 3U << 24, kReadOnly = 7U << 
 constexpr std::uint32_t kNormalUncached = 1U << 19, kNormalWriteThrough = 1U << 17, kDevice = 2U << 19;
 
 constexpr Region kRegions[] = {
-    {0x00000000, 32, kNoAccess | kNoExecute},  // what is not named below, also for speculative reads
+    {0x00000000, 32, kNoAccess | kNoExecute},  // all that is not listed below, also for speculative reads
     {kItcmBase, 19, kReadOnly | kNormalUncached},
     {kItcmBase, 10, kNoAccess | kNoExecute},  // null pointers
     {kDtcmBase, 19, kReadWrite | kNormalUncached | kNoExecute},
@@ -91,7 +91,7 @@ void ProtectMemory() noexcept {
   mpu::Control() = 1;
   DataBarrier();
   InstructionBarrier();
-  // Only start-up code in flash gains. No data are cached: everything lies in DTCM or is shared with USB.
+  // Only start-up code in flash benefits. No data are cached: everything is in DTCM or shared with USB.
   scb::InvalidateInstructionCache() = 0;
   DataBarrier();
   InstructionBarrier();
@@ -108,7 +108,7 @@ extern "C" std::uint32_t __stack_top[];
 
 constexpr VectorTable MakeVectors() {
   VectorTable table{__stack_top, {}};
-  for (auto& handler : table.handlers) handler = FaultEntry;  // also every interrupt that nobody has asked for
+  for (auto& handler : table.handlers) handler = FaultEntry;  // also every unused interrupt
   table.handlers[0] = ResetHandler;
   table.handlers[kCoreVectors - 1 + static_cast<int>(Irq::kLpi2c1)] = OnCurrentBus;
   table.handlers[kCoreVectors - 1 + static_cast<int>(Irq::kUsb1)] = OnUsb;
@@ -145,7 +145,7 @@ OMNI_STARTUP void StartUp() {
   BrakeAndReset();
 }
 
-// The stack may be what broke: a fresh one.
+// A fresh stack: the old one may be the cause.
 __attribute__((naked)) void FaultEntry() {
   asm volatile(
       "cpsid i\n"
@@ -155,13 +155,13 @@ __attribute__((naked)) void FaultEntry() {
       ".ltorg\n");
 }
 
-// Brake for as long as the coils' energy needs, only then let the bridges sleep: asleep they would push it into the
-// supply. A watchdog's reset cannot wait so; README.md has the capacitor that does.
+// Brake until the coils' energy is gone, and only then let the bridges sleep: asleep they would feed it into the
+// supply. A watchdog reset cannot wait; for that case README.md specifies a capacitor.
 void BrakeAndReset() {
   using namespace omni::board;
   InterruptsOff();
   PwmPadsToGround();
-  dwt::Start();  // it may not have run yet
+  dwt::Start();  // it may not have been started yet
   nvic::DisableAll();
   retained().crashed = kCrashed;
   for (std::uint32_t waited = 0; waited < kBrake_us; waited += kFeedEvery_us) {

@@ -1,4 +1,4 @@
-// What the chip says of itself.
+// The chip's identity.
 #pragma once
 
 #include "firmware/core/link/settings.h"

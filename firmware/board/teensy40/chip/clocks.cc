@@ -34,7 +34,7 @@ void RaiseVoltage() noexcept {
 // 480 MHz: USB, and the 60 MHz of I2C.
 void StartUsbPll() noexcept {
   Twin& pll = analog().PLL_USB1;
-  if ((pll.value & analog_bits::kUsbDiv22) != 0) {  // 528 MHz: not what USB can use
+  if ((pll.value & analog_bits::kUsbDiv22) != 0) {  // 528 MHz: not usable for USB
     pll.set = analog_bits::kBypass;
     pll.clear = analog_bits::kUsbPower | analog_bits::kUsbDiv22 | analog_bits::kEnable | analog_bits::kUsbClocks;
   }
@@ -53,7 +53,7 @@ void StartSystemPll() noexcept {
   pll.clear = analog_bits::kBypass;
 }
 
-// The core runs from the crystal while its PLL is set: 24 MHz is slow but never wrong.
+// The core runs from the crystal while its PLL is set up: 24 MHz is slow but always valid.
 void SwitchCore() noexcept {
   Ccm& c = ccm();
   c.CBCMR = (c.CBCMR & ~ccm_bits::kPeriphClock2SelMask) | ccm_bits::kPeriphClock2Osc;

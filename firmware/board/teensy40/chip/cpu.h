@@ -25,7 +25,7 @@ inline void Enable(Irq irq, Priority priority) noexcept {
   Block<Reg8>(0xE000E400 + number) = static_cast<std::uint8_t>(priority);
   Word(0xE000E100 + 4 * (number / 32)) = 1U << (number % 32);
 }
-// Makes it run as if its peripheral had asked.
+// Triggers it in software.
 inline void Pend(Irq irq) noexcept {
   const auto number = static_cast<std::uint32_t>(irq);
   Word(0xE000E200 + 4 * (number / 32)) = 1U << (number % 32);
@@ -65,13 +65,13 @@ namespace dwt {
 constexpr std::uint32_t kDemcr = 0xE000EDFC, kControl = 0xE0001000, kCycles = 0xE0001004, kLockAccess = 0xE0001FB0;
 inline void Start() noexcept {
   Word(kDemcr) = Word(kDemcr) | 1U << 24;  // TRCENA
-  Word(kLockAccess) = 0xC5ACCE55;          // Cortex-M7 locks it until told
+  Word(kLockAccess) = 0xC5ACCE55;          // locked on the Cortex-M7 until this write
   Word(kControl) = Word(kControl) | 1U;    // CYCCNTENA
 }
 inline std::uint32_t Cycles() noexcept { return Word(kCycles); }
 }  // namespace dwt
 
-// At least that long, at any core clock up to `clock_Hz`; for set-up and for the way out of a fault.
+// At least that long, at any core clock up to `clock_Hz`; for set-up and for fault handling.
 inline void Spin(std::uint32_t microseconds, std::uint32_t clock_MHz = 600) noexcept {
   const std::uint32_t begin = dwt::Cycles();
   while (dwt::Cycles() - begin < microseconds * clock_MHz) {

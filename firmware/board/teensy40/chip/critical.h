@@ -1,4 +1,4 @@
-// A stretch that no interrupt enters; nests. For a bus that the control interrupt and the main loop share.
+// A section without interrupts; nests. For a bus that the control interrupt and the main loop share.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Every signal of the base and the pad it uses, in one table: what a person wires and what start-up sets, from the same
-// place. Pads of Teensy pins: [PJRC, Teensy 4.0 schematic]; functions: [RM External Signals and Pin Multiplexing].
+// Every signal of the base and the pad it uses, in one table: the reference for wiring and the source for start-up.
+// Pads of Teensy pins: [PJRC, Teensy 4.0 schematic]; functions: [RM External Signals and Pin Multiplexing].
 #pragma once
 
 #include <cstdint>
@@ -51,7 +51,7 @@ constexpr std::uint32_t kOutput = kDrive | kMedium | kDown100k;  // pulled down 
 constexpr std::uint32_t kOutputIdleHigh = kDrive | kMedium | kUp22k;
 constexpr std::uint32_t kInputUp = kUp22k | kHysteresis;
 constexpr std::uint32_t kInputDown = kDown100k | kHysteresis;
-constexpr std::uint32_t kBus = kDrive | kMedium | kUp22k | kOpenDrain | kHysteresis;  // besides 2.2 kohm outside
+constexpr std::uint32_t kBus = kDrive | kMedium | kUp22k | kOpenDrain | kHysteresis;  // in addition to 2.2 kohm outside
 }  // namespace pad
 
 constexpr std::uint8_t kAsGpio = 5;
@@ -98,17 +98,16 @@ struct Pin {
   bool output;
 };
 
-// Why these:
-// - the three PWM outputs belong to one FlexPWM2, which has four fault inputs: one a coil and the emergency stop, so
-// that
-//   a fault brakes all three without a processor;
+// Reasons for this assignment:
+// - the three PWM outputs belong to one FlexPWM2, which has four fault inputs, one per coil and the emergency stop: a
+//   fault brakes all three without the processor;
 // - the fault inputs reach FlexPWM2 through the crossbar, hence pads with XBAR1_INOUTnn;
 // - a coil's fault line is the bridge's FLT and that coil's INA260 ALERT, both open drain, tied together;
 // - the emergency stop is a normally closed switch to ground: pressed, unplugged or broken reads high and stops;
-// - too few pins for eight chip selects: a 74HC138 makes them of three address lines, enabled low by kHallSelectOff.
-//   Pin 13 is the clock of that bus and the board's orange LED too, which therefore glows while sensors are read;
+// - too few pins for eight chip selects: a 74HC138 decodes three address lines, enabled low by kHallSelectOff.
+//   Pin 13 is the clock of that bus and also the board's orange LED, which therefore glows while sensors are read;
 // - GPT2's capture input measures the fan;
-// - awake lines are low from reset on: the bridges sleep. README.md has the resistors outside that make it so.
+// - awake lines are low from reset on, so the bridges sleep; README.md lists the external resistors for that.
 constexpr Pin kPins[] = {
     {Signal::kBridgePwm0, 4, Pad::kEmc06, 1, pad::kOutput, 0, 0, 4, 6, true},   // FLEXPWM2_PWMA00
     {Signal::kBridgePwm1, 5, Pad::kEmc08, 1, pad::kOutput, 0, 0, 4, 8, true},   // FLEXPWM2_PWMA01
@@ -155,19 +154,18 @@ constexpr bool NoneTwice() {
   }
   return true;
 }
-static_assert(sizeof kPins / sizeof kPins[0] == kSignals && InOrder(), "one row a signal, in the order of Signal");
+static_assert(sizeof kPins / sizeof kPins[0] == kSignals && InOrder(), "one row per signal, in the order of Signal");
 static_assert(NoneTwice(), "a pad has one signal");
 }  // namespace pins_check
 
 // Outputs first get their resting level (all low; kHallSelectOff high), then their pads: no pin ever drives the wrong
-// way.
+// level.
 void SetUpPins() noexcept;
 
 // Of a plain output. A PWM pad follows only after PwmPadsToGround().
 void SetPin(Signal signal, bool high) noexcept;
 
-// Takes the PWM pads from FlexPWM2 and drives them low: all bridges brake, whatever the timers do. There is no way
-// back.
+// Takes the PWM pads from FlexPWM2 and drives them low: all bridges brake, whatever the timers do. Irreversible.
 void PwmPadsToGround() noexcept;
 
 }  // namespace omni::board

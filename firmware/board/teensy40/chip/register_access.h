@@ -1,5 +1,5 @@
-// How a register, and what belongs to it, is reached: on the chip, at its address. A build that defines
-// OMNI_REGISTER_MODEL, the name of a header, puts that in between: tests run the board's code on a model of the chip.
+// Access to registers: on the chip, at their addresses. A build that defines OMNI_REGISTER_MODEL, the name of a header,
+// replaces that: tests run the board's code on a model of the chip.
 #pragma once
 
 #include <cstdint>

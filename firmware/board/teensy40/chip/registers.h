@@ -1,5 +1,5 @@
-// Registers of the i.MX RT1062 that this board uses, and only those bits. RM: IMXRT1060RM; the chapter is named at each
-// block, the layout of every block is checked below against its offsets.
+// Registers of the i.MX RT1062 that this board uses, and only those bits. RM: IMXRT1060RM; each block cites
+// its chapter, and its layout is checked below against its offsets.
 #pragma once
 
 #include <cstddef>
@@ -84,7 +84,7 @@ constexpr std::uint32_t kLock = 1U << 31;
 constexpr std::uint32_t kBypass = 1U << 16;
 constexpr std::uint32_t kEnable = 1U << 13;
 constexpr std::uint32_t kPowerDown = 1U << 12;  // of PLL_ARM and PLL_SYS
-constexpr std::uint32_t kUsbPower = 1U << 12;   // of PLL_USB1: the other way round
+constexpr std::uint32_t kUsbPower = 1U << 12;   // of PLL_USB1: with the opposite meaning
 constexpr std::uint32_t kUsbClocks = 1U << 6;
 constexpr std::uint32_t kUsbDiv22 = 1U << 1;
 constexpr std::uint32_t kArmDivideMask = 0x7F;
@@ -168,7 +168,7 @@ static_assert(sizeof(PwmSubmodule) == 0x60 && offsetof(PwmSubmodule, VAL3) == 0x
 inline FlexPwm& flexpwm2() noexcept { return Block<FlexPwm>(0x403E0000); }
 inline FlexPwm& flexpwm4() noexcept { return Block<FlexPwm>(0x403E8000); }
 
-// RM Inter-Peripheral Crossbar Switch A1: one byte an output.
+// RM Inter-Peripheral Crossbar Switch A1: one byte per output.
 inline Reg16& XbarSelect(std::uint32_t output) noexcept { return Block<Reg16>(0x403BC000 + 2 * (output / 2)); }
 
 // RM General Purpose Timer.

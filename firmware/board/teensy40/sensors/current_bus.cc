@@ -65,7 +65,7 @@ void CurrentBus::Begin(I2cJob* jobs, int count) noexcept {
   if (busy_) Launch();
 }
 
-// The master code alone: with a job's four words the controller's queue of four is full.
+// The master code alone: a job's four words fill the controller's queue of four.
 void CurrentBus::Launch() noexcept {
   Lpi2c& bus = lpi2c1();
   stopping_ = false;
@@ -98,19 +98,20 @@ void CurrentBus::Collect() noexcept {
 
 void CurrentBus::Finish() noexcept {
   lpi2c1().MIER = 0;
-  // What only wrote is done when the session has ended well.
+  // Write-only jobs are done when the session has ended without error.
   for (int i = 0; i < count_; ++i) {
     if (!jobs_[i].read && !jobs_[i].failed) jobs_[i].status = drivers::BusStatus::kOk;
   }
   busy_ = false;
 }
 
-// The job on the bus is lost, the others go on. A NACK is answered with a stop by the controller itself.
+// The job on the bus is lost, the others continue. After a NACK the controller sends a stop by itself.
 void CurrentBus::Fail(drivers::BusStatus status) noexcept {
   const int at = pushed_ > 0 ? pushed_ - 1 : 0;
   jobs_[at].status = status;
   jobs_[at].failed = true;
-  if (pushed_ == 0) pushed_ = 1;  // the master code failed: the bus itself is bad, skip a job so that this ends
+  if (pushed_ == 0)
+    pushed_ = 1;  // the master code failed: the bus itself is faulty; skip a job so that the session ends
   read_ = pushed_;
   if (pushed_ < count_) {
     Launch();
@@ -125,7 +126,7 @@ void CurrentBus::Fail(drivers::BusStatus status) noexcept {
 void CurrentBus::GiveUp() noexcept {
   lpi2c1().MIER = 0;
   busy_ = false;
-  Start();  // resets the controller: both lines are let go
+  Start();  // resets the controller, which releases both lines
 }
 
 void CurrentBus::Advance() noexcept {

@@ -1,7 +1,7 @@
-// Four INA260 on LPI2C1: one a coil and one of the supply. All reads of a control step are one bus session that runs by
-// interrupts while the processor reads the magnetometers: master code at 400 kHz, as the chip wants it for more than
-// that [TI SBOS656C, 8.5.3.3.1], then repeated starts at 1.5 MHz until the stop. Four reads take about 160 us,
-// reckoned from the bits.
+// Four INA260 on LPI2C1: one per coil and one for the supply. All reads of a control step are one bus session that runs
+// by interrupts while the processor reads the magnetometers: master code at 400 kHz, as the chip requires for higher
+// rates [TI SBOS656C, 8.5.3.3.1], then repeated starts at 1.5 MHz until the stop. Four reads take about 160 us,
+// calculated from the number of bits.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct I2cJob {
   std::uint8_t out[3] = {};
   std::uint8_t out_size = 0;
   bool read = false;
-  drivers::BusStatus status = drivers::BusStatus::kTimeout;  // until it is done
+  drivers::BusStatus status = drivers::BusStatus::kTimeout;  // until done
   bool failed = false;
   std::uint8_t in[2] = {};
 };
@@ -29,8 +29,8 @@ class CurrentBus {
 
   void Start() noexcept;
 
-  // Runs `count` jobs, at most kJobsMax; `jobs` stays with the caller and must outlive the session. A session that
-  // still runs is broken off: its unfinished jobs keep kTimeout.
+  // Runs `count` jobs, at most kJobsMax; `jobs` stays with the caller and must outlive the session. A running
+  // session is aborted: its unfinished jobs keep kTimeout.
   void Begin(I2cJob* jobs, int count) noexcept;
   bool busy() const noexcept { return busy_; }
   void Interrupt() noexcept;

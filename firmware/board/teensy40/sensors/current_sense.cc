@@ -9,11 +9,11 @@ namespace {
 namespace ina260 = drivers::ina260;
 using drivers::BusStatus;
 
-// The alert changes sides only for a current that is surely of the other sign: 1 A.
+// The alert changes sides only for a current that certainly has the other sign: 1 A.
 constexpr std::int16_t kSideCounts = 800;
 constexpr std::uint32_t kCheckSteps = 64;  // a chip every 16 ms
 constexpr int kAlertWrites = 3;
-constexpr std::uint8_t kSupplyMisses = 4;  // 1 ms: it moves no faster than the loop of the capacitors
+constexpr std::uint8_t kSupplyMisses = 4;  // 1 ms: the capacitors keep the supply from changing faster
 
 ina260::Mode ModeOf(int chip) noexcept {
   return chip == CurrentSense::kSupply ? ina260::Mode::kCurrentAndVoltage : ina260::Mode::kCurrentOnly;
@@ -70,7 +70,7 @@ void CurrentSense::Collect(firmware::Inputs& inputs) noexcept {
       supply_ = Value(supply);
       supply_missed_ = 0;
     } else if (++supply_missed_ > kSupplyMisses) {
-      supply_ = 0;  // one that nobody measures counts as none
+      supply_ = 0;  // an unmeasured supply counts as none
       supply_missed_ = kSupplyMisses;
     }
     if (checking_ >= 0) {
@@ -98,7 +98,7 @@ bool CurrentSense::AlertJob(I2cJob& job) noexcept {
     if (alert.stage == 0) continue;
     const std::uint16_t select = alert.negative ? ina260::kAlertUnderCurrent : ina260::kAlertOverCurrent;
     const int limit = alert.negative ? -limit_counts_ : limit_counts_;
-    // Off while the limit changes sides; otherwise the old side would strike at the new limit.
+    // Off while the limit changes sides; otherwise the old side would trigger at the new limit.
     switch (alert.stage--) {
       case 3:
         job = WriteOf(coil, ina260::kMaskEnable, ina260::kAlertLatch);

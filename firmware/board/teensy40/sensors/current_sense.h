@@ -1,9 +1,9 @@
 // The currents of the coils and the voltage of the supply, once per control step, from four INA260.
 //
 // A coil's chip sits between its bridge's output A and the coil and reads current only: new every 140 us, signed. Its
-// alert strikes on one sign at a time, so the side follows the current. The coil's voltage is not taken from that chip:
-// with the direction reversed its pin sees no voltage, and 140 us is 2.8 PWM periods, not a whole number. It is the
-// duty times the supply, which the fourth chip measures.
+// alert acts on one sign at a time, so the side follows the current. The coil's voltage is not read from that chip:
+// with the direction reversed its pin sees no voltage, and 140 us is 2.8 PWM periods, not a whole number. It is
+// computed as the duty times the supply, which the fourth chip measures.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,17 @@ class CurrentSense {
 
   explicit CurrentSense(float alert_A) noexcept;
 
-  // Bus and chips; what does not answer is tried again by Maintain. Interrupts may be off.
+  // Starts bus and chips; Maintain retries chips that do not answer. Interrupts may be off.
   void Start() noexcept;
 
-  // What came since Request: currents, supply, who answers.
+  // The results since Request: currents, supply, which chips answer.
   void Collect(firmware::Inputs& inputs) noexcept;
   // Starts the reads for the next Collect, and at most one more transfer: an alert's side, the release of a latched
-  // alert
-  // (`lines_low`: coils whose fault line is low; only while `nothing_driven`), or a look whether a chip has forgotten
-  // its configuration.
+  // alert (`lines_low`: coils whose fault line is low; only while `nothing_driven`), or a check of a chip's
+  // configuration.
   void Request(std::uint8_t lines_low, bool nothing_driven) noexcept;
 
-  // Main loop, only while all bridges sleep: starts a chip that is not running, one a call. Meanwhile Collect repeats
+  // Main loop, only while all bridges sleep: starts a chip that is not running, one per call. Meanwhile Collect repeats
   // its values, for at most 20 ms.
   void Maintain() noexcept;
 

@@ -1,4 +1,4 @@
-// The eight magnetometers: read in every control step (about 90 us), each delivers a new sample a millisecond.
+// The eight magnetometers: read in every control step (about 90 us), each delivers a new sample every millisecond.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@ namespace omni::board {
 
 class HallArray {
  public:
-  // Bus and chips; what does not answer is tried again by Maintain.
+  // Starts bus and chips; Maintain retries chips that do not answer.
   void Start() noexcept;
 
-  // Control step: newest samples, ages, who answers.
+  // Control step: newest samples, ages, which chips answer.
   void Read(std::uint64_t now_us, firmware::Inputs& inputs) noexcept;
-  // Control step: the chips' own test field, one chip a step.
+  // Control step: the chips' own test field, one chip per step.
   void SelfTest(bool on) noexcept;
 
-  // Main loop: looks at the next chip; one that has lost its configuration or never had it is started anew.
+  // Main loop: checks the next chip; one that has lost its configuration or never had it is started again.
   void Maintain() noexcept;
 
  private:

@@ -14,7 +14,7 @@ static_assert(kSpiSource_Hz / kSpiDivider <= 10'000'000, "LIS3MDL, SPI clock at 
 
 void StartHallBus() noexcept;
 
-// firmware/drivers/lis3mdl.h. A transfer is one stretch without interrupts, at most 16 us: the control interrupt reads
+// firmware/drivers/lis3mdl.h. A transfer is one section without interrupts, at most 16 us: the control interrupt reads
 // the sensors while the main loop may be configuring one.
 class HallBus {
  public:

@@ -1,7 +1,7 @@
-// What the master of a virtual clock and the programs under it share: one page of memory, a mapped file.
+// Shared by the master of a virtual clock and the programs under it: one page of memory, a mapped file.
 //
-// The master writes the time, and wakes a process when the first of its timers is due. A process enters itself when it
-// starts, and keeps the instant of its first timer up to date; the master takes out those that have ended.
+// The master writes the time, and wakes a process when the first of its timers is due. A process registers itself when
+// it starts, and keeps the instant of its first timer up to date; the master removes those that have ended.
 #pragma once
 
 #include <linux/futex.h>
@@ -32,7 +32,7 @@ struct ClockPage {
   std::uint64_t magic;
   std::atomic<std::int64_t> now_ns;  // what CLOCK_MONOTONIC shows
   std::atomic<std::int32_t> master_pid;
-  std::atomic<std::int32_t> refused;  // processes that found no place
+  std::atomic<std::int32_t> refused;  // processes that found no free place
   ClockProcess processes[kClockProcessesMax];
 };
 

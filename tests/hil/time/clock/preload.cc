@@ -1,10 +1,9 @@
-// Preloaded into an unmodified program: CLOCK_MONOTONIC becomes the time of a page that somebody else writes, and timed
-// waits end in that time. Without the environment variable OMNI_HIL_CLOCK nothing changes.
+// Preloaded into an unmodified program: CLOCK_MONOTONIC becomes the time of a shared page, and timed waits
+// end in that time. Without the environment variable OMNI_HIL_CLOCK nothing changes.
 //
-// The time stands still between two steps of its master, who goes on when everybody sleeps
-// (tests/hil/time/idle_watch.h): what a program computes takes no time. Replaced is what omnid, libusb, the OpenXR
-// loader and test applications wait with: sleeps, poll, epoll, sigtimedwait, condition variables, timerfd.
-// CLOCK_REALTIME and processor times stay real.
+// The time stands still between two steps of its master, which advances it when all threads sleep (tests/hil/quiet.h):
+// computation takes no time. Replaced are the waits of omnid, libusb, the OpenXR loader and test applications: sleeps,
+// poll, epoll, sigtimedwait, condition variables, timerfd. CLOCK_REALTIME and processor times stay real.
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -40,7 +39,7 @@ constexpr std::size_t kKernelSigset = 8;  // bytes of a signal set in the kernel
 Timers* timers = nullptr;
 pthread_t server;
 ClockPage* clock_page = nullptr;
-bool outside = false;  // a child that has not asked for the time yet: most call exec at once
+bool outside = false;  // a child that has not read the time yet: most call exec at once
 int generation = 0;    // of children: what a thread made before the fork belongs to the parent
 
 [[noreturn]] void Refuse(const char* path, const char* why) {
@@ -66,19 +65,19 @@ void* Serve(void*) {
   timers->Serve();
 }
 
-// No signal is for us: a program may wait for its own.
+// This thread takes no signals: a program may wait for its own.
 void StartServer() {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   const bool started = pthread_create(&server, nullptr, &Serve, nullptr) == 0;
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  if (!started) Refuse("", "no thread for the clock");
+  if (!started) Refuse("", "cannot start the clock's thread");
 }
 
 void Join() {
   ClockProcess* const place = TakePlace(*clock_page);
-  if (place == nullptr) Refuse(std::getenv(kClockVariable), "too many programs under one clock");
+  if (place == nullptr) Refuse(std::getenv(kClockVariable), "too many programs share this clock");
   place->due_ns.store(kNever_ns);
   timers = new Timers(*clock_page, *place);
   StartServer();
@@ -108,7 +107,7 @@ __attribute__((constructor)) void Enter() {
   if (memory == MAP_FAILED) Refuse(path, std::strerror(errno));
   syscall(SYS_close, fd);
   clock_page = static_cast<ClockPage*>(memory);
-  if (clock_page->magic != kClockMagic) Refuse(path, "is no clock of this version");
+  if (clock_page->magic != kClockMagic) Refuse(path, "is not a clock page of this version");
   pthread_atfork(nullptr, nullptr, &ForgetInChild);
   Join();
 }
@@ -153,7 +152,7 @@ class ThreadTimer {
   int generation_ = -1;
 };
 
-// From its making to its end the calling thread has a deadline, and a descriptor that becomes readable then.
+// During its lifetime the calling thread has a deadline, and a descriptor that becomes readable then.
 class Deadline {
  public:
   explicit Deadline(std::int64_t due_ns, pthread_cond_t* condition = nullptr) : due_ns_(due_ns) {
@@ -210,8 +209,8 @@ int SleepFor(const timespec& time, timespec* left) {
   return error;
 }
 
-// A condition variable is signalled when its time is over, which its waiters bear with. One that was not waited for yet
-// misses that: hence the short pieces of real time.
+// A condition variable is signalled when its time is over, a spurious wake-up for other waiters. A thread that is not
+// waiting yet misses that: hence the short waits in real time.
 constexpr std::int64_t kConditionPiece_ns = 2'000'000;
 using ClockWait = int (*)(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*);
 
@@ -228,8 +227,8 @@ int WaitInPieces(pthread_cond_t* condition, std::int64_t due_ns, Wait wait_until
   return ETIMEDOUT;
 }
 
-// timerfd: an eventfd is read in the same way. We keep a descriptor of our own, so that a number that was closed and
-// came again is never written to.
+// timerfd: an eventfd is read in the same way. We keep a duplicate descriptor, so that a number that was closed and
+// reused is never written to.
 struct DescriptorTimer {
   int fd = -1;
   Timer timer;
@@ -285,7 +284,7 @@ itimerspec Schedule(const Timer& timer) {
   return {.it_interval = Timespec(timer.period_ns), .it_value = Timespec(left_ns)};
 }
 
-// What had come due before a timer is set is forgotten [timerfd_create(2)].
+// Setting a timer discards earlier expirations [timerfd_create(2)].
 void Arm(DescriptorTimer& one, int flags, const itimerspec& wanted) {
   timers->Remove(one.timer);
   pollfd raised{one.timer.event_fd, POLLIN, 0};

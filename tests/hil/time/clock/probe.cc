@@ -1,5 +1,5 @@
-// hil_clock_probe WHAT FILE: waits in one of the ways that programs have, and writes to FILE how many milliseconds of
-// CLOCK_MONOTONIC it took and what came of it. Knows nothing of virtual clocks.
+// hil_clock_probe WHAT FILE: waits by one kind of system call, and writes to FILE how many milliseconds of
+// CLOCK_MONOTONIC it took and the call's result. Independent of virtual clocks.
 #include <poll.h>
 #include <signal.h>
 #include <sys/epoll.h>
@@ -86,7 +86,7 @@ int TimerDescriptor() {
   return left.it_interval.tv_sec == 1 ? static_cast<int>(expired) : -2;
 }
 
-// At work for half a second of processor time.
+// Busy for half a second of processor time.
 int Work() {
   timespec used{};
   do {

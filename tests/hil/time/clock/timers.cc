@@ -39,7 +39,7 @@ Timer Timers::Look(const Timer& timer) const {
   return timer;
 }
 
-// The master sets the time, then looks who is due; here it is the other way round, so that one of both sees the other.
+// The master sets the time, then checks what is due; here it is the reverse, so that one of the two sees the other.
 void Timers::FireDue() {
   for (;;) {
     const std::int64_t now_ns = page_.now_ns.load();
@@ -67,7 +67,7 @@ void Timers::Serve() {
     }
     FutexWait(slot_.wake, seen, kLookAtMaster);
     if (kill(page_.master_pid.load(), 0) != 0 && errno == ESRCH) {
-      std::fprintf(stderr, "the virtual clock's master has ended: so do we (process %d)\n", getpid());
+      std::fprintf(stderr, "the virtual clock's master has ended: process %d exits too\n", getpid());
       _exit(kMasterGone);
     }
   }

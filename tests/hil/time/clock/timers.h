@@ -1,5 +1,5 @@
-// The timers of one process under a virtual clock. Each has an eventfd that becomes readable when it is due, so that a
-// wait for it can be a wait for anything else too.
+// The timers of one process under a virtual clock. Each has an eventfd that becomes readable when it is due, so that it
+// can be waited for together with other descriptors.
 #pragma once
 
 #include <pthread.h>
@@ -31,7 +31,7 @@ class Timers {
   void Remove(Timer& timer);
   Timer Look(const Timer& timer) const;
 
-  // Does what falls due; never returns. The process ends, with a message, when the clock's master is gone.
+  // Handles timers that are due; never returns. The process ends, with a message, when the clock's master is gone.
   [[noreturn]] void Serve();
 
  private:
