@@ -29,7 +29,7 @@ struct ContactState {
   base::Vec3 anchor_m;        // where it was at the last tick, in the same frame
   double depth_m = 0;         // of the tip under the proxy, as the proxy was found
   double side = 1;            // +1 entered from the front, -1 from the back (double-sided objects)
-  double offered_N_m = 0;     // stiffness bound in the contact's direction since it began; only falls; 0: new
+  double bound_N_m = 0;       // stiffness bound in the contact's direction since it began; only falls; 0: new
   double relaxation_N = 0;    // softness: viscous part
   double elastic_N = 0;       // softness: elastic part at the last tick
   base::Vec3 last_force_N;    // of the last tick, in that frame

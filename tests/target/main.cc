@@ -51,7 +51,7 @@ bool Passes(const Registered& registered) {
 }
 
 // These need minutes of device time, which take longer here, or a file to compare with. The core behaves the same on
-// every target: tests/hil/lockstep_test.cc.
+// every target: tests/hil/board/lockstep_test.cc.
 const std::set<std::string> kLeftOut = {
     "FirmwareCurrent.StaysWithinHalfAPercentOver15MinutesOfHeating",
     "FirmwareCurrent.ShrinksBetweenDerateAndMaxAndTripsOnlyThere", "FirmwareFaultMatrix.EveryFaultIsSeenAndEndsAtRest",

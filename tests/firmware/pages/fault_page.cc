@@ -97,7 +97,7 @@ std::string SilenceTable(const std::vector<SilenceRow>& rows) {
 std::string FaultPage(const std::vector<MatrixRow>& rows, const std::vector<SilenceRow>& silence) {
   return R"(# Faults
 
-Printed by the target `fault_matrix` from `firmware/core/fault_rules.h`, `firmware/wire/names.h` and runs of the control
+Printed by the target `fault_matrix` from `firmware/core/safety/fault_rules.h`, `firmware/wire/names.h` and runs of the control
 core against a simulated base in virtual time. A test checks it. How to fix each fault: `wire.md`.
 
 ## Rules

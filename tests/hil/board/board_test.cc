@@ -1,6 +1,6 @@
 // The emulated board as a device: it starts, answers, ends, and survives invalid requests; its host reports why it
 // ended and leaves no process behind.
-#include "tests/hil/qemu_board.h"
+#include "tests/hil/board/qemu_board.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
