@@ -16,7 +16,7 @@ struct Argument {
   std::string* value = nullptr;
 };
 
-// Nothing: go on. Else the exit status: 0, --help was printed; 2, something else was given.
+// Empty: continue. Else the exit status: 0 after --help, 2 for an unknown argument.
 inline std::optional<int> ParseArguments(int argc, char** argv, const std::string& program,
                                          std::initializer_list<Argument> arguments) {
   std::string usage = "usage: " + program;
@@ -39,7 +39,7 @@ inline std::optional<int> ParseArguments(int argc, char** argv, const std::strin
       break;
     }
     if (taken) continue;
-    std::fprintf(stderr, "%s: '%s' is no argument, or its value is missing\n%s\n", program.c_str(), word.c_str(),
+    std::fprintf(stderr, "%s: '%s' is not an argument, or its value is missing\n%s\n", program.c_str(), word.c_str(),
                  usage.c_str());
     return 2;
   }

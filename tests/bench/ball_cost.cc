@@ -1,4 +1,4 @@
-// What a ball tip and a shaded normal cost a tick, on bodies of 1,000 to 100,000 triangles. Prints one row a case;
+// Cost of a ball tip and a shaded normal per tick, on bodies of 1,000 to 100,000 triangles. Prints one row per case;
 // times in which the kernel took the thread off its core are left out and counted.
 #include <sys/resource.h>
 

@@ -1,5 +1,5 @@
 // An hour of sliding: balls of 0.5 to 3 mm through haptics::Step over boxes, sharp parts, thin, concave and organic
-// bodies. Prints one row a body; exit status 1 if a centre was ever inside, or a force ever drew the tip inwards.
+// bodies. Prints one row per body; exit status 1 if a centre was ever inside, or a force ever pulled the tip inwards.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -1,6 +1,6 @@
-// How far the layer's predicted poses are off, and a held one beside them: the twin's hands play in virtual time, every
-// sample is published as omnid does, and after each the layer is asked for 10, 20 and 40 ms later. The twin's own
-// record of the tip is the judge. Prints a JSON array of rows: call, method, horizon_ms, ns_median, error_mm_p95; side
+// Error of the layer's predicted poses, compared with a held pose: the twin's hands play in virtual time, every sample
+// is published as omnid does, and after each the layer is queried for 10, 20 and 40 ms later. The reference is the
+// twin's own record of the tip. Prints a JSON array of rows: call, method, horizon_ms, ns_median, error_mm_p95; side
 // table: the same by motion, with the error's median and 99th percentile.
 //   --seed N   of the twin and of the free motions; --quick: one free motion only
 #include <unistd.h>
@@ -41,9 +41,9 @@ constexpr const char* kPredicted = "layer";
 constexpr const char* kHeld = "hold last";
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
-// What was said of a time that had not come yet.
+// A prediction of a future time.
 struct Said {
-  std::int64_t t_ns = 0;  // of which the pose was asked for
+  std::int64_t t_ns = 0;  // time of the requested pose
   glm::dvec3 predicted_m;
   glm::dvec3 held_m;
 };
@@ -138,7 +138,7 @@ base::Result<SaidByHorizon> Play(const Motion& motion, std::uint64_t seed, const
   return said;
 }
 
-// Of one call; the pen moves, the newest sample is `horizon_ms` old.
+// Time of one call; the pen moves, the newest sample is `horizon_ms` old.
 double CallTime_ns(int horizon_ms) {
   using Clock = std::chrono::steady_clock;
   Memory memory;

@@ -1,5 +1,5 @@
-// Rows on their way from a program to `omni-bench`, which runs it. JSON knows no NaN: a figure that should have been
-// measured and was not travels as a word and is NaN again there, unlike one that has no meaning in its row (null).
+// Rows passed from a program to `omni-bench`, which runs it. JSON has no NaN: a figure that should have been measured
+// and was not is passed as a string and becomes NaN again there, unlike one that has no meaning in its row (null).
 #pragma once
 
 #include <cmath>

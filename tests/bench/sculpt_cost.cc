@@ -45,13 +45,13 @@ Vec3 OnBall(Random& random) {
   return kBodyRadius_m * Normalized(p);
 }
 
-// A publish during which the kernel took the thread off its core is left out; edits are longer than what it grants on a
+// A publish during which the kernel took the thread off its core is left out; edits are longer than a time slice on a
 // busy machine, and all count.
 struct Samples {
   std::vector<double> begin_us, move_us, publish_us, copy_us, triangles, pages;
 };
 
-// What Publish leaves to the edit: copying the pages it is going to write.
+// Work that Publish leaves to the edit: copying the pages it is going to write.
 double CopyTime_us(const PagedMesh& mesh, std::uint32_t pages, std::vector<Page>& to) {
   if (to.size() < pages) to.resize(pages);
   const std::uint32_t stride = std::max(1U, mesh.page_count() / pages);
@@ -122,7 +122,7 @@ void AddPublishRows(const Options& options, int squares, ordered_json& rows) {
   }
 }
 
-// What the tick pays: taking the newest generation, and its questions; fifty at a time.
+// Cost in the tick: loading the newest generation, and queries; fifty at a time.
 void AddTickRow(const Options& options, int squares, ordered_json& rows) {
   const auto editor = EditorOf(BumpyBall(squares, kBodyRadius_m));
   Random random(options.seed);
@@ -160,7 +160,7 @@ void AddTickRow(const Options& options, int squares, ordered_json& rows) {
                   {"finite", std::isfinite(sink)}});
 }
 
-// Many strokes, then all of them back.
+// Many strokes, then all of them undone.
 void AddUndoRow(const Options& options, const char* body, const InputObject& object, int strokes, double size_m,
                 ordered_json& rows) {
   const double begin_us = Now_us();
@@ -213,8 +213,8 @@ void AddUndoRow(const Options& options, const char* body, const InputObject& obj
                   {"seconds", 1e-6 * (Now_us() - begin_us)}});
 }
 
-// One grab after another by a pen that presses, pulls or pushes at some speed, lets go, and is undone under the tip.
-// Largest change of the wanted force from tick to tick, before the limit of the device.
+// One grab after another by a pen that presses, pulls or pushes at some speed and releases; some are undone under the
+// tip. Largest change of the requested force from tick to tick, before the limit of the device.
 void AddForceRow(const Options& options, int squares, const char* what, double speed_m_s, double way_m, bool undo,
                  ordered_json& rows) {
   SculptHand hand(BumpyBall(squares, kBodyRadius_m), {}, Brush{});

@@ -1,5 +1,5 @@
-// Times what it takes to show changing surfaces of about 100,000 vertices, step by step; run by `omni-bench surfaces`.
-// Prints a JSON array of rows: step, vertices, triangles, us_median, us_p99, n.
+// Times the display of changing surfaces of about 100,000 vertices, step by step; run by `omni-bench surfaces`. Prints
+// a JSON array of rows: step, vertices, triangles, us_median, us_p99, n.
 #include <algorithm>
 #include <chrono>
 #include <string>
@@ -140,7 +140,7 @@ void TimeSculpted(int n, Timing& timing) {
 
 int main(int argc, char** argv) {
   bool quick = false;
-  // One run is enough: `omni-bench` gives a seed to all.
+  // One run is enough; the seed is ignored: `omni-bench` passes it to all.
   std::string seed;
   const auto ended =
       omni::bench::ParseArguments(argc, argv, "omni_bench_surfaces", {{"--quick", &quick}, {"--seed", nullptr, &seed}});

@@ -1,4 +1,4 @@
-// Documents made to cost a reader as much as they can: each of about so many bytes.
+// Documents designed to cost a reader as much as possible, each with about the given number of bytes.
 #pragma once
 
 #include <algorithm>
@@ -124,7 +124,8 @@ inline std::string OverlappingImages(std::size_t n) {
                    "]");
 }
 
-// What people have: many nodes that show one of a few meshes, with names, places and words of a program's own.
+// A typical legitimate document: many nodes that show one of a few meshes, with names, transforms and a program's own
+// extras.
 inline std::string HonestNodes(std::size_t count = 100'000) {
   const char* node = R"({"name":"part #","translation":[0.001,0,0],"rotation":[0,0,0,1],"scale":[1,1,1],)"
                      R"("extras":{"maker":"somebody","layer":#}})";
@@ -135,7 +136,7 @@ inline std::string HonestNodes(std::size_t count = 100'000) {
 
 }  // namespace bombs
 
-// Each was slow or large once, or the end of the process, or could be.
+// Each was or could be slow or large, or end the process.
 inline const std::array kSceneBombs = {
     Bomb{"empty objects", [](std::size_t n) { return bombs::Gltf("\"x\":[" + bombs::Filled("{}", n) + "]"); }},
     Bomb{"empty arrays", [](std::size_t n) { return bombs::Gltf("\"x\":[" + bombs::Filled("[]", n) + "]"); }},

@@ -1,4 +1,4 @@
-// Bytes as people compare them.
+// Bytes as hexadecimal text, for comparison.
 #pragma once
 
 #include <cstdint>

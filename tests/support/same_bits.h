@@ -1,4 +1,4 @@
-// Equality of every bit: tells -0 from 0, and takes a NaN for itself. Padding does not count.
+// Bitwise equality: -0 differs from 0, and a NaN equals itself. Padding does not count.
 #pragma once
 
 #include <array>

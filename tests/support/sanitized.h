@@ -1,4 +1,4 @@
-// Whether this program is instrumented: it has a heap and system calls of its own then, and must be a program's first
+// Whether this program is instrumented: it then has its own heap and system calls, and must be a program's first
 // library.
 #pragma once
 

@@ -1,4 +1,4 @@
-// A base without a pen: a scan every millisecond, nothing in it.
+// A base without a pen: an empty scan every millisecond.
 #pragma once
 
 #include <chrono>

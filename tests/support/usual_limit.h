@@ -1,4 +1,4 @@
-// What a device that can do two newtons in every direction tells the renderer.
+// Force limit of a device that can produce two newtons in every direction.
 #pragma once
 
 #include "service/base/actuation_types.h"

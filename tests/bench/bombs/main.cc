@@ -1,7 +1,7 @@
-// What hostile documents cost: how long until each is refused (or loaded), with how much memory, by `omni scene
-// explain` and through omnid while an application beside it draws. Prints a table; run by scripts/bombs.
+// Cost of hostile documents: time until each is refused (or loaded), and memory, for `omni scene explain` and for omnid
+// while another application draws. Prints a table; run by scripts/bombs.
 //   omni_bench_bombs [--bin FOLDER] [--bytes N] [--limit SECONDS]
-// --bin: of omni and omnid, another build's perhaps (default: beside this program).
+// --bin: folder of omni and omnid, possibly of another build (default: that of this program).
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -38,7 +38,7 @@ struct NamedText {
   std::string name, text;
 };
 
-// A document in a file: none is kept in memory, which would count as that of the commands that are measured.
+// A document in a file: none is kept in memory, where it would count as memory of the measured commands.
 struct SceneFile {
   std::string name, path;
 };
@@ -61,7 +61,7 @@ std::string Read(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A service with an artist, started again whenever a bomb was its end.
+// A service with an artist, restarted whenever a bomb ended it.
 class Studio {
  public:
   Studio(const Options& options, const fs::path& folder) : omnid_((options.bin / "omnid").string(), folder.string()) {}
@@ -84,7 +84,7 @@ class Studio {
   std::unique_ptr<Artist> artist_;
 };
 
-// What the artist saw while something was done.
+// Frames that the artist saw during a step.
 struct Drawn {
   double seconds = 0;
   std::uint64_t frames = 0;
@@ -114,7 +114,7 @@ std::string Text(const Cost& cost) {
   return text;
 }
 
-// Entries for the artist, who draws clay, and for applications bomb-0 and so on.
+// Entries for the artist, who draws clay, and for the applications bomb-0, bomb-1, ...
 void WriteEntries(const std::vector<SceneFile>& scenes, const fs::path& clay, const fs::path& folder) {
   const auto write = [&](const std::string& application, const std::string& scene) {
     Write(folder / (application + ".toml"),
@@ -124,7 +124,7 @@ void WriteEntries(const std::vector<SceneFile>& scenes, const fs::path& clay, co
   for (std::size_t i = 0; i < scenes.size(); ++i) write("bomb-" + std::to_string(i), scenes[i].path);
 }
 
-// One row of the table. What was drawn meanwhile is added to `all`.
+// One row of the table. Frames drawn meanwhile are added to `all`.
 void RunScene(const Options& options, const SceneFile& scene, std::size_t number, Studio& studio, Drawn& all) {
   const std::string omni = (options.bin / "omni").string();
   const Cost command = RunCommand({omni, "scene", "explain", "--touch-all", "--no-cache", scene.path}, options.limit_s);
@@ -162,7 +162,7 @@ bool RunScenes(const Options& options, const fs::path& folder) {
   return true;
 }
 
-// Settings that nest: each in every file of the user's that omnid reads.
+// Nested settings: each in every user file that omnid reads.
 void RunSettings(const Options& options, const fs::path& folder) {
   std::string dotted = "a", arrays = "x = " + std::string(40'000, '[') + std::string(40'000, ']') + "\n";
   while (dotted.size() < 80'000) dotted += ".a";

@@ -25,7 +25,7 @@ namespace {
 void SleepMs(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 double SecondsSince(std::int64_t start_ns) { return 1e-9 * static_cast<double>(base::MonotonicNow_ns() - start_ns); }
 
-// The most that a process had at a time; 0: it is gone.
+// Peak memory of a process; 0: it has ended.
 double PeakMemoryOf_MB(pid_t pid) {
   std::ifstream status("/proc/" + std::to_string(pid) + "/status");
   for (std::string line; std::getline(status, line);) {
@@ -36,7 +36,7 @@ double PeakMemoryOf_MB(pid_t pid) {
 
 std::string Over(double limit_s) { return "> " + std::to_string(static_cast<int>(limit_s)) + " s"; }
 
-// Replaces this process; what it says is not wanted.
+// Replaces this process; its output is discarded.
 [[noreturn]] void Become(const std::vector<std::string>& words, const std::vector<std::string>& environment) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int nowhere = open("/dev/null", O_RDWR);
@@ -74,7 +74,7 @@ class Guest {
   client::Connection connection_;
 };
 
-// Begins with `begin` and waits until `outcome` says how it ended.
+// Starts with `begin` and waits until `outcome` returns how it ended.
 template <class Begin, class Outcome>
 Cost Wait(Omnid& omnid, Guest& guest, double limit_s, Begin begin, Outcome outcome) {
   Cost cost;
@@ -209,7 +209,7 @@ Cost LoadByEntry(Omnid& omnid, const std::string& application, double limit_s) {
   const auto loaded = [&]() -> std::string {
     for (const protocol::Notice& notice : guest.connection().PopNotices())
       return notice.level == 2 ? "refused" : "loaded";
-    // Of a scene without a word there is its name in the status.
+    // If a scene was loaded without a message, the status has its name.
     const std::string text = guest.connection().PopStatus();
     if (text.find("\"scene\":\"/") == std::string::npos) {
       guest.connection().Send(protocol::StatusRequest{});

@@ -1,4 +1,4 @@
-// What one document costs: read by a command, and by a service beside somebody who draws.
+// Cost of one document: read by a command, and by a service while another application draws.
 #pragma once
 
 #include <sys/types.h>
@@ -18,14 +18,14 @@ namespace omni::bombs {
 
 struct Cost {
   double seconds = 0;
-  double memory_MB = 0;  // the most at a time
+  double memory_MB = 0;  // peak
   std::string end;       // "refused", "loaded", "SIGABRT", "> 20 s"
 };
 
 // `words`: a program and its arguments. Killed after `limit_s`.
 Cost RunCommand(const std::vector<std::string>& words, double limit_s);
 
-// omnid on the twin, in a folder of its own.
+// omnid on the twin, in its own folder.
 class Omnid {
  public:
   Omnid(std::string program, std::string folder) : program_(std::move(program)), folder_(std::move(folder)) {}
@@ -37,7 +37,7 @@ class Omnid {
   bool Start();
   bool Lives();
   void Kill();
-  const std::string& end() const { return end_; }  // of one that lives no more: "SIGSEGV", "exit 1"
+  const std::string& end() const { return end_; }  // if it has ended: "SIGSEGV", "exit 1"
 
   std::string socket_path() const { return folder_ + "/run/omnid.sock"; }
   std::string config_folder() const { return folder_ + "/config/omni"; }
@@ -51,7 +51,7 @@ class Omnid {
   std::string end_;
 };
 
-// An application that draws what changes, 90 times a second, in a thread of its own.
+// An application that draws changes 90 times a second, in its own thread.
 class Artist {
  public:
   Artist(const std::string& socket_path, const std::string& name);
@@ -60,7 +60,7 @@ class Artist {
   Artist& operator=(const Artist&) = delete;
 
   std::uint64_t frames() const { return frames_; }  // new ones that it saw
-  double LongestPause_ms();                         // between two of them, since this was last asked
+  double LongestPause_ms();                         // between two of them, since the last call
 
  private:
   void Run();
@@ -72,10 +72,10 @@ class Artist {
   std::thread thread_;
 };
 
-// A scene that apps.d names for `application`, until the service has loaded it or says that it cannot.
+// A scene that apps.d names for `application`, until the service has loaded it or reports that it cannot.
 Cost LoadByEntry(Omnid& omnid, const std::string& application, double limit_s);
 
-// The same of a document that the application gives.
+// The same for a document that the application sends.
 Cost LoadByDocument(Omnid& omnid, const std::string& application, const std::string& document, double limit_s);
 
 }  // namespace omni::bombs

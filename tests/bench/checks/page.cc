@@ -1,4 +1,4 @@
-// Tables of benchmark documents in a page: what is replaced, what stays, what is refused.
+// Tables of benchmark documents in a page: replaced, kept and rejected places.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-// The published numbers beside ours: what the comparison promises, and that it can fail.
+// The comparison with the published numbers: its results, and that it can fail.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ const ordered_json& RowOf(const PaperSection& section, const std::string& quanti
   return section.rows.front();
 }
 
-// The rows of a side table that scripts/plot draws; what is left are the section's own.
+// Removes and returns the rows of a side table that scripts/plot draws; the section's own rows remain.
 tools::Rows TakeTable(tools::Rows& rows, const std::string& name) {
   for (auto& [table, side] : tools::TakeSideTables(rows)) {
     if (table == name) return side;
@@ -136,7 +136,7 @@ TEST(Paper, TrackingRunsOnFewPoses) {
   ASSERT_EQ(bins.size(), 80U);
   double share_pct = 0;
   for (const ordered_json& bin : bins) share_pct += bin.at("share_pct").get<double>();
-  EXPECT_GT(share_pct, 150);  // of two conditions; what is beyond 20 mm is in no bin
+  EXPECT_GT(share_pct, 150);  // of two conditions; errors beyond 20 mm are in no bin
   EXPECT_LT(share_pct, 200.001);
   for (const ordered_json& row : section.rows) {
     if (row.at("quantity") != "mean_mm") continue;

@@ -1,4 +1,4 @@
-// Bad input in small: what `omni-bench stress` counts by the million must be zero by the thousand as well.
+// Bad input on a small scale: what `omni-bench stress` counts over millions of ticks must be zero over thousands too.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,9 +12,9 @@ namespace omni::bench {
 namespace test_bench_stress {
 
 TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
-  ::setenv("OMNI_DATA_DIR", OMNI_SOURCE_DIR, 1);  // scenes as they are in the source, built or not
+  ::setenv("OMNI_DATA_DIR", OMNI_SOURCE_DIR, 1);  // scenes of the source tree, whether built or not
   std::vector<RoomCondition> as_drawn{{.name = "drawn"}, {.name = "turning"}};
-  for (RoomCondition& condition : as_drawn) condition.as_drawn = true;  // which takes no calibration
+  for (RoomCondition& condition : as_drawn) condition.as_drawn = true;  // which needs no calibration
   as_drawn[1].later = [](base::TruthParameters& truth, sim::Random&) { truth.effects.room.turn_rate_rad_s = 1; };
   const auto rows = StressTicks(30'001, 7, as_drawn);
   ::unsetenv("OMNI_DATA_DIR");
@@ -34,7 +34,7 @@ TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
   EXPECT_GT(rows->front()["tracking"], 0.9 * rows->front()["ticks"].get<double>());
 }
 
-// Ten hours of it are no minute that is played again and again.
+// The long run must not repeat one minute.
 TEST(Stress, TheRoomOfTheLongRunChanges) {
   const RoomCourse course = MakeRoomCourse(600, 5);
   ASSERT_EQ(course.size(), 601U);

@@ -1,4 +1,4 @@
-// Engines whose library was not there at configure.
+// Engines whose library was not found at configure time.
 #include "tests/bench/collision/engine.h"
 
 namespace omni::collision {

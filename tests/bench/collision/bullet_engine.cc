@@ -1,5 +1,5 @@
-// Bullet: its quantised tree gives the triangles of a box around the tip, as large as the last distance allows; which
-// is nearest is decided as for Embree.
+// Bullet: its quantised tree gives the triangles of a box around the tip, as large as the last distance allows; the
+// nearest one is found as for Embree.
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 

@@ -1,4 +1,4 @@
-// What the bench times: something that is built over a body and asked once a tick.
+// What the bench times: an engine that is built over a body and queried once per tick.
 #pragma once
 
 #include <memory>
@@ -26,11 +26,11 @@ class Engine {
   virtual BuildCost Build(const Body& body) = 0;
   // A new path begins.
   virtual void Start(const Vec3& tip) = 0;
-  // The tip is here now. Returns the distance to the surface, or a negative number if that is not what it computes.
+  // Moves the tip. Returns the distance to the surface, or a negative number if the engine does not compute it.
   virtual double Tick(const Vec3& tip) = 0;
 };
 
-// Nearest point of a triangle in float, the callback of the engines that ask for one. Squared distance.
+// Nearest point of a triangle in float, the callback of the engines that need one. Squared distance.
 float NearestInFloat(const float (&a)[3], const float (&b)[3], const float (&c)[3], const float (&p)[3]);
 
 // nullptr: not in this build.
@@ -44,7 +44,7 @@ enum class OmniKind { kProxy, kContact, kClosest, kClosestCold };
 std::unique_ptr<Engine> MakeOmni(OmniKind kind, const haptics::Scene& scene, const BuildCost& cost);
 
 haptics::SceneInput SceneOf(const Body& body);
-// A tip without friction or limits: what the contact itself says.
+// A tip without friction or limits: the contact alone.
 haptics::Config PlainConfig();
 haptics::Input PlainInput();
 

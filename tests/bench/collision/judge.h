@@ -1,5 +1,5 @@
-// Counts what must not happen: nothing felt inside, something felt outside; and how far the force points from the way
-// to the nearest point.
+// Counts what must not happen, no force inside or a force outside, and the angle between the force and the direction to
+// the nearest point.
 #pragma once
 
 #include "service/haptics/haptics.h"

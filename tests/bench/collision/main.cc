@@ -24,7 +24,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::uint64_t ticks = 1'000'000;  // judged, over all bodies and paths
   std::uint64_t checks = 10'000;    // of them compared with sums over all triangles, per body
-  int batches = 12;                 // quiet ones wanted, per engine and style
+  int batches = 12;                 // undisturbed ones wanted, per engine and style
   int builds = 3;
   std::uint32_t largest = 1'000'000;
   std::uint32_t only = 0;  // one lump of so many triangles ...
@@ -41,8 +41,7 @@ struct Timed {
   std::uint64_t ticks = 0;
 };
 
-// All batches of the paths, one engine after the other batch by batch. An engine that has used up its patience sits
-// out.
+// All batches of the paths, engines taking turns batch by batch. An engine that has used up its patience is skipped.
 void TimeEngines(const Oracle& oracle, const std::vector<std::vector<Vec3>>& paths, const Options& options,
                  std::vector<Timed>& engines) {
   constexpr double kPatience_s = 12;
@@ -243,7 +242,7 @@ class Bench {
     engines.push_back(std::move(timed));
   }
 
-  // All of them in the long run; in others at most 2e9 pairs of point and triangle a body.
+  // All of them in the long run; in others at most 2e9 pairs of point and triangle per body.
   std::uint64_t Checks(const Body& body) const {
     constexpr std::uint64_t kLongRun = 10'000'000, kPairs = 2'000'000'000;
     return options_.ticks >= kLongRun ? options_.checks : std::min(options_.checks, kPairs / body.triangles.size());
@@ -260,7 +259,7 @@ class Bench {
     add(MakeBullet);
     add(MakeFcl);
     add(MakeCgal);
-    // Build times of the peer whose build is compared: as often as ours.
+    // Build times of the peer whose build is compared, measured as often as ours.
     for (Timed& timed : engines) {
       if (std::strncmp(timed.engine->name(), "embree", 6) != 0) continue;
       for (int k = 1; k < options_.builds; ++k) timed.build_ms.push_back(MakeEmbree(false)->Build(body).build_ms);
@@ -304,10 +303,10 @@ bool Parse(int count, char** words, Options& options) {
 }
 
 void SayMissingPeers() {
-  if (!MakeEmbree(false)) std::cerr << "no rows of embree: libembree-dev was not there at configure\n";
-  if (!MakeBullet()) std::cerr << "no rows of bullet: libbullet-dev was not there at configure\n";
-  if (!MakeFcl()) std::cerr << "no rows of fcl: libfcl-dev was not there at configure\n";
-  if (!MakeCgal()) std::cerr << "no rows of cgal: libcgal-dev was not there at configure\n";
+  if (!MakeEmbree(false)) std::cerr << "no rows of embree: libembree-dev was not found at configure time\n";
+  if (!MakeBullet()) std::cerr << "no rows of bullet: libbullet-dev was not found at configure time\n";
+  if (!MakeFcl()) std::cerr << "no rows of fcl: libfcl-dev was not found at configure time\n";
+  if (!MakeCgal()) std::cerr << "no rows of cgal: libcgal-dev was not found at configure time\n";
 }
 
 int Main(int count, char** words) {

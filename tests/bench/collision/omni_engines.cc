@@ -57,8 +57,8 @@ class StepEngine final : public Engine {
   Output output_;
 };
 
-// The part of Step that finds the contact, without forces: sweep or follow and, with nothing touched, look how far the
-// surface is.
+// The part of Step that finds the contact, without forces: sweep or follow and, without a contact, find the distance to
+// the surface.
 class ContactEngine final : public Engine {
  public:
   ContactEngine(const Scene& scene, const BuildCost& cost) : scene_(scene), cost_(cost) {}

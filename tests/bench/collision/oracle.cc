@@ -25,7 +25,7 @@ double BoxDistanceSquared(const Vec3& lower, const Vec3& upper, const Vec3& p) {
 }
 
 // Does the upward line through p cross the triangle's shadow? By the half-open rule, so that of two triangles at an
-// edge exactly one counts; an edge's crossing is computed from its lower end whichever triangle asks.
+// edge exactly one counts; an edge's crossing is computed from its lower end for either triangle.
 bool ShadowHolds(const Three& c, double x, double y) {
   bool inside = false;
   for (std::size_t k = 0; k < 3; ++k) {

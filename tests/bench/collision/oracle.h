@@ -22,7 +22,7 @@ class Oracle {
  public:
   explicit Oracle(const Body& body);
 
-  // `hint`: a triangle that may be near, e.g. the last answer.
+  // `hint`: a triangle that may be near, e.g. the last result.
   Nearest NearestTo(const Vec3& p, std::uint32_t hint = 0) const;
   // Odd number of crossings of the ray p + t e_z.
   bool IsInside(const Vec3& p) const;

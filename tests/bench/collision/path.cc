@@ -48,7 +48,8 @@ class Walker {
     return Cross(body_.vertices[v[1]] - body_.vertices[v[0]], body_.vertices[v[2]] - body_.vertices[v[0]]);
   }
 
-  // Moves to the edge the heading leads out of, at most `length_m`, and into the next triangle. Returns the way made.
+  // Moves to the edge the heading leads out of, at most `length_m`, and into the next triangle. Returns the distance
+  // moved.
   double ToEdge(const Vec3& normal, double length_m) {
     const auto& v = body_.triangles[triangle_];
     double way_m = length_m;
@@ -70,7 +71,7 @@ class Walker {
     } else {
       triangle_ = next;
     }
-    return way_m + 1e-9;  // so that turning on a corner ends
+    return way_m + 1e-9;  // so that turning at a corner ends
   }
 
   const Body& body_;

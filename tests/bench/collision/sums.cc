@@ -16,8 +16,8 @@ struct Lanes {
   double angle[kLanes]{}, distance_squared[kLanes];
 };
 
-// What one triangle is to eight points. tan(omega / 2) = num / den   [van Oosterom & Strackee 1983]; `rest` tells where
-// the series does not reach.
+// Solid angle and distance of one triangle at eight points. tan(omega / 2) = num / den [van Oosterom & Strackee 1983];
+// `rest` marks where the series is not valid.
 struct Shares {
   double angle[kLanes], num[kLanes], den[kLanes], rest[kLanes], least[kLanes];
 };

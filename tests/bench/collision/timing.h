@@ -29,10 +29,10 @@ inline double TicksPerMicrosecond() {
 }
 
 struct Times {
-  std::vector<double> median_us, p99_us, p999_us;  // a batch each
+  std::vector<double> median_us, p99_us, p999_us;  // one per batch
 };
 
-// Runs one batch; its times count if it was quiet. Distances go to `distances` (a batch of them).
+// Runs one batch; its times count if it was undisturbed. Distances go to `distances` (a batch of them).
 inline bool RunBatch(Engine& engine, std::span<const Vec3> tips, std::span<double> distances, Times& times) {
   const auto switches = [] {
     rusage usage{};

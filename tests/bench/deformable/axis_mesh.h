@@ -1,4 +1,4 @@
-// The reference's bodies as triangle meshes, for what is judged.
+// The reference's bodies as triangle meshes, for the methods under test.
 #pragma once
 
 #include <array>

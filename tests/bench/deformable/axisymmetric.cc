@@ -48,7 +48,7 @@ class Press {
 
   int nodes() const { return static_cast<int>(rest_.size()); }
 
-  // Moves the ball to `depth` in small steps, smaller where Newton does not end; false: too small.
+  // Moves the ball to `depth` in small steps, smaller where Newton does not converge; false: too small.
   bool MoveTo(double depth) {
     double step = kLargestStep * ball_;
     while (depth_ < depth) {
@@ -174,7 +174,7 @@ class Press {
   double Energy(const Eigen::VectorXd& u) const {
     double energy = 0;
     ForPoints([&](const Point& p) {
-      // By h = F - 1, for far away it is tiny: I - 3 = 2 tr h + |h|^2, J - 1 = tr h + minors + det.
+      // By h = F - 1, because far away it is tiny: I - 3 = 2 tr h + |h|^2, J - 1 = tr h + minors + det.
       const Eigen::Matrix<double, 5, 1> h = p.b * Local(u, p);
       const double trace = h[0] + h[3] + h[4];
       const double minor = h[0] * h[3] - h[1] * h[2];

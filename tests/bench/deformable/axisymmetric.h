@@ -1,5 +1,6 @@
-// The judge of `omni-bench deformable`: a rigid frictionless ball pressed into a neo-Hookean body of revolution along
-// its axis. Large strains, own mesh graded towards the contact, no code or mesh in common with what it judges.
+// The reference of `omni-bench deformable`: a rigid frictionless ball pressed into a neo-Hookean body of revolution
+// along its axis. Large strains, own mesh graded towards the contact, no code or mesh in common with the methods under
+// test.
 #pragma once
 
 #include <string>
@@ -25,7 +26,7 @@ struct AxisMesh {
 
 struct AxisCurve {
   std::vector<double> force_per_modulus_m2;  // F / E, one per depth
-  std::vector<double> top_r_m, top_fall_m;   // at the last depth: how far the top goes down at a distance from the axis
+  std::vector<double> top_r_m, top_fall_m;   // at the last depth: how far the top falls at a distance from the axis
   int nodes = 0;
   bool converged = true;
 };

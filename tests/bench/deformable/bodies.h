@@ -1,4 +1,4 @@
-// What is judged: bodies of revolution drawn from the seed, made soft, and the references beside them.
+// The test bodies: random bodies of revolution, made soft, with their references.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct Place {
 // Flat until the rim is two balls away; at least a fifth of that off the axis.
 Place DrawPlace(const AxisBody& body, std::mt19937_64& rng);
 
-// The reference on two meshes: the finer one's forces, and what the last refinement changed. Quick: one mesh, no
+// The reference on two meshes: the finer one's forces, and the change by the last refinement. Quick: one mesh, no
 // change.
 struct Reference {
   std::vector<double> force_per_modulus_m2;
@@ -38,7 +38,7 @@ struct Reference {
   bool converged = true;  // Newton, at every depth
 };
 
-// On the axis by axisymmetric.h, beside it by off_axis.h.
+// On the axis by axisymmetric.h, off the axis by off_axis.h.
 Reference MakeReference(const AxisBody& body, double aside_m, const std::vector<double>& depths_m, bool quick);
 
 // Made soft, clamped at z = 0, without relaxation; the grid is shifted by the seed.

@@ -1,6 +1,6 @@
-// A peer: co-rotational linear tetrahedra [Mueller & Gross 2004], one implicit quasi-static step a tick by conjugate
-// gradients warm-started from the last one, contact by a penalty on samples of the surface. Only what a fair comparison
-// needs.
+// A peer: co-rotational linear tetrahedra [Mueller & Gross 2004], one implicit quasi-static step per tick by conjugate
+// gradients warm-started from the last one, contact by a penalty on samples of the surface. Reduced to what a fair
+// comparison needs.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ class Corotational {
     std::array<Eigen::Vector3d, 4> gradient;
     Matrix12 rest;  // stiffness
     Eigen::Quaterniond rotation;
-    std::array<std::uint32_t, 16> block;  // where its pairs of nodes stand
+    std::array<std::uint32_t, 16> block;  // where its pairs of nodes are stored
   };
 
   void MakePattern();

@@ -1,5 +1,4 @@
-// Where the constants of service/haptics/deformable/soft_gain.h come from: least squares against a neo-Hookean
-// half-space.
+// Source of the constants of service/haptics/deformable/soft_gain.h: least squares against a neo-Hookean half-space.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// What has an exact answer: small contacts are Hertz's, far displacements Boussinesq's, and a body of revolution does
-// not care how it is turned.
+// Cases with exact solutions: small contacts are Hertz's, far displacements Boussinesq's, and a rotation of a body of
+// revolution changes nothing.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -46,7 +46,7 @@ Vec3 Boussinesq(const Vec3& p) {
   return {aside * p.x, aside * p.y, -scale * (down * down / (distance * distance) + 2 * (1 - kPoisson))};
 }
 
-// A lattice cut out of a half-space: everything but its flat top is held where Boussinesq has it.
+// A lattice cut out of a half-space: everything but its flat top is held at Boussinesq's displacement.
 class HalfSpacePiece {
  public:
   HalfSpacePiece(const haptics::TetLattice& lattice, double top_m)
@@ -143,7 +143,7 @@ void AddBoussinesq(std::uint32_t tets, Rows& rows) {
   }
 }
 
-// Fibre and ball turn together about the axis of a body of revolution, on a lattice that does not: nothing may change.
+// Fibre and ball turn together about the axis of a body of revolution, but its lattice does not: nothing may change.
 void AddFibre(const Settings& settings, std::uint32_t tets, Rows& rows) {
   const AxisBody round{"cylinder r30 h30", 0.03, 0.03, 0};
   for (const double tilt : {0.0, 0.7}) {

@@ -1,5 +1,5 @@
-// omni_bench_deformable [--seed N] [--quick] [--part NAME]: rows as one JSON array on standard output; of one part
-// only, when it is named. Run by `omni-bench deformable`.
+// omni_bench_deformable [--seed N] [--quick] [--part NAME]: rows as one JSON array on standard output; with --part only
+// those of one part. Run by `omni-bench deformable`.
 #include <algorithm>
 #include <iostream>
 #include <iterator>

@@ -396,7 +396,7 @@ class PressAside {
     const Touching t = Touch(u_, p);
     if (!(t.inside > 0)) return;
     const double k = p.weight * kAsidePenalty / ball_;
-    // The ball's own curvature is left out: it is small where forces balance, and elsewhere it costs definiteness.
+    // The ball's own curvature is omitted: it is small where forces balance, and elsewhere it would cost definiteness.
     const Matrix3d d = k * t.out * t.out.transpose();
     for (Index i = 0; i < 3; ++i) {
       const VectorXd& n = p.shape[i == 1 ? 1 : 0];

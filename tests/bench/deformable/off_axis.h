@@ -1,7 +1,7 @@
-// The second judge: the ball beside the axis, pressed in along the surface's normal. Neo-Hookean like the first one
+// The second reference: the ball off the axis, pressed in along the surface's normal. Neo-Hookean like the first one
 // (axisymmetric.h), but in three dimensions: quadratic elements in depth and distance from the ball's middle, Fourier
-// series around it, mirrored at the plane through axis and ball. No code or mesh in common with the first judge or with
-// what both judge; on the axis the two must agree.
+// series around it, mirrored at the plane through axis and ball. No code or mesh in common with the first reference or
+// with the methods under test; on the axis the two must agree.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// How the peers feel the ball: a penalty on samples of their surface. Only what a fair comparison needs.
+// The peers' contact with the ball: a penalty on samples of their surface. Reduced to what a fair comparison needs.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ struct PeerTouch {
 
 class PeerContact {
  public:
-  // Penalty 300 E over the ball's radius and per area: it gives way by less than a hundredth of what the body does.
+  // Penalty 300 E over the ball's radius and per area: its displacement is less than a hundredth of the body's.
   PeerContact(const haptics::TetLattice& lattice, double modulus_Pa, double ball_radius_m);
 
   // `position`: of the lattice's vertices, three numbers each.

@@ -38,7 +38,8 @@ struct PeerRun {
   double change_pct = 0;  // of it in the last ticks
 };
 
-// Pressed in at `pressing` equal ticks, then at rest until the force stays, at most `rest` ticks; all ticks are timed.
+// Pressed in over `pressing` equal ticks, then at rest until the force is constant, at most `rest` ticks; all ticks are
+// timed.
 template <class Peer>
 PeerRun Press(Peer& peer, const Task& task, int pressing, int rest) {
   std::vector<double> us, forces_N;
@@ -66,7 +67,7 @@ nlohmann::ordered_json PeerRow(const char* method, std::size_t tets, const Task&
           {"reference", "neo-Hookean, axisymmetric, " + task.body.name + " at 1.5 mm"}};
 }
 
-// That the peers are what they say: on a small body, where the lattice is finer than the contact, they must come to the
+// Validates the peers: on a small body, where the lattice is finer than the contact, they must converge to the
 // reference as it is refined; with the larger ball at small strains, where their materials are the reference's.
 void AddConvergence(const Settings& settings, Rows& rows) {
   const AxisBody body{"cylinder r9 h9", 0.009, 0.009, 0};

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The nearest matrix of determinant 1: minimise |D - F|, the constraint linearised again and again.
+// The nearest matrix of determinant 1: minimise |D - F|, with the constraint linearised in each iteration.
 Matrix3d NearestOfVolumeOne(const Matrix3d& f) {
   Matrix3d d = f;
   for (int step = 0; step < 8; ++step) {
@@ -99,7 +99,7 @@ void Projective::Refactor() {
   solver_.factorize(matrix);
 }
 
-// Right side of the global step: where the tetrahedra want their nodes.
+// Right side of the global step: the tetrahedra's target positions of their nodes.
 Eigen::Matrix<double, Eigen::Dynamic, 3> Projective::Project() {
   Eigen::Matrix<double, Eigen::Dynamic, 3> right(free_, 3);
   right.setZero();

@@ -1,6 +1,6 @@
-// A peer: projective dynamics [Bouaziz, Martin, Liu, Kavan & Pauly 2014] without inertia. A tick is ten times: every
-// tetrahedron finds its nearest rotation and its nearest shape of equal volume, then one prefactored solve moves all
-// nodes. Only what a fair comparison needs.
+// A peer: projective dynamics [Bouaziz, Martin, Liu, Kavan & Pauly 2014] without inertia. A tick has ten iterations:
+// every tetrahedron finds its nearest rotation and its nearest shape of equal volume, then one prefactored solve moves
+// all nodes. Reduced to what a fair comparison needs.
 #pragma once
 
 #include <array>

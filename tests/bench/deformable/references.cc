@@ -1,4 +1,4 @@
-// What the judges are worth.
+// Accuracy of the references.
 #include <string>
 
 #include "service/haptics/deformable/soft_gain.h"
@@ -14,7 +14,7 @@ struct MeshStudy {
   AxisCurve curve;
 };
 
-// Every curve beside the one before it in the list, and beside `truth`, the other judge's, if it knows the answer.
+// Compares every curve with the previous one in the list, and with `truth`, the other reference's, if that applies.
 void AddStudy(const std::vector<MeshStudy>& study, const std::vector<double>& depths_m, const AxisCurve* truth,
               Rows& rows) {
   for (std::size_t i = 0; i < study.size(); ++i) {
@@ -64,7 +64,7 @@ void AddReferenceTables(const Settings& settings, Rows& rows) {
                      std::to_string(static_cast<int>(mesh.finest_m * 1e6)) + " um, order " + std::to_string(mesh.modes),
                      PressBallAside(body, aside_m, kPoisson, kBall_m, depths_m, mesh)});
   };
-  // The second judge on the axis, where the first one knows the answer; then beside it, by Fourier order.
+  // The second reference on the axis, where the first one applies; then off the axis, by Fourier order.
   const SolidMesh coarse{3.75e-4, 1.8, 2};
   press_aside(0, coarse);
   if (!settings.quick) press_aside(0, SolidMesh{});

@@ -18,11 +18,10 @@ struct Settings {
   std::uint32_t shipped_tets = haptics::SoftBodyOptions{}.lattice.max_tets;
 };
 
-// Lattices beside the shipped one.
+// Lattices besides the shipped one.
 inline constexpr std::uint32_t kStudyTets[] = {600, 4000};
 
-// Force of `omni` against the neo-Hookean references, on and beside the axis, at both moduli; what Hertz's law alone
-// would give.
+// Force of `omni` against the neo-Hookean references, on and off the axis, at both moduli; also by Hertz's law alone.
 void AddAccuracy(const Settings& settings, Rows& rows);
 // The references against finer meshes, against each other, and the gain of soft_gain.h against a fresh fit.
 void AddReferenceTables(const Settings& settings, Rows& rows);

@@ -63,7 +63,7 @@ struct TickTime {
   std::size_t ticks = 0;
 };
 
-// Over all ticks of those batches in which nothing else was given the core.
+// Over all ticks of those batches in which the thread kept the core.
 TickTime TimeTicks(const haptics::SoftBody& soft, const AxisBody& body, int balls, const Settings& settings) {
   Dance dance(body, balls, settings.seed);
   haptics::SoftContactState state{};

@@ -24,7 +24,7 @@ constexpr double kHold_s = 4, kAbove_m = 8e-3, kDepth_m = 5e-3;
 constexpr double kBuzzFrom_Hz = 30;
 constexpr std::size_t kJudged = 1000;  // ticks, the last ones
 
-// What a hand does to a wall.
+// Motion of a hand at a wall.
 struct Situation {
   const char* name;
   double mass_kg, damping_Ns_m, stiffness_N_m;

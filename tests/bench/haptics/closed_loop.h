@@ -1,6 +1,6 @@
-// What is felt of a wall through the whole tick on the digital twin: sensors, tracker, contact, coils. Worst of the
-// rigs: rms of the coils' force above 30 Hz and of the tip in the last second, greatest force, energy that the coils
-// gave to the pen in all.
+// A wall rendered through the whole tick on the digital twin: sensors, tracker, contact, coils. Worst of the rigs: rms
+// of the coils' force above 30 Hz and of the tip in the last second, greatest force, total energy that the coils
+// delivered to the pen.
 #pragma once
 
 #include <cstdint>

@@ -1,11 +1,11 @@
-// omni-bench collision: runs omni_bench_collision, which is built with the peers and stands alone because of them.
+// omni-bench collision: runs omni_bench_collision, a separate program because it is built with the peers.
 #include "service/tools/common/statistics.h"
 #include "tests/bench/harness/program.h"
 
 namespace omni::bench {
 namespace {
 
-// What this bench is about: ratios within the run.
+// The main results: ratios within the run.
 nlohmann::ordered_json Ratio(const char* what, double a, double b) {
   return {{"table", "ratios"}, {"what", what}, {"ratio", a / b}};
 }

@@ -1,4 +1,4 @@
-// omni-bench deformable: its reference solvers are those of a program of its own.
+// omni-bench deformable: runs a separate program, which has the reference solvers.
 #include "tests/bench/harness/program.h"
 
 namespace omni::bench {

@@ -66,7 +66,7 @@ haptics::InputObject BallOf(int rings) {
   return ball;
 }
 
-// A tip in the real tick; the stability rule is opened up, so that springs are as stiff as they say.
+// A tip in the real tick; the stability rule is disabled, so that springs have their nominal stiffness.
 class RubbingTip {
  public:
   RubbingTip(const haptics::InputObject& object, const FrictionPair& friction, double stiffness_N_m) {
@@ -122,7 +122,7 @@ class Draw {
   std::mt19937_64 engine_;
 };
 
-// Presses, then drags at a constant depth until it slips and on: tangential over normal force where it lets go and
+// Presses, then drags at a constant depth until it slips and beyond: tangential over normal force at breakaway and
 // while it slides.
 FrictionPair DragAcross(const haptics::InputObject& object, const FrictionPair& friction, bool ball, Draw& draw) {
   RubbingTip tip(object, friction, 800);
@@ -173,7 +173,7 @@ nlohmann::ordered_json ConeRow(const haptics::InputObject& object, bool ball, in
           {"sliding_error_pct_max", slide_pct}};
 }
 
-// A mass pressed onto a surface and drawn along by a spring whose end moves steadily.
+// A mass pressed onto a surface and pulled along by a spring whose end moves steadily.
 struct Slider {
   double mass_kg = 0.1, spring_N_m = 60, damping_Ns_m = 1, speed_m_s = 0.004, normal_N = 0.8;
   FrictionPair friction{0.6, 0.3};
@@ -228,7 +228,7 @@ StickSlip Coulomb(const Slider& s, double duration_s) {
   return meter.Result();
 }
 
-// The same mass on the rendered surface: the contact is a spring of `stiffness_N_m`, asked once a tick.
+// The same mass on the rendered surface: the contact is a spring of `stiffness_N_m`, evaluated once per tick.
 StickSlip Rendered(const Slider& s, const haptics::InputObject& object, double stiffness_N_m, double duration_s) {
   constexpr int kSubsteps = 100;
   RubbingTip tip(object, s.friction, stiffness_N_m);

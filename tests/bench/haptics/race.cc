@@ -1,5 +1,5 @@
 // omni-bench race: the shipped track, a pen held still at the joystick's centre, and a car that hits the wall beside it
-// at 20 speeds. Felt: the magnetic force on the pen, from the twin's own record of the truth.
+// at 20 speeds. felt_N: the magnetic force on the pen, from the twin's own record of the truth.
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -27,10 +27,10 @@ namespace {
 
 constexpr int kSpeeds = 20;
 constexpr double kSlowest_m_s = 0.05, kFastest_m_s = 2;
-constexpr double kHitSpeed_m_s = 0.5;  // of the tag: a car for these speeds; the shipped one is for 0.06 m/s
+constexpr double kHitSpeed_m_s = 0.5;  // of the tag, for a car at these speeds; the shipped one is for 0.06 m/s
 constexpr int kHitTick = 1000;         // the gate is open, the hand has come to rest
 constexpr int kHitRunTicks = 1100;
-constexpr int kBaselineTicks = 100;  // before the hit: their mean is taken off
+constexpr int kBaselineTicks = 100;  // before the hit: their mean is subtracted
 constexpr double kBesideWall_m = 1e-5;
 
 double SpeedOf(int k) {
@@ -38,7 +38,7 @@ double SpeedOf(int k) {
 }
 
 struct HitRun {
-  double pulse_N = 0;      // amplitude that the hit was given
+  double pulse_N = 0;      // amplitude of the hit
   double commanded_N = 0;  // peak of what was sent to the coils, along the wall's normal
   double felt_N = 0;       // peak of the force on the magnet, along the wall's normal, over its mean before the hit
   double limit_N = 0;      // what the device can do along it, at that pose
@@ -55,7 +55,7 @@ base::Result<haptics::Scene> TrackForTheseSpeeds() {
   return haptics::BuildScene(*input, report);
 }
 
-// Beside the wall nearest to its start, about to hit it head on.
+// Beside the wall nearest to its start, just before a head-on hit.
 void Aim(const haptics::Scene& scene, double speed_m_s, base::Vec3& normal, haptics::VehicleState& car) {
   const haptics::Wall wall = haptics::NearestWall(haptics::WallsOf(scene), car.position_base_m, 1);
   const double closer_m = wall.distance_m - scene.header().vehicle.radius_m - kBesideWall_m;

@@ -7,11 +7,11 @@
 
 namespace omni::bench {
 
-// Side table "walls": cars thrown about in closed chambers with corners of every angle, and how many got out.
-// `throws` in all.
+// Side table "walls": cars moving in closed chambers with corners of every angle, and how many got out. `throws` is
+// their total number.
 void BenchRaceWalls(std::uint64_t seed, std::uint64_t throws, BenchRows& rows);
 
-// Side table "cost": what a tick of the race costs, by situation.
+// Side table "cost": cost of a tick of the race, by situation.
 base::Status BenchRaceCost(BenchRows& rows);
 
 }  // namespace omni::bench

@@ -1,4 +1,4 @@
-// omni-bench race, side tables: whether anything gets through a wall, and what a tick of the race costs.
+// omni-bench race, side tables: whether anything gets through a wall, and the cost of a tick of the race.
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -94,7 +94,7 @@ void ThrowCar(const Chamber& chamber, sim::Random& random, Counts& counts) {
   counts.hits += state.hits;
 }
 
-// Steers along the middle of the shipped track by looking at the walls on both sides.
+// Steers along the middle of the shipped track by the walls on both sides.
 haptics::Thumbstick Steer(const haptics::WallMap& walls, const haptics::VehicleState& state) {
   const base::Vec3 ahead{std::cos(state.heading_rad), std::sin(state.heading_rad), 0}, left{-ahead.y, ahead.x, 0};
   const auto room_m = [&](const base::Vec3& way) {
@@ -140,12 +140,12 @@ base::Status BenchRaceCost(BenchRows& rows) {
   struct Situation {
     const char* name;
     bool steered;       // along the road; else straight on, and then along a wall
-    double thrown_m_s;  // anew in every tick
+    double thrown_m_s;  // new in every tick
   };
   for (const Situation& situation :
        {Situation{"on the road", true, 0}, Situation{"along a wall", false, 0}, Situation{"thrown at 2 m/s", false, 2},
         Situation{"thrown at 100 m/s", false, 100}}) {
-    // The way is driven first; ticks are then timed from states along it, so that steering is not.
+    // The path is driven first; ticks are then timed from states along it, so that steering is not timed.
     std::vector<haptics::VehicleState> states(2000);
     std::vector<haptics::Thumbstick> sticks(states.size());
     haptics::VehicleState state;

@@ -1,4 +1,4 @@
-// omni-bench scene: what loading costs, each file in a fresh process (`omni scene cost`), counted by the system.
+// omni-bench scene: cost of loading, each file in a fresh process (`omni scene cost`), counted by the system.
 #include <filesystem>
 
 #include "service/config/paths.h"
@@ -51,7 +51,7 @@ base::Result<BenchRows> BenchScene(const BenchOptions& options) {
   for (const char* shipped : {"extrusion", "dragon", "racetrack"})
     files.push_back({shipped, tools::ShippedScene(shipped), true});
   BenchRows rows;
-  // The second time from the cache, where it was kept.
+  // The second time from the cache, if it was cached.
   for (const int time : {1, 2}) {
     for (const BenchFile& file : files) {
       BenchFile named = file;

@@ -19,7 +19,7 @@ using nlohmann::json;
 
 constexpr std::size_t kImageSide = 1024;
 
-// A .glb in the making: views are appended, JSON elements refer to them.
+// A .glb under construction: views are appended, JSON elements refer to them.
 struct Glb {
   json document = {{"asset", {{"version", "2.0"}}},
                    {"scene", 0},
@@ -114,7 +114,7 @@ std::size_t AddBody(Glb& glb, const Body& body, std::size_t material) {
   return glb.Mesh(positions, AddIndices(glb, body), material);
 }
 
-// Noise does not compress: what a photograph of a surface is like.
+// Noise does not compress, like a photograph of a surface.
 std::vector<unsigned char> NoisePng(std::mt19937_64& random) {
   std::vector<unsigned char> pixels(kImageSide * kImageSide * 3);
   for (unsigned char& c : pixels) c = static_cast<unsigned char>(random() & 0xFF);

@@ -1,4 +1,4 @@
-// omni-bench sculpt: done by a program of its own, which edits in one thread and reads in another.
+// omni-bench sculpt: runs a separate program, which edits in one thread and reads in another.
 #include "tests/bench/harness/program.h"
 
 namespace omni::bench {

@@ -1,4 +1,4 @@
-// omni-bench stability: which walls a simulated hand can hold still against, and which of them are offered.
+// omni-bench stability: walls that are stable for a simulated hand, and the stiffness that the renderer allows.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -21,7 +21,7 @@ using test::WallLoop;
 using test::WallRule;
 using test::WallRun;
 
-constexpr double kAsked_N_m = 6000;    // by the material where the rule decides
+constexpr double kAsked_N_m = 6000;    // by the material where the rule applies
 constexpr std::size_t kSecond = 1000;  // ticks
 constexpr double kLeast_m = 1e-6;      // movement below is none
 constexpr double kEnergyMax_mJ = 10, kBuzzMax_mN = 30, kBuzzNoise_mm = 0.1;
@@ -42,14 +42,14 @@ Grid GridFor(bool quick) {
 
 struct Point {
   double delay_ms, damping_Ns_m, mass_kg, noise_mm;
-  double late_ms = 0;  // in truth, beyond the delay that haptics is told
+  double late_ms = 0;  // true delay beyond the one that haptics is given
 };
 
 struct Outcome {
   double stiffness_N_m = 0, predict_ms = 0;
   bool limit_cycle = false;
   double energy_mJ = 0, buzz_mN = 0;
-  double gain = 1;  // that a watch left
+  double gain = 1;  // left by a watch
 
   bool Good(double noise_mm) const {
     return !limit_cycle && energy_mJ < kEnergyMax_mJ && (noise_mm > kBuzzNoise_mm || buzz_mN < kBuzzMax_mN);
@@ -94,8 +94,8 @@ class Sweep {
   std::map<std::tuple<double, double, double>, double> unloaded_m_;
 };
 
-// K = 0.5 b_min / (T/2 + delay + coil lag), K sigma <= 30 mN, b_min = 1 Ns/m: what the offered stiffness is held
-// against.
+// K = 0.5 b_min / (T/2 + delay + coil lag), K sigma <= 30 mN, b_min = 1 Ns/m: the reference for the stiffness that the
+// renderer allows.
 double StartingRule_N_m(const Point& p) {
   const double lag_s = 0.5 * base::kTickPeriod_s + 1e-3 * p.delay_ms + WallLoop{}.coil_lag_s;
   const double stiffness_N_m = 0.5 / lag_s;
@@ -118,7 +118,7 @@ nlohmann::ordered_json Row(const char* rule, const Point& p, const Outcome& outc
 struct Summary {
   int points = 0, start_good = 0, offered_bad = 0;
   double start_N_m = 0, offered_N_m = std::numeric_limits<double>::infinity(), offered_max_N_m = 0;
-  double fixed_good_N_m = std::numeric_limits<double>::infinity();  // stiffest wall of the grid that every hand holds
+  double fixed_good_N_m = std::numeric_limits<double>::infinity();  // stiffest wall stable for every hand
   double worst_ratio = std::numeric_limits<double>::infinity();     // offered / start where start is good
   double predict_ms = 0, energy_mJ = 0, buzz_mN = 0;
 };
@@ -185,7 +185,7 @@ nlohmann::ordered_json SummaryRow(double delay_ms, double noise_mm, const Summar
           {"fixed_good_N_m", sum.fixed_good_N_m}};
 }
 
-// Hands and loops that are not as the rule of stability.h assumes: what the watches make of them.
+// Hands and loops outside the assumptions of stability.h: the effect of the watches.
 struct Crowd {
   const char* name;
   std::vector<double> mass_kg, damping_Ns_m;

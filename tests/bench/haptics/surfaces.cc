@@ -1,4 +1,4 @@
-// omni-bench surfaces: done by a program of its own, which builds the bodies that it shows.
+// omni-bench surfaces: runs a separate program, which builds the bodies that it displays.
 #include "tests/bench/harness/program.h"
 
 namespace omni::bench {

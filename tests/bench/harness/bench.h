@@ -1,4 +1,4 @@
-// The benchmarks of omni-bench. Each gives rows (service/tools/common/row_table.h).
+// The benchmarks of omni-bench. Each returns rows (service/tools/common/row_table.h).
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ using BenchRows = tools::Rows;
 struct BenchOptions {
   std::uint64_t ticks = 0;  // loop: per scene; stress: in all; 0: the bench's own number
   std::uint64_t seed = 1;
-  bool quick = false;             // much less work, to see that it runs
+  bool quick = false;             // much less work, to check that it runs
   std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
   std::string mesh;               // collision: a .glb file instead of the bench's own bodies
   double hours = 10;              // stress: virtual time of the drift run
-  std::string condition;          // room: this one alone
+  std::string condition;          // room: only this one
 };
 
 // Benches that draw rigs and poses use three seeds; the same --seed gives the same ones.
@@ -31,8 +31,8 @@ inline std::vector<std::uint64_t> ThreeSeeds(std::uint64_t seed) {
 // Tick alone, per shipped scene: scene, ticks, us_median, us_p99, us_max, allocations, late_ticks.
 base::Result<BenchRows> BenchLoop(const BenchOptions& options);
 
-// The whole tick in demanding scenes: scene, triangles, us_median, us_p99, allocations; side tables: what each feature
-// of a material costs, and how late ticks are beside two busy threads.
+// The whole tick in demanding scenes: scene, triangles, us_median, us_p99, allocations; side tables: cost of each
+// feature of a material, and lateness of ticks beside two busy threads.
 base::Result<BenchRows> BenchTick(const BenchOptions& options);
 // Loading, each file in a fresh process: scene, tagged, bytes_file, bytes_read (by the system), images_decoded,
 // threads, rss_MB (both beyond the process before), load_ms, build_ms, cached.
@@ -41,8 +41,8 @@ base::Result<BenchRows> BenchScene(const BenchOptions& options);
 // Calls through the layer over the in-repo runtime: call, ns_median, ns_p99, syscalls.
 base::Result<BenchRows> BenchIpc(const BenchOptions& options);
 
-// The layer: call, method, horizon_ms, ns_median, error_mm_p95 (calls with and without it; predicted poses against held
-// ones). Side tables: cost, latency, memory, library, motions.
+// The layer: call, method, horizon_ms, ns_median, error_mm_p95 (calls with and without it; predicted and held poses).
+// Side tables: cost, latency, memory, library, motions.
 base::Result<BenchRows> BenchLayer(const BenchOptions& options);
 
 // Force map against the twin, by model and gap; timing: model, gap_mm, error_median_pct, ..., stage, us_median, us_p99.
@@ -61,8 +61,8 @@ base::Result<BenchRows> BenchCalibration(const BenchOptions& options);
 // ...
 base::Result<BenchRows> BenchAlign(const BenchOptions& options);
 
-// Where the time goes from a sample to the current that answers it: stage, mean_us, late_us, what; side table: what
-// stiffness that allows.
+// Latency budget from a sample to the current that responds to it: stage, mean_us, late_us, what; side table: the
+// stiffness that it allows.
 base::Result<BenchRows> BenchLatency(const BenchOptions& options);
 
 // Trackers' error against the twin, per model, noise and currents; side tables: Cramer-Rao bound by radius, hidden
@@ -70,7 +70,7 @@ base::Result<BenchRows> BenchLatency(const BenchOptions& options);
 base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 
 // Tracking outside a laboratory: condition, force, rigs, ticks, seed, tracked_fraction, coarse_fraction, mean_mm,
-// p95_mm, sigma_mm, silent_fraction, pushed_silent_fraction (under force: silent, and a force was wanted),
+// p95_mm, sigma_mm, silent_fraction, pushed_silent_fraction (under force: silent, and a force was requested),
 // worst_rig_mm (of a base's mean error over all its poses), recovery_ms_p95, force_error_p95_pct; null where nothing
 // was tracked. The last condition, pairs: two of them at random.
 base::Result<BenchRows> BenchRoom(const BenchOptions& options);
@@ -84,7 +84,7 @@ base::Result<BenchRows> BenchDynamics(const BenchOptions& options);
 base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 
 // Walls that a simulated hand presses: stiffness, delay, hand and noise against limit cycles, energy and buzz; side
-// table: what is offered, by delay and noise.
+// table: the stiffness allowed, by delay and noise.
 base::Result<BenchRows> BenchStability(const BenchOptions& options);
 
 // Friction against Coulomb's law: study, body, trials, breakaway and sliding error; side tables: stick-slip, drift.
@@ -98,7 +98,7 @@ base::Result<BenchRows> BenchStress(const BenchOptions& options);
 // bytes, correctness by path, times by path, ratios.
 base::Result<BenchRows> BenchCollision(const BenchOptions& options);
 
-// The race: per seed and impact speed what is commanded and felt; side tables: walls, cost.
+// The race: commanded and rendered force per seed and impact speed; side tables: walls, cost.
 base::Result<BenchRows> BenchRace(const BenchOptions& options);
 
 // Soft bodies against a neo-Hookean reference: method, tets, contact_nodes, us_median, us_p99, error_pct, reference.
@@ -106,10 +106,10 @@ base::Result<BenchRows> BenchRace(const BenchOptions& options);
 base::Result<BenchRows> BenchDeformable(const BenchOptions& options);
 
 // Strokes on bodies of 10k to 870k triangles: triangles, radius_mm, publish_us_median, publish_us_p99 and more; side
-// tables: what the tick pays, ten thousand strokes and all of them undone, force steps while editing under the tip.
+// tables: cost in the tick, ten thousand strokes and all of them undone, force steps while editing under the tip.
 base::Result<BenchRows> BenchSculpt(const BenchOptions& options);
 
-// Showing changing surfaces of 100,000 vertices: step, vertices, triangles, us_median, us_p99, n.
+// Displaying changing surfaces of 100,000 vertices: step, vertices, triangles, us_median, us_p99, n.
 base::Result<BenchRows> BenchSurfaces(const BenchOptions& options);
 
 }  // namespace omni::bench

@@ -10,11 +10,11 @@ namespace omni::bench {
 
 using console::Command;
 
-// Writes the rows of `omni-bench NAME` to a file, if there is one. Exit status: kExitFailed, and a line that says why,
-// when that fails or when figures are missing that should have been measured.
+// Writes the rows of `omni-bench NAME` to a file, if there is one. Exit status: kExitFailed, with an error message,
+// when that fails or when figures that should have been measured are missing.
 int KeepRows(const std::string& name, const tools::Rows& rows, const std::string& json_path);
 
-void AddPaper(Command& app);   // the published figures beside ours
+void AddPaper(Command& app);   // the published figures and ours
 void AddPaired(Command& app);  // one tick before and after a change
 void AddPage(Command& app);    // rows into a page of Markdown
 

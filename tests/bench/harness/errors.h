@@ -16,13 +16,13 @@
 
 namespace omni::bench {
 
-// A pose farther off than this, or of the wrong polarity, is no estimate but a failure.
+// A pose further off than this, or of the wrong polarity, is a failure, not an estimate.
 inline constexpr double kFailure_m = 0.010;
 inline constexpr double kFailure_rad = 0.5 * std::numbers::pi;
 
-// An error that a person sees, counted wherever poses are.
+// An error that a person notices, counted wherever poses are.
 inline constexpr double kLarge_m = 0.002;
-// An error beyond so many published standard deviations was not told.
+// An error beyond so many published standard deviations is silent.
 inline constexpr double kSilentSigmas = 5;
 
 struct PoseError {

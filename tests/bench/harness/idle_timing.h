@@ -1,4 +1,4 @@
-// Timing on a machine that others use too: batches in which the system took the processor away are left out.
+// Timing on a shared machine: batches in which the system took the processor away are left out.
 #pragma once
 
 #include <sys/resource.h>
@@ -12,14 +12,14 @@
 namespace omni::bench {
 
 struct IdleTiming {
-  double us_median = 0;  // median over the quiet batches of the batch's median ...
+  double us_median = 0;  // median over the undisturbed batches of the batch's median ...
   double us_p99 = 0;     // ... and of its 99th percentile
   int quiet_batches = 0;
   int batches = 0;
 };
 
 // Calls work(i) for i = 0, 1, ... and times `group` calls at a time (short work drowns in the clock's own 25 ns), until
-// `quiet_batches` are together or kPatience_s are over. `prepare` is called before each group and is not timed.
+// there are `quiet_batches` or kPatience_s have passed. `prepare` is called before each group and is not timed.
 template <class Work, class Prepare>
 IdleTiming TimeWhenIdle(int quiet_batches, int batch_size, int group, Work&& work, Prepare&& prepare) {
   constexpr double kPatience_s = 10;

@@ -23,7 +23,7 @@ struct Bench {
 constexpr Bench kBenches[] = {
     {"loop", "one tick of the service, per scene (the twin's time excluded)", BenchLoop},
     {"tick", "one tick in demanding scenes, features on and off, and beside busy threads", BenchTick},
-    {"scene", "what loading a scene costs: bytes read, images, threads, memory, time", BenchScene},
+    {"scene", "cost of loading a scene: bytes read, images, threads, memory, time", BenchScene},
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
     {"layer", "the OpenXR layer: cost of calls, memory, latency, error of predicted poses", BenchLayer},
     {"tracking", "error of the tracker against the twin", BenchTracking},
@@ -32,16 +32,16 @@ constexpr Bench kBenches[] = {
     {"solver", "run time and error of solvers on the same poses", BenchSolver},
     {"stress", "bad input, basins, singular poses and long runs", BenchStress},
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
-    {"align", "where the base stands in a headset's space: error by method (a simulation)", BenchAlign},
+    {"align", "alignment of the base in a headset's space: error by method (a simulation)", BenchAlign},
     {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
-    {"collision", "contact with rigid meshes beside four engines: time, correctness, memory", BenchCollision},
-    {"latency", "from a sensor's sample to the current that answers it", BenchLatency},
-    {"stability", "walls that a simulated hand can hold still against, and those that are offered", BenchStability},
+    {"collision", "contact with rigid meshes, compared with four engines: time, correctness, memory", BenchCollision},
+    {"latency", "latency from a sensor's sample to the current that responds to it", BenchLatency},
+    {"stability", "walls that are stable for a simulated hand, and the stiffness the renderer allows", BenchStability},
     {"friction", "cone, stick-slip and drift against Coulomb's law", BenchFriction},
-    {"race", "hits of the car against what the pen feels; walls and cost of the race", BenchRace},
+    {"race", "commanded and rendered hits of the car; walls and cost of the race", BenchRace},
     {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
     {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},
-    {"surfaces", "showing surfaces that change: snapshot, vertices, shared memory, a client's copy", BenchSurfaces},
+    {"surfaces", "displaying surfaces that change: snapshot, vertices, shared memory, a client's copy", BenchSurfaces},
     {"thermal", "the paper's heat runs on the twin and in the host's model", BenchThermal},
 };
 
@@ -66,19 +66,18 @@ void AddBenches(Command& app) {
     sub.Add("--ticks", options->ticks, "loop: ticks per scene; stress, collision: ticks in all")
         .Range(std::uint64_t{1000}, kMost);
     sub.Add("--seed", options->seed, "of the twin").Range(std::uint64_t{0}, 1000 * kMost);
-    sub.Add("--quick", options->quick, "much less work, to see that it runs");
+    sub.Add("--quick", options->quick, "much less work, to check that it runs");
     sub.Add("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies").ExistingFile();
     sub.Add("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         .Range(std::uint64_t{1}, kMost);
-    sub.Add("--condition", options->condition, "room: this one alone");
+    sub.Add("--condition", options->condition, "room: only this condition");
     sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);
     sub.Run([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
   }
 }
 
 int Run(int argc, const char* const* argv) {
-  console::Program app("omni-bench",
-                       "omni-bench: what Omni costs and how good it is, beside other methods and engines");
+  console::Program app("omni-bench", "omni-bench: cost and accuracy of Omni, compared with other methods and engines");
   app.RequireCommand();
   AddBenches(app);
   AddPaper(app);

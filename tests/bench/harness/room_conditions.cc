@@ -20,14 +20,14 @@ namespace {
 using base::TruthParameters;
 using sim::Random;
 
-constexpr double kFirst_s = 5;  // when what happens later does so first
+constexpr double kFirst_s = 5;  // of the first later event
 
 base::Vec3 Direction(Random& draw) {
   const base::Vec3 v = draw.NormalVector(1);
   return (1 / base::Norm(v)) * v;
 }
 
-// Ten steps, one back for each one there.
+// Ten steps, alternately there and back.
 std::vector<double> StepTimes() {
   std::vector<double> times;
   for (int k = 0; k < 10; ++k) times.push_back(kFirst_s * (k + 1));
@@ -44,7 +44,7 @@ Happening AmbientSteps(double size_T) {
   };
 }
 
-// To and fro would end where it began; so it goes on turning.
+// A motion to and fro would end where it began; so it keeps turning.
 Happening Turning(double rate_deg_s) {
   return [rate_deg_s](TruthParameters& truth, Random&) {
     truth.effects.room.turn_rate_rad_s = rate_deg_s * std::numbers::pi / 180;
@@ -106,7 +106,7 @@ void FiveStop(TruthParameters& truth, Random& draw) {
   }
 }
 
-// A hull or core that is wrong by so much, and nothing else about them.
+// A hull or core that is wrong by so much, and otherwise nominal.
 std::function<void(TruthParameters&)> Wrong(double base::ImperfectionSizes::*size, double value) {
   return [size, value](TruthParameters& truth) {
     truth.imperfections.hull_radius_m = truth.imperfections.core_offset_m = 0;
@@ -114,7 +114,7 @@ std::function<void(TruthParameters&)> Wrong(double base::ImperfectionSizes::*siz
   };
 }
 
-// Offsets come with a warming that the calibration has not seen, so that the base is the same one.
+// Offsets come with a warming after the calibration, so that the base is the same one.
 void OffsetsPerKelvin(TruthParameters& truth) { truth.imperfections.sensor_offset_T_K = 5e-6; }
 void OneKelvin(TruthParameters& truth, Random&) { truth.effects.sensor_warming_K = 1; }
 

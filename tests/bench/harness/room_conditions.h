@@ -17,13 +17,13 @@ namespace omni::bench {
 
 constexpr double kRoomRun_s = 60;
 
-// What happens to a base after its calibration; `draw` is of the rig.
+// Events at a base after its calibration; `draw` belongs to the rig.
 using Happening = std::function<void(base::TruthParameters&, sim::Random& draw)>;
 
 struct RoomCondition {
   std::string name;
   bool ideal = false;                                 // no room
-  std::function<void(base::TruthParameters&)> known;  // in the room already while the base is calibrated
+  std::function<void(base::TruthParameters&)> known;  // already in the room while the base is calibrated
   Happening later;
   std::vector<double> events_s = {};  // from which it has to recover
   bool as_drawn = false;              // never calibrated
@@ -31,21 +31,21 @@ struct RoomCondition {
 
 std::vector<RoomCondition> RoomConditions();
 
-// The drawn base with its sensors in the fast, low-power setting.
+// The nominal base with its sensors in the fast, low-power setting.
 base::DeviceGeometry FastDevice();
 
-// The room in which a base is calibrated. Its name, and "none" for a base that is not; conditions of one name share the
+// Name of the room in which a base is calibrated, or "none" for an uncalibrated base; conditions of one name share the
 // calibration.
 base::TruthParameters RoomOf(const RoomCondition& condition);
 std::string SurroundingsOf(const RoomCondition& condition);
 
-// As omnid has it after `omni calibrate` there, from a file that one writes and the other takes; or as drawn. Error: it
-// was refused.
+// Configuration of omnid after `omni calibrate` there, through a calibration file; or nominal. Error: calibration was
+// refused.
 base::Result<loop::TickConfig> ConfigIn(const RoomCondition& condition, const base::DeviceGeometry& device,
                                         std::uint64_t seed);
 
-// use(rig, seed, config) on so many bases at once, each calibrated there; seeds from `first_seed` on. The first
-// refusal, if there was one: that base was not used.
+// Calls use(rig, seed, config) for so many bases at once, each calibrated there; seeds from `first_seed` on. Returns
+// the first refusal, if there was one: that base was not used.
 std::optional<base::Error> OnRigs(const RoomCondition& condition, const base::DeviceGeometry& device, std::size_t rigs,
                                   std::uint64_t first_seed,
                                   const std::function<void(std::size_t, std::uint64_t, const loop::TickConfig&)>& use);

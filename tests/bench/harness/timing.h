@@ -1,7 +1,6 @@
-// Times of short calls on a machine that is not ours alone: batches of calls during which the kernel took the thread
-// off its core are thrown away. Median over batches; 99th percentile per 1000 calls, median over thousands. Every batch
-// starts with a few calls that do not count, so that whoever came before does not matter; the clock's own cost is taken
-// off.
+// Times of short calls on a shared machine: batches of calls during which the kernel took the thread off its core are
+// discarded. Median over batches; 99th percentile per 1000 calls, median over thousands. Every batch starts with a few
+// calls that do not count, so that earlier work does not matter; the clock's own cost is subtracted.
 #pragma once
 
 #include <sys/resource.h>

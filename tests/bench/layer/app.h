@@ -22,7 +22,7 @@ struct App {
   XrAction pose = XR_NULL_HANDLE;
   XrPath left_path = XR_NULL_PATH, right_path = XR_NULL_PATH;
   PFN_xrConvertTimespecTimeToTimeKHR to_time = nullptr;
-  PFN_xrVoidFunction locate_spaces = nullptr;  // xrLocateSpacesKHR; null: not offered
+  PFN_xrVoidFunction locate_spaces = nullptr;  // xrLocateSpacesKHR; null: not available
 };
 
 // With whatever layers the environment enables.

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr XrDuration kFrameAhead_ns = 11'000'000;  // what an application asks for: when its frame will be seen
+constexpr XrDuration kFrameAhead_ns = 11'000'000;  // typical request of an application: the display time of its frame
 constexpr XrDuration kPast_ns = 10'000'000;
 
 // Functions that OpenXR 1.0.20's headers lack, as the registry has them (XR_KHR_locate_spaces).
@@ -48,7 +48,7 @@ using LocateSpacesFunction = XrResult(XRAPI_PTR*)(XrSession, const SpacesLocateI
 struct Calls {
   explicit Calls(const App& the_app) : app(the_app), time(Now(the_app)) {}
 
-  // What is asked for from now on: a pose so far ahead, or in the past.
+  // Later calls request a pose so far ahead, or in the past.
   void Ahead(XrDuration ns) { time = Now(app) + ns; }
 
   void LocateRight() { xrLocateSpace(app.right, app.local, time, &location); }
@@ -81,7 +81,7 @@ constexpr const char* kPoseState = "xrGetActionStatePose";
 constexpr const char* kLocateBoth = "xrLocateSpacesKHR (pen and other hand)";
 constexpr const char* kSync = "xrSyncActions";
 
-// How often the runtime below was called; -1: it does not say.
+// How often the runtime below was called; -1: not counted.
 class CallsBelow {
  public:
   explicit CallsBelow(const std::string& runtime) {

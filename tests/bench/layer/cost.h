@@ -1,4 +1,4 @@
-// What calls cost: time, calls of the runtime below, system calls, memory. Results go to stdout as JSON.
+// Cost of calls: time, calls of the runtime below, system calls, memory. Results go to stdout as JSON.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace omni::bench {
 
-// [{"call", "ns_median", "ns_p99", "below"}]: below is the number of calls of the runtime's function per call; -1 where
-// `runtime` (its library, if it has omni_test_call_count) does not say.
+// [{"call", "ns_median", "ns_p99", "below"}]: below is the number of calls of the runtime's function per call; -1 if
+// `runtime` (its library, if it has omni_test_call_count) does not count them.
 void TimeCalls(const App& app, const std::string& runtime);
 
 // For a tracer: `times` calls of each counted kind between markers (getppid).

@@ -12,7 +12,7 @@
 namespace omni::bench {
 namespace {
 
-// Further ahead than the layer predicts: the answer depends on the newest sample alone.
+// Further ahead than the layer predicts: the result depends on the newest sample alone.
 constexpr XrDuration kAhead_ns = 100'000'000;
 constexpr std::int64_t kPatience_ns = 30'000'000'000;
 

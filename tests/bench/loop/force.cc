@@ -1,5 +1,5 @@
-// omni-bench force: how far the force map is from the twin's charges, by model and gap, and what it costs.
-// Truth: sim::TruthModel as drawn, poses that just keep the gap to the hull, tilt up to 60 degrees from the radius.
+// omni-bench force: error of the force map against the twin's charges, by model and gap, and its cost. Truth: nominal
+// sim::TruthModel, poses exactly at the gap from the hull, tilt up to 60 degrees from the radius.
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -68,7 +68,7 @@ std::vector<TruePose> DrawPoses(const base::DeviceGeometry& device, double gap_m
   return poses;
 }
 
-// The coil's radial force on top at contact is right, whatever it is elsewhere: the paper's way to use a dipole law.
+// The coil's radial force on top at contact is right, whatever it is elsewhere: the paper's use of a dipole law.
 double ScaleToContact(const base::DeviceGeometry& device, const actuation::ForceModel& model) {
   const sim::MagnetPose pose{{0, 0, device.hull_radius_m + device.magnet.half_height_m}, {0, 0, 1}};
   sim::TruthModel truth(device, sim::Imperfections{}, false);
@@ -139,7 +139,7 @@ std::vector<base::HallScan> RecordScans(std::uint64_t seed) {
   return scans;
 }
 
-// A request that turns and swells, so that the coils are now within and now beyond their limits.
+// A request that turns and swells, so that the coils are alternately within and beyond their limits.
 base::Vec3 Request(std::uint64_t tick) {
   const double t = 1e-3 * static_cast<double>(tick);
   const double size_N = 2 + 1.5 * std::sin(7 * t);
@@ -160,13 +160,13 @@ nlohmann::ordered_json TimingRow(const std::string& stage, const IdleTiming& tim
           {"us_p99", timing.us_p99}};
 }
 
-// False: a stage gave something that is not finite.
+// False: a stage returned a value that is not finite.
 bool TimeStages(const base::DeviceGeometry& device, const std::vector<base::HallScan>& scans, BenchRows& rows) {
   loop::FlushDenormals();
   const tracker::Config tracker_config = tracker::MakeConfig(device);
   const actuation::Config config = actuation::MakeConfig(device);
 
-  // The poses that the tracker finds in the recording are what all stages are timed on.
+  // All stages are timed on the poses that the tracker finds in the recording.
   const auto tracked = std::make_unique<tracker::State>();
   std::vector<base::ToolState> tools(scans.size());
   std::vector<base::ForceLimit> limits(scans.size());
@@ -232,7 +232,7 @@ base::Result<BenchRows> BenchForce(const BenchOptions& options) {
     }
   }
   if (!TimeStages(device, RecordScans(options.seed), rows))
-    return base::Error{"a stage gave currents that are not finite"};
+    return base::Error{"a stage returned currents that are not finite"};
   return rows;
 }
 

@@ -1,6 +1,6 @@
-// omni-bench latency: where the time goes between a sensor's sample and the current that answers it. Sensors, control
-// steps and coils are those of the virtual twin (a simulation, with the firmware's control core); the tick is timed on
-// this machine; buses are calculated, since no board has been measured.
+// omni-bench latency: budget of the time between a sensor's sample and the current that responds to it. Sensors,
+// control steps and coils are those of the digital twin (a simulation, with the firmware's control core); the tick is
+// timed on this machine; buses are calculated, because no board has been measured.
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -26,8 +26,8 @@ namespace {
 constexpr int kWavedTicks = 20'000;
 constexpr double kLateQuantile = 0.99;
 constexpr double kStep_us = 1e6 * base::kTickPeriod_s / base::kStepsPerTick;
-// Eight magnetometers of 8 bytes each and a command byte at 10 MHz, with the pauses that the chips ask for: the time in
-// firmware/board/teensy40/sensors/hall_array.h, calculated.
+// Eight magnetometers of 8 bytes each and a command byte at 10 MHz, with the pauses that the chips require: the time in
+// firmware/board/teensy40/hall_array.h, calculated.
 constexpr double kBus_us = 90;
 // USB 2.0 high speed: a bulk transfer waits for its microframe [5.10], and its bytes pass at 480 Mbit/s.
 constexpr double kMicroframe_us = 125, kBytesPerMicrosecond = 60, kPacketOverhead = 55;
@@ -47,7 +47,7 @@ Stage Usb(std::size_t bytes) {
 
 struct Waved {
   Stage sample, stamp, tick;
-  double response_us = 0;  // late, from the stamp to the control step, as the base tells; a host without delay
+  double response_us = 0;  // late, from the stamp to the control step, as the base reports; a host without delay
 };
 
 // A pen that is waved about, and the loop with its gate open on it.

@@ -1,7 +1,7 @@
-// omni-bench paired: the tick's time before and after a change, on a base as drawn that is nearly so and has no room
-// about it: programs of before know no other. Both programs replay the same recorded scans; of each
-// tick the least of many replays counts, which leaves out what the machine did besides: two builds of the same commit
-// differ by a few hundredths of a microsecond, where the 99th percentile of single runs jumps by a half.
+// omni-bench paired: the tick's time before and after a change, on a nearly nominal base without a room, the only one
+// that older programs know. Both programs replay the same recorded scans; of each tick the least of many replays
+// counts, which excludes other work of the machine: two builds of the same commit differ by a few hundredths of a
+// microsecond, where the 99th percentile of single runs jumps by a half.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // omni-bench thermal: the paper's two heat runs on the twin, and in the host's model fed with the twin's measured
 // currents; then all coils at full current for 15 minutes under the host's derating. The twin's constants are those
 // that the paper's three temperatures fix. peak_C, peak_s and end_C are the body's, where the paper's thermometer was;
-// the copper's own, which it could not see, stand beside them.
+// those of the copper, which it could not measure, have their own columns.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// omni-bench tick: the whole tick - track, contact, force, allocate - in scenes that ask much of it, with all that
-// changes in them, and how late ticks are on a busy machine.
+// omni-bench tick: the whole tick - track, contact, force, allocate - in demanding scenes, with everything that changes
+// in them, and lateness of ticks on a busy machine.
 #include <pthread.h>
 #include <sched.h>
 #include <time.h>
@@ -79,7 +79,7 @@ base::Result<haptics::Scene> Build(const haptics::SceneInput& input) {
   return haptics::BuildScene(input, report);
 }
 
-// How late ticks end when two threads want the processors too.
+// How late ticks end when two threads also use the processors.
 struct Lateness {
   bool fifo = false;
   std::uint64_t ticks = 0, late = 0;
@@ -115,7 +115,7 @@ Lateness MeasureLateness(test::ScanPlayer& player, bool wants_fifo, double secon
   return result;
 }
 
-// What the renderer was given in the longest stretch of touch.
+// Input of the renderer in the longest stretch of touch.
 std::vector<haptics::Input> LongestTouch(const loop::TickConfig& config, const haptics::Scene& scene,
                                          const std::vector<base::HallScan>& scans) {
   std::vector<haptics::Input> best, now;

@@ -20,7 +20,7 @@ namespace {
 using haptics::InputObject;
 using haptics::SceneInput;
 
-constexpr int kGroups = 1000;                   // timed, a batch
+constexpr int kGroups = 1000;                   // timed, per batch
 constexpr int kTouchGroup = 4, kFarGroup = 64;  // steps timed together
 constexpr double kFar_m = 0.05;                 // over the body, at least
 
@@ -125,9 +125,9 @@ IdleTiming TimeSteps(const haptics::Scene& scene, const std::vector<haptics::Inp
       });
 }
 
-constexpr std::size_t kMoment = 16;  // ticks: what is timed is the renderer, not the way to a long recording
+constexpr std::size_t kMoment = 16;  // ticks: this times the renderer, not the memory access of a long recording
 
-// A moment of the touch as if it had happened high over the body: the same noise and motion, nothing within reach.
+// A moment of the touch, moved high over the body: the same noise and motion, nothing within reach.
 std::array<haptics::Input, kMoment> FarAbove(const haptics::Scene& scene, const std::vector<haptics::Input>& touch) {
   std::array<haptics::Input, kMoment> inputs;
   for (std::size_t k = 0; k < kMoment; ++k) inputs[k] = touch[std::min(k, touch.size() - 1)];

@@ -1,5 +1,4 @@
-// Side tables of `omni-bench tick`: what each feature costs the renderer in touch, and what it costs far from
-// everything.
+// Side tables of `omni-bench tick`: cost of each feature in the renderer during contact, and far from everything.
 #pragma once
 
 #include <vector>
@@ -10,7 +9,7 @@
 
 namespace omni::bench {
 
-// A plain body and what the renderer was given while a pen touched it.
+// A plain body and the renderer's input while a pen touched it.
 struct TouchedBody {
   haptics::SceneInput input;  // one object, one material
   std::vector<haptics::Input> touch;

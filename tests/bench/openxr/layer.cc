@@ -1,4 +1,4 @@
-// omni-bench layer: what the OpenXR layer costs, and how well it knows where the pen is.
+// omni-bench layer: cost of the OpenXR layer, and error of the pen's poses.
 #include <map>
 
 #include "service/tools/common/statistics.h"
@@ -62,7 +62,7 @@ void AddCalls(const TimedCalls& with, TimedCalls& without, BenchRows& rows) {
   }
 }
 
-// What the layer adds, calls of the runtime and of the system: what is wanted stands beside it.
+// What the layer adds, calls of the runtime and of the system, and the targets.
 void AddCosts(const TimedCalls& with, TimedCalls& without, const std::vector<double>& syscalls, BenchRows& rows) {
   for (const std::string& name : with.names) {
     const CallTimes& layer = with.by_name.at(name);

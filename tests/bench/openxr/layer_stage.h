@@ -1,5 +1,5 @@
-// Where OpenXR calls are measured: an omnid on the twin, calibrated, in its room, and programs over the in-repo
-// headless runtime, with the layer and without. All of this build tree.
+// Set-up for measuring OpenXR calls: an omnid on the twin, calibrated, in its room, and programs over the in-repo
+// headless runtime, with and without the layer. All are of this build tree.
 #pragma once
 
 #include <cstdint>

@@ -53,11 +53,11 @@ int RunPaper(const PaperArguments& arguments) {
 }  // namespace
 
 void AddPaper(Command& app) {
-  Command paper = app.AddCommand("paper", "the published figures beside the twin's and ours");
+  Command paper = app.AddCommand("paper", "the published figures compared with the twin's and ours");
   auto arguments = std::make_shared<PaperArguments>();
   std::vector<std::string> names;
   for (const SectionEntry& entry : kSections) names.emplace_back(entry.name);
-  paper.Add("section", arguments->only, "only this one").OneOf(names);
+  paper.Add("section", arguments->only, "only this section").OneOf(names);
   paper.Add("--json", arguments->json,
             "write {name, commit, machine, rows, tables} here as well; scripts/plot draws it");
   paper.Add("--seed", arguments->options.seed, "of the first rig").ShowDefault();

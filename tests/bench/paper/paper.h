@@ -1,5 +1,5 @@
-// omni-bench paper: the figures of Langerak et al., Omni (UIST 2020), beside the paper's method on the twin and ours.
-// Compared are only numbers that stand in the paper's text.
+// omni-bench paper: the figures of Langerak et al., Omni (UIST 2020), compared with the paper's method on the twin and
+// with ours. Only numbers given in the paper's text are compared.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct PaperOptions {
 struct PaperSection {
   std::string title;
   BenchRows rows;                  // those with a key "table" are what scripts/plot draws
-  std::vector<std::string> notes;  // free parameters, seeds, readings of the text
+  std::vector<std::string> notes;  // free parameters, seeds, interpretations of the text
 };
 
 PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOptions& options);  // Fig. 6

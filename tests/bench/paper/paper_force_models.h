@@ -1,5 +1,5 @@
-// Three answers to "what does the magnet feel": the paper's dipole law, the twin, our force map. All for a magnet whose
-// axis points at the base's centre.
+// Three models of the force on the magnet: the paper's dipole law, the twin, our force map. All for a magnet whose axis
+// points at the base's centre.
 #pragma once
 
 #include "service/base/device_geometry.h"
@@ -19,7 +19,7 @@ ForceTable TwinForces(const base::DeviceGeometry& device, double distance_m, dou
 ForceTable OurForces(const base::DeviceGeometry& device, double distance_m, double kappa);
 
 // Eq. 6-8 with the errata of docs/theory/actuation.md: F = 3 mu0 m m_e / (4 pi d^4) times 2 (radial) or 1 (tangential),
-// m_e = C I as the tracker's calibration sees it. The law knows no pull of the core: 0.
+// m_e = C I as the tracker's calibration sees it. The law has no pull of the core: 0.
 ForceTable PaperLawForces(const base::DeviceGeometry& device, double distance_m);
 
 }  // namespace omni::bench

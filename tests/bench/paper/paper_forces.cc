@@ -1,6 +1,6 @@
 // Fig. 8 and the decay with the gap. The test rig put a second hemisphere and force sensors between base and magnet, so
-// the distance of the magnet is not known: it is fitted, with the core's strength, and the nominal contact at 41 mm
-// stands beside it.
+// the distance of the magnet is not known: it is fitted, with the core's strength, and results for the nominal contact
+// at 41 mm are listed too.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -15,7 +15,7 @@ namespace {
 constexpr double kWeight_N = 0.370;  // in the text, of magnet and tool
 constexpr double kFullCurrent_A = 14.6;
 
-// One number of the text and what a model says to it.
+// One number of the text and a model's value for it.
 struct TextForce {
   const char* quantity;
   double paper;
@@ -99,7 +99,7 @@ std::string Text(const char* format, double a, double b) {
   return text;
 }
 
-// Force over current for the figure: the text's points, and a line a model through both ends of the axis.
+// Force over current for the figure: the text's points, and one line per model through both ends of the axis.
 struct TextPoint {
   const char* direction;
   const char* series;

@@ -23,7 +23,7 @@ constexpr HeatRun kPeak{"15 A for 25 s", 15, 25, 180};
 constexpr HeatRun kConstant{"5 A for 15 min", 5, 900, 900};
 
 struct HeatCurve {
-  double host_peak_C = 0, host_peak_s = 0, host_end_C = 0;  // of the body, as the host's own model believes
+  double host_peak_C = 0, host_peak_s = 0, host_end_C = 0;  // of the body, by the host's own model
   double host_copper_peak_C = 0;
   double peak_C = 0, peak_s = 0;  // of the body
   double end_C = 0;               // of the body
@@ -75,7 +75,7 @@ HeatCurve Simulate(const base::DeviceGeometry& device, const sim::ThermalConfig&
   return curve;
 }
 
-// Deviations from the text in units of what is asked for: 1 C, 5 s, 1 C.
+// Deviations from the text in units of the required accuracy: 1 C, 5 s, 1 C.
 Eigen::Vector3d Residual(const base::DeviceGeometry& device, const sim::ThermalConfig& thermal) {
   const HeatCurve peak = Simulate(device, thermal, kPeak), constant = Simulate(device, thermal, kConstant);
   return {peak.peak_C - 39, (peak.peak_s - 65) / 5, constant.end_C - 47};
@@ -152,7 +152,7 @@ PaperSection PaperHeat(const base::DeviceGeometry& device) {
   section.notes = {
       Constants("free parameters, fitted", fitted), Constants("device file", of_file),
       "ours: the host's own model, fed with the twin's measured currents only; the paper has no model of heat",
-      "three numbers, three free parameters: agreement is no proof; the twin's over-temperature trip is off, "
+      "three numbers, three free parameters: agreement proves nothing; the twin's over-temperature trip is off, "
       "as it cannot have acted in the paper's runs"};
   AddTextTemperatures(section.rows);
   section.rows.insert(section.rows.end(), peak.every_s.begin(), peak.every_s.end());

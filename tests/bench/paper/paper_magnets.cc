@@ -1,5 +1,5 @@
 // Fig. 5: net vertical force at 5 A on a magnet that rests on the sphere, against the magnet's size. The text gives no
-// numbers but where its magnet lies: at the maximum among magnets of similar volume.
+// numbers except that its magnet is at the maximum among magnets of similar volume.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -64,7 +64,7 @@ Sweep SweepSizes(const base::DeviceGeometry& device, Model model) {
   return sweep;
 }
 
-// What the figure draws: the lift of every size, and which size the paper's magnet has.
+// Data of the figure: the lift of every size, and the size of the paper's magnet.
 void AddSizes(const base::DeviceGeometry& device, const Sweep& law, const Sweep& twin, const Sweep& ours,
               BenchRows& rows) {
   rows.push_back({{"table", "magnet of the paper"},
@@ -109,7 +109,7 @@ PaperSection PaperMagnets(const base::DeviceGeometry& device) {
       "no free parameter; contact on the hull, remanence of the drawing, 7600 kg/m^3; radius 5-25 mm, height 1-21 mm",
       "the text: \"15 mm diameter x 7 mm, 5 cm^3\" (radius 15 mm), at the maximum among magnets of similar volume; a "
       "bigger one may be worse, since its weight counteracts",
-      "the dipole law overestimates wide magnets: their rim is farther away; the twin adds the core's pull, which "
+      "the dipole law overestimates wide magnets: their rim is further away; the twin adds the core's pull, which "
       "grows "
       "with the square of the moment"};
   AddSizes(device, law, twin, ours, section.rows);

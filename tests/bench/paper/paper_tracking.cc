@@ -1,7 +1,7 @@
 // Fig. 6: tracking error without and with actuation. The paper's method runs as published on simulated devices whose
-// sensors are 1 mm, 1.5 % and 1.15 deg away from the drawing it believes in; ours calibrates the same devices itself.
-// Every effect of the twin that does not need motion is on: remanence, finite permeability, the earth's field, bent
-// sensors, current errors.
+// sensors are 1 mm, 1.5 % and 1.15 deg away from the nominal geometry it assumes; ours calibrates the same devices
+// itself. Every effect of the twin that does not need motion is on: remanence, finite permeability, the earth's field,
+// bent sensors, current errors.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -84,7 +84,8 @@ sim::Rig MakeRig(const base::DeviceGeometry& device, std::uint64_t seed) {
   return {device, {.seed = seed, .sizes = RigSizes(), .effects = twin.effects, .sensor = twin.sensor}};
 }
 
-// What the paper's method measures once, with the pen away: readings without current, and their change per ampere.
+// One-time measurements of the paper's method, with the pen away: readings without current, and their change per
+// ampere.
 struct Background {
   sim::SensorFields still;
   std::vector<Vec3> per_A;  // 3 sensor + coil
@@ -108,7 +109,7 @@ sim::SensorFields Without(const sim::SensorFields& background, const base::HallS
   return without;
 }
 
-// Our own self-calibration of the same device from the drawing, a waved pen and touches.
+// Our own self-calibration of the same device from its nominal geometry, a waved pen and touches.
 std::optional<tracker::Config> SelfCalibrated(const base::DeviceGeometry& device, std::uint64_t seed) {
   sim::Rig rig = MakeRig(device, seed);
   const calibration::Recording recording = test::MakeRecording(
@@ -139,7 +140,7 @@ sim::MagnetPose DrawPose(const sim::Rig& rig, sim::Random& random) {
   return rig.DrawPose(range, random);
 }
 
-// A simulated device and what the paper's method knows of it.
+// A simulated device and the paper method's data of it.
 class PaperDevice {
  public:
   PaperDevice(const base::DeviceGeometry& device, const Condition& condition, std::uint64_t seed)
@@ -204,7 +205,7 @@ Results RunRigs(const base::DeviceGeometry& device, const PaperOptions& options)
   return results;
 }
 
-// A pen on its way, and where the paper's method saw it.
+// A moving pen, and its position by the paper's method.
 struct Seen {
   double t_s = 0;
   peers::PaperPose pose;
@@ -215,8 +216,8 @@ struct Wave {
 };
 using Waves = std::array<std::vector<Wave>, 2>;  // by condition, a rig each
 
-// Scans at random moments of a pen that is moved about as in the text, each of the pen as it is then: what moves within
-// a scan is small beside a frame of 25 ms.
+// Scans at random moments of a pen that is moved as in the text, each of the pen's pose at that moment: motion within a
+// scan is small compared with a frame of 25 ms.
 Wave WatchWave(const base::DeviceGeometry& device, const Condition& condition, std::uint64_t seed, int poses) {
   PaperDevice omni(device, condition, seed);
   sim::Random random(seed + 3'000'000);
@@ -238,7 +239,7 @@ Waves WatchWaves(const base::DeviceGeometry& device, std::uint64_t seed, int rig
   return waves;
 }
 
-// What is seen is compared with where the pen has come to since.
+// The estimate is compared with the pen's later position.
 Errors DelayedBy(double delay_s, const std::vector<Wave>& waves) {
   Errors errors;
   for (const Wave& wave : waves) {
@@ -249,8 +250,8 @@ Errors DelayedBy(double delay_s, const std::vector<Wave>& waves) {
   return errors;
 }
 
-// The delay with which the two means deviate from the text by nothing on average. Seeds of its own: what is reported
-// comes from others.
+// The delay for which the two means deviate from the text by zero on average. It has separate seeds: reported results
+// come from others.
 double FitDelay(const base::DeviceGeometry& device, const PaperOptions& options) {
   const Waves waves = WatchWaves(device, options.seed + 500'000, options.rigs, std::min(options.poses, 60));
   double low = 0, high = kDelayMax_s;
@@ -317,10 +318,11 @@ void AddDistribution(const char* condition, const std::vector<double>& values_mm
 
 std::string DelayText(double delay_s) {
   std::array<char, 320> text{};
-  std::snprintf(text.data(), text.size(),
-                "free parameter of the fitted column: the pen is moved, at up to %.1f m/s, and what is seen is %.1f ms "
-                "old; the paper tells 40 Hz, a frame of 25 ms, and no speed",
-                sim::MotionOptions{}.speed_max_m_s, 1e3 * delay_s);
+  std::snprintf(
+      text.data(), text.size(),
+      "free parameter of the fitted column: the pen is moved, at up to %.1f m/s, and the compared frame is %.1f ms "
+      "old; the paper gives 40 Hz, a frame of 25 ms, and no speed",
+      sim::MotionOptions{}.speed_max_m_s, 1e3 * delay_s);
   return text.data();
 }
 
@@ -344,7 +346,7 @@ PaperSection PaperTracking(const base::DeviceGeometry& device, const PaperOption
           " static scans each; sensors 1 mm, 1.5 %, 1.15 deg off (sd per axis), noise " +
           "3.2/3.2/4.1 mG, every static effect of the twin; r uniform in 41-101 mm, upper hemisphere, tilt <= 60 deg "
           "as far as the hull allows",
-      "paper's method: sensors as drawn, dipoles, C fitted to a current sweep, L-BFGS from 9 fixed poses, best fit "
+      "paper's method: nominal sensors, dipoles, C fitted to a current sweep, L-BFGS from 9 fixed poses, best fit "
       "kept",
       "ours: the same scans one by one, cold start, after self-calibration of the same devices (500 poses, 100 "
       "touches; "

@@ -1,4 +1,4 @@
-// The tracker's own residual and Jacobian in the form that Ceres wants.
+// The tracker's own residual and Jacobian in the form that Ceres needs.
 #pragma once
 
 #include <Eigen/Core>

@@ -12,8 +12,8 @@ class AnalyticCost final : public ceres::SizedCostFunction<kPeerReadings, 3, 3> 
  public:
   AnalyticCost(const tracker::Model& model, const PeerScan& scan) : model_(model), scan_(scan) {}
 
-  // Ceres wants the derivative by the three numbers of the axis and projects it on the sphere itself:
-  // J_u = j_1 e1^T + j_2 e2^T agrees with the truth along every tangent.
+  // Ceres needs the derivative by the three numbers of the axis and projects it on the sphere itself: J_u = j_1 e1^T +
+  // j_2 e2^T agrees with the truth along every tangent.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     AnalyticResidual result;
     EvaluateAnalytic(model_, scan_, Eigen::Map<const Eigen::Vector3d>(parameters[0]),

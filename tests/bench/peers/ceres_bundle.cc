@@ -74,7 +74,7 @@ class InstantManifold final : public ceres::Manifold {
 };
 
 // The unknowns as Ceres moves them: one block per sensor, one of the shared ones that act on samples, one per sample.
-// What all samples need of the array is made once per evaluation.
+// Data of the array that all samples need is computed once per evaluation.
 class Blocks final : public ceres::EvaluationCallback {
  public:
   Blocks(const calibration::Problem& problem, const calibration::Parameters& start,

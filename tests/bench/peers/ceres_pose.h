@@ -1,4 +1,4 @@
-// What the two Ceres peers share: one problem of a position and an axis on the sphere, built once.
+// Common part of the two Ceres peers: one problem of a position and an axis on the sphere, built once.
 #pragma once
 
 #include <array>

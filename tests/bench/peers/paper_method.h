@@ -1,6 +1,6 @@
 // The tracking method of Langerak et al., Omni (UIST 2020), Eq. 1-5, as it is published: magnet and electromagnet are
 // dipoles, the pose is (x, y, z, theta, phi), L-BFGS minimises the weighted squared residuals. PyTorch's L-BFGS is
-// stood in for by that of Ceres (GradientProblem, line search), its auto-grad by the analytic gradient.
+// replaced by that of Ceres (GradientProblem, line search), its auto-grad by the analytic gradient.
 #pragma once
 
 #include <array>
@@ -17,14 +17,14 @@ namespace omni::peers {
 
 struct PaperModel {
   std::vector<base::Vec3> sensor_position_base_m;
-  std::vector<std::array<double, 9>> orientation_sensor_base;  // row-major, R_SB as drawn
+  std::vector<std::array<double, 9>> orientation_sensor_base;  // row-major, nominal R_SB
   double moment_Am2 = 0;                                       // Br V / mu0, Eq. 2
   std::array<double, 9> moment_per_ampere_Am2_A{};             // C of Eq. 3, row-major
 };
 
-// What the method knows: sensors as drawn, moment from the data sheet, and C from a sweep of the currents without the
-// pen: `sweep_T_A[3 i + k]` is what sensor i reads (its own frame) per ampere in coil k. C is the least-squares fit of
-// a dipole at the origin to each coil's readings.
+// Data of the method: nominal sensors, moment from the data sheet, and C from a sweep of the currents without the pen:
+// `sweep_T_A[3 i + k]` is the reading of sensor i (its own frame) per ampere in coil k. C is the least-squares fit of a
+// dipole at the origin to each coil's readings.
 PaperModel MakePaperModel(const base::Calibration& drawn, std::span<const base::Vec3> sweep_T_A);
 
 struct PaperScan {

@@ -1,6 +1,6 @@
-// Other people's solvers on the tracker's own problem, so that a benchmark compares solvers and not problems: the same
-// readings, the same whitening, the same model (docs/theory/tracking.md (1)) unless a peer says otherwise. Every peer
-// is built once and then solves scan after scan on one thread. Not for the tick: they allocate.
+// Third-party solvers on the tracker's own problem, so that a benchmark compares solvers and not problems: the same
+// readings, the same whitening, the same model (docs/theory/tracking.md (1)) unless stated otherwise. Every peer is
+// built once and then solves scan after scan on one thread. Not for the tick: they allocate.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace omni::peers {
 inline constexpr int kPeerReadings = tracker::kReadings;
 inline constexpr int kPeerNuisances = tracker::kNuisancesMax;
 
-// One static scan as residuals: r = D F(pose) - y with D = diag(1/sigma), then r - U (U^T r): what disturbs all sensors
-// in a known shape, eliminated. docs/theory/tracking.md (4)
+// One static scan as residuals: r = D F(pose) - y with D = diag(1/sigma), then r - U (U^T r): disturbances of all
+// sensors in a known shape are eliminated. docs/theory/tracking.md (4)
 struct PeerScan {
   std::array<double, kPeerReadings> inverse_sigma{};                    // 1/T; 0: not used
   std::array<double, kPeerReadings> whitened{};                         // y = D (the tool's share of the reading)
@@ -61,11 +61,11 @@ enum class PeerLinearSolver { kDenseQr, kNormalCholesky };
 // Ceres with the tracker's analytic Jacobian. Position in R3, axis on the sphere (SphereManifold).
 std::unique_ptr<Peer> MakeCeresAnalytic(const tracker::Model& model, PeerLinearSolver linear,
                                         const PeerOptions& options);
-// Ceres with dual numbers through the same model written once more for any scalar (any_scalar_model.h).
+// Ceres with dual numbers through the same model written again for any scalar (any_scalar_model.h).
 std::unique_ptr<Peer> MakeCeresAutodiff(const base::Calibration& calibration, PeerLinearSolver linear,
                                         const PeerOptions& options);
-// ceres::TinySolver with the analytic Jacobian: fixed size, no allocation; the axis in a chart around the start, since
-// it knows no manifolds.
+// ceres::TinySolver with the analytic Jacobian: fixed size, no allocation; the axis in a chart around the start,
+// because it does not support manifolds.
 std::unique_ptr<Peer> MakeCeresTiny(const tracker::Model& model, const PeerOptions& options);
 
 }  // namespace omni::peers

@@ -7,9 +7,9 @@
 
 namespace omni::peers {
 
-// The tracker eliminates its nuisances by r^T (I - C S C^T) r. Peers want a residual vector, so the square root: with
-// C S C^T = V diag(l) V^T,  I - C S C^T = (I - U U^T)^2,  U = V diag(sqrt(1 - sqrt(1 - l))).
-// V and l from the small problem L^T C^T C L = Q diag(l) Q^T,  S = L L^T,  V = C L Q diag(l)^-1/2.
+// The tracker eliminates its nuisances by r^T (I - C S C^T) r. Peers need a residual vector, so the square root: with C
+// S C^T = V diag(l) V^T,  I - C S C^T = (I - U U^T)^2,  U = V diag(sqrt(1 - sqrt(1 - l))). V and l from the small
+// problem L^T C^T C L = Q diag(l) Q^T,  S = L L^T,  V = C L Q diag(l)^-1/2.
 PeerScan MakePeerScan(const tracker::Measurement& measurement) {
   PeerScan scan;
   const int count = measurement.nuisances;

@@ -1,4 +1,4 @@
-// omni-bench stress: what must never happen, counted.
+// omni-bench stress: counts events that must never happen.
 #include "tests/bench/stress/stress.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr std::uint64_t kQuick = 100;           // --quick divides by this
 base::Result<BenchRows> BenchStress(const BenchOptions& options) {
   const std::uint64_t share = options.quick ? kQuick : 1;
   const std::uint64_t seed = ThreeSeeds(options.seed).front();
-  std::cerr << "faults upon a moving pen, in every condition of a room ...\n";
+  std::cerr << "faults during motion of the pen, in every condition of a room ...\n";
   std::vector<RoomCondition> conditions = RoomConditions();
   if (options.quick) conditions.resize(1);
   auto rows = StressTicks(options.ticks > 0 ? options.ticks : kTicks / share, seed, conditions);

@@ -1,7 +1,7 @@
 // Hours in a room that changes: the ambient field wanders, magnet and sensors warm up and cool down. In every minute
-// the pen is waved for some seconds, each time on another way; while it is away nobody looks, and one loop goes on
-// through all of it. Whatever it remembers (filter, moment, ambient field, doubts, clock, gate) must follow and must
-// not wander off. The base is a workshop's, calibrated by the whole of `omni calibrate` before the hours begin. A
+// the pen is waved for some seconds, each time on another path; the time without a pen is skipped, and one loop runs
+// through all of it. All its state (filter, moment, ambient field, doubts, clock, gate) must follow and must not
+// diverge. The base is of workshop quality, calibrated by the whole of `omni calibrate` before the hours begin. A
 // simulation.
 #include <algorithm>
 #include <cmath>
@@ -26,9 +26,9 @@ namespace {
 constexpr double kHour_s = 3600;
 constexpr int kRowsMax = 10;
 constexpr double kWaved_s = 5;      // of each minute; the twin takes a fifth of a second for one
-constexpr int kSettleTicks = 200;   // after the jump from the end of one way to the start of the next
+constexpr int kSettleTicks = 200;   // after the jump from the end of one path to the start of the next
 constexpr double kWander_T = 1e-6;  // of the ambient field, per axis, within a step ...
-constexpr double kForget_s = 3600;  // ... which it forgets after so long: 6 uT rms in all
+constexpr double kForget_s = 3600;  // ... with this correlation time: 6 uT rms in all
 constexpr double kMagnetPeriod_s = 2.5 * kHour_s, kMagnet_K = 10;
 constexpr double kSensorPeriod_s = 3.5 * kHour_s, kSensor_K = 6;
 constexpr double kSensorOffset_T_K = 5e-7, kSensorGain_1_K = 1e-4;  // per axis and sensor, each its own; assumptions
@@ -47,7 +47,7 @@ base::TruthParameters DriftingRoom() {
   return truth;
 }
 
-// The room at one step of its course: the field moves on through all of it, the temperature is that of its middle.
+// The room at one step of its course: the field changes throughout, the temperature is that of its middle.
 base::TruthParameters RoomAt(const RoomCourse& course, std::size_t step) {
   base::TruthParameters truth = DriftingRoom();
   base::TruthEffects& effects = truth.effects;

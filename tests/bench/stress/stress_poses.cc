@@ -1,4 +1,4 @@
-// How far off a start may be, and the poses where something could divide by zero.
+// How far off a start may be, and poses where something could divide by zero.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -74,7 +74,7 @@ constexpr SingularKind kKinds[] = {
     {"flat upon the hull", InContact},
 };
 
-// A vibration along the pen asks for force whatever the scene.
+// A vibration along the pen requests force whatever the scene.
 loop::Commands Shake(const base::HallScan& scan) {
   return {.t_ns = scan.t_ns,
           .gate = loop::ForceGate::kOpen,
@@ -95,7 +95,7 @@ void HoldThere(const loop::TickConfig& config, sim::Rig& rig, const sim::MagnetP
   const auto state = std::make_unique<loop::LoopState>();
   const auto output = std::make_unique<loop::TickOutput>();
   loop::EnterScene(scene, 1, *state);
-  // With the pen at rest the field needs no second look; only the noise is new.
+  // With the pen at rest the field is computed once; only the noise is new.
   for (int tick = 0; tick < kTicksPerPose; ++tick) {
     const base::HallScan scan = rig.Scan(&pose, {}, random);
     loop::Tick(config, scan, Shake(scan), scene, *state, *output);

@@ -60,7 +60,7 @@ struct Tally {
   }
 };
 
-// The state of the run: which fault is on, for how long, and since when the tracker has not been right.
+// The state of the run: the active fault, its duration, and since when the tracker has been wrong.
 class StressRun {
  public:
   StressRun(const loop::TickConfig& config, const haptics::Scene& scene, sim::Rig& rig, std::uint64_t seed)
@@ -129,7 +129,7 @@ class StressRun {
     }
   }
 
-  // Mostly what the daemon would send; now and then numbers that no client should.
+  // Mostly what the daemon would send; now and then numbers that no client should send.
   loop::Commands DrawCommands(const base::HallScan& scan) {
     loop::Commands commands{.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
     const std::uint64_t draw = random_.Bits() % 64;
@@ -235,7 +235,7 @@ Tallies StressIn(const RoomCondition& condition, const loop::TickConfig& config,
   trace_options.currents = sim::StaggeredSawtooth(4, 0.5);
   const std::vector<sim::TraceRow> trace = sim::RecordTrace(rig, trace_options);
   StressRun run(config, scene, rig, seed);
-  // Over and over; where the trace starts again, the pen jumps, which a tracker must survive as well.
+  // The trace repeats; at its restart the pen jumps, which a tracker must survive as well.
   const std::int64_t period_ns = static_cast<std::int64_t>(trace.size()) * base::kTickPeriod_ns;
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     const std::uint64_t pass = tick / trace.size();

@@ -1,4 +1,4 @@
-// omni-bench align: simulated people align bases by each method; what comes out is judged by the truth.
+// omni-bench align: simulated people align bases by each method; results are compared with the truth.
 #include <cmath>
 
 #include "service/tools/common/statistics.h"
@@ -15,7 +15,7 @@ struct AlignCase {
   tools::AlignMethod use;
   bool level;
   int n;         // marks or places; 0: a sweep
-  double noise;  // times the usual noise of the headset
+  double noise;  // times the typical noise of the headset
   double wrong;  // probability of a wrong touch, or share of jumps
 };
 
@@ -41,7 +41,7 @@ tools::AlignOptions OptionsOf(const AlignCase& what) {
   options.method = what.use;
   options.level = what.level;
   if (what.use == tools::AlignMethod::kFingertip) options.fingertips = what.n;
-  // Fewer marks: those that are farthest apart come first, the top is always among them.
+  // Fewer marks: those that are furthest apart come first, the top is always among them.
   if (what.use == tools::AlignMethod::kTouch) {
     while (static_cast<int>(options.marks.size()) > what.n) options.marks.erase(options.marks.end() - 2);
   }

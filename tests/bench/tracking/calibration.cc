@@ -1,9 +1,9 @@
 // omni-bench calibration: bases that start wrong by manufacturing tolerances, calibrated from what a person would
-// record, judged by the truth of the simulation. Errors: static single scans, solved cold. Three recordings per base:
-// "held" (500 poses and 120 touches held still, one scan each), "moving" (the whole of `omni calibrate` on the twin:
-// coil sweep, pen waved for 20 s by a trembling hand, 100 touches, asynchronous sensors in low-power noise, and every
-// effect of the twin: eddy currents, remanence, drift, a warming magnet, current errors, bent sensors) and "room" (the
-// same in a room, on a base whose hull and core are off too).
+// record, compared with the truth of the simulation. Errors: static single scans, solved cold. Three recordings per
+// base: "held" (500 poses and 120 touches held still, one scan each), "moving" (the whole of `omni calibrate` on the
+// twin: coil sweep, pen waved for 20 s by a trembling hand, 100 touches, asynchronous sensors in low-power noise, and
+// every effect of the twin: eddy currents, remanence, drift, a warming magnet, current errors, bent sensors) and "room"
+// (the same in a room, on a base whose hull and core are off too).
 #include <chrono>
 #include <functional>
 
@@ -30,8 +30,8 @@ constexpr double kTouchSigma_m = 0.1e-3;
 constexpr int kAdjustIterations = 60;
 constexpr double kUncalibrated = 0.05;  // model error that a solver must allow before calibration
 
-// A base that nobody has calibrated, and everything that happens to the twin, faster than usual: over the hundred
-// seconds of the recording the pen warms by 10 K and the background drifts by 5 mG.
+// An uncalibrated base with all effects of the twin, faster than usual: over the hundred seconds of the recording the
+// pen warms by 10 K and the background drifts by 5 mG.
 base::TruthParameters HardTruth() {
   base::TruthParameters truth = config::IdealTwin();
   const double nonlinearity = truth.imperfections.sensor_nonlinearity;
@@ -51,7 +51,7 @@ base::DeviceGeometry DeviceIn(sim::NoiseMode noise) {
 struct Done {
   calibration::Outcome outcome;
   sim::Rig rig;             // the same base, for the judgement
-  double moment_scale = 1;  // of its magnet, as warm as it was
+  double moment_scale = 1;  // of its magnet, at its temperature then
 };
 
 base::Result<Done> CalibrateHeld(std::uint64_t seed) {
@@ -64,7 +64,7 @@ base::Result<Done> CalibrateHeld(std::uint64_t seed) {
   return Done{std::move(*outcome), std::move(rig)};
 }
 
-// What is there when the base is judged: what it was calibrated beside, and nothing that comes and goes.
+// Surroundings in which the base is judged: those of its calibration, without temporary effects.
 base::TruthEffects EffectsThatStay(const base::TruthEffects& run) {
   base::TruthEffects effects;
   effects.magnet_warming_K = run.magnet_warming_K;
@@ -79,7 +79,7 @@ base::TruthEffects EffectsThatStay(const base::TruthEffects& run) {
 base::Result<Done> CalibrateMoving(std::uint64_t seed, const base::TruthParameters& truth) {
   auto done = tools::CalibrateTwin(DeviceIn(sim::NoiseMode::kLowPower), seed, truth);
   if (!done.ok()) return base::Error{done.error()};
-  // Judged with the magnet as warm as it was.
+  // Judged with the magnet at its temperature then.
   sim::Rig rig(config::DefaultDevice(),
                {.seed = seed, .sizes = truth.imperfections, .effects = EffectsThatStay(truth.effects)});
   rig.SetTime(done->middle_s);
@@ -104,7 +104,7 @@ base::Result<nlohmann::ordered_json> Row(std::size_t number, std::uint64_t seed,
   const auto best = test::MeasureCalibrationError(done.rig, exact, {.poses = 1500, .seed = seed + 3});
   const auto best_systematic =
       test::MeasureCalibrationError(done.rig, exact, {.poses = 300, .noise = false, .seed = seed + 4});
-  if (!best.ok() || !best_systematic.ok()) return base::Error{"the exact calibration is none that a solver takes"};
+  if (!best.ok() || !best_systematic.ok()) return base::Error{"the solver rejects the exact calibration"};
   if (!after.ok() || !systematic.ok()) return base::Error{after.ok() ? systematic.error() : after.error()};
   const calibration::Report& report = done.outcome.report;
   return nlohmann::ordered_json{{"rig", std::to_string(number)},
@@ -143,14 +143,14 @@ void AddSummary(const char* recording, BenchRows& rows) {
   rows.push_back(worst);
 }
 
-// Rows of one kind of recording become a table of its own: they are not taken under standard conditions.
+// Rows of one kind of recording become a separate table: they are not measured under standard conditions.
 void ToSideTable(const char* recording, BenchRows& rows) {
   for (nlohmann::ordered_json& row : rows) {
     if (row["recording"] == recording) row["table"] = recording;
   }
 }
 
-// Our own bundle adjustment beside Ceres on the same problem: fixed weights, no maps, both from the cold start's poses.
+// Our own bundle adjustment and Ceres on the same problem: fixed weights, no maps, both from the cold start's poses.
 base::Result<BenchRows> CompareAdjustments(std::uint64_t seed) {
   using Clock = std::chrono::steady_clock;
   const auto start = test::MakeAdjustmentStart(

@@ -1,5 +1,5 @@
-// omni-bench dynamics: a pen that starts, stops, trembles and rests, tracked on bases that were calibrated where they
-// stand. Simulated by the digital twin, whose own path the published pose is held against.
+// omni-bench dynamics: a pen that starts, stops, trembles and rests, tracked on bases calibrated on site. Simulated by
+// the digital twin, with whose own path the published pose is compared.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,7 +33,7 @@ constexpr std::uint64_t kPlaces = 8;  // of tremors, for a quarter as long
 constexpr std::array<double, 2> kRadii_m{0.055, 0.09};
 constexpr std::array<double, 3> kAccelerations_m_s2{5, 20, 100};
 
-// To and fro on an arc about the base's top with its axis as it is: rests, starts, glides, stops.
+// To and fro on an arc about the base's top with a constant axis: rests, starts, glides, stops.
 class Dashes final : public sim::PenMotion {
  public:
   Dashes(double radius_m, double acceleration_m_s2, double azimuth_rad)
@@ -42,7 +42,7 @@ class Dashes final : public sim::PenMotion {
         side_{std::cos(azimuth_rad), std::sin(azimuth_rad), 0} {}
 
   double period_s() const { return kRest_s + 2 * ramp_s_ + kGlide_s; }
-  // Of the dash that goes on or comes next: negative while the pen rests before.
+  // Of the current or next dash: negative while the pen rests before it.
   double SinceStart_s(double t_s) const { return (Dashed(t_s) - std::floor(Dashed(t_s))) * period_s() - kRest_s; }
   double SinceStop_s(double t_s) const { return SinceStart_s(t_s) - ramp_s_ - kGlide_s; }
   std::size_t DashAt(double t_s) const { return static_cast<std::size_t>(Dashed(t_s)); }
@@ -117,7 +117,7 @@ struct Sample {
   base::Vec3 error_m() const { return tool.position_base_m - truth.centre_base_m; }
 };
 
-// What counts of one motion, of each trial; of `ticks`, the sum of the NEES.
+// Results of one motion, for each trial; the sum of the NEES is over `ticks`.
 struct Trials {
   std::vector<double> error_mm, speed_m_s, gain, delay_ms, scatter_mm;
   double nees = 0;
@@ -150,7 +150,7 @@ struct Trials {
   }
 };
 
-// Returns how many ticks were not tracked; those are not used.
+// Returns the number of ticks that were not tracked; those are not used.
 template <typename Use>
 std::size_t Follow(const CalibratedBase& base, const std::shared_ptr<const sim::PenMotion>& motion, double duration_s,
                    const Use& use) {
@@ -195,7 +195,7 @@ std::array<Trials, 2> Dash(const CalibratedBase& base, double radius_m, double a
   return trials;
 }
 
-//   c = 2 / (n a) sum p_k exp(-i phase_k) with p along the sine: its gain is |c|, and it comes arg(i c) late
+//   c = 2 / (n a) sum p_k exp(-i phase_k) with p along the sine: its gain is |c|, and its lag is arg(i c)
 Trials Tremble(const CalibratedBase& base, double radius_m, double duration_s, std::uint64_t place) {
   const auto motion = std::make_shared<Trembling>(radius_m, kTremor_m, 100 * base.seed + place);
   const base::Vec3 middle_m = motion->At(0).pose.centre_base_m;
@@ -258,7 +258,7 @@ std::vector<Measured> AllOf(const CalibratedBase& base, bool quick) {
   return all;
 }
 
-// null: this motion does not tell.
+// null: not defined for this motion.
 nlohmann::ordered_json Quantile(const std::vector<double>& values, double share) {
   return values.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(tools::Quantile(values, share));
 }

@@ -12,8 +12,8 @@
 
 namespace omni::bench {
 
-// e^T C^-1 e / 5; C: position, m^2, and along the two tangents of magnetics::MakeTangentBasis(axis), rad^2;
-// row-major. NaN: C is none.
+// e^T C^-1 e / 5; C: position, m^2, and along the two tangents of magnetics::MakeTangentBasis(axis), rad^2; row-major.
+// NaN: C is not a covariance.
 inline double Nees(const sim::MagnetPose& truth, const base::Vec3& position_base_m, const base::Vec3& axis_base,
                    const std::array<double, 25>& C) {
   const magnetics::TangentBasis basis = magnetics::MakeTangentBasis(base::ToEigen(axis_base));

@@ -1,6 +1,6 @@
-// How far the pose of a pen creeps that lies still for ten minutes: bases that were calibrated where they stand, an
-// ordinary hand for ten seconds, then nothing moves. Creep: of the mean error over half a minute, from what it was in
-// the first, which begins two seconds after the pen came to rest.
+// Creep of the pose of a pen that lies still for ten minutes: bases calibrated on site, an ordinary hand for ten
+// seconds, then nothing moves. Creep: change of the mean error over half a minute from that of the first half minute,
+// which begins two seconds after the pen came to rest.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 // omni-bench room: tracking outside a laboratory. Per condition ten bases, each calibrated by the whole of `omni
 // calibrate` in that room, then the product's own tracker on a minute of a waved pen. A simulation: the twin makes the
-// scans and judges.
+// scans and is the reference.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,16 +33,16 @@ using base::TruthParameters;
 using sim::Random;
 
 constexpr std::size_t kRigs = 10;
-constexpr double kSettle_s = 0.2;      // from no pen to the first pose, and the filter's own time
+constexpr double kSettle_s = 0.2;      // from no pen to the first pose, and for the filter to settle
 constexpr double kTracked_mm = 3;      // 3 sigma of a pose that counts as tracked
 constexpr double kRecovered_s = 0.05;  // tracked for so long
 constexpr double kForce_N = 0.3;       // a smaller one is not judged
-constexpr double kPushed_N = 0.02;     // a larger one is felt
+constexpr double kPushed_N = 0.02;     // a larger one can be felt
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
 
 struct Tally {
   std::size_t ticks = 0, tracked = 0, coarse = 0, silent = 0, refused = 0;
-  std::size_t pushed_silent = 0;           // silent, and a force was wanted
+  std::size_t pushed_silent = 0;           // silent, and a force was requested
   std::vector<double> error_mm, sigma_mm;  // of tracked poses
   std::vector<double> coarse_mm;           // error of coarse poses
   std::vector<double> recovery_ms, force_error_pct;
@@ -104,8 +104,8 @@ class Judge {
   }
 
  private:
-  // From the event until tracking has begun that lasts; what is lost more than a second later is no part of it. All the
-  // time until the next one, if it never did.
+  // From the event until stable tracking resumes; losses more than a second later do not count. If it never does, the
+  // whole time until the next event.
   double Recovery_ms(double from_s, double to_s) const {
     const auto tick_at = [&](double t_s) {
       return std::min(tracked_.size(), static_cast<std::size_t>(t_s / base::kTickPeriod_s));
@@ -144,7 +144,7 @@ base::Result<haptics::Scene> Box() {
   return haptics::BuildScene(input, report);
 }
 
-// The whole loop: the tick renders the box, and the hand yields to what the coils really do.
+// The whole loop: the tick renders the box, and the hand yields to the coils' true force.
 void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
               std::uint64_t seed, std::uint64_t motion_seed, double run_s, const haptics::Scene& scene, Judge& judge) {
   sim::PlantOptions plant{.seed = seed,
@@ -189,12 +189,12 @@ void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config
 
 using Tallies = std::array<Tally, 2>;  // waved without forces, and pressing under them
 
-// One base and the calibrations that it was given, each once.
+// One base and its calibrations, each made once.
 class BaseInRooms {
  public:
   BaseInRooms(std::uint64_t seed, const haptics::Scene& scene) : seed_(seed), scene_(scene) {}
 
-  // Calibrated in the surroundings of the first, then what happens in any of them.
+  // Calibrated in the surroundings of the first, then with the events of all of them.
   Tallies Run(const std::vector<const RoomCondition*>& conditions, std::uint64_t motion_seed, double run_s) {
     TruthParameters truth = RoomOf(*conditions.front());
     const auto [config, fresh] = configs_.try_emplace(SurroundingsOf(*conditions.front()));
@@ -231,7 +231,7 @@ std::vector<const RoomCondition*> DrawPair(const std::vector<RoomCondition>& all
   for (;;) {
     const RoomCondition& first = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
     const RoomCondition& second = all[static_cast<std::size_t>(draw.Uniform(0, static_cast<double>(all.size())))];
-    // What only differs from the room by being ideal, or happens before the calibration already, is no second.
+    // Conditions that are ideal, or whose effects begin before the calibration, cannot be the second.
     if (first.ideal || first.as_drawn || second.ideal || second.as_drawn || !second.later) continue;
     if (first.name != second.name) return {&first, &second};
   }
@@ -245,7 +245,7 @@ Tallies RunPairs(BaseInRooms& base, std::uint64_t seed, std::size_t pairs) {
     const Tallies done = base.Run(DrawPair(all, draw), seed + 1 + p, kPairRun_s);
     for (std::size_t f = 0; f < sums.size(); ++f) sums[f].Add(done[f]);
   }
-  for (Tally& sum : sums) sum.recovery_ms.clear();  // of one of the two only
+  for (Tally& sum : sums) sum.recovery_ms.clear();  // would be those of only one of the two
   return sums;
 }
 
@@ -287,7 +287,7 @@ base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
   const bool pairs = options.condition.empty() || options.condition == kPairs;
   if (!options.condition.empty()) {
     std::erase_if(conditions, [&](const RoomCondition& c) { return c.name != options.condition; });
-    if (conditions.empty() && !pairs) return base::Error{options.condition + ": there is no such condition"};
+    if (conditions.empty() && !pairs) return base::Error{options.condition + ": unknown condition"};
   }
   const std::size_t rigs = options.quick ? 2 : kRigs;
   const double run_s = options.quick ? 12 : kRoomRun_s;

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kCases = 64;  // timed: few enough to stay in the cache, where a scan that was just made is
 constexpr std::size_t kAccuracyCases = 20'000;
 constexpr std::size_t kRounds = 200;  // of clean batches per method ...
-constexpr std::size_t kTries = 3;     // ... when the machine lets us
+constexpr std::size_t kTries = 3;     // ... if the system interrupts some
 constexpr std::uint64_t kColdSolves = 1'000'000;
 constexpr std::size_t kColdChunk = 20'000;
 constexpr double kWarmOffset_m = 0.3e-3;
@@ -64,7 +64,7 @@ nlohmann::ordered_json Row(const SolverMethod& method, const CallTimer& timer, c
           {"variant", method.variant},         {"batches", timer.batches()},     {"seed", seed}};
 }
 
-// A row per pair that the goals speak of.
+// A row per pair that the goals name.
 void AddRatio(const char* what, const SolverMethod& slow, const CallTimer& slow_timer, const SolverMethod& fast,
               const CallTimer& fast_timer, BenchRows& rows) {
   const auto name = [](const SolverMethod& method) {
@@ -101,7 +101,7 @@ nlohmann::ordered_json SearchColdFailures(const SolverMethod& cold, const CallTi
   return Row(any_tilt, timer, all, solves, seed);
 }
 
-// Of the first scan after the start, as tracker::Update has it.
+// For the first scan after the start, as in tracker::Update.
 tracker::Trust FirstTrust(const tracker::Config& config) {
   return TrustIn(tracker::Doubt{.model_error = config.doubt.model_error_start}, config.trust);
 }

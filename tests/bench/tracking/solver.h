@@ -1,4 +1,4 @@
-// Solvers side by side: what one scan of the comparison is, and what a method does with it.
+// Comparison of solvers: one scan of the comparison, and the interface of a method.
 #pragma once
 
 #include <functional>
@@ -18,8 +18,8 @@ namespace omni::bench {
 struct SolverCase {
   sim::MagnetPose truth;
   base::HallScan scan;
-  tracker::Measurement measurement;  // whitened once, with the sensors' noise alone: no method pays for it
-  tracker::Measurement product;      // as the product trusts its readings
+  tracker::Measurement measurement;  // whitened once, with the sensors' noise alone, outside the timing
+  tracker::Measurement product;      // with the product's error model
   peers::PeerScan peer;
   tracker::Pose warm;  // off by .3 mm per axis and .5 deg
 };
@@ -48,11 +48,11 @@ struct SolverMethod {
 };
 
 // Ours: rungs, precisions, iterations, warm and cold. The first two, called default, are the product's warm and cold
-// solve with its own trust in its readings; all others, like the peers, believe in nothing but the sensors' noise.
+// solve with its own error model; all others, like the peers, assume only the sensors' noise.
 std::vector<SolverMethod> OmniSolvers(const base::Calibration& calibration, const tracker::Config& product);
 // Ceres and TinySolver on our problem.
 std::vector<SolverMethod> PeerSolvers(const base::Calibration& calibration);
-// The paper's method on its own.
+// The paper's method.
 std::vector<SolverMethod> PaperSolvers(const base::Calibration& calibration);
 
 }  // namespace omni::bench

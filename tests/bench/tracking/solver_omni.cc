@@ -21,7 +21,7 @@ SolverAnswer Answer(const tracker::Pose& pose) {
   return {base::FromEigen(pose.position_base_m), base::FromEigen(pose.axis_base)};
 }
 
-// steps 0: until the solver is content.
+// steps 0: until the solver converges.
 SolverMethod Warm(const char* model_name, const std::shared_ptr<const tracker::Model>& model, Precision precision,
                   int steps) {
   tracker::SolveOptions options{.precision = precision};

@@ -4,7 +4,7 @@
 namespace omni::bench {
 namespace {
 
-// Where a peer starts without a hint: above the pole, pointing inwards.
+// Start of a peer without a hint: above the pole, pointing inwards.
 constexpr peers::PeerPose kColdStart{{0, 0, 0.065}, {0, 0, -1}};
 
 SolverMethod Wrap(const char* method, const char* start, const char* variant,

@@ -1,5 +1,4 @@
-// Static scans through the product's tracker, or through its static solver with a trust of one's own, judged against
-// the truth.
+// Static scans through the product's tracker, or through its static solver with a given trust, compared with the truth.
 #pragma once
 
 #include <array>
@@ -26,7 +25,7 @@ inline bool HasPose(const tracker::StaticPose& solved) noexcept {
   return solved.status == tracker::StaticStatus::kFound || solved.status == tracker::StaticStatus::kPoorFit;
 }
 
-// One scan alone, as the first that omnid sees of a pen since `state`. kNoFit: not tracked.
+// One scan alone, as omnid's first scan of a pen since `state`. kNoFit: not tracked.
 inline tracker::StaticPose TrackScan(const tracker::Config& config, const base::HallScan& scan,
                                      tracker::State state = {}) {
   base::ToolState tool;
@@ -43,7 +42,7 @@ inline PoseError ErrorOf(const sim::MagnetPose& truth, const tracker::Pose& pose
   return ErrorOf(truth, base::FromEigen(pose.position_base_m), base::FromEigen(pose.axis_base));
 }
 
-// A poor fit is judged as well: leaving it out would flatter.
+// A poor fit counts as well: leaving it out would flatter the result.
 inline void AddSolved(const sim::MagnetPose& truth, const tracker::StaticPose& solved, ErrorSet& errors) {
   if (HasPose(solved)) {
     errors.Add(ErrorOf(truth, solved.pose));

@@ -1,4 +1,4 @@
-// omni-bench tracking: how far the tracker is from the truth, and from what any method could reach.
+// omni-bench tracking: error of the tracker against the truth, and against the bound of any method.
 #include "tests/bench/tracking/tracking.h"
 
 #include <iostream>

@@ -18,8 +18,8 @@
 namespace omni::bench {
 
 struct TrackingConditions {
-  // default: the product, tracker::Update as omnid calls it, with its own trust in its readings. All others are studies
-  // with the static solver: noise-only believes in nothing but the sensors' noise, a rung is that with a simpler model.
+  // default: the product, tracker::Update as omnid calls it, with its own error model. All others are studies with the
+  // static solver: noise-only assumes only the sensors' noise, a rung is the same with a simpler model.
   std::string model = "default";
   std::string noise = "UHP";          // UHP | LP | none
   double actuation_A = 0;             // greatest current of each coil
@@ -29,7 +29,7 @@ struct TrackingConditions {
   bool room = false;
 };
 
-// Means over the poses; 1 = the estimate sits on the bound.
+// Means over the poses; 1 = the estimate reaches the bound.
 struct Efficiency {
   double position = 0;     // |e|^2 / trace(CRLB)
   double orientation = 0;  // the same of the axis
@@ -40,7 +40,7 @@ nlohmann::ordered_json TrackingRow(const TrackingConditions& conditions, const E
                                    const std::vector<std::uint64_t>& seeds,
                                    const std::optional<Efficiency>& efficiency = {});
 
-// As the product tracks it after the whole of `omni calibrate` where it stands.
+// As tracked by the product after the whole of `omni calibrate` on site.
 base::Result<tracker::Config> SelfCalibrated(std::uint64_t seed, const base::TruthParameters& truth);
 
 struct TrackingPlan {
@@ -48,7 +48,7 @@ struct TrackingPlan {
   std::size_t share = 1;  // --quick: the work divided by this
 };
 
-// Scans without noise at any tilt, contact included: what the model itself leaves. The product, and one row per rung.
+// Scans without noise at any tilt, contact included: error of the model itself. The product, and one row per rung.
 base::Result<BenchRows> ModelErrors(const TrackingPlan& plan);
 // Against the Cramer-Rao bound; side table: the bound by radius.
 base::Result<BenchRows> Efficiencies(const TrackingPlan& plan);
@@ -56,9 +56,9 @@ base::Result<BenchRows> Efficiencies(const TrackingPlan& plan);
 base::Result<BenchRows> UnderCurrent(const TrackingPlan& plan);
 // The paper's protocol: a waved pen and sawtooth currents, self-calibrated, exact, uncalibrated, and in a room.
 base::Result<BenchRows> PaperProtocol(const TrackingPlan& plan);
-// Side table: how far the pose of a pen wanders that lies still.
+// Side table: creep of the pose of a pen that lies still.
 base::Result<BenchRows> Rest(const TrackingPlan& plan);
-// Side table: what a scene saves that needs less than the full pose.
+// Side table: cost of unknown currents.
 base::Result<BenchRows> Levels(const TrackingPlan& plan);
 
 }  // namespace omni::bench

@@ -1,4 +1,4 @@
-// What it costs not to know the currents: time of the tracker's part of a tick, and error. Batches take turns.
+// Cost of unknown currents: time of the tracker's part of a tick, and error. Batches take turns.
 #include <vector>
 
 #include "service/config/files/device_file.h"

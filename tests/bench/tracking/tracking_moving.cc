@@ -1,5 +1,5 @@
-// The paper's protocol on the twin: a pen waved within 10 cm, sawtooth currents in all coils, every fault that a base
-// has. Rows differ by what the tracker knows of its base.
+// The paper's protocol on the twin: a pen waved within 10 cm, sawtooth currents in all coils, every fault of a base.
+// Rows differ by the tracker's calibration.
 #include <array>
 #include <cmath>
 #include <string>
@@ -23,8 +23,8 @@ constexpr double kCalibrating_s = 100;
 constexpr double kSettle_s = 0.2, kWarm_s = 10;
 constexpr double kSawtooth_s = 0.5;
 
-// A base as it comes from the workshop, and everything that happens to the twin, faster than usual: the pen warms by 10
-// K and the background drifts by its 5 mG within the run; while it is calibrated, within a hundred seconds.
+// A base of workshop quality with all effects of the twin, faster than usual: the pen warms by 10 K and the background
+// drifts by its 5 mG within the run; during calibration, within a hundred seconds.
 base::TruthParameters HardTruth(double run_s) {
   base::TruthParameters truth = config::IdealTwin();
   const double nonlinearity = truth.imperfections.sensor_nonlinearity;
@@ -101,7 +101,7 @@ void TrackTrace(const tracker::Config& config, const std::vector<sim::TraceRow>&
 constexpr std::array<double, 2> kAmplitudes_A{4, 0};
 using ByAmplitude = std::array<RunErrors, kAmplitudes_A.size()>;
 
-// A base and what the tracker may know of it; the product's configurations.
+// A base and the tracker's configurations for it, those of the product.
 struct Knowledge {
   const char* name;
   tracker::Config config;

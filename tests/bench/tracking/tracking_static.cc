@@ -74,7 +74,7 @@ class EfficiencySum {
   std::size_t found_ = 0;
 };
 
-// The least possible rms error at each radius, by what else is unknown, mm; median / p95 over poses.
+// The least possible rms error at each radius, by further unknowns, mm; median / p95 over poses.
 BenchRows BoundByRadius(const TrackingPlan& plan) {
   struct Unknown {
     const char* name;
@@ -118,7 +118,7 @@ BenchRows BoundByRadius(const TrackingPlan& plan) {
   return rows;
 }
 
-// What the product has learnt after ten seconds of a waved pen, which is then taken away.
+// The product's state after ten seconds of a waved pen, which is then taken away.
 tracker::State WarmState(sim::Rig& rig, const tracker::Config& config, std::uint64_t seed) {
   sim::TraceOptions options{.duration_s = 10, .seed = seed};
   options.motion.seed = seed;

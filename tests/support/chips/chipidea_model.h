@@ -1,6 +1,6 @@
 // The ChipIdea USB controller in device mode for tests: registers on one side, tokens of a host on the other, queue
-// heads and transfer descriptors in (cached) memory between them [NXP IMXRT1060RM, USB]. Written from the manual, apart
-// from the driver: bits are spelled here again. What no driver may do ends up in complaints().
+// heads and transfer descriptors in (cached) memory between them [NXP IMXRT1060RM, USB]. Written from the manual,
+// independently of the driver: bits are defined again here. Violations by the driver are listed in complaints().
 #pragma once
 
 #include <array>
@@ -45,14 +45,14 @@ class ChipideaModel {
   void Resume();
   void Unplug();
   void Plug();
-  // The next packet at this endpoint arrives damaged, three times over: the transfer ends with an error.
+  // The next packet at this endpoint arrives damaged three times: the transfer ends with an error.
   void DamageNext(int endpoint, bool in) { damage_ |= Bit(endpoint, in); }
 
   bool running() const { return (cmd_ & 1) != 0; }
   const std::vector<std::string>& complaints() const { return cache_.complaints; }
   // SETUPs that arrive at the worst moment: while the driver copies the one before, and while it primes endpoint 0.
   std::function<void()> while_copying, while_priming;
-  // Caches that write back and fetch by themselves, at any access to a register.
+  // Caches that write back and fetch spontaneously, at any access to a register.
   bool stir = false;
   // ENDPTFLUSH and the controller's reset never end.
   bool stuck = false;
@@ -118,7 +118,7 @@ inline std::uint32_t ChipideaModel::Read(std::uint32_t offset) noexcept {
       break;
   }
   if (offset >= 0x1C0 && offset < 0x1E0) return ctrl_[(offset - 0x1C0) / 4];
-  cache_.Complain("reads a register that is none");
+  cache_.Complain("reads a register that does not exist");
   return 0;
 }
 
@@ -176,7 +176,7 @@ inline void ChipideaModel::Write(std::uint32_t offset, std::uint32_t value) noex
     default:
       break;
   }
-  if (offset < 0x1C0 || offset >= 0x1E0) return cache_.Complain("writes a register that is none");
+  if (offset < 0x1C0 || offset >= 0x1E0) return cache_.Complain("writes a register that does not exist");
   const auto endpoint = static_cast<std::size_t>((offset - 0x1C0) / 4);
   if ((value & (1U << 6)) != 0) toggle_[endpoint][0] = 0;
   if ((value & (1U << 22)) != 0) toggle_[endpoint][1] = 0;
@@ -189,7 +189,7 @@ inline void ChipideaModel::InvalidateCache(const volatile void* memory, std::siz
   if (list_ != 0 && Address(memory) == setup && while_copying) std::exchange(while_copying, nullptr)();
 }
 
-// What the controller does by itself a few accesses after it was told.
+// Actions of the controller a few accesses after they were requested.
 inline void ChipideaModel::Later(bool now) {
   if (stuck) return;
   if (!now && delay_-- > 0) return;
@@ -288,7 +288,7 @@ inline ChipideaModel::Packet ChipideaModel::In(int address, int endpoint) {
   done_[e][1] += size;
   token -= size << 16;
   cache_.Store(head + 12, token);
-  // A transfer that fills its last packet ends with an empty one, unless told otherwise.
+  // A transfer that fills its last packet ends with an empty one, unless configured otherwise.
   const bool more = left > size || (size == size_max && (capabilities & (1U << 29)) == 0);
   if (!more) Retire(endpoint, true, token);
   if (endpoint == 0 && staged_address_ >= 0) address_ = std::exchange(staged_address_, -1);
@@ -302,7 +302,7 @@ inline ChipideaModel::Answer ChipideaModel::Out(int address, int endpoint, int t
   if (endpoint == 0) staged_address_ = -1;
   if ((ctrl_[e] & 1) != 0) return Answer::kStall;
   if ((stat_ & Bit(endpoint, false)) == 0) return Answer::kNak;
-  if (toggle != toggle_[e][0]) return Answer::kAck;  // a repetition: acknowledged and thrown away
+  if (toggle != toggle_[e][0]) return Answer::kAck;  // a repetition: acknowledged and discarded
   const std::uint32_t head = Head(endpoint, false);
   std::uint32_t token = cache_.Load(head + 12);
   const std::uint32_t left = (token >> 16) & 0x7FFF;

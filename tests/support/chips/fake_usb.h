@@ -1,4 +1,4 @@
-// A USB bus that the test plays: bases that answer as firmware does, or that lie, and links without a USB stack.
+// A simulated USB bus: bases that respond as firmware does, or wrongly, and links without a USB stack.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -33,14 +33,14 @@ inline wire::Hello GoodUsbHello(const std::string& serial) {
   return hello;
 }
 
-// What a base does with frames: one telemetry a millisecond of its own clock, arming in two steps.
+// How a base handles frames: one telemetry per millisecond of its own clock, arming in two steps.
 struct FakeBase {
   wire::Hello hello = GoodUsbHello("A17");
   wire::State state = wire::State::kIdle;
   std::uint32_t faults = wire::kFaultNotArmed;
-  std::uint32_t refuses_arm = 0;  // faults that it says
-  bool follows = false;           // coils have the commanded currents at once, and no host is a fault
-  int self_test_ticks = 0;        // how long the self-test takes that the first ARM starts; 0: none
+  std::uint32_t refuses_arm = 0;  // faults that it reports
+  bool follows = false;           // coils have the commanded currents at once, and a missing host is a fault
+  int self_test_ticks = 0;        // duration of the self-test that the first ARM starts; 0: none
   bool answers_hello = true;
   bool keeps_fault = false;
   std::uint64_t t_us = 5'000'000;
@@ -50,7 +50,7 @@ struct FakeBase {
 
   std::vector<wire::Command> commands;
   std::vector<wire::Arm> arms;
-  std::vector<std::uint16_t> seqs;  // of everything that came
+  std::vector<std::uint16_t> seqs;  // of all received frames
   int stops = 0;
   int bad = 0;
 
@@ -152,7 +152,7 @@ class FakeUsbLink final : public device::UsbLink {
   }
   base::Status Start(device::UsbHandler& handler) override {
     handler_ = &handler;
-    Pump();  // a HELLO that is asked for is here when Start returns
+    Pump();  // a requested HELLO has arrived when Start returns
     if (threaded_) {
       thread_ = std::thread([this] {
         while (!stop_) {
@@ -170,17 +170,17 @@ class FakeUsbLink final : public device::UsbLink {
 
   void Give(const UsbFrame& frame) { handler_->OnFrame(frame.data(), frame.size(), base::MonotonicNow_ns()); }
 
-  // Takes what is to be sent, and the base's answers to it, until both are silent.
+  // Transfers pending frames, and the base's responses to them, until there are none.
   void Pump() {
     for (int i = 0; i < 20; ++i) {
       UsbFrame frame(wire::kFrameSizeMax);
-      // As if the link had answered at once: a test that does not get the processor for a while is no blocked bus.
+      // As if the link had responded at once: a test that does not get the processor for a while is not a blocked bus.
       const std::int64_t t_ns = woken_ns_ != 0 ? woken_ns_.load() : base::MonotonicNow_ns();
       frame.resize(handler_->NextFrame(t_ns, frame.data(), frame.size()));
       if (frame.empty()) return;
       for (const UsbFrame& answer : base_.Take(frame)) Give(answer);
     }
-    ADD_FAILURE() << "the session talks without end";
+    ADD_FAILURE() << "the session never stops sending";
   }
   // One millisecond of the base.
   void Step() {

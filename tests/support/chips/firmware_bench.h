@@ -1,4 +1,4 @@
-// The control core with its plant and a host at 1 kHz: stories in milliseconds of virtual time.
+// The control core with its plant and a host at 1 kHz: scenarios in milliseconds of virtual time.
 #pragma once
 
 #include <functional>
@@ -39,7 +39,7 @@ class FirmwareBench {
     const auto steps = static_cast<std::int64_t>(milliseconds * 4);
     for (std::int64_t i = 0; i < steps; ++i) Step();
   }
-  // False: it never came.
+  // False: it never arrived.
   bool RunUntil(wire::State state, double milliseconds) {
     for (double left = milliseconds * 4; left > 0 && core.state() != state; --left) Step();
     return core.state() == state;
@@ -85,7 +85,7 @@ class FirmwareBench {
     for (float& set_point : set_point_A) set_point = current_A;
   }
 
-  // The newest answer of a type that has not been asked for yet; false: none.
+  // The newest response of a type that has not been read yet; false: none.
   template <class Message>
   bool Take(Message& message) {
     for (auto frame = answers.rbegin(); frame != answers.rend(); ++frame) {
@@ -98,7 +98,7 @@ class FirmwareBench {
     return false;
   }
 
-  // Both steps. The answer to the last one that was sent.
+  // Both steps. Returns the response to the last one sent.
   wire::Arm Arm() {
     wire::Arm asked;
     Send(asked);

@@ -1,5 +1,5 @@
-// A base for the control core, simple and exact: coils over a step of constant mean voltage, copper that heats, current
-// sensors with their errors, free-running Hall sensors with noise, a fan. And everything that can break in it.
+// A simple, exact model of a base for the control core: coils over a step of constant mean voltage, copper that heats,
+// current sensors with their errors, free-running Hall sensors with noise, a fan; and all failures of these parts.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct FirmwarePlantFaults {
   bool hall_dead = false, hall_stuck = false, hall_jump = false;  // sensor 3
   bool hall_flutters = false;                                     // sensor 3: to another value every 4 samples
   bool test_field_dead = false, test_field_reversed = false;      // sensor 3
-  bool current_sensor_dead = false, current_reversed = false;     // coil 1, as all below
+  bool current_sensor_dead = false, current_reversed = false;     // coil 1, as are all below
   std::optional<double> current_reading_A;
   std::optional<double> current_limit_A;  // a bridge that chops
   double voltage_reading = 1;             // gain of all voltage readings

@@ -1,5 +1,5 @@
-// A three-axis Hall sensor: what it reads in a field, and how far that is to be trusted. The numbers are those of the
-// LIS3MDL; other sensors by their own HallSensor.
+// A three-axis Hall sensor: its readings in a field, and their noise. The numbers are those of the LIS3MDL; other
+// sensors have their own HallSensor.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,7 +28,7 @@ double QuantisedNoise_T(double noise_T, double lsb_T) noexcept;
 
 struct HallReading {
   Eigen::Vector3d field_sensor_T;  // clipped to the range and rounded to steps
-  std::uint8_t saturated = 0;      // bit per axis: at its limit, says nothing but the sign
+  std::uint8_t saturated = 0;      // bit per axis: at its limit, only the sign is known
 };
 
 // Reading of the field B at the sensor, sampled `age_s` before now while B changes at `rate_base_T_s`.

@@ -1,5 +1,5 @@
-// An INA260 for tests: registers, pointer, conversions in turn and the alert pin; and an I2C bus with faults on which
-// several of them answer. Time passes with the bytes on the bus (9 us each, 1 MHz) and with Wait.
+// An INA260 for tests: registers, pointer, conversions in turn and the alert pin; and an I2C bus with faults and
+// several of them. Time passes with the bytes on the bus (9 us each, 1 MHz) and with Wait.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// A LIS3MDL for tests: its register file, its free-running sample clock and its SPI, without noise; and a bus with
-// faults on the way to it. Time passes with the bytes on the bus (1 us each, 8 MHz) and with Wait.
+// A LIS3MDL for tests: its register file, its free-running sample clock and its SPI, without noise; and a faulty bus to
+// it. Time passes with the bytes on the bus (1 us each, 8 MHz) and with Wait.
 #pragma once
 
 #include <array>
@@ -19,10 +19,10 @@ class Lis3mdlModel {
   void set_field_G(std::array<double, 3> field_G) { field_G_ = field_G; }
   void set_temperature_C(double temperature_C) { temperature_C_ = temperature_C; }
   void set_self_test_G(std::array<double, 3> answer_G) { self_test_G_ = answer_G; }
-  // Its oscillator is free: 1.02 is 2 % fast.
+  // Its oscillator is free-running: 1.02 is 2 % fast.
   void set_clock_rate(double rate) { clock_rate_ = rate; }
   void set_reset_time_us(double time_us) { reset_time_us_ = time_us; }
-  // From now on control registers keep their values whatever is written.
+  // From now on control registers ignore writes.
   void set_read_only(bool read_only) { read_only_ = read_only; }
   std::uint8_t reg(int address) const { return registers_.at(static_cast<std::size_t>(address)); }
   long samples() const { return samples_; }
@@ -50,7 +50,7 @@ class Lis3mdlModel {
   void Exchange(const std::uint8_t* out, std::uint8_t* in, std::size_t size) {
     burst_began_at_ = samples_;
     Wait(1);
-    in[0] = 0xFF;  // nobody drives the line during the address
+    in[0] = 0xFF;  // the line is not driven during the address
     const bool read = (out[0] & 0x80) != 0;
     const bool increment = (out[0] & 0x40) != 0;
     int address = out[0] & 0x3F;
@@ -97,7 +97,7 @@ class Lis3mdlModel {
     if (address == 0x0F) return identity_;
     const std::uint8_t value = registers_[static_cast<std::size_t>(address)];
     if (address >= 0x28 && address <= 0x2F) latched_[static_cast<std::size_t>((address - 0x28) / 2)] = address % 2 == 0;
-    // The sample has been read, unless another one came meanwhile.
+    // The sample has been read, unless a new one arrived meanwhile.
     if (address == 0x2D && samples_ == burst_began_at_) registers_[0x27] = 0;
     return value;
   }
@@ -128,7 +128,7 @@ class Lis3mdlModel {
   long burst_began_at_ = 0;
 };
 
-// The bus policy of the driver, with something wrong on the way if asked for.
+// The bus policy of the driver, with errors if requested.
 class FaultySpi {
  public:
   enum class Fault { kNone, kTimeout, kStuckLow, kStuckHigh, kWrongBytes };

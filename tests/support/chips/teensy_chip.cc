@@ -273,7 +273,7 @@ void TeensyChip::AddWatchdog() {
   };
 }
 
-// Nobody is plugged in; what clears itself is clear.
+// No host is connected; self-clearing bits are clear.
 void TeensyChip::AddUsb() {
   for (const std::uint32_t offset : {0x140U, 0x1B0U, 0x1B4U, 0x1B8U}) {
     reads_[kUsb + offset] = [](std::uint32_t) { return 0U; };

@@ -1,6 +1,6 @@
-// The i.MX RT1062 as far as the board's code can tell [IMXRT1060RM]: clocks that lock, GPIO, LPSPI4 with eight
+// The i.MX RT1062 as far as the board's code uses it [IMXRT1060RM]: clocks that lock, GPIO, LPSPI4 with eight
 // magnetometers behind a 74HC138, LPI2C1 with four current sensors, FlexPWM2 with its fault inputs, timers, watchdog.
-// Buses are instantaneous but for the time their bytes take; what the code does against the manual is counted.
+// Buses are instantaneous except for the time of their bytes; violations of the manual are counted.
 #pragma once
 
 #include <cstdint>
@@ -52,8 +52,8 @@ class TeensyChip : public RegisterModel {
   long watchdog_feeds = 0;
   long i2c_sessions = 0;
 
-  // Against the manual: a job without the master code before it, more than four words in the queue, a transfer with no
-  // or a wrong chip selected.
+  // Violations of the manual: a job without the master code before it, more than four words in the queue, a transfer
+  // with no or a wrong chip selected.
   long i2c_without_master_code = 0, i2c_overfilled = 0, spi_unselected = 0;
 
  private:

@@ -1,5 +1,5 @@
-// Stands in for firmware/board/teensy40/chip/register_access.h: registers are memory of the test, and every read and
-// write of one is told to a model of the chip.
+// Stands in for firmware/board/teensy40/register_access.h: registers are memory of the test, and every access to one
+// calls a model of the chip.
 #pragma once
 
 #include <sys/mman.h>
@@ -13,7 +13,7 @@ namespace omni::support {
 class RegisterModel {
  public:
   virtual ~RegisterModel() = default;
-  // What a read gives, and what a write leaves. `held`: what the register's memory holds.
+  // Value that a read returns, and that a write stores. `held`: value in the register's memory.
   virtual std::uint32_t Read(std::uint32_t address, std::uint32_t held) = 0;
   virtual std::uint32_t Write(std::uint32_t address, std::uint32_t value, std::uint32_t held) = 0;
 };
@@ -29,7 +29,7 @@ class RegisterSpace {
   void* Place(std::uint32_t address) {
     if (address - kPeripherals < kPeripheralsSize) return peripherals_ + (address - kPeripherals);
     if (address - kCore < kCoreSize) return core_ + (address - kCore);
-    std::abort();  // an address that is no register of this chip
+    std::abort();  // not the address of a register of this chip
   }
   std::uint32_t AddressOf(const void* place) const {
     const auto* byte = static_cast<const std::uint8_t*>(place);

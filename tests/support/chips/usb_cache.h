@@ -1,5 +1,5 @@
-// Memory as processor and USB controller see it when a write-back cache lies between them: two copies, and lines of 32
-// bytes that go over only by cleaning and invalidating, or whenever the cache feels like it.
+// Memory as seen by processor and USB controller with a write-back cache between them: two copies, and lines of 32
+// bytes that are transferred only by cleaning and invalidating, or spontaneously by the cache.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,7 @@ class UsbCache {
     }
   }
 
-  // Any dirty line may be written back and any clean one fetched anew at any time.
+  // Any dirty line may be written back and any clean one fetched again at any time.
   void Stir(std::mt19937& random) {
     for (int i = 0; i < 8; ++i) {
       const std::size_t line = random() % dirty_.size();
@@ -62,7 +62,7 @@ class UsbCache {
   }
 
   void Complain(const std::string& what) { complaints.push_back(what); }
-  std::vector<std::string> complaints;  // of what no driver may do
+  std::vector<std::string> complaints;  // violations by the driver
 
  private:
   std::size_t First(const volatile void* memory, std::size_t size) {
@@ -98,7 +98,7 @@ class UsbCache {
 
   std::uint8_t* cpu_;
   std::vector<std::uint8_t> device_;
-  std::vector<std::uint8_t> synced_;  // of the processor's lines, when they last went over
+  std::vector<std::uint8_t> synced_;  // of the processor's lines, when last transferred
   std::vector<bool> dirty_;
 };
 

@@ -1,5 +1,5 @@
-// A USB host as hosts are, for tests: control and bulk transfers in packets, with data toggles, retries after NAK and
-// patience that ends. Between tokens the device gets its interrupt, unless it is held up.
+// A realistic USB host for tests: control and bulk transfers in packets, with data toggles, retries after NAK and
+// time-outs. Between tokens the device gets its interrupt, unless it is delayed.
 #pragma once
 
 #include <array>
@@ -90,7 +90,7 @@ class UsbHost {
     return status;
   }
 
-  // Reset, address, configuration: the least that a host does.
+  // Reset, address, configuration: the minimum of a host.
   bool Enumerate(bool high_speed = true) {
     Reset(high_speed);
     return SetAddress(7) && Configure() == Status::kOk;

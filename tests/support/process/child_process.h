@@ -1,4 +1,4 @@
-// Child processes of the tools: start with extra environment, end them for sure, count their system calls.
+// Child processes of the tools: start them with extra environment, end them reliably, count their system calls.
 #pragma once
 
 #include <sys/types.h>

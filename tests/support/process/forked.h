@@ -1,4 +1,4 @@
-// An application in a process of its own, which a test stops and kills.
+// An application in a separate process, which a test stops and kills.
 #pragma once
 
 #include <signal.h>
@@ -14,10 +14,10 @@ namespace omni::test {
 
 class Forked {
  public:
-  // Tells the test that it may go on, with a number of the application's; to be called once.
+  // Signals the test to continue, with a number from the application; to be called once.
   using Tell = std::function<void(std::int64_t number)>;
 
-  // Runs `body` until it returns or is killed. Waits until it has told something, or has ended without.
+  // Runs `body` until it returns or is killed. Waits until it has signalled or ended.
   explicit Forked(const std::function<void(const Tell& tell)>& body) {
     int ends[2];
     if (pipe(ends) != 0) return;

@@ -1,4 +1,4 @@
-// A function in a process of its own, in bounded memory: how it ended and what it took.
+// A function in a separate process, in bounded memory: how it ended and the resources it used.
 #pragma once
 
 #include <sys/resource.h>
@@ -14,7 +14,7 @@
 
 namespace omni::test {
 
-inline constexpr bool kMemoryCounts = !kSanitized;  // sanitizers take as much again, and terabytes of address space
+inline constexpr bool kMemoryCounts = !kSanitized;  // sanitizers double it, and use terabytes of address space
 
 // Pages of this process: of its address space, and those in memory.
 struct PagesOfProcess {
@@ -29,10 +29,10 @@ inline PagesOfProcess Pages() {
 struct ChildOutcome {
   int status = -1;  // what the function returned; < 0: minus the signal that ended it
   double cpu_s = 0;
-  double memory_MB = 0;  // at most in use, beyond what the process began with
+  double memory_MB = 0;  // peak increase since the start of the process
 };
 
-// `space_MB`: what it may ask for, beyond what the process has; 0: as much as there is.
+// `space_MB`: limit of its additional address space; 0: unlimited.
 template <class Body>
 ChildOutcome RunInChild(std::size_t space_MB, Body body) {
   const PagesOfProcess before = Pages();

@@ -1,4 +1,4 @@
-// `omni` in this process, and what it said.
+// `omni` in this process, and its output.
 #pragma once
 
 #include <gtest/gtest.h>

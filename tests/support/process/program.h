@@ -1,5 +1,5 @@
-// Programs of ours as a person runs them: with their words, their exit status, and what they say; on a terminal of a
-// width if need be.
+// Our programs as a person runs them: with their arguments, exit status, and output; optionally on a terminal of a
+// given width.
 #pragma once
 
 #include <fcntl.h>
@@ -72,7 +72,7 @@ inline Ran RunProgram(const Words& words, const Words& environment = {}, double 
   return ran;
 }
 
-// On a terminal of its own; `out` is what is seen there.
+// On its own terminal; `out` is the text on it.
 inline Ran RunOnTerminal(const Words& words, int columns, const Words& environment = {}) {
   winsize size{.ws_row = 50, .ws_col = static_cast<unsigned short>(columns), .ws_xpixel = 0, .ws_ypixel = 0};
   int terminal = -1;

@@ -1,4 +1,4 @@
-// A variable of the environment for as long as this lives; then it is what it was.
+// Sets an environment variable during its lifetime, then restores the previous value.
 #pragma once
 
 #include <cstdlib>
@@ -9,7 +9,7 @@ namespace omni::test {
 
 class ScopedVariable {
  public:
-  // No value: the variable is not set meanwhile.
+  // No value: the variable is unset meanwhile.
   ScopedVariable(const char* name, const std::optional<std::string>& value) : name_(name) {
     if (const char* before = std::getenv(name)) before_ = before;
     Set(value);

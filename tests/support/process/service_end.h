@@ -1,4 +1,4 @@
-// How soon a service ends after a signal.
+// Time until a service ends after a signal.
 #pragma once
 
 #include <fcntl.h>
@@ -24,7 +24,7 @@ struct ServiceEnd {
   int status = -1;  // as ChildProcess::Wait
 };
 
-// Waits for its end, as long as a test can wait; then it is killed, and `ms` says so by being large.
+// Waits for its end, at most as long as a test can wait; then kills it, and `ms` is large.
 inline ServiceEnd WaitForEnd(ServiceProcess& service, std::int64_t asked_ns, const char* what) {
   constexpr int kPatience_ms = 10'000;
   siginfo_t info{};
@@ -44,7 +44,7 @@ inline ServiceEnd EndAndWait(ServiceProcess& service, const char* what) {
   return WaitForEnd(service, asked_ns, what);
 }
 
-// A pipe with a name, open for reading as long as this lives, that nobody reads; or that nobody has opened at all.
+// A named pipe that is open for reading during its lifetime but never read; or that no process has opened.
 class UnreadPipe {
  public:
   enum class Reader { kSleeps, kNone };
@@ -58,7 +58,7 @@ class UnreadPipe {
   UnreadPipe(const UnreadPipe&) = delete;
   UnreadPipe& operator=(const UnreadPipe&) = delete;
 
-  // Until not one more byte goes in. How many did.
+  // Writes until the pipe is full. Returns the number of bytes.
   std::size_t Fill() const {
     const std::string text(4096, '.');
     std::size_t bytes = 0;
@@ -69,7 +69,7 @@ class UnreadPipe {
     }
     return bytes;
   }
-  // All that is in it now and comes within `ms`.
+  // All bytes in it now or arriving within `ms`.
   std::string Read(int ms) const {
     std::string text;
     char bytes[65536];

@@ -1,4 +1,4 @@
-// omnid with the twin as real processes in a folder of their own, and applications that speak its protocol.
+// omnid with the twin as real processes in their own folder, and applications that use its protocol.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,8 +27,8 @@ namespace omni::test {
 
 inline void SleepMs(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
-// Every 4 s over the base's centre: down to 47 mm, a rest, on to 42 mm, a rest, up. A face at 50 mm is taken hold of by
-// the first press and goes in with the second one; a hand that only rests on it moves nothing.
+// Every 4 s over the base's centre: down to 47 mm, a rest, on to 42 mm, a rest, up. A face at 50 mm is grabbed by the
+// first press and pushed in by the second one; a hand that only rests on it moves nothing.
 inline constexpr const char* kPressThenDeeper = R"({"name": "press then deeper", "repeat": true, "waypoints": [
   {"s": 0.5, "tip_m": [0, 0, 0.062], "axis": [0, 0, -1]}, {"s": 0.5, "tip_m": [0, 0, 0.047], "axis": [0, 0, -1]},
   {"s": 1.0, "tip_m": [0, 0, 0.047], "axis": [0, 0, -1]}, {"s": 0.5, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]},
@@ -54,7 +54,7 @@ class ServiceProcess {
   ServiceProcess& operator=(const ServiceProcess&) = delete;
 
   void Start() { Start({"--log-level", "warn"}, {}); }
-  // With these words more. Its log goes to `log_path`, a file or a pipe, if there is one.
+  // With these additional arguments. Its log goes to `log_path`, a file or a pipe, if given.
   void Start(const std::vector<std::string>& more, const std::string& log_path) {
     std::vector<std::string> words{std::string(OMNI_BINARY_DIR) + "/bin/omnid",
                                    "--device",
@@ -83,7 +83,7 @@ class ServiceProcess {
   pid_t pid() const { return process_ == nullptr ? -1 : process_->pid(); }
   void Signal(int signal) { kill(pid(), signal); }
   int Wait() { return process_->Wait(); }
-  // Asks it to end; its exit status: 0, or what a sanitizer had to say.
+  // Requests its end and returns the exit status: 0, or that of a sanitizer.
   int Stop() {
     Signal(SIGTERM);
     return Wait();
@@ -94,7 +94,7 @@ class ServiceProcess {
   std::string hand_path() const { return folder_.Path("hand.json"); }
   std::string cache_folder() const { return folder_.Path("cache/omni"); }
 
-  // The twin's own recording, once its process has finished writing: it lingers after omnid is gone.
+  // The twin's own recording, once its process has finished writing: it outlives omnid briefly.
   std::optional<tools::CsvTable> Truth() const {
     std::uintmax_t last = 0;
     int still = 0;
@@ -122,7 +122,7 @@ class ServiceProcess {
   std::unique_ptr<test::ChildProcess> process_;
 };
 
-// An application: connects, becomes focused, gives a sign of life every `period_ms`.
+// An application: connects, becomes focused, sends a heartbeat every `period_ms`.
 class TestApplication {
  public:
   explicit TestApplication(const ServiceProcess& service, const std::string& name = "process_test")
@@ -130,7 +130,7 @@ class TestApplication {
   TestApplication(const std::string& socket_path, const std::string& name)
       : connection_({.application = name, .engine = "", .socket_path = socket_path, .retry_interval_ns = 50'000'000}) {}
 
-  // Runs for `ms` or until `until` says so. False: `until` was never true.
+  // Runs for `ms` or until `until` returns true. False: it never did.
   template <class Until>
   bool Run(int ms, int period_ms, Until until) {
     const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(ms) * 1'000'000;
@@ -177,8 +177,8 @@ inline double Current_A(const tools::CsvTable& truth, std::size_t i) {
       {std::abs(truth["current_x_A"][i]), std::abs(truth["current_y_A"][i]), std::abs(truth["current_z_A"][i])});
 }
 
-// Milliseconds from t_ns to the last moment within `horizon_ms` at which a coil had more than 20 mA; 0: at none;
-// < 0: nothing was recorded then.
+// Milliseconds from t_ns to the last moment within `horizon_ms` at which a coil had more than 20 mA; 0: at none; < 0:
+// no recording of that time.
 inline double MillisecondsToZero(const tools::CsvTable& truth, std::int64_t t_ns, double horizon_ms) {
   double last_ms = 0;
   bool any = false;
@@ -201,13 +201,13 @@ inline double StopAndTimeToZero_ms(ServiceProcess& service, std::int64_t t_ns, d
   return truth.has_value() ? MillisecondsToZero(*truth, t_ns, horizon_ms) : -1;
 }
 
-// The same of a figure for people, named `what`; the coils must have been pushing until then.
+// The same, printed as a figure named `what`; the coils must have been pushing until then.
 inline double StopAndTellTimeToZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns,
                                        double horizon_ms = kWholeRecording_ms) {
   EXPECT_EQ(service.Stop(), 0);
   const auto truth = service.Truth();
   if (!truth.has_value()) return -1;
-  EXPECT_GT(MillisecondsToZero(*truth, t_ns - 20'000'000, 20), 0) << what << ": it was pushing before";
+  EXPECT_GT(MillisecondsToZero(*truth, t_ns - 20'000'000, 20), 0) << what << ": no force before";
   const double ms = MillisecondsToZero(*truth, t_ns, horizon_ms);
   std::printf("[ figure   ] coils at zero %.1f ms after %s\n", ms, what);
   return ms;

@@ -1,4 +1,5 @@
-// A function in a forked child that is stopped before each of its system calls: what if that one fails, or is the last?
+// A function in a forked child that is stopped before each of its system calls, which may be made to fail or be the
+// last.
 #pragma once
 
 #include <signal.h>
@@ -18,16 +19,16 @@ struct SystemCall {
   std::array<std::uint64_t, 3> arguments{};
 };
 
-// What becomes of a system call of the child's.
+// Fate of a system call of the child.
 struct Fate {
-  bool dies = false;  // the child is killed, and does not make it
-  int error = 0;      // it is not made, and has failed with this
+  bool dies = false;  // the child is killed before the call
+  int error = 0;      // the call is skipped and fails with this
 };
 
 // How the child ended: what `body` returned; kKilled; kNoTrace: ptrace is not permitted here.
 inline constexpr int kKilled = -1, kNoTrace = -2;
 
-// Runs `body` (which returns 0 to 255) and asks `decide` before each of its system calls, in order.
+// Runs `body` (which returns 0 to 255) and calls `decide` before each of its system calls, in order.
 inline int RunTraced(const std::function<int()>& body, const std::function<Fate(const SystemCall&)>& decide) {
   const pid_t pid = fork();
   if (pid == 0) {

@@ -1,5 +1,5 @@
-// A bundle adjustment ready to start: an uncalibrated simulated base, its recording, poses from the cold start on the
-// drawing, no current maps. For comparisons of solvers.
+// A bundle adjustment ready to start: an uncalibrated simulated base, its recording, poses from the cold start with the
+// nominal geometry, no current maps. For comparisons of solvers.
 #pragma once
 
 #include <cstdint>

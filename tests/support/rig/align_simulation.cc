@@ -44,7 +44,7 @@ class Wander {
   Vector3d x_;
 };
 
-// Everything that is drawn once.
+// Random parameters drawn once.
 class Person {
  public:
   Person(const tools::AlignOptions& options, const AlignNoise& noise, std::uint64_t seed)
@@ -78,7 +78,7 @@ class Person {
 
   void Look(double t_s, tools::AlignSession& session) {
     const Vector3d p_B = options_.method == tools::AlignMethod::kSweep ? SweepAt(t_s) : TouchAt(t_s, session);
-    // The pose a little ago, for it is late.
+    // The pose a little earlier, because it is late.
     const double then_s = t_s - noise_.late_s;
     const Vector3d p_then_B = options_.method == tools::AlignMethod::kSweep ? SweepAt(then_s) : p_B;
     const Quaterniond q_LC = HeldAt(then_s, session);
@@ -92,7 +92,7 @@ class Person {
     if (options_.method != tools::AlignMethod::kTouch) {
       const Vector3d v_B = options_.method == tools::AlignMethod::kSweep ? Vector3d((SweepAt(t_s + 1e-4) - p_B) / 1e-4)
                                                                          : Vector3d::Zero();
-      // A finger touches the pen with its skin, not with the middle of the joint: the pen is where it is.
+      // A finger touches the pen with its skin, not with the middle of the joint; the pen itself does not move.
       pen = {.position_base_m = FromEigen(Vector3d((options_.method == tools::AlignMethod::kSweep ? p_B : place_) +
                                                    ToEigen(random_.NormalVector(noise_.pen_m)))),
              .velocity_base_m_s = FromEigen(v_B)};
@@ -114,7 +114,7 @@ class Person {
     return hold_ * Turn(size * Vector3d(Wave(3, t_s, 0.31), Wave(4, t_s, 0.23), Wave(5, t_s, 0.41)));
   }
 
-  // Where the tip is meant to rest, and by how much it misses.
+  // Intended place of the tip, and its deviation from it.
   void DrawTouch() {
     if (options_.method == tools::AlignMethod::kTouch) {
       place_ = ToEigen(options_.marks[static_cast<std::size_t>(touch_)].position_base_m);

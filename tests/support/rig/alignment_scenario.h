@@ -1,4 +1,4 @@
-// Bases in spaces, and what is seen of them, for the tests of service/alignment.
+// Bases in spaces, and measurements of them, for the tests of service/alignment.
 #pragma once
 
 #include <random>
@@ -43,7 +43,7 @@ class AlignmentScenario {
     return base::FromEigen(Eigen::Vector3d(Uniform(-0.08, 0.08), Uniform(-0.08, 0.08), Uniform(-0.07, 0.1)));
   }
 
-  // The controller is somewhere, so that its tip is at that point of the base, but for `noise_m`.
+  // The controller has some pose with its tip at that point of the base, up to `noise_m`.
   alignment::Sample At(const alignment::Rigid& X_LB, const base::Vec3& p_B, const base::Vec3& tip, double noise_m,
                        int group) {
     const Eigen::Quaterniond q_LC = Turn(0.7);

@@ -14,7 +14,7 @@ constexpr std::size_t kSizeMax = kPoseSize + base::kCoilCount + 3 + 1;
 using Readings = std::array<Vec3, base::kSensorCount>;
 using Column = std::array<double, 3 * base::kSensorCount>;
 
-// The unknowns' derivatives, one column each, and what is known of them beforehand (1 / rms^2).
+// The unknowns' derivatives, one column each, and their prior information (1 / rms^2).
 struct Sensitivity {
   std::vector<Column> columns;
   std::vector<double> prior;
@@ -81,7 +81,7 @@ Sensitivity Differentiate(Rig& rig, const MagnetPose& pose, const BoundOptions& 
 }
 
 // Symmetric positive definite `a` (n x n in rows of kSizeMax) becomes its inverse, by Gauss-Jordan without exchange of
-// rows; false: not positive definite. The unknowns are scaled to unit diagonal first: metres beside amperes.
+// rows; false: not positive definite. The unknowns are scaled to unit diagonal first: they mix metres and amperes.
 bool Invert(std::array<double, kSizeMax * kSizeMax>& a, std::size_t n) noexcept {
   std::array<double, kSizeMax> scale{};
   for (std::size_t i = 0; i < n; ++i) {

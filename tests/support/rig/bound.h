@@ -1,4 +1,4 @@
-// The Cramer-Rao bound of one static scan: what no unbiased estimate can beat, whatever its method. Derivatives are
+// The Cramer-Rao bound of one static scan: no unbiased estimate can beat it, whatever its method. Derivatives are
 // central differences of the truth itself, never of a tracker's model. docs/theory/truth.md (12)-(14).
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace omni::sim {
 
-// What is unknown besides the pose. rms of the prior knowledge: 0: known, infinite: nothing known.
+// Unknowns besides the pose. rms of the priors: 0: known, infinite: no prior.
 struct BoundOptions {
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
   std::array<double, 3> noise_T{};  // rms per axis; all > 0
@@ -18,7 +18,7 @@ struct BoundOptions {
   double ambient_prior_T = 0;       // of each component of a uniform field
   double moment_prior = 0;          // of the magnet's moment, relative
   CoilArray current_A{};            // flowing: moves axes towards saturation
-  bool saturation = true;           // axes beyond the range say nothing
+  bool saturation = true;           // axes beyond the range are not used
 };
 
 // Covariance of (position 3, turn of the axis 2): u' = normalise(u + a tangent[0] + b tangent[1]).

@@ -1,4 +1,4 @@
-// Reaches into a control core and spoils what it keeps, as a stray write or a flipped bit would.
+// Corrupts the state of a control core, as a stray write or a flipped bit would.
 #pragma once
 
 #include "firmware/core/core.h"

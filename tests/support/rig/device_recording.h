@@ -1,4 +1,4 @@
-// Device recordings for tests: made of the virtual twin, and taken apart again.
+// Device recordings for tests: made with the digital twin, and parsed again.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ inline std::unique_ptr<device::RecordingTransport> RecordedTwin(const std::strin
   return std::make_unique<device::RecordingTransport>(std::move(twin), std::move(*recorder));
 }
 
-// Records `ticks` scans; a command answers each. The scans as they were read.
+// Records `ticks` scans, with a command after each. Returns the scans as read.
 inline std::vector<base::HallScan> RecordTwin(const std::string& path, int ticks) {
   std::vector<base::HallScan> scans;
   const auto link = RecordedTwin(path, 1e-3 * ticks);

@@ -1,4 +1,4 @@
-// A calibration such as a base of the nominal device could have, and the base that it is of.
+// A plausible calibration of a base of the nominal device, and that base.
 #pragma once
 
 #include "service/config/files/calibration_file.h"

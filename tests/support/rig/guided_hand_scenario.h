@@ -1,5 +1,5 @@
-// A story in virtual time whose hand is led by what an application is told: the loop on the twin, and somebody who sees
-// it late, unevenly, with gaps, and is kept from acting now and then.
+// A scenario in virtual time whose hand is controlled by what an application receives: the loop on the twin, and a
+// person who sees it late, unevenly, with gaps, and is sometimes prevented from acting.
 #pragma once
 
 #include <algorithm>
@@ -19,13 +19,13 @@
 
 namespace omni::test {
 
-// How a person perceives and acts; all zero: at once.
+// Delays of a person's perception and action; all zero: none.
 struct Conditions {
   double delay_s = 0;          // until something is perceived, 0.2 at most ...
-  double jitter_s = 0;         // ... and so much more, at random
-  double dropped = 0;          // share of updates that never come
-  double stall_s = 0;          // the person is kept from acting for so long at most, about every 1.5 s
-  double service_stall_s = 0;  // the same of the service: base and pen go on without it
+  double jitter_s = 0;         // ... plus up to this at random
+  double dropped = 0;          // share of updates that are lost
+  double stall_s = 0;          // longest time that the person cannot act, about every 1.5 s
+  double service_stall_s = 0;  // the same for the service: base and pen continue without it
 
   static Conditions Drawn(std::uint64_t seed) {
     sim::Random random(~seed);
@@ -39,7 +39,7 @@ struct Conditions {
   }
 };
 
-// Comes at random times, about every 1.5 s.
+// Occurs at random times, about every 1.5 s.
 class Stalls {
  public:
   Stalls(double longest_s, sim::Random& random) : longest_s_(longest_s), random_(random) {}
@@ -80,7 +80,7 @@ class LedScenario {
     }
   }
 
-  // Until the task is done. False: not within `patience_s`.
+  // Runs until the task is done. False: not within `patience_s`.
   bool Run(tools::HandTask& task, double patience_s) {
     while (!task.done() && t_s_ < patience_s) {
       Tick();
@@ -116,7 +116,7 @@ class LedScenario {
     if (tick_ % kShow_ticks == 0) Show();
   }
 
-  // What the service publishes now.
+  // The service's current state.
   void Show() {
     const haptics::Output& haptics = output_->haptics;
     shown_.pen = output_->tool.status == base::TrackingStatus::kTracking;

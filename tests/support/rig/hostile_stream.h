@@ -1,5 +1,5 @@
-// The worst that can come to a tick, seeded: a pen that teleports and vanishes, commands of a hostile application and
-// of a control thread that is stuck, scans that are wrong, late or lost.
+// Seeded worst-case input of a tick: a pen that teleports and vanishes, commands of a hostile application and of a
+// stuck control thread, scans that are wrong, late or lost.
 #pragma once
 
 #include <array>
@@ -26,7 +26,8 @@ inline double DrawOdd(sim::Random& random) {
   return kOdd[random.Bits() % kOdd.size()];
 }
 
-// A pen about the base, up to 1 m/s and 10 rad/s, that never cuts the hull. Now and then it is somewhere else, or gone.
+// A pen about the base, up to 1 m/s and 10 rad/s, that never cuts the hull. Now and then it jumps elsewhere, or is
+// removed.
 class HostilePen {
  public:
   HostilePen(sim::Rig& rig, sim::Random& random) : rig_(rig), random_(random), pose_(rig.DrawPose(kRange, random)) {}
@@ -54,7 +55,7 @@ class HostilePen {
   }
 
   const sim::MagnetPose* pose() const { return absent_ticks_ > 0 ? nullptr : &pose_; }
-  int calm_ticks() const { return calm_ticks_; }  // since it was put somewhere else
+  int calm_ticks() const { return calm_ticks_; }  // since its last jump
 
  private:
   static constexpr sim::PoseRange kRange{.radius_min_m = 0.0411, .radius_max_m = 0.09, .tilt_max_rad = 1.3};
@@ -71,8 +72,7 @@ class HostilePen {
   int absent_ticks_ = 0, calm_ticks_ = 0;
 };
 
-// What the control thread hands over, if everything that applications may ask for is asked for at once, with numbers
-// that no client should send.
+// Output of the control thread if applications request everything at once, with numbers that no client should send.
 class HostileCommands {
  public:
   explicit HostileCommands(sim::Random& random) : random_(random) {
@@ -219,7 +219,7 @@ class HostileScans {
   int left_ = 300;
 };
 
-// Milliseconds to the next scan: about one, now and then some were lost, or the device was away.
+// Milliseconds to the next scan: about one; now and then some are lost, or the device was away.
 inline std::int64_t DrawPeriod_ns(sim::Random& random) {
   if (OneIn(2000, random)) return static_cast<std::int64_t>(random.Uniform(1e7, 5e8));
   if (OneIn(50, random)) return base::kTickPeriod_ns * static_cast<std::int64_t>(2 + random.Bits() % 8);

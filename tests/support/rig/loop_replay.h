@@ -1,6 +1,6 @@
-// Scans of a virtual-time run with the loop closed, and their replay through Tick as often as wanted. The loop is
-// deterministic, so a replay does exactly what the run did; the twin's time is left out. Sculpted surfaces are edited
-// beside the replay, in real time, so that they follow the pen later than in the run; `scene` itself stays as it is.
+// Scans of a virtual-time run with the loop closed, and any number of replays through Tick. The loop is deterministic,
+// so a replay does exactly what the run did; the twin's time is excluded. Sculpted surfaces are edited in parallel, in
+// real time, so that they follow the pen later than in the run; `scene` itself is not changed.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace omni::test {
 
-// omnid's on the default twin with this seed, calibrated as omni does it: once, then from the cache folder.
+// omnid's configuration for the default twin with this seed, calibrated as by omni: once, then from the cache folder.
 base::Result<loop::TickConfig> CalibratedTick(std::uint64_t seed);
 
 // The hand script beside `scene_path` (a .glb) plays on this twin while `scene` is touched.
@@ -34,14 +34,14 @@ struct ReplayTiming {
 ReplayTiming ReplayTicks(const loop::TickConfig& config, const haptics::Scene& scene,
                          const std::vector<base::HallScan>& scans, std::uint64_t ticks);
 
-// One tick of the replay after another, for those who time it themselves.
+// Plays one tick of the replay at a time, for callers that do their own timing.
 class ScanPlayer {
  public:
   // All three outlive the player. Precondition: there are scans.
   ScanPlayer(const loop::TickConfig& config, const haptics::Scene& scene, const std::vector<base::HallScan>& scans);
 
   bool at_end() const { return next_ == scans_.size(); }
-  // From the first scan, in a scene that nobody has touched. Not to be timed: see FreshScene::Renew.
+  // Restarts from the first scan, in an untouched scene. Not to be timed: see FreshScene::Renew.
   void Start();
   // Precondition: !at_end().
   void Tick() noexcept;

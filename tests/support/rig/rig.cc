@@ -9,7 +9,7 @@
 namespace omni::sim {
 namespace {
 
-constexpr double kExactError_m = 1e-6;  // as good as none; 0 says that it is not known
+constexpr double kExactError_m = 1e-6;  // practically none; 0 would mean unknown
 constexpr double kAtRest_s = 1e3;       // since the last scan: eddy currents are gone
 
 Imperfections Draw(const RigOptions& options) {

@@ -1,5 +1,5 @@
 // One simulated base and pen held still: static scans with or without noise, for calibration and for benchmarks that
-// ask how far an estimate is from the truth. A simulation: what judges the tracker never shares its field code.
+// compare an estimate with the truth. A simulation: a reference for the tracker never shares its field code.
 #pragma once
 
 #include <array>
@@ -23,17 +23,17 @@ std::array<double, 3> NoiseOf_T(NoiseMode mode, const base::SensorParameters& se
 
 struct RigOptions {
   std::uint64_t seed = 1;   // of the imperfections
-  ImperfectionSizes sizes;  // all zero: as drawn
+  ImperfectionSizes sizes;  // all zero: nominal
   NoiseMode noise = NoiseMode::kUltraHigh;
   bool saturation = true;  // and quantisation; false: readings are the field itself
   base::TruthEffects effects;
   base::SensorParameters sensor;
 };
 
-// The base that `truth` and the seed describe.
+// The base given by `truth` and the seed.
 RigOptions OptionsOf(std::uint64_t seed, NoiseMode noise, const base::TruthParameters& truth);
 
-// Where random poses lie. The magnet never cuts the hull: directions that make it are drawn again, at the same radius.
+// Range of random poses. The magnet never cuts the hull: such directions are drawn again, at the same radius.
 struct PoseRange {
   double radius_min_m = 0.041, radius_max_m = 0.101;  // of the centre, uniform in the radius
   double elevation_min_rad = 0;                       // of the centre above the base's plane: upper hemisphere
@@ -44,7 +44,7 @@ class Rig {
  public:
   Rig(const base::DeviceGeometry& device, const RigOptions& options);
 
-  // What a calibration without any error would find at time 0; the line of best fit of a bent sensor.
+  // Result of a calibration without any error at time 0; the line of best fit of a bent sensor.
   base::Calibration ExactCalibration() const;
 
   MagnetPose DrawPose(const PoseRange& range, Random& random) const noexcept;
@@ -53,11 +53,11 @@ class Rig {
   SensorFields Readings(const MagnetPose* pose, const CoilArray& current_A) noexcept;
 
   // As the device would report it at t_ns = now: noise, quantisation, saturation, measured currents. No motion: all
-  // samples are of one instant, long after pose and currents have come to rest. The core remembers the scan before.
+  // samples are of one instant, long after pose and currents have come to rest. The core remembers the previous scan.
   base::HallScan Scan(const MagnetPose* pose, const CoilArray& current_A, Random& random) noexcept;
 
-  // What the base's current sensors say of coils that are off: their offsets, which Scan() leaves out. A background
-  // that a sweep of the base has taken is right beside them only.
+  // Readings of the base's current sensors with the coils off: their offsets, which Scan() leaves out. A background
+  // measured by a sweep of the base is valid only with them.
   CoilArray CurrentsAtRest_A() const noexcept;
 
   // Background and magnet as they are `t_s` after the start of the run; 0 at first.

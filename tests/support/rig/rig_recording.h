@@ -1,4 +1,4 @@
-// What a person would record on a simulated base: pen held at random places and on the hull, coils swept.
+// Recording of a simulated base as by a person: pen held at random places and on the hull, coils swept.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace omni::test {
 struct RigRecordingOptions {
   int waves = 200;
   int touches = 60;
-  double touch_sigma_m = 0;  // how far from the hull a "touch" really is
+  double touch_sigma_m = 0;  // true distance of a "touch" from the hull
   bool responses = true;
   std::uint64_t seed = 1;  // of poses and noise
 };

@@ -51,7 +51,7 @@ void Saturated(FaultContext& context, HallScan& scan) {
   });
 }
 
-// At full scale, but the device forgot to say so.
+// At full scale, but not reported by the device.
 void SaturatedSilently(FaultContext& context, HallScan& scan) {
   ForSensors(context, scan, [&](std::size_t, Vec3& field) { field.x = kRange_T; });
 }
@@ -108,7 +108,7 @@ void CurrentWrong(FaultContext&, HallScan& scan) {
   scan.coil_current_A[1] += 5;
   for (auto& step_A : scan.step_current_A) step_A[1] += 5;
 }
-// One control step alone: its neighbours say otherwise, the mean says nothing.
+// One control step alone: it contradicts its neighbours and does not show in the mean.
 void CurrentStepLies(FaultContext& context, HallScan& scan) {
   const std::array<double, 4> values{kNan, kInfinity, 1e200, 40};
   scan.step_current_A[context.random.Bits() % 4][context.random.Bits() % 3] = values[context.random.Bits() % 4];

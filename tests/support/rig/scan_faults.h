@@ -10,11 +10,11 @@
 
 namespace omni::sim {
 
-// What a fault may draw upon. `held` is fixed for as long as one episode lasts.
+// Data that a fault may use. `held` is fixed during an episode.
 struct FaultContext {
   Random& random;
   base::HallScan held;                                      // the last good scan before the episode
-  std::array<base::Vec3, base::kSensorCount> other_magnet;  // field of a second pen somewhere near
+  std::array<base::Vec3, base::kSensorCount> other_magnet;  // field of a second pen nearby
   std::array<base::Vec3, base::kSensorCount> no_pen;        // field of the coils alone at this scan's currents
   std::uint32_t sensors = 0;                                // chosen for this episode, at least one bit
   double noise_T = 0;
@@ -23,7 +23,7 @@ struct FaultContext {
 struct ScanFault {
   const char* name;
   void (*apply)(FaultContext& context, base::HallScan& scan);
-  // The pen is where it was, so a published pose must be right or honest (lost, absent).
+  // The pen has not moved, so a published pose must be right or marked as lost or absent.
   bool pen_is_there;
 };
 

@@ -31,7 +31,7 @@ PlantOptions PlantOf(const Rig& rig, const TraceOptions& options) {
   return plant;
 }
 
-// Device time 0 is the first row's tick; the lead-in has negative times, with pen and set-points as they are at 0.
+// Device time 0 is the first row's tick; the lead-in has negative times, with pen and set-points as at 0.
 class Run {
  public:
   Run(const Rig& rig, const TraceOptions& options)

@@ -1,5 +1,5 @@
-// A moving run held in memory: a waved pen, prescribed coil currents, and what the device reported, scan by scan,
-// through the twin's own base: plant and control core. For benchmarks: every scan comes with its truth.
+// A moving run held in memory: a waved pen, prescribed coil currents, and the device's reports, scan by scan, through
+// the twin's own base: plant and control core. For benchmarks: every scan has its truth.
 #pragma once
 
 #include <array>
@@ -44,7 +44,8 @@ struct TraceRow {
 };
 
 // One row per device tick. Noise, imperfections and effects are those of the rig's options (saturation always); drift
-// and warming reach their size after effects.run_s. Equal options give equal bits. The rig's own time and memory stay.
+// and warming reach their size after effects.run_s. Equal options give equal bits. The rig's own time and memory do not
+// change.
 std::vector<TraceRow> RecordTrace(Rig& rig, const TraceOptions& options);
 
 }  // namespace omni::sim

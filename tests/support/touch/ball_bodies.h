@@ -1,4 +1,4 @@
-// Closed bodies for a ball to slide over: boxes, sharp parts as CAD makes them, thin and concave ones, organic ones.
+// Closed bodies for a ball to slide over: boxes, sharp CAD parts, thin and concave ones, organic ones.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ inline std::vector<std::array<std::uint32_t, 3>> Triangulated(const Polygon& pol
   return triangles;
 }
 
-// The polygon, from z = -half to half, in as few triangles as can be.
+// The polygon, from z = -half to half, in as few triangles as possible.
 inline InputObject Prism(const Polygon& polygon, double half_m) {
   InputObject object;
   const auto n = static_cast<std::uint32_t>(polygon.size());
@@ -171,7 +171,7 @@ inline std::vector<BallBody> BallBodies() {
   return bodies;
 }
 
-// The same body in another attitude.
+// The same body in another orientation.
 inline InputObject Turned(InputObject object, const Vec3& axis, double angle) {
   const Vec3 u = Normalized(axis);
   const double c = std::cos(angle), s = std::sin(angle);

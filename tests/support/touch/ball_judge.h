@@ -1,5 +1,5 @@
-// A pen whose ball slides over a body, through haptics::Step, and the judge of what comes out: the ball's centre is
-// outside by the winding number, and the force draws the tip out.
+// A pen whose ball slides over a body, through haptics::Step, and a judge of the results: the ball's centre is outside
+// by the winding number, and the force pushes the tip out.
 #pragma once
 
 #include <vector>
@@ -26,8 +26,8 @@ inline std::vector<Corners> CornersOf(const Surface& surface, const Object& obje
   return corners;
 }
 
-// Distance and side by sums over all triangles. Between the sums: a ball of the distance at the last place holds no
-// surface, so whatever is in there is on the same side; and only what was near there can be near.
+// Distance and side by sums over all triangles. Between the sums: a ball with the distance at the last place as radius
+// contains no surface, so all points in it are on the same side; and only triangles that were near there can be near.
 class BallOracle {
  public:
   explicit BallOracle(std::vector<Corners> corners) : corners_(std::move(corners)) {}
@@ -72,11 +72,11 @@ class BallOracle {
   bool inside_ = false;
 };
 
-// What happened in the ticks that were judged.
+// Results of the judged ticks.
 struct BallVerdict {
-  std::uint64_t ticks = 0, touching = 0, judged = 0;  // judged: the force was not on its way from one place to another
-  std::uint64_t inside = 0;    // the ball's centre is in the body; without a contact the ball is where the tip is
-  std::uint64_t inverted = 0;  // the force draws the tip to a place in the body, or towards it
+  std::uint64_t ticks = 0, touching = 0, judged = 0;  // judged: the force was not fading from one place to another
+  std::uint64_t inside = 0;    // the ball's centre is in the body; without a contact the ball is at the tip
+  std::uint64_t inverted = 0;  // the force pulls the tip to a place in the body, or towards it
   double least_gap = 1;        // between centre and surface, less the radius, in radii
   std::uint64_t longest_inside = 0, falls = 0;  // ticks in a row, and how often
 
@@ -99,18 +99,18 @@ inline const ContactState* ContactWith(std::uint32_t object, const State& state)
   return nullptr;
 }
 
-// Judges one object of a scene that is felt without friction.
+// Judges one object of a scene without friction.
 class BallJudge {
  public:
   BallJudge(std::vector<Corners> corners, double radius_m, std::uint32_t object = 0)
       : oracle_(std::move(corners)), radius_m_(radius_m), object_(object) {}
 
-  // The tip and what came of it; where the object stands.
+  // The tip and the result; the object's placement.
   void Judge(const Vec3& tip_base_m, const State& state, const Output& output, const Frame& frame = {}) {
     ++verdict.ticks;
     const Vec3 tip = frame.ToRest(tip_base_m);
     const ContactState* contact = ContactWith(object_, state);
-    const bool swapped = swaps_;  // the force of the last tick of a swap is a mixture still
+    const bool swapped = swaps_;  // the force of the last tick of a swap is still a mixture
     swaps_ = contact != nullptr && contact->swap_left_s > 0;
     if (contact != nullptr && contact->popped) return;
     const Vec3 centre = contact != nullptr ? contact->held_m : tip;
@@ -150,8 +150,8 @@ struct Strokes {  // 0: another one for every stroke
   double step_m = 0, press_m = 0;
 };
 
-// Where a hand leads the tip: over the surface and around its edges with a press that comes and goes, with noise; now
-// and then off the body, across a corner of it, or at rest.
+// Path of the tip in a hand: over the surface and around its edges with a varying press, with noise; now and then off
+// the body, across a corner of it, or at rest.
 class SlidingHand {
  public:
   SlidingHand(const Scene& scene, double radius_m, std::uint64_t seed, const Strokes& strokes = {})
@@ -182,14 +182,14 @@ class SlidingHand {
     lifted_ = random_.Next() % 8 == 0;
     rests_ = random_.Next() % 8 == 0;
     heading_ = random_.InBox(1);
-    if (random_.Next() % 4 != 0) return;  // else to another place, straight through whatever is between
+    if (random_.Next() % 4 != 0) return;  // else to another place, straight through everything between
     const auto t = static_cast<std::uint32_t>(random_.Next() % object_.triangle_count);
     const Corners corners = surface_.TriangleCorners(object_.first_triangle + t);
     const double u = random_.Uniform(0, 1), v = random_.Uniform(0, 1 - u);
     const Vec3 there = (1 - u - v) * corners[0] + u * corners[1] + v * corners[2];
     if (Norm(there - foot_) < 0.006) foot_ = there;
   }
-  // The foot goes on over the surface, around edges and through grooves.
+  // The foot point continues over the surface, around edges and through grooves.
   void Walk() {
     heading_ = Normalized(heading_ + random_.InBox(0.05));
     const double step_m = rests_ ? 0 : step_m_;
@@ -210,7 +210,7 @@ class SlidingHand {
   bool lifted_ = false, rests_ = false;
 };
 
-// Slides a ball over a body for so many ticks.
+// Slides a ball over a body for a number of ticks.
 inline BallVerdict SlideOver(const InputObject& object, double radius_m, std::uint64_t ticks, std::uint64_t seed) {
   Pen pen(Built(BallScene(object, radius_m)));
   SlidingHand hand(pen.scene(), radius_m, seed);

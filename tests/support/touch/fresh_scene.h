@@ -1,5 +1,5 @@
-// A scene to be touched again and again from the start. One that can be sculpted changes under the pen: it is copied as
-// it was, and edited by the service's own thread.
+// A scene to be touched repeatedly from its initial state. A sculptable one changes under the pen: a copy of the
+// initial state is edited by the service's own thread.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ class FreshScene {
   FreshScene(const FreshScene&) = delete;
   FreshScene& operator=(const FreshScene&) = delete;
 
-  // As nobody has touched it. Free for a scene that cannot be sculpted; else it may take a second. Not in a tick:
+  // Restores the untouched state. Free for a scene that cannot be sculpted; else it may take a second. Not in a tick:
   // scene() is another one afterwards.
   void Renew();
   const haptics::Scene& scene() const { return *scene_; }
@@ -27,7 +27,7 @@ class FreshScene {
 
   const haptics::Scene& original_;
   const haptics::Scene* scene_;
-  std::shared_ptr<const haptics::Scene> copy_;  // null: the original serves
+  std::shared_ptr<const haptics::Scene> copy_;  // null: the original is used
   daemon::SculptThread editor_;
 };
 

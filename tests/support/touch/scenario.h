@@ -1,4 +1,4 @@
-// A story in virtual time: the twin's pen follows a path, the loop runs against a scene, the test looks at every tick.
+// A scenario in virtual time: the twin's pen follows a path, the loop runs with a scene, the test checks every tick.
 #pragma once
 
 #include <functional>
@@ -48,7 +48,7 @@ inline haptics::InputObject Box(const base::Vec3& centre, const base::Vec3& half
   return object;
 }
 
-// A table whose top lies `top_m` above the core's centre, right under the pen.
+// A table whose top is `top_m` above the core's centre, directly under the pen.
 inline haptics::Scene TableScene(double top_m, double stiffness_N_m = 400) {
   haptics::SceneInput input;
   input.name = "table";

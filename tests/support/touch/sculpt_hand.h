@@ -1,5 +1,5 @@
-// A pen on a sculpted object in the real tick; the editor is served every few ticks from the same thread, so that runs
-// are the same everywhere.
+// A pen on a sculpted object in the real tick; the editor runs every few ticks in the same thread, so that runs are
+// reproducible.
 #pragma once
 
 #include "service/haptics/live/live_parts.h"

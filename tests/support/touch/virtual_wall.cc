@@ -20,7 +20,7 @@ constexpr double kTick_s = base::kTickPeriod_s;
 constexpr int kSubSteps = 50;
 constexpr double kSubStep_s = kTick_s / kSubSteps;
 constexpr double kAway_s = 0.3, kMove_s = 0.5, kRest_s = 0.5;
-constexpr double kWaits_m = 2e-3;  // where the hand waits
+constexpr double kWaits_m = 2e-3;  // waiting position of the hand
 
 haptics::Config ConfigFor(const WallLoop& loop, WallRule rule) {
   haptics::Config config;
@@ -78,7 +78,7 @@ double Wanted_m(const WallScenario& story, double t_s) {
   return kWaits_m - (kWaits_m + story.depth_m) * share;
 }
 
-// The hand under the force that the coil gives.
+// The hand under the coil's force.
 class Hand {
  public:
   Hand(const WallHand& hand, double coil_lag_s)
@@ -114,7 +114,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
   haptics::Output output;
   haptics::Enter(scene, state);
   haptics::Input input{.tracked = true, .limit = UsualLimit()};
-  // A delay of none is "not known" to haptics.
+  // A delay of zero means "unknown" to haptics.
   input.delay_s = rule == WallRule::kBounded ? std::max(loop.delay_s, 1e-9) : 1e-9;
   sim::Random random(seed);
   Tracking tracking(loop.noise_m);

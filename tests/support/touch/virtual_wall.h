@@ -1,6 +1,6 @@
 // A simulated hand that presses a pen against a flat wall: mass, damping and stiffness of a hand, a tracker's noise and
 // filter, the whole delay, the coil's lag, and haptics::Step in between. One dimension moves; the truth is integrated
-// in fiftieths of a tick. What judges stability: it shares no formula with the rule it judges.
+// in fiftieths of a tick. The reference for stability: it shares no formula with the rule it checks.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +19,23 @@ struct WallHand {
 };
 
 struct WallLoop {
-  double delay_s = 0;          // sample to control step, as haptics is told
-  double late_s = 0;           // that it takes longer in truth
+  double delay_s = 0;          // sample to control step, as given to haptics
+  double late_s = 0;           // true additional delay
   double coil_lag_s = 0.3e-3;  // of the closed current loop
   double noise_m = 0;          // white, of every sample and axis
 };
 
 enum class WallRule {
-  kFixed,    // the wall is as stiff as it says
-  kBounded,  // as haptics offers; the loop tells it the delay and the filter's covariance
+  kFixed,    // the wall has the given stiffness
+  kBounded,  // as haptics allows, given the delay and the filter's covariance
 };
 
 struct WallRun {
-  double stiffness_N_m = 0;  // fixed, or what was offered in the end
+  double stiffness_N_m = 0;  // fixed, or as allowed in the end
   double predict_s = 0;
   std::vector<double> measured_m, force_N;  // once a tick
   double given_J = 0;                       // integral of F v dt
-  double least_gain = 1;                    // that a watch left
+  double least_gain = 1;                    // left by a watch
 };
 
 // Outside for 0.3 s, in within 0.5 s until the hand's rest position is `depth_m` deep, `hold_s` there and, with
@@ -52,7 +52,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
 // A slab of that material whose upper face is z = `top_m`.
 haptics::Scene Wall(double top_m, const haptics::Material& material);
 
-// rms of what is left of x above `from_Hz`, once a tick, in the second half of [from, to).
+// rms of x above `from_Hz`, once per tick, in the second half of [from, to).
 double RmsAbove(const std::vector<double>& x, std::size_t from, std::size_t to, double from_Hz);
 
 // Root mean square of x about its mean over [from, to).
